@@ -1,0 +1,315 @@
+//! Addresses of PLC memory: the area letter, the byte (or entry) number and the bit.
+//!
+//! `X2.1`, `X002.1` and `X0002.1` name the same bit; listings print four
+//! digits. Bits are octal, 0 to 7.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A memory area of the PLC, named by its address letter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Area {
+    /// Machine and panel inputs, X0 to X29: machine to PLC.
+    X,
+    /// Machine outputs and lamps, Y0 to Y19: PLC to machine.
+    Y,
+    /// Signals from the CNC, F0 to F255: CNC to PLC.
+    F,
+    /// Signals to the CNC, G0 to G255: PLC to CNC.
+    G,
+    /// Internal relays R0 to R999; R900 and up belong to the system.
+    R,
+    /// Message requests A0 to A24, one bit a message.
+    A,
+    /// Keep relays K0 to K39, retained; K30 and up belong to the system.
+    K,
+    /// Data table D0 to D999, bytes; D300 and up are retained.
+    D,
+    /// Timer values T0 to T99 in ms, 32 bits; T80 and up are retained.
+    T,
+    /// Counter values C0 to C99, 32 bits, retained.
+    C,
+    /// Counter presets DC0 to DC99, 32 bits, retained.
+    Dc,
+    /// Timer presets DT0 to DT99 in ms, 32 bits, retained.
+    Dt,
+}
+
+impl Area {
+    /// Every area, in the order the pages list them.
+    pub const ALL: [Area; 12] = [
+        Area::X,
+        Area::Y,
+        Area::F,
+        Area::G,
+        Area::R,
+        Area::A,
+        Area::K,
+        Area::D,
+        Area::T,
+        Area::C,
+        Area::Dc,
+        Area::Dt,
+    ];
+
+    /// The address letter: `X` … `DC`, `DT`.
+    #[must_use]
+    pub const fn letter(self) -> &'static str {
+        match self {
+            Area::X => "X",
+            Area::Y => "Y",
+            Area::F => "F",
+            Area::G => "G",
+            Area::R => "R",
+            Area::A => "A",
+            Area::K => "K",
+            Area::D => "D",
+            Area::T => "T",
+            Area::C => "C",
+            Area::Dc => "DC",
+            Area::Dt => "DT",
+        }
+    }
+
+    /// How many bytes (X Y F G R A K D) or 32-bit entries (T C DC DT) the area has.
+    #[must_use]
+    pub const fn count(self) -> u16 {
+        match self {
+            Area::X => 30,
+            Area::Y => 20,
+            Area::F | Area::G => 256,
+            Area::R | Area::D => 1000,
+            Area::A => 25,
+            Area::K => 40,
+            Area::T | Area::C | Area::Dc | Area::Dt => 100,
+        }
+    }
+
+    /// True for T, C, DC and DT, whose entries are 32 bits wide.
+    #[must_use]
+    pub const fn is_entry(self) -> bool {
+        matches!(self, Area::T | Area::C | Area::Dc | Area::Dt)
+    }
+
+    /// True for the areas whose single bits can be addressed: X Y F G R A K.
+    #[must_use]
+    pub const fn has_bits(self) -> bool {
+        !self.is_entry() && !matches!(self, Area::D)
+    }
+
+    fn of_letter(letter: &str) -> Option<Area> {
+        Area::ALL
+            .into_iter()
+            .find(|area| area.letter().eq_ignore_ascii_case(letter))
+    }
+}
+
+impl fmt::Display for Area {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.letter())
+    }
+}
+
+/// One bit of PLC memory, `X2.1`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct BitAddress {
+    /// The area; T, C, D, DC and DT have no addressable bits.
+    pub area: Area,
+    /// Byte number in the area, from 0.
+    pub byte: u16,
+    /// Bit in the byte, 0 to 7.
+    pub bit: u8,
+}
+
+impl BitAddress {
+    /// The bit `byte.bit` of `area`. Memory reads a bit outside the area as 0
+    /// and ignores a write to it.
+    #[must_use]
+    pub const fn new(area: Area, byte: u16, bit: u8) -> BitAddress {
+        BitAddress { area, byte, bit }
+    }
+
+    /// The bit's byte.
+    #[must_use]
+    pub const fn byte_address(self) -> ByteAddress {
+        ByteAddress::new(self.area, self.byte)
+    }
+}
+
+impl fmt::Display for BitAddress {
+    /// Listing form, `X0002.1`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{:04}.{}", self.area, self.byte, self.bit)
+    }
+}
+
+/// One byte of X Y F G R A K D, or one 32-bit entry of T C DC DT: `R100`, `DT3`.
+///
+/// Two- and four-byte instructions take the byte as the lowest of the value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct ByteAddress {
+    /// The area.
+    pub area: Area,
+    /// Byte or entry number, from 0.
+    pub byte: u16,
+}
+
+impl ByteAddress {
+    /// Byte or entry `byte` of `area`.
+    #[must_use]
+    pub const fn new(area: Area, byte: u16) -> ByteAddress {
+        ByteAddress { area, byte }
+    }
+}
+
+impl fmt::Display for ByteAddress {
+    /// Listing form, `R0100`, `DT0003`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{:04}", self.area, self.byte)
+    }
+}
+
+/// Why a text is no address.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum AddressError {
+    /// Not of the form letter, number, optional point and bit.
+    #[error(
+        "\"{0}\" is no address: write a letter (X Y F G R K A D T C DC DT), a number and, for a bit, a point and 0 to 7"
+    )]
+    Malformed(String),
+    /// The number lies beyond the area's end.
+    #[error("{text} does not exist: {area} ends at {area}{last}")]
+    OutOfRange {
+        /// The text as given.
+        text: String,
+        /// Its area.
+        area: Area,
+        /// The last byte or entry of the area.
+        last: u16,
+    },
+    /// A bit where a byte is wanted, or the other way round.
+    #[error("{0}")]
+    WrongUnit(String),
+}
+
+/// The parts of an address text, before bit and byte are told apart.
+struct Parts {
+    area: Area,
+    byte: u16,
+    bit: Option<u8>,
+}
+
+/// A decimal number of any length, leading zeros allowed; too large ones saturate.
+pub(crate) fn digits(text: &str) -> Option<u32> {
+    if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    let value = text.bytes().fold(0u32, |value, byte| {
+        value
+            .saturating_mul(10)
+            .saturating_add(u32::from(byte - b'0'))
+    });
+    Some(value)
+}
+
+fn parts(text: &str) -> Result<Parts, AddressError> {
+    let malformed = || AddressError::Malformed(text.to_owned());
+    let end = text
+        .find(|c: char| !c.is_ascii_alphabetic())
+        .unwrap_or(text.len());
+    let (letter, rest) = text.split_at(end);
+    let area = Area::of_letter(letter).ok_or_else(malformed)?;
+    let (number, bit) = match rest.split_once('.') {
+        Some((number, bit)) => (number, Some(bit)),
+        None => (rest, None),
+    };
+    let number = digits(number).ok_or_else(malformed)?;
+    let bit = match bit {
+        None => None,
+        Some(bit) => match bit.as_bytes() {
+            [digit @ b'0'..=b'7'] => Some(digit - b'0'),
+            _ => return Err(malformed()),
+        },
+    };
+    match u16::try_from(number) {
+        Ok(byte) if byte < area.count() => Ok(Parts { area, byte, bit }),
+        _ => Err(AddressError::OutOfRange {
+            text: text.to_owned(),
+            area,
+            last: area.count() - 1,
+        }),
+    }
+}
+
+impl FromStr for BitAddress {
+    type Err = AddressError;
+
+    fn from_str(text: &str) -> Result<BitAddress, AddressError> {
+        let Parts { area, byte, bit } = parts(text)?;
+        if !area.has_bits() {
+            return Err(AddressError::WrongUnit(format!(
+                "{text}: single bits exist in X, Y, F, G, R, K and A only"
+            )));
+        }
+        let bit = bit.ok_or_else(|| {
+            AddressError::WrongUnit(format!("{text} is a byte; a bit is wanted, as in {text}.0"))
+        })?;
+        Ok(BitAddress { area, byte, bit })
+    }
+}
+
+impl FromStr for ByteAddress {
+    type Err = AddressError;
+
+    fn from_str(text: &str) -> Result<ByteAddress, AddressError> {
+        let Parts { area, byte, bit } = parts(text)?;
+        if bit.is_some() {
+            return Err(AddressError::WrongUnit(format!(
+                "{text} is a bit; a whole byte or entry is wanted"
+            )));
+        }
+        Ok(ByteAddress { area, byte })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leading_zeros_and_case_do_not_matter() {
+        for text in ["X2.1", "X002.1", "x0002.1", "X00000000000002.1"] {
+            let bit: BitAddress = text.parse().unwrap();
+            assert_eq!(bit, BitAddress::new(Area::X, 2, 1));
+            assert_eq!(bit.to_string(), "X0002.1");
+        }
+        let preset: ByteAddress = "dt3".parse().unwrap();
+        assert_eq!(preset.to_string(), "DT0003");
+    }
+
+    #[test]
+    fn every_area_ends_where_the_manual_says() {
+        for area in Area::ALL {
+            let last = format!("{area}{}", area.count() - 1);
+            let beyond = format!("{area}{}", area.count());
+            assert!(last.parse::<ByteAddress>().is_ok(), "{last}");
+            assert!(beyond.parse::<ByteAddress>().is_err(), "{beyond}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_address_is_refused() {
+        for text in [
+            "", "X", "X.", "X1.", "X1.8", "X1.77", "X-1.0", "Q1.0", "1.0", "X1.0.0", "X٣.0",
+            "X99999999999999999999.0", "D5.0", "T1.0", "R5", "X１.0",
+        ] {
+            assert!(text.parse::<BitAddress>().is_err(), "{text}");
+        }
+        for text in ["R1000", "DC100", "X30", "R1.0", "DD1", "L5"] {
+            assert!(text.parse::<ByteAddress>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,400 @@
+//! The rules that concern more than one line: rungs, levels, labels, subprograms, length.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use crate::address::BitAddress;
+use crate::diagnostic::{CompileError, Rule};
+use crate::instruction::{Mnemonic, Operand, Role, Statement};
+
+/// Capacity of program memory in steps.
+pub const MAX_STEPS: u32 = 5000;
+/// Steps that fit in the PLC's 1 ms of each 8 ms slot.
+pub const SLOT_STEPS: u32 = 500;
+/// Level 1 above this length leaves little room for level 2.
+const LONG_LEVEL_1: u32 = 400;
+/// Depth of the accumulator stack.
+const STACK_DEPTH: u32 = 16;
+/// Depth of nested subprogram calls.
+pub(crate) const CALL_DEPTH: usize = 8;
+
+/// Part of the program that a statement belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Section {
+    Level1,
+    Level2,
+    /// After END2, outside subprograms.
+    Outside,
+    /// In the subprogram that starts at this statement.
+    Subprogram(usize),
+}
+
+/// Where the parts of a program stand, as statement indices.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Structure {
+    pub end1: usize,
+    pub end2: usize,
+    pub labels: BTreeMap<u16, usize>,
+    pub subprograms: BTreeMap<u16, usize>,
+    pub level1_steps: u32,
+    pub steps: u32,
+}
+
+struct Checker<'a> {
+    statements: &'a [Statement],
+    structure: Structure,
+    sections: Vec<Section>,
+    errors: Vec<CompileError>,
+    warnings: Vec<CompileError>,
+}
+
+/// Checks a whole program; returns its structure, the errors and the warnings.
+pub(crate) fn check(
+    statements: &[Statement],
+) -> (Structure, Vec<CompileError>, Vec<CompileError>) {
+    let mut checker = Checker {
+        statements,
+        structure: Structure::default(),
+        sections: Vec::with_capacity(statements.len()),
+        errors: Vec::new(),
+        warnings: Vec::new(),
+    };
+    checker.levels();
+    checker.rungs();
+    checker.numbers();
+    checker.jumps();
+    checker.calls();
+    checker.lengths();
+    (checker.structure, checker.errors, checker.warnings)
+}
+
+impl Checker<'_> {
+    fn error(&mut self, at: usize, code: Rule, message: impl Into<String>) {
+        let error = self.finding(at, code, message.into());
+        self.errors.push(error);
+    }
+
+    fn warn(&mut self, at: usize, code: Rule, message: impl Into<String>) {
+        let warning = self.finding(at, code, message.into());
+        self.warnings.push(warning);
+    }
+
+    fn finding(&self, at: usize, code: Rule, message: String) -> CompileError {
+        let place = self.statements.get(at).or(self.statements.last());
+        CompileError {
+            line: place.map_or(1, |statement| statement.line),
+            rung: place.map_or(0, |statement| statement.rung),
+            code,
+            message,
+        }
+    }
+
+    /// Level 1, END1, level 2, END2, then SP … SPE.
+    fn levels(&mut self) {
+        let mut section = Section::Level1;
+        let mut end1 = None;
+        let mut end2 = None;
+        let mut strays = 0;
+        let statements = self.statements;
+        for (at, statement) in statements.iter().enumerate() {
+            self.sections.push(section);
+            match statement.mnemonic {
+                Mnemonic::End1 if end1.is_some() => {
+                    self.error(at, Rule::E01, "END1 stands once in a program");
+                }
+                Mnemonic::End1 if end2.is_some() => {
+                    self.error(at, Rule::E01, "END1 stands before END2");
+                }
+                Mnemonic::End1 => {
+                    end1 = Some(at);
+                    section = Section::Level2;
+                }
+                Mnemonic::End2 if end2.is_some() => {
+                    self.error(at, Rule::E01, "END2 stands once in a program");
+                }
+                Mnemonic::End2 => {
+                    end2 = Some(at);
+                    section = Section::Outside;
+                }
+                Mnemonic::Sp => section = self.subprogram_start(at, section),
+                Mnemonic::Spe => match section {
+                    Section::Subprogram(_) => section = Section::Outside,
+                    _ => self.error(at, Rule::E05, "SPE ends a subprogram, but none is open"),
+                },
+                _ if section == Section::Outside && strays == 0 => {
+                    strays += 1;
+                    let message = "after END2 only subprograms SP … SPE may follow";
+                    self.error(at, Rule::E01, message);
+                }
+                _ => {}
+            }
+        }
+        let last = self.statements.len();
+        if let Section::Subprogram(start) = section {
+            self.error(start, Rule::E05, "the subprogram has no SPE");
+        }
+        if end1.is_none() {
+            let message = "END1 is missing: it ends level 1, or comes first when there is none";
+            self.error(last, Rule::E01, message);
+        }
+        if end2.is_none() {
+            self.error(last, Rule::E01, "END2 is missing: it ends level 2");
+        }
+        self.structure.end1 = end1.unwrap_or(0);
+        self.structure.end2 = end2.unwrap_or(last);
+    }
+
+    fn subprogram_start(&mut self, at: usize, section: Section) -> Section {
+        match section {
+            Section::Outside => return Section::Subprogram(at),
+            Section::Subprogram(_) => {
+                self.error(at, Rule::E05, "a subprogram starts before the last one's SPE");
+                return Section::Subprogram(at);
+            }
+            Section::Level1 | Section::Level2 => {
+                self.error(at, Rule::E05, "subprograms stand after END2");
+            }
+        }
+        section
+    }
+
+    /// One result at the output of each rung, and nothing but outputs after it.
+    fn rungs(&mut self) {
+        let mut depth = 0;
+        let mut output = false;
+        let mut coils: BTreeMap<BitAddress, u32> = BTreeMap::new();
+        let statements = self.statements;
+        for (at, statement) in statements.iter().enumerate() {
+            let name = statement.mnemonic.row().name;
+            match statement.mnemonic.row().role {
+                Role::Start if output => (depth, output) = (1, false),
+                Role::Start if depth == STACK_DEPTH => {
+                    let message = format!("more than {STACK_DEPTH} branches are open in one rung");
+                    self.error(at, Rule::E02, message);
+                }
+                Role::Start => depth += 1,
+                Role::Contact if output => {
+                    let message = format!(
+                        "{name} after an output: there is no multi-level output, the next rung starts with LD or LDI"
+                    );
+                    self.error(at, Rule::E02, message);
+                }
+                Role::Contact => depth = self.contact(at, depth),
+                Role::Output => {
+                    if !output && depth != 1 {
+                        self.error(at, Rule::E02, no_single_result(name, depth));
+                    }
+                    output = true;
+                    self.coil(at, &mut coils);
+                }
+                Role::Structure => {
+                    self.ineffective(at, depth, output);
+                    (depth, output) = (0, false);
+                }
+            }
+        }
+        self.ineffective(self.statements.len(), depth, output);
+    }
+
+    fn contact(&mut self, at: usize, depth: u32) -> u32 {
+        let row = self.statements[at].mnemonic.row();
+        let block = row.operands.is_empty();
+        let wanted = if block { 2 } else { 1 };
+        if depth < wanted {
+            let message = if block {
+                format!("{} joins two blocks, but only {depth} stand before it", row.name)
+            } else {
+                format!("{} has no LD or LDI before it", row.name)
+            };
+            self.error(at, Rule::E02, message);
+            return 1;
+        }
+        if block { depth - 1 } else { depth }
+    }
+
+    fn ineffective(&mut self, at: usize, depth: u32, output: bool) {
+        if depth > 0 && !output {
+            let before = at.saturating_sub(1);
+            self.warn(before, Rule::W03, "the rung has no output, so it has no effect");
+        }
+    }
+
+    fn coil(&mut self, at: usize, coils: &mut BTreeMap<BitAddress, u32>) {
+        let statement = &self.statements[at];
+        let (Mnemonic::Out, [Operand::Bit(bit)]) = (statement.mnemonic, &statement.operands[..])
+        else {
+            return;
+        };
+        match coils.entry(*bit) {
+            Entry::Vacant(entry) => {
+                entry.insert(statement.line);
+            }
+            Entry::Occupied(entry) => {
+                let message = format!(
+                    "coil {bit} is written by OUT in line {} too; the last one counts",
+                    entry.get()
+                );
+                self.warn(at, Rule::W01, message);
+            }
+        }
+    }
+
+    /// Labels, subprograms and timers are numbered once each.
+    fn numbers(&mut self) {
+        let mut timers: BTreeMap<u16, u32> = BTreeMap::new();
+        let statements = self.statements;
+        for (at, statement) in statements.iter().enumerate() {
+            let (noun, first) = match (statement.mnemonic, statement.operands.first()) {
+                (Mnemonic::Lbl, Some(Operand::Label(label))) => {
+                    let first = *self.structure.labels.entry(*label).or_insert(at);
+                    (format!("label L{label}"), statements[first].line)
+                }
+                (Mnemonic::Sp, Some(Operand::Subprogram(number))) => {
+                    let first = *self.structure.subprograms.entry(*number).or_insert(at);
+                    (format!("subprogram P{number}"), statements[first].line)
+                }
+                (Mnemonic::Tmrb, Some(Operand::Byte(timer))) => {
+                    let first = *timers.entry(timer.byte).or_insert(statement.line);
+                    (format!("timer T{}", timer.byte), first)
+                }
+                _ => continue,
+            };
+            if first != statement.line {
+                let message = format!("{noun} is used in line {first} already");
+                self.error(at, Rule::E04, message);
+            }
+        }
+    }
+
+    fn jumps(&mut self) {
+        let mut unused = self.structure.labels.clone();
+        let statements = self.statements;
+        for (at, statement) in statements.iter().enumerate() {
+            let (Mnemonic::Jmpb, Some(Operand::Label(label))) =
+                (statement.mnemonic, statement.operands.first())
+            else {
+                continue;
+            };
+            unused.remove(label);
+            let Some(target) = self.structure.labels.get(label).copied() else {
+                self.error(at, Rule::E04, format!("label L{label} does not exist"));
+                continue;
+            };
+            if self.sections.get(at) != self.sections.get(target) {
+                let message = format!(
+                    "the jump to L{label} crosses END1 or END2 or leaves its subprogram"
+                );
+                self.error(at, Rule::E05, message);
+            }
+        }
+        for (label, at) in unused {
+            self.warn(at, Rule::W02, format!("no JMPB uses label L{label}"));
+        }
+    }
+
+    fn calls(&mut self) {
+        // Calls from one subprogram to another: caller's start, callee's start, place.
+        let mut nested: Vec<(usize, usize, usize)> = Vec::new();
+        let statements = self.statements;
+        for (at, statement) in statements.iter().enumerate() {
+            let (Mnemonic::Call, Some(Operand::Subprogram(number))) =
+                (statement.mnemonic, statement.operands.first())
+            else {
+                continue;
+            };
+            let target = self.structure.subprograms.get(number).copied();
+            if target.is_none() {
+                self.error(at, Rule::E04, format!("subprogram P{number} does not exist"));
+            }
+            match (self.sections.get(at), target) {
+                (Some(Section::Level1), _) => {
+                    self.error(at, Rule::E05, "CALL cannot stand in level 1");
+                }
+                (Some(Section::Subprogram(caller)), Some(callee)) => {
+                    nested.push((*caller, callee, at));
+                }
+                _ => {}
+            }
+        }
+        self.nesting(&nested);
+    }
+
+    /// Subprograms must not call themselves, directly or not, nor nest too deep.
+    fn nesting(&mut self, nested: &[(usize, usize, usize)]) {
+        // Peels off, again and again, the subprograms that no other one calls.
+        // Whatever cannot be peeled is called by itself in the end.
+        let mut callers: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut callees: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
+        for (caller, callee, at) in nested {
+            callers.entry(*caller).or_insert(0);
+            *callers.entry(*callee).or_insert(0) += 1;
+            callees.entry(*caller).or_default().push((*callee, *at));
+        }
+        let mut depth: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut free: Vec<usize> = callers
+            .iter()
+            .filter(|(_, count)| **count == 0)
+            .map(|(node, _)| *node)
+            .collect();
+        while let Some(node) = free.pop() {
+            callers.remove(&node);
+            let level = depth.get(&node).copied().unwrap_or(1);
+            for (callee, at) in callees.remove(&node).unwrap_or_default() {
+                let deepest = depth.entry(callee).or_insert(1);
+                if level + 1 > *deepest {
+                    *deepest = level + 1;
+                }
+                if level + 1 == CALL_DEPTH + 1 {
+                    let message = format!("calls nest deeper than {CALL_DEPTH}");
+                    self.error(at, Rule::E05, message);
+                }
+                if let Some(count) = callers.get_mut(&callee) {
+                    *count -= 1;
+                    if *count == 0 {
+                        free.push(callee);
+                    }
+                }
+            }
+        }
+        for (_, calls) in callees {
+            for (_, at) in calls {
+                self.error(at, Rule::E05, "the subprogram calls itself in the end");
+            }
+        }
+    }
+
+    fn lengths(&mut self) {
+        let steps = |statements: &[Statement]| -> u32 {
+            statements
+                .iter()
+                .fold(0, |sum, statement| sum.saturating_add(statement.steps()))
+        };
+        let end1 = self.structure.end1;
+        let level1 = self.statements.get(..=end1).map_or(0, steps);
+        let total = steps(self.statements);
+        self.structure.level1_steps = level1;
+        self.structure.steps = total;
+        if total > MAX_STEPS {
+            let message = format!("the program has {total} steps; there is room for {MAX_STEPS}");
+            self.error(self.statements.len(), Rule::E07, message);
+        }
+        if level1 > SLOT_STEPS {
+            let message = format!(
+                "level 1 has {level1} steps; it must run whole in each slot of {SLOT_STEPS}"
+            );
+            self.error(end1, Rule::E07, message);
+        } else if level1 > LONG_LEVEL_1 {
+            let message = format!(
+                "level 1 has {level1} steps; above {LONG_LEVEL_1} little of a slot is left for level 2"
+            );
+            self.warn(end1, Rule::W04, message);
+        }
+    }
+}
+
+fn no_single_result(name: &str, depth: u32) -> String {
+    if depth == 0 {
+        return format!("{name} has no contact before it: a rung starts with LD or LDI");
+    }
+    format!("{depth} blocks stand before {name}: join them to one with ORB or ANB")
+}

@@ -1,0 +1,89 @@
+//! What the compiler has to say: errors and warnings, with their place and the rule.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// The rule that a ladder breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Rule {
+    /// The line is neither an instruction nor a directive.
+    E00,
+    /// END1 or END2 is missing, repeated or in the wrong order.
+    E01,
+    /// A rung has no single result at its output, or goes on after it.
+    E02,
+    /// An operand names an area, bit or value that the instruction cannot use.
+    E03,
+    /// A label, subprogram or timer number is used twice, or a label or
+    /// subprogram is missing.
+    E04,
+    /// A jump or call leaves its program part.
+    E05,
+    /// Wrong number of operands, length code or table size.
+    E06,
+    /// The program, or its level 1, is too long.
+    E07,
+    /// A coil is written by two OUT.
+    W01,
+    /// No JMPB uses the label.
+    W02,
+    /// The rung has no effect.
+    W03,
+    /// Level 1 takes more than 400 steps.
+    W04,
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
+    }
+}
+
+/// One error or warning of the compiler.
+#[derive(Clone, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
+#[error("line {line}, rung {rung}: {code} {message}")]
+pub struct CompileError {
+    /// Line of the source text, from 1.
+    pub line: u32,
+    /// Rung (network) of the program, from 1; 0 before the first.
+    pub rung: u32,
+    /// The rule: E for an error, W for a warning.
+    pub code: Rule,
+    /// What is wrong and what the manual wants, in one sentence.
+    pub message: String,
+}
+
+impl CompileError {
+    /// `standard.il:123: E03 …`, the form that editors can jump to.
+    #[must_use]
+    pub fn in_file(&self, file: &str) -> String {
+        format!("{file}:{}: {} {}", self.line, self.code, self.message)
+    }
+}
+
+/// Why a ladder does not compile: every error found, and the warnings beside them.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub struct CompileErrors {
+    /// The errors in line order; never empty.
+    pub errors: Vec<CompileError>,
+    /// The warnings in line order.
+    pub warnings: Vec<CompileError>,
+}
+
+impl fmt::Display for CompileErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for error in self.errors.iter().chain(&self.warnings) {
+            writeln!(f, "{error}")?;
+        }
+        f.write_str(&summary(self.errors.len(), self.warnings.len()))
+    }
+}
+
+/// The closing line of a compilation, in the words of the programming software.
+#[must_use]
+pub fn summary(errors: usize, warnings: usize) -> String {
+    let result = if errors == 0 { "编译成功" } else { "编译失败" };
+    format!("{result}: {errors} 错误, {warnings} 警告.")
+}

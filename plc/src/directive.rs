@@ -1,0 +1,253 @@
+//! The directives of the text form: header, comments, messages, start values.
+
+use serde::{Deserialize, Serialize};
+
+use crate::address::{Area, BitAddress, ByteAddress, digits};
+use crate::diagnostic::Rule;
+use crate::parser::Finding;
+
+/// What the version page says about the ladder.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Header {
+    /// Design unit, 梯形图设计单位 (`.UNIT`).
+    pub unit: String,
+    /// Designer, 梯形图设计者 (`.AUTHOR`).
+    pub author: String,
+    /// Version, 梯形图版本号 (`.VERSION`).
+    pub version: String,
+    /// Remark, 备注 (`.REMARK`).
+    pub remark: String,
+}
+
+/// Text shown while a message request bit is 1 (`.MSG`).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Message {
+    /// The request bit, in A0 to A24.
+    pub bit: BitAddress,
+    /// Message number, 1000 to 9999.
+    pub number: u16,
+    /// The text.
+    pub text: String,
+}
+
+/// What a comment is attached to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Subject {
+    /// A bit.
+    Bit(BitAddress),
+    /// A byte or entry.
+    Byte(ByteAddress),
+}
+
+/// Name of an address (`.CMT`).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Comment {
+    /// The address.
+    pub subject: Subject,
+    /// Chinese text, at most 15 characters.
+    pub chinese: String,
+    /// English text, at most 30 characters.
+    pub english: String,
+}
+
+/// Value of a retained address when the retained store is blank (`.INIT`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StartValue {
+    /// A byte of K or D, or an entry of C, DC or DT.
+    pub address: ByteAddress,
+    /// Its value.
+    pub value: i32,
+}
+
+/// Title of the rungs that follow (`.NET`).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Network {
+    /// Index of the first statement under the title.
+    pub statement: usize,
+    /// The title.
+    pub title: String,
+}
+
+/// All directives of a text.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Directives {
+    pub header: Header,
+    /// `.OPT codb0`: CODB tables count from 0.
+    pub table_from_0: bool,
+    /// `.OPT n1`: level 2 is not divided.
+    pub undivided: bool,
+    pub networks: Vec<Network>,
+    pub comments: Vec<Comment>,
+    pub messages: Vec<Message>,
+    pub start_values: Vec<StartValue>,
+}
+
+const CHINESE_CHARACTERS: usize = 15;
+const ENGLISH_CHARACTERS: usize = 30;
+
+/// Reads one directive line into `directives`.
+pub(crate) fn parse(
+    code: &str,
+    statement: usize,
+    directives: &mut Directives,
+) -> Result<(), Finding> {
+    let tokens = tokens(code)?;
+    let (name, arguments) = match tokens.split_first() {
+        Some((Token::Word(name), arguments)) => (name.to_ascii_uppercase(), arguments),
+        _ => return Err((Rule::E00, "a directive starts with a point and a name".to_owned())),
+    };
+    match (name.as_str(), arguments) {
+        (".UNIT", [Token::Text(text)]) => directives.header.unit = (*text).to_owned(),
+        (".AUTHOR", [Token::Text(text)]) => directives.header.author = (*text).to_owned(),
+        (".VERSION", [Token::Text(text)]) => directives.header.version = (*text).to_owned(),
+        (".REMARK", [Token::Text(text)]) => directives.header.remark = (*text).to_owned(),
+        (".OPT", [Token::Word(option)]) => set_option(option, directives)?,
+        (".NET", [Token::Text(title)]) => directives.networks.push(Network {
+            statement,
+            title: (*title).to_owned(),
+        }),
+        (".CMT", [Token::Word(address), Token::Text(chinese), Token::Text(english)]) => {
+            directives.comments.push(comment(address, chinese, english)?);
+        }
+        (".MSG", [Token::Word(bit), Token::Word(number), Token::Text(text)]) => {
+            let message = message(bit, number, text, &directives.messages)?;
+            directives.messages.push(message);
+        }
+        (".INIT", [Token::Word(address), Token::Word(value)]) => {
+            directives.start_values.push(start_value(address, value)?);
+        }
+        _ => return Err((Rule::E00, usage(&name))),
+    }
+    Ok(())
+}
+
+#[derive(Debug)]
+enum Token<'a> {
+    Word(&'a str),
+    Text(&'a str),
+}
+
+fn tokens(code: &str) -> Result<Vec<Token<'_>>, Finding> {
+    let mut tokens = Vec::new();
+    let mut rest = code.trim_start();
+    while !rest.is_empty() {
+        if let Some(quoted) = rest.strip_prefix('"') {
+            let Some((text, after)) = quoted.split_once('"') else {
+                return Err((Rule::E00, "the closing \" is missing".to_owned()));
+            };
+            tokens.push(Token::Text(text));
+            rest = after.trim_start();
+            continue;
+        }
+        let end = rest
+            .find(|c: char| c.is_whitespace() || c == '"')
+            .unwrap_or(rest.len());
+        let (word, after) = rest.split_at(end);
+        tokens.push(Token::Word(word));
+        rest = after.trim_start();
+    }
+    Ok(tokens)
+}
+
+fn usage(name: &str) -> String {
+    let form = match name {
+        ".UNIT" | ".AUTHOR" | ".VERSION" | ".REMARK" | ".NET" => "\"text\"",
+        ".OPT" => "codb0 or n1",
+        ".CMT" => "address \"Chinese\" \"English\"",
+        ".MSG" => "A-bit number \"text\"",
+        ".INIT" => "address number",
+        _ => {
+            return format!(
+                "{name} is no directive; there are .UNIT .AUTHOR .VERSION .REMARK .OPT .NET .CMT .MSG .INIT"
+            );
+        }
+    };
+    format!("{name} is written {name} {form}")
+}
+
+fn set_option(option: &str, directives: &mut Directives) -> Result<(), Finding> {
+    match option.to_ascii_lowercase().as_str() {
+        "codb0" => directives.table_from_0 = true,
+        "n1" => directives.undivided = true,
+        _ => {
+            let message = format!("{option} is no option; there are codb0 and n1");
+            return Err((Rule::E00, message));
+        }
+    }
+    Ok(())
+}
+
+fn comment(address: &str, chinese: &str, english: &str) -> Result<Comment, Finding> {
+    let subject = if address.contains('.') {
+        address.parse().map(Subject::Bit)
+    } else {
+        address.parse().map(Subject::Byte)
+    };
+    let subject = subject.map_err(|error| (Rule::E03, error.to_string()))?;
+    if chinese.chars().count() > CHINESE_CHARACTERS || english.chars().count() > ENGLISH_CHARACTERS
+    {
+        let message = format!(
+            "comment too long: {CHINESE_CHARACTERS} Chinese and {ENGLISH_CHARACTERS} English characters at most"
+        );
+        return Err((Rule::E03, message));
+    }
+    Ok(Comment {
+        subject,
+        chinese: chinese.to_owned(),
+        english: english.to_owned(),
+    })
+}
+
+fn message(
+    bit: &str,
+    number: &str,
+    text: &str,
+    messages: &[Message],
+) -> Result<Message, Finding> {
+    let bit: BitAddress = bit
+        .parse()
+        .map_err(|error: crate::address::AddressError| (Rule::E03, error.to_string()))?;
+    if bit.area != Area::A {
+        let message = format!("{bit}: messages are requested by bits of A0 to A24");
+        return Err((Rule::E03, message));
+    }
+    let number = digits(number)
+        .and_then(|number| u16::try_from(number).ok())
+        .filter(|number| (1000..=9999).contains(number));
+    let Some(number) = number else {
+        return Err((
+            Rule::E03,
+            "message numbers go from 1000 to 9999".to_owned(),
+        ));
+    };
+    if messages.iter().any(|message| message.bit == bit) {
+        return Err((Rule::E04, format!("{bit} already has a message")));
+    }
+    Ok(Message {
+        bit,
+        number,
+        text: text.to_owned(),
+    })
+}
+
+fn start_value(address: &str, value: &str) -> Result<StartValue, Finding> {
+    let address: ByteAddress = address
+        .parse()
+        .map_err(|error: crate::address::AddressError| (Rule::E03, error.to_string()))?;
+    let largest = match address.area {
+        Area::D | Area::K => 255,
+        Area::C | Area::Dc | Area::Dt => i32::MAX,
+        _ => {
+            let message = format!("{address}: start values exist for D, DC, DT, C and K");
+            return Err((Rule::E03, message));
+        }
+    };
+    let value = digits(value)
+        .and_then(|value| i32::try_from(value).ok())
+        .filter(|value| *value <= largest);
+    let Some(value) = value else {
+        let message = format!("the start value of {address} is a number from 0 to {largest}");
+        return Err((Rule::E03, message));
+    };
+    Ok(StartValue { address, value })
+}

@@ -1,0 +1,212 @@
+//! A compiled ladder and everything that can be said about it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::check;
+use crate::code::{self, Code};
+use crate::diagnostic::{CompileError, CompileErrors};
+use crate::directive::{Comment, Directives, Header, Message, StartValue, Subject};
+use crate::instruction::{Mnemonic, Operand, Statement};
+use crate::parser;
+
+/// A ladder program, compiled. It never changes; share it in an `Arc`.
+///
+/// Saved as its source text and compiled again when read back.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Ladder {
+    source: String,
+    directives: Directives,
+    statements: Vec<Statement>,
+    code: Code,
+    warnings: Vec<CompileError>,
+    steps: u32,
+    level1_steps: u32,
+    rungs: u32,
+}
+
+/// One rung of the listing.
+#[derive(Clone, Copy, Debug)]
+pub struct Rung<'a> {
+    /// Number, from 1.
+    pub number: u32,
+    /// Title (`.NET`) of the network that begins here.
+    pub title: Option<&'a str>,
+    /// Step number of the first instruction, from 0.
+    pub step: u32,
+    /// The instructions.
+    pub statements: &'a [Statement],
+}
+
+impl Ladder {
+    /// Compiles an instruction list.
+    ///
+    /// # Errors
+    ///
+    /// Every rule that the text breaks, with line and rung.
+    pub fn compile(source: &str) -> Result<Ladder, CompileErrors> {
+        let parsed = parser::parse(source);
+        let (structure, found, mut warnings) = check::check(&parsed.statements);
+        let mut errors = parsed.errors;
+        errors.extend(found);
+        errors.sort_by_key(|error| error.line);
+        warnings.sort_by_key(|warning| warning.line);
+        if !errors.is_empty() {
+            return Err(CompileErrors { errors, warnings });
+        }
+        let code = code::generate(&parsed.statements, &structure, &parsed.directives);
+        let mut directives = parsed.directives;
+        directives.messages.sort_by_key(|message| message.bit);
+        Ok(Ladder {
+            source: source.to_owned(),
+            directives,
+            statements: parsed.statements,
+            code,
+            warnings,
+            steps: structure.steps,
+            level1_steps: structure.level1_steps,
+            rungs: parsed.rungs,
+        })
+    }
+
+    /// The text that was compiled.
+    #[must_use]
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// Unit, author, version and remark, as the version page shows them.
+    #[must_use]
+    pub fn header(&self) -> &Header {
+        &self.directives.header
+    }
+
+    /// What the compiler noticed: W01 to W04.
+    #[must_use]
+    pub fn warnings(&self) -> &[CompileError] {
+        &self.warnings
+    }
+
+    /// Steps of the whole program; there is room for 5000.
+    #[must_use]
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// Steps of level 1 with END1.
+    #[must_use]
+    pub fn level1_steps(&self) -> u32 {
+        self.level1_steps
+    }
+
+    /// Parts that level 2 is divided into; its period is as many slots of 8 ms.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.code.part_ends.len()
+    }
+
+    /// Number of rungs.
+    #[must_use]
+    pub fn rung_count(&self) -> u32 {
+        self.rungs
+    }
+
+    /// Messages, in the order of their request bits.
+    #[must_use]
+    pub fn messages(&self) -> &[Message] {
+        &self.directives.messages
+    }
+
+    /// Names of addresses.
+    #[must_use]
+    pub fn comments(&self) -> &[Comment] {
+        &self.directives.comments
+    }
+
+    /// The name of one address.
+    #[must_use]
+    pub fn comment(&self, subject: Subject) -> Option<&Comment> {
+        let mut comments = self.directives.comments.iter();
+        comments.find(|comment| comment.subject == subject)
+    }
+
+    /// Values of retained addresses for a blank store.
+    #[must_use]
+    pub fn start_values(&self) -> &[StartValue] {
+        &self.directives.start_values
+    }
+
+    /// All instructions in program order.
+    #[must_use]
+    pub fn statements(&self) -> &[Statement] {
+        &self.statements
+    }
+
+    /// The rungs in program order.
+    pub fn rungs(&self) -> impl Iterator<Item = Rung<'_>> {
+        let mut first = 0;
+        let mut step = 0;
+        let chunks = self.statements.chunk_by(|a, b| a.rung == b.rung);
+        chunks.map(move |statements| {
+            let rung = Rung {
+                number: statements.first().map_or(0, |statement| statement.rung),
+                title: self.title_at(first),
+                step,
+                statements,
+            };
+            first += statements.len();
+            step += statements.iter().map(Statement::steps).sum::<u32>();
+            rung
+        })
+    }
+
+    /// Labels in program order, with the rung that each begins.
+    pub fn labels(&self) -> impl Iterator<Item = (u16, u32)> {
+        self.statements
+            .iter()
+            .filter_map(|s| match (s.mnemonic, s.operands.first()) {
+                (Mnemonic::Lbl, Some(Operand::Label(label))) => Some((*label, s.rung)),
+                _ => None,
+            })
+    }
+
+    /// Titles given at the statement with index `first`; the last one counts.
+    fn title_at(&self, first: usize) -> Option<&str> {
+        let networks = self.directives.networks.iter();
+        networks
+            .rev()
+            .find(|network| network.statement == first)
+            .map(|network| network.title.as_str())
+    }
+
+    pub(crate) fn code(&self) -> &Code {
+        &self.code
+    }
+
+    pub(crate) fn directives(&self) -> &Directives {
+        &self.directives
+    }
+}
+
+impl PartialEq for Ladder {
+    /// Two ladders are equal when their texts are.
+    fn eq(&self, other: &Ladder) -> bool {
+        self.source == other.source
+    }
+}
+
+impl Eq for Ladder {}
+
+impl From<Ladder> for String {
+    fn from(ladder: Ladder) -> String {
+        ladder.source
+    }
+}
+
+impl TryFrom<String> for Ladder {
+    type Error = CompileErrors;
+
+    fn try_from(source: String) -> Result<Ladder, CompileErrors> {
+        Ladder::compile(&source)
+    }
+}

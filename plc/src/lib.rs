@@ -1,0 +1,41 @@
+//! A ladder engine for the GSK980TD: addresses, instruction list, two-level scan.
+//!
+//! ```
+//! use std::sync::Arc;
+//! use gsk_plc::{Ladder, Plc};
+//!
+//! let ladder = Ladder::compile("END1\nLDI F100.3\nOUT G120.0\nEND2")?;
+//! let mut plc = Plc::new(Arc::new(ladder));
+//! plc.slot();
+//! assert_eq!(plc.memory().g(120), 1);
+//! # Ok::<(), gsk_plc::CompileErrors>(())
+//! ```
+//!
+//! The crate knows no CNC: it compiles an instruction list ([`Ladder`]), holds
+//! the memory areas X Y F G R A K D T C DC DT ([`Memory`]) and scans the
+//! program in slots of 8 ms ([`Plc::slot`]). It does no I/O and reads no
+//! clock; the same inputs in the same slots give the same memory.
+
+pub mod address;
+mod check;
+mod code;
+mod diagnostic;
+mod directive;
+mod function;
+mod instruction;
+mod ladder;
+mod list;
+mod memory;
+mod parser;
+mod scan;
+mod timer;
+
+pub use address::{AddressError, Area, BitAddress, ByteAddress};
+pub use check::{MAX_STEPS, SLOT_STEPS};
+pub use diagnostic::{CompileError, CompileErrors, Rule, summary};
+pub use directive::{Comment, Header, Message, StartValue, Subject};
+pub use instruction::{Kind, Mnemonic, Operand, Role, Row, Statement, TABLE};
+pub use ladder::{Ladder, Rung};
+pub use memory::{Memory, Retained};
+pub use scan::{Fault, Plc};
+pub use timer::SLOT_MS;

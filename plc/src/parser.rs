@@ -1,0 +1,361 @@
+//! Instruction-list text to statements and directives, line by line.
+//!
+//! Everything that one line alone can tell is checked here: the instruction,
+//! the number of its operands, their areas and ranges. What concerns several
+//! lines is checked in `check`.
+
+use crate::address::{Area, BitAddress, ByteAddress, digits};
+use crate::diagnostic::{CompileError, Rule};
+use crate::directive::{self, Directives};
+use crate::instruction::{Kind, Mnemonic, Operand, Role, Statement};
+
+/// First relay byte that belongs to the system.
+const SYSTEM_RELAYS: u16 = 900;
+/// First keep relay byte that belongs to the system.
+const SYSTEM_KEEP_RELAYS: u16 = 30;
+/// Highest number of a label or subprogram.
+const LAST_LABEL: u32 = 9999;
+
+/// A text taken apart.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Parsed {
+    pub statements: Vec<Statement>,
+    pub directives: Directives,
+    pub errors: Vec<CompileError>,
+    /// Rungs counted so far.
+    pub rungs: u32,
+}
+
+/// A finding in one line, before its place is known.
+pub(crate) type Finding = (Rule, String);
+
+pub(crate) fn parse(source: &str) -> Parsed {
+    let mut parsed = Parsed::default();
+    let source = source.strip_prefix('\u{feff}').unwrap_or(source);
+    for (index, line) in source.lines().enumerate() {
+        let number = u32::try_from(index).map_or(u32::MAX, |index| index.saturating_add(1));
+        let code = without_comment(line).trim();
+        if code.is_empty() {
+            continue;
+        }
+        let result = if code.starts_with('.') {
+            let first_statement = parsed.statements.len();
+            directive::parse(code, first_statement, &mut parsed.directives)
+        } else {
+            statement(code, number, &mut parsed)
+        };
+        if let Err((code, message)) = result {
+            parsed.errors.push(CompileError {
+                line: number,
+                rung: parsed.rungs,
+                code,
+                message,
+            });
+        }
+    }
+    parsed
+}
+
+/// The line up to the first `;` that is not inside a string.
+fn without_comment(line: &str) -> &str {
+    let mut quoted = false;
+    for (at, c) in line.char_indices() {
+        match c {
+            '"' => quoted = !quoted,
+            ';' if !quoted => return &line[..at],
+            _ => {}
+        }
+    }
+    line
+}
+
+fn statement(code: &str, line: u32, parsed: &mut Parsed) -> Result<(), Finding> {
+    let (head, table) = match code.split_once(',') {
+        Some((head, table)) => (head, Some(table)),
+        None => (code, None),
+    };
+    let mut tokens = head.split_whitespace();
+    let name = tokens.next().unwrap_or_default();
+    let mnemonic = Mnemonic::of_name(name).ok_or_else(|| unknown_instruction(name))?;
+    parsed.rungs += u32::from(starts_rung(mnemonic, &parsed.statements));
+    // A statement with bad operands still takes its place in the rung, so
+    // that one mistake gives one message.
+    parsed.statements.push(Statement {
+        mnemonic,
+        operands: Vec::new(),
+        table: Vec::new(),
+        line,
+        rung: parsed.rungs,
+    });
+    let tokens: Vec<&str> = tokens.collect();
+    let operands = operands(mnemonic, &tokens)?;
+    let table = table_entries(mnemonic, &operands, table)?;
+    check_widths(mnemonic, &operands, &table)?;
+    if let Some(statement) = parsed.statements.last_mut() {
+        statement.operands = operands;
+        statement.table = table;
+    }
+    Ok(())
+}
+
+fn unknown_instruction(name: &str) -> Finding {
+    let message = match name.to_ascii_uppercase().as_str() {
+        "ADDB" | "SUBB" | "COMB" => {
+            format!("{name} is not in the instruction set of this control")
+        }
+        _ => format!("\"{name}\" is no instruction"),
+    };
+    (Rule::E00, message)
+}
+
+fn starts_rung(mnemonic: Mnemonic, before: &[Statement]) -> bool {
+    let before = before.last().map(|statement| statement.mnemonic.row().role);
+    match mnemonic.row().role {
+        Role::Structure => true,
+        Role::Start => !matches!(before, Some(Role::Start | Role::Contact)),
+        Role::Contact | Role::Output => matches!(before, None | Some(Role::Structure)),
+    }
+}
+
+fn operands(mnemonic: Mnemonic, tokens: &[&str]) -> Result<Vec<Operand>, Finding> {
+    let row = mnemonic.row();
+    if tokens.len() != row.operands.len() {
+        let message = format!(
+            "{} takes {}, not {}",
+            row.name,
+            counted(row.operands.len(), "operand"),
+            tokens.len()
+        );
+        return Err((Rule::E06, message));
+    }
+    row.operands
+        .iter()
+        .zip(tokens)
+        .map(|(kind, token)| operand(row.name, *kind, token))
+        .collect()
+}
+
+fn operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
+    match kind {
+        Kind::Label => numbered(token, 'L').map(Operand::Label),
+        Kind::Subprogram => numbered(token, 'P').map(Operand::Subprogram),
+        Kind::CounterFormat | Kind::RotationFormat => format_digits(name, kind, token),
+        _ => match digits(token) {
+            Some(number) => number_operand(name, kind, number),
+            None if kind.areas().is_empty() => Err((
+                Rule::E03,
+                format!("\"{token}\": {name} wants a number here"),
+            )),
+            None if kind.is_bit() => bit_operand(name, kind, token),
+            None => byte_operand(name, kind, token),
+        },
+    }
+}
+
+fn numbered(token: &str, letter: char) -> Result<u16, Finding> {
+    let number = token
+        .strip_prefix([letter, letter.to_ascii_lowercase()])
+        .and_then(digits)
+        .filter(|number| *number <= LAST_LABEL)
+        .and_then(|number| u16::try_from(number).ok());
+    number.ok_or_else(|| {
+        let message = format!("\"{token}\": {letter}0 to {letter}{LAST_LABEL} is wanted here");
+        (Rule::E03, message)
+    })
+}
+
+fn format_digits(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
+    let binary = token.len() == 4 && token.bytes().all(|byte| matches!(byte, b'0' | b'1'));
+    if !binary {
+        let message = format!("\"{token}\": the format of {name} is four digits 0 or 1");
+        return Err((Rule::E03, message));
+    }
+    let value = token.bytes().fold(0, |value, byte| value << 1 | byte & 1);
+    if kind == Kind::CounterFormat && value > 0b11 {
+        let message = format!("format {token}: the first two digits of {name} are 0");
+        return Err((Rule::E03, message));
+    }
+    Ok(Operand::Format(value))
+}
+
+fn number_operand(name: &str, kind: Kind, number: u32) -> Result<Operand, Finding> {
+    if !kind.takes_number() {
+        let message = format!("{number}: {name} wants an address here, not a number");
+        return Err((Rule::E03, message));
+    }
+    let Ok(value) = i32::try_from(number) else {
+        return Err((
+            Rule::E03,
+            format!("{number} is too large: numbers go to 2147483647"),
+        ));
+    };
+    match kind {
+        Kind::Length if !matches!(value, 1 | 2 | 4) => Err((
+            Rule::E06,
+            format!("length {value}: {name} works on 1, 2 or 4 bytes"),
+        )),
+        Kind::TableSize if !(1..=8).contains(&value) => Err((
+            Rule::E06,
+            format!("size code {value}: codes 1 to 8 mean 2, 4, 8 … 256 entries"),
+        )),
+        Kind::Stations if value == 0 => {
+            Err((Rule::E03, format!("{name} wants at least one position")))
+        }
+        _ => Ok(Operand::Number(value)),
+    }
+}
+
+fn bit_operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
+    let address: BitAddress = token.parse().map_err(|error| wrong_address(name, &error))?;
+    if !kind.areas().contains(&address.area) {
+        let message = format!(
+            "{token}: {name} writes bits of Y, G, R, K and A; {} is read only",
+            address.area
+        );
+        return Err((Rule::E03, message));
+    }
+    if kind.is_written() {
+        system_area(token, address.byte_address(), 1)?;
+    }
+    if kind == Kind::ThreeCoils && address.bit > 5 {
+        let message =
+            format!("{token}: {name} writes this bit and the two above it, so bit 5 is the last");
+        return Err((Rule::E03, message));
+    }
+    Ok(Operand::Bit(address))
+}
+
+fn byte_operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
+    let address: ByteAddress = token.parse().map_err(|error| wrong_address(name, &error))?;
+    if !kind.areas().contains(&address.area) {
+        let areas: Vec<&str> = kind.areas().iter().map(|area| area.letter()).collect();
+        let number = if kind.takes_number() { "a number or " } else { "" };
+        let message = format!(
+            "{token}: {name} takes {number}an address of {} here",
+            areas.join(", ")
+        );
+        return Err((Rule::E03, message));
+    }
+    Ok(Operand::Byte(address))
+}
+
+fn wrong_address(name: &str, error: &crate::address::AddressError) -> Finding {
+    (Rule::E03, format!("{name}: {error}"))
+}
+
+/// Refuses a write that reaches into the bytes reserved for the system.
+fn system_area(token: &str, address: ByteAddress, width: u16) -> Result<(), Finding> {
+    let first = match address.area {
+        Area::R => SYSTEM_RELAYS,
+        Area::K => SYSTEM_KEEP_RELAYS,
+        _ => return Ok(()),
+    };
+    if address.byte.saturating_add(width) <= first {
+        return Ok(());
+    }
+    let message = format!(
+        "{token}: {}{first} and up belong to the system and are read only",
+        address.area
+    );
+    Err((Rule::E03, message))
+}
+
+/// The entries after the comma of CODB; nothing for every other instruction.
+fn table_entries(
+    mnemonic: Mnemonic,
+    operands: &[Operand],
+    table: Option<&str>,
+) -> Result<Vec<i32>, Finding> {
+    let [Operand::Number(_), Operand::Number(code), ..] = operands else {
+        return no_table(mnemonic, table);
+    };
+    if mnemonic != Mnemonic::Codb {
+        return no_table(mnemonic, table);
+    }
+    let size = 1usize << code.clamp(&1, &8);
+    let entries = table.unwrap_or_default().split_whitespace();
+    let entries = entries
+        .map(|token| {
+            let entry = digits(token).and_then(|number| i32::try_from(number).ok());
+            entry.ok_or_else(|| (Rule::E03, format!("\"{token}\" is no table entry")))
+        })
+        .collect::<Result<Vec<i32>, Finding>>()?;
+    if entries.len() != size {
+        let message = format!(
+            "CODB with size code {code} wants {size} table entries after the comma, not {}",
+            entries.len()
+        );
+        return Err((Rule::E06, message));
+    }
+    Ok(entries)
+}
+
+fn no_table(mnemonic: Mnemonic, table: Option<&str>) -> Result<Vec<i32>, Finding> {
+    match table {
+        None => Ok(Vec::new()),
+        Some(_) => Err((
+            Rule::E06,
+            format!("only CODB has a table; {} takes no comma", mnemonic.row().name),
+        )),
+    }
+}
+
+/// Checks that values of the instruction's length fit where they come from and go to.
+fn check_widths(mnemonic: Mnemonic, operands: &[Operand], table: &[i32]) -> Result<(), Finding> {
+    let kinds = mnemonic.row().operands;
+    let length = kinds
+        .iter()
+        .zip(operands)
+        .find_map(|(kind, operand)| match operand {
+            Operand::Number(length) if *kind == Kind::Length => u16::try_from(*length).ok(),
+            _ => None,
+        });
+    let length = length.unwrap_or(1);
+    for (kind, operand) in kinds.iter().zip(operands) {
+        match operand {
+            Operand::Number(number) if kind.is_wide() => fits(*number, length)?,
+            Operand::Byte(address) => {
+                let width = if kind.is_wide() { length } else { 1 };
+                reaches(*address, width)?;
+                if kind.is_written() {
+                    system_area(&address.to_string(), *address, width)?;
+                }
+            }
+            _ => {}
+        }
+    }
+    table.iter().try_for_each(|entry| fits(*entry, length))
+}
+
+fn fits(number: i32, length: u16) -> Result<(), Finding> {
+    let largest = match length {
+        1 => 0xFF,
+        2 => 0xFFFF,
+        _ => i32::MAX,
+    };
+    if number <= largest {
+        return Ok(());
+    }
+    let message = format!("{number} does not fit in {}", counted(length.into(), "byte"));
+    Err((Rule::E03, message))
+}
+
+fn reaches(address: ByteAddress, width: u16) -> Result<(), Finding> {
+    if address.area.is_entry() || address.byte + width <= address.area.count() {
+        return Ok(());
+    }
+    let message = format!(
+        "{address}: {width} bytes reach beyond the last one, {}{}",
+        address.area,
+        address.area.count() - 1
+    );
+    Err((Rule::E03, message))
+}
+
+fn counted(number: usize, noun: &str) -> String {
+    match number {
+        0 => format!("no {noun}s"),
+        1 => format!("1 {noun}"),
+        _ => format!("{number} {noun}s"),
+    }
+}

@@ -1,0 +1,269 @@
+//! The scan: one 8 ms slot after another, level 1 whole and level 2 in parts.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::address::{Area, ByteAddress};
+use crate::check::CALL_DEPTH;
+use crate::code::{Bit, Code, Op};
+use crate::function::{Remembered, execute};
+use crate::ladder::Ladder;
+use crate::memory::{Memory, SIZE, offset};
+use crate::timer::{SLOT_MS, Timers};
+
+/// Operations of one slot after which the program is taken to hang.
+const WATCHDOG: usize = 100_000;
+
+/// Why the PLC stands still until the next power-on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
+pub enum Fault {
+    /// Jumps kept one slot busy for more than 100000 instructions.
+    #[error("PLC watchdog: the ladder loops at line {line}")]
+    Watchdog {
+        /// Line of the ladder's text with the jump that was one too many.
+        line: u32,
+    },
+}
+
+/// A PLC: a ladder, its memory and the state of its scan.
+///
+/// The CNC writes X and F, calls [`Plc::slot`] every 8 ms, and reads G and Y.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plc {
+    ladder: Arc<Ladder>,
+    memory: Memory,
+    state: State,
+}
+
+/// What the scan remembers beside memory.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct State {
+    /// Part of level 2 that is next, from 0.
+    part: usize,
+    /// A jump went beyond its part: operation that level 2 goes on with.
+    resume: usize,
+    timers: Timers,
+    /// Last ACT of each CTRC.
+    edges: Vec<bool>,
+    fault: Option<Fault>,
+}
+
+impl State {
+    fn at_power_on(code: &Code) -> State {
+        State {
+            // Taken as 1, so that a contact closed at power-on is no edge.
+            edges: vec![true; code.counters],
+            ..State::default()
+        }
+    }
+}
+
+impl Plc {
+    /// A PLC just switched on, its retained store blank but for the ladder's
+    /// start values.
+    #[must_use]
+    pub fn new(ladder: Arc<Ladder>) -> Plc {
+        let mut memory = Memory::new();
+        for start in ladder.start_values() {
+            if start.address.area.is_entry() {
+                memory.set_long(start.address, start.value);
+            } else {
+                memory.set_byte(start.address, u8::try_from(start.value).unwrap_or(u8::MAX));
+            }
+        }
+        let state = State::at_power_on(ladder.code());
+        Plc {
+            ladder,
+            memory,
+            state,
+        }
+    }
+
+    /// Switches off and on: volatile memory is cleared, the scan begins anew,
+    /// a fault is gone. Retained memory stays.
+    pub fn power_on(&mut self) {
+        self.memory.clear_volatile();
+        self.state = State::at_power_on(self.ladder.code());
+    }
+
+    /// The program.
+    #[must_use]
+    pub fn ladder(&self) -> &Arc<Ladder> {
+        &self.ladder
+    }
+
+    /// All memory.
+    #[must_use]
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    /// All memory, for writing X and F, parameters' DT, and the value pages.
+    pub fn memory_mut(&mut self) -> &mut Memory {
+        &mut self.memory
+    }
+
+    /// Why the PLC stands still, if it does.
+    #[must_use]
+    pub fn fault(&self) -> Option<Fault> {
+        self.state.fault
+    }
+
+    /// Part of level 2 that the next slot runs, from 0.
+    #[must_use]
+    pub fn part(&self) -> usize {
+        self.state.part
+    }
+
+    /// Number and text of every message whose request bit is 1, in address order.
+    pub fn active_messages(&self) -> impl Iterator<Item = (u16, &str)> {
+        self.ladder
+            .messages()
+            .iter()
+            .filter(|message| self.memory.bit(message.bit))
+            .map(|message| (message.number, message.text.as_str()))
+    }
+
+    /// One slot of 8 ms: input latch when a level-2 cycle begins, level 1,
+    /// one part of level 2. After a fault nothing happens.
+    pub fn slot(&mut self) {
+        if self.state.fault.is_some() {
+            return;
+        }
+        if let Err(fault) = self.run_slot() {
+            self.state.fault = Some(fault);
+        }
+    }
+
+    fn run_slot(&mut self) -> Result<(), Fault> {
+        let ladder = Arc::clone(&self.ladder);
+        let code = ladder.code();
+        // A restored state may come from elsewhere.
+        self.state.part %= code.part_ends.len().max(1);
+        self.advance_timers(code);
+        if self.state.part == 0 {
+            self.memory.latch_inputs();
+            self.state.resume = code.end1 + 1;
+        }
+        let mut executed = 0;
+        self.run(&ladder, 0, code.end1, &mut executed)?;
+
+        let first = match self.state.part.checked_sub(1) {
+            None => code.end1 + 1,
+            Some(before) => code.part_ends.get(before).copied().unwrap_or(0),
+        };
+        let first = first.max(self.state.resume);
+        let end = code.part_ends.get(self.state.part).copied().unwrap_or(0);
+        if first < end {
+            self.state.resume = self.run(&ladder, first, end, &mut executed)?;
+        }
+        self.state.part = (self.state.part + 1) % code.part_ends.len().max(1);
+        Ok(())
+    }
+
+    /// The timers that ran during the last 8 ms are 8 ms older.
+    fn advance_timers(&mut self, code: &Code) {
+        let level2_begins = self.state.part == 0;
+        let scope = if level2_begins {
+            u128::MAX
+        } else {
+            code.level1_timers
+        };
+        self.state.timers.begin_scan(scope);
+        for timer in self.state.timers.running() {
+            let elapsed = self.memory.t(timer);
+            self.memory.set_t(timer, elapsed.saturating_add(SLOT_MS));
+        }
+    }
+
+    /// Runs operations from `first` until `end` is reached or jumped over;
+    /// returns where it stopped.
+    fn run(
+        &mut self,
+        ladder: &Ladder,
+        first: usize,
+        end: usize,
+        executed: &mut usize,
+    ) -> Result<usize, Fault> {
+        let code = ladder.code();
+        let ops = code.ops.as_slice();
+        let bytes = self.memory.bytes_mut();
+        let mut remembered = Remembered {
+            timers: &mut self.state.timers,
+            edges: &mut self.state.edges,
+            result: offset(ByteAddress::new(Area::R, 900)).unwrap_or(0),
+        };
+        let mut returns = [0usize; CALL_DEPTH];
+        let mut depth = 0;
+        // Top of the accumulator stack in bit 0; what is shifted out on the
+        // left belongs to earlier rungs.
+        let mut stack: u32 = 0;
+        let mut limit = end;
+        let mut at = first;
+        // Only jumps and calls can make a slot long, so only they are counted,
+        // with the operations that led to them.
+        let mut from = first;
+        while at < limit {
+            let Some(op) = ops.get(at) else { break };
+            let act = stack & 1 == 1;
+            let mut next = at + 1;
+            match *op {
+                Op::Ld(bit) => stack = stack << 1 | u32::from(is_set(bytes, bit)),
+                Op::Ldi(bit) => stack = stack << 1 | u32::from(!is_set(bytes, bit)),
+                Op::And(bit) => stack &= !1 | u32::from(is_set(bytes, bit)),
+                Op::Ani(bit) => stack &= !1 | u32::from(!is_set(bytes, bit)),
+                Op::Or(bit) => stack |= u32::from(is_set(bytes, bit)),
+                Op::Ori(bit) => stack |= u32::from(!is_set(bytes, bit)),
+                Op::Orb => stack = stack >> 1 | stack & 1,
+                Op::Anb => stack = (stack >> 1) & (!1 | stack & 1),
+                Op::Out(bit) => {
+                    let byte = &mut bytes[usize::from(bit.at)];
+                    // All ones or all zeros, so that the coil needs no branch.
+                    let all = 0u8.wrapping_sub(u8::from(act));
+                    *byte = *byte & !bit.mask | all & bit.mask;
+                }
+                Op::Set(bit) if act => bytes[usize::from(bit.at)] |= bit.mask,
+                Op::Rst(bit) if act => bytes[usize::from(bit.at)] &= !bit.mask,
+                Op::Function(index) => {
+                    if let Some(function) = code.functions.get(usize::from(index)) {
+                        execute(function, act, bytes, &mut remembered);
+                    }
+                }
+                Op::Jump(target) if act => next = usize::from(target),
+                Op::Call(target) if act => {
+                    if let Some(place) = returns.get_mut(depth) {
+                        *place = next;
+                        depth += 1;
+                        limit = ops.len();
+                        next = usize::from(target);
+                    }
+                }
+                Op::Return => {
+                    depth = depth.saturating_sub(1);
+                    next = returns[depth];
+                    if depth == 0 {
+                        limit = end;
+                    }
+                }
+                Op::Set(_) | Op::Rst(_) | Op::Jump(_) | Op::Call(_) | Op::Mark => {}
+            }
+            if next != at + 1 {
+                *executed += at + 1 - from;
+                from = next;
+                if *executed > WATCHDOG {
+                    let line = ladder.statements().get(at).map_or(0, |s| s.line);
+                    return Err(Fault::Watchdog { line });
+                }
+            }
+            at = next;
+        }
+        *executed += at.saturating_sub(from);
+        Ok(at)
+    }
+}
+
+fn is_set(bytes: &[u8; SIZE], bit: Bit) -> bool {
+    bytes[usize::from(bit.at)] & bit.mask != 0
+}
