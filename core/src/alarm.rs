@@ -1,0 +1,234 @@
+//! Alarms: numbers, the one table of their texts, and where one came from.
+//!
+//! The table is `assets/tables/alarms.tsv` (manual, appendix 3); pages, command
+//! line and help read it here and nowhere else.
+
+use core::fmt;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+use crate::command::Source;
+
+const TABLE: &str = include_str!("../../assets/tables/alarms.tsv");
+
+/// The classes of alarms: who raises them, where they are shown, what they stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum AlarmClass {
+    /// Program and operation: `P/S 000` to `P/S 199`, and `P/S 5nn` of G65 H99.
+    Ps,
+    /// The control itself (020, 101).
+    System,
+    /// Soft travel limits, 201–206.
+    Overtravel,
+    /// 207, emergency stop or travel limit switch.
+    EmergencyStop,
+    /// Drives, 211–252.
+    Servo,
+    /// The pulse board, 601–699.
+    Link,
+    /// Messages of the machine's ladder, 1000 and up.
+    Plc,
+}
+
+/// One line of the alarm table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AlarmRow {
+    /// Class.
+    pub class: AlarmClass,
+    /// Number; the first one of a range.
+    pub number: u16,
+    /// The last number of the range (501–599); otherwise equal to `number`.
+    pub last: u16,
+    /// The text of the screen; empty for the user alarms, which show a number only.
+    pub text_zh: &'static str,
+    /// The same in English.
+    pub meaning_en: &'static str,
+    /// What raises it.
+    pub cause_en: &'static str,
+    /// What clears it.
+    pub cleared_by_en: &'static str,
+}
+
+/// The whole table, by ascending number.
+pub fn rows() -> &'static [AlarmRow] {
+    static ROWS: LazyLock<Vec<AlarmRow>> = LazyLock::new(|| {
+        let mut rows: Vec<AlarmRow> = TABLE.lines().skip(1).filter_map(parse_row).collect();
+        rows.sort_by_key(|row| row.number);
+        rows
+    });
+    &ROWS
+}
+
+/// The line of one number, if the manual has it.
+pub fn row(number: u16) -> Option<&'static AlarmRow> {
+    let rows = rows();
+    let after = rows.partition_point(|row| row.number <= number);
+    let row = rows.get(after.checked_sub(1)?)?;
+    (number <= row.last).then_some(row)
+}
+
+fn parse_row(line: &'static str) -> Option<AlarmRow> {
+    let mut fields = line.split('\t');
+    let class = match fields.next()? {
+        "PS" => AlarmClass::Ps,
+        "SYS" => AlarmClass::System,
+        "OT" => AlarmClass::Overtravel,
+        "ESTOP" => AlarmClass::EmergencyStop,
+        "SERVO" => AlarmClass::Servo,
+        "LINK" => AlarmClass::Link,
+        "PLC" => AlarmClass::Plc,
+        _ => return None,
+    };
+    let numbers = fields.next()?;
+    let (first, last) = numbers.split_once("..").unwrap_or((numbers, numbers));
+    let number = first.parse().ok()?;
+    let text = fields.next()?;
+    Some(AlarmRow {
+        class,
+        number,
+        last: last.parse().ok()?,
+        text_zh: if is_user_alarm(number) { "" } else { text },
+        meaning_en: fields.next()?,
+        cause_en: fields.next()?,
+        cleared_by_en: fields.next()?,
+    })
+}
+
+const fn is_user_alarm(number: u16) -> bool {
+    matches!(number, 500..=599)
+}
+
+/// An alarm that was raised.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Alarm {
+    /// Number, as the manual counts.
+    pub number: u16,
+    /// The block that raised it, when a block did.
+    pub source: Option<Source>,
+    /// One line in English naming the place and the rule that was broken.
+    pub detail: Option<String>,
+}
+
+impl Alarm {
+    /// An alarm without a place.
+    pub const fn new(number: u16) -> Self {
+        Self {
+            number,
+            source: None,
+            detail: None,
+        }
+    }
+
+    /// The same alarm, coming from this block; a place already known stays.
+    #[must_use]
+    pub fn at(mut self, source: Source) -> Self {
+        self.source.get_or_insert(source);
+        self
+    }
+
+    /// The same alarm with its reason.
+    #[must_use]
+    pub fn because(mut self, detail: impl Into<String>) -> Self {
+        self.detail = Some(detail.into());
+        self
+    }
+
+    /// Its line of the table, if the manual has it.
+    pub fn row(&self) -> Option<&'static AlarmRow> {
+        row(self.number)
+    }
+
+    /// Its class; numbers outside the table by the range they fall into.
+    pub fn class(&self) -> AlarmClass {
+        if let Some(row) = self.row() {
+            return row.class;
+        }
+        match self.number {
+            201..=206 => AlarmClass::Overtravel,
+            207 => AlarmClass::EmergencyStop,
+            208..=299 => AlarmClass::Servo,
+            600..=699 => AlarmClass::Link,
+            1000.. => AlarmClass::Plc,
+            _ => AlarmClass::Ps,
+        }
+    }
+
+    /// The Chinese text of the screen; empty where the manual has none.
+    pub fn text(&self) -> &'static str {
+        self.row().map_or("", |row| row.text_zh)
+    }
+
+    /// The line of the alarm page: `P/S 011: …`, `207: …`, `P/S 515`.
+    pub fn line_text(&self) -> String {
+        let prefix = match self.class() {
+            AlarmClass::Ps | AlarmClass::System => "P/S ",
+            _ => "",
+        };
+        let text = self.text();
+        let colon = if text.is_empty() { "" } else { ": " };
+        format!("{prefix}{:03}{colon}{text}", self.number)
+    }
+}
+
+impl fmt::Display for Alarm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.line_text())?;
+        match &self.detail {
+            Some(detail) => write!(f, " ({detail})"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl core::error::Error for Alarm {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_of_the_table_is_a_row() {
+        assert_eq!(rows().len(), TABLE.lines().count() - 1);
+        for pair in rows().windows(2) {
+            assert!(
+                pair[0].last < pair[1].number,
+                "{:?} and {:?}",
+                pair[0],
+                pair[1]
+            );
+        }
+        for row in rows() {
+            assert_eq!(row.text_zh.is_empty(), is_user_alarm(row.number));
+            for text in [row.meaning_en, row.cause_en, row.cleared_by_en] {
+                assert!(!text.is_empty() && text == text.trim(), "{row:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn lines_of_the_alarm_page() {
+        assert_eq!(Alarm::new(13).line_text(), "P/S 013: 圆弧数据有错误!");
+        assert_eq!(Alarm::new(207).line_text(), "207: 超程或急停开关报警");
+        assert_eq!(Alarm::new(1000).line_text(), "1000: 换刀时间过长");
+        assert_eq!(Alarm::new(515).line_text(), "P/S 515");
+        assert_eq!(Alarm::new(515).class(), AlarmClass::Ps);
+        assert_eq!(Alarm::new(3).line_text(), "P/S 003");
+        assert_eq!(Alarm::new(101).class(), AlarmClass::System);
+    }
+
+    #[test]
+    fn the_first_place_stays() {
+        let source = |line| Source {
+            program: crate::command::ProgramId::External,
+            line,
+            sequence: None,
+        };
+        let alarm = Alarm::new(11).because("no F").at(source(3)).at(source(9));
+        assert_eq!(alarm.source, Some(source(3)));
+        assert_eq!(
+            alarm.to_string(),
+            format!("{} (no F)", Alarm::new(11).line_text())
+        );
+    }
+}

@@ -1,0 +1,81 @@
+//! Software travel limits 045–048 (manual III-2.5.2).
+
+use serde::{Deserialize, Serialize};
+
+use crate::memory::Parameters;
+use crate::units::{Axis, PerAxis, Point};
+
+/// The limits in machine coordinates, made anew when a parameter changes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SoftLimits {
+    plus: Point,
+    minus: Point,
+    /// How far an axis may pass its limit: rapid rate in m/min / 5, mm.
+    tolerance: Point,
+}
+
+impl SoftLimits {
+    /// From 045–048, 022, 023; X is given in diameter unless 001.2 = 1.
+    pub fn new(parameters: &Parameters) -> Self {
+        let (plus_x, minus_x) = parameters.soft_limits(Axis::X);
+        let (plus_z, minus_z) = parameters.soft_limits(Axis::Z);
+        let tolerance = |axis| parameters.rapid_rate(axis) / 1000.0 / 5.0;
+        Self {
+            plus: Point::new(plus_x, plus_z),
+            minus: Point::new(minus_x, minus_z),
+            tolerance: Point::new(tolerance(Axis::X), tolerance(Axis::Z)),
+        }
+    }
+
+    /// The alarm, if an axis that is watched is beyond a limit, or would come to
+    /// rest further beyond it than the tolerance: 201 X+, 202 X-, 203 Z+, 204 Z-.
+    pub fn overrun(&self, position: Point, stop: Point, watched: PerAxis<bool>) -> Option<u16> {
+        let beyond = |axis: Axis, sign: f64, limit: Point| {
+            let excess = |point: Point| (point.get(axis) - limit.get(axis)) * sign;
+            // A coordinate equal to its limit is allowed, whatever its last bit.
+            *watched.get(axis)
+                && (excess(position) > 1e-6 || excess(stop) > self.tolerance.get(axis) + 1e-6)
+        };
+        let sides = [
+            (201, Axis::X, 1.0, self.plus),
+            (202, Axis::X, -1.0, self.minus),
+            (203, Axis::Z, 1.0, self.plus),
+            (204, Axis::Z, -1.0, self.minus),
+        ];
+        sides
+            .into_iter()
+            .find(|(_, axis, sign, limit)| beyond(*axis, *sign, *limit))
+            .map(|(number, ..)| number)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: SoftLimits = SoftLimits {
+        plus: Point::new(10.0, 20.0),
+        minus: Point::new(-10.0, -20.0),
+        tolerance: Point::new(0.76, 1.52),
+    };
+    const BOTH: PerAxis<bool> = PerAxis::new(true, true);
+
+    #[test]
+    fn a_stop_that_cannot_keep_the_tolerance_alarms_early() {
+        let at = Point::new(0.0, 15.0);
+        assert_eq!(LIMITS.overrun(at, Point::new(0.0, 21.0), BOTH), None);
+        assert_eq!(LIMITS.overrun(at, Point::new(0.0, 22.0), BOTH), Some(203));
+        assert_eq!(
+            LIMITS.overrun(at, Point::new(0.0, 22.0), PerAxis::new(true, false)),
+            None
+        );
+    }
+
+    #[test]
+    fn beyond_a_limit_is_an_alarm_on_it_is_not() {
+        let edge = Point::new(-10.0, -20.0);
+        assert_eq!(LIMITS.overrun(edge, edge, BOTH), None);
+        let beyond = Point::new(-10.001, 0.0);
+        assert_eq!(LIMITS.overrun(beyond, beyond, BOTH), Some(202));
+    }
+}

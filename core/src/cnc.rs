@@ -1,0 +1,518 @@
+//! The control: owns the program, the motion and the PLC; one millisecond a tick.
+
+mod request;
+mod view;
+mod world;
+
+use std::sync::Arc;
+
+use gsk_plc::address::{Area, BitAddress};
+use gsk_plc::{Memory, Plc};
+use serde::{Deserialize, Serialize};
+
+pub use request::Request;
+pub use view::Cursor;
+pub(crate) use world::World;
+
+use crate::alarm::Alarm;
+use crate::axis::{AxisChain, SoftLimits};
+use crate::command::{Action, ExecutedMove, Frame, SpindleCommand};
+use crate::interpreter::{Interpreter, Modal};
+use crate::machine::{Inputs, Outputs};
+use crate::memory::{Counters, Offsets, Parameters};
+use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
+use crate::operation::{
+    ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, RunState, Strobe,
+    ToPlc, X_BYTES, jog_rate,
+};
+use crate::program::{MdiBlock, ProgramMemory};
+use crate::setup::Setup;
+use crate::spindle::{SpindleControl, SpindleInputs};
+use crate::units::{Axis, PerAxis, Point, Pulses};
+
+/// Contacts are sampled, and outputs refreshed, every so many ticks.
+const SAMPLE_TICKS: u64 = 4;
+/// The PLC has its slot every so many ticks.
+const SLOT_TICKS: u64 = 8;
+/// X0.5, *ESP: closed when all is well.
+const ESP_BYTE: usize = 0;
+const ESP_MASK: u8 = 1 << 5;
+/// Y1.2, M03: the spindle turns forward.
+const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
+
+/// Data parameters that are timer presets of the ladder: (DT entry, parameter).
+const TIMER_PRESETS: [(u16, u16); 14] = [
+    (0, 65),
+    (1, 66),
+    (2, 69),
+    (3, 76),
+    (4, 78),
+    (5, 80),
+    (6, 81),
+    (7, 82),
+    (8, 83),
+    (9, 85),
+    (10, 87),
+    (11, 89),
+    (12, 108),
+    (13, 112),
+];
+/// K9: the mode that the ladder restores at power-on.
+const MODE_AT_POWER_ON: u16 = 9;
+
+/// What the control tells the PLC before its first scan: timer presets, and the
+/// mode of 174 (manual III-1.3; MDOK = 0: the one at power-off, which K9 holds).
+fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
+    for (entry, parameter) in TIMER_PRESETS {
+        memory.set_dt(entry, parameters.value(parameter));
+    }
+    let mode = parameters.byte(174);
+    if mode & 0b1_0000 != 0 {
+        memory.set_k(
+            MODE_AT_POWER_ON,
+            match mode & 0b111 {
+                0b001 => 1,
+                0b010 => 133,
+                0b011 => 3,
+                0b100 => 4,
+                0b101 => 5,
+                _ => 0,
+            },
+        );
+    }
+}
+
+/// What happened during a tick.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A piece of motion was finished or broken off.
+    Moved(ExecutedMove),
+    /// An alarm came up.
+    AlarmRaised(Alarm),
+    /// The part counter counted.
+    PartFinished,
+    /// A program came to its end; `m30` tells M30 from the end of the text.
+    ProgramEnded {
+        /// By M30.
+        m30: bool,
+    },
+}
+
+/// The control.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cnc {
+    pub(crate) parameters: Parameters,
+    pub(crate) offsets: Offsets,
+    pub(crate) programs: ProgramMemory,
+    pub(crate) counters: Counters,
+    pub(crate) mdi: MdiBlock,
+    pub(crate) interpreter: Interpreter,
+    plc: Plc,
+    pub(crate) from_plc: FromPlc,
+    pub(crate) filter: InputFilter,
+    panel_keys: [u8; X_BYTES],
+    output_key: bool,
+    pub(crate) plc_message: bool,
+
+    pub(crate) mode: Mode,
+    pub(crate) automatic: Automatic,
+    pub(crate) handshake: Handshake,
+    pub(crate) alarms: ActiveAlarms,
+    pub(crate) emergency_stop: bool,
+    pub(crate) reset_left: u32,
+    pub(crate) modal: Modal,
+    pub(crate) tool: (u8, u8),
+    /// The tool-change key turns the tool post.
+    indexing_by_hand: bool,
+
+    pub(crate) interpolator: Interpolator,
+    limits: MotionLimits,
+    /// The rest of a held block while the axes are moved by hand.
+    pub(crate) held: Option<Interpolator>,
+    pub(crate) jog_blocked: PerAxis<bool>,
+    pub(crate) jog_command: PerAxis<Option<(bool, JogRate)>>,
+    axes: AxisChain,
+    pub(crate) soft_limits: SoftLimits,
+    pub(crate) spindle: SpindleControl,
+
+    pub(crate) frame: Frame,
+    /// Absolute coordinate at which the relative display shows zero.
+    pub(crate) relative_zero: Point,
+    /// Machine coordinate of the program zero point, once a G50 has run.
+    pub(crate) program_zero: Option<Point>,
+    pub(crate) referenced: PerAxis<bool>,
+    pub(crate) at_reference: PerAxis<bool>,
+    negative: PerAxis<bool>,
+    last_rapid: bool,
+
+    pub(crate) cursor_line: u32,
+    pub(crate) rewind_at_start: bool,
+    pub(crate) ticks: u64,
+    y: Vec<u8>,
+    #[serde(skip)]
+    pub(crate) events: Vec<Event>,
+}
+
+impl Cnc {
+    /// A control at power-on.
+    pub fn new(setup: Setup) -> Self {
+        let mut parameters = setup.parameters;
+        parameters.power_on();
+        let mut plc = Plc::new(setup.ladder);
+        if let Some(retained) = &setup.plc_retained {
+            plc.memory_mut().restore_retained(retained);
+        }
+        plc.power_on();
+        preset_plc(plc.memory_mut(), &parameters);
+        let interpreter = Interpreter::new(&parameters);
+        let modal = *interpreter.modal();
+        let start = setup.start.unwrap_or_default();
+        let mut axes = AxisChain::new(&parameters);
+        axes.preset(Axis::X, start.x);
+        axes.preset(Axis::Z, start.z);
+        let mut spindle = SpindleControl::new(&parameters);
+        if let Some(speed) = setup.spindle_rpm {
+            spindle.command(SpindleCommand::Speed(speed));
+            plc.memory_mut().set_bit(M03_OUTPUT, true);
+        }
+        let from_plc = FromPlc::read(plc.memory());
+        Self {
+            limits: MotionLimits::from(&parameters),
+            soft_limits: SoftLimits::new(&parameters),
+            spindle,
+            parameters,
+            offsets: setup.offsets,
+            programs: setup.programs,
+            counters: setup.counters,
+            mdi: MdiBlock::default(),
+            interpreter,
+            plc,
+            from_plc,
+            filter: InputFilter::default(),
+            panel_keys: [0; X_BYTES],
+            output_key: false,
+            plc_message: false,
+            mode: Mode::Mdi,
+            automatic: Automatic::default(),
+            handshake: Handshake::default(),
+            alarms: ActiveAlarms::default(),
+            emergency_stop: false,
+            reset_left: 0,
+            modal,
+            tool: (0, 0),
+            indexing_by_hand: false,
+            interpolator: Interpolator::new(start),
+            held: None,
+            jog_blocked: PerAxis::default(),
+            jog_command: PerAxis::default(),
+            axes,
+            frame: Frame::default(),
+            relative_zero: Point::default(),
+            program_zero: None,
+            referenced: PerAxis::new(setup.referenced, setup.referenced),
+            at_reference: PerAxis::default(),
+            negative: PerAxis::default(),
+            last_rapid: false,
+            cursor_line: 1,
+            rewind_at_start: false,
+            ticks: 0,
+            y: vec![0; 20],
+            events: Vec::new(),
+        }
+    }
+
+    /// Power off and on: what is retained stays, all else starts anew. The
+    /// absolute coordinates stay with 004.7 ABOT = 0 (manual III-2.1).
+    pub fn power_cycle(&mut self) {
+        let position = self.position();
+        let keeps_position = !self.parameters.bit(4, 7);
+        let setup = Setup {
+            parameters: self.parameters.clone(),
+            offsets: self.offsets.clone(),
+            ladder: Arc::clone(self.plc.ladder()),
+            plc_retained: Some(self.plc.memory().retained()),
+            programs: self.programs.clone(),
+            counters: self.counters,
+            start: Some(position),
+            ..Setup::default()
+        };
+        let shown = self.frame.program(position);
+        *self = Self::new(Setup {
+            referenced: false,
+            ..setup
+        });
+        if keeps_position {
+            self.frame.zero = position - shown;
+            self.settle_coordinates();
+        }
+    }
+
+    /// One millisecond of the control.
+    pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
+        self.events.clear();
+        self.ticks += 1;
+        if self.ticks % SAMPLE_TICKS == 1 {
+            self.sample_contacts(inputs);
+        }
+        if self.ticks % SLOT_TICKS == 1 {
+            self.plc_slot();
+        }
+        let masked = self.parameters.bit(172, 3);
+        let closed = self.filter.accepted()[ESP_BYTE] & ESP_MASK != 0;
+        self.watch_reset(closed || masked);
+        self.automatic_tick();
+        self.manual_tick();
+        self.spindle_tick(inputs);
+        let before = self.position();
+        self.motion_tick();
+        self.watch_travel();
+        self.watch_reference(before);
+        if self.automatic.state == RunState::Run {
+            self.counters.count_cutting_ms(1);
+        }
+        self.outputs()
+    }
+
+    fn sample_contacts(&mut self, inputs: &Inputs) {
+        let mut contacts = inputs.x;
+        for (contact, key) in contacts.iter_mut().zip(self.panel_keys) {
+            *contact |= key;
+        }
+        if self.ticks == 1 {
+            self.filter = InputFilter::standing(&contacts);
+        }
+        self.filter.sample(&contacts, self.parameters.value(20));
+        for (index, byte) in self.filter.accepted().iter().enumerate() {
+            self.plc.memory_mut().set_x(index as u16, *byte);
+        }
+        for (index, byte) in self.y.iter_mut().enumerate() {
+            *byte = self.plc.memory().y(index as u16);
+        }
+    }
+
+    fn plc_slot(&mut self) {
+        let was = self.from_plc.clone();
+        self.tell_plc(&was);
+        self.plc.slot();
+        self.from_plc = FromPlc::read(self.plc.memory());
+        self.plc_message = self.plc.active_messages().next().is_some();
+        if let Some(fault) = self.plc.fault() {
+            let detail = fault.to_string();
+            self.raise(Alarm::new(0).because(detail));
+        }
+        self.follow_mode();
+        self.follow_tool(was.current_tool);
+        if self.from_plc.feed_hold || self.plc_message {
+            self.feed_hold();
+        }
+        if was.start && !self.from_plc.start {
+            self.cycle_start();
+        }
+        if self.from_plc.next_tool && !was.next_tool {
+            self.index_tool();
+        }
+    }
+
+    fn tell_plc(&mut self, g: &FromPlc) {
+        let velocity = self.interpolator.velocity();
+        let moving = PerAxis::new(velocity.x != 0.0, velocity.z != 0.0);
+        for axis in [Axis::X, Axis::Z] {
+            if *moving.get(axis) {
+                *self.negative.get_mut(axis) = velocity.get(axis) < 0.0;
+            }
+        }
+        let state = self.automatic.state;
+        let rapid = self
+            .automatic
+            .action()
+            .map(|action| matches!(action, Action::Rapid { .. }));
+        self.last_rapid = rapid.unwrap_or(self.last_rapid && !self.automatic.operating());
+        let cutting = matches!(
+            self.automatic.action(),
+            Some(Action::Line { .. } | Action::Arc { .. })
+        );
+        let message = ToPlc {
+            mode: self.mode,
+            started: state == RunState::Run,
+            holding: state == RunState::Hold,
+            operating: self.automatic.operating(),
+            alarm: self.alarm_state(),
+            reset: self.resetting(),
+            distribution_end: self.automatic.distribution_end(),
+            servo_ready: !self.emergency_stop,
+            rapid: self.last_rapid,
+            cutting: cutting && state == RunState::Run,
+            dwelling: self.automatic.dwelling(),
+            decoded_m00: self.automatic.decoded == Some(0),
+            decoded_m30: self.automatic.decoded == Some(30),
+            handshake: &self.handshake,
+            gear: self.spindle.gear(),
+            at_reference: self.at_reference,
+            referenced: self.referenced,
+            at_program_zero: self.at_program_zero(),
+            moving,
+            negative: self.negative,
+            output_key: self.output_key,
+            parameters: &self.parameters,
+        };
+        message.write(self.plc.memory_mut(), g);
+    }
+
+    /// Follows the mode that the ladder commands.
+    fn follow_mode(&mut self) {
+        let handwheel = self.parameters.bit(1, 3);
+        let Some(mode) = Mode::from_code(self.from_plc.mode_code, handwheel) else {
+            return;
+        };
+        if mode == self.mode {
+            return;
+        }
+        let left = core::mem::replace(&mut self.mode, mode);
+        if left.is_manual() {
+            self.manual_mode_left();
+        }
+        if mode.is_manual() {
+            self.feed_hold();
+        } else if self.automatic.operating() && self.automatic.mdi != (mode == Mode::Mdi)
+            || mode == Mode::Edit
+        {
+            self.automatic.request_stop();
+        }
+    }
+
+    /// The T display follows the tool post when it was turned by hand.
+    fn follow_tool(&mut self, before: u8) {
+        let now = self.from_plc.current_tool;
+        if now != before && (self.indexing_by_hand || !self.handshake.strobe(Strobe::T)) {
+            self.indexing_by_hand = false;
+            self.tool = (now, 0);
+            self.interpreter.set_tool(now);
+        }
+    }
+
+    /// The tool-change key: the next station, after the last the first.
+    fn index_tool(&mut self) {
+        let stations = self.parameters.value(84);
+        if self.handshake.busy() || stations == 0 {
+            return;
+        }
+        let now = i32::from(self.from_plc.current_tool);
+        let next = if now >= stations { 1 } else { now + 1 };
+        self.handshake.start(Strobe::T, next as u8);
+        self.indexing_by_hand = true;
+    }
+
+    fn spindle_tick(&mut self, inputs: &Inputs) {
+        // In a rapid the surface speed is worked out for its end point.
+        let at = match self.automatic.action() {
+            Some(Action::Rapid { to }) => *to,
+            _ => self.position(),
+        };
+        self.spindle.set_jog(self.from_plc.spindle_jog);
+        self.spindle.set_gear_change(self.changing_gear());
+        self.spindle.tick(&SpindleInputs {
+            encoder: inputs.encoder,
+            radius: self.frame.program(at).x,
+            override_percent: self.from_plc.spindle_override,
+        });
+    }
+
+    fn changing_gear(&self) -> bool {
+        (41..=44).contains(&self.handshake.m) && self.handshake.busy()
+    }
+
+    fn motion_tick(&mut self) {
+        let held = self.automatic.state == RunState::Hold && self.held.is_none();
+        let locked = self.automatic.state == RunState::Run
+            && (self.from_plc.start_lock || self.from_plc.interlock);
+        let inputs = MotionInputs {
+            feed_override: self.feed_override_factor(),
+            rapid_override: RapidOverride::from_percent(self.from_plc.rapid_override),
+            spindle_rpm: self.spindle.actual_rpm(),
+            hold: held || locked,
+            dry_run: self.dry_run(),
+        };
+        let position = self.interpolator.tick(&self.limits, &inputs);
+        self.axes.advance(position, self.from_plc.machine_lock);
+    }
+
+    fn feed_override_factor(&self) -> f64 {
+        if self.from_plc.override_cancel {
+            return 1.0;
+        }
+        f64::from(self.from_plc.feed_override) / 100.0
+    }
+
+    /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its
+    /// highest step with manual rapid on; rapids at the jog rate unless manual
+    /// rapid is on or 004.6 RDRN = 1.
+    fn dry_run(&self) -> Option<DryRun> {
+        if !self.from_plc.dry_run || self.mode != Mode::Auto {
+            return None;
+        }
+        let jog = jog_rate(self.from_plc.jog_code);
+        let rapid = self.from_plc.rapid;
+        Some(DryRun {
+            cutting: if rapid { JOG_RATE_MAX } else { jog },
+            rapid: (!rapid && !self.parameters.bit(4, 6)).then_some(jog),
+        })
+    }
+
+    /// The zero lamps go out when an axis leaves its reference point.
+    fn watch_reference(&mut self, before: Point) {
+        let now = self.position();
+        self.at_reference.x &= now.x == before.x;
+        self.at_reference.z &= now.z == before.z;
+    }
+
+    fn at_program_zero(&self) -> PerAxis<bool> {
+        let Some(zero) = self.program_zero else {
+            return PerAxis::default();
+        };
+        let position = self.position();
+        PerAxis::new(position.x == zero.x, position.z == zero.z)
+    }
+
+    pub(crate) const fn machine_locked(&self) -> bool {
+        self.from_plc.machine_lock.x && self.from_plc.machine_lock.z
+    }
+
+    /// Before a run: the distance that machine lock kept from the slides moves from
+    /// the motion into the frame. The display stays, the slides stay, and machine
+    /// coordinates are true again.
+    pub(crate) fn settle_coordinates(&mut self) {
+        let slide = self.axes.slide();
+        let away = self.position() - slide;
+        self.interpolator.translate(-away);
+        self.axes.preset(Axis::X, slide.x);
+        self.axes.preset(Axis::Z, slide.z);
+        self.frame.zero = self.frame.zero - away;
+        let frame = self.frame;
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.set_frame(frame, &world);
+    }
+
+    /// Where the slides really are, machine coordinates.
+    pub(crate) fn slide(&self) -> Point {
+        self.axes.slide()
+    }
+
+    /// Where the axes would come to rest if they braked now.
+    pub(crate) fn stopping_point(&self) -> Point {
+        self.interpolator.stopping_point(&self.limits)
+    }
+
+    /// Pulses commanded so far.
+    pub fn pulses(&self) -> PerAxis<Pulses> {
+        self.axes.pulses()
+    }
+
+    fn outputs(&self) -> Outputs {
+        Outputs {
+            y: core::array::from_fn(|index| self.y.get(index).copied().unwrap_or(0)),
+            pulses: self.pulses(),
+            spindle_volts: self.spindle.volts(),
+            enable: PerAxis::new(!self.emergency_stop, !self.emergency_stop),
+        }
+    }
+}

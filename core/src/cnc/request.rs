@@ -1,0 +1,128 @@
+//! What the panel may ask of the control; the control decides.
+
+use gsk_plc::address::{Area, BitAddress};
+
+use super::{Cnc, X_BYTES};
+use crate::alarm::Alarm;
+use crate::command::ProgramId;
+use crate::program::Program;
+use crate::units::Axis;
+
+/// A request of the panel.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Relative coordinate of one axis to zero.
+    ZeroRelative(Axis),
+    /// Part counter to zero.
+    ClearParts,
+    /// Cutting time to zero.
+    ClearCuttingTime,
+    /// Selects a stored program.
+    SelectProgram(u16),
+    /// Puts the cursor on a line of the selected program, from 1.
+    CursorTo(u32),
+    /// Searches a sequence number in the selected program.
+    SearchSequence(u16),
+    /// Stores a program text in the program memory.
+    StoreProgram(String),
+    /// Opens a program outside the memory, read-only.
+    OpenExternal(Program),
+    /// One word for the MDI block.
+    MdiWord(String),
+    /// The OUTPUT key went down or up.
+    OutputKey(bool),
+}
+
+impl Cnc {
+    /// Carries out a request or says with an alarm why not. A refusal that the
+    /// manual gives no alarm for is silent.
+    ///
+    /// # Errors
+    /// The alarm of the manual: 031 or 071 program not found, 060 sequence number
+    /// not found, 068 and 072 memory full, and those of the MDI words.
+    pub fn request(&mut self, request: Request) -> Result<(), Alarm> {
+        match request {
+            Request::ZeroRelative(axis) if !self.is_moving() => {
+                *self.relative_zero.get_mut(axis) = self.position_absolute().get(axis);
+            }
+            Request::ClearParts if !self.is_moving() => self.counters.clear_parts(),
+            Request::ClearCuttingTime if !self.is_moving() => self.counters.clear_cutting_time(),
+            Request::ZeroRelative(_) | Request::ClearParts | Request::ClearCuttingTime => {}
+            Request::SelectProgram(number) => self.select(ProgramId::Stored(number))?,
+            Request::CursorTo(line) => {
+                if !self.automatic.operating() {
+                    self.forget_run();
+                    self.cursor_line = line.max(1);
+                }
+            }
+            Request::SearchSequence(number) => self.search_sequence(number)?,
+            Request::StoreProgram(text) => {
+                let number = self.programs.store(text)?;
+                if !self.automatic.operating() {
+                    self.select(ProgramId::Stored(number))?;
+                }
+            }
+            Request::OpenExternal(program) => {
+                if self.automatic.operating() {
+                    return Ok(());
+                }
+                self.programs.open_external(program);
+                self.select(ProgramId::External)?;
+            }
+            Request::MdiWord(word) => self.mdi.enter(&word, &self.parameters)?,
+            Request::OutputKey(down) => self.output_key = down,
+        }
+        Ok(())
+    }
+
+    /// Presses or releases a key of the machine panel: its contact in X20–X26.
+    pub fn set_panel_key(&mut self, contact: BitAddress, down: bool) {
+        let byte = usize::from(contact.byte);
+        if contact.area != Area::X || byte >= X_BYTES {
+            return;
+        }
+        let mask = 1 << contact.bit;
+        if down {
+            self.panel_keys[byte] |= mask;
+        } else {
+            self.panel_keys[byte] &= !mask;
+        }
+    }
+
+    fn select(&mut self, program: ProgramId) -> Result<(), Alarm> {
+        if self.automatic.operating() {
+            return Ok(());
+        }
+        let missing = if self.mode == crate::operation::Mode::Auto {
+            31
+        } else {
+            71
+        };
+        if self.programs.get(program).is_none() {
+            return Err(Alarm::new(missing));
+        }
+        self.programs.select(program);
+        self.forget_run();
+        self.cursor_line = 1;
+        Ok(())
+    }
+
+    fn search_sequence(&mut self, number: u16) -> Result<(), Alarm> {
+        if self.automatic.operating() {
+            return Ok(());
+        }
+        let line = self
+            .programs
+            .current()
+            .and_then(|program| self.programs.get(program))
+            .and_then(|program| program.find_sequence(number, 1));
+        self.cursor_line = line.ok_or_else(|| Alarm::new(60))?;
+        self.forget_run();
+        Ok(())
+    }
+
+    /// A moved cursor voids the rest of a stopped run.
+    fn forget_run(&mut self) {
+        self.automatic.clear();
+    }
+}

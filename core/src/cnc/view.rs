@@ -1,0 +1,213 @@
+//! What the pages and the command line may read of the control.
+
+use gsk_plc::Plc;
+
+use super::{Cnc, Event};
+use crate::alarm::Alarm;
+use crate::command::{Frame, ProgramId, Source};
+use crate::interpreter::Modal;
+use crate::memory::{Counters, Offsets, Parameters};
+use crate::operation::{Mode, RunState, jog_rate};
+use crate::program::{MdiBlock, ProgramMemory};
+use crate::spindle::SpindleControl;
+use crate::units::{PerAxis, Point};
+
+/// The block in execution, or the one the next cycle start begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cursor {
+    /// Its program; `None` with an empty memory.
+    pub program: Option<ProgramId>,
+    /// Line, from 1.
+    pub line: u32,
+    /// The last sequence number met.
+    pub sequence: Option<u16>,
+}
+
+impl Cnc {
+    /// Operating mode.
+    pub const fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// State of automatic operation.
+    pub const fn run_state(&self) -> RunState {
+        self.automatic.state
+    }
+
+    /// Machine coordinates of the slides (radius, mm).
+    pub fn position_machine(&self) -> Point {
+        self.slide()
+    }
+
+    /// Absolute coordinates in the work coordinate system (radius, mm).
+    pub fn position_absolute(&self) -> Point {
+        self.frame.program(self.position())
+    }
+
+    /// Relative coordinates U, W (radius, mm).
+    pub fn position_relative(&self) -> Point {
+        self.position_absolute() - self.relative_zero
+    }
+
+    /// What is left of the motion under way (radius, mm).
+    pub fn distance_to_go(&self) -> Point {
+        self.interpolator.distance_to_go()
+    }
+
+    /// The coordinate frame in force.
+    pub const fn frame(&self) -> Frame {
+        self.frame
+    }
+
+    /// Whether an axis moves.
+    pub fn is_moving(&self) -> bool {
+        self.interpolator.is_moving()
+    }
+
+    /// The F word in force, in the unit of G98 or G99.
+    pub const fn feed_commanded(&self) -> f64 {
+        self.modal.feed
+    }
+
+    /// Speed along the path, mm/min.
+    pub fn feed_actual(&self) -> f64 {
+        self.interpolator.velocity().length() * 60.0
+    }
+
+    /// Jog rate of the override step, mm/min.
+    pub fn jog_rate(&self) -> f64 {
+        jog_rate(self.from_plc.jog_code)
+    }
+
+    /// Feed override, 0–150 %.
+    pub const fn feed_override(&self) -> u8 {
+        self.from_plc.feed_override
+    }
+
+    /// Rapid override: 25, 50, 100 %, or 0 for F0.
+    pub const fn rapid_override(&self) -> u8 {
+        self.from_plc.rapid_override
+    }
+
+    /// Spindle override, 50–120 %.
+    pub const fn spindle_override(&self) -> u8 {
+        self.from_plc.spindle_override
+    }
+
+    /// Measured spindle speed, r/min.
+    pub fn spindle_actual(&self) -> f64 {
+        self.spindle.actual_rpm()
+    }
+
+    /// Commanded spindle speed, r/min.
+    pub fn spindle_commanded(&self) -> f64 {
+        self.spindle.commanded_rpm()
+    }
+
+    /// The spindle control.
+    pub const fn spindle(&self) -> &SpindleControl {
+        &self.spindle
+    }
+
+    /// Tool and offset number on the T display.
+    pub const fn tool(&self) -> (u8, u8) {
+        self.tool
+    }
+
+    /// Modal state of the block in execution.
+    pub const fn modal(&self) -> &Modal {
+        &self.modal
+    }
+
+    /// Part counter and cutting time.
+    pub const fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// Parameters.
+    pub const fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Tool offsets.
+    pub const fn offsets(&self) -> &Offsets {
+        &self.offsets
+    }
+
+    /// Program memory.
+    pub const fn programs(&self) -> &ProgramMemory {
+        &self.programs
+    }
+
+    /// The block keyed in on the MDI page.
+    pub const fn mdi_block(&self) -> &MdiBlock {
+        &self.mdi
+    }
+
+    /// Where the program stands.
+    pub fn cursor(&self) -> Cursor {
+        let running = self.automatic.state != RunState::Reset;
+        let last = self.automatic.last.filter(|_| running);
+        match last {
+            Some(Source {
+                program,
+                line,
+                sequence,
+            }) => Cursor {
+                program: Some(program),
+                line,
+                sequence,
+            },
+            None => Cursor {
+                program: self.programs.current(),
+                line: self.cursor_line,
+                sequence: None,
+            },
+        }
+    }
+
+    /// Alarms that stand, newest first.
+    pub fn alarms(&self) -> &[Alarm] {
+        self.alarms.list()
+    }
+
+    /// Messages of the machine's ladder that stand: number and text.
+    pub fn plc_messages(&self) -> impl Iterator<Item = (u16, &str)> {
+        self.plc.active_messages()
+    }
+
+    /// Whether 准备未绪 stands on the status line.
+    pub fn not_ready(&self) -> bool {
+        self.is_not_ready()
+    }
+
+    /// Whether an alarm or a message stands (AL, F1.0).
+    pub fn in_alarm(&self) -> bool {
+        self.alarm_state()
+    }
+
+    /// Whether 暂停 stands on the status line: feed hold, or *SP open.
+    pub fn in_feed_hold(&self) -> bool {
+        self.automatic.state == RunState::Hold || self.from_plc.feed_hold
+    }
+
+    /// Axes with a reference.
+    pub const fn referenced(&self) -> PerAxis<bool> {
+        self.referenced
+    }
+
+    /// The PLC: signals, timers, messages.
+    pub const fn plc(&self) -> &Plc {
+        &self.plc
+    }
+
+    /// Events of the last tick.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Ticks since power-on.
+    pub const fn ticks(&self) -> u64 {
+        self.ticks
+    }
+}

@@ -1,0 +1,207 @@
+//! What the interpreter hands to the control: one [`Command`] for each thing
+//! that happens, in machine coordinates, with the block it came from.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interpreter::Modal;
+use crate::units::{Feed, Point};
+
+/// Which program a block stands in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ProgramId {
+    /// A program of the program memory, by its O number.
+    Stored(u16),
+    /// The read-only program opened from a file outside the memory.
+    External,
+    /// The block keyed in on the MDI page.
+    Mdi,
+}
+
+/// Where a command or an alarm comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// The program.
+    pub program: ProgramId,
+    /// Line of the file, from 1.
+    pub line: u32,
+    /// The last sequence number N met, if any.
+    pub sequence: Option<u16>,
+}
+
+/// The coordinate frame in force: `machine = program + zero + offset`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// Machine coordinate of the work origin.
+    pub zero: Point,
+    /// Tool offset in force.
+    pub offset: Point,
+}
+
+impl Frame {
+    /// Machine coordinate of a programmed point.
+    pub fn machine(&self, program: Point) -> Point {
+        program + self.zero + self.offset
+    }
+
+    /// Programmed (absolute) coordinate of a machine position.
+    pub fn program(&self, machine: Point) -> Point {
+        machine - self.zero - self.offset
+    }
+}
+
+/// One step of a program, as the control carries it out.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Command {
+    /// The block it comes from.
+    pub source: Source,
+    /// What to do.
+    pub action: Action,
+    /// The modal state its block left; what the pages show while it runs.
+    pub modal: Modal,
+    /// Whether it is the last command of its block.
+    pub block_end: bool,
+    /// Whether single block stops after it (ends of blocks that stop, and the
+    /// moves of G90/G92/G94, manual I-3.1.13).
+    pub stop_point: bool,
+}
+
+/// What a command does. Positions are machine coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Action {
+    /// Both axes to the target at their own rapid rates; not a straight line.
+    Rapid {
+        /// End point.
+        to: Point,
+    },
+    /// Straight cut.
+    Line {
+        /// End point.
+        to: Point,
+        /// Rate along the path.
+        feed: Feed,
+    },
+    /// Circular cut.
+    Arc {
+        /// End point; equal to the start for a full circle.
+        to: Point,
+        /// Centre.
+        center: Point,
+        /// Direction seen with +Z to the right and +X up.
+        clockwise: bool,
+        /// Rate along the path.
+        feed: Feed,
+    },
+    /// G04; zero is an exact stop.
+    Dwell {
+        /// Milliseconds.
+        ms: u32,
+    },
+    /// The axes have come back to the reference point (after the rapid of G28):
+    /// the zero lamps light.
+    Referenced {
+        /// X took part.
+        x: bool,
+        /// Z took part.
+        z: bool,
+    },
+    /// A new coordinate frame is in force from here on (G50, T).
+    Frame {
+        /// The frame.
+        frame: Frame,
+        /// Whether this is a G50, which defines the program zero point.
+        program_zero: Option<Point>,
+        /// Whether the relative coordinates follow the absolute ones (005.1 PPD).
+        relative: bool,
+    },
+    /// M function given to the PLC.
+    Miscellaneous {
+        /// M number.
+        code: u8,
+        /// When it runs against the motion of its block.
+        timing: Timing,
+    },
+    /// S function: spindle speed.
+    Spindle(SpindleCommand),
+    /// T function: tool change and offset number.
+    Tool {
+        /// Tool number, 0 = none.
+        tool: u8,
+        /// Offset number, 0 = cancelled.
+        offset: u8,
+    },
+    /// M00: stop after everything before it is finished.
+    ProgramStop,
+    /// M30, or the end of the text.
+    End {
+        /// Whether the part counter counts it (M30, main-program M99).
+        counts: bool,
+        /// Whether M30 was programmed (its decode signals go to the PLC).
+        m30: bool,
+    },
+    /// M99 in the main program: the part counter counts, the run goes on.
+    Repeat,
+    /// A block without any effect on the machine (only N, G modal words…): it
+    /// moves the block cursor and is a place where single block stops.
+    Nothing,
+}
+
+/// How an auxiliary function runs against the motion of its block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Timing {
+    /// Started together with the next motion of the block; the block ends when
+    /// both are finished.
+    WithMotion,
+    /// Started and finished before anything else of the block begins.
+    BeforeMotion,
+}
+
+/// What an S word (with G96, G97, G50) asks of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum SpindleCommand {
+    /// Stepped speed output S00–S04 (001.4 = 0), with the PLC handshake.
+    Step(u8),
+    /// Constant rotational speed, r/min (G97).
+    Speed(f64),
+    /// Constant surface speed, m/min (G96); radius from the programmed X.
+    Surface(f64),
+    /// Highest speed under G96, r/min (G50 S); zero stops.
+    Limit(f64),
+}
+
+/// What kind of motion a piece of path was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum MoveKind {
+    /// Rapid.
+    Rapid,
+    /// Straight cut.
+    Feed,
+    /// Clockwise arc, seen with +Z to the right and +X up.
+    Clockwise,
+    /// Counter-clockwise arc.
+    CounterClockwise,
+    /// A wait without motion.
+    Dwell,
+}
+
+/// A piece of motion as it was carried out, in the *program's* coordinates
+/// (radius, without tool offset). Interpreted by the preview, executed by the
+/// control: both report the same.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExecutedMove {
+    /// The block it comes from.
+    pub source: Source,
+    /// Kind of motion.
+    pub kind: MoveKind,
+    /// Start point.
+    pub from: Point,
+    /// End point.
+    pub to: Point,
+    /// Centre of an arc.
+    pub center: Option<Point>,
+    /// Commanded feed of a cut.
+    pub feed: Option<Feed>,
+    /// Machine time when it began, s.
+    pub start_s: f64,
+    /// How long it took, s.
+    pub duration_s: f64,
+}

@@ -1,0 +1,38 @@
+//! What the interpreter needs to know of the world, and what it answers.
+
+use crate::command::Command;
+use crate::memory::{Offsets, Parameters};
+use crate::program::ProgramMemory;
+use crate::units::{PerAxis, Point};
+
+/// The world as the interpreter sees it; implemented by the control and by the
+/// dry run of the preview, so that both run one interpreter.
+pub trait Host {
+    /// Parameters, to be read.
+    fn parameters(&self) -> &Parameters;
+    /// Parameters, to be written back by cycles (051–060).
+    fn parameters_mut(&mut self) -> &mut Parameters;
+    /// Tool offsets.
+    fn offsets(&self) -> &Offsets;
+    /// Stored programs and the external one.
+    fn programs(&self) -> &ProgramMemory;
+    /// Commanded machine position; meaningful when [`Host::settled`].
+    fn machine_position(&self) -> Point;
+    /// Which axes have a reference.
+    fn referenced(&self) -> PerAxis<bool>;
+    /// Whether block skip is on (F4.0).
+    fn block_skip(&self) -> bool;
+    /// Whether every earlier command is finished, FIN included.
+    fn settled(&self) -> bool;
+}
+
+/// One answer of the interpreter.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Step {
+    /// A command to carry out.
+    Command(Box<Command>),
+    /// Nothing can be read until [`Host::settled`].
+    Wait,
+    /// The program has ended; nothing more comes.
+    Ended,
+}

@@ -1,0 +1,47 @@
+//! M functions (manual I-3.3).
+
+use crate::alarm::Alarm;
+use crate::interpreter::block::Context;
+use crate::interpreter::numbers;
+
+/// What an M code is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Function {
+    /// M00.
+    Stop,
+    /// M30.
+    End,
+    /// M98.
+    Call,
+    /// M99.
+    Return,
+    /// Given to the PLC.
+    Output(u8),
+}
+
+/// Sorts an M code; alarm 019 for one that the control does not have.
+pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alarm> {
+    match code {
+        0 => Ok(Function::Stop),
+        30 => Ok(Function::End),
+        98 | 99 if context.mdi => Err(fault(format!(
+            "M{code} calls and returns in programs only, not in MDI"
+        ))),
+        98 => Ok(Function::Call),
+        99 => Ok(Function::Return),
+        3..=5 | 8..=13 | 32 | 33 => Ok(Function::Output(code)),
+        41..=44 if context.parameters.bit(164, 7) && context.parameters.bit(1, 4) => {
+            Ok(Function::Output(code))
+        }
+        41..=44 => Err(fault(format!(
+            "M{code} needs automatic gear change (164.7) and the analog spindle (001.4)"
+        ))),
+        _ => Err(fault(format!(
+            "M{code:02} is not a function of this control"
+        ))),
+    }
+}
+
+fn fault(detail: String) -> Alarm {
+    Alarm::new(numbers::BAD_M).because(detail)
+}

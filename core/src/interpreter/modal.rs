@@ -1,0 +1,46 @@
+//! The modal state of the program language.
+
+use serde::{Deserialize, Serialize};
+
+/// What stays in force from block to block, as the pages show it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Modal {
+    /// Group 01: G00 G01 G02 G03 G32 G33 G34 G90 G92 G94, by number.
+    pub motion: u8,
+    /// Group 02: constant surface speed on (G96) or off (G97).
+    pub surface_speed: bool,
+    /// Group 03: feed per revolution (G99) or per minute (G98).
+    pub feed_per_revolution: bool,
+    /// Group 04: 40, 41 or 42.
+    pub nose_compensation: u8,
+    /// Inch input (G20) or metric (G21).
+    pub inch: bool,
+    /// The feed word in force, in the unit of its group-03 code; zero = none yet.
+    pub feed: f64,
+    /// The S word in force: r/min, m/min or a step number.
+    pub spindle: f64,
+    /// Tool number in force.
+    pub tool: u8,
+    /// Offset number in force.
+    pub offset: u8,
+    /// The last output M code of a block, if any.
+    pub m: Option<u8>,
+}
+
+impl Default for Modal {
+    /// The state at power-on (manual I-3.2, table 3-7).
+    fn default() -> Self {
+        Self {
+            motion: 0,
+            surface_speed: false,
+            feed_per_revolution: false,
+            nose_compensation: 40,
+            inch: false,
+            feed: 0.0,
+            spindle: 0.0,
+            tool: 0,
+            offset: 0,
+            m: None,
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! G28: return to the reference point (manual I-3.2.7).
+//!
+//! ```text
+//!   A ----rapid----> I ----rapid----> R     I intermediate point (X Z U W),
+//!                    ^                ^     in the programmed axes only
+//!          single block stops         lamps light, tool offset cancelled
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::Alarm;
+use crate::command::Action;
+use crate::interpreter::block::Context;
+use crate::interpreter::exact::{Exact, PER_MM};
+use crate::interpreter::numbers;
+use crate::interpreter::plan::Emission;
+use crate::interpreter::positioning;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisWords, Target};
+use crate::units::{Axis, PerAxis, Point};
+
+/// A return under way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Reference {
+    intermediate: Point,
+    reference: Point,
+    axes: PerAxis<bool>,
+    frame: Option<Action>,
+    step: u8,
+}
+
+impl Reference {
+    /// Plans the return of the programmed axes; `None` without any.
+    pub(crate) fn plan(
+        state: &mut State,
+        context: &Context<'_>,
+        axes: &AxisWords,
+        base: Exact,
+    ) -> Result<Option<Self>, Alarm> {
+        if !axes.any() {
+            return Ok(None);
+        }
+        let moved = PerAxis::new(axes.x != Target::None, axes.z != Target::None);
+        for (axis, name) in [(Axis::X, "X"), (Axis::Z, "Z")] {
+            if *moved.get(axis) && !*context.referenced.get(axis) {
+                return Err(Alarm::new(numbers::NOT_REFERENCED).because(format!(
+                    "{name} has no reference point yet: return it by hand first"
+                )));
+            }
+        }
+        let through =
+            positioning::within_stroke(axes.target(base, state.position), context.x_factor)?;
+        let intermediate = state.machine(through);
+        let mut reference = intermediate;
+        let before = (state.zero, state.offset);
+        for (axis, number) in [(Axis::X, 49), (Axis::Z, 50)] {
+            if !*moved.get(axis) {
+                continue;
+            }
+            reference.set(axis, 0);
+            state.offset.set(axis, 0);
+            *state.untravelled.get_mut(axis) = false;
+            if context.parameters.bit(12, 7) {
+                let coordinate = i64::from(context.parameters.value(number)) * (PER_MM / 1000);
+                let factor = if axis == Axis::X { context.x_factor } else { 1 };
+                state.zero.set(axis, -coordinate * factor);
+            }
+        }
+        if state.offset == Exact::default() {
+            state.modal.offset = 0;
+        }
+        state.stand_at(reference);
+        let frame = (before != (state.zero, state.offset)).then(|| Action::Frame {
+            frame: state.frame(),
+            program_zero: None,
+            relative: context.parameters.bit(12, 7) && context.parameters.bit(5, 1),
+        });
+        Ok(Some(Self {
+            intermediate: intermediate.point(),
+            reference: reference.point(),
+            axes: moved,
+            frame,
+            step: 0,
+        }))
+    }
+
+    pub(crate) fn next(&mut self) -> Option<Emission> {
+        let step = self.step;
+        self.step = step.saturating_add(1);
+        match step {
+            0 => Some(Emission::stopping(Action::Rapid {
+                to: self.intermediate,
+            })),
+            1 => Some(Emission::passing(Action::Rapid { to: self.reference })),
+            2 => Some(Emission::passing(Action::Referenced {
+                x: self.axes.x,
+                z: self.axes.z,
+            })),
+            _ => self.frame.take().map(Emission::passing),
+        }
+    }
+
+    pub(crate) fn is_done(&self) -> bool {
+        self.step > 2 && self.frame.is_none()
+    }
+}

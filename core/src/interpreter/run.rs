@@ -1,0 +1,95 @@
+//! Where a run stands in its programs: the next block, the calls under way,
+//! and what is left of the block read last.
+
+use serde::{Deserialize, Serialize};
+
+use crate::command::{Command, ProgramId, Source};
+use crate::interpreter::plan::Plan;
+use crate::interpreter::subprogram::{Call, Flow, Place};
+
+/// One run over programs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Run {
+    /// The next block to read.
+    pub(crate) place: Place,
+    /// Calls under way, the innermost last.
+    pub(crate) calls: Vec<Call>,
+    /// The last N met.
+    pub(crate) sequence: Option<u16>,
+    /// The block read last.
+    pub(crate) source: Option<Source>,
+    /// Its commands not taken yet.
+    pub(crate) plan: Option<Plan>,
+    /// Nothing more is read before everything is finished (after M00).
+    pub(crate) paused: bool,
+    pub(crate) ended: bool,
+}
+
+impl Run {
+    /// A run about to read a block.
+    pub(crate) const fn from(place: Place) -> Self {
+        Self {
+            place,
+            calls: Vec::new(),
+            sequence: None,
+            source: None,
+            plan: None,
+            paused: false,
+            ended: false,
+        }
+    }
+
+    /// A run that is over.
+    pub(crate) const fn over() -> Self {
+        let mut run = Self::from(Place {
+            program: ProgramId::External,
+            block: 0,
+        });
+        run.ended = true;
+        run
+    }
+
+    /// The next command of the block read last; at its end, turns to the
+    /// block that follows.
+    pub(crate) fn take(&mut self) -> Option<Command> {
+        let plan = self.plan.as_mut()?;
+        let command = plan.take();
+        if plan.is_done() {
+            let flow = plan.flow;
+            self.plan = None;
+            self.follow(flow);
+        }
+        command
+    }
+
+    fn follow(&mut self, flow: Flow) {
+        match flow {
+            Flow::Next => self.place.block = self.place.block.saturating_add(1),
+            Flow::Jump(place) => self.place = place,
+            Flow::Call(call) => {
+                self.place = Place {
+                    program: call.program,
+                    block: 0,
+                };
+                self.calls.push(call);
+            }
+            Flow::Again => {
+                if let Some(call) = self.calls.last_mut() {
+                    call.runs = call.runs.saturating_sub(1);
+                    self.place = Place {
+                        program: call.program,
+                        block: 0,
+                    };
+                }
+            }
+            Flow::Return(place) => {
+                self.calls.pop();
+                self.place = place;
+            }
+            Flow::End => {
+                self.calls.clear();
+                self.ended = true;
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! M98 and M99: calls, returns, repetition (manual I-2.3, I-3.3.1.3).
+//!
+//! ```text
+//!   M98 P 0005 1002     main --> O1002 --> ... four levels
+//!         |    |             5 times
+//!         |    +- program    M99: back behind the call; M99 P n: to block N n
+//!         +------ count      of the caller; in the main program: from the start
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::Alarm;
+use crate::command::ProgramId;
+use crate::interpreter::block::Context;
+use crate::interpreter::numbers;
+
+/// Levels of calls.
+const LEVELS: usize = 4;
+
+/// Where the next block is read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Place {
+    pub(crate) program: ProgramId,
+    /// Index of the block, from 0.
+    pub(crate) block: u32,
+}
+
+/// A call under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Call {
+    /// The program called.
+    pub(crate) program: ProgramId,
+    /// How many runs are left, the present one included.
+    pub(crate) runs: u16,
+    /// The block after the call.
+    pub(crate) back: Place,
+}
+
+/// What follows a block.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Flow {
+    /// The next line.
+    #[default]
+    Next,
+    /// Another place; calls stay as they are.
+    Jump(Place),
+    /// The next run of the innermost call.
+    Again,
+    /// M98.
+    Call(Call),
+    /// The end of the innermost call, going on here.
+    Return(Place),
+    /// The end of the run.
+    End,
+}
+
+/// M98.
+pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+    let Some(p) = p else {
+        return Err(
+            Alarm::new(numbers::CALL_WITHOUT_P).because("M98 needs P with the program number")
+        );
+    };
+    if context.calls.len() >= LEVELS {
+        return Err(Alarm::new(numbers::CALL_TOO_DEEP).because(format!(
+            "M98 P{p} would be call level {} of {LEVELS}",
+            LEVELS + 1
+        )));
+    }
+    let (count, number) = (p / 10_000, p % 10_000);
+    let runs = u16::try_from(count).unwrap_or(u16::MAX).max(1);
+    let Some(program) = find_program(context, number) else {
+        return Err(Alarm::new(numbers::TARGET_MISSING).because(format!(
+            "M98 P{p}: program O{number:04} is not in the memory"
+        )));
+    };
+    Ok(Flow::Call(Call {
+        program,
+        runs,
+        back: after(context),
+    }))
+}
+
+/// A stored program, or the external one when it has the number.
+fn find_program(context: &Context<'_>, number: i64) -> Option<ProgramId> {
+    let number = u16::try_from(number).ok()?;
+    let stored = ProgramId::Stored(number);
+    if context.programs.get(stored).is_some() {
+        return Some(stored);
+    }
+    let external = context.programs.get(ProgramId::External)?;
+    (external.number() == Some(number)).then_some(ProgramId::External)
+}
+
+/// M99, or the end of a subprogram's text.
+pub(crate) fn back(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+    let Some(call) = context.calls.last() else {
+        return restart(context, p);
+    };
+    if call.runs > 1 {
+        return Ok(Flow::Again);
+    }
+    let Some(n) = p else {
+        return Ok(Flow::Return(call.back));
+    };
+    let block = find_block(context, call.back.program, n)?;
+    Ok(Flow::Return(Place {
+        program: call.back.program,
+        block,
+    }))
+}
+
+/// M99 of the main program.
+fn restart(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+    let program = context.place.program;
+    let block = match p {
+        None => 0,
+        Some(n) => find_block(context, program, n)?,
+    };
+    Ok(Flow::Jump(Place { program, block }))
+}
+
+/// Whether a jump begins the main program anew: it counts a part. A jump
+/// forward (M99 P) does not.
+pub(crate) fn repeats(context: &Context<'_>, flow: Flow) -> bool {
+    match flow {
+        Flow::Jump(place) => place.block <= context.place.block,
+        _ => false,
+    }
+}
+
+fn find_block(context: &Context<'_>, program: ProgramId, n: i64) -> Result<u32, Alarm> {
+    let block = u16::try_from(n).ok().and_then(|n| {
+        let text = context.programs.get(program)?;
+        text.find_sequence_block(n, 0..text.block_count())
+    });
+    block.ok_or_else(|| {
+        Alarm::new(numbers::TARGET_MISSING).because(format!("M99 P{n}: no block N{n:04} there"))
+    })
+}
+
+fn after(context: &Context<'_>) -> Place {
+    Place {
+        program: context.place.program,
+        block: context.place.block.saturating_add(1),
+    }
+}

@@ -1,0 +1,267 @@
+//! Checkable facts of the manual, over a small host.
+
+mod blocks;
+mod cycles;
+mod motion;
+mod preview;
+mod properties;
+mod runs;
+mod spindle_and_tool;
+
+use crate::alarm::Alarm;
+use crate::command::{Action, Command, ProgramId};
+use crate::interpreter::{Host, Interpreter, Step};
+use crate::memory::{Offsets, Parameters, ToolOffset};
+use crate::program::{Program, ProgramMemory};
+use crate::units::{Feed, PerAxis, Point};
+
+/// A control that carries everything out at once.
+pub(super) struct Bench {
+    pub(super) parameters: Parameters,
+    pub(super) offsets: Offsets,
+    pub(super) programs: ProgramMemory,
+    pub(super) machine: Point,
+    pub(super) referenced: PerAxis<bool>,
+    pub(super) block_skip: bool,
+    pub(super) settled: bool,
+    pub(super) interpreter: Interpreter,
+}
+
+struct World<'a> {
+    parameters: &'a mut Parameters,
+    offsets: &'a Offsets,
+    programs: &'a ProgramMemory,
+    machine: Point,
+    referenced: PerAxis<bool>,
+    block_skip: bool,
+    settled: bool,
+}
+
+impl Host for World<'_> {
+    fn parameters(&self) -> &Parameters {
+        self.parameters
+    }
+    fn parameters_mut(&mut self) -> &mut Parameters {
+        self.parameters
+    }
+    fn offsets(&self) -> &Offsets {
+        self.offsets
+    }
+    fn programs(&self) -> &ProgramMemory {
+        self.programs
+    }
+    fn machine_position(&self) -> Point {
+        self.machine
+    }
+    fn referenced(&self) -> PerAxis<bool> {
+        self.referenced
+    }
+    fn block_skip(&self) -> bool {
+        self.block_skip
+    }
+    fn settled(&self) -> bool {
+        self.settled
+    }
+}
+
+impl Bench {
+    /// At X300 Z300 with an analog spindle and offset 01 = X0.040 Z0.020.
+    pub(super) fn new() -> Self {
+        let mut parameters = Parameters::default();
+        parameters.set_bit(1, 4, true).unwrap();
+        let mut offsets = Offsets::default();
+        offsets
+            .set(
+                1,
+                ToolOffset {
+                    x: 0.04,
+                    z: 0.02,
+                    ..ToolOffset::default()
+                },
+            )
+            .unwrap();
+        offsets
+            .set(
+                2,
+                ToolOffset {
+                    x: 0.06,
+                    z: 0.03,
+                    ..ToolOffset::default()
+                },
+            )
+            .unwrap();
+        let interpreter = Interpreter::new(&parameters);
+        Self {
+            parameters,
+            offsets,
+            programs: ProgramMemory::default(),
+            machine: Point::new(150.0, 300.0),
+            referenced: PerAxis::new(true, true),
+            block_skip: false,
+            settled: true,
+            interpreter,
+        }
+    }
+
+    /// At a point given as diameter and Z.
+    pub(super) fn at(x: f64, z: f64) -> Self {
+        Self {
+            machine: Point::new(x / 2.0, z),
+            ..Self::new()
+        }
+    }
+
+    pub(super) fn with_bit(mut self, number: u16, bit: u8, value: bool) -> Self {
+        self.parameters.set_bit(number, bit, value).unwrap();
+        self
+    }
+
+    fn parts(&mut self) -> (&mut Interpreter, World<'_>) {
+        let world = World {
+            parameters: &mut self.parameters,
+            offsets: &self.offsets,
+            programs: &self.programs,
+            machine: self.machine,
+            referenced: self.referenced,
+            block_skip: self.block_skip,
+            settled: self.settled,
+        };
+        (&mut self.interpreter, world)
+    }
+
+    pub(super) fn open(&mut self, text: &str) {
+        self.programs.open_external(Program::new(text));
+        let (interpreter, world) = self.parts();
+        interpreter.start(ProgramId::External, 1, &world);
+    }
+
+    pub(super) fn next(&mut self) -> Result<Step, Alarm> {
+        let (interpreter, mut world) = self.parts();
+        let step = interpreter.next(&mut world)?;
+        if let Step::Command(command) = &step
+            && let Some(to) = target(&command.action)
+        {
+            self.machine = to;
+        }
+        Ok(step)
+    }
+
+    pub(super) fn reset(&mut self) {
+        let (interpreter, world) = self.parts();
+        interpreter.reset(&world);
+    }
+
+    /// All commands of the run under way, at most 10 000, and its alarm.
+    pub(super) fn rest(&mut self) -> (Vec<Command>, Option<Alarm>) {
+        let mut commands = Vec::new();
+        while commands.len() < 10_000 {
+            match self.next() {
+                Ok(Step::Command(command)) => commands.push(*command),
+                Ok(Step::Wait | Step::Ended) => return (commands, None),
+                Err(alarm) => return (commands, Some(alarm)),
+            }
+        }
+        (commands, None)
+    }
+
+    /// Runs a text to its end and writes down what happens.
+    pub(super) fn trace(&mut self, text: &str) -> Vec<String> {
+        self.open(text);
+        let (commands, alarm) = self.rest();
+        let mut lines: Vec<_> = commands
+            .iter()
+            .map(|command| self.describe(command))
+            .collect();
+        if let Some(alarm) = alarm {
+            let line = alarm.source.map_or(0, |source| source.line);
+            lines.push(format!("alarm {:03} line {line}", alarm.number));
+        }
+        lines
+    }
+
+    /// The alarm that a text ends with, and its line.
+    pub(super) fn fault(&mut self, text: &str) -> (u16, u32) {
+        self.open(text);
+        let (_, alarm) = self.rest();
+        let alarm = alarm.unwrap_or_else(|| panic!("no alarm: {text}"));
+        assert!(
+            alarm.detail.is_some(),
+            "alarm {} without a detail",
+            alarm.number
+        );
+        (alarm.number, alarm.source.map_or(0, |source| source.line))
+    }
+
+    /// Absolute position as diameter and Z.
+    pub(super) fn shown(&self) -> (f64, f64) {
+        let point = self.interpreter.position();
+        (point.diameter().0, point.z)
+    }
+
+    /// One command in short: machine positions with X as a diameter, `|` for a
+    /// stop of single block.
+    fn describe(&self, command: &Command) -> String {
+        let xz = |point: Point| format!("X{} Z{}", short(point.x * 2.0), short(point.z));
+        let per = |feed: Feed| match feed {
+            Feed::PerMinute(rate) => format!("F{rate}"),
+            Feed::PerRevolution(rate) => format!("F{rate}/r"),
+        };
+        let text = match &command.action {
+            Action::Rapid { to } => format!("rapid {}", xz(*to)),
+            Action::Line { to, feed } => format!("line {} {}", xz(*to), per(*feed)),
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => {
+                let turn = if *clockwise { "cw" } else { "ccw" };
+                format!("{turn} {} about {} {}", xz(*to), xz(*center), per(*feed))
+            }
+            Action::Dwell { ms } => format!("dwell {ms}"),
+            Action::Referenced { x, z } => format!("referenced {x} {z}"),
+            Action::Frame {
+                frame,
+                program_zero,
+                relative,
+            } => format!(
+                "frame {} offset {}{}{}",
+                xz(frame.zero),
+                xz(frame.offset),
+                if program_zero.is_some() {
+                    " program zero"
+                } else {
+                    ""
+                },
+                if *relative { " relative" } else { "" }
+            ),
+            Action::Miscellaneous { code, timing } => format!("M{code:02} {timing:?}"),
+            Action::Spindle(speed) => format!("{speed:?}"),
+            Action::Tool { tool, offset } => format!("T{tool:02}{offset:02}"),
+            Action::ProgramStop => "stop".into(),
+            Action::End { counts, m30 } => format!("end counts {counts} m30 {m30}"),
+            Action::Repeat => "repeat".into(),
+            Action::Nothing => "nothing".into(),
+        };
+        let stop = if command.stop_point { " |" } else { "" };
+        format!("{}: {text}{stop}", command.source.line)
+    }
+}
+
+fn target(action: &Action) -> Option<Point> {
+    match action {
+        Action::Rapid { to } | Action::Line { to, .. } | Action::Arc { to, .. } => Some(*to),
+        _ => None,
+    }
+}
+
+/// Up to six decimals, without zeros at the end.
+fn short(value: f64) -> String {
+    let text = format!("{value:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".into()
+    } else {
+        text.into()
+    }
+}

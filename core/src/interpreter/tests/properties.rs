@@ -1,0 +1,121 @@
+//! Properties over random programs.
+
+use std::fmt::Write;
+
+use proptest::prelude::*;
+
+use super::{Bench, target};
+use crate::command::Action;
+
+/// Thousandths as a program writes them.
+fn mm(thousandths: i64) -> String {
+    let sign = if thousandths < 0 { "-" } else { "" };
+    let size = thousandths.abs();
+    format!("{sign}{}.{:03}", size / 1000, size % 1000)
+}
+
+fn steps() -> impl Strategy<Value = Vec<(i64, i64, u8)>> {
+    prop::collection::vec((-90_000_i64..90_000, -90_000_i64..90_000, 0_u8..4), 1..60)
+}
+
+proptest! {
+    #[test]
+    fn an_incremental_program_equals_its_absolute_twin(steps in steps()) {
+        let (mut absolute, mut incremental) = (String::from("F100\n"), String::from("F100\n"));
+        let (mut x, mut z) = (0, 0);
+        for (dx, dz, code) in steps {
+            (x, z) = (x + dx, z + dz);
+            let code = code % 2;
+            writeln!(absolute, "G{code} X{} Z{}", mm(x), mm(z)).unwrap();
+            writeln!(incremental, "G{code} U{} W{}", mm(dx), mm(dz)).unwrap();
+        }
+        let run = |text: &str| {
+            let mut bench = Bench::at(0.0, 0.0);
+            bench.open(text);
+            let (commands, alarm) = bench.rest();
+            (commands.into_iter().map(|command| command.action).collect::<Vec<_>>(), alarm, bench.shown())
+        };
+        prop_assert_eq!(run(&absolute), run(&incremental));
+    }
+
+    #[test]
+    fn legal_blocks_end_where_the_words_say(steps in steps(), big in 130_000_i64..9_999_999) {
+        let mut text = String::from("F100\n");
+        let mut ends = Vec::new();
+        let (mut x, mut z) = (0_i64, 0_i64);
+        for (dx, dz, code) in steps {
+            (x, z) = (x + dx, z + dz);
+            let arc = if code >= 2 { format!(" R{}", mm(big)) } else { String::new() };
+            writeln!(text, "G{code} X{} Z{}{arc}", mm(x), mm(z)).unwrap();
+            if code < 2 || (dx, dz) != (0, 0) {
+                ends.push((x as f64 / 2000.0, z as f64 / 1000.0));
+            }
+        }
+        let mut bench = Bench::at(0.0, 0.0);
+        bench.open(&text);
+        let mut at = bench.machine;
+        let (commands, alarm) = bench.rest();
+        prop_assert_eq!(alarm, None);
+        let mut reached = Vec::new();
+        for command in &commands {
+            if let Action::Arc { to, center, .. } = command.action {
+                let (first, last) = ((at - center).length(), (to - center).length());
+                prop_assert!((first - last).abs() < 1e-8 && first.is_finite());
+                prop_assert!((first - big as f64 / 1000.0).abs() < 1e-8);
+            }
+            if let Some(to) = target(&command.action) {
+                at = to;
+                reached.push((to.x, to.z));
+            }
+        }
+        prop_assert_eq!(reached, ends);
+    }
+
+    #[test]
+    fn arcs_by_centre_are_never_nan(
+        x in -99_000_i64..99_000, z in -99_000_i64..99_000,
+        i in -99_000_i64..99_000, k in -99_000_i64..99_000,
+    ) {
+        let mut bench = Bench::at(0.0, 0.0);
+        bench.open(&format!("G02 X{} Z{} I{} K{} F10", mm(x), mm(z), mm(i), mm(k)));
+        let (commands, alarm) = bench.rest();
+        if let Some(alarm) = alarm {
+            prop_assert_eq!(alarm.number, 13);
+        } else if let Action::Arc { to, center, .. } = commands[0].action {
+            prop_assert!(center.length().is_finite());
+            prop_assert!(((to - center).length() - center.length()).abs() <= 0.0021);
+        }
+    }
+
+    #[test]
+    fn any_text_is_a_run_or_an_alarm(text in "[GMSTXZUWRIKFPNO0-9 .;/\n-]{0,120}") {
+        let mut bench = Bench::at(0.0, 0.0);
+        bench.open(&text);
+        let (commands, _) = bench.rest();
+        for command in commands {
+            if let Some(to) = target(&command.action) {
+                prop_assert!(to.length().is_finite());
+            }
+        }
+    }
+
+    #[test]
+    fn a_saved_interpreter_goes_on_alike(steps in steps(), cut in 0_usize..40) {
+        let mut text = String::from("F100\n");
+        for (dx, dz, code) in steps {
+            let motion = if code < 2 { format!("G{code} U{} W{}", mm(dx), mm(dz)) } else { format!("G90 U{} W{}", mm(dx), mm(dz)) };
+            writeln!(text, "{motion}").unwrap();
+        }
+        let mut bench = Bench::at(0.0, 0.0);
+        bench.open(&text);
+        for _ in 0..cut {
+            let _ = bench.next();
+        }
+        let saved = ron::to_string(&bench.interpreter).unwrap();
+        let machine = bench.machine;
+        let (commands, alarm) = bench.rest();
+        bench.interpreter = ron::from_str(&saved).unwrap();
+        bench.machine = machine;
+        prop_assert_eq!(bench.rest(), (commands, alarm));
+    }
+}

@@ -1,0 +1,111 @@
+//! T: tool change and offset (manual I-3.5).
+//!
+//! ```text
+//!   T 01 02      slide = programmed point + offset
+//!     |  |
+//!     |  +-- offset number 00-32, 00 cancels
+//!     +----- tool; left out: only the offset changes
+//! ```
+
+use crate::alarm::Alarm;
+use crate::command::Action;
+use crate::interpreter::block::Context;
+use crate::interpreter::exact::Exact;
+use crate::interpreter::numbers;
+use crate::interpreter::state::State;
+use crate::units::PerAxis;
+
+/// Greatest offset number.
+const LAST_OFFSET: u8 = 32;
+/// Greatest tool number of a post without a turret (084 = 0).
+const LAST_TOOL: u8 = 32;
+
+/// How the offset of a T word comes into force in its block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Execution {
+    /// The coordinates shift; programmed axes travel in the new coordinates.
+    Shift,
+    /// The slide travels the change.
+    Travel,
+    /// Only the tool changes (G04, G02, G03).
+    Not,
+}
+
+/// The parts of a T word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ToolWord {
+    /// `None`: the tool stays.
+    pub(crate) tool: Option<u8>,
+    pub(crate) offset: u8,
+}
+
+impl ToolWord {
+    /// Splits and checks a T word.
+    pub(crate) fn read(value: i64, stations: i32) -> Result<Self, Alarm> {
+        let (tool, offset) = (value / 100, value % 100);
+        let offset = match u8::try_from(offset) {
+            Ok(offset) if offset <= LAST_OFFSET => offset,
+            _ => {
+                return Err(Alarm::new(numbers::BAD_OFFSET).because(format!(
+                    "T{value:04}: offset number {offset} is above {LAST_OFFSET}"
+                )));
+            }
+        };
+        if tool == 0 {
+            return Ok(Self { tool: None, offset });
+        }
+        let gang = stations == 0;
+        let last = if gang {
+            i64::from(LAST_TOOL)
+        } else {
+            i64::from(stations)
+        };
+        match u8::try_from(tool) {
+            Ok(number) if tool <= last => Ok(Self {
+                tool: Some(number),
+                offset,
+            }),
+            _ if gang => Err(Alarm::new(numbers::TOOL_TOO_GREAT)
+                .because(format!("T{value:04}: tool {tool} is above {LAST_TOOL}"))),
+            _ => Err(Alarm::new(numbers::BAD_TOOL).because(format!(
+                "T{value:04}: tool {tool} of {stations} (parameter 084)"
+            ))),
+        }
+    }
+}
+
+/// Puts a T word into force and queues its actions.
+pub(crate) fn select(
+    state: &mut State,
+    context: &Context<'_>,
+    word: ToolWord,
+    execution: Execution,
+    actions: &mut impl Extend<Action>,
+) {
+    let tool = word.tool.unwrap_or(state.modal.tool);
+    (state.modal.tool, state.modal.offset) = (tool, word.offset);
+    actions.extend([Action::Tool {
+        tool,
+        offset: word.offset,
+    }]);
+    let vector = Exact::from_point(context.offsets.vector(word.offset, context.parameters));
+    let changed = vector != state.offset;
+    match execution {
+        Execution::Not => return,
+        Execution::Travel => {
+            state.offset = vector;
+            state.untravelled = PerAxis::new(false, false);
+        }
+        Execution::Shift => {
+            state.shift_offset(vector);
+            state.untravelled = PerAxis::new(true, true);
+        }
+    }
+    if changed {
+        actions.extend([Action::Frame {
+            frame: state.frame(),
+            program_zero: None,
+            relative: false,
+        }]);
+    }
+}

@@ -1,0 +1,192 @@
+//! The words of one block, sorted by what they mean.
+
+use crate::alarm::Alarm;
+use crate::interpreter::exact::Exact;
+use crate::interpreter::numbers;
+use crate::program::Block;
+use crate::units::Axis;
+
+/// Group 00: acts in its own block only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum OneShot {
+    /// G04.
+    Dwell,
+    /// G28.
+    Reference,
+    /// G50.
+    Coordinates,
+}
+
+/// A block's words. Lengths are millionths of a millimetre, `x` and `u` as
+/// written (diameter or radius).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Words {
+    /// Group 00.
+    pub(crate) one_shot: Option<OneShot>,
+    /// Group 01, by number.
+    pub(crate) motion: Option<u8>,
+    /// Group 02: G96 or G97.
+    pub(crate) surface: Option<bool>,
+    /// Group 03: G99 or G98.
+    pub(crate) per_revolution: Option<bool>,
+    pub(crate) m: Option<u8>,
+    pub(crate) s: Option<i64>,
+    pub(crate) t: Option<i64>,
+    pub(crate) f: Option<f64>,
+    pub(crate) p: Option<i64>,
+    pub(crate) x: Option<i64>,
+    pub(crate) u: Option<i64>,
+    pub(crate) z: Option<i64>,
+    pub(crate) w: Option<i64>,
+    pub(crate) r: Option<i64>,
+    pub(crate) i: Option<i64>,
+    pub(crate) k: Option<i64>,
+    /// How many words besides O and N there are.
+    pub(crate) count: u8,
+}
+
+impl Words {
+    /// Sorts the words of a block; alarms 010 and 024.
+    pub(crate) fn of(block: &Block) -> Result<Self, Alarm> {
+        let mut words = Self::default();
+        for word in block.words() {
+            words.count = words.count.saturating_add(1);
+            let value = word.value;
+            match word.address {
+                b'G' => words.take_g(value.integer())?,
+                b'M' => words.m = u8::try_from(value.integer()).ok(),
+                b'S' => words.s = Some(value.integer()),
+                b'T' => words.t = Some(value.integer()),
+                b'P' => words.p = Some(value.integer()),
+                b'F' => words.f = Some(value.mm()),
+                b'X' => words.x = Some(value.millionths()),
+                b'U' => words.u = Some(value.millionths()),
+                b'Z' => words.z = Some(value.millionths()),
+                b'W' => words.w = Some(value.millionths()),
+                b'R' => words.r = Some(value.millionths()),
+                b'I' => words.i = Some(value.millionths()),
+                b'K' => words.k = Some(value.millionths()),
+                _ => {}
+            }
+        }
+        if words.one_shot.is_some() && words.motion.is_some() {
+            return Err(Alarm::new(numbers::G_CONFLICT)
+                .because("a code of group 00 and one of group 01 in one block"));
+        }
+        Ok(words)
+    }
+
+    fn take_g(&mut self, code: i64) -> Result<(), Alarm> {
+        match code {
+            0..=3 | 90 | 94 => self.motion = u8::try_from(code).ok(),
+            4 => self.one_shot = Some(OneShot::Dwell),
+            28 => self.one_shot = Some(OneShot::Reference),
+            50 => self.one_shot = Some(OneShot::Coordinates),
+            40 => {}
+            96 => self.surface = Some(true),
+            97 => self.surface = Some(false),
+            98 => self.per_revolution = Some(false),
+            99 => self.per_revolution = Some(true),
+            _ => {
+                return Err(Alarm::new(numbers::BAD_G)
+                    .because(format!("G{code:02} is not a code of this control")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the block must wait until everything before it is finished.
+    pub(crate) fn waits(&self) -> bool {
+        self.one_shot.is_some()
+            || self.s.is_some()
+            || self.t.is_some()
+            || self.surface.is_some()
+            || match self.m {
+                None => false,
+                // A bare call or return has no effect on the machine.
+                Some(98 | 99) => self.has_axis_words(),
+                Some(_) => true,
+            }
+    }
+
+    /// Whether X, U, Z or W is programmed.
+    pub(crate) const fn has_axis_words(&self) -> bool {
+        self.x.is_some() || self.u.is_some() || self.z.is_some() || self.w.is_some()
+    }
+
+    /// Whether the block has nothing besides O, N and the words of a bare
+    /// M98 or M99: such blocks are no stop of single block.
+    pub(crate) fn bare_call(&self) -> bool {
+        matches!(self.m, Some(98 | 99)) && self.count == 1 + u8::from(self.p.is_some())
+    }
+
+    /// The axis words: X before U, Z before W. X values are multiplied by
+    /// `x_factor`, 2 under radius programming.
+    pub(crate) fn axes(&self, x_factor: i64) -> AxisWords {
+        AxisWords {
+            x: Target::of(self.x, self.u, x_factor),
+            z: Target::of(self.z, self.w, 1),
+        }
+    }
+}
+
+/// What a block says about one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Target {
+    /// Not programmed.
+    #[default]
+    None,
+    /// An end point.
+    Absolute(i64),
+    /// A distance.
+    Increment(i64),
+}
+
+impl Target {
+    fn of(absolute: Option<i64>, increment: Option<i64>, factor: i64) -> Self {
+        match (absolute, increment) {
+            (Some(value), _) => Self::Absolute(value * factor),
+            (None, Some(value)) => Self::Increment(value * factor),
+            (None, None) => Self::None,
+        }
+    }
+
+    /// The end point, with increments counted from `base`.
+    pub(crate) const fn target(self, base: i64) -> Option<i64> {
+        match self {
+            Self::None => None,
+            Self::Absolute(value) => Some(value),
+            Self::Increment(value) => Some(base.saturating_add(value)),
+        }
+    }
+}
+
+/// What a block says about both axes; X as a diameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct AxisWords {
+    pub(crate) x: Target,
+    pub(crate) z: Target,
+}
+
+impl AxisWords {
+    /// Whether any axis is programmed.
+    pub(crate) fn any(&self) -> bool {
+        self.x != Target::None || self.z != Target::None
+    }
+
+    pub(crate) const fn get(&self, axis: Axis) -> Target {
+        match axis {
+            Axis::X => self.x,
+            Axis::Z => self.z,
+        }
+    }
+
+    /// The end point: increments count from `base`, an axis that is not
+    /// programmed stays at `rest`.
+    pub(crate) fn target(&self, base: Exact, rest: Exact) -> Exact {
+        Exact::new(
+            self.x.target(base.x).unwrap_or(rest.x),
+            self.z.target(base.z).unwrap_or(rest.z),
+        )
+    }
+}

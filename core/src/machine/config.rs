@@ -1,0 +1,198 @@
+//! The lathe a user may describe in a file (RON); every field has a default.
+
+use serde::{Deserialize, Serialize};
+
+/// Description of a simulated lathe.
+///
+/// Lengths of X are slide travel on the *diameter* scale of the displays, as they
+/// stand on a machine's plate; all places are machine coordinates, zero = reference
+/// point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LatheConfig {
+    /// Name shown to the user.
+    pub name: String,
+    /// Rear tool post (behind the spindle axis), as the pictures of the manual.
+    pub rear_tool_post: bool,
+    /// Cross slide; lengths in diameter.
+    pub x: AxisConfig,
+    /// Carriage.
+    pub z: AxisConfig,
+    /// Tool post.
+    pub turret: TurretConfig,
+    /// Main spindle.
+    pub spindle: SpindleConfig,
+    /// Chuck and tailstock.
+    pub chuck: ChuckConfig,
+}
+
+impl Default for LatheConfig {
+    /// The training lathe: 4 stations, dogs, limit switches.
+    fn default() -> Self {
+        Self {
+            name: "training lathe".to_owned(),
+            rear_tool_post: true,
+            x: AxisConfig {
+                start: -100.0,
+                limits: Some(LimitSwitches {
+                    minus: -310.0,
+                    plus: 10.0,
+                }),
+                dog: Some(Dog {
+                    from: -60.0,
+                    to: -10.0,
+                }),
+                motor_turn: 20.0,
+                pulse: None,
+            },
+            z: AxisConfig::default(),
+            turret: TurretConfig::default(),
+            spindle: SpindleConfig::default(),
+            chuck: ChuckConfig::default(),
+        }
+    }
+}
+
+impl LatheConfig {
+    /// A lathe without dogs and limit switches, standing at its machine zero: for
+    /// runs whose coordinates have nothing to do with a real machine.
+    pub fn free() -> Self {
+        let unbound = |axis: AxisConfig| AxisConfig {
+            start: 0.0,
+            limits: None,
+            dog: None,
+            ..axis
+        };
+        let lathe = Self::default();
+        Self {
+            name: "lathe without limits".to_owned(),
+            x: unbound(lathe.x),
+            z: unbound(lathe.z),
+            ..lathe
+        }
+    }
+}
+
+/// One slide.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AxisConfig {
+    /// Where the slide stands at the beginning, mm.
+    pub start: f64,
+    /// Limit switches; they open the emergency-stop loop.
+    pub limits: Option<LimitSwitches>,
+    /// Deceleration dog of the reference point.
+    pub dog: Option<Dog>,
+    /// Travel of one motor turn, mm: the zero signal comes once in it, at zero.
+    pub motor_turn: f64,
+    /// Slide travel of one pulse, mm in radius; `None`: set to fit the parameters
+    /// (CMR, CMD, direction) found when the lathe is wired.
+    pub pulse: Option<f64>,
+}
+
+impl Default for AxisConfig {
+    /// The carriage of the training lathe.
+    fn default() -> Self {
+        Self {
+            start: -150.0,
+            limits: Some(LimitSwitches {
+                minus: -505.0,
+                plus: 5.0,
+            }),
+            dog: Some(Dog {
+                from: -30.0,
+                to: -5.0,
+            }),
+            motor_turn: 10.0,
+            pulse: None,
+        }
+    }
+}
+
+/// Where the limit switches trip, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimitSwitches {
+    /// Negative end.
+    pub minus: f64,
+    /// Positive end.
+    pub plus: f64,
+}
+
+/// A stretch on which the deceleration switch is pressed, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dog {
+    /// Its negative end.
+    pub from: f64,
+    /// Its positive end.
+    pub to: f64,
+}
+
+/// The tool post.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TurretConfig {
+    /// Number of stations; `None`: as many as 084 says when the lathe is wired.
+    pub stations: Option<u8>,
+    /// Station in place at the beginning, from 1.
+    pub first: u8,
+    /// Time from station to station, ms.
+    pub station_ms: u32,
+    /// Time TL- needs to clamp, ms.
+    pub clamp_ms: u32,
+    /// Part of a pitch, to either side, in which a station switch is closed.
+    pub window: f64,
+}
+
+impl Default for TurretConfig {
+    fn default() -> Self {
+        Self {
+            stations: None,
+            first: 1,
+            station_ms: 600,
+            clamp_ms: 100,
+            window: 0.08,
+        }
+    }
+}
+
+/// The main spindle with its inverter, gears and encoder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SpindleConfig {
+    /// Speed at 10 V in gears 1–4, r/min; `None`: as 037–040 say when the lathe is
+    /// wired, so that commanded and real speed agree.
+    pub top: Option<[f64; 4]>,
+    /// Speeds of the steps S1–S4 without inverter, r/min.
+    pub steps: [f64; 4],
+    /// Time to come within 1 % of a new speed, ms.
+    pub settle_ms: u32,
+    /// Encoder lines; `None`: as 070 says.
+    pub encoder_lines: Option<u32>,
+}
+
+impl Default for SpindleConfig {
+    fn default() -> Self {
+        Self {
+            top: None,
+            steps: [250.0, 500.0, 1000.0, 2000.0],
+            settle_ms: 500,
+            encoder_lines: None,
+        }
+    }
+}
+
+/// Times of chuck, tailstock and gears.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ChuckConfig {
+    /// From the output to «in position», ms.
+    pub travel_ms: u32,
+}
+
+impl Default for ChuckConfig {
+    fn default() -> Self {
+        Self { travel_ms: 500 }
+    }
+}

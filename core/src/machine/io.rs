@@ -1,0 +1,55 @@
+//! The wires between control and machine.
+
+use serde::{Deserialize, Serialize};
+
+use crate::units::{PerAxis, Pulses};
+
+/// What the machine tells the control.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Contacts: X0–X3 from the machine (1 = closed to +24 V). The control adds
+    /// the panel keys X20–X26 itself.
+    pub x: [u8; 30],
+    /// Zero signal nPC of each axis: the one-turn pulse of its motor, or the
+    /// proximity switch; either edge counts.
+    pub index_pulse: PerAxis<bool>,
+    /// Drive alarm, after the polarity of 009.
+    pub drive_alarm: PerAxis<bool>,
+    /// Drive ready.
+    pub drive_ready: PerAxis<bool>,
+    /// Spindle encoder, four counts a line, absolute since the start.
+    pub encoder: i64,
+    /// Encoder count at its last index pulse (once per encoder turn).
+    pub encoder_index: i64,
+    /// The index pulse came during this tick (DGN.008 bit 2).
+    pub spindle_index: bool,
+    /// Detents of the handwheel since the start, clockwise positive.
+    pub handwheel: i32,
+}
+
+impl Inputs {
+    /// One contact, byte and bit of X.
+    pub const fn contact(&self, byte: usize, bit: u8) -> bool {
+        byte < self.x.len() && self.x[byte] >> (bit & 7) & 1 == 1
+    }
+}
+
+/// What the control tells the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Outputs {
+    /// Outputs: Y0–Y3 to the machine (1 = sink closed), lamps above.
+    pub y: [u8; 20],
+    /// Command pulses, absolute count.
+    pub pulses: PerAxis<Pulses>,
+    /// Analog spindle output SVC, 0…10 V.
+    pub spindle_volts: f64,
+    /// Drive enable nEN.
+    pub enable: PerAxis<bool>,
+}
+
+impl Outputs {
+    /// One output, byte and bit of Y.
+    pub const fn output(&self, byte: usize, bit: u8) -> bool {
+        byte < self.y.len() && self.y[byte] >> (bit & 7) & 1 == 1
+    }
+}

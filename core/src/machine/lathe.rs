@@ -1,0 +1,369 @@
+//! The simulated lathe as a whole.
+
+use gsk_plc::address::{Area, BitAddress};
+use serde::{Deserialize, Serialize};
+
+use super::axis_drive::AxisDrive;
+use super::chuck::{Cylinder, Gearbox};
+use super::config::LatheConfig;
+use super::io::{Inputs, Outputs};
+use super::pins::{self, Pin};
+use super::spindle_drive::{SpindleDemand, SpindleDrive};
+use super::turret::Turret;
+use super::wiring::{SharedPin, Wiring};
+use crate::memory::Parameters;
+use crate::units::{Axis, PerAxis, Point, Pulses};
+
+/// Bytes of X that come from the machine and may be forced.
+const X_BYTES: usize = 30;
+
+/// Something broken, for training.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fault {
+    /// The tool post does not turn.
+    TurretBlocked,
+    /// The tool post's clamp switch never answers.
+    TurretUnclamped,
+    /// The spindle does not turn.
+    SpindleBlocked,
+    /// The encoder gives no counts.
+    EncoderLost,
+    /// Alarm of the X drive.
+    DriveX,
+    /// Alarm of the Z drive.
+    DriveZ,
+    /// Hydraulic or air pressure is low.
+    PressureLow,
+    /// The guard door is open.
+    DoorOpen,
+}
+
+impl Fault {
+    /// Every fault with the name scripts use.
+    pub const ALL: [(&'static str, Self); 8] = [
+        ("turret-blocked", Self::TurretBlocked),
+        ("turret-unclamped", Self::TurretUnclamped),
+        ("spindle-blocked", Self::SpindleBlocked),
+        ("encoder-lost", Self::EncoderLost),
+        ("drive-x", Self::DriveX),
+        ("drive-z", Self::DriveZ),
+        ("pressure-low", Self::PressureLow),
+        ("door-open", Self::DoorOpen),
+    ];
+
+    /// The fault of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, fault)| *fault)
+    }
+}
+
+/// The simulated lathe; plain data.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Lathe {
+    config: LatheConfig,
+    wiring: Wiring,
+    axes: PerAxis<AxisDrive>,
+    turret: Turret,
+    spindle: SpindleDrive,
+    chuck: Cylinder,
+    tailstock: Cylinder,
+    gears: Gearbox,
+    coolant: bool,
+    lubrication: bool,
+    enable: PerAxis<bool>,
+    emergency_button: bool,
+    overtravel_release: bool,
+    turret_unclamped: bool,
+    pressure_low: bool,
+    door_open: bool,
+    drive_alarm: PerAxis<bool>,
+    handwheel: i32,
+    forced: [u8; X_BYTES],
+    forced_to: [u8; X_BYTES],
+}
+
+impl Lathe {
+    /// Builds and wires the lathe to fit the parameters found now.
+    pub fn new(config: LatheConfig, parameters: &Parameters) -> Self {
+        let stations = config.turret.stations.unwrap_or(parameters.stations());
+        let wiring = Wiring::new(parameters, stations);
+        let travel = config.chuck.travel_ms;
+        Self {
+            axes: PerAxis::new(
+                AxisDrive::new(Axis::X, &config.x, parameters),
+                AxisDrive::new(Axis::Z, &config.z, parameters),
+            ),
+            turret: Turret::new(&config.turret, stations),
+            spindle: SpindleDrive::new(&config.spindle, &wiring, parameters),
+            chuck: Cylinder::new(travel),
+            tailstock: Cylinder::new(travel),
+            gears: Gearbox::new(travel),
+            wiring,
+            config,
+            coolant: false,
+            lubrication: false,
+            enable: PerAxis::default(),
+            emergency_button: false,
+            overtravel_release: false,
+            turret_unclamped: false,
+            pressure_low: false,
+            door_open: false,
+            drive_alarm: PerAxis::default(),
+            handwheel: 0,
+            forced: [0; X_BYTES],
+            forced_to: [0; X_BYTES],
+        }
+    }
+
+    /// One millisecond.
+    pub fn tick(&mut self, outputs: &Outputs) -> Inputs {
+        let on = |pin: Pin| outputs.output(usize::from(pin.0), pin.1);
+        self.axes.x.follow(outputs.pulses.x);
+        self.axes.z.follow(outputs.pulses.z);
+        self.enable = outputs.enable;
+        self.turret
+            .tick(on(pins::TURRET_FORWARD), on(pins::TURRET_REVERSE));
+        self.chuck
+            .tick(on(pins::CHUCK_INWARD), on(pins::CHUCK_OUTWARD));
+        self.tailstock
+            .tick(on(pins::TAILSTOCK_OUT), on(pins::TAILSTOCK_BACK));
+        self.coolant = on(pins::COOLANT);
+        self.lubrication = on(pins::LUBRICATION);
+        let step = (1u8..=4)
+            .zip(pins::SPEEDS)
+            .find(|(_, pin)| on(*pin))
+            .map(|(step, _)| step);
+        if self.wiring.gears {
+            self.gears.tick(step);
+        }
+        self.spindle.tick(&SpindleDemand {
+            forward: on(pins::FORWARD),
+            reverse: on(pins::REVERSE),
+            brake: on(pins::BRAKE),
+            volts: outputs.spindle_volts,
+            step,
+            gear: self.gears.gear(),
+        });
+        self.inputs()
+    }
+
+    /// What the contacts and sensors say now.
+    pub fn inputs(&self) -> Inputs {
+        let (encoder, encoder_index, spindle_index) = self.spindle.encoder();
+        let index = |axis: Axis| {
+            let drive = self.axes.get(axis);
+            if *self.wiring.one_switch.get(axis) {
+                drive.on_dog()
+            } else {
+                drive.index()
+            }
+        };
+        Inputs {
+            x: self.contacts(),
+            index_pulse: PerAxis::new(index(Axis::X), index(Axis::Z)),
+            drive_alarm: self.drive_alarm,
+            drive_ready: PerAxis::new(
+                self.enable.x && !self.drive_alarm.x,
+                self.enable.z && !self.drive_alarm.z,
+            ),
+            encoder,
+            encoder_index,
+            spindle_index,
+            handwheel: self.handwheel,
+        }
+    }
+
+    fn contacts(&self) -> [u8; X_BYTES] {
+        let wiring = &self.wiring;
+        let mut x = [0u8; X_BYTES];
+        let mut set = |pin: Pin, level: bool| {
+            let mask = 1 << pin.1;
+            let byte = &mut x[usize::from(pin.0)];
+            *byte = if level { *byte | mask } else { *byte & !mask };
+        };
+        let station = self.turret.station();
+        let station_at = |number| (station == Some(number)) == wiring.in_station;
+        // T01–T04 have their pins to themselves.
+        for (number, pin) in (1u8..=4).zip(pins::STATIONS) {
+            set(pin, station_at(number));
+        }
+        let shared = |pin: SharedPin, number: u8, gear_or_chuck: bool| match pin {
+            SharedPin::Station => station_at(number),
+            SharedPin::Gear => gear_or_chuck == wiring.gear_in,
+            SharedPin::Chuck => gear_or_chuck,
+            SharedPin::Enable => !wiring.gear_in,
+            SharedPin::Closed => true,
+            SharedPin::Open => false,
+        };
+        let in_position = |pin, gear, chuck| match pin {
+            SharedPin::Chuck => chuck,
+            _ => self.gears.in_position(gear),
+        };
+        let (first, second) = (self.chuck.in_first(), self.chuck.in_second());
+        set(pins::STATIONS[4], shared(wiring.x0_4, 5, false));
+        set(pins::STATIONS[5], shared(wiring.x1_0, 6, false));
+        set(
+            pins::STATIONS[6],
+            shared(wiring.x1_1, 7, in_position(wiring.x1_1, 1, second)),
+        );
+        set(
+            pins::STATIONS[7],
+            shared(wiring.x1_2, 8, in_position(wiring.x1_2, 2, first)),
+        );
+        set(pins::DECELERATION_X, self.axes.x.on_dog() == wiring.on_dog);
+        set(pins::DECELERATION_Z, self.axes.z.on_dog() == wiring.on_dog);
+        set(pins::EMERGENCY_STOP, self.emergency_loop_closed());
+        set(
+            pins::TOOL_CLAMPED,
+            match wiring.pressure {
+                Some(good) => self.pressure_low != good,
+                None => (self.turret.clamped() && !self.turret_unclamped) == wiring.tool_clamped,
+            },
+        );
+        set(
+            pins::DOOR,
+            wiring.door.is_some_and(|closed| self.door_open != closed),
+        );
+        for (byte, (mask, value)) in x.iter_mut().zip(self.forced.iter().zip(&self.forced_to)) {
+            *byte = (*byte & !mask) | (value & mask);
+        }
+        x
+    }
+
+    /// The loop of the emergency button and the limit switches, which the release
+    /// button bridges.
+    pub fn emergency_loop_closed(&self) -> bool {
+        !self.emergency_button && (self.overtravel_release || !self.over_limit())
+    }
+
+    /// Whether a limit switch is tripped.
+    pub fn over_limit(&self) -> bool {
+        self.axes.x.over_limit() || self.axes.z.over_limit()
+    }
+
+    /// Holds a machine input at a value; `None` gives it back to its sensor.
+    /// Anything but X0.0–X29.7 is ignored.
+    pub fn force_input(&mut self, address: BitAddress, state: Option<bool>) {
+        let byte = usize::from(address.byte);
+        if address.area != Area::X || byte >= X_BYTES || address.bit > 7 {
+            return;
+        }
+        let mask = 1 << address.bit;
+        self.forced[byte] &= !mask;
+        self.forced_to[byte] &= !mask;
+        if let Some(level) = state {
+            self.forced[byte] |= mask;
+            self.forced_to[byte] |= u8::from(level) << address.bit;
+        }
+    }
+
+    /// Breaks or mends something.
+    pub const fn set_fault(&mut self, fault: Fault, on: bool) {
+        match fault {
+            Fault::TurretBlocked => self.turret.blocked = on,
+            Fault::TurretUnclamped => self.turret_unclamped = on,
+            Fault::SpindleBlocked => self.spindle.blocked = on,
+            Fault::EncoderLost => self.spindle.encoder_lost = on,
+            Fault::DriveX => self.drive_alarm.x = on,
+            Fault::DriveZ => self.drive_alarm.z = on,
+            Fault::PressureLow => self.pressure_low = on,
+            Fault::DoorOpen => self.door_open = on,
+        }
+    }
+
+    /// The emergency button: pressed it stays in (the panel latches it).
+    pub const fn set_emergency_button(&mut self, pressed: bool) {
+        self.emergency_button = pressed;
+    }
+
+    /// The overtravel release button, while it is held.
+    pub const fn set_overtravel_release(&mut self, held: bool) {
+        self.overtravel_release = held;
+    }
+
+    /// Turns the handwheel, detents, clockwise positive.
+    pub const fn turn_handwheel(&mut self, detents: i32) {
+        self.handwheel = self.handwheel.wrapping_add(detents);
+    }
+
+    /// Takes the control's pulse count for the place where the slides stand.
+    pub const fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
+        self.axes.x.stand_at(pulses.x);
+        self.axes.z.stand_at(pulses.z);
+    }
+
+    /// Puts the slides elsewhere, mm from the reference point (X in radius).
+    pub fn put_slides(&mut self, place: Point) {
+        self.axes.x.put(place.x);
+        self.axes.z.put(place.z);
+    }
+
+    /// Lets the spindle turn already (r/min, negative in reverse) until M03 or M04
+    /// takes over.
+    pub const fn turn_spindle(&mut self, rpm: f64) {
+        self.spindle.coast(rpm);
+    }
+
+    /// Its description.
+    pub const fn config(&self) -> &LatheConfig {
+        &self.config
+    }
+
+    /// Where the slides stand, mm from the reference point (X in radius).
+    pub fn slides(&self) -> Point {
+        Point::new(self.axes.x.place(), self.axes.z.place())
+    }
+
+    /// Spindle speed, r/min; negative in reverse.
+    pub const fn spindle_rpm(&self) -> f64 {
+        self.spindle.rpm()
+    }
+
+    /// Spindle angle, degrees from the start, 0…360.
+    pub fn spindle_degrees(&self) -> f64 {
+        let turns = self.spindle.turns();
+        (turns - turns.floor()) * 360.0
+    }
+
+    /// The station in place, from 1; none between stations or without tool post.
+    pub fn station(&self) -> Option<u8> {
+        self.turret.station()
+    }
+
+    /// Whether the tool post is clamped.
+    pub const fn tool_post_clamped(&self) -> bool {
+        self.turret.clamped()
+    }
+
+    /// Whether the chuck holds the part.
+    pub const fn chuck_clamped(&self) -> bool {
+        if self.wiring.outer_chuck {
+            self.chuck.in_second()
+        } else {
+            self.chuck.in_first()
+        }
+    }
+
+    /// Whether the tailstock is forward.
+    pub const fn tailstock_forward(&self) -> bool {
+        self.tailstock.in_first()
+    }
+
+    /// Gear engaged, 1–4.
+    pub const fn gear(&self) -> u8 {
+        self.gears.gear()
+    }
+
+    /// Whether coolant flows.
+    pub const fn coolant(&self) -> bool {
+        self.coolant
+    }
+
+    /// Whether the lubrication pump runs.
+    pub const fn lubrication(&self) -> bool {
+        self.lubrication
+    }
+}

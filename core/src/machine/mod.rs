@@ -1,0 +1,53 @@
+//! What hangs on the control: the contacts, pulses and voltages between them, and
+//! the simulated lathe.
+//!
+//! ```text
+//!                 Outputs: Y contacts, pulses, SVC, drive enable
+//!          Cnc ──────────────────────────────────────────────► Lathe
+//!              ◄──────────────────────────────────────────────
+//!                 Inputs: X contacts, index pulses, drives, encoder, handwheel
+//! ```
+
+mod axis_drive;
+mod chuck;
+mod config;
+mod io;
+mod lathe;
+mod pins;
+mod spindle_drive;
+mod turret;
+mod wiring;
+
+#[cfg(test)]
+mod tests;
+
+use serde::{Deserialize, Serialize};
+
+pub use config::{
+    AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, SpindleConfig, TurretConfig,
+};
+pub use io::{Inputs, Outputs};
+pub use lathe::{Fault, Lathe};
+
+/// What hangs on the control.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Machine {
+    /// The simulated lathe.
+    Simulated(Lathe),
+}
+
+impl Machine {
+    /// One millisecond.
+    pub fn tick(&mut self, outputs: &Outputs) -> Inputs {
+        match self {
+            Self::Simulated(lathe) => lathe.tick(outputs),
+        }
+    }
+
+    /// The simulated lathe, if it is one.
+    pub const fn lathe(&self) -> Option<&Lathe> {
+        match self {
+            Self::Simulated(lathe) => Some(lathe),
+        }
+    }
+}

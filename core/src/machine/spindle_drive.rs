@@ -1,0 +1,155 @@
+//! Inverter, spindle and encoder: the speed follows its command as a first-order
+//! lag; the brake stops it five times as fast.
+
+use serde::{Deserialize, Serialize};
+
+use super::config::SpindleConfig;
+use super::wiring::Wiring;
+use crate::memory::Parameters;
+use crate::units::TICK_S;
+
+/// Below this the spindle stands, and a speed has been reached, r/min.
+const NOTHING: f64 = 0.01;
+
+/// The spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct SpindleDrive {
+    analog: bool,
+    top: [f64; 4],
+    steps: [f64; 4],
+    /// Part of the missing speed made up in a tick, running and braking.
+    lag: f64,
+    braking_lag: f64,
+    /// Encoder counts of one encoder turn, and encoder turns of one spindle turn.
+    counts: i64,
+    encoder_ratio: f64,
+    rpm: f64,
+    /// Spindle turns since the start.
+    turns: f64,
+    /// Speed of a spindle that turns without M03 or M04.
+    coasting: Option<f64>,
+    /// It does not turn (fault).
+    pub blocked: bool,
+    /// The encoder gives nothing (fault).
+    pub encoder_lost: bool,
+    encoder: i64,
+    /// Whole encoder turns, and count at the last index pulse.
+    whole: i64,
+    index: i64,
+    index_now: bool,
+}
+
+/// What drives the spindle in a tick.
+pub(super) struct SpindleDemand {
+    pub forward: bool,
+    pub reverse: bool,
+    pub brake: bool,
+    pub volts: f64,
+    /// Step or gear output that is on, from 1.
+    pub step: Option<u8>,
+    /// Gear engaged, 1–4.
+    pub gear: u8,
+}
+
+impl SpindleDrive {
+    pub fn new(config: &SpindleConfig, wiring: &Wiring, parameters: &Parameters) -> Self {
+        // Within 1 % after the settling time: time constant = settle / ln 100.
+        let lag = |ms: f64| 1.0 - libm::exp(-libm::log(100.0) * 1000.0 * TICK_S / ms.max(1.0));
+        let settle = f64::from(config.settle_ms);
+        let lines = config
+            .encoder_lines
+            .map_or(f64::from(parameters.encoder_lines()), f64::from);
+        Self {
+            analog: wiring.analog,
+            top: config
+                .top
+                .unwrap_or([1, 2, 3, 4].map(|gear| parameters.gear_maximum(gear))),
+            steps: config.steps,
+            lag: lag(settle),
+            braking_lag: lag(settle / 5.0),
+            counts: (4.0 * lines.max(0.0)) as i64,
+            encoder_ratio: 1.0 / parameters.encoder_ratio(),
+            rpm: 0.0,
+            turns: 0.0,
+            coasting: None,
+            blocked: false,
+            encoder_lost: false,
+            encoder: 0,
+            whole: 0,
+            index: 0,
+            index_now: false,
+        }
+    }
+
+    /// Lets the spindle turn already, until M03 or M04 takes over.
+    pub const fn coast(&mut self, rpm: f64) {
+        self.coasting = Some(rpm);
+        self.rpm = rpm;
+    }
+
+    /// Speed, r/min; negative in reverse.
+    pub const fn rpm(&self) -> f64 {
+        self.rpm
+    }
+
+    /// Spindle turns since the start.
+    pub const fn turns(&self) -> f64 {
+        self.turns
+    }
+
+    /// Encoder count, count at the last index pulse, and whether it came just now.
+    pub const fn encoder(&self) -> (i64, i64, bool) {
+        (self.encoder, self.index, self.index_now)
+    }
+
+    fn target(&self, demand: &SpindleDemand) -> f64 {
+        let speed = if self.analog {
+            let gear = usize::from(demand.gear.clamp(1, 4) - 1);
+            demand.volts / 10.0 * self.top[gear]
+        } else {
+            demand
+                .step
+                .map_or(0.0, |step| self.steps[usize::from(step.clamp(1, 4) - 1)])
+        };
+        match (demand.forward, demand.reverse) {
+            (true, false) => speed,
+            (false, true) => -speed,
+            _ => self.coasting.unwrap_or(0.0),
+        }
+    }
+
+    /// One millisecond.
+    pub fn tick(&mut self, demand: &SpindleDemand) {
+        if demand.forward || demand.reverse {
+            self.coasting = None;
+        }
+        let target = if self.blocked || demand.brake {
+            0.0
+        } else {
+            self.target(demand)
+        };
+        let lag = if demand.brake || self.blocked {
+            self.braking_lag
+        } else {
+            self.lag
+        };
+        self.rpm += (target - self.rpm) * lag;
+        if (self.rpm - target).abs() < NOTHING {
+            self.rpm = target;
+        }
+        self.turns += self.rpm / 60.0 * TICK_S;
+        self.index_now = false;
+        if self.encoder_lost {
+            return;
+        }
+        let turns = self.turns * self.encoder_ratio;
+        let whole = turns.floor();
+        let crossed = self.whole.max(whole as i64);
+        self.index_now = self.whole != whole as i64;
+        if self.index_now {
+            self.index = crossed * self.counts;
+        }
+        self.whole = whole as i64;
+        self.encoder = self.whole * self.counts + ((turns - whole) * self.counts as f64) as i64;
+    }
+}

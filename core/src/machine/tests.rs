@@ -1,0 +1,305 @@
+//! The simulated lathe by itself.
+
+use gsk_plc::address::BitAddress;
+
+use super::*;
+use crate::memory::Parameters;
+use crate::units::{PerAxis, Point, Pulses};
+
+fn parameters(changes: &[(u16, i32)]) -> Parameters {
+    let mut parameters = Parameters::default();
+    for (number, value) in changes {
+        parameters.set(*number, *value).unwrap();
+    }
+    parameters
+}
+
+fn lathe(changes: &[(u16, i32)]) -> Lathe {
+    Lathe::new(LatheConfig::default(), &parameters(changes))
+}
+
+fn outputs(on: &[(usize, u8)]) -> Outputs {
+    let mut outputs = Outputs::default();
+    for (byte, bit) in on {
+        outputs.y[*byte] |= 1 << bit;
+    }
+    outputs
+}
+
+/// Ticks until the condition holds; how many it took.
+fn ticks_until(lathe: &mut Lathe, outputs: &Outputs, done: impl Fn(&Lathe) -> bool) -> u32 {
+    for ticks in 1..10_000 {
+        lathe.tick(outputs);
+        if done(lathe) {
+            return ticks;
+        }
+    }
+    panic!("it never happens");
+}
+
+fn address(text: &str) -> BitAddress {
+    text.parse().unwrap()
+}
+
+/// Analog spindle, 10 V = 2000 r/min.
+const ANALOG: [(u16, i32); 2] = [(1, 0b0001_0000), (37, 2000)];
+const TL_FORWARD: (usize, u8) = (1, 6);
+const TL_REVERSE: (usize, u8) = (1, 7);
+const M03: (usize, u8) = (1, 2);
+const M04: (usize, u8) = (0, 4);
+const SPZD: (usize, u8) = (0, 7);
+
+#[test]
+fn at_rest_the_loop_is_closed_and_the_dogs_are_free() {
+    let inputs = lathe(&[]).inputs();
+    assert!(inputs.contact(0, 5), "*ESP");
+    assert!(inputs.contact(0, 3) && inputs.contact(1, 3), "*DEC");
+    // TSGN = 1: the station in place is open, the others closed.
+    assert!(!inputs.contact(1, 6));
+    assert!(inputs.contact(1, 7) && inputs.contact(0, 0) && inputs.contact(0, 1));
+    // TCPS = 0: clamped is open.
+    assert!(!inputs.contact(0, 7));
+}
+
+#[test]
+fn the_turret_turns_a_station_in_600_ms() {
+    let mut lathe = lathe(&[]);
+    let forward = outputs(&[TL_FORWARD]);
+    assert_eq!(
+        ticks_until(&mut lathe, &forward, |l| l.station() == Some(2)),
+        552
+    );
+    assert_eq!(
+        ticks_until(&mut lathe, &forward, |l| l.station() == Some(3)),
+        600
+    );
+    assert_eq!(
+        ticks_until(&mut lathe, &forward, |l| l.station() == Some(4)),
+        600
+    );
+    assert_eq!(
+        ticks_until(&mut lathe, &forward, |l| l.station() == Some(1)),
+        600
+    );
+    assert!(!lathe.inputs().contact(1, 6) && lathe.inputs().contact(0, 7));
+}
+
+#[test]
+fn reverse_seats_and_clamps_in_100_ms() {
+    let mut lathe = lathe(&[]);
+    ticks_until(&mut lathe, &outputs(&[TL_FORWARD]), |l| {
+        l.station() == Some(2)
+    });
+    assert!(!lathe.tool_post_clamped());
+    let reverse = outputs(&[TL_REVERSE]);
+    assert_eq!(
+        ticks_until(&mut lathe, &reverse, Lathe::tool_post_clamped),
+        100
+    );
+    assert_eq!(lathe.station(), Some(2));
+    lathe.tick(&Outputs::default());
+    assert!(lathe.tool_post_clamped() && !lathe.inputs().contact(0, 7));
+}
+
+#[test]
+fn between_stations_reverse_goes_back_to_the_last_seat() {
+    let mut lathe = lathe(&[]);
+    for _ in 0..300 {
+        lathe.tick(&outputs(&[TL_FORWARD]));
+    }
+    assert_eq!(lathe.station(), None);
+    let taken = ticks_until(
+        &mut lathe,
+        &outputs(&[TL_REVERSE]),
+        Lathe::tool_post_clamped,
+    );
+    assert_eq!((taken, lathe.station()), (300, Some(1)));
+}
+
+#[test]
+fn a_blocked_turret_stays_and_a_missing_clamp_switch_never_answers() {
+    let mut lathe = lathe(&[]);
+    lathe.set_fault(Fault::from_name("turret-blocked").unwrap(), true);
+    for _ in 0..2000 {
+        lathe.tick(&outputs(&[TL_FORWARD]));
+    }
+    assert_eq!(lathe.station(), Some(1));
+    lathe.set_fault(Fault::TurretUnclamped, true);
+    for _ in 0..2000 {
+        lathe.tick(&outputs(&[TL_REVERSE]));
+    }
+    assert!(lathe.inputs().contact(0, 7));
+}
+
+#[test]
+fn eight_stations_use_the_shared_pins() {
+    // No gear switches (switched spindle), no enables.
+    let mut lathe = lathe(&[(84, 8)]);
+    ticks_until(&mut lathe, &outputs(&[TL_FORWARD]), |l| {
+        l.station() == Some(7)
+    });
+    let inputs = lathe.inputs();
+    assert!(!inputs.contact(1, 1));
+    assert!(inputs.contact(1, 2) && inputs.contact(0, 4) && inputs.contact(1, 0));
+}
+
+#[test]
+fn the_spindle_is_within_a_percent_after_500_ms() {
+    let mut lathe = lathe(&ANALOG);
+    let mut run = outputs(&[M03]);
+    run.spindle_volts = 5.0;
+    let taken = ticks_until(&mut lathe, &run, |l| l.spindle_rpm() >= 990.0);
+    assert!((499..=500).contains(&taken), "{taken}");
+    ticks_until(&mut lathe, &run, |l| l.spindle_rpm() == 1000.0);
+    let mut reverse = outputs(&[M04]);
+    reverse.spindle_volts = 5.0;
+    ticks_until(&mut lathe, &reverse, |l| l.spindle_rpm() == -1000.0);
+    let brake = outputs(&[SPZD]);
+    assert!(ticks_until(&mut lathe, &brake, |l| l.spindle_rpm() > -10.0) <= 101);
+}
+
+#[test]
+fn the_encoder_counts_four_times_its_lines_and_marks_each_turn() {
+    let mut lathe = lathe(&ANALOG);
+    let mut run = outputs(&[M03]);
+    run.spindle_volts = 3.0;
+    ticks_until(&mut lathe, &run, |l| l.spindle_rpm() == 600.0);
+    let before = lathe.inputs().encoder;
+    let mut marks = 0;
+    for _ in 0..1000 {
+        let inputs = lathe.tick(&run);
+        marks += u32::from(inputs.spindle_index);
+        assert_eq!(inputs.encoder_index % 4096, 0);
+        assert!((0..4096).contains(&(inputs.encoder - inputs.encoder_index)));
+    }
+    assert_eq!(marks, 10);
+    assert!((lathe.inputs().encoder - before - 40_960).abs() <= 1);
+}
+
+#[test]
+fn switched_speeds_and_a_spindle_that_turns_already() {
+    let mut lathe = lathe(&[]);
+    lathe.turn_spindle(300.0);
+    lathe.tick(&Outputs::default());
+    assert_eq!(lathe.spindle_rpm(), 300.0);
+    // M03 with S2.
+    ticks_until(&mut lathe, &outputs(&[M03, (0, 0)]), |l| {
+        l.spindle_rpm() == 500.0
+    });
+    ticks_until(&mut lathe, &Outputs::default(), |l| l.spindle_rpm() == 0.0);
+}
+
+fn drive_to(lathe: &mut Lathe, x: i64, z: i64) -> Inputs {
+    let pulses = PerAxis::new(Pulses(x), Pulses(z));
+    lathe.tick(&Outputs {
+        pulses,
+        ..Outputs::default()
+    })
+}
+
+#[test]
+fn the_slides_follow_the_pulses() {
+    let mut lathe = lathe(&[]);
+    assert_eq!(lathe.slides(), Point::new(-50.0, -150.0));
+    drive_to(&mut lathe, 2000, -1000);
+    assert_eq!(lathe.slides(), Point::new(-49.0, -151.0));
+    // A motor wired the other way round counts down towards plus.
+    let mut reversed = self::lathe(&[(8, 0)]);
+    drive_to(&mut reversed, 2000, -1000);
+    assert_eq!(reversed.slides(), Point::new(-51.0, -149.0));
+}
+
+#[test]
+fn dogs_index_pulse_and_limit_switches() {
+    let mut lathe = lathe(&[]);
+    // Z from -150: dog from -30 to -5, motor turn 10 mm, limit at +5.
+    let dog = |inputs: &Inputs| !inputs.contact(1, 3);
+    assert!(!dog(&drive_to(&mut lathe, 0, 119_999)));
+    assert!(dog(&drive_to(&mut lathe, 0, 120_000)));
+    assert!(dog(&drive_to(&mut lathe, 0, 145_000)));
+    assert!(!dog(&drive_to(&mut lathe, 0, 145_001)));
+    assert!(!drive_to(&mut lathe, 0, 149_999).index_pulse.z);
+    assert!(drive_to(&mut lathe, 0, 150_000).index_pulse.z);
+    assert!(drive_to(&mut lathe, 0, 155_000).contact(0, 5));
+    assert!(!drive_to(&mut lathe, 0, 155_001).contact(0, 5));
+    lathe.set_overtravel_release(true);
+    assert!(lathe.inputs().contact(0, 5));
+    lathe.set_emergency_button(true);
+    assert!(!lathe.inputs().contact(0, 5));
+}
+
+#[test]
+fn the_free_lathe_has_neither_dogs_nor_limits() {
+    let mut lathe = Lathe::new(LatheConfig::free(), &Parameters::default());
+    for place in [-9_999_000, -20_000, 9_999_000] {
+        let inputs = drive_to(&mut lathe, place, place);
+        assert!(inputs.contact(0, 5) && inputs.contact(0, 3) && inputs.contact(1, 3));
+    }
+}
+
+#[test]
+fn inputs_can_be_forced_and_freed() {
+    let mut lathe = lathe(&[]);
+    lathe.force_input(address("X0.5"), Some(false));
+    lathe.force_input(address("X2.3"), Some(true));
+    let inputs = lathe.tick(&Outputs::default());
+    assert!(!inputs.contact(0, 5) && inputs.contact(2, 3));
+    lathe.force_input(address("X0.5"), None);
+    lathe.force_input(address("Y0.0"), Some(true));
+    assert!(lathe.inputs().contact(0, 5) && lathe.inputs().contact(2, 3));
+}
+
+#[test]
+fn chuck_and_gears_answer_after_half_a_second() {
+    // Chuck with in-position switches: SLQP, PB2.
+    let mut lathe = lathe(&[(164, 0b1110_0101), (168, 0b0000_0100)]);
+    let clamp = outputs(&[(0, 6)]);
+    assert_eq!(ticks_until(&mut lathe, &clamp, Lathe::chuck_clamped), 500);
+    assert!(lathe.inputs().contact(1, 2) && !lathe.inputs().contact(1, 1));
+    // Analog spindle with gears, AGIM = 1: in position is open.
+    let mut lathe = self::lathe(&[(1, 0b0001_0000)]);
+    assert!(!lathe.inputs().contact(1, 1) && lathe.inputs().contact(1, 2));
+    let second = outputs(&[(0, 0)]);
+    let in_position = |l: &Lathe| !l.inputs().contact(1, 2);
+    assert!((500..=501).contains(&ticks_until(&mut lathe, &second, in_position)));
+    assert_eq!(lathe.gear(), 2);
+}
+
+#[test]
+fn door_and_pressure_by_their_parameters() {
+    // PB4 and PB3, both closed when well.
+    let mut lathe = lathe(&[(168, 0b1111_0000)]);
+    assert!(lathe.inputs().contact(1, 5) && lathe.inputs().contact(0, 7));
+    lathe.set_fault(Fault::DoorOpen, true);
+    lathe.set_fault(Fault::PressureLow, true);
+    assert!(!lathe.inputs().contact(1, 5) && !lathe.inputs().contact(0, 7));
+}
+
+#[test]
+fn a_machine_file_may_name_only_what_differs() {
+    let text = "(name: \"small\", turret: (stations: Some(6)), z: (start: -20.0, dog: None))";
+    let config: LatheConfig = ron::from_str(text).unwrap();
+    assert_eq!(
+        (config.turret.stations, config.turret.station_ms),
+        (Some(6), 600)
+    );
+    assert_eq!((config.z.start, config.z.dog), (-20.0, None));
+    assert_eq!(config.x, LatheConfig::default().x);
+    assert!(ron::from_str::<LatheConfig>("(stations: 4)").is_err());
+}
+
+#[test]
+fn a_saved_lathe_goes_on_as_it_was() {
+    let mut lathe = lathe(&ANALOG);
+    let mut run = outputs(&[M03, TL_FORWARD]);
+    run.spindle_volts = 7.3;
+    for _ in 0..137 {
+        lathe.tick(&run);
+    }
+    let text = ron::to_string(&lathe).unwrap();
+    let mut restored: Lathe = ron::from_str(&text).unwrap();
+    assert_eq!(restored, lathe);
+    for _ in 0..137 {
+        assert_eq!(restored.tick(&run), lathe.tick(&run));
+    }
+}

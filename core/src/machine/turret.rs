@@ -1,0 +1,88 @@
+//! The tool post: TL+ turns it, TL- seats and clamps it (manual II-2.8.2).
+//!
+//! ```text
+//!  TL+   ▁▁▔▔▔▔▔▔▔▔▔▔▔▔▔▔▔▁▁▁▁▁▁▁▁▁▁▁▁▁
+//!  T02   ▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▔▔▔▔▔▔▔▔▔▔▔▔▔▔▔   0.92…1.08 of a pitch
+//!  TL-   ▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▔▔▔▔▔▔▔▔▔▔▁▁▁
+//!  *TCP  ▔▔▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▁▔▔▔▔▔▔▔▔▔   clamped
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use super::config::TurretConfig;
+
+/// A turning tool post.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Turret {
+    stations: u8,
+    /// Place, in milliseconds of turning; station n stands at (n - 1) · `pitch`.
+    place: u32,
+    pitch: u32,
+    /// Half the width in which a station switch answers, ms of turning.
+    window: u32,
+    clamp_ms: u32,
+    /// How long TL- has pressed against the seat, ms.
+    pressed: u32,
+    clamped: bool,
+    /// It does not turn (fault).
+    pub blocked: bool,
+}
+
+impl Turret {
+    pub fn new(config: &TurretConfig, stations: u8) -> Self {
+        let pitch = config.station_ms.clamp(1, 100_000);
+        let first = u32::from(config.first.clamp(1, stations.max(1)) - 1);
+        let window = (f64::from(pitch) * config.window.clamp(0.0, 0.49)).round();
+        Self {
+            stations,
+            place: first * pitch,
+            pitch,
+            window: window as u32,
+            clamp_ms: config.clamp_ms,
+            pressed: config.clamp_ms,
+            clamped: true,
+            blocked: false,
+        }
+    }
+
+    /// The station whose switch answers, from 1.
+    pub fn station(&self) -> Option<u8> {
+        if self.stations == 0 {
+            return None;
+        }
+        let nearest = (self.place + self.pitch / 2) / self.pitch;
+        let off = self.place.abs_diff(nearest * self.pitch);
+        (off <= self.window).then(|| (nearest % u32::from(self.stations)) as u8 + 1)
+    }
+
+    /// Whether the post is clamped.
+    pub const fn clamped(&self) -> bool {
+        self.clamped
+    }
+
+    /// One millisecond.
+    pub fn tick(&mut self, forward: bool, reverse: bool) {
+        if self.stations == 0 || forward == reverse {
+            return;
+        }
+        if forward {
+            self.clamped = false;
+            self.pressed = 0;
+            if !self.blocked {
+                self.place = (self.place + 1) % (self.pitch * u32::from(self.stations));
+            }
+            return;
+        }
+        // TL- drives the post against the pawl of the station it has reached.
+        let seat = (self.place + self.window) / self.pitch * self.pitch;
+        if self.place != seat && !self.blocked {
+            self.place = if self.place < seat {
+                self.place + 1
+            } else {
+                self.place - 1
+            };
+        }
+        self.pressed = (self.pressed + 1).min(self.clamp_ms);
+        self.clamped = self.place == seat && self.pressed >= self.clamp_ms;
+    }
+}

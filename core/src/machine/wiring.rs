@@ -1,0 +1,106 @@
+//! How the machine builder has wired the contacts: once, by the parameters found
+//! then. A parameter changed later does not rewire the machine.
+
+use serde::{Deserialize, Serialize};
+
+use crate::memory::Parameters;
+use crate::units::PerAxis;
+
+/// What a pin shared by chuck, gears, stations and enable switches carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum SharedPin {
+    /// A station switch.
+    Station,
+    /// The gear's in-position switch.
+    Gear,
+    /// The chuck's in-position switch.
+    Chuck,
+    /// An enable contact, always given.
+    Enable,
+    /// A feed override switch that stands closed (the nibble of 100 %).
+    Closed,
+    /// Nothing.
+    Open,
+}
+
+/// The first that has a claim on a pin.
+fn first<const N: usize>(claims: [(bool, SharedPin); N]) -> SharedPin {
+    claims
+        .into_iter()
+        .find(|(claimed, _)| *claimed)
+        .map_or(SharedPin::Open, |(_, pin)| pin)
+}
+
+/// Polarities and choices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Wiring {
+    /// Contact level of a pressed deceleration switch (004.5 DECI).
+    pub on_dog: bool,
+    /// One switch for deceleration and zero (007.0, 007.1 ZC).
+    pub one_switch: PerAxis<bool>,
+    /// Contact level of a station in place (011.1 TSGN = 0: closed).
+    pub in_station: bool,
+    /// Contact level of the clamped tool post (011.0 TCPS = 1: closed).
+    pub tool_clamped: bool,
+    /// X0.7 carries the pressure switch (168.4 PB3); its level when all is well.
+    pub pressure: Option<bool>,
+    /// X1.5 carries the door switch (168.6 PB4); its level when closed.
+    pub door: Option<bool>,
+    /// Contact level of a gear in position, and of a given enable (164.5 AGIM).
+    pub gear_in: bool,
+    /// What X0.4, X1.0, X1.1 and X1.2 carry.
+    pub x0_4: SharedPin,
+    pub x1_0: SharedPin,
+    pub x1_1: SharedPin,
+    pub x1_2: SharedPin,
+    /// Analog spindle (001.4), and gears by M41–M44 (164.7 AGER).
+    pub analog: bool,
+    pub gears: bool,
+    /// The chuck clamps with DOQPS instead of DOQPJ (168.0 PB1).
+    pub outer_chuck: bool,
+}
+
+impl Wiring {
+    pub fn new(parameters: &Parameters, stations: u8) -> Self {
+        let bit = |number, bit| parameters.bit(number, bit);
+        // Feed override switches (172.0 SOVI), station switches T05–T08, chuck
+        // (168.2 PB2), gears (164.7 AGER, 164.6 AGIN), enables (SPEN, STEN).
+        let switches = bit(172, 0);
+        let many = stations >= 5;
+        let chuck = bit(168, 2);
+        let gears = parameters.analog_spindle() && bit(164, 7);
+        let gear_switches = gears && bit(164, 6);
+        let enable = |function| function && !bit(164, 6);
+        Self {
+            on_dog: bit(4, 5),
+            one_switch: PerAxis::new(bit(7, 0), bit(7, 1)),
+            in_station: !bit(11, 1),
+            tool_clamped: bit(11, 0),
+            pressure: bit(168, 4).then(|| bit(168, 5)),
+            door: bit(168, 6).then(|| bit(168, 7)),
+            gear_in: !bit(164, 5),
+            x0_4: first([
+                (switches, SharedPin::Closed),
+                (enable(bit(164, 3)), SharedPin::Enable),
+                (many, SharedPin::Station),
+            ]),
+            x1_0: first([(switches, SharedPin::Open), (many, SharedPin::Station)]),
+            x1_1: first([
+                (switches, SharedPin::Closed),
+                (chuck, SharedPin::Chuck),
+                (gear_switches, SharedPin::Gear),
+                (many, SharedPin::Station),
+            ]),
+            x1_2: first([
+                (switches, SharedPin::Open),
+                (chuck, SharedPin::Chuck),
+                (gear_switches, SharedPin::Gear),
+                (enable(bit(164, 4)), SharedPin::Enable),
+                (many, SharedPin::Station),
+            ]),
+            analog: parameters.analog_spindle(),
+            gears,
+            outer_chuck: bit(168, 0),
+        }
+    }
+}

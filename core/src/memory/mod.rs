@@ -1,0 +1,12 @@
+//! What the control remembers: parameters, offsets, counters.
+
+mod counters;
+mod named;
+mod offsets;
+mod parameters;
+mod table;
+
+pub use counters::Counters;
+pub use offsets::{OFFSETS, Offsets, ToolOffset};
+pub use parameters::{ParameterError, Parameters};
+pub use table::{Disk, Effective, LAST_PARAMETER, ParameterRow, Range, row, rows};

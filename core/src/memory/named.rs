@@ -1,0 +1,199 @@
+//! Parameters by name and in the units of the inside: mm as radius, mm/min, ms.
+
+use super::Parameters;
+use crate::units::Axis;
+
+impl Parameters {
+    fn per_axis(&self, axis: Axis, x: u16, z: u16) -> i32 {
+        self.value(match axis {
+            Axis::X => x,
+            Axis::Z => z,
+        })
+    }
+
+    /// 001.4: the spindle speed is an analog voltage; otherwise outputs S1–S4.
+    pub fn analog_spindle(&self) -> bool {
+        self.bit(1, 4)
+    }
+
+    /// 001.3: the handwheel key selects the handwheel; otherwise single steps.
+    pub fn handwheel(&self) -> bool {
+        self.bit(1, 3)
+    }
+
+    /// 001.2: X and U words are radii.
+    pub fn radius_programming(&self) -> bool {
+        self.bit(1, 2)
+    }
+
+    /// 002.1: nose radius compensation is fitted.
+    pub fn nose_compensation(&self) -> bool {
+        self.bit(2, 1)
+    }
+
+    /// 003.4: a T word shifts the coordinates; otherwise the tool moves.
+    pub fn offset_by_shift(&self) -> bool {
+        self.bit(3, 4)
+    }
+
+    /// 004.4 ORC: X offsets are radii.
+    pub fn offset_is_radius(&self) -> bool {
+        self.bit(4, 4)
+    }
+
+    /// 004.3 TOC: RESET keeps the offset in force.
+    pub fn reset_keeps_offset(&self) -> bool {
+        self.bit(4, 3)
+    }
+
+    /// 005.4 M30: the cursor goes to the head at once; otherwise at the next start.
+    pub fn m30_rewinds(&self) -> bool {
+        self.bit(5, 4)
+    }
+
+    /// 005.1 PPD: G50 sets the relative coordinates too.
+    pub fn g50_sets_relative(&self) -> bool {
+        self.bit(5, 1)
+    }
+
+    /// 006.5 CM98: undefined M, S and T codes call subprograms.
+    pub fn codes_call_subprograms(&self) -> bool {
+        self.bit(6, 5)
+    }
+
+    /// 007.3 SMZ: every block ends at the start speed.
+    pub fn exact_corners(&self) -> bool {
+        self.bit(7, 3)
+    }
+
+    /// 012.1 EBCL: the end of a block is shown as `*`; otherwise as `;`.
+    pub fn end_of_block_is_star(&self) -> bool {
+        self.bit(12, 1)
+    }
+
+    /// 013.5 POD: numbers need a decimal point.
+    pub fn point_required(&self) -> bool {
+        self.bit(13, 5)
+    }
+
+    /// 013.4 SBKM: G65 blocks stop in single block.
+    pub fn macros_stop(&self) -> bool {
+        self.bit(13, 4)
+    }
+
+    /// 172.4 MOT: the soft limits are checked.
+    pub fn soft_limits_checked(&self) -> bool {
+        !self.bit(172, 4)
+    }
+
+    /// 015/017, 016/018: pulses a least output increment, as multiplier and
+    /// divisor, both at least 1.
+    pub fn gear(&self, axis: Axis) -> (i32, i32) {
+        (
+            self.per_axis(axis, 15, 16).max(1),
+            self.per_axis(axis, 17, 18).max(1),
+        )
+    }
+
+    /// 022, 023: rapid rate of the slide, mm/min.
+    pub fn rapid_rate(&self, axis: Axis) -> f64 {
+        self.per_axis(axis, 22, 23).into()
+    }
+
+    /// 024, 025: time constant of the linear acceleration of rapids, ms.
+    pub fn rapid_time(&self, axis: Axis) -> f64 {
+        self.per_axis(axis, 24, 25).into()
+    }
+
+    /// 026: time constant of X in thread run-outs, ms.
+    pub fn thread_time(&self) -> f64 {
+        self.value(26).into()
+    }
+
+    /// 027: highest cutting feed, mm/min.
+    pub fn feed_limit(&self) -> f64 {
+        self.value(27).into()
+    }
+
+    /// 028: speed at which threads start and end, mm/min.
+    pub fn thread_floor(&self) -> f64 {
+        self.value(28).into()
+    }
+
+    /// 029: time constant of the exponential acceleration of cuts and jogs, ms.
+    pub fn feed_time(&self) -> f64 {
+        self.value(29).into()
+    }
+
+    /// 030: speed at which cuts start and end, mm/min.
+    pub fn feed_floor(&self) -> f64 {
+        self.value(30).into()
+    }
+
+    /// 032: rapid rate at override F0, mm/min.
+    pub fn rapid_lowest(&self) -> f64 {
+        self.value(32).into()
+    }
+
+    /// 033: low rate of the zero return, mm/min.
+    pub fn zero_return_low(&self) -> f64 {
+        self.value(33).into()
+    }
+
+    /// 113: high rate of the zero return, mm/min; X takes half of it.
+    pub fn zero_return_high(&self, axis: Axis) -> f64 {
+        let rate = f64::from(self.value(113));
+        match axis {
+            Axis::X => rate / 2.0,
+            Axis::Z => rate,
+        }
+    }
+
+    /// 034, 035: backlash of the slide, mm.
+    pub fn backlash(&self, axis: Axis) -> f64 {
+        f64::from(self.per_axis(axis, 34, 35)) / 1000.0
+    }
+
+    /// 037–040: spindle speed at 10 V in gear 1–4, r/min; other gears as 1.
+    pub fn gear_maximum(&self, gear: u8) -> f64 {
+        let gear = if (1..=4).contains(&gear) { gear } else { 1 };
+        self.value(36 + u16::from(gear)).into()
+    }
+
+    /// 041: speed at which jogs start and end, mm/min.
+    pub fn jog_floor(&self) -> f64 {
+        self.value(41).into()
+    }
+
+    /// 043: lowest spindle speed in constant surface speed, r/min.
+    pub fn surface_lowest(&self) -> f64 {
+        self.value(43).into()
+    }
+
+    /// 045–048: soft limits as machine coordinates of the slide (X as a radius),
+    /// mm: positive and negative end.
+    pub fn soft_limits(&self, axis: Axis) -> (f64, f64) {
+        let scale = match axis {
+            Axis::X if !self.radius_programming() => 2000.0,
+            Axis::X | Axis::Z => 1000.0,
+        };
+        let positive = self.per_axis(axis, 45, 46);
+        let negative = self.per_axis(axis, 47, 48);
+        (f64::from(positive) / scale, f64::from(negative) / scale)
+    }
+
+    /// 070: lines of the spindle encoder.
+    pub fn encoder_lines(&self) -> i32 {
+        self.value(70)
+    }
+
+    /// 111/110: spindle revolutions in one of the encoder.
+    pub fn encoder_ratio(&self) -> f64 {
+        f64::from(self.value(111).max(1)) / f64::from(self.value(110).max(1))
+    }
+
+    /// 084: tool stations; 0 without a turret.
+    pub fn stations(&self) -> u8 {
+        self.value(84).clamp(0, 32) as u8
+    }
+}

@@ -1,0 +1,184 @@
+//! Tool offsets 000–032 (manual I-3.5, III-2.1.6).
+
+use serde::{Deserialize, Serialize};
+
+use super::Parameters;
+use crate::alarm::Alarm;
+use crate::units::Point;
+
+/// Rows of the offset page, 000 included.
+pub const OFFSETS: usize = 33;
+
+/// Largest X, Z or R of an offset, mm.
+const LIMIT: f64 = 9999.999;
+
+/// One row of the offset page.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ToolOffset {
+    /// X, mm: a diameter, or a radius with 004.4 ORC = 1.
+    pub x: f64,
+    /// Z, mm.
+    pub z: f64,
+    /// Nose radius, mm.
+    pub r: f64,
+    /// Position of the imaginary tool nose, 0–9.
+    pub t: u8,
+}
+
+/// The offset table; row 000 is always zero.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "Vec<ToolOffset>", try_from = "Vec<ToolOffset>")]
+pub struct Offsets {
+    rows: Vec<ToolOffset>,
+}
+
+impl Default for Offsets {
+    fn default() -> Self {
+        Self {
+            rows: vec![ToolOffset::default(); OFFSETS],
+        }
+    }
+}
+
+impl Offsets {
+    /// A row; zero for numbers beyond 032.
+    pub fn get(&self, number: u8) -> ToolOffset {
+        self.rows
+            .get(usize::from(number))
+            .copied()
+            .unwrap_or_default()
+    }
+
+    /// Changes a row; values are rounded to 0.001 mm.
+    ///
+    /// # Errors
+    /// 030 for 000 and numbers beyond 032, 043 for a value out of range.
+    pub fn set(&mut self, number: u8, offset: ToolOffset) -> Result<(), Alarm> {
+        let row = match self.rows.get_mut(usize::from(number)) {
+            Some(row) if number > 0 => row,
+            _ => {
+                let detail = format!("offset number {number:03} is outside 001 to 032");
+                return Err(Alarm::new(30).because(detail));
+            }
+        };
+        *row = checked(offset)?;
+        Ok(())
+    }
+
+    /// The offset as a displacement of the slide (X as a radius), mm.
+    pub fn vector(&self, number: u8, parameters: &Parameters) -> Point {
+        let ToolOffset { x, z, .. } = self.get(number);
+        Point::new(
+            if parameters.offset_is_radius() {
+                x
+            } else {
+                x / 2.0
+            },
+            z,
+        )
+    }
+
+    /// All rows with their numbers.
+    pub fn iter(&self) -> impl Iterator<Item = (u8, &ToolOffset)> {
+        (0..).zip(&self.rows)
+    }
+}
+
+fn checked(offset: ToolOffset) -> Result<ToolOffset, Alarm> {
+    let length = |name: &str, value: f64| {
+        let value = (value * 1000.0).round() / 1000.0;
+        // A negation, so that a value that is no number is refused.
+        if !(-LIMIT..=LIMIT).contains(&value) {
+            let detail = format!("offset {name} {value} is outside ±{LIMIT} mm");
+            return Err(Alarm::new(43).because(detail));
+        }
+        Ok(value + 0.0)
+    };
+    if offset.t > 9 {
+        return Err(Alarm::new(43).because(format!("tool nose {} is outside 0 to 9", offset.t)));
+    }
+    Ok(ToolOffset {
+        x: length("X", offset.x)?,
+        z: length("Z", offset.z)?,
+        r: length("R", offset.r)?,
+        t: offset.t,
+    })
+}
+
+impl From<Offsets> for Vec<ToolOffset> {
+    fn from(offsets: Offsets) -> Self {
+        offsets.rows
+    }
+}
+
+impl TryFrom<Vec<ToolOffset>> for Offsets {
+    type Error = Alarm;
+
+    fn try_from(rows: Vec<ToolOffset>) -> Result<Self, Alarm> {
+        let mut offsets = Self::default();
+        for (number, row) in (0..=u8::MAX).zip(&rows) {
+            if number > 0 || *row != ToolOffset::default() {
+                offsets.set(number, *row)?;
+            }
+        }
+        Ok(offsets)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROW: ToolOffset = ToolOffset {
+        x: 0.04,
+        z: -1.2345,
+        r: 0.8,
+        t: 3,
+    };
+
+    #[test]
+    fn rows_round_to_increments_and_keep_their_limits() {
+        let mut offsets = Offsets::default();
+        offsets.set(32, ROW).unwrap();
+        assert_eq!(offsets.get(32).z, -1.235);
+        assert_eq!(offsets.set(0, ROW).unwrap_err().number, 30);
+        assert_eq!(offsets.set(33, ROW).unwrap_err().number, 30);
+        for bad in [1e4, f64::NAN, f64::INFINITY, -9999.9996] {
+            assert_eq!(
+                offsets
+                    .set(1, ToolOffset { x: bad, ..ROW })
+                    .unwrap_err()
+                    .number,
+                43
+            );
+        }
+        assert_eq!(
+            offsets
+                .set(1, ToolOffset { t: 10, ..ROW })
+                .unwrap_err()
+                .number,
+            43
+        );
+        assert_eq!(offsets.get(1), ToolOffset::default());
+    }
+
+    #[test]
+    fn the_vector_is_a_radius() {
+        let mut offsets = Offsets::default();
+        let mut parameters = Parameters::default();
+        offsets.set(1, ROW).unwrap();
+        assert_eq!(offsets.vector(1, &parameters), Point::new(0.02, -1.235));
+        parameters.set_bit(4, 4, true).unwrap();
+        assert_eq!(offsets.vector(1, &parameters), Point::new(0.04, -1.235));
+        assert_eq!(offsets.vector(0, &parameters), Point::default());
+    }
+
+    #[test]
+    fn stored_rows_are_checked() {
+        let mut offsets = Offsets::default();
+        offsets.set(7, ROW).unwrap();
+        let text = ron::to_string(&offsets).unwrap();
+        assert_eq!(ron::from_str::<Offsets>(&text).unwrap(), offsets);
+        assert!(ron::from_str::<Offsets>("[(x:1.0,z:0.0,r:0.0,t:0)]").is_err());
+    }
+}

@@ -1,0 +1,274 @@
+//! The parameters: one value a number, checked on every write.
+
+use core::fmt;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::table::{self, Disk, Effective, LAST_PARAMETER, Range};
+use crate::alarm::Alarm;
+
+const COUNT: usize = LAST_PARAMETER as usize + 1;
+
+/// State parameters 001–014, 164, 168, 172–185 and data parameters 015–124.
+///
+/// Whoever writes asks first whether writing is allowed (parameter switch, mode,
+/// level); here only numbers and ranges count.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "BTreeMap<u16, i32>", try_from = "BTreeMap<u16, i32>")]
+pub struct Parameters {
+    values: Vec<i32>,
+}
+
+/// Why a parameter was not written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ParameterError {
+    /// There is no such parameter or bit.
+    Unknown {
+        /// Number.
+        number: u16,
+        /// Bit, when one was meant.
+        bit: Option<u8>,
+    },
+    /// The value is outside its range.
+    Range {
+        /// Number.
+        number: u16,
+        /// Value.
+        value: i32,
+        /// What it takes.
+        range: &'static Range,
+    },
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown { number, bit: None } => write!(f, "there is no parameter {number:03}"),
+            Self::Unknown {
+                number,
+                bit: Some(bit),
+            } => {
+                write!(f, "there is no state parameter bit {number:03}.{bit}")
+            }
+            Self::Range {
+                number,
+                value,
+                range,
+            } => {
+                write!(f, "parameter {number:03}: {value} is outside {range}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ParameterError {}
+
+impl From<ParameterError> for Alarm {
+    fn from(error: ParameterError) -> Self {
+        Self::new(43).because(error.to_string())
+    }
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self::factory(Disk::N0)
+    }
+}
+
+impl Parameters {
+    /// The values of an electronic disk as delivered (manual, appendix 2).
+    pub fn factory(disk: Disk) -> Self {
+        let mut values = vec![0; COUNT];
+        for row in table::rows().iter().filter(|row| row.bit.is_none()) {
+            if let Some(value) = values.get_mut(usize::from(row.number)) {
+                *value = row.factory(disk);
+            }
+        }
+        Self { values }
+    }
+
+    /// The value of a parameter, of a state parameter as a byte; 0 for numbers
+    /// that do not exist.
+    #[inline]
+    pub fn value(&self, number: u16) -> i32 {
+        self.values.get(usize::from(number)).copied().unwrap_or(0)
+    }
+
+    /// A state parameter as a byte.
+    #[inline]
+    pub fn byte(&self, number: u16) -> u8 {
+        self.value(number) as u8
+    }
+
+    /// One bit of a state parameter.
+    #[inline]
+    pub fn bit(&self, number: u16, bit: u8) -> bool {
+        bit < 8 && self.value(number) >> bit & 1 != 0
+    }
+
+    /// Writes a parameter.
+    ///
+    /// # Errors
+    /// An unknown number, or a value out of range (alarm 043).
+    pub fn set(&mut self, number: u16, value: i32) -> Result<(), ParameterError> {
+        let unknown = ParameterError::Unknown { number, bit: None };
+        let Some(row) = table::row(number, None) else {
+            return Err(unknown);
+        };
+        // 051, 055 and others are delivered with values below their range; 020
+        // takes more and is put right at power-on.
+        let delivered = row.factory.contains(&value);
+        let debounce = number == DEBOUNCE && (0..=255).contains(&value);
+        if !(row.range.contains(value) || delivered || debounce) {
+            return Err(ParameterError::Range {
+                number,
+                value,
+                range: &row.range,
+            });
+        }
+        let place = self.values.get_mut(usize::from(number)).ok_or(unknown)?;
+        *place = value;
+        Ok(())
+    }
+
+    /// Writes one bit of a state parameter; unused bits too.
+    ///
+    /// # Errors
+    /// A number that is no state parameter, or a bit above 7.
+    pub fn set_bit(&mut self, number: u16, bit: u8, on: bool) -> Result<(), ParameterError> {
+        let state = table::row(number, None).is_some_and(|row| row.state);
+        if !state || bit > 7 {
+            return Err(ParameterError::Unknown {
+                number,
+                bit: Some(bit),
+            });
+        }
+        let rest = self.value(number) & !(1 << bit);
+        self.set(number, rest | i32::from(on) << bit)
+    }
+
+    /// What becomes of the values when the power is switched on: a debounce width
+    /// 020 above 15 becomes 2.
+    pub fn power_on(&mut self) {
+        if self.value(DEBOUNCE) > 15 {
+            // Cannot fail: 2 is in the range of 020.
+            let _ = self.set(DEBOUNCE, 2);
+        }
+    }
+
+    /// Whether going from `before` to these values needs the power to be switched
+    /// off and on (alarm 000).
+    pub fn needs_power_cycle(&self, before: &Self) -> bool {
+        table::rows().iter().any(|row| {
+            row.effective == Effective::AtPowerOn { alarm: true }
+                && match row.bit {
+                    Some(bit) => self.bit(row.number, bit) != before.bit(row.number, bit),
+                    None => self.value(row.number) != before.value(row.number),
+                }
+        })
+    }
+
+    /// Every parameter with its value, by number.
+    pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> {
+        let whole = table::rows().iter().filter(|row| row.bit.is_none());
+        whole.map(|row| (row.number, self.value(row.number)))
+    }
+
+    /// The parameters whose values differ from `other`, with the values here.
+    pub fn changed_from(&self, other: &Self) -> impl Iterator<Item = (u16, i32)> {
+        self.iter()
+            .filter(|&(number, value)| value != other.value(number))
+    }
+}
+
+const DEBOUNCE: u16 = 20;
+
+impl From<Parameters> for BTreeMap<u16, i32> {
+    fn from(parameters: Parameters) -> Self {
+        parameters.iter().collect()
+    }
+}
+
+/// Numbers that are missing have their factory values.
+impl TryFrom<BTreeMap<u16, i32>> for Parameters {
+    type Error = ParameterError;
+
+    fn try_from(values: BTreeMap<u16, i32>) -> Result<Self, ParameterError> {
+        let mut parameters = Self::default();
+        for (number, value) in values {
+            parameters.set(number, value)?;
+        }
+        Ok(parameters)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factory_values() {
+        let parameters = Parameters::default();
+        assert_eq!(parameters.value(23), 7600);
+        assert_eq!(parameters.byte(12), 0b0010_1011);
+        assert!(parameters.bit(3, 4) && !parameters.bit(1, 4));
+        assert_eq!(Parameters::factory(Disk::N2).value(24), 50);
+        assert_eq!(parameters.value(200), 0);
+        assert!(!parameters.bit(12, 8) && !parameters.bit(12, 255));
+    }
+
+    #[test]
+    fn writes_are_checked() {
+        let mut parameters = Parameters::default();
+        parameters.set(51, 4000).unwrap();
+        parameters.set(51, 0).unwrap();
+        let error = parameters.set(22, 15001).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "parameter 022: 15001 is outside 6..15000"
+        );
+        assert_eq!(Alarm::from(error).number, 43);
+        assert!(parameters.set(0, 0).is_err() && parameters.set(125, 0).is_err());
+        assert!(parameters.set(1, 256).is_err());
+        parameters.set_bit(1, 4, true).unwrap();
+        assert_eq!(parameters.byte(1), 0b0001_0000);
+        assert!(parameters.set_bit(22, 0, true).is_err());
+        assert!(parameters.set_bit(1, 8, true).is_err());
+    }
+
+    #[test]
+    fn debounce_is_put_right_at_power_on() {
+        let mut parameters = Parameters::default();
+        parameters.set(20, 16).unwrap();
+        parameters.power_on();
+        assert_eq!(parameters.value(20), 2);
+    }
+
+    #[test]
+    fn what_needs_a_power_cycle() {
+        let before = Parameters::default();
+        let mut parameters = before.clone();
+        parameters.set(22, 4000).unwrap();
+        parameters.set(20, 5).unwrap();
+        assert!(!parameters.needs_power_cycle(&before));
+        parameters.set_bit(11, 6, true).unwrap();
+        assert!(parameters.needs_power_cycle(&before));
+        let changed: Vec<_> = parameters.changed_from(&before).collect();
+        assert_eq!(changed, [(11, 0b1100_0010), (20, 5), (22, 4000)]);
+    }
+
+    #[test]
+    fn stored_values_are_checked() {
+        let mut parameters = Parameters::factory(Disk::N3);
+        parameters.set(84, 8).unwrap();
+        let text = ron::to_string(&parameters).unwrap();
+        assert_eq!(ron::from_str::<Parameters>(&text).unwrap(), parameters);
+        assert_eq!(
+            ron::from_str::<Parameters>("{22:4000}").unwrap().value(22),
+            4000
+        );
+        assert!(ron::from_str::<Parameters>("{22:40000}").is_err());
+        assert!(ron::from_str::<Parameters>("{999:0}").is_err());
+    }
+}

@@ -1,0 +1,250 @@
+//! The parameter table of the manual (appendix 1 and 2), read from
+//! `assets/tables/parameters.tsv`.
+
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+const TABLE: &str = include_str!("../../../assets/tables/parameters.tsv");
+
+/// The highest parameter number.
+pub const LAST_PARAMETER: u16 = 185;
+
+/// The electronic disks that hold sets of factory values (manual III-2.1.10).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Disk {
+    /// Original values of the manufacturer.
+    N0,
+    /// The user's values; as delivered equal to N0.
+    N1,
+    /// Servo drives.
+    N2,
+    /// Stepper drives.
+    N3,
+    /// Both kinds of drives.
+    N4,
+}
+
+/// When a change takes effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effective {
+    /// At the next use of the value.
+    AtOnce,
+    /// When the power is switched on; raises alarm 000 when `alarm` is set.
+    AtPowerOn {
+        /// Whether the change raises alarm 000.
+        alarm: bool,
+    },
+    /// Row of a state parameter: its bits tell.
+    PerBit,
+}
+
+/// The values a parameter takes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// From, to.
+    Span(i32, i32),
+    /// These only.
+    List(Vec<i32>),
+}
+
+impl Range {
+    /// Whether a value is one of them.
+    pub fn contains(&self, value: i32) -> bool {
+        match self {
+            Self::Span(low, high) => (*low..=*high).contains(&value),
+            Self::List(values) => values.contains(&value),
+        }
+    }
+}
+
+impl core::fmt::Display for Range {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Span(low, high) => write!(f, "{low}..{high}"),
+            Self::List(values) => {
+                for (index, value) in values.iter().enumerate() {
+                    let bar = if index == 0 { "" } else { "|" };
+                    write!(f, "{bar}{value}")?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+/// One row: a data parameter, a state parameter as a whole, or one of its bits.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParameterRow {
+    /// Number.
+    pub number: u16,
+    /// Bit, for the bits of state parameters.
+    pub bit: Option<u8>,
+    /// Whether it is a state parameter as a whole, shown as eight binary digits.
+    pub state: bool,
+    /// Abbreviation of the screen; empty where there is none.
+    pub symbol: &'static str,
+    /// Unit; empty where there is none.
+    pub unit: &'static str,
+    /// Values.
+    pub range: Range,
+    /// Values on the disks N0 (and N1), N2, N3, N4.
+    pub factory: [i32; 4],
+    /// When a change takes effect.
+    pub effective: Effective,
+    /// What it means.
+    pub meaning_en: &'static str,
+    /// The line of the parameter page.
+    pub meaning_zh: &'static str,
+    /// What it acts on.
+    pub used_by: &'static str,
+}
+
+impl ParameterRow {
+    /// The value on a disk as delivered.
+    pub const fn factory(&self, disk: Disk) -> i32 {
+        match disk {
+            Disk::N0 | Disk::N1 => self.factory[0],
+            Disk::N2 => self.factory[1],
+            Disk::N3 => self.factory[2],
+            Disk::N4 => self.factory[3],
+        }
+    }
+}
+
+/// All rows by number; a state parameter as a whole stands before its bits, and
+/// these from bit 7 down.
+pub fn rows() -> &'static [ParameterRow] {
+    static ROWS: LazyLock<Vec<ParameterRow>> =
+        LazyLock::new(|| TABLE.lines().skip(1).filter_map(parse_row).collect());
+    &ROWS
+}
+
+/// The row of a parameter (as a whole) or of one of its bits.
+pub fn row(number: u16, bit: Option<u8>) -> Option<&'static ParameterRow> {
+    let rows = rows();
+    let first = rows.partition_point(|row| row.number < number);
+    let same = rows
+        .get(first..)?
+        .iter()
+        .take_while(|row| row.number == number);
+    same.into_iter().find(|row| row.bit == bit)
+}
+
+fn parse_row(line: &'static str) -> Option<ParameterRow> {
+    let mut fields = line
+        .split('\t')
+        .map(|field| if field == "-" { "" } else { field });
+    let number = fields.next()?.parse().ok()?;
+    let bit = fields.next()?;
+    let bit = if bit.is_empty() {
+        None
+    } else {
+        Some(bit.parse().ok()?)
+    };
+    let symbol = fields.next()?;
+    let unit = fields.next()?;
+    let range = fields.next()?;
+    let state = range == "00000000..11111111";
+    let value = |text: &str| {
+        if state {
+            i32::from_str_radix(text, 2)
+        } else {
+            text.parse()
+        }
+    };
+    let range = match range.split_once("..") {
+        Some((low, high)) => Range::Span(value(low).ok()?, value(high).ok()?),
+        None => Range::List(range.split('|').map(value).collect::<Result<_, _>>().ok()?),
+    };
+    let mut factory = [0; 4];
+    for place in &mut factory {
+        *place = value(fields.next()?).ok()?;
+    }
+    let effective = match fields.next()? {
+        "at once" => Effective::AtOnce,
+        "see bits" => Effective::PerBit,
+        // Read at power-on by nature, without an alarm.
+        "at power-on" => Effective::AtPowerOn {
+            alarm: !matches!(number, 20 | 173 | 174),
+        },
+        _ => return None,
+    };
+    Some(ParameterRow {
+        number,
+        bit,
+        state,
+        symbol,
+        unit,
+        range,
+        factory,
+        effective,
+        meaning_en: fields.next()?,
+        meaning_zh: fields.next()?,
+        used_by: fields.next()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_of_the_table_is_a_row() {
+        assert_eq!(rows().len(), TABLE.lines().count() - 1);
+        let key = |row: &ParameterRow| (row.number, row.bit.map_or(0, |bit| 8 - bit));
+        assert!(rows().windows(2).all(|pair| key(&pair[0]) < key(&pair[1])));
+        for row in rows() {
+            assert!(row.number <= LAST_PARAMETER);
+            assert_eq!(
+                row.state || row.bit.is_some(),
+                is_state(row.number),
+                "{row:?}"
+            );
+            assert!(
+                !row.meaning_en.is_empty() && !row.meaning_zh.is_empty(),
+                "{row:?}"
+            );
+        }
+        let whole = |number| row(number, None).is_some();
+        for number in (1..=124).chain([164, 168]).chain(172..=185) {
+            assert!(whole(number), "{number}");
+        }
+        assert!(!whole(0) && !whole(125) && !whole(186));
+    }
+
+    fn is_state(number: u16) -> bool {
+        matches!(number, 1..=14 | 164 | 168 | 172..=185)
+    }
+
+    #[test]
+    fn bits_agree_with_their_parameter() {
+        for row in rows() {
+            let Some(bit) = row.bit else { continue };
+            let whole = super::row(row.number, None).unwrap();
+            for (whole, value) in whole.factory.iter().zip(row.factory) {
+                assert_eq!(whole >> bit & 1, value, "{row:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn known_rows() {
+        assert_eq!(row(22, None).unwrap().factory, [3800, 4000, 2500, 3000]);
+        assert_eq!(
+            row(3, None).unwrap().factory[..2],
+            [0b0011_0000, 0b0001_0000]
+        );
+        assert!(row(44, None).unwrap().range.contains(110));
+        assert!(!row(44, None).unwrap().range.contains(111));
+        assert_eq!(
+            row(10, Some(0)).unwrap().effective,
+            Effective::AtPowerOn { alarm: true }
+        );
+        assert_eq!(
+            row(20, None).unwrap().effective,
+            Effective::AtPowerOn { alarm: false }
+        );
+        assert_eq!(row(12, Some(1)).unwrap().symbol, "EBCL");
+    }
+}

@@ -1,0 +1,352 @@
+//! The interpolator: one position per tick, from whatever motion is under way.
+
+use serde::{Deserialize, Serialize};
+
+use super::jog::{JogRate, ManualAxis};
+use super::limits::MotionLimits;
+use super::path::Path;
+use super::ramp::Ramp;
+use super::rapid::Rapid;
+use crate::units::{Axis, Feed, PerAxis, Point, TICK_S};
+
+/// Rapid override.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RapidOverride {
+    /// The lowest rate itself (032).
+    F0,
+    /// Per cent of the rapid rates.
+    Percent(u8),
+}
+
+impl RapidOverride {
+    /// From per cent, where 0 stands for F0.
+    pub const fn from_percent(percent: u8) -> Self {
+        if percent == 0 {
+            Self::F0
+        } else {
+            Self::Percent(percent)
+        }
+    }
+}
+
+/// The rates of dry run (manual III-5.3.2).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DryRun {
+    /// Rate of cuts, mm/min.
+    pub cutting: f64,
+    /// Rate of rapids, mm/min; `None`: the rapid rates.
+    pub rapid: Option<f64>,
+}
+
+/// What motion depends on besides its command.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MotionInputs {
+    /// Feed override, 0.0…1.5.
+    pub feed_override: f64,
+    /// Rapid override.
+    pub rapid_override: RapidOverride,
+    /// Measured spindle speed, r/min, either sign.
+    pub spindle_rpm: f64,
+    /// Feed hold or interlock: programmed motion decelerates to standstill.
+    pub hold: bool,
+    /// Dry run; switching it goes through standstill.
+    pub dry_run: Option<DryRun>,
+}
+
+impl Default for MotionInputs {
+    /// Overrides at 100 %, spindle standing.
+    fn default() -> Self {
+        Self {
+            feed_override: 1.0,
+            rapid_override: RapidOverride::Percent(100),
+            spindle_rpm: 0.0,
+            hold: false,
+            dry_run: None,
+        }
+    }
+}
+
+/// Programmed motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Motion {
+    None,
+    Rapid(Rapid),
+    Cut { path: Path, ramp: Ramp, feed: Feed },
+}
+
+/// Produces the positions. Machine coordinates, X in radius; plain data.
+///
+/// A block that ends within a tick leaves the rest of that tick. Start the next
+/// block at once and call [`Interpolator::continue_tick`] to use it up in the same
+/// tick; if the next block is started only before the next [`Interpolator::tick`],
+/// that tick makes up for it. Nothing is lost either way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Interpolator {
+    position: Point,
+    /// Where this tick began.
+    tick_start: Point,
+    motion: Motion,
+    manual: PerAxis<ManualAxis>,
+    /// Time left of the tick in which the last block ended, s.
+    carry: f64,
+    stopping: bool,
+    dry: bool,
+}
+
+impl Interpolator {
+    /// At rest.
+    pub fn new(position: Point) -> Self {
+        Self {
+            position,
+            tick_start: position,
+            motion: Motion::None,
+            manual: PerAxis::default(),
+            carry: 0.0,
+            stopping: false,
+            dry: false,
+        }
+    }
+
+    /// Position after the last tick.
+    pub const fn position(&self) -> Point {
+        self.position
+    }
+
+    /// Mean velocity of the last tick, mm/s.
+    pub fn velocity(&self) -> Point {
+        (self.position - self.tick_start) * (1.0 / TICK_S)
+    }
+
+    /// Mean speed of the last tick along the path, mm/min.
+    pub fn speed(&self) -> f64 {
+        self.velocity().length() * 60.0
+    }
+
+    /// Whether an axis has speed.
+    pub fn is_moving(&self) -> bool {
+        let programmed = match &self.motion {
+            Motion::None => false,
+            Motion::Rapid(rapid) => rapid.is_moving(),
+            Motion::Cut { ramp, .. } => ramp.speed > 0.0,
+        };
+        programmed || self.manual.x.is_moving() || self.manual.z.is_moving()
+    }
+
+    /// Whether no programmed motion is under way (manual motion does not count).
+    pub const fn finished(&self) -> bool {
+        matches!(self.motion, Motion::None)
+    }
+
+    /// What the programmed motion has still to go, per axis.
+    pub fn distance_to_go(&self) -> Point {
+        match &self.motion {
+            Motion::None => Point::default(),
+            Motion::Rapid(rapid) => rapid.to() - self.position,
+            Motion::Cut { path, .. } => path.to() - self.position,
+        }
+    }
+
+    /// Where the axes would come to rest if they braked now.
+    pub fn stopping_point(&self, limits: &MotionLimits) -> Point {
+        match &self.motion {
+            Motion::None => {
+                let way = |axis| self.manual.get(axis).braking_way(axis, limits);
+                self.position + Point::new(way(Axis::X), way(Axis::Z))
+            }
+            Motion::Rapid(rapid) => rapid.stopping_point(limits),
+            Motion::Cut { path, ramp, .. } => {
+                path.at(ramp.remaining - limits.cutting_law().braking_distance(ramp.speed))
+            }
+        }
+    }
+
+    /// Begins a rapid.
+    pub fn start_rapid(&mut self, to: Point) {
+        self.begin(Motion::Rapid(Rapid::new(self.position, to)));
+    }
+
+    /// Begins a straight cut.
+    pub fn start_line(&mut self, to: Point, feed: Feed) {
+        self.start_cut(Path::line(self.position, to), feed);
+    }
+
+    /// Begins a circular cut, clockwise as seen with +Z to the right and +X up;
+    /// a full circle when it ends where it starts.
+    pub fn start_arc(&mut self, to: Point, center: Point, clockwise: bool, feed: Feed) {
+        self.start_cut(Path::arc(self.position, to, center, clockwise), feed);
+    }
+
+    fn start_cut(&mut self, path: Path, feed: Feed) {
+        self.begin(Motion::Cut {
+            path,
+            ramp: Ramp::new(path.length()),
+            feed,
+        });
+    }
+
+    fn begin(&mut self, motion: Motion) {
+        self.motion = motion;
+        self.manual = PerAxis::default();
+        self.stopping = false;
+    }
+
+    /// Asks an axis to jog (true = positive), or to stop; effective while no
+    /// programmed motion is under way. To be repeated only on a change.
+    pub const fn set_jog(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
+        self.manual.get_mut(axis).set(command);
+    }
+
+    /// Moves an axis by `distance` mm (a step, or one detent of the handwheel). A
+    /// further one adds to what is still to go.
+    pub fn start_step(&mut self, axis: Axis, distance: f64, rate: JogRate) {
+        let position = self.position.get(axis);
+        self.manual.get_mut(axis).step(position, distance, rate);
+    }
+
+    /// Whether an axis has a step still to go.
+    pub const fn stepping(&self, axis: Axis) -> bool {
+        self.manual.get(axis).stepping()
+    }
+
+    /// Lets the axes decelerate by their laws and drops the rest of the motion.
+    pub const fn decelerate(&mut self) {
+        self.stopping = true;
+        self.manual.x.release();
+        self.manual.z.release();
+    }
+
+    /// Stops at once (emergency stop).
+    pub fn stop_now(&mut self) {
+        *self = Self::new(self.position);
+    }
+
+    /// Drops a motion that stands still.
+    pub fn cancel(&mut self) {
+        self.stop_now();
+    }
+
+    /// Moves the whole motion to another place: position, ends and centre.
+    pub fn translate(&mut self, by: Point) {
+        self.position = self.position + by;
+        self.tick_start = self.tick_start + by;
+        self.manual.x.translate(by.x);
+        self.manual.z.translate(by.z);
+        self.motion = match self.motion {
+            Motion::None => Motion::None,
+            Motion::Rapid(rapid) => Motion::Rapid(rapid.translated(by)),
+            Motion::Cut { path, ramp, feed } => Motion::Cut {
+                path: path.translated(by),
+                ramp,
+                feed,
+            },
+        };
+    }
+
+    /// One millisecond; the new position.
+    pub fn tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
+        self.tick_start = self.position;
+        let time = TICK_S + core::mem::take(&mut self.carry);
+        if self.finished() {
+            self.manual_motion(limits, inputs);
+        } else {
+            self.programmed_motion(limits, inputs, time);
+        }
+        self.position
+    }
+
+    /// Uses what the last block left of this tick for the block started since; the
+    /// new position.
+    pub fn continue_tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
+        if !self.finished() && self.carry > 0.0 {
+            let time = core::mem::take(&mut self.carry);
+            self.programmed_motion(limits, inputs, time);
+        }
+        self.position
+    }
+
+    fn manual_motion(&mut self, limits: &MotionLimits, inputs: &MotionInputs) {
+        self.stopping = false;
+        for axis in [Axis::X, Axis::Z] {
+            if self.manual.get(axis).idle() {
+                continue;
+            }
+            let rapid = rapid_rate(limits, inputs.rapid_override, axis);
+            let at = self.position.get_mut(axis);
+            *at = self
+                .manual
+                .get_mut(axis)
+                .advance(axis, *at, limits, rapid, TICK_S);
+        }
+    }
+
+    fn programmed_motion(&mut self, limits: &MotionLimits, inputs: &MotionInputs, time: f64) {
+        let dry_changes = inputs.dry_run.is_some() != self.dry;
+        let stop = inputs.hold || self.stopping || (dry_changes && self.is_moving());
+        if !stop {
+            self.dry = inputs.dry_run.is_some();
+        }
+        let used = match &mut self.motion {
+            Motion::None => return,
+            Motion::Rapid(rapid) => {
+                let target = |axis| {
+                    if stop {
+                        0.0
+                    } else {
+                        rapid_target(limits, inputs, axis)
+                    }
+                };
+                let target = PerAxis::new(target(Axis::X), target(Axis::Z));
+                let used = rapid.advance(limits, target, time);
+                self.position = rapid.position();
+                rapid.finished().then_some(used)
+            }
+            Motion::Cut { path, ramp, feed } => {
+                let target = if stop {
+                    0.0
+                } else {
+                    cutting_target(limits, inputs, *feed)
+                };
+                let used = ramp.advance(limits.cutting_law(), target, time).used;
+                self.position = path.at(ramp.remaining);
+                ramp.finished().then_some(used)
+            }
+        };
+        if let Some(used) = used {
+            self.motion = Motion::None;
+            self.carry = (time - used).clamp(0.0, TICK_S);
+        }
+        if self.stopping && !self.is_moving() {
+            self.motion = Motion::None;
+            self.carry = 0.0;
+            self.stopping = false;
+        }
+    }
+}
+
+/// Rapid rate of an axis with its override, mm/s.
+fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, axis: Axis) -> f64 {
+    let rate = limits.rapid(axis);
+    match rapid_override {
+        RapidOverride::F0 => limits.lowest_rapid().min(rate),
+        RapidOverride::Percent(percent) => rate * f64::from(percent.min(100)) / 100.0,
+    }
+}
+
+fn rapid_target(limits: &MotionLimits, inputs: &MotionInputs, axis: Axis) -> f64 {
+    match inputs.dry_run {
+        Some(DryRun {
+            rapid: Some(rate), ..
+        }) => (rate / 60.0).min(limits.rapid(axis)),
+        _ => rapid_rate(limits, inputs.rapid_override, axis),
+    }
+}
+
+/// Speed of a cut after override and clamp, mm/s.
+fn cutting_target(limits: &MotionLimits, inputs: &MotionInputs, feed: Feed) -> f64 {
+    let per_minute = match (inputs.dry_run, feed) {
+        (Some(dry_run), _) => dry_run.cutting,
+        (None, Feed::PerMinute(rate)) => rate * inputs.feed_override,
+        (None, Feed::PerRevolution(way)) => way * inputs.spindle_rpm.abs() * inputs.feed_override,
+    };
+    (per_minute / 60.0).min(limits.cutting())
+}

@@ -1,0 +1,150 @@
+//! One axis moved by hand: jog, manual rapid, steps and handwheel (manual III-4,
+//! III-6), and the approach of a zero return.
+
+use serde::{Deserialize, Serialize};
+
+use super::limits::MotionLimits;
+use super::ramp::{Law, Ramp};
+use crate::units::Axis;
+
+/// At which rate an axis is moved by hand.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum JogRate {
+    /// Jog feed, mm/min (X in radius): exponential law, 029 and 041.
+    Feed(f64),
+    /// Manual rapid: rapid rate and law of the axis, with the rapid override.
+    Rapid,
+    /// A rate of its own, mm/min, by the linear law of rapid (zero return 113,
+    /// 033); no override is applied to it.
+    Approach(f64),
+}
+
+impl JogRate {
+    const fn is_linear(self) -> bool {
+        !matches!(self, Self::Feed(_))
+    }
+}
+
+/// One axis in manual motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ManualAxis {
+    /// What is asked for: direction (true = positive) and rate.
+    command: Option<(bool, JogRate)>,
+    /// Where a step or the handwheel is going, mm.
+    goal: Option<(f64, JogRate)>,
+    /// Speed, mm/s, and what it belongs to.
+    speed: f64,
+    positive: bool,
+    linear: bool,
+}
+
+impl ManualAxis {
+    /// Asks for a jog, or for standstill.
+    pub const fn set(&mut self, command: Option<(bool, JogRate)>) {
+        self.command = command;
+    }
+
+    /// Moves the goal of a step or of the handwheel by `distance` mm.
+    pub fn step(&mut self, position: f64, distance: f64, rate: JogRate) {
+        let base = self.goal.map_or(position, |(goal, _)| goal);
+        self.goal = Some((base + distance, rate));
+    }
+
+    /// Whether a step is under way.
+    pub const fn stepping(&self) -> bool {
+        self.goal.is_some()
+    }
+
+    /// Whether nothing moves and nothing is asked for.
+    pub fn idle(&self) -> bool {
+        self.speed <= 0.0 && self.command.is_none() && self.goal.is_none()
+    }
+
+    /// Whether the axis has speed.
+    pub fn is_moving(&self) -> bool {
+        self.speed > 0.0
+    }
+
+    /// Drops what is asked for; the axis decelerates.
+    pub const fn release(&mut self) {
+        self.command = None;
+        self.goal = None;
+    }
+
+    const fn law<'a>(&self, axis: Axis, limits: &'a MotionLimits) -> &'a Law {
+        if self.linear {
+            limits.rapid_law(axis)
+        } else {
+            limits.jog_law()
+        }
+    }
+
+    /// The way to standstill, signed, mm.
+    pub fn braking_way(&self, axis: Axis, limits: &MotionLimits) -> f64 {
+        let way = self.law(axis, limits).braking_distance(self.speed);
+        if self.positive { way } else { -way }
+    }
+
+    /// Shifts a goal along with the coordinates.
+    pub fn translate(&mut self, by: f64) {
+        if let Some((goal, _)) = &mut self.goal {
+            *goal += by;
+        }
+    }
+
+    /// Goes on for `dt` seconds from `position`; the new position. `rapid` is the
+    /// rapid rate with its override, mm/s.
+    pub fn advance(
+        &mut self,
+        axis: Axis,
+        position: f64,
+        limits: &MotionLimits,
+        rapid: f64,
+        dt: f64,
+    ) -> f64 {
+        let wanted = match self.goal {
+            Some((goal, rate)) => Some((goal >= position, rate)),
+            None => self.command,
+        };
+        let fits = |(positive, rate): (bool, JogRate)| {
+            positive == self.positive && rate.is_linear() == self.linear
+        };
+        let mut matches = wanted.is_some_and(fits);
+        // Another direction or law begins at standstill.
+        if let (false, Some((positive, rate))) = (matches, wanted)
+            && self.speed <= 0.0
+        {
+            self.positive = positive;
+            self.linear = rate.is_linear();
+            matches = true;
+        }
+        let target = match wanted {
+            Some((_, rate)) if matches => match rate {
+                JogRate::Feed(rate) => (rate / 60.0).min(limits.rapid(axis)),
+                JogRate::Rapid => rapid,
+                JogRate::Approach(rate) => rate / 60.0,
+            },
+            _ => 0.0,
+        };
+        let rest = match self.goal {
+            Some((goal, _)) if matches => (goal - position).abs(),
+            _ => f64::INFINITY,
+        };
+        let mut ramp = Ramp {
+            speed: self.speed,
+            remaining: rest,
+        };
+        let step = ramp.advance(self.law(axis, limits), target, dt);
+        self.speed = ramp.speed;
+        if ramp.finished()
+            && let Some((goal, _)) = self.goal.take()
+        {
+            return goal;
+        }
+        if self.positive {
+            position + step.moved
+        } else {
+            position - step.moved
+        }
+    }
+}

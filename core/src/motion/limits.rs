@@ -1,0 +1,77 @@
+//! What the parameters allow, in mm and seconds, worked out once.
+
+use serde::{Deserialize, Serialize};
+
+use super::ramp::Law;
+use crate::memory::Parameters;
+use crate::units::{Axis, PerAxis};
+
+/// The lowest start and end speed of the exponential law, mm/min: with 030 or
+/// 041 = 0 the exponential tail would never end.
+const LEAST_LOWEST: f64 = 1.0;
+
+/// Rates and accelerations from the parameters; made anew when one changes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MotionLimits {
+    rapid: PerAxis<f64>,
+    rapid_law: PerAxis<Law>,
+    lowest_rapid: f64,
+    cutting: f64,
+    cutting_law: Law,
+    jog_law: Law,
+}
+
+impl From<&Parameters> for MotionLimits {
+    fn from(parameters: &Parameters) -> Self {
+        let per_second = |rate: f64| rate.max(1.0) / 60.0;
+        let rapid = |axis| per_second(parameters.rapid_rate(axis));
+        let law = |axis| Law::linear(rapid(axis), parameters.rapid_time(axis) / 1000.0);
+        let time = parameters.feed_time() / 1000.0;
+        let lowest = |rate: f64| rate.max(LEAST_LOWEST) / 60.0;
+        Self {
+            rapid: PerAxis::new(rapid(Axis::X), rapid(Axis::Z)),
+            rapid_law: PerAxis::new(law(Axis::X), law(Axis::Z)),
+            lowest_rapid: per_second(parameters.rapid_lowest()),
+            cutting: per_second(parameters.feed_limit()),
+            cutting_law: Law::exponential(time, lowest(parameters.feed_floor())),
+            jog_law: Law::exponential(time, lowest(parameters.jog_floor())),
+        }
+    }
+}
+
+impl MotionLimits {
+    /// Rapid rate of an axis at 100 % (022, 023; X in radius), mm/min.
+    pub const fn rapid_rate(&self, axis: Axis) -> f64 {
+        *self.rapid.get(axis) * 60.0
+    }
+
+    /// Upper limit of cutting feed (027), mm/min.
+    pub const fn cutting_rate(&self) -> f64 {
+        self.cutting * 60.0
+    }
+
+    pub(super) const fn rapid(&self, axis: Axis) -> f64 {
+        *self.rapid.get(axis)
+    }
+
+    pub(super) const fn rapid_law(&self, axis: Axis) -> &Law {
+        self.rapid_law.get(axis)
+    }
+
+    /// F0 (032), mm/s.
+    pub(super) const fn lowest_rapid(&self) -> f64 {
+        self.lowest_rapid
+    }
+
+    pub(super) const fn cutting(&self) -> f64 {
+        self.cutting
+    }
+
+    pub(super) const fn cutting_law(&self) -> &Law {
+        &self.cutting_law
+    }
+
+    pub(super) const fn jog_law(&self) -> &Law {
+        &self.jog_law
+    }
+}

@@ -1,0 +1,62 @@
+//! From commands to one position per millisecond.
+//!
+//! Three laws of speed, all integrated exactly (piecewise in closed form), so that
+//! a block takes the same time however it falls on the ticks:
+//!
+//! Rapid (022/023 rate, 024/025 time to reach it): each axis for itself, at constant
+//! acceleration `a = rate / time`; a short way never reaches the rate.
+//!
+//! ```text
+//!  v │    ┌────────────┐             v │
+//!    │   ╱              ╲              │    ╱╲
+//!    │  ╱                ╲             │   ╱  ╲
+//!    │ ╱                  ╲            │  ╱    ╲
+//!    └──────────────────────► t        └───────────► t
+//!      a     rate 022/023  -a             short way
+//! ```
+//!
+//! Cutting (029 time constant T, 030 lowest speed FL, 027 clamp): speed along the
+//! path; it jumps to FL, approaches the feed F exponentially, and comes down the
+//! same way so that FL is reached exactly at the end point. The braking curve is
+//! `v = FL + rest / T`, met at the time `length / F`.
+//!
+//! ```text
+//!  v │          . - - ──────┐            F (1 - e^(-t/T)) …
+//!    │       .               \
+//!    │     .                  '.
+//!    │    ╱                     ' .      … e^(-t/T)
+//!  FL├───┘                          '──┐
+//!    └───┴──────────────────┴──────────┴─► t
+//!        0              length/F       end
+//! ```
+//!
+//! Jog (029, 041 as lowest speed): the cutting law on one axis without an end
+//! point. Manual rapid: the rapid law on one axis. Changing between the two, or
+//! the direction, goes through standstill (manual PLC «manual rapid selection»).
+//!
+//! ```text
+//!  v │      . ────┐             jog, released: e^(-t/T) down to FL, then 0
+//!    │    .        \
+//!    │   ╱           ' .
+//!  FL├──┘               '┐
+//!    └────────────────────► t
+//! ```
+//!
+//! Feed hold, reset and an override of 0 % bring the speed down by the law in
+//! force; the distance left is kept, so that going on loses no position.
+
+mod duration;
+mod interpolator;
+mod jog;
+mod limits;
+mod path;
+mod ramp;
+mod rapid;
+
+#[cfg(test)]
+mod tests;
+
+pub use duration::{duration, path_length};
+pub use interpolator::{DryRun, Interpolator, MotionInputs, RapidOverride};
+pub use jog::JogRate;
+pub use limits::MotionLimits;

@@ -1,0 +1,298 @@
+//! Speed along one line of travel: two laws, each integrated in closed form.
+
+use serde::{Deserialize, Serialize};
+
+use crate::units::TICK_S;
+
+/// Distance below which a rest counts as nothing, mm.
+const NOTHING: f64 = 1e-12;
+
+/// How a speed changes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Law {
+    /// Constant acceleration, mm/s².
+    Linear { acceleration: f64 },
+    /// Exponential approach.
+    Exponential {
+        /// Time constant, s.
+        time: f64,
+        /// Speed at which motion starts and ends, mm/s.
+        lowest: f64,
+        /// e^(-tick / time), worked out once.
+        tick_decay: f64,
+    },
+}
+
+impl Law {
+    /// Constant acceleration that reaches `rate` (mm/s) in `time` seconds.
+    pub fn linear(rate: f64, time: f64) -> Self {
+        Self::Linear {
+            acceleration: (rate / time.max(TICK_S)).max(1e-3),
+        }
+    }
+
+    /// Exponential law; a time constant of zero means steps of speed.
+    pub fn exponential(time: f64, lowest: f64) -> Self {
+        let tick_decay = if time > 0.0 {
+            libm::exp(-TICK_S / time)
+        } else {
+            0.0
+        };
+        Self::Exponential {
+            time,
+            lowest,
+            tick_decay,
+        }
+    }
+
+    /// The way from `speed` to standstill, mm.
+    pub fn braking_distance(&self, speed: f64) -> f64 {
+        match *self {
+            Self::Linear { acceleration } => speed * speed / (2.0 * acceleration),
+            Self::Exponential { time, lowest, .. } => time * (speed - lowest).max(0.0),
+        }
+    }
+
+    /// The time of a whole move of `length` mm at the target speed `rate`, s.
+    pub fn duration(&self, length: f64, rate: f64) -> f64 {
+        if length <= NOTHING {
+            return 0.0;
+        }
+        if rate <= 0.0 {
+            return f64::INFINITY;
+        }
+        match *self {
+            Self::Linear { acceleration } => {
+                if length * acceleration >= rate * rate {
+                    length / rate + rate / acceleration
+                } else {
+                    2.0 * (length / acceleration).sqrt()
+                }
+            }
+            Self::Exponential { time, lowest, .. } => {
+                let until_braking = length / rate;
+                if time <= 0.0 || lowest >= rate {
+                    return until_braking;
+                }
+                let peak = rate - (rate - lowest) * libm::exp(-until_braking / time);
+                until_braking + time * libm::log(peak / lowest)
+            }
+        }
+    }
+}
+
+/// What one advance did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Advance {
+    /// Way travelled, mm.
+    pub moved: f64,
+    /// Time it took, s: less than offered only when the end was reached.
+    pub used: f64,
+}
+
+/// A speed and the way still to go; the way is infinite for a jog.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Ramp {
+    /// Speed, mm/s, never negative.
+    pub speed: f64,
+    /// Way to the end, mm; exactly zero at the end.
+    pub remaining: f64,
+}
+
+impl Ramp {
+    /// At rest before a way of `length` mm.
+    pub const fn new(length: f64) -> Self {
+        Self {
+            speed: 0.0,
+            remaining: length,
+        }
+    }
+
+    /// Whether the end is reached.
+    pub fn finished(&self) -> bool {
+        self.remaining <= 0.0
+    }
+
+    /// Goes on for `dt` seconds towards the speed `target`, braking in time for
+    /// the end.
+    pub fn advance(&mut self, law: &Law, target: f64, dt: f64) -> Advance {
+        let target = if target > 0.0 { target } else { 0.0 };
+        let mut step = Advance {
+            moved: 0.0,
+            used: 0.0,
+        };
+        // Each turn of the loop is one phase: change speed, keep it, brake.
+        for _ in 0..8 {
+            let time = dt - step.used;
+            if self.finished() || time <= 1e-15 {
+                break;
+            }
+            let phase = match *law {
+                Law::Linear { acceleration } => self.linear_phase(acceleration, target, time),
+                Law::Exponential {
+                    time: constant,
+                    lowest,
+                    tick_decay,
+                } => self.exponential_phase(constant, lowest, tick_decay, target, time),
+            };
+            step.moved += phase.moved;
+            step.used += phase.used;
+        }
+        if self.remaining <= NOTHING {
+            step.moved += self.remaining;
+            *self = Self::new(0.0);
+        } else {
+            step.used = dt;
+        }
+        step
+    }
+
+    /// Moves on by `moved` in `used` seconds, ending at `speed`.
+    fn take(&mut self, moved: f64, used: f64, speed: f64) -> Advance {
+        let moved = moved.min(self.remaining);
+        self.remaining -= moved;
+        self.speed = speed;
+        Advance { moved, used }
+    }
+
+    /// The rest of the way in `used` seconds.
+    fn arrive(&mut self, used: f64) -> Advance {
+        self.take(self.remaining, used, 0.0)
+    }
+
+    /// At a constant speed until the end, a point `room` ahead, or the time is up.
+    fn cruise(&mut self, room: f64, time: f64) -> Advance {
+        let until = room / self.speed;
+        if until > time {
+            return self.take(self.speed * time, time, self.speed);
+        }
+        if room >= self.remaining {
+            return self.arrive(until);
+        }
+        self.take(room, until, self.speed)
+    }
+
+    fn linear_phase(&mut self, acceleration: f64, target: f64, time: f64) -> Advance {
+        let speed = self.speed;
+        let braking = speed * speed / (2.0 * acceleration);
+        if speed > 0.0 && self.remaining <= braking * (1.0 + 1e-9) {
+            // On the braking curve: the rate that ends exactly at the end point.
+            let until_end = 2.0 * self.remaining / speed;
+            if until_end <= time {
+                return self.arrive(until_end);
+            }
+            let end_speed = speed * (1.0 - time / until_end);
+            return self.take((speed + end_speed) / 2.0 * time, time, end_speed);
+        }
+        if speed > target {
+            let span = ((speed - target) / acceleration).min(time);
+            let end_speed = if span < time {
+                target
+            } else {
+                speed - acceleration * span
+            };
+            return self.take(
+                (speed + end_speed) / 2.0 * span,
+                span,
+                end_speed.max(target),
+            );
+        }
+        if speed < target {
+            let peak = (acceleration * self.remaining + speed * speed / 2.0)
+                .sqrt()
+                .min(target);
+            let whole = (peak - speed) / acceleration;
+            let (span, end_speed) = if whole <= time {
+                (whole, peak)
+            } else {
+                (time, speed + acceleration * time)
+            };
+            return self.take((speed + end_speed) / 2.0 * span, span, end_speed);
+        }
+        if speed <= 0.0 {
+            return Advance {
+                moved: 0.0,
+                used: time,
+            };
+        }
+        self.cruise(self.remaining - braking, time)
+    }
+
+    fn exponential_phase(
+        &mut self,
+        constant: f64,
+        lowest: f64,
+        tick_decay: f64,
+        target: f64,
+        time: f64,
+    ) -> Advance {
+        // Below the lowest speed, and without a time constant, speed follows at once.
+        self.speed = self.speed.max(lowest.min(target));
+        if constant <= 0.0 || (self.speed <= lowest && target <= lowest) {
+            self.speed = target;
+            if target <= 0.0 {
+                return Advance {
+                    moved: 0.0,
+                    used: time,
+                };
+            }
+            return self.cruise(self.remaining, time);
+        }
+        let speed = self.speed;
+        let room = self.remaining - constant * (speed - lowest);
+        if speed > lowest && room <= 1e-9 * constant * speed {
+            return self.brake_exponentially(constant, lowest, tick_decay, time);
+        }
+        // Until the braking curve is met: the way made good at `target` is `room`.
+        let mut span = if target > 0.0 {
+            (room / target).min(time)
+        } else {
+            time
+        };
+        let mut lands_at = None;
+        if target < lowest {
+            let until_lowest = constant * libm::log((speed - target) / (lowest - target));
+            if until_lowest <= span {
+                span = until_lowest;
+                lands_at = Some(target);
+            }
+        }
+        let end_speed = target + (speed - target) * decay(span, constant, tick_decay);
+        let moved = target * span + constant * (speed - end_speed);
+        self.take(moved, span, lands_at.unwrap_or(end_speed))
+    }
+
+    /// On the braking curve down to the lowest speed at the end point. The time
+    /// constant follows from the way left, so that the end is met even if the
+    /// parameter was changed on the way.
+    fn brake_exponentially(
+        &mut self,
+        constant: f64,
+        lowest: f64,
+        tick_decay: f64,
+        time: f64,
+    ) -> Advance {
+        let speed = self.speed;
+        let own = self.remaining / (speed - lowest);
+        let factor = if (own - constant).abs() <= 1e-6 * constant {
+            decay(time, constant, tick_decay)
+        } else {
+            libm::exp(-time / own)
+        };
+        let end_speed = speed * factor;
+        if end_speed > lowest {
+            let left = own * (end_speed - lowest);
+            return self.take(self.remaining - left, time, end_speed);
+        }
+        self.arrive((own * libm::log(speed / lowest)).min(time))
+    }
+}
+
+/// e^(-span / constant); the value for a whole tick is known.
+fn decay(span: f64, constant: f64, tick_decay: f64) -> f64 {
+    if span == TICK_S {
+        tick_decay
+    } else {
+        libm::exp(-span / constant)
+    }
+}

@@ -1,0 +1,96 @@
+//! Rapid traverse: each axis for itself, both starting together (manual I-3.1.1).
+
+use serde::{Deserialize, Serialize};
+
+use super::limits::MotionLimits;
+use super::ramp::Ramp;
+use crate::units::{Axis, PerAxis, Point};
+
+/// A rapid under way.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Rapid {
+    to: Point,
+    ramps: PerAxis<Ramp>,
+    negative: PerAxis<bool>,
+}
+
+impl Rapid {
+    /// A rapid at rest in `from`.
+    pub fn new(from: Point, to: Point) -> Self {
+        let way = to - from;
+        Self {
+            to,
+            ramps: PerAxis::new(Ramp::new(way.x.abs()), Ramp::new(way.z.abs())),
+            negative: PerAxis::new(way.x < 0.0, way.z < 0.0),
+        }
+    }
+
+    /// End point.
+    pub const fn to(&self) -> Point {
+        self.to
+    }
+
+    /// Whether both axes have arrived.
+    pub fn finished(&self) -> bool {
+        self.ramps.x.finished() && self.ramps.z.finished()
+    }
+
+    /// Whether an axis has speed.
+    pub fn is_moving(&self) -> bool {
+        self.ramps.x.speed > 0.0 || self.ramps.z.speed > 0.0
+    }
+
+    /// Goes on for `dt` seconds towards the given speeds; the time it took.
+    pub fn advance(&mut self, limits: &MotionLimits, target: PerAxis<f64>, dt: f64) -> f64 {
+        let x = self
+            .ramps
+            .x
+            .advance(limits.rapid_law(Axis::X), target.x, dt);
+        let z = self
+            .ramps
+            .z
+            .advance(limits.rapid_law(Axis::Z), target.z, dt);
+        if self.finished() {
+            x.used.max(z.used)
+        } else {
+            dt
+        }
+    }
+
+    /// Where the axes are, as far as `ahead` mm are deducted from each rest.
+    fn point(&self, ahead: PerAxis<f64>) -> Point {
+        let coordinate = |axis| {
+            let rest = (self.ramps.get(axis).remaining - ahead.get(axis)).max(0.0);
+            let signed = if *self.negative.get(axis) {
+                -rest
+            } else {
+                rest
+            };
+            self.to.get(axis) - signed
+        };
+        Point::new(coordinate(Axis::X), coordinate(Axis::Z))
+    }
+
+    /// Where the axes are.
+    pub fn position(&self) -> Point {
+        self.point(PerAxis::new(0.0, 0.0))
+    }
+
+    /// Where they would come to rest if they braked now.
+    pub fn stopping_point(&self, limits: &MotionLimits) -> Point {
+        let way = |axis| {
+            limits
+                .rapid_law(axis)
+                .braking_distance(self.ramps.get(axis).speed)
+        };
+        self.point(PerAxis::new(way(Axis::X), way(Axis::Z)))
+    }
+
+    /// The same rapid elsewhere.
+    pub fn translated(self, by: Point) -> Self {
+        Self {
+            to: self.to + by,
+            ..self
+        }
+    }
+}

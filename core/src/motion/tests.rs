@@ -1,0 +1,511 @@
+//! Properties of the interpolator over random moves, and the laws' own figures.
+
+use proptest::prelude::*;
+
+use super::ramp::{Law, Ramp};
+use super::*;
+use crate::command::MoveKind;
+use crate::memory::Parameters;
+use crate::units::{Axis, Feed, Point, TICK_S};
+
+fn limits() -> MotionLimits {
+    MotionLimits::from(&Parameters::default())
+}
+
+/// Limits from parameters over their whole ranges.
+fn any_limits() -> impl Strategy<Value = MotionLimits> {
+    (
+        (6i32..15_000, 6i32..15_000, 8i32..4000, 8i32..4000),
+        (
+            6i32..15_000,
+            prop_oneof![Just(0), 1i32..400],
+            prop_oneof![Just(0), 1i32..8000],
+        ),
+    )
+        .prop_map(
+            |((rapid_x, rapid_z, time_x, time_z), (top, time, lowest))| {
+                let mut parameters = Parameters::default();
+                let values = [
+                    (22, rapid_x),
+                    (23, rapid_z),
+                    (24, time_x),
+                    (25, time_z),
+                    (27, top),
+                    (29, time),
+                    (30, lowest),
+                ];
+                for (number, value) in values {
+                    parameters.set(number, value).unwrap();
+                }
+                MotionLimits::from(&parameters)
+            },
+        )
+}
+
+/// One random block.
+#[derive(Clone, Copy, Debug)]
+enum Block {
+    Rapid(Point),
+    Line(Point, f64),
+    /// Angle of the centre, radius, angle swept (positive counter-clockwise), feed.
+    Arc(f64, f64, f64, f64),
+}
+
+fn point() -> impl Strategy<Value = Point> {
+    (-40_000i32..40_000, -40_000i32..40_000)
+        .prop_map(|(x, z)| Point::new(f64::from(x) / 2000.0, f64::from(z) / 1000.0))
+}
+
+fn block() -> impl Strategy<Value = Block> {
+    prop_oneof![
+        point().prop_map(Block::Rapid),
+        (point(), 1.0..12_000.0).prop_map(|(to, feed)| Block::Line(to, feed)),
+        (0.0..6.2f64, 0.05..30.0f64, -6.2..6.2f64, 50.0..9000.0).prop_map(
+            |(angle, radius, sweep, feed)| {
+                let sweep = if sweep.abs() < 0.01 { 0.01 } else { sweep };
+                Block::Arc(angle, radius, sweep, feed)
+            }
+        ),
+    ]
+}
+
+/// A block begun: kind, start, end, centre and feed.
+struct Begun {
+    kind: MoveKind,
+    from: Point,
+    to: Point,
+    center: Option<Point>,
+    feed: f64,
+}
+
+fn on_circle(center: Point, radius: f64, angle: f64) -> Point {
+    center + Point::new(libm::sin(angle) * radius, libm::cos(angle) * radius)
+}
+
+fn begin(interpolator: &mut Interpolator, block: Block) -> Begun {
+    let from = interpolator.position();
+    match block {
+        Block::Rapid(to) => {
+            interpolator.start_rapid(to);
+            Begun {
+                kind: MoveKind::Rapid,
+                from,
+                to,
+                center: None,
+                feed: 0.0,
+            }
+        }
+        Block::Line(to, feed) => {
+            interpolator.start_line(to, Feed::PerMinute(feed));
+            Begun {
+                kind: MoveKind::Feed,
+                from,
+                to,
+                center: None,
+                feed,
+            }
+        }
+        Block::Arc(angle, radius, sweep, feed) => {
+            let center = on_circle(from, -radius, angle);
+            let to = on_circle(center, radius, angle + sweep);
+            let clockwise = sweep < 0.0;
+            interpolator.start_arc(to, center, clockwise, Feed::PerMinute(feed));
+            let kind = if clockwise {
+                MoveKind::Clockwise
+            } else {
+                MoveKind::CounterClockwise
+            };
+            Begun {
+                kind,
+                from,
+                to,
+                center: Some(center),
+                feed,
+            }
+        }
+    }
+}
+
+fn time_of(begun: &Begun, limits: &MotionLimits) -> f64 {
+    duration(
+        begun.kind,
+        begun.from,
+        begun.to,
+        begun.center,
+        begun.feed,
+        limits,
+    )
+}
+
+/// Speeds of a tick against the limits that hold for the block.
+fn check_speed(interpolator: &Interpolator, begun: &Begun, limits: &MotionLimits) {
+    let velocity = interpolator.velocity();
+    assert!(velocity.x.is_finite() && velocity.z.is_finite());
+    if begun.kind == MoveKind::Rapid {
+        for axis in [Axis::X, Axis::Z] {
+            let rate = velocity.get(axis).abs() * 60.0;
+            assert!(
+                rate <= limits.rapid_rate(axis) + 1e-6,
+                "{axis:?} at {rate} mm/min"
+            );
+        }
+    } else {
+        let rate = interpolator.speed();
+        let limit = begun.feed.min(limits.cutting_rate());
+        assert!(rate <= limit + 1e-6, "{rate} of {limit} mm/min");
+    }
+}
+
+fn check_circle(position: Point, begun: &Begun) {
+    if let Some(center) = begun.center {
+        let off = (position - center).length() - (begun.from - center).length();
+        assert!(off.abs() < 1e-6, "{off} mm off the circle");
+    }
+}
+
+const TICKS_MAX: u32 = 4_000_000;
+
+proptest! {
+    #[test]
+    fn single_blocks_keep_path_speed_end_and_time(block in block(), limits in any_limits()) {
+        let inputs = MotionInputs::default();
+        let mut interpolator = Interpolator::new(Point::new(3.25, -7.5));
+        let begun = begin(&mut interpolator, block);
+        let mut ticks = 0;
+        while !interpolator.finished() && ticks < TICKS_MAX {
+            let position = interpolator.tick(&limits, &inputs);
+            check_speed(&interpolator, &begun, &limits);
+            check_circle(position, &begun);
+            ticks += 1;
+        }
+        prop_assert_eq!(interpolator.position(), begun.to);
+        let expected = time_of(&begun, &limits);
+        let ticked = f64::from(ticks) * TICK_S;
+        prop_assert!((ticked - expected).abs() < 0.0015, "{} s instead of {}", ticked, expected);
+    }
+
+    /// Blocks chained within the tick: no end point is missed, no time is lost, no
+    /// limit is passed.
+    #[test]
+    fn chains_lose_neither_time_nor_place(
+        blocks in prop::collection::vec(block(), 2..12),
+        short in any::<bool>(),
+        at_once in any::<bool>(),
+        limits in any_limits(),
+    ) {
+        let inputs = MotionInputs::default();
+        let mut interpolator = Interpolator::new(Point::default());
+        let mut expected = 0.0;
+        let mut shortest = f64::INFINITY;
+        let mut ticks = 0;
+        let scale = if short { 0.001 } else { 1.0 };
+        for block in blocks {
+            let block = match block {
+                Block::Rapid(to) => Block::Rapid(to * scale),
+                Block::Line(to, feed) => Block::Line(to * scale, feed),
+                arc @ Block::Arc(..) => arc,
+            };
+            let begun = begin(&mut interpolator, block);
+            let time = time_of(&begun, &limits);
+            expected += time;
+            shortest = time.min(shortest);
+            if at_once {
+                interpolator.continue_tick(&limits, &inputs);
+            }
+            while !interpolator.finished() && ticks < TICKS_MAX {
+                interpolator.tick(&limits, &inputs);
+                ticks += 1;
+            }
+            prop_assert_eq!(interpolator.position(), begun.to);
+        }
+        // Started tick by tick, a block takes a tick at least.
+        if at_once || shortest > 2.0 * TICK_S {
+            let ticked = f64::from(ticks) * TICK_S;
+            prop_assert!((ticked - expected).abs() < 0.0015, "{} s instead of {}", ticked, expected);
+        }
+    }
+
+    /// Holds, resumes and overrides at any moment leave path and end point alone.
+    #[test]
+    fn holds_and_overrides_keep_the_path(
+        block in block(),
+        events in prop::collection::vec((1u32..400, any::<bool>(), 0u8..=15, 0u8..=4), 1..30),
+    ) {
+        let limits = limits();
+        let mut inputs = MotionInputs::default();
+        let mut interpolator = Interpolator::new(Point::default());
+        let begun = begin(&mut interpolator, block);
+        let path = path_length(begun.kind, begun.from, begun.to, begun.center);
+        let mut travelled = 0.0;
+        let mut tick = |interpolator: &mut Interpolator, inputs: &MotionInputs| {
+            let before = interpolator.position();
+            let position = interpolator.tick(&limits, inputs);
+            assert!(position.x.is_finite() && position.z.is_finite());
+            travelled += (position - before).length();
+            check_circle(position, &begun);
+            if begun.kind != MoveKind::Rapid {
+                assert!(interpolator.speed() <= limits.cutting_rate() + 1e-6);
+            }
+        };
+        for (ticks, hold, feed, rapid) in events {
+            inputs.hold = hold;
+            inputs.feed_override = f64::from(feed) / 10.0;
+            inputs.rapid_override = RapidOverride::from_percent(25 * rapid);
+            for _ in 0..ticks {
+                tick(&mut interpolator, &inputs);
+            }
+        }
+        inputs = MotionInputs::default();
+        for _ in 0..TICKS_MAX {
+            if interpolator.finished() {
+                break;
+            }
+            tick(&mut interpolator, &inputs);
+        }
+        prop_assert_eq!(interpolator.position(), begun.to);
+        if begun.kind != MoveKind::Rapid {
+            prop_assert!(travelled <= path + 1e-6, "{} mm of {}", travelled, path);
+        }
+    }
+
+    /// Steps and a wheel turned to and fro end where they should.
+    #[test]
+    fn steps_add_up(steps in prop::collection::vec((-200i32..200, 1u32..120), 1..20)) {
+        let limits = limits();
+        let inputs = MotionInputs::default();
+        let mut interpolator = Interpolator::new(Point::default());
+        let mut sum = 0.0;
+        for (thousandths, ticks) in steps {
+            let distance = f64::from(thousandths) / 1000.0;
+            sum += distance;
+            interpolator.start_step(Axis::Z, distance, JogRate::Feed(1260.0));
+            for _ in 0..ticks {
+                interpolator.tick(&limits, &inputs);
+            }
+        }
+        for _ in 0..100_000 {
+            interpolator.tick(&limits, &inputs);
+        }
+        prop_assert!(!interpolator.stepping(Axis::Z) && !interpolator.is_moving());
+        prop_assert!((interpolator.position().z - sum).abs() < 1e-9);
+    }
+}
+
+/// Ticks until nothing moves; the way and the ticks.
+fn run_out(interpolator: &mut Interpolator, inputs: &MotionInputs) -> (Point, u32) {
+    let from = interpolator.position();
+    let mut ticks = 0;
+    while interpolator.is_moving() && ticks < TICKS_MAX {
+        interpolator.tick(&limits(), inputs);
+        ticks += 1;
+    }
+    (interpolator.position() - from, ticks)
+}
+
+fn ticks(interpolator: &mut Interpolator, inputs: &MotionInputs, count: u32) {
+    for _ in 0..count {
+        interpolator.tick(&limits(), inputs);
+    }
+}
+
+#[test]
+fn a_rapid_takes_way_over_rate_plus_time_constant() {
+    // Z 100 mm at 7600 mm/min with 300 ms.
+    let limits = limits();
+    let way = Point::new(0.0, 100.0);
+    let time = duration(MoveKind::Rapid, Point::default(), way, None, 0.0, &limits);
+    assert!((time - (100.0 / (7600.0 / 60.0) + 0.3)).abs() < 1e-12);
+}
+
+#[test]
+fn the_axes_of_a_rapid_do_not_wait_for_each_other() {
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_rapid(Point::new(10.0, 100.0));
+    ticks(&mut interpolator, &MotionInputs::default(), 500);
+    assert_eq!(interpolator.position().x, 10.0);
+    assert!(interpolator.position().z < 90.0 && !interpolator.finished());
+}
+
+#[test]
+fn a_cut_starts_at_the_lowest_speed_and_approaches_the_feed() {
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_line(Point::new(0.0, -50.0), Feed::PerMinute(600.0));
+    ticks(&mut interpolator, &MotionInputs::default(), 1);
+    assert!(interpolator.speed() > 10.0 && interpolator.speed() < 20.0);
+    ticks(&mut interpolator, &MotionInputs::default(), 99);
+    // After one time constant (100 ms): 600 - 590 / e, as the mean of a tick.
+    assert!(
+        (interpolator.speed() - 383.0).abs() < 2.0,
+        "{}",
+        interpolator.speed()
+    );
+}
+
+#[test]
+fn feed_per_revolution_follows_the_measured_speed() {
+    let inputs = MotionInputs {
+        spindle_rpm: -180.0,
+        ..MotionInputs::default()
+    };
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_line(Point::new(0.0, -50.0), Feed::PerRevolution(0.3));
+    ticks(&mut interpolator, &inputs, 2000);
+    assert!((interpolator.speed() - 54.0).abs() < 1e-3);
+    ticks(&mut interpolator, &MotionInputs::default(), 2000);
+    assert!(!interpolator.is_moving() && !interpolator.finished());
+}
+
+#[test]
+fn an_override_acts_within_the_tick() {
+    let mut inputs = MotionInputs::default();
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_line(Point::new(0.0, -500.0), Feed::PerMinute(1000.0));
+    ticks(&mut interpolator, &inputs, 1500);
+    let before = interpolator.speed();
+    inputs.feed_override = 0.5;
+    ticks(&mut interpolator, &inputs, 1);
+    assert!(interpolator.speed() < before - 1.0);
+    ticks(&mut interpolator, &inputs, 1500);
+    assert!((interpolator.speed() - 500.0).abs() < 1e-3);
+    inputs.feed_override = 0.0;
+    let (way, _) = run_out(&mut interpolator, &inputs);
+    assert!(way.z < 0.0 && !interpolator.finished());
+}
+
+#[test]
+fn dry_run_goes_through_standstill() {
+    let mut inputs = MotionInputs::default();
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_line(Point::new(0.0, -500.0), Feed::PerMinute(100.0));
+    ticks(&mut interpolator, &inputs, 1000);
+    inputs.dry_run = Some(DryRun {
+        cutting: 1260.0,
+        rapid: None,
+    });
+    let mut slowest = f64::INFINITY;
+    for _ in 0..2000 {
+        ticks(&mut interpolator, &inputs, 1);
+        slowest = slowest.min(interpolator.speed());
+    }
+    // It stands between two ticks, and starts again at the lowest speed.
+    assert!(slowest <= 10.0, "{slowest}");
+    assert!((interpolator.speed() - 1260.0).abs() < 1.0);
+}
+
+#[test]
+fn reset_decelerates_and_drops_the_rest() {
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_rapid(Point::new(0.0, -500.0));
+    let inputs = MotionInputs::default();
+    ticks(&mut interpolator, &inputs, 1000);
+    let stop = interpolator.stopping_point(&limits());
+    interpolator.decelerate();
+    let (way, taken) = run_out(&mut interpolator, &inputs);
+    assert!((300..=301).contains(&taken), "{taken} ticks");
+    assert!((way.z + 7600.0 / 60.0 * 0.15).abs() < 1e-6, "{way:?}");
+    assert!((interpolator.position() - stop).length() < 1e-9);
+    ticks(&mut interpolator, &inputs, 1);
+    assert!(interpolator.finished());
+}
+
+#[test]
+fn emergency_stop_stops_at_once() {
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_rapid(Point::new(0.0, -500.0));
+    ticks(&mut interpolator, &MotionInputs::default(), 1000);
+    let position = interpolator.position();
+    interpolator.stop_now();
+    ticks(&mut interpolator, &MotionInputs::default(), 10);
+    assert_eq!(interpolator.position(), position);
+    assert!(interpolator.finished() && !interpolator.is_moving());
+}
+
+#[test]
+fn jog_reaches_its_rate_and_runs_out() {
+    let inputs = MotionInputs::default();
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.set_jog(Axis::X, Some((false, JogRate::Feed(790.0))));
+    ticks(&mut interpolator, &inputs, 2000);
+    assert!((interpolator.velocity().x * 60.0 + 790.0).abs() < 1e-3);
+    assert!(interpolator.finished());
+    interpolator.set_jog(Axis::X, None);
+    let (way, _) = run_out(&mut interpolator, &inputs);
+    // T (v - 041): 0.1 s · (790 - 100) mm/min.
+    assert!((way.x + 0.1 * 690.0 / 60.0).abs() < 1e-6, "{way:?}");
+}
+
+#[test]
+fn manual_rapid_and_jog_change_over_at_standstill() {
+    let inputs = MotionInputs::default();
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.set_jog(Axis::Z, Some((true, JogRate::Rapid)));
+    ticks(&mut interpolator, &inputs, 1000);
+    assert!((interpolator.velocity().z * 60.0 - 7600.0).abs() < 1e-6);
+    interpolator.set_jog(Axis::Z, Some((true, JogRate::Feed(1260.0))));
+    let mut slowest = f64::INFINITY;
+    for _ in 0..2000 {
+        ticks(&mut interpolator, &inputs, 1);
+        slowest = slowest.min(interpolator.velocity().z);
+    }
+    assert!(slowest < 0.5, "{slowest}");
+    assert!((interpolator.velocity().z * 60.0 - 1260.0).abs() < 1e-3);
+}
+
+#[test]
+fn translation_moves_the_rest_of_a_block_along() {
+    let inputs = MotionInputs::default();
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_arc(
+        Point::new(10.0, -10.0),
+        Point::new(10.0, 0.0),
+        false,
+        Feed::PerMinute(500.0),
+    );
+    ticks(&mut interpolator, &inputs, 700);
+    interpolator.translate(Point::new(1.0, 2.0));
+    while !interpolator.finished() {
+        ticks(&mut interpolator, &inputs, 1);
+    }
+    assert_eq!(interpolator.position(), Point::new(11.0, -8.0));
+}
+
+#[test]
+fn start_and_end_in_one_point_make_a_full_circle() {
+    let center = Point::new(0.0, 5.0);
+    let length = path_length(
+        MoveKind::Clockwise,
+        Point::default(),
+        Point::default(),
+        Some(center),
+    );
+    assert!((length - 10.0 * core::f64::consts::PI).abs() < 1e-9);
+}
+
+#[test]
+fn blocks_without_way_take_no_time() {
+    let inputs = MotionInputs::default();
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_rapid(Point::default());
+    interpolator.tick(&limits(), &inputs);
+    assert!(interpolator.finished());
+    interpolator.start_line(Point::new(0.0, 1.0), Feed::PerMinute(100.0));
+    interpolator.continue_tick(&limits(), &inputs);
+    assert!(interpolator.position().z > 0.0);
+}
+
+#[test]
+fn a_parameter_changed_while_braking_still_meets_the_end() {
+    let slow = Law::exponential(0.1, 0.1);
+    let mut ramp = Ramp::new(2.0);
+    for _ in 0..100 {
+        ramp.advance(&slow, 15.0, TICK_S);
+    }
+    for law in [Law::exponential(1.0, 0.1), Law::exponential(0.0, 0.1)] {
+        let mut ramp = ramp;
+        let mut way = 0.0;
+        for _ in 0..10_000 {
+            way += ramp.advance(&law, 15.0, TICK_S).moved;
+        }
+        assert!(ramp.finished() && way > 0.0 && way < 2.0);
+    }
+}

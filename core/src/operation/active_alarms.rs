@@ -1,0 +1,53 @@
+//! The alarms that stand, newest first.
+
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::Alarm;
+
+/// Alarms that stand until RESET or until their cause is gone.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ActiveAlarms {
+    list: Vec<Alarm>,
+}
+
+/// Emergency stop or overtravel switch (manual III-2.4).
+pub const EMERGENCY_STOP: u16 = 207;
+
+impl ActiveAlarms {
+    /// Newest first.
+    pub fn list(&self) -> &[Alarm] {
+        &self.list
+    }
+
+    /// Whether none stands.
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// Adds an alarm; one that already stands with the same number stays as it
+    /// is. Returns whether it is new.
+    pub fn raise(&mut self, alarm: Alarm) -> bool {
+        if self.contains(alarm.number) {
+            return false;
+        }
+        self.list.insert(0, alarm);
+        true
+    }
+
+    /// Whether an alarm of this number stands.
+    pub fn contains(&self, number: u16) -> bool {
+        self.list.iter().any(|alarm| alarm.number == number)
+    }
+
+    /// Takes one away whose cause is gone.
+    pub fn remove(&mut self, number: u16) {
+        self.list.retain(|alarm| alarm.number != number);
+    }
+
+    /// RESET: everything goes that RESET can clear; the emergency stop goes with
+    /// its contact alone, and 000 with the power.
+    pub fn reset(&mut self) {
+        self.list
+            .retain(|alarm| matches!(alarm.number, 0 | EMERGENCY_STOP));
+    }
+}

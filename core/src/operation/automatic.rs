@@ -1,0 +1,588 @@
+//! Automatic operation: cycle start, feed hold, single block, the walk from
+//! command to motion and handshake (manual III-5, PLC-I «automatic operation»).
+//!
+//! ```text
+//!            cycle start                 *SP, manual mode
+//!  RESET ───────────────► RUN ◄──────────────────────────► HOLD
+//!    ▲    ▲                │ block end with single block,   │ block done
+//!    │    └── STOP ◄───────┘ M00, mode change               │ (M/S/T, dwell)
+//!    │          ▲───────────────────────────────────────────┘
+//!    └─ RESET key, M30, emergency stop: from every state
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use super::handshake::Strobe;
+use super::mode::Mode;
+use crate::alarm::Alarm;
+use crate::cnc::{Cnc, Event, World};
+use crate::command::{Action, Command, ExecutedMove, MoveKind, Source, SpindleCommand, Timing};
+use crate::interpreter::Step;
+use crate::units::{Axis, Feed, Point, TICK_S};
+
+/// States of automatic operation (STL, SPL, OP).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RunState {
+    /// After power-on, RESET and M30: the next cycle start begins at the cursor.
+    Reset,
+    /// At the end of a block: cycle start goes on with the next one.
+    Stop,
+    /// Running.
+    Run,
+    /// Feed hold.
+    Hold,
+}
+
+/// What a command under way still waits for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Stage {
+    /// Motion or dwell.
+    Acting,
+    /// Only the M/S/T handshake (DEN is up if nothing else runs).
+    Handshake,
+}
+
+/// A command under way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Current {
+    pub(crate) command: Command,
+    stage: Stage,
+    /// Where it began, machine coordinates.
+    pub(crate) from: Point,
+    /// When it began, ticks.
+    started: u64,
+}
+
+/// Automatic operation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Automatic {
+    /// Run state.
+    pub state: RunState,
+    pub(crate) current: Option<Current>,
+    ahead: Option<Command>,
+    /// A fault found while reading ahead; it counts when its block's turn comes.
+    fault_ahead: Option<Alarm>,
+    /// The interpreter waits for standstill; not asked again before.
+    waiting: bool,
+    /// A program has been started and its rest can be gone on with.
+    started: bool,
+    /// The interpreter has nothing more.
+    ended: bool,
+    /// Stop at the end of the block, whatever single block says.
+    stop_requested: bool,
+    dwell_left: u32,
+    /// M00 or M30 whose decode signal stands.
+    pub(crate) decoded: Option<u8>,
+    /// Which program runs: AUTO's or the MDI block.
+    pub(crate) mdi: bool,
+    /// Source of the last executed command.
+    pub(crate) last: Option<Source>,
+    /// More commands of the running block follow the one that ended.
+    within_block: bool,
+}
+
+/// Commands without duration carried out in one tick at most, so that no loop
+/// stalls a tick.
+const COMMANDS_PER_TICK: usize = 16;
+
+impl Default for Automatic {
+    fn default() -> Self {
+        Self {
+            state: RunState::Reset,
+            current: None,
+            ahead: None,
+            fault_ahead: None,
+            waiting: false,
+            started: false,
+            ended: false,
+            stop_requested: false,
+            dwell_left: 0,
+            decoded: None,
+            mdi: false,
+            last: None,
+            within_block: false,
+        }
+    }
+}
+
+impl Automatic {
+    /// STL or SPL: a block is under way or held.
+    pub const fn operating(&self) -> bool {
+        matches!(self.state, RunState::Run | RunState::Hold)
+    }
+
+    /// DEN: all that is left of the block is FIN.
+    pub(crate) fn distribution_end(&self) -> bool {
+        matches!(&self.current, Some(current) if current.stage == Stage::Handshake)
+    }
+
+    /// Whether a dwell runs.
+    pub(crate) const fn dwelling(&self) -> bool {
+        self.dwell_left > 0
+    }
+
+    /// The action under way.
+    pub(crate) fn action(&self) -> Option<&Action> {
+        self.current.as_ref().map(|current| &current.command.action)
+    }
+
+    /// Drops everything that was read.
+    pub(crate) fn clear(&mut self) {
+        *self = Self {
+            last: self.last,
+            ..Self::default()
+        };
+    }
+
+    /// Asks for a stop at the end of the running block.
+    pub(crate) const fn request_stop(&mut self) {
+        self.stop_requested = true;
+    }
+}
+
+impl Cnc {
+    /// The cycle-start signal fell from 1 to 0.
+    pub(crate) fn cycle_start(&mut self) {
+        let moving = self.automatic.state != RunState::Hold && self.interpolator.is_moving();
+        let refused = moving
+            || !self.mode.runs_programs()
+            || self.from_plc.feed_hold
+            || self.resetting()
+            || self.alarm_state()
+            || self.automatic.state == RunState::Run;
+        if refused {
+            return;
+        }
+        match self.automatic.state {
+            RunState::Hold => self.resume_from_hold(),
+            RunState::Stop if self.continues_program() => {
+                self.automatic.state = RunState::Run;
+                self.automatic.stop_requested = false;
+            }
+            _ => self.start_program(),
+        }
+    }
+
+    /// Whether a stopped run goes on with its next block in this mode.
+    fn continues_program(&self) -> bool {
+        self.automatic.started
+            && !self.automatic.ended
+            && self.automatic.mdi == (self.mode == Mode::Mdi)
+    }
+
+    fn start_program(&mut self) {
+        let mdi = self.mode == Mode::Mdi;
+        if mdi && self.mdi.is_empty() {
+            return;
+        }
+        if core::mem::take(&mut self.rewind_at_start) {
+            self.cursor_line = 1;
+        }
+        self.settle_coordinates();
+        let block = self.mdi.program();
+        let (interpreter, world) = self.interpreter_and_world(true);
+        if mdi {
+            interpreter.start_mdi(block, &world);
+        } else {
+            let Some(program) = world.programs.current() else {
+                return self.raise(Alarm::new(31));
+            };
+            interpreter.start(program, world.cursor_line, &world);
+        }
+        self.automatic.clear();
+        self.automatic.mdi = mdi;
+        self.automatic.started = true;
+        self.automatic.state = RunState::Run;
+    }
+
+    fn resume_from_hold(&mut self) {
+        self.absorb_manual_motion();
+        self.automatic.state = RunState::Run;
+    }
+
+    /// Feed hold: the axes decelerate; a block without motion finishes.
+    pub(crate) fn feed_hold(&mut self) {
+        if self.automatic.state == RunState::Run {
+            self.automatic.state = RunState::Hold;
+        }
+    }
+
+    /// One tick of automatic operation.
+    pub(crate) fn automatic_tick(&mut self) {
+        self.handshake.tick(self.from_plc.fin);
+        if !self.automatic.operating() {
+            return;
+        }
+        self.automatic.dwell_left = self.automatic.dwell_left.saturating_sub(1);
+        for _ in 0..COMMANDS_PER_TICK {
+            if self.automatic.current.is_none() && !self.begin_next() {
+                break;
+            }
+            if !self.finish_current() {
+                break;
+            }
+        }
+        let between_blocks = self.automatic.current.is_none() && !self.automatic.within_block;
+        if self.automatic.state == RunState::Hold && between_blocks {
+            self.automatic.state = RunState::Stop;
+        }
+        if self.automatic.state == RunState::Run {
+            self.read_ahead();
+        }
+    }
+
+    /// Takes the next command and starts it. Returns whether one is under way.
+    fn begin_next(&mut self) -> bool {
+        if self.automatic.state != RunState::Run {
+            return false;
+        }
+        if let Some(alarm) = self.automatic.fault_ahead.take() {
+            self.raise(alarm);
+            return false;
+        }
+        let command = match self.automatic.ahead.take() {
+            Some(command) => command,
+            None => match self.read(true) {
+                Some(command) => command,
+                None => return false,
+            },
+        };
+        self.begin(command);
+        self.automatic.current.is_some()
+    }
+
+    /// Reads one command while another runs, so that motion goes on without a
+    /// gap. Under single block nothing is read ahead.
+    fn read_ahead(&mut self) {
+        let may_read = self.automatic.current.is_some()
+            && self.automatic.ahead.is_none()
+            && self.automatic.fault_ahead.is_none()
+            && !self.automatic.waiting
+            && !self.from_plc.single_block;
+        if may_read {
+            self.automatic.ahead = self.read(false);
+        }
+    }
+
+    /// Asks the interpreter for one command.
+    fn read(&mut self, settled: bool) -> Option<Command> {
+        if self.automatic.ended {
+            if settled {
+                self.end_of_program();
+            }
+            return None;
+        }
+        let settled = settled && !self.handshake.busy();
+        let (interpreter, mut world) = self.interpreter_and_world(settled);
+        match interpreter.next(&mut world) {
+            Ok(Step::Command(command)) => {
+                self.automatic.waiting = false;
+                Some(*command)
+            }
+            Ok(Step::Wait) => {
+                self.automatic.waiting = true;
+                None
+            }
+            Ok(Step::Ended) => {
+                self.automatic.ended = true;
+                None
+            }
+            Err(alarm) if !settled => {
+                self.automatic.fault_ahead = Some(alarm);
+                None
+            }
+            Err(alarm) => {
+                self.raise(alarm);
+                None
+            }
+        }
+    }
+
+    /// The end of an MDI block, or of a program whose end came without M30.
+    fn end_of_program(&mut self) {
+        let mdi = self.automatic.mdi;
+        self.automatic.clear();
+        if mdi {
+            self.mdi.clear();
+            self.automatic.state = RunState::Stop;
+        } else {
+            self.automatic.state = RunState::Reset;
+        }
+    }
+
+    /// Starts a command.
+    fn begin(&mut self, command: Command) {
+        self.modal = command.modal;
+        self.automatic.last = Some(command.source);
+        let from = self.interpolator.position();
+        let stage = match self.act(&command) {
+            Ok(stage) => stage,
+            Err(alarm) => return self.raise(alarm.at(command.source)),
+        };
+        self.automatic.waiting = false;
+        self.automatic.current = Some(Current {
+            command,
+            stage,
+            from,
+            started: self.ticks,
+        });
+    }
+
+    fn act(&mut self, command: &Command) -> Result<Stage, Alarm> {
+        match &command.action {
+            Action::Rapid { to } => {
+                self.interpolator.start_rapid(*to);
+                Ok(Stage::Acting)
+            }
+            Action::Line { to, feed } => {
+                self.check_feed(*feed)?;
+                self.interpolator.start_line(*to, *feed);
+                Ok(Stage::Acting)
+            }
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => {
+                self.check_feed(*feed)?;
+                self.interpolator.start_arc(*to, *center, *clockwise, *feed);
+                Ok(Stage::Acting)
+            }
+            Action::Dwell { ms } => {
+                self.automatic.dwell_left = *ms;
+                Ok(Stage::Acting)
+            }
+            Action::Referenced { x, z } => {
+                for (axis, taken) in [(Axis::X, *x), (Axis::Z, *z)] {
+                    if taken {
+                        *self.referenced.get_mut(axis) = true;
+                        *self.at_reference.get_mut(axis) = true;
+                    }
+                }
+                Ok(Stage::Acting)
+            }
+            Action::Frame {
+                frame,
+                program_zero,
+                relative,
+            } => {
+                let shown_before = self.frame.program(self.position());
+                let moved = frame.zero != self.frame.zero;
+                self.frame = *frame;
+                if let Some(point) = program_zero {
+                    self.program_zero = Some(*point);
+                }
+                // The relative display follows an offset, and a G50 only with PPD.
+                if moved {
+                    let shown = self.frame.program(self.position());
+                    self.relative_zero = if *relative {
+                        Point::default()
+                    } else {
+                        self.relative_zero + shown - shown_before
+                    };
+                }
+                Ok(Stage::Acting)
+            }
+            Action::Miscellaneous { code, timing } => {
+                self.output_m(*code);
+                Ok(match timing {
+                    Timing::WithMotion => Stage::Acting,
+                    Timing::BeforeMotion => Stage::Handshake,
+                })
+            }
+            Action::Spindle(spindle) => {
+                self.output_s(*spindle);
+                Ok(Stage::Acting)
+            }
+            Action::Tool { tool, offset } => {
+                self.tool = (*tool, *offset);
+                self.output_t(*tool);
+                Ok(Stage::Handshake)
+            }
+            Action::ProgramStop => {
+                self.automatic.decoded = Some(0);
+                self.handshake.start(Strobe::M, 0);
+                Ok(Stage::Handshake)
+            }
+            Action::End { m30: true, .. } => {
+                self.automatic.decoded = Some(30);
+                self.handshake.start(Strobe::M, 30);
+                Ok(Stage::Handshake)
+            }
+            Action::End { .. } | Action::Repeat | Action::Nothing => Ok(Stage::Acting),
+        }
+    }
+
+    /// A cut per revolution needs a turning spindle (alarm 011).
+    fn check_feed(&self, feed: Feed) -> Result<(), Alarm> {
+        let standing = matches!(feed, Feed::PerRevolution(_))
+            && !self.from_plc.dry_run
+            && self.spindle.actual_rpm().abs() < 1.0;
+        if standing {
+            return Err(Alarm::new(11).because("feed per revolution (G99) with a standing spindle"));
+        }
+        Ok(())
+    }
+
+    fn output_m(&mut self, code: u8) {
+        if self.from_plc.auxiliary_lock {
+            return;
+        }
+        if (41..=44).contains(&code) {
+            self.spindle.set_gear(code - 40);
+        }
+        self.handshake.start(Strobe::M, code);
+    }
+
+    fn output_s(&mut self, spindle: SpindleCommand) {
+        match spindle {
+            SpindleCommand::Step(step) if !self.from_plc.auxiliary_lock => {
+                self.handshake.start(Strobe::S, step);
+            }
+            SpindleCommand::Step(_) => {}
+            analog => self.spindle.command(analog),
+        }
+    }
+
+    /// T goes out only for a tool that is not in position, and only to a turret.
+    fn output_t(&mut self, tool: u8) {
+        let turns = tool != 0
+            && tool != self.from_plc.current_tool
+            && self.parameters.value(84) > 0
+            && !self.from_plc.auxiliary_lock;
+        if turns {
+            self.handshake.start(Strobe::T, tool);
+        }
+    }
+
+    /// Ends the command under way if it is finished. Returns whether it ended.
+    fn finish_current(&mut self) -> bool {
+        let Some(current) = &mut self.automatic.current else {
+            return false;
+        };
+        if current.stage == Stage::Acting {
+            let motion = matches!(
+                current.command.action,
+                Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. }
+            );
+            if self.automatic.dwell_left > 0 || (motion && !self.interpolator.finished()) {
+                return false;
+            }
+            if current.command.block_end {
+                current.stage = Stage::Handshake;
+            }
+        }
+        if current.stage == Stage::Handshake && self.handshake.busy() {
+            return false;
+        }
+        let Some(current) = self.automatic.current.take() else {
+            return false;
+        };
+        self.report(&current);
+        self.automatic.decoded = None;
+        self.automatic.within_block = !current.command.block_end;
+        self.after(&current.command);
+        true
+    }
+
+    /// What follows a finished command: stop, end, part count.
+    fn after(&mut self, command: &Command) {
+        match command.action {
+            Action::ProgramStop => return self.automatic.state = RunState::Stop,
+            Action::End { counts, m30 } => return self.program_end(counts, m30),
+            Action::Repeat => self.count_part(),
+            _ => {}
+        }
+        let stops = self.automatic.state == RunState::Hold
+            || (command.block_end && self.automatic.stop_requested)
+            || (command.stop_point && self.from_plc.single_block);
+        if stops && (command.stop_point || command.block_end) {
+            self.automatic.state = RunState::Stop;
+            self.automatic.stop_requested = false;
+        }
+    }
+
+    fn count_part(&mut self) {
+        self.counters.count_part();
+        self.events.push(Event::PartFinished);
+    }
+
+    fn program_end(&mut self, counts: bool, m30: bool) {
+        if counts {
+            self.count_part();
+        }
+        let rewind = self.parameters.bit(5, 4);
+        self.automatic.clear();
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.reset(&world);
+        if rewind {
+            self.cursor_line = 1;
+        } else {
+            self.rewind_at_start = true;
+        }
+        self.events.push(Event::ProgramEnded { m30 });
+    }
+
+    /// Reports an executed (or interrupted) piece of motion.
+    fn report(&mut self, current: &Current) {
+        let (kind, center, feed) = match current.command.action {
+            Action::Rapid { .. } => (MoveKind::Rapid, None, None),
+            Action::Line { feed, .. } => (MoveKind::Feed, None, Some(feed)),
+            Action::Arc {
+                center,
+                clockwise,
+                feed,
+                ..
+            } => {
+                let kind = if clockwise {
+                    MoveKind::Clockwise
+                } else {
+                    MoveKind::CounterClockwise
+                };
+                (kind, Some(self.frame.program(center)), Some(feed))
+            }
+            Action::Dwell { .. } => (MoveKind::Dwell, None, None),
+            _ => return,
+        };
+        let start_s = current.started as f64 * TICK_S;
+        self.events.push(Event::Moved(ExecutedMove {
+            source: current.command.source,
+            kind,
+            from: self.frame.program(current.from),
+            to: self.frame.program(self.interpolator.position()),
+            center,
+            feed,
+            start_s,
+            duration_s: self.ticks as f64 * TICK_S - start_s,
+        }));
+    }
+
+    /// An interrupted motion still leaves its piece of path.
+    pub(crate) fn abandon_current(&mut self) {
+        if let Some(current) = self.automatic.current.take() {
+            self.report(&current);
+        }
+    }
+
+    /// The interpreter, and the world as it may see it.
+    pub(crate) fn interpreter_and_world(
+        &mut self,
+        settled: bool,
+    ) -> (&mut crate::interpreter::Interpreter, World<'_>) {
+        let machine_position = self.interpolator.position();
+        (
+            &mut self.interpreter,
+            World {
+                parameters: &mut self.parameters,
+                offsets: &self.offsets,
+                programs: &self.programs,
+                machine_position,
+                referenced: self.referenced,
+                block_skip: self.from_plc.block_skip,
+                settled,
+                cursor_line: self.cursor_line,
+            },
+        )
+    }
+}

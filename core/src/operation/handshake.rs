@@ -1,0 +1,184 @@
+//! The M/S/T handshake with the PLC (manual PLC-I, M function and FIN).
+//!
+//! ```text
+//! code    ____/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾
+//! strobe  ________/‾‾‾‾‾‾‾‾‾‾‾‾\________   16 ms after the code
+//! FIN     _________________/‾‾‾‾‾‾‾\____   seen for 16 ms
+//!              Code  Strobe     Release
+//! ```
+//!
+//! One FIN answers all strobes that are up together.
+
+use serde::{Deserialize, Serialize};
+
+/// From code to strobe, and how long FIN must stand, ms.
+const T_STROBE: u32 = 16;
+
+/// Which function a strobe belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Strobe {
+    /// MF, F7.0.
+    M,
+    /// SF, F7.2.
+    S,
+    /// TF, F7.3.
+    T,
+}
+
+/// How far one function has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Phase {
+    /// Nothing to do.
+    Idle,
+    /// The code stands; the strobe follows after so many ms.
+    Code(u32),
+    /// The strobe stands; FIN has stood for so many ms.
+    Strobe(u32),
+    /// The strobe is down; FIN must fall.
+    Release,
+}
+
+/// The handshake of all three functions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Handshake {
+    phases: [Phase; 3],
+    /// M code output on F10, 0 when none.
+    pub m: u8,
+    /// S code output on F22–F25.
+    pub s: u32,
+    /// T code (tool number) output on F26.
+    pub t: u8,
+}
+
+impl Default for Handshake {
+    fn default() -> Self {
+        Self {
+            phases: [Phase::Idle; 3],
+            m: 0,
+            s: 0,
+            t: 0,
+        }
+    }
+}
+
+impl Handshake {
+    /// Puts the code out and starts the handshake.
+    pub fn start(&mut self, strobe: Strobe, code: u8) {
+        match strobe {
+            Strobe::M => self.m = code,
+            Strobe::S => self.s = u32::from(code),
+            Strobe::T => self.t = code,
+        }
+        self.phases[strobe as usize] = Phase::Code(T_STROBE);
+    }
+
+    /// Whether a strobe signal stands.
+    pub fn strobe(&self, strobe: Strobe) -> bool {
+        matches!(self.phases[strobe as usize], Phase::Strobe(_))
+    }
+
+    /// Whether a function is still being carried out.
+    pub fn busy(&self) -> bool {
+        self.phases.iter().any(|phase| *phase != Phase::Idle)
+    }
+
+    /// One millisecond, with the FIN signal as the PLC left it.
+    pub fn tick(&mut self, fin: bool) {
+        for (index, phase) in self.phases.iter_mut().enumerate() {
+            *phase = match *phase {
+                Phase::Idle => continue,
+                Phase::Code(0 | 1) => Phase::Strobe(0),
+                Phase::Code(left) => Phase::Code(left - 1),
+                Phase::Strobe(stood) if fin && stood + 1 >= T_STROBE => Phase::Release,
+                Phase::Strobe(stood) if fin => Phase::Strobe(stood + 1),
+                Phase::Strobe(_) => Phase::Strobe(0),
+                Phase::Release if fin => Phase::Release,
+                Phase::Release => Phase::Idle,
+            };
+            // S and T codes stand until the next code, the M code does not.
+            if *phase == Phase::Idle && index == Strobe::M as usize {
+                self.m = 0;
+            }
+        }
+    }
+
+    /// Reset: all strobes fall at once and no FIN is awaited.
+    pub fn reset(&mut self) {
+        self.phases = [Phase::Idle; 3];
+        self.m = 0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ticks until the strobe changes, with FIN as given.
+    fn ticks_until(handshake: &mut Handshake, up: bool, fin: bool) -> u32 {
+        let mut count = 0;
+        while handshake.strobe(Strobe::M) != up {
+            handshake.tick(fin);
+            count += 1;
+            assert!(count < 1000, "the strobe never changes");
+        }
+        count
+    }
+
+    #[test]
+    fn the_strobe_follows_the_code_after_16_ms_and_waits_for_fin() {
+        let mut handshake = Handshake::default();
+        handshake.start(Strobe::M, 8);
+        assert_eq!(handshake.m, 8);
+        assert_eq!(ticks_until(&mut handshake, true, false), 16);
+        for _ in 0..500 {
+            handshake.tick(false);
+        }
+        assert!(handshake.strobe(Strobe::M), "without FIN nothing goes on");
+        assert_eq!(ticks_until(&mut handshake, false, true), 16);
+        assert!(handshake.busy(), "FIN must fall");
+        handshake.tick(true);
+        assert!(handshake.busy());
+        handshake.tick(false);
+        assert!(!handshake.busy());
+        assert_eq!(handshake.m, 0, "the M code goes");
+    }
+
+    #[test]
+    fn a_short_fin_does_not_count() {
+        let mut handshake = Handshake::default();
+        handshake.start(Strobe::M, 8);
+        ticks_until(&mut handshake, true, false);
+        for _ in 0..15 {
+            handshake.tick(true);
+        }
+        handshake.tick(false);
+        for _ in 0..15 {
+            handshake.tick(true);
+        }
+        assert!(handshake.strobe(Strobe::M));
+    }
+
+    #[test]
+    fn codes_of_s_and_t_stand_until_the_next() {
+        let mut handshake = Handshake::default();
+        handshake.start(Strobe::T, 3);
+        for _ in 0..40 {
+            handshake.tick(true);
+        }
+        handshake.tick(false);
+        assert!(!handshake.busy());
+        assert_eq!(handshake.t, 3);
+    }
+
+    #[test]
+    fn reset_drops_the_strobes_at_once() {
+        let mut handshake = Handshake::default();
+        handshake.start(Strobe::S, 2);
+        for _ in 0..20 {
+            handshake.tick(false);
+        }
+        assert!(handshake.strobe(Strobe::S));
+        handshake.reset();
+        assert!(!handshake.strobe(Strobe::S) && !handshake.busy());
+    }
+}

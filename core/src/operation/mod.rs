@@ -1,0 +1,20 @@
+//! Operating modes and run states, the M/S/T handshake, reset, emergency stop,
+//! manual motion, and the list of active alarms.
+
+mod active_alarms;
+mod automatic;
+mod handshake;
+mod input_filter;
+mod manual;
+mod mode;
+mod reset;
+mod signals;
+
+pub use active_alarms::ActiveAlarms;
+pub use automatic::{Automatic, RunState};
+pub use handshake::{Handshake, Phase, Strobe};
+pub use input_filter::{InputFilter, X_BYTES};
+pub(crate) use manual::JOG_RATE_MAX;
+pub use manual::jog_rate;
+pub use mode::Mode;
+pub use signals::{FromPlc, ToPlc};

@@ -1,0 +1,310 @@
+//! The control's side of the PLC interface: what it reads in G, what it writes
+//! in F. Each signal's address stands here and nowhere else.
+
+use gsk_plc::Memory;
+use serde::{Deserialize, Serialize};
+
+use super::handshake::{Handshake, Strobe};
+use super::mode::Mode;
+use crate::memory::Parameters;
+use crate::units::PerAxis;
+
+/// The G signals, decoded once after every PLC slot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FromPlc {
+    /// FIN, G4.3.
+    pub fin: bool,
+    /// AFL, G5.6: M, S, T are not output.
+    pub auxiliary_lock: bool,
+    /// OVC, G6.4: feed override fixed at 100 %.
+    pub override_cancel: bool,
+    /// STLK, G7.1: the axes stand, the cycle stays started.
+    pub start_lock: bool,
+    /// ST, G7.2: cycle start on its falling edge.
+    pub start: bool,
+    /// *IT, G8.0, as «all axes locked».
+    pub interlock: bool,
+    /// *ESP, G8.4, as «emergency stop».
+    pub emergency_stop: bool,
+    /// *SP, G8.5, as «feed hold».
+    pub feed_hold: bool,
+    /// ERS, G8.7.
+    pub external_reset: bool,
+    /// Jog rate code, G10 (0 = 150 % … 15 = 0 %).
+    pub jog_code: u8,
+    /// Feed override, %, from G12.
+    pub feed_override: u8,
+    /// Rapid override, % (0 = F0), from G14 or G96.
+    pub rapid_override: u8,
+    /// RT, G19.7: manual rapid.
+    pub rapid: bool,
+    /// SAR, G29.4.
+    pub speed_arrival: bool,
+    /// Spindle override, %, from G30.
+    pub spindle_override: u8,
+    /// Mode code, G43.
+    pub mode_code: u8,
+    /// BDT, G44.0.
+    pub block_skip: bool,
+    /// MLK, G44.1 and G108.
+    pub machine_lock: PerAxis<bool>,
+    /// HDT, G44.7: index the tool post by one station.
+    pub next_tool: bool,
+    /// SBK, G46.1.
+    pub single_block: bool,
+    /// DRN, G46.7.
+    pub dry_run: bool,
+    /// SRVB, G74.4: spindle turns forward.
+    pub spindle_forward: bool,
+    /// SFRB, G74.5: spindle turns in reverse.
+    pub spindle_reverse: bool,
+    /// +J, G100.
+    pub jog_plus: PerAxis<bool>,
+    /// -J, G102.
+    pub jog_minus: PerAxis<bool>,
+    /// *+L, G114, as «limit reached».
+    pub limit_plus: PerAxis<bool>,
+    /// *-L, G116, as «limit reached».
+    pub limit_minus: PerAxis<bool>,
+    /// IT1, IT2, G130: axis locked.
+    pub axis_interlock: PerAxis<bool>,
+    /// SPHD, G200.0: spindle jog.
+    pub spindle_jog: bool,
+    /// NOWT, G201: tool in position.
+    pub current_tool: u8,
+}
+
+const fn bit(byte: u8, bit: u8) -> bool {
+    byte & (1 << bit) != 0
+}
+
+const fn axes(byte: u8) -> PerAxis<bool> {
+    PerAxis::new(bit(byte, 0), bit(byte, 1))
+}
+
+const fn low_axes(byte: u8) -> PerAxis<bool> {
+    axes(!byte)
+}
+
+/// Rapid override from ROV1/ROV2, or from the 1 % code when HROV asks for it.
+fn rapid_override(g14: u8, g96: u8) -> u8 {
+    if bit(g96, 7) {
+        return (!g96 & 0x7f).min(100);
+    }
+    match g14 & 0b11 {
+        0 => 100,
+        2 => 50,
+        1 => 25,
+        _ => 0,
+    }
+}
+
+const fn spindle_override(g30: u8) -> u8 {
+    match g30 {
+        7 => 50,
+        6 => 60,
+        2 => 70,
+        3 => 80,
+        1 => 90,
+        4 => 110,
+        5 => 120,
+        _ => 100,
+    }
+}
+
+impl FromPlc {
+    /// Decodes the G area.
+    pub fn read(memory: &Memory) -> Self {
+        let g = |number: u16| memory.g(number);
+        let all_locked = bit(g(44), 1);
+        let locked = axes(g(108));
+        Self {
+            fin: bit(g(4), 3),
+            auxiliary_lock: bit(g(5), 6),
+            override_cancel: bit(g(6), 4),
+            start_lock: bit(g(7), 1),
+            start: bit(g(7), 2),
+            interlock: !bit(g(8), 0),
+            emergency_stop: !bit(g(8), 4),
+            feed_hold: !bit(g(8), 5),
+            external_reset: bit(g(8), 7),
+            jog_code: g(10).min(15),
+            feed_override: (15 - g(12).min(15)) * 10,
+            rapid_override: rapid_override(g(14), g(96)),
+            rapid: bit(g(19), 7),
+            speed_arrival: bit(g(29), 4),
+            spindle_override: spindle_override(g(30)),
+            mode_code: g(43),
+            block_skip: bit(g(44), 0),
+            machine_lock: PerAxis::new(all_locked || locked.x, all_locked || locked.z),
+            next_tool: bit(g(44), 7),
+            single_block: bit(g(46), 1),
+            dry_run: bit(g(46), 7),
+            spindle_forward: bit(g(74), 4),
+            spindle_reverse: bit(g(74), 5),
+            jog_plus: axes(g(100)),
+            jog_minus: axes(g(102)),
+            limit_plus: low_axes(g(114)),
+            limit_minus: low_axes(g(116)),
+            axis_interlock: axes(g(130)),
+            spindle_jog: bit(g(200), 0),
+            current_tool: g(201),
+        }
+    }
+}
+
+/// What the control tells the PLC.
+pub struct ToPlc<'a> {
+    /// Operating mode.
+    pub mode: Mode,
+    /// STL: cycle started.
+    pub started: bool,
+    /// SPL: feed hold.
+    pub holding: bool,
+    /// OP: automatic operation in progress.
+    pub operating: bool,
+    /// AL: an alarm stands.
+    pub alarm: bool,
+    /// RST: reset.
+    pub reset: bool,
+    /// DEN: everything of the block but FIN is done.
+    pub distribution_end: bool,
+    /// Servo ready.
+    pub servo_ready: bool,
+    /// RPDO: the last motion was a rapid.
+    pub rapid: bool,
+    /// CUT: automatic cutting feed.
+    pub cutting: bool,
+    /// The dwell of a G04 runs.
+    pub dwelling: bool,
+    /// DM00 stands.
+    pub decoded_m00: bool,
+    /// DM30 stands.
+    pub decoded_m30: bool,
+    /// M, S, T codes and strobes.
+    pub handshake: &'a Handshake,
+    /// Gear M41–M44 in force, 1..=4.
+    pub gear: u8,
+    /// ZP: at the reference point.
+    pub at_reference: PerAxis<bool>,
+    /// ZRF: reference established.
+    pub referenced: PerAxis<bool>,
+    /// PRO: at the program zero point.
+    pub at_program_zero: PerAxis<bool>,
+    /// MV: axis moving.
+    pub moving: PerAxis<bool>,
+    /// MVD: last direction negative.
+    pub negative: PerAxis<bool>,
+    /// OUTO: the OUTPUT key is down.
+    pub output_key: bool,
+    /// Parameters, mirrored in F200–F214.
+    pub parameters: &'a Parameters,
+}
+
+const fn pack(bits: &[(u8, bool)]) -> u8 {
+    let mut byte = 0;
+    let mut i = 0;
+    while i < bits.len() {
+        if bits[i].1 {
+            byte |= 1 << bits[i].0;
+        }
+        i += 1;
+    }
+    byte
+}
+
+const fn pack_axes(axes: PerAxis<bool>) -> u8 {
+    pack(&[(0, axes.x), (1, axes.z)])
+}
+
+/// State parameters whose bytes the PLC sees: (F byte, parameter number).
+const MIRRORED: [(u16, u16); 9] = [
+    (200, 1),
+    (201, 4),
+    (204, 9),
+    (205, 11),
+    (208, 164),
+    (209, 168),
+    (210, 172),
+    (211, 173),
+    (214, 175),
+];
+
+impl ToPlc<'_> {
+    /// Writes the F area; `g` holds the states that the check signals repeat.
+    pub fn write(&self, memory: &mut Memory, g: &FromPlc) {
+        let mut set = |number: u16, byte: u8| memory.set_f(number, byte);
+        set(
+            0,
+            pack(&[
+                (4, self.holding),
+                (5, self.started),
+                (6, self.servo_ready),
+                (7, self.operating),
+            ]),
+        );
+        set(
+            1,
+            pack(&[
+                (0, self.alarm),
+                (1, self.reset),
+                (3, self.distribution_end),
+                (7, true),
+            ]),
+        );
+        set(
+            2,
+            pack(&[(1, self.rapid), (6, self.cutting), (7, g.dry_run)]),
+        );
+        set(
+            3,
+            match self.mode {
+                Mode::Step => 1 << 0,
+                Mode::Handwheel => 1 << 1,
+                Mode::Jog => 1 << 2,
+                Mode::Mdi => 1 << 3,
+                Mode::Auto => 1 << 5,
+                Mode::Edit => 1 << 6,
+                Mode::MachineZero | Mode::ProgramZero => 0,
+            },
+        );
+        set(
+            4,
+            pack(&[
+                (0, g.block_skip),
+                (1, g.machine_lock.x && g.machine_lock.z),
+                (3, g.single_block),
+                (4, g.auxiliary_lock),
+                (5, self.mode == Mode::MachineZero),
+                (6, self.mode == Mode::ProgramZero),
+            ]),
+        );
+        set(
+            7,
+            pack(&[
+                (0, self.handshake.strobe(Strobe::M)),
+                (2, self.handshake.strobe(Strobe::S)),
+                (3, self.handshake.strobe(Strobe::T)),
+            ]),
+        );
+        set(9, pack(&[(7, self.decoded_m00), (4, self.decoded_m30)]));
+        set(10, self.handshake.m);
+        for (index, byte) in self.handshake.s.to_le_bytes().into_iter().enumerate() {
+            set(22 + index as u16, byte);
+        }
+        set(26, self.handshake.t);
+        set(34, 1 << (self.gear.clamp(1, 4) - 1));
+        set(94, pack_axes(self.at_reference));
+        set(102, pack_axes(self.moving));
+        set(106, pack_axes(self.negative));
+        set(120, pack_axes(self.referenced));
+        set(197, pack(&[(1, self.output_key)]));
+        set(198, pack_axes(self.at_program_zero));
+        set(199, u8::from(g.spindle_jog));
+        set(212, pack(&[(2, self.dwelling), (4, g.feed_override == 0)]));
+        set(207, self.parameters.value(84) as u8);
+        for (f, parameter) in MIRRORED {
+            set(f, self.parameters.byte(parameter));
+        }
+    }
+}

@@ -1,0 +1,405 @@
+//! The path of `check`: a whole program interpreted without ticks. It streams:
+//! moves go to a callback, what is kept does not grow with the program.
+
+mod bounds;
+mod clock;
+mod spindle;
+
+use crate::alarm::Alarm;
+use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, Source};
+use crate::interpreter::{Advance, Host, Interpreter, Modal};
+use crate::memory::{Offsets, Parameters};
+use crate::motion::{MotionLimits, duration, path_length};
+use crate::program::ProgramMemory;
+use crate::setup::Setup;
+use crate::units::{Feed, PerAxis, Point};
+
+pub use bounds::Bounds;
+use clock::Clock;
+use spindle::Spindle;
+pub use spindle::Turning;
+
+/// Blocks without motion after which a preview gives up.
+const MOTIONLESS_BLOCKS: u32 = 1_000_000;
+
+/// Machine time after which a preview gives up, s: 1000 hours.
+const LONGEST_S: f64 = 3.6e6;
+
+/// How a preview ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// M30.
+    M30,
+    /// M99 of the main program.
+    M99,
+    /// The end of the text without either.
+    Text,
+    /// An alarm.
+    Alarm,
+    /// No end within 1000 hours of machine time or 10^6 blocks without motion.
+    Limit,
+}
+
+/// Path lengths, mm; a rapid counts as its chord.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lengths {
+    /// Rapids.
+    pub rapid: f64,
+    /// Straight cuts.
+    pub feed: f64,
+    /// Clockwise arcs.
+    pub clockwise: f64,
+    /// Counter-clockwise arcs.
+    pub counter_clockwise: f64,
+}
+
+/// What a program does. Points have a radius X.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preview {
+    /// How it ended.
+    pub end: End,
+    /// The alarm that ended it.
+    pub alarm: Option<Alarm>,
+    /// Estimated machine time, s: motion, M, S, T and dwell.
+    pub time_s: f64,
+    /// Part of it spent cutting, s.
+    pub cutting_s: f64,
+    /// Blocks carried out.
+    pub blocks: u64,
+    /// Moves and dwells, without those of no length.
+    pub moves: u64,
+    /// M00 met.
+    pub stops: u32,
+    /// Parts finished.
+    pub parts: u32,
+    /// Tools called, with their offset numbers, in order, each pair once.
+    pub tools: Vec<(u8, u8)>,
+    /// Box around the path in work coordinates.
+    pub bounds: Option<Bounds>,
+    /// Path lengths by kind.
+    pub lengths: Lengths,
+    /// Final absolute position.
+    pub absolute: Point,
+    /// Final machine position.
+    pub machine: Point,
+    /// Final relative position.
+    pub relative: Point,
+    /// Frame at the end.
+    pub frame: Frame,
+    /// Modal state at the end.
+    pub modal: Modal,
+    /// Whether and how the spindle turns at the end.
+    pub spindle: Turning,
+    /// Whether coolant is on at the end.
+    pub coolant: bool,
+    /// Parameters at the end; cycles may have written some.
+    pub parameters: Parameters,
+}
+
+/// Interprets the selected program from its first line to its end. `on_move`
+/// gets every move in order.
+pub fn preview(
+    setup: &Setup,
+    programs: &ProgramMemory,
+    on_move: &mut dyn FnMut(&ExecutedMove),
+) -> Preview {
+    let mut host = DryRun {
+        parameters: setup.parameters.clone(),
+        offsets: &setup.offsets,
+        programs,
+        machine: setup.start.unwrap_or_default(),
+        referenced: PerAxis::new(setup.referenced, setup.referenced),
+    };
+    let mut interpreter = Interpreter::new(&host.parameters);
+    let mut walk = Walk::new(setup, *interpreter.modal(), on_move);
+    match programs.current() {
+        Some(program) => {
+            interpreter.start(program, 1, &host);
+            walk.run(&mut interpreter, &mut host);
+        }
+        None => walk.fail(Alarm::new(31).because("no program is selected")),
+    }
+    let mut preview = walk.finish();
+    preview.modal = *interpreter.modal();
+    preview.parameters = host.parameters;
+    preview
+}
+
+/// The idle lathe as the interpreter sees it.
+struct DryRun<'a> {
+    parameters: Parameters,
+    offsets: &'a Offsets,
+    programs: &'a ProgramMemory,
+    machine: Point,
+    referenced: PerAxis<bool>,
+}
+
+impl Host for DryRun<'_> {
+    fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+    fn parameters_mut(&mut self) -> &mut Parameters {
+        &mut self.parameters
+    }
+    fn offsets(&self) -> &Offsets {
+        self.offsets
+    }
+    fn programs(&self) -> &ProgramMemory {
+        self.programs
+    }
+    fn machine_position(&self) -> Point {
+        self.machine
+    }
+    fn referenced(&self) -> PerAxis<bool> {
+        self.referenced
+    }
+    fn block_skip(&self) -> bool {
+        false
+    }
+    fn settled(&self) -> bool {
+        true
+    }
+}
+
+/// The walk over the commands.
+struct Walk<'a> {
+    limits: MotionLimits,
+    clock: Clock,
+    spindle: Spindle,
+    relative_zero: Point,
+    motionless: u32,
+    so_far: Preview,
+    on_move: &'a mut dyn FnMut(&ExecutedMove),
+}
+
+impl<'a> Walk<'a> {
+    fn new(setup: &Setup, modal: Modal, on_move: &'a mut dyn FnMut(&ExecutedMove)) -> Self {
+        let start = setup.start.unwrap_or_default();
+        Self {
+            limits: MotionLimits::from(&setup.parameters),
+            clock: Clock::new(setup),
+            spindle: Spindle::new(setup),
+            relative_zero: Point::default(),
+            motionless: 0,
+            so_far: Preview {
+                end: End::Limit,
+                alarm: None,
+                time_s: 0.0,
+                cutting_s: 0.0,
+                blocks: 0,
+                moves: 0,
+                stops: 0,
+                parts: 0,
+                tools: Vec::new(),
+                bounds: None,
+                lengths: Lengths::default(),
+                absolute: start,
+                machine: start,
+                relative: start,
+                frame: Frame::default(),
+                modal,
+                spindle: Turning::Stopped,
+                coolant: false,
+                parameters: setup.parameters.clone(),
+            },
+            on_move,
+        }
+    }
+
+    fn run(&mut self, interpreter: &mut Interpreter, host: &mut DryRun<'_>) {
+        while self.motionless < MOTIONLESS_BLOCKS && self.clock.now() < LONGEST_S {
+            match interpreter.advance(host) {
+                Ok(Advance::Command(command)) => match self.carry_out(&command) {
+                    Ok(None) => {}
+                    Ok(Some(end)) => {
+                        self.so_far.end = end;
+                        return;
+                    }
+                    Err(alarm) => return self.fail(alarm.at(command.source)),
+                },
+                Ok(Advance::Wait | Advance::Ended) => return,
+                Err(alarm) => return self.fail(alarm),
+            }
+        }
+    }
+
+    fn fail(&mut self, alarm: Alarm) {
+        self.so_far.end = End::Alarm;
+        self.so_far.alarm = Some(alarm);
+    }
+
+    fn finish(self) -> Preview {
+        let mut preview = self.so_far;
+        preview.time_s = self.clock.now();
+        preview.spindle = self.spindle.turning();
+        preview.absolute = snapped(preview.frame.program(preview.machine));
+        preview.relative = snapped(preview.absolute - self.relative_zero);
+        preview
+    }
+
+    fn carry_out(&mut self, command: &Command) -> Result<Option<End>, Alarm> {
+        self.motionless += 1;
+        match &command.action {
+            Action::Rapid { to } => self.travel(command, MoveKind::Rapid, *to, None, None)?,
+            Action::Line { to, feed } => {
+                self.travel(command, MoveKind::Feed, *to, None, Some(*feed))?;
+            }
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => {
+                let kind = if *clockwise {
+                    MoveKind::Clockwise
+                } else {
+                    MoveKind::CounterClockwise
+                };
+                self.travel(command, kind, *to, Some(*center), Some(*feed))?;
+            }
+            Action::Dwell { ms } => self.dwell(command.source, *ms),
+            Action::Frame {
+                frame, relative, ..
+            } => self.change_frame(*frame, *relative),
+            Action::Miscellaneous { code, timing } => {
+                self.spindle.output_m(*code);
+                match code {
+                    8 => self.so_far.coolant = true,
+                    9 => self.so_far.coolant = false,
+                    _ => {}
+                }
+                self.clock.output_m(*timing);
+            }
+            Action::Spindle(speed) => {
+                self.spindle.command(*speed);
+                self.clock.output_s(speed);
+            }
+            Action::Tool { tool, offset } => {
+                self.clock.change_tool(*tool);
+                if !self.so_far.tools.contains(&(*tool, *offset)) {
+                    self.so_far.tools.push((*tool, *offset));
+                }
+            }
+            Action::ProgramStop => self.so_far.stops += 1,
+            Action::Repeat => {
+                self.so_far.parts += 1;
+                self.so_far.blocks += 1;
+                return Ok(Some(End::M99));
+            }
+            Action::End { counts, m30 } => {
+                self.so_far.parts += u32::from(*counts);
+                self.so_far.blocks += u64::from(*m30);
+                if *m30 {
+                    self.spindle.output_m(5);
+                    self.so_far.coolant = false;
+                }
+                return Ok(Some(if *m30 { End::M30 } else { End::Text }));
+            }
+            Action::Referenced { .. } | Action::Nothing => {}
+        }
+        if command.block_end {
+            self.so_far.blocks += 1;
+            self.clock.block_end();
+        }
+        Ok(None)
+    }
+
+    fn travel(
+        &mut self,
+        command: &Command,
+        kind: MoveKind,
+        to: Point,
+        center: Option<Point>,
+        feed: Option<Feed>,
+    ) -> Result<(), Alarm> {
+        let from = self.so_far.machine;
+        self.so_far.machine = to;
+        let frame = self.so_far.frame;
+        let per_minute = match feed {
+            None => 0.0,
+            Some(Feed::PerMinute(rate)) => rate,
+            Some(Feed::PerRevolution(rate)) => {
+                let middle = (frame.program(from).x + frame.program(to).x) / 2.0;
+                rate * self.spindle.rpm_for_feed(middle)?
+            }
+        };
+        if from == to && center.is_none() {
+            return Ok(());
+        }
+        self.motionless = 0;
+        let took = duration(kind, from, to, center, per_minute, &self.limits);
+        let length = path_length(kind, from, to, center);
+        let lengths = &mut self.so_far.lengths;
+        match kind {
+            MoveKind::Rapid => lengths.rapid += length,
+            MoveKind::Clockwise => lengths.clockwise += length,
+            MoveKind::CounterClockwise => lengths.counter_clockwise += length,
+            _ => lengths.feed += length,
+        }
+        if kind != MoveKind::Rapid {
+            self.so_far.cutting_s += took;
+        }
+        let executed = ExecutedMove {
+            source: command.source,
+            kind,
+            from: snapped(frame.program(from)),
+            to: snapped(frame.program(to)),
+            center: center.map(|center| snapped(frame.program(center))),
+            feed,
+            start_s: self.clock.now(),
+            duration_s: took,
+        };
+        bounds::include(&mut self.so_far.bounds, &executed);
+        self.clock.advance(took);
+        self.so_far.moves += 1;
+        (self.on_move)(&executed);
+        Ok(())
+    }
+
+    fn dwell(&mut self, source: Source, ms: u32) {
+        if ms == 0 {
+            return;
+        }
+        let at = snapped(self.so_far.frame.program(self.so_far.machine));
+        let took = f64::from(ms) / 1000.0;
+        let executed = ExecutedMove {
+            source,
+            kind: MoveKind::Dwell,
+            from: at,
+            to: at,
+            center: None,
+            feed: None,
+            start_s: self.clock.now(),
+            duration_s: took,
+        };
+        self.clock.advance(took);
+        self.so_far.moves += 1;
+        (self.on_move)(&executed);
+    }
+
+    /// The relative coordinates stay at a change of the work zero, unless they
+    /// follow it; an offset shifts them like the absolute ones.
+    fn change_frame(&mut self, frame: Frame, relative_follows: bool) {
+        let before = self.so_far.frame;
+        self.so_far.frame = frame;
+        if before.zero == frame.zero {
+            return;
+        }
+        if relative_follows {
+            self.relative_zero = Point::default();
+            return;
+        }
+        let machine = self.so_far.machine;
+        self.relative_zero = self.relative_zero + frame.program(machine) - before.program(machine);
+    }
+}
+
+/// Without the noise in the last bits that a change of frame leaves: end points
+/// are multiples of 0.0005 mm, centres good to a billionth of one.
+fn snapped(point: Point) -> Point {
+    const FINE: f64 = 1e9;
+    Point::new(
+        libm::round(point.x * FINE) / FINE,
+        libm::round(point.z * FINE) / FINE,
+    )
+}

@@ -1,0 +1,78 @@
+//! The box around a path.
+
+use crate::command::{ExecutedMove, MoveKind};
+use crate::units::Point;
+
+/// The smallest box with axis-parallel sides; X as a radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Least X and Z.
+    pub least: Point,
+    /// Greatest X and Z.
+    pub greatest: Point,
+}
+
+impl Bounds {
+    const fn at(point: Point) -> Self {
+        Self {
+            least: point,
+            greatest: point,
+        }
+    }
+
+    fn take(&mut self, point: Point) {
+        self.least = Point::new(self.least.x.min(point.x), self.least.z.min(point.z));
+        self.greatest = Point::new(self.greatest.x.max(point.x), self.greatest.z.max(point.z));
+    }
+}
+
+/// Widens a box by a move.
+pub(super) fn include(bounds: &mut Option<Bounds>, executed: &ExecutedMove) {
+    let bounds = bounds.get_or_insert(Bounds::at(executed.from));
+    bounds.take(executed.from);
+    bounds.take(executed.to);
+    let Some(center) = executed.center else {
+        return;
+    };
+    let (first, last) = match executed.kind {
+        MoveKind::Clockwise => (executed.to, executed.from),
+        _ => (executed.from, executed.to),
+    };
+    let radius = (executed.from - center).length();
+    let sweep = sweep(first - center, last - center);
+    for side in [
+        Point::new(radius, 0.0),
+        Point::new(0.0, radius),
+        Point::new(-radius, 0.0),
+        Point::new(0.0, -radius),
+    ] {
+        let (from, to) = (turn(first - center), turn(side));
+        if (to - from).rem_euclid(FULL_TURN) <= sweep {
+            bounds.take(center + side);
+        }
+    }
+}
+
+const FULL_TURN: f64 = 4.0;
+
+/// How far it is counter-clockwise from one direction to the other; a full
+/// turn for the same one.
+fn sweep(from: Point, to: Point) -> f64 {
+    let way = (turn(to) - turn(from)).rem_euclid(FULL_TURN);
+    if way == 0.0 { FULL_TURN } else { way }
+}
+
+/// A direction as a number that grows with the angle from +Z, one for each
+/// quarter; cheaper than the angle.
+fn turn(direction: Point) -> f64 {
+    let size = direction.x.abs() + direction.z.abs();
+    if size == 0.0 {
+        return 0.0;
+    }
+    let across = direction.x / size;
+    match (direction.z >= 0.0, direction.x >= 0.0) {
+        (true, true) => across,
+        (false, _) => 2.0 - across,
+        (true, false) => FULL_TURN + across,
+    }
+}

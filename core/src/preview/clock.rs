@@ -1,0 +1,82 @@
+//! Machine time of a preview: motion, M, S, T and dwell.
+
+use crate::command::{SpindleCommand, Timing};
+use crate::setup::Setup;
+
+/// Time since the start of the program, with what runs beside the motion.
+pub(super) struct Clock {
+    now: f64,
+    /// When the M function beside the motion of the block is finished.
+    busy_until: f64,
+    m_s: f64,
+    s_s: f64,
+    turret: Turret,
+}
+
+/// How long tool changes take.
+struct Turret {
+    stations: u8,
+    at: u8,
+    station_s: f64,
+    clamp_s: f64,
+}
+
+impl Clock {
+    pub(super) fn new(setup: &Setup) -> Self {
+        let seconds = |number| f64::from(setup.parameters.value(number)) / 1000.0;
+        Self {
+            now: 0.0,
+            busy_until: 0.0,
+            m_s: seconds(80),
+            s_s: seconds(81),
+            turret: Turret {
+                stations: u8::try_from(setup.parameters.value(84)).unwrap_or(0),
+                at: u8::try_from(setup.parameters.value(75)).unwrap_or(0).max(1),
+                station_s: f64::from(setup.lathe.turret.station_ms) / 1000.0,
+                clamp_s: f64::from(setup.lathe.turret.clamp_ms) / 1000.0
+                    + seconds(82)
+                    + seconds(85),
+            },
+        }
+    }
+
+    /// Seconds since the start.
+    pub(super) const fn now(&self) -> f64 {
+        self.now
+    }
+
+    pub(super) const fn advance(&mut self, seconds: f64) {
+        self.now += seconds;
+    }
+
+    /// The time 080 of an M function.
+    pub(super) const fn output_m(&mut self, timing: Timing) {
+        match timing {
+            Timing::WithMotion => self.busy_until = self.now + self.m_s,
+            Timing::BeforeMotion => self.now += self.m_s,
+        }
+    }
+
+    /// The time 081 of a stepped speed; the analog spindle is not waited for.
+    pub(super) const fn output_s(&mut self, command: &SpindleCommand) {
+        if let SpindleCommand::Step(_) = command {
+            self.now += self.s_s;
+        }
+    }
+
+    /// The turret turns forward station by station, then clamps.
+    pub(super) fn change_tool(&mut self, tool: u8) {
+        let turret = &mut self.turret;
+        if turret.stations == 0 || tool == turret.at || tool > turret.stations {
+            return;
+        }
+        let ahead = (i32::from(tool) - i32::from(turret.at)).rem_euclid(i32::from(turret.stations));
+        turret.at = tool;
+        self.now += f64::from(ahead) * turret.station_s + turret.clamp_s;
+    }
+
+    /// What runs beside the motion must be finished too.
+    pub(super) const fn block_end(&mut self) {
+        self.now = self.now.max(self.busy_until);
+    }
+}

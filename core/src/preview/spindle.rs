@@ -1,0 +1,92 @@
+//! What the preview knows of the spindle: enough for feeds per revolution.
+
+use crate::alarm::Alarm;
+use crate::command::SpindleCommand;
+use crate::interpreter::surface_rpm;
+use crate::setup::Setup;
+
+/// Whether and how the spindle turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Turning {
+    /// It stands.
+    #[default]
+    Stopped,
+    /// M03.
+    Clockwise,
+    /// M04.
+    CounterClockwise,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Speed {
+    Fixed(f64),
+    Surface(f64),
+}
+
+/// The commanded state of the spindle.
+pub(super) struct Spindle {
+    turning: Turning,
+    speed: Speed,
+    /// What the lathe's steps S1 to S4 turn at, r/min.
+    steps: [f64; 4],
+    limit: Option<f64>,
+    lowest: f64,
+}
+
+impl Spindle {
+    pub(super) fn new(setup: &Setup) -> Self {
+        let given = setup.spindle_rpm.unwrap_or(0.0);
+        Self {
+            turning: if given > 0.0 {
+                Turning::Clockwise
+            } else {
+                Turning::Stopped
+            },
+            speed: Speed::Fixed(given),
+            steps: setup.lathe.spindle.steps,
+            limit: None,
+            lowest: f64::from(setup.parameters.value(43)),
+        }
+    }
+
+    pub(super) const fn turning(&self) -> Turning {
+        self.turning
+    }
+
+    pub(super) const fn output_m(&mut self, code: u8) {
+        match code {
+            3 => self.turning = Turning::Clockwise,
+            4 => self.turning = Turning::CounterClockwise,
+            5 => self.turning = Turning::Stopped,
+            _ => {}
+        }
+    }
+
+    pub(super) fn command(&mut self, command: SpindleCommand) {
+        match command {
+            SpindleCommand::Step(step) => {
+                let rpm = usize::from(step)
+                    .checked_sub(1)
+                    .and_then(|step| self.steps.get(step));
+                self.speed = Speed::Fixed(rpm.copied().unwrap_or(0.0));
+            }
+            SpindleCommand::Speed(rpm) => self.speed = Speed::Fixed(rpm),
+            SpindleCommand::Surface(speed) => self.speed = Speed::Surface(speed),
+            SpindleCommand::Limit(rpm) => self.limit = Some(rpm),
+        }
+    }
+
+    /// The speed for a feed per revolution; alarm 011 when the spindle stands.
+    /// Under G96 the one at the middle of the cut, which gives the right time.
+    pub(super) fn rpm_for_feed(&self, radius: f64) -> Result<f64, Alarm> {
+        let rpm = match self.speed {
+            _ if self.turning == Turning::Stopped => 0.0,
+            Speed::Fixed(rpm) => rpm,
+            Speed::Surface(speed) => surface_rpm(speed, 2.0 * radius, self.limit, self.lowest),
+        };
+        if rpm < 1.0 {
+            return Err(Alarm::new(11).because("feed per revolution (G99) with a standing spindle"));
+        }
+        Ok(rpm)
+    }
+}

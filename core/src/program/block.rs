@@ -1,0 +1,263 @@
+//! A block: the words of one command unit, in a fixed place without heap.
+
+use core::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::number::{Number, Variable};
+use super::parse::{BlockError, check_values};
+
+/// Words a block can hold besides N and O; more raise alarm 012.
+pub const MAX_WORDS: usize = 24;
+
+/// One word: address letter and number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Word {
+    /// Upper-case letter, e.g. `b'X'`.
+    pub address: u8,
+    /// Its number.
+    pub value: Number,
+    /// Byte range in the text of the block.
+    pub span: (u16, u16),
+}
+
+impl Word {
+    pub(super) const EMPTY: Self = Self {
+        address: 0,
+        value: Number::ZERO,
+        span: (0, 0),
+    };
+}
+
+/// The words of one block in the order of the text.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "Plain", try_from = "Plain")]
+pub struct Block {
+    /// Sequence number N.
+    pub n: Option<u16>,
+    /// Program name O.
+    pub o: Option<u16>,
+    /// Whether `/` stands before it.
+    pub skip: bool,
+    /// Line of the file it stands in, from 1; 0 without a file.
+    pub line: u32,
+    variables: bool,
+    len: u8,
+    addresses: u32,
+    codes: u128,
+    words: [Word; MAX_WORDS],
+}
+
+/// The same for storage.
+#[derive(Serialize, Deserialize)]
+struct Plain {
+    n: Option<u16>,
+    o: Option<u16>,
+    skip: bool,
+    line: u32,
+    words: Vec<Word>,
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        Self {
+            n: None,
+            o: None,
+            skip: false,
+            line: 0,
+            variables: false,
+            len: 0,
+            addresses: 0,
+            codes: 0,
+            words: [Word::EMPTY; MAX_WORDS],
+        }
+    }
+}
+
+const fn address_bit(address: u8) -> u32 {
+    if address.is_ascii_uppercase() {
+        1 << (address - b'A')
+    } else {
+        0
+    }
+}
+
+impl Block {
+    /// The words in order, without N and O.
+    pub fn words(&self) -> &[Word] {
+        &self.words[..usize::from(self.len)]
+    }
+
+    /// Whether nothing stands in it besides N: it repeats a cycle of group 01.
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Whether an address occurs.
+    pub const fn has(&self, address: u8) -> bool {
+        self.addresses & address_bit(address) != 0
+    }
+
+    /// The word of an address; of several G the first.
+    pub fn word(&self, address: u8) -> Option<&Word> {
+        if !self.has(address) {
+            return None;
+        }
+        self.words().iter().find(|word| word.address == address)
+    }
+
+    /// The number of an address.
+    pub fn number(&self, address: u8) -> Option<Number> {
+        self.word(address).map(|word| word.value)
+    }
+
+    /// Whether a G code occurs.
+    pub const fn has_g(&self, code: u8) -> bool {
+        code < 100 && self.codes & (1 << code) != 0
+    }
+
+    /// The G codes in order.
+    pub fn g_codes(&self) -> impl Iterator<Item = u8> {
+        let words = if self.has(b'G') { self.words() } else { &[] };
+        words
+            .iter()
+            .filter(|word| word.address == b'G' && word.value.variable().is_none())
+            .map(|word| word.value.integer() as u8)
+    }
+
+    /// Whether a number is still a reference to a variable.
+    pub const fn has_variables(&self) -> bool {
+        self.variables
+    }
+
+    /// Puts the values of variables in the place of their references and checks
+    /// the ranges again. A value counts as 0.001 mm on X Z U W R I J K and as the
+    /// number itself elsewhere. The words of G65 stay as they are: the macro
+    /// operations read variables themselves.
+    ///
+    /// # Errors
+    /// The alarm of `lookup`, or 043 for a value beyond the range of its address.
+    pub fn resolve<E: From<BlockError>>(
+        mut self,
+        mut lookup: impl FnMut(Variable) -> Result<i64, E>,
+    ) -> Result<Self, E> {
+        if !self.has_variables() || self.has_g(65) {
+            return Ok(self);
+        }
+        for word in &mut self.words[..usize::from(self.len)] {
+            let Some(variable) = word.value.variable() else {
+                continue;
+            };
+            let value = lookup(variable)?;
+            let value = if variable.negative {
+                value.saturating_neg()
+            } else {
+                value
+            };
+            word.value = if is_length(word.address) {
+                Number::from_millionths(value.saturating_mul(1000))
+            } else {
+                Number::from_integer(value, 0)
+            };
+        }
+        self.index()?;
+        Ok(self)
+    }
+
+    /// Adds a word; `false` when the block is full.
+    pub(super) const fn push(&mut self, word: Word) -> bool {
+        let len = self.len as usize;
+        if len >= MAX_WORDS {
+            return false;
+        }
+        self.words[len] = word;
+        self.len += 1;
+        self.addresses |= address_bit(word.address);
+        if word.value.variable().is_some() {
+            self.variables = true;
+        } else if word.address == b'G' {
+            let code = word.value.integer();
+            if code >= 0 && code < 100 {
+                self.codes |= 1 << code;
+            }
+        }
+        true
+    }
+
+    /// Rebuilds what depends on the words and checks their values.
+    fn index(&mut self) -> Result<(), BlockError> {
+        let words = self.words;
+        let len = usize::from(self.len);
+        (self.len, self.addresses, self.codes, self.variables) = (0, 0, 0, false);
+        for word in &words[..len] {
+            self.push(*word);
+        }
+        check_values(self)
+    }
+}
+
+/// Addresses whose numbers are lengths in mm.
+pub(super) const fn is_length(address: u8) -> bool {
+    matches!(
+        address,
+        b'X' | b'Z' | b'U' | b'W' | b'R' | b'I' | b'J' | b'K'
+    )
+}
+
+/// One line of text that reads back as the same block.
+impl fmt::Display for Block {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.skip {
+            f.write_str("/")?;
+        }
+        if let Some(o) = self.o {
+            write!(f, "O{o:04} ")?;
+        }
+        if let Some(n) = self.n {
+            write!(f, "N{n:04} ")?;
+        }
+        for (index, word) in self.words().iter().enumerate() {
+            let gap = if index == 0 { "" } else { " " };
+            write!(f, "{gap}{}{}", char::from(word.address), word.value)?;
+        }
+        f.write_str(";")
+    }
+}
+
+impl From<Block> for Plain {
+    fn from(block: Block) -> Self {
+        Self {
+            n: block.n,
+            o: block.o,
+            skip: block.skip,
+            line: block.line,
+            words: block.words().to_vec(),
+        }
+    }
+}
+
+impl TryFrom<Plain> for Block {
+    type Error = BlockError;
+
+    fn try_from(plain: Plain) -> Result<Self, BlockError> {
+        let Plain {
+            n,
+            o,
+            skip,
+            line,
+            words,
+        } = plain;
+        let mut block = Self {
+            n,
+            o,
+            skip,
+            line,
+            ..Self::default()
+        };
+        if !words.iter().all(|word| block.push(*word)) {
+            return Err(BlockError::too_many_words());
+        }
+        check_values(&block)?;
+        Ok(block)
+    }
+}

@@ -1,0 +1,58 @@
+//! The start of a block: skip mark, program name, sequence number.
+
+use super::lexer::Lexer;
+
+/// What stands at the start of a block: `/`, O and N, in any order of the two.
+#[derive(Default)]
+pub(super) struct Head {
+    pub(super) o: Option<u16>,
+    pub(super) n: Option<u16>,
+    /// Byte range of the O word.
+    pub(super) o_span: Option<(usize, usize)>,
+}
+
+impl Head {
+    /// Reads the start of a block.
+    pub(super) fn read(text: &str) -> Self {
+        let mut head = Self::default();
+        let mut lexer = Lexer::new(text);
+        loop {
+            if lexer.skip_blanks().is_err() {
+                return head;
+            }
+            let start = lexer.at;
+            let (byte, len) = lexer.peek();
+            lexer.at += len;
+            match byte {
+                b'/' if head.o.is_none() && head.n.is_none() => {}
+                b'O' | b'o' if head.o.is_none() => {
+                    head.o = number(&mut lexer);
+                    head.o_span = head.o.map(|_| (start, lexer.at));
+                    if head.o.is_none() {
+                        return head;
+                    }
+                }
+                b'N' | b'n' if head.n.is_none() => {
+                    head.n = number(&mut lexer);
+                    return head;
+                }
+                _ => return head,
+            }
+        }
+    }
+}
+
+/// An unsigned number up to 9999.
+fn number(lexer: &mut Lexer<'_>) -> Option<u16> {
+    lexer.skip_blanks().ok()?;
+    let mut value = None;
+    while let (byte @ b'0'..=b'9', len) = lexer.peek() {
+        lexer.at += len;
+        let next = value.unwrap_or(0) * 10 + u32::from(byte - b'0');
+        if next > 9999 {
+            return None;
+        }
+        value = Some(next);
+    }
+    value.and_then(|value| u16::try_from(value).ok())
+}

@@ -1,0 +1,156 @@
+//! Where the blocks and lines of a text begin.
+
+use super::lexer::{FOREIGN, Lexer};
+
+/// Where a block begins.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) byte: u32,
+    pub(super) line: u32,
+}
+
+/// One pass over a text that finds its blocks.
+#[derive(Default)]
+pub(super) struct Index {
+    pub(super) blocks: Vec<Place>,
+    /// Byte after the last block.
+    pub(super) end: u32,
+    /// Lines of the text.
+    pub(super) lines: u32,
+    /// The first line with full-width characters outside comments.
+    pub(super) full_width: Option<u32>,
+}
+
+/// What the scan of one block found.
+#[derive(Default)]
+struct Scan {
+    words: bool,
+    comment: bool,
+    end: End,
+    /// Byte at which the end stands.
+    end_at: usize,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+enum End {
+    /// `;` or `*`.
+    Mark,
+    Line,
+    Percent,
+    #[default]
+    Text,
+}
+
+impl Index {
+    pub(super) fn read(&mut self, text: &str, first_line: u32) {
+        let mut lexer = Lexer::new(text);
+        let mut line = first_line;
+        let mut line_is_open = false;
+        let mut ended = None;
+        while !lexer.is_at_end() {
+            let start = lexer.at;
+            let scan = self.scan(&mut lexer, line);
+            let alone = scan.end == End::Mark && !scan.comment;
+            if scan.words || alone {
+                self.blocks.push(Place {
+                    byte: start as u32,
+                    line,
+                });
+            }
+            line_is_open = scan.end != End::Line;
+            if scan.end == End::Line {
+                line += 1;
+            }
+            if scan.end != End::Percent {
+                continue;
+            }
+            if self.blocks.is_empty() {
+                // The start of a tape: what follows on its line is a leader.
+                let (end, next) = line_end(text, lexer.at);
+                line_is_open = next == end;
+                line += u32::from(!line_is_open);
+                lexer = Lexer::starting_at(text, next);
+            } else {
+                ended = Some(scan.end_at);
+                break;
+            }
+        }
+        self.end = ended.unwrap_or(text.len()) as u32;
+        self.lines = line - first_line + u32::from(line_is_open);
+        if ended.is_some() {
+            self.lines += lines_after(text, lexer.at);
+        }
+        self.blocks.shrink_to_fit();
+    }
+
+    /// Reads up to the end of a block and past it.
+    #[inline]
+    fn scan(&mut self, lexer: &mut Lexer<'_>, line: u32) -> Scan {
+        let mut scan = Scan::default();
+        loop {
+            let (byte, len) = lexer.peek();
+            if len > 1 && byte != FOREIGN && byte != b' ' {
+                self.full_width.get_or_insert(line);
+            }
+            match byte {
+                b'\n' if len == 0 => return scan,
+                b'(' => {
+                    scan.comment = true;
+                    if lexer.skip_comment().is_err() {
+                        // Not closed: a block, so that its alarm is raised.
+                        scan.words = true;
+                    }
+                    continue;
+                }
+                b'\n' => scan.end = End::Line,
+                b';' | b'*' => scan.end = End::Mark,
+                b'%' => scan.end = End::Percent,
+                b' ' | b'\t' => {}
+                _ => scan.words = true,
+            }
+            scan.end_at = lexer.at;
+            lexer.at += len;
+            if scan.end != End::Text {
+                return scan;
+            }
+        }
+    }
+}
+
+/// Lines that begin after this byte.
+fn lines_after(text: &str, mut at: usize) -> u32 {
+    let mut lines = 0;
+    loop {
+        let (end, next) = line_end(text, at);
+        if next == end || next >= text.len() {
+            return lines;
+        }
+        lines += 1;
+        at = next;
+    }
+}
+
+/// Where the line of this byte begins.
+pub(super) fn line_start(text: &str, at: usize) -> usize {
+    let bytes = text.as_bytes();
+    let ends_line = |&index: &usize| {
+        bytes[index] == b'\n' || bytes[index] == b'\r' && bytes.get(index + 1) != Some(&b'\n')
+    };
+    (0..at).rev().find(ends_line).map_or(0, |index| index + 1)
+}
+
+/// Where the line that begins here ends, and where the next one begins.
+pub(super) fn line_end(text: &str, at: usize) -> (usize, usize) {
+    let bytes = text.as_bytes();
+    let rest = bytes.get(at..).unwrap_or(&[]);
+    let end = rest
+        .iter()
+        .position(|byte| matches!(byte, b'\n' | b'\r'))
+        .map_or(bytes.len(), |len| at + len);
+    let len = match bytes.get(end..) {
+        Some([b'\r', b'\n', ..]) => 2,
+        Some([_, ..]) => 1,
+        _ => 0,
+    };
+    (end, end + len)
+}

@@ -1,0 +1,111 @@
+//! Bytes of a program text: full-width characters read as ASCII, blanks,
+//! comments, ends of blocks.
+
+/// What [`Lexer::peek`] gives for a character that is none of the language.
+pub(super) const FOREIGN: u8 = 0xFF;
+
+/// A place in a text. Does not allocate; never moves past the end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lexer<'a> {
+    bytes: &'a [u8],
+    pub(super) at: usize,
+}
+
+impl<'a> Lexer<'a> {
+    pub(super) const fn new(text: &'a str) -> Self {
+        Self {
+            bytes: text.as_bytes(),
+            at: 0,
+        }
+    }
+
+    pub(super) const fn starting_at(text: &'a str, at: usize) -> Self {
+        Self {
+            bytes: text.as_bytes(),
+            at,
+        }
+    }
+
+    /// The character here and its bytes; `\n` with no bytes at the end of the
+    /// text. A lone carriage return is an end of line like LF (the EOB of EIA).
+    #[inline]
+    pub(super) fn peek(&self) -> (u8, usize) {
+        match self.bytes.get(self.at) {
+            None => (b'\n', 0),
+            Some(b'\r') => self.carriage_return(),
+            Some(&byte) if byte < 0x80 => (byte, 1),
+            Some(_) => ascii_of_wide(&self.bytes[self.at..]),
+        }
+    }
+
+    fn carriage_return(&self) -> (u8, usize) {
+        if self.bytes.get(self.at + 1) == Some(&b'\n') {
+            (b' ', 1)
+        } else {
+            (b'\n', 1)
+        }
+    }
+
+    /// Whether the text ends here.
+    pub(super) const fn is_at_end(&self) -> bool {
+        self.at >= self.bytes.len()
+    }
+
+    /// Passes blanks and comments. A comment that is not closed on its line is
+    /// an error: the place of its parenthesis.
+    #[inline]
+    pub(super) fn skip_blanks(&mut self) -> Result<(), usize> {
+        loop {
+            let (byte, len) = self.peek();
+            match byte {
+                b' ' | b'\t' => self.at += len,
+                b'(' => self.skip_comment()?,
+                _ => return Ok(()),
+            }
+        }
+    }
+
+    /// Passes the comment that begins here. Inside, nothing is converted; one that
+    /// was opened by a full-width parenthesis may be closed by either kind.
+    pub(super) fn skip_comment(&mut self) -> Result<(), usize> {
+        let open = self.at;
+        let (_, len) = self.peek();
+        self.at += len;
+        let wide = len > 1;
+        loop {
+            let Some(&byte) = self.bytes.get(self.at) else {
+                return Err(open);
+            };
+            match byte {
+                b')' => {
+                    self.at += 1;
+                    return Ok(());
+                }
+                b'\n' => return Err(open),
+                b'\r' if self.carriage_return().0 == b'\n' => return Err(open),
+                0xEF if wide && self.peek() == (b')', 3) => {
+                    self.at += 3;
+                    return Ok(());
+                }
+                _ => self.at += 1,
+            }
+        }
+    }
+}
+
+/// The ASCII character of a full-width one (U+FF01–U+FF5E), the blank for the
+/// ideographic and the no-break space and the byte order mark, otherwise
+/// [`FOREIGN`]; and its length in bytes. `bytes` is not empty.
+#[cold]
+fn ascii_of_wide(bytes: &[u8]) -> (u8, usize) {
+    match *bytes {
+        [0xEF, 0xBC, low @ 0x81..=0xBF, ..] => (low - 0x81 + b'!', 3),
+        [0xEF, 0xBD, low @ 0x80..=0x9E, ..] => (low - 0x80 + b'`', 3),
+        [0xE3, 0x80, 0x80, ..] | [0xEF, 0xBB, 0xBF, ..] => (b' ', 3),
+        [0xC2, 0xA0, ..] => (b' ', 2),
+        [0xC0..=0xDF, ..] => (FOREIGN, 2),
+        [0xE0..=0xEF, ..] => (FOREIGN, 3),
+        [0xF0..=0xF7, ..] => (FOREIGN, 4),
+        _ => (FOREIGN, 1),
+    }
+}

@@ -1,0 +1,127 @@
+//! The one block keyed in on the MDI page, word by word (manual III-6.1).
+
+use serde::{Deserialize, Serialize};
+
+use super::block::Block;
+use super::parse::{BlockError, Syntax, parse_block};
+use super::text::Program;
+use crate::alarm::Alarm;
+use crate::memory::Parameters;
+
+/// Words keyed in so far, in the order of their first entry.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MdiBlock {
+    words: Vec<(Slot, String)>,
+}
+
+/// What a new word replaces: the word of its address; of the G codes the one that
+/// it could not share a block with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Slot {
+    Address(u8),
+    Group(u8),
+}
+
+impl MdiBlock {
+    /// Takes one word or several. A word entered again replaces the earlier one.
+    ///
+    /// # Errors
+    /// The alarm of the syntax; the block is then as before.
+    pub fn enter(&mut self, text: &str, parameters: &Parameters) -> Result<(), Alarm> {
+        let syntax = Syntax::from(parameters);
+        let mut next = self.clone();
+        for (slot, word) in cut(text) {
+            match next.words.iter_mut().find(|(taken, _)| *taken == slot) {
+                Some((_, old)) => *old = word,
+                None => next.words.push((slot, word)),
+            }
+        }
+        // The whole block must be readable: ranges depend on the G codes.
+        parse_block(&next.text(), syntax).map_err(|error| match parse_block(text, syntax) {
+            Err(word) => word,
+            Ok(_) => error,
+        })?;
+        *self = next;
+        Ok(())
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.words.clear();
+    }
+
+    /// Whether nothing is keyed in.
+    pub fn is_empty(&self) -> bool {
+        self.words.is_empty()
+    }
+
+    /// The words of the block.
+    ///
+    /// # Errors
+    /// As [`parse_block`]; not after a successful [`Self::enter`] with the same
+    /// parameters.
+    pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
+        parse_block(&self.text(), Syntax::from(parameters))
+    }
+
+    /// The block as text.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        for (_, word) in &self.words {
+            if !text.is_empty() {
+                text.push(' ');
+            }
+            text.push_str(word);
+        }
+        text
+    }
+
+    /// The block as a program of one block, for the interpreter.
+    pub fn program(&self) -> Program {
+        Program::new(self.text())
+    }
+
+    /// What was keyed in for an address, number only; of several G the last.
+    pub fn entered(&self, address: u8) -> Option<&str> {
+        let word = self.words.iter().rev().map(|(_, word)| word.as_str());
+        let mut word = word.filter(|word| word.bytes().next() == Some(address));
+        word.next().and_then(|word| word.get(1..)).map(str::trim)
+    }
+}
+
+/// Cuts a text before each address letter.
+fn cut(text: &str) -> Vec<(Slot, String)> {
+    let mut words: Vec<(Slot, String)> = Vec::new();
+    for character in text.trim_end_matches([';', '*', ' ', '\n', '\r']).chars() {
+        let character = character.to_ascii_uppercase();
+        match (character.is_ascii_uppercase(), words.last_mut()) {
+            (false, Some((_, word))) => word.push(character),
+            _ => {
+                let address = u8::try_from(character).unwrap_or(b'?');
+                words.push((Slot::Address(address), character.to_string()));
+            }
+        }
+    }
+    for (slot, word) in &mut words {
+        *word = word.trim_end().to_string();
+        let code = word
+            .strip_prefix('G')
+            .and_then(|code| code.trim().parse().ok());
+        if let Some(code) = code {
+            *slot = Slot::Group(group(code));
+        }
+    }
+    words
+}
+
+/// The group of a G code (manual I-3, table 3-7). Groups 00 and 01 cannot share a
+/// block, so they count as one; G20 and G21 have their own.
+const fn group(code: u8) -> u8 {
+    match code {
+        96 | 97 => 2,
+        98 | 99 => 3,
+        40..=42 => 4,
+        20 | 21 => 6,
+        _ => 0,
+    }
+}

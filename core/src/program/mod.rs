@@ -1,0 +1,41 @@
+//! Program text: programs, their blocks and words, and the program memory.
+//!
+//! A *line* is a line of the file, counted from 1; every place shown to the user
+//! is a line. A *block* is what the control executes at a time: it ends at the
+//! end of its line or at a `;` or `*` (manual I-2.1), so a line can hold several
+//! blocks. Lines without words are no blocks, except a `;` that stands alone.
+//! The interpreter walks over blocks:
+//!
+//! ```
+//! use gsk_core::program::{Program, Syntax};
+//!
+//! let program = Program::new("O0001;\n(外圆)\nN10 G00 X50 Z2; G01 Z-20 F100;\n");
+//! let mut index = program.block_from_line(1);
+//! let mut lines = Vec::new();
+//! while index < program.block_count() {
+//!     let block = program.parse(index, Syntax::default())?;
+//!     lines.push(block.line);
+//!     index += 1;
+//! }
+//! assert_eq!(lines, [1, 3, 3]);
+//! # Ok::<(), gsk_core::program::BlockError>(())
+//! ```
+
+mod block;
+mod head;
+mod index;
+mod lexer;
+mod mdi;
+mod number;
+mod parse;
+mod store;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use block::{Block, MAX_WORDS, Word};
+pub use mdi::MdiBlock;
+pub use number::{Number, Variable};
+pub use parse::{BlockError, Syntax, parse_block};
+pub use store::{CHARACTER_LIMIT, PROGRAM_LIMIT, ProgramMemory, RANGE};
+pub use text::{Program, split};

@@ -1,0 +1,159 @@
+//! The number of a word, exact as written.
+
+use core::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// Units of [`Number`] in one.
+const ONE: i64 = 1_000_000;
+
+/// How a number was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Form {
+    #[default]
+    Integer,
+    Decimal,
+    Variable,
+    NegativeVariable,
+}
+
+/// The number of a word: an exact decimal in millionths, and how it was written.
+///
+/// On the addresses that take a point (X Z U W R I J K, and F) the value is in mm,
+/// s, mm/min, … with or without one; lengths are rounded to the least input
+/// increment of 0.001 (manual I-1.3.1). Until [`Block::resolve`] has put numbers
+/// in their place, a number can also be a reference to a variable.
+///
+/// [`Block::resolve`]: super::Block::resolve
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Number {
+    millionths: i64,
+    digits: u8,
+    form: Form,
+}
+
+/// A reference `#i` or `-#i` in the place of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Variable {
+    /// The number after `#`; `9nnn` means the variable whose number stands in
+    /// `#nnn` (manual I-3.7.2).
+    pub number: u16,
+    /// Whether a minus stands before it.
+    pub negative: bool,
+}
+
+impl Number {
+    pub(super) const ZERO: Self = Self {
+        millionths: 0,
+        digits: 0,
+        form: Form::Integer,
+    };
+
+    /// A number written without a point, as these many digits.
+    pub const fn from_integer(value: i64, digits: u8) -> Self {
+        Self {
+            millionths: value.saturating_mul(ONE),
+            digits,
+            form: Form::Integer,
+        }
+    }
+
+    /// A number written with a point.
+    pub const fn from_millionths(millionths: i64) -> Self {
+        Self {
+            millionths,
+            digits: 0,
+            form: Form::Decimal,
+        }
+    }
+
+    pub(super) const fn from_variable(variable: Variable) -> Self {
+        Self {
+            millionths: variable.number as i64,
+            digits: 0,
+            form: if variable.negative {
+                Form::NegativeVariable
+            } else {
+                Form::Variable
+            },
+        }
+    }
+
+    /// The variable that stands here instead of a number.
+    pub const fn variable(self) -> Option<Variable> {
+        let negative = match self.form {
+            Form::Variable => false,
+            Form::NegativeVariable => true,
+            Form::Integer | Form::Decimal => return None,
+        };
+        Some(Variable {
+            number: self.millionths as u16,
+            negative,
+        })
+    }
+
+    /// Exact value in millionths of its unit.
+    pub const fn millionths(self) -> i64 {
+        self.millionths
+    }
+
+    /// Value in thousandths, fraction dropped: increments of the control.
+    pub const fn thousandths(self) -> i64 {
+        self.millionths / 1000
+    }
+
+    /// The value in the unit of its address.
+    pub fn value(self) -> f64 {
+        self.millionths as f64 / ONE as f64
+    }
+
+    /// The value of a length, mm (a diameter stays one).
+    pub fn mm(self) -> f64 {
+        self.value()
+    }
+
+    /// The value of an integer address; a fraction is dropped.
+    pub const fn integer(self) -> i64 {
+        self.millionths / ONE
+    }
+
+    /// Whether it was written with a decimal point.
+    pub const fn has_point(self) -> bool {
+        matches!(self.form, Form::Decimal)
+    }
+
+    /// How many digits were written, for a number without a point: `T0101` and
+    /// `T1` differ in meaning.
+    pub const fn digits(self) -> u8 {
+        self.digits
+    }
+
+    pub(super) const fn rounded_to_increment(self) -> Self {
+        let half = if self.millionths < 0 { -500 } else { 500 };
+        let millionths = (self.millionths + half) / 1000 * 1000;
+        Self { millionths, ..self }
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(variable) = self.variable() {
+            let sign = if variable.negative { "-" } else { "" };
+            return write!(f, "{sign}#{}", variable.number);
+        }
+        if self.millionths < 0 {
+            f.write_str("-")?;
+        }
+        let size = self.millionths.unsigned_abs();
+        let one = ONE.unsigned_abs();
+        let (whole, fraction) = (size / one, size % one);
+        if !self.has_point() {
+            return write!(f, "{whole:0width$}", width = usize::from(self.digits));
+        }
+        if fraction == 0 {
+            return write!(f, "{whole}.");
+        }
+        let digits = format!("{fraction:06}");
+        write!(f, "{whole}.{}", digits.trim_end_matches('0'))
+    }
+}

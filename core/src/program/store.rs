@@ -1,0 +1,232 @@
+//! The program memory: programs by number, the one opened from a file, and which
+//! of them is selected.
+
+use core::ops::RangeInclusive;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::text::Program;
+use crate::alarm::Alarm;
+use crate::command::ProgramId;
+
+/// Programs the memory takes; one more raises alarm 072 (manual III-8.2).
+pub const PROGRAM_LIMIT: usize = 193;
+
+/// Characters the memory takes; more raise alarm 068.
+pub const CHARACTER_LIMIT: usize = 3_000_000;
+
+/// Program numbers.
+pub const RANGE: RangeInclusive<u16> = 0..=9999;
+
+/// Stored programs, the external one, and the selection.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ProgramMemory {
+    stored: BTreeMap<u16, Program>,
+    external: Option<Program>,
+    current: Option<ProgramId>,
+}
+
+impl ProgramMemory {
+    /// Stores a program under its O number, in place of one that is there, and
+    /// selects it when nothing is selected.
+    ///
+    /// # Errors
+    /// 074 without an O number, 068 and 072 when the memory is full.
+    pub fn store(&mut self, text: impl Into<Arc<str>>) -> Result<u16, Alarm> {
+        let program = Program::new(text);
+        let number = program.number().ok_or_else(|| {
+            Alarm::new(74).because("the text has no program number O0000 to O9999")
+        })?;
+        self.put(number, program)?;
+        Ok(number)
+    }
+
+    /// Stores a received program; an existing one is not replaced.
+    ///
+    /// # Errors
+    /// 073 when the number is in use, and those of [`Self::store`].
+    pub fn receive(&mut self, text: impl Into<Arc<str>>) -> Result<u16, Alarm> {
+        let program = Program::new(text);
+        match program.number() {
+            Some(number) if self.stored.contains_key(&number) => {
+                Err(Alarm::new(73).because(format!("O{number:04} is in the memory")))
+            }
+            _ => self.store(program.text()),
+        }
+    }
+
+    /// Creates a program that holds only its name.
+    ///
+    /// # Errors
+    /// 110 when it exists, 074 for a number out of range, 068 and 072.
+    pub fn create(&mut self, number: u16) -> Result<(), Alarm> {
+        self.must_be_free(number)?;
+        self.put(number, Program::new(format!("O{number:04};\n")))
+    }
+
+    /// Stores a copy under another number.
+    ///
+    /// # Errors
+    /// 071 when the original is missing, 110 when the copy exists, 074, 068, 072.
+    pub fn copy(&mut self, from: u16, to: u16) -> Result<(), Alarm> {
+        let program = self.stored.get(&from).ok_or_else(|| missing(from))?;
+        let program = program.renumbered(to);
+        self.must_be_free(to)?;
+        self.put(to, program)
+    }
+
+    /// Gives a program another number; the selection goes with it.
+    ///
+    /// # Errors
+    /// As [`Self::copy`].
+    pub fn rename(&mut self, from: u16, to: u16) -> Result<(), Alarm> {
+        let program = self.stored.get(&from).ok_or_else(|| missing(from))?;
+        let program = program.renumbered(to);
+        self.must_be_free(to)?;
+        self.stored.remove(&from);
+        self.stored.insert(to, program);
+        if self.current == Some(ProgramId::Stored(from)) {
+            self.current = Some(ProgramId::Stored(to));
+        }
+        Ok(())
+    }
+
+    /// Deletes a program; if it was selected, the next one is selected.
+    ///
+    /// # Errors
+    /// 071 when it is missing.
+    pub fn delete(&mut self, number: u16) -> Result<(), Alarm> {
+        self.stored.remove(&number).ok_or_else(|| missing(number))?;
+        self.select_existing();
+        Ok(())
+    }
+
+    /// Deletes all programs with numbers in a range.
+    pub fn delete_range(&mut self, numbers: &RangeInclusive<u16>) {
+        self.stored.retain(|number, _| !numbers.contains(number));
+        self.select_existing();
+    }
+
+    /// Opens a program outside the memory, in place of an earlier one. It does
+    /// not count against the capacity.
+    pub fn open_external(&mut self, program: Program) {
+        self.external = Some(program);
+        self.select_existing();
+    }
+
+    /// Closes the external program.
+    pub fn close_external(&mut self) {
+        self.external = None;
+        self.select_existing();
+    }
+
+    /// The external program.
+    pub const fn external(&self) -> Option<&Program> {
+        self.external.as_ref()
+    }
+
+    /// A program; the MDI block is none of the memory.
+    pub fn get(&self, id: ProgramId) -> Option<&Program> {
+        match id {
+            ProgramId::Stored(number) => self.stored.get(&number),
+            ProgramId::External => self.external.as_ref(),
+            ProgramId::Mdi => None,
+        }
+    }
+
+    /// A stored program.
+    pub fn stored(&self, number: u16) -> Option<&Program> {
+        self.stored.get(&number)
+    }
+
+    /// The selected program.
+    pub const fn current(&self) -> Option<ProgramId> {
+        self.current
+    }
+
+    /// Selects a program; `false` when there is none.
+    pub fn select(&mut self, id: ProgramId) -> bool {
+        let found = self.get(id).is_some();
+        if found {
+            self.current = Some(id);
+        }
+        found
+    }
+
+    /// Stored programs by ascending number.
+    pub fn iter(&self) -> impl Iterator<Item = (u16, &Program)> {
+        self.stored
+            .iter()
+            .map(|(&number, program)| (number, program))
+    }
+
+    /// How many programs are stored.
+    pub fn count(&self) -> usize {
+        self.stored.len()
+    }
+
+    /// How many more can be stored.
+    pub fn free_count(&self) -> usize {
+        PROGRAM_LIMIT.saturating_sub(self.count())
+    }
+
+    /// Characters in use.
+    pub fn characters(&self) -> usize {
+        self.stored.values().map(Program::characters).sum()
+    }
+
+    /// Characters left.
+    pub fn free_characters(&self) -> usize {
+        CHARACTER_LIMIT.saturating_sub(self.characters())
+    }
+
+    fn put(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
+        if !RANGE.contains(&number) {
+            return Err(Alarm::new(74).because(format!("O{number} is outside 0 to 9999")));
+        }
+        let replaced = self.stored.get(&number);
+        if replaced.is_none() && self.count() >= PROGRAM_LIMIT {
+            return Err(Alarm::new(72).because(format!("{PROGRAM_LIMIT} programs are stored")));
+        }
+        let free = self.free_characters() + replaced.map_or(0, Program::characters);
+        if program.characters() > free {
+            let size = program.characters();
+            return Err(Alarm::new(68).because(format!("{size} characters, {free} are free")));
+        }
+        self.stored.insert(number, program);
+        self.current.get_or_insert(ProgramId::Stored(number));
+        Ok(())
+    }
+
+    fn must_be_free(&self, number: u16) -> Result<(), Alarm> {
+        if self.stored.contains_key(&number) {
+            return Err(Alarm::new(110).because(format!("O{number:04} exists")));
+        }
+        if !RANGE.contains(&number) {
+            return Err(Alarm::new(74).because(format!("O{number} is outside 0 to 9999")));
+        }
+        Ok(())
+    }
+
+    /// Moves a selection whose program is gone to the next one, else to the last.
+    fn select_existing(&mut self) {
+        if self.current.is_some_and(|id| self.get(id).is_some()) {
+            return;
+        }
+        let after = match self.current {
+            Some(ProgramId::Stored(number)) => self.stored.range(number..).next(),
+            _ => None,
+        };
+        let next = after
+            .or_else(|| self.stored.last_key_value())
+            .map(|(&number, _)| number);
+        let external = self.external.as_ref().map(|_| ProgramId::External);
+        self.current = next.map(ProgramId::Stored).or(external);
+    }
+}
+
+fn missing(number: u16) -> Alarm {
+    Alarm::new(71).because(format!("O{number:04} is not in the memory"))
+}

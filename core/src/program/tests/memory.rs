@@ -1,0 +1,125 @@
+//! Program memory and MDI block.
+
+use super::super::*;
+use crate::command::ProgramId;
+use crate::memory::Parameters;
+
+#[test]
+fn storing_and_selecting() {
+    let mut memory = ProgramMemory::default();
+    assert_eq!(memory.current(), None);
+    assert_eq!(memory.store("G0 X1;").unwrap_err().number, 74);
+    assert_eq!(memory.store("O5;\nM30;").unwrap(), 5);
+    assert_eq!(memory.store("O3;\nM30;\n").unwrap(), 3);
+    assert_eq!(memory.current(), Some(ProgramId::Stored(5)));
+    assert!(!memory.select(ProgramId::Stored(9)));
+    assert!(memory.select(ProgramId::Stored(3)));
+    assert!(!memory.select(ProgramId::External));
+    memory.open_external(Program::new("G0 X1;"));
+    assert!(memory.select(ProgramId::External));
+    memory.close_external();
+    assert_eq!(memory.current(), Some(ProgramId::Stored(5)));
+    assert_eq!(
+        memory.iter().map(|(number, _)| number).collect::<Vec<_>>(),
+        [3, 5]
+    );
+    assert_eq!((memory.count(), memory.free_count()), (2, 191));
+    assert_eq!(
+        (memory.characters(), memory.free_characters()),
+        (17, 2_999_983)
+    );
+    assert_eq!(memory.receive("O5;").unwrap_err().number, 73);
+    assert_eq!(memory.store("O5;").unwrap(), 5);
+    assert_eq!(memory.stored(5).unwrap().text(), "O5;");
+    assert!(memory.get(ProgramId::Mdi).is_none());
+}
+
+#[test]
+fn managing() {
+    let mut memory = ProgramMemory::default();
+    memory.create(1).unwrap();
+    assert_eq!(memory.create(1).unwrap_err().number, 110);
+    assert_eq!(memory.create(10_000).unwrap_err().number, 74);
+    memory.copy(1, 2).unwrap();
+    assert_eq!(memory.stored(2).unwrap().text(), "O0002;\n");
+    assert_eq!(memory.copy(9, 3).unwrap_err().number, 71);
+    assert_eq!(memory.copy(1, 2).unwrap_err().number, 110);
+    memory.rename(1, 7).unwrap();
+    assert_eq!(memory.current(), Some(ProgramId::Stored(7)));
+    assert_eq!(memory.rename(7, 2).unwrap_err().number, 110);
+    assert_eq!(memory.rename(1, 3).unwrap_err().number, 71);
+    assert_eq!(memory.rename(7, 10_000).unwrap_err().number, 74);
+    memory.delete(7).unwrap();
+    assert_eq!(memory.current(), Some(ProgramId::Stored(2)));
+    assert_eq!(memory.delete(7).unwrap_err().number, 71);
+    memory.delete_range(&(0..=8999));
+    assert_eq!((memory.count(), memory.current()), (0, None));
+}
+
+#[test]
+fn the_memory_is_full() {
+    let mut memory = ProgramMemory::default();
+    for number in 0..193 {
+        memory.create(number).unwrap();
+    }
+    assert_eq!(memory.create(500).unwrap_err().number, 72);
+    memory.store("O0;").unwrap();
+    memory.delete(1).unwrap();
+    let half = format!("O1;({})", "外".repeat(1_500_000));
+    memory.store(half.clone()).unwrap();
+    assert_eq!(
+        memory.store(half.replace("O1", "O2")).unwrap_err().number,
+        68
+    );
+    memory.store(half).unwrap();
+}
+
+#[test]
+fn keying_in_an_mdi_block() {
+    let parameters = Parameters::default();
+    let mut mdi = MdiBlock::default();
+    assert!(mdi.is_empty());
+    mdi.enter("G50", &parameters).unwrap();
+    mdi.enter("X50", &parameters).unwrap();
+    mdi.enter("z 100;", &parameters).unwrap();
+    assert_eq!(mdi.text(), "G50 X50 Z 100");
+    mdi.enter("X-12.5", &parameters).unwrap();
+    assert_eq!(mdi.entered(b'X'), Some("-12.5"));
+    assert_eq!(mdi.entered(b'U'), None);
+    assert_eq!(
+        mdi.block(&parameters).unwrap().to_string(),
+        "G50 X-12.5 Z100;"
+    );
+    for (word, alarm) in [
+        ("X99999", 43),
+        ("A5", 9),
+        ("X", 5),
+        ("5", 6),
+        ("外", 6),
+        ("G65", 125),
+        ("X1X", 18),
+    ] {
+        let before = mdi.clone();
+        assert_eq!(
+            mdi.enter(word, &parameters).unwrap_err().number,
+            alarm,
+            "{word}"
+        );
+        assert_eq!(mdi, before);
+    }
+    mdi.enter("G0", &parameters).unwrap();
+    assert_eq!(mdi.text(), "G0 X-12.5 Z 100");
+    mdi.enter("G1 G98 F100", &parameters).unwrap();
+    assert_eq!(mdi.text(), "G1 X-12.5 Z 100 G98 F100");
+    assert_eq!(mdi.program().block_count(), 1);
+    mdi.clear();
+    assert!(mdi.is_empty());
+    mdi.enter("G65", &parameters).unwrap();
+    mdi.enter("H31", &parameters).unwrap();
+    mdi.enter("P#201", &parameters).unwrap();
+    mdi.enter("R30000", &parameters).unwrap();
+    assert_eq!(
+        mdi.block(&parameters).unwrap().to_string(),
+        "G65 H31 P#201 R30000;"
+    );
+}

@@ -1,0 +1,338 @@
+//! A program: its text and where its blocks begin.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::block::Block;
+use super::head::Head;
+use super::index::{Index, Place, line_end, line_start};
+use super::parse::{BlockError, Syntax, read_block};
+
+/// A program text with the index of its blocks; cheap to clone.
+///
+/// Besides the text it keeps 8 bytes a block.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(into = "Plain", from = "Plain")]
+pub struct Program {
+    shared: Arc<Shared>,
+}
+
+struct Shared {
+    text: Arc<str>,
+    blocks: Vec<Place>,
+    /// Byte after the last block.
+    end: u32,
+    first_line: u32,
+    lines: u32,
+    characters: u32,
+    number: Option<u16>,
+    full_width: Option<u32>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename = "Program")]
+struct Plain {
+    text: Arc<str>,
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    first_line: u32,
+}
+
+const fn one() -> u32 {
+    1
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the form that serde asks for"
+)]
+const fn is_one(line: &u32) -> bool {
+    *line == 1
+}
+
+/// Longer texts are cut here, so that places fit 32 bits; files end at 256 MB.
+const MAX_BYTES: usize = u32::MAX as usize - 16;
+
+impl Program {
+    /// Indexes a text.
+    pub fn new(text: impl Into<Arc<str>>) -> Self {
+        Self::from_line(text.into(), 1)
+    }
+
+    /// A program that begins at a later line of its file.
+    fn from_line(text: Arc<str>, first_line: u32) -> Self {
+        let text = if text.len() <= MAX_BYTES {
+            text
+        } else {
+            Arc::from(
+                text.get(..text.floor_char_boundary(MAX_BYTES))
+                    .unwrap_or(""),
+            )
+        };
+        let mut index = Index::default();
+        index.read(&text, first_line);
+        let characters = text.bytes().filter(|&byte| byte & 0xC0 != 0x80).count();
+        let mut shared = Shared {
+            blocks: index.blocks,
+            end: index.end,
+            first_line,
+            lines: index.lines,
+            characters: characters as u32,
+            number: None,
+            full_width: index.full_width,
+            text,
+        };
+        shared.number = (0..shared.blocks.len().min(NAME_WITHIN))
+            .find_map(|block| Head::read(shared.block(block)).o);
+        Self {
+            shared: Arc::new(shared),
+        }
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> &str {
+        &self.shared.text
+    }
+
+    /// Characters of the text, as the capacity of the memory counts them.
+    pub fn characters(&self) -> usize {
+        self.shared.characters as usize
+    }
+
+    /// The program number: the first O word, among the first blocks.
+    pub fn number(&self) -> Option<u16> {
+        self.shared.number
+    }
+
+    /// The first line with full-width letters or digits outside comments; they
+    /// are read as ASCII.
+    pub fn full_width_line(&self) -> Option<u32> {
+        self.shared.full_width
+    }
+
+    /// Lines of the text.
+    pub fn line_count(&self) -> u32 {
+        self.shared.lines
+    }
+
+    /// The text of a line of the file, from 1, without its end; empty outside.
+    pub fn line(&self, line: u32) -> &str {
+        self.shared.line(line)
+    }
+
+    /// How many blocks there are.
+    pub fn block_count(&self) -> u32 {
+        self.shared.blocks.len() as u32
+    }
+
+    /// The text of a block, from 0, with what follows it up to the next block.
+    pub fn block(&self, index: u32) -> &str {
+        self.shared.block(index as usize)
+    }
+
+    /// The line of the file a block stands in; the line after the last block for
+    /// an index beyond it.
+    pub fn block_line(&self, index: u32) -> u32 {
+        let blocks = &self.shared.blocks;
+        match blocks.get(index as usize) {
+            Some(place) => place.line,
+            None => blocks
+                .last()
+                .map_or(self.shared.first_line, |place| place.line + 1),
+        }
+    }
+
+    /// The first block in this line of the file or after it; [`Self::block_count`]
+    /// behind the last one.
+    pub fn block_from_line(&self, line: u32) -> u32 {
+        self.shared
+            .blocks
+            .partition_point(|place| place.line < line) as u32
+    }
+
+    /// Reads a block without variables, except in G65, whose words are kept as
+    /// they are. An index beyond the last one gives an empty block.
+    ///
+    /// # Errors
+    /// As [`super::parse_block`]; 115 where a variable stands for a number.
+    pub fn parse(&self, index: u32, syntax: Syntax) -> Result<Block, BlockError> {
+        let mut block = Block::default();
+        block.line = self.block_line(index);
+        read_block(self.block(index), syntax, &mut block)?;
+        if !block.has_variables() {
+            return Ok(block);
+        }
+        block.resolve(|variable| {
+            let detail = format!("variable #{} has no value here", variable.number);
+            Err(BlockError {
+                alarm: 115,
+                column: 1,
+                detail,
+            })
+        })
+    }
+
+    /// Reads a block that may refer to variables; [`Block::resolve`] must come
+    /// before its numbers are used.
+    ///
+    /// # Errors
+    /// As [`super::parse_block`].
+    pub fn parse_with_variables(&self, index: u32, syntax: Syntax) -> Result<Block, BlockError> {
+        let mut block = Block::default();
+        block.line = self.block_line(index);
+        read_block(self.block(index), syntax, &mut block)?;
+        Ok(block)
+    }
+
+    /// The line of the first block with this sequence number, in `from_line` or
+    /// after it. Only N at the start of a block counts (manual I-2.1).
+    pub fn find_sequence(&self, number: u16, from_line: u32) -> Option<u32> {
+        let from = self.block_from_line(from_line);
+        self.find_sequence_block(number, from..self.block_count())
+            .map(|index| self.block_line(index))
+    }
+
+    /// The first block of a range with this sequence number.
+    pub fn find_sequence_block(&self, number: u16, range: core::ops::Range<u32>) -> Option<u32> {
+        let mut range = range.start..range.end.min(self.block_count());
+        range.find(|&index| Head::read(self.block(index)).n == Some(number))
+    }
+
+    /// The sequence number at the start of a block.
+    pub fn sequence(&self, index: u32) -> Option<u16> {
+        Head::read(self.block(index)).n
+    }
+
+    /// The same program under another number: its O word is replaced, or put in
+    /// front when it has none.
+    #[must_use]
+    pub fn renumbered(&self, number: u16) -> Self {
+        let shared = &self.shared;
+        let name = shared
+            .blocks
+            .iter()
+            .take(NAME_WITHIN)
+            .enumerate()
+            .find_map(|(index, place)| {
+                let (start, end) = Head::read(shared.block(index)).o_span?;
+                Some((place.byte as usize + start, place.byte as usize + end))
+            });
+        let text = &shared.text;
+        let text = match name {
+            Some((start, end)) => format!(
+                "{}O{number:04}{}",
+                text.get(..start).unwrap_or(""),
+                text.get(end..).unwrap_or("")
+            ),
+            None => {
+                let first = shared.blocks.first().map_or(0, |place| place.byte as usize);
+                let (before, after) = text.split_at_checked(first).unwrap_or(("", text));
+                format!("{before}O{number:04};\n{after}")
+            }
+        };
+        Self::new(text)
+    }
+}
+
+/// The O word of a program is looked for in so many blocks.
+const NAME_WITHIN: usize = 16;
+
+impl PartialEq for Program {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shared, &other.shared)
+            || (self.shared.first_line == other.shared.first_line
+                && self.shared.text == other.shared.text)
+    }
+}
+
+impl Eq for Program {}
+
+impl core::fmt::Debug for Program {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Program")
+            .field("number", &self.number())
+            .field("blocks", &self.block_count())
+            .finish_non_exhaustive()
+    }
+}
+
+impl From<Plain> for Program {
+    fn from(plain: Plain) -> Self {
+        Self::from_line(plain.text, plain.first_line)
+    }
+}
+
+impl From<Program> for Plain {
+    fn from(program: Program) -> Self {
+        Self {
+            text: program.shared.text.clone(),
+            first_line: program.shared.first_line,
+        }
+    }
+}
+
+impl Shared {
+    fn block(&self, index: usize) -> &str {
+        let Some(place) = self.blocks.get(index) else {
+            return "";
+        };
+        let end = self
+            .blocks
+            .get(index + 1)
+            .map_or(self.end, |next| next.byte);
+        self.text
+            .get(place.byte as usize..end as usize)
+            .unwrap_or("")
+    }
+
+    fn line(&self, line: u32) -> &str {
+        let Some(below) = line.checked_sub(self.first_line) else {
+            return "";
+        };
+        if below >= self.lines {
+            return "";
+        }
+        let known = self.blocks.partition_point(|place| place.line <= line);
+        let (mut at, mut here) = match known
+            .checked_sub(1)
+            .and_then(|index| self.blocks.get(index))
+        {
+            Some(place) => (line_start(&self.text, place.byte as usize), place.line),
+            None => (0, self.first_line),
+        };
+        loop {
+            let (end, next) = line_end(&self.text, at);
+            if here == line {
+                return self.text.get(at..end).unwrap_or("");
+            }
+            (at, here) = (next, here + 1);
+        }
+    }
+}
+
+/// Cuts a file that holds several programs, each beginning with an O word at the
+/// start of a block, into programs. Lines keep the numbers of the file.
+pub fn split(text: &str) -> Vec<Program> {
+    let whole = Program::new(text);
+    let starts: Vec<Place> = (0..whole.shared.blocks.len())
+        .filter(|&index| Head::read(whole.shared.block(index)).o.is_some())
+        .filter_map(|index| whole.shared.blocks.get(index).copied())
+        .collect();
+    if starts.len() < 2 {
+        return vec![whole];
+    }
+    let end = whole.shared.end as usize;
+    let mut programs = Vec::with_capacity(starts.len());
+    for (index, place) in starts.iter().enumerate() {
+        // What stands before the first O word belongs to the first program.
+        let (byte, line) = if index == 0 {
+            (0, 1)
+        } else {
+            (place.byte as usize, place.line)
+        };
+        let next = starts.get(index + 1).map_or(end, |next| next.byte as usize);
+        let part = text.get(byte..next).unwrap_or("");
+        programs.push(Program::from_line(Arc::from(part), line));
+    }
+    programs
+}

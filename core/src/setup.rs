@@ -1,0 +1,89 @@
+//! What a control starts from.
+
+use std::sync::{Arc, LazyLock};
+
+use gsk_plc::Ladder;
+use gsk_plc::Retained;
+use gsk_plc::address::BitAddress;
+
+use crate::machine::LatheConfig;
+use crate::memory::{Counters, Offsets, Parameters};
+use crate::program::ProgramMemory;
+use crate::units::Point;
+
+/// The standard ladder, as instruction list.
+pub const STANDARD_LADDER: &str = include_str!("../../assets/ladder/standard.il");
+
+/// Everything a control and its simulated lathe start from.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// Parameters.
+    pub parameters: Parameters,
+    /// Tool offsets.
+    pub offsets: Offsets,
+    /// Program memory.
+    pub programs: ProgramMemory,
+    /// Part counter and cutting time.
+    pub counters: Counters,
+    /// The machine's ladder.
+    pub ladder: Arc<Ladder>,
+    /// What the PLC kept over power-off; `None`: its initial values.
+    pub plc_retained: Option<Retained>,
+    /// The simulated lathe.
+    pub lathe: LatheConfig,
+    /// The tool's machine position; the work zero is the machine zero.
+    pub start: Option<Point>,
+    /// Whether both axes already have their reference.
+    pub referenced: bool,
+    /// Speed of a spindle that already turns forward, r/min.
+    pub spindle_rpm: Option<f64>,
+    /// Machine inputs held at a value.
+    pub forced_inputs: Vec<(BitAddress, bool)>,
+}
+
+/// The standard ladder, compiled once.
+pub fn standard_ladder() -> Arc<Ladder> {
+    static LADDER: LazyLock<Arc<Ladder>> =
+        LazyLock::new(|| match Ladder::compile(STANDARD_LADDER) {
+            Ok(ladder) => Arc::new(ladder),
+            Err(errors) => unreachable!("the standard ladder is part of the program: {errors}"),
+        });
+    Arc::clone(&LADDER)
+}
+
+impl Setup {
+    /// A machine as it is delivered: factory parameters, no reference, the
+    /// training lathe.
+    pub fn delivered() -> Self {
+        Self {
+            parameters: Parameters::default(),
+            lathe: LatheConfig::default(),
+            start: None,
+            referenced: false,
+            ..Self::default()
+        }
+    }
+}
+
+impl Default for Setup {
+    /// What a dry run starts from: factory parameters with an analog spindle, both
+    /// axes referenced, the tool at X300 Z300, no dogs and no hard limits.
+    fn default() -> Self {
+        let mut parameters = Parameters::default();
+        let analog = parameters.set_bit(1, 4, true);
+        debug_assert!(analog.is_ok(), "001.4 exists");
+        Self {
+            parameters,
+            offsets: Offsets::default(),
+            programs: ProgramMemory::default(),
+            counters: Counters::default(),
+            ladder: standard_ladder(),
+            plc_retained: None,
+            lathe: LatheConfig::free(),
+            start: Some(Point::new(150.0, 300.0)),
+            referenced: true,
+            spindle_rpm: None,
+            forced_inputs: Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! A control and a simulated lathe, wired.
+
+use gsk_plc::address::{Area, BitAddress};
+use serde::{Deserialize, Serialize};
+
+use crate::cnc::Cnc;
+use crate::machine::{Inputs, Lathe};
+use crate::operation::RunState;
+use crate::setup::Setup;
+use crate::units::TICK_MS;
+
+/// The 自动 key, X20.1.
+const AUTO_KEY: BitAddress = BitAddress {
+    area: Area::X,
+    byte: 20,
+    bit: 1,
+};
+/// The 运行 key, X25.0.
+const CYCLE_START_KEY: BitAddress = BitAddress {
+    area: Area::X,
+    byte: 25,
+    bit: 0,
+};
+/// How long a finger presses, and rests, ticks.
+const KEY_TICKS: u32 = 100;
+
+/// A [`Cnc`] with the simulated lathe that hangs on it.
+///
+/// ```
+/// use gsk_core::simulation::{Outcome, Simulation, Until};
+/// use gsk_core::setup::Setup;
+/// let mut simulation = Simulation::new(Setup::default());
+/// assert_eq!(simulation.run_until(Until::Stopped, 1000), Outcome::Reached);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Simulation {
+    /// The control.
+    pub cnc: Cnc,
+    /// The lathe.
+    pub lathe: Lathe,
+    inputs: Inputs,
+}
+
+/// What [`Simulation::run_until`] waits for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Until {
+    /// No program runs (reset, block end or alarm) and the axes stand.
+    Stopped,
+    /// A block has ended or the run has stopped.
+    BlockEnd,
+}
+
+/// How [`Simulation::run_until`] ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The condition came true.
+    Reached,
+    /// The time limit came first.
+    TimedOut,
+}
+
+impl Simulation {
+    /// Wires a control to its lathe, at power-on.
+    pub fn new(setup: Setup) -> Self {
+        let mut lathe = Lathe::new(setup.lathe.clone(), &setup.parameters);
+        for (address, state) in &setup.forced_inputs {
+            lathe.force_input(*address, Some(*state));
+        }
+        if let Some(rpm) = setup.spindle_rpm {
+            lathe.turn_spindle(rpm);
+        }
+        if let Some(start) = setup.start {
+            lathe.put_slides(start);
+        }
+        let cnc = Cnc::new(setup);
+        lathe.stand_at(cnc.pulses());
+        let inputs = lathe.inputs();
+        Self { cnc, lathe, inputs }
+    }
+
+    /// One millisecond.
+    pub fn tick(&mut self) {
+        let outputs = self.cnc.tick(&self.inputs);
+        self.inputs = self.lathe.tick(&outputs);
+    }
+
+    /// Ticks until the condition holds, at most `limit_ms` of machine time. The
+    /// condition is looked at after each tick.
+    pub fn run_until(&mut self, until: Until, limit_ms: u64) -> Outcome {
+        let block = self.cnc.cursor();
+        for _ in 0..limit_ms / u64::from(TICK_MS) {
+            self.tick();
+            let stopped = self.cnc.run_state() != RunState::Run && !self.cnc.is_moving();
+            let reached = match until {
+                Until::Stopped => stopped,
+                Until::BlockEnd => stopped || self.cnc.cursor() != block,
+            };
+            if reached {
+                return Outcome::Reached;
+            }
+        }
+        Outcome::TimedOut
+    }
+
+    /// Selects AUTO and presses cycle start, as fingers do: down 100 ms, up.
+    pub fn start_automatic(&mut self) {
+        for key in [AUTO_KEY, CYCLE_START_KEY] {
+            for down in [true, false] {
+                self.cnc.set_panel_key(key, down);
+                for _ in 0..KEY_TICKS {
+                    self.tick();
+                }
+            }
+        }
+    }
+
+    /// Switches the control off and on again: retained memory is kept, the lathe
+    /// stays where it stands.
+    pub fn power_cycle(&mut self) {
+        self.cnc.power_cycle();
+        self.lathe.stand_at(self.cnc.pulses());
+        self.inputs = self.lathe.inputs();
+    }
+}

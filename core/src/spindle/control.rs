@@ -1,0 +1,243 @@
+//! Commanded speed, its limits, gears, and the analog voltage.
+
+use core::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use super::encoder::Encoder;
+use crate::command::SpindleCommand;
+use crate::memory::Parameters;
+
+/// What S means at present.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Mode {
+    /// r/min (G97).
+    Speed(f64),
+    /// m/min (G96).
+    Surface(f64),
+}
+
+/// A speed that takes the place of the commanded one for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Instead {
+    /// Gear change under way (067).
+    GearChange,
+    /// Spindle jog (109).
+    Jog,
+}
+
+/// What the spindle depends on in a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpindleInputs {
+    /// Encoder count (four a line), absolute.
+    pub encoder: i64,
+    /// Radius for G96, mm: the programmed X without offset; sign ignored. In a
+    /// rapid it is the one of the end point.
+    pub radius: f64,
+    /// Spindle override, %.
+    pub override_percent: u8,
+}
+
+/// Parameters of the spindle, worked out once.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Settings {
+    analog: bool,
+    gears_usable: bool,
+    top: [f64; 4],
+    lowest_surface: f64,
+    gear_change: f64,
+    jog: f64,
+    gain: f64,
+    zero_volts: f64,
+    encoder_scale: f64,
+}
+
+impl Settings {
+    fn new(parameters: &Parameters) -> Self {
+        let value = |number| f64::from(parameters.value(number));
+        Self {
+            analog: parameters.analog_spindle(),
+            gears_usable: parameters.bit(164, 7),
+            top: [1, 2, 3, 4].map(|gear| parameters.gear_maximum(gear)),
+            lowest_surface: parameters.surface_lowest(),
+            gear_change: value(67),
+            jog: value(109),
+            gain: value(21) / 625.0,
+            zero_volts: value(36) * 10.0 / 8192.0,
+            encoder_scale: Encoder::scale(parameters),
+        }
+    }
+}
+
+/// The control's side of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SpindleControl {
+    settings: Settings,
+    mode: Mode,
+    /// Highest speed under G96 (G50 S), r/min.
+    limit: Option<f64>,
+    gear: u8,
+    instead: Option<Instead>,
+    encoder: Encoder,
+    commanded: f64,
+    volts: f64,
+    radius: f64,
+}
+
+impl SpindleControl {
+    /// At power-on: no speed, gear 1, no limit.
+    pub fn new(parameters: &Parameters) -> Self {
+        Self {
+            settings: Settings::new(parameters),
+            mode: Mode::Speed(0.0),
+            limit: None,
+            gear: 1,
+            instead: None,
+            encoder: Encoder::default(),
+            commanded: 0.0,
+            volts: 0.0,
+            radius: 0.0,
+        }
+    }
+
+    /// Takes over changed parameters.
+    pub fn reconfigure(&mut self, parameters: &Parameters) {
+        self.settings = Settings::new(parameters);
+    }
+
+    /// An S function. Steps (S00–S04) go through the PLC and change nothing here.
+    pub fn command(&mut self, command: SpindleCommand) {
+        match command {
+            SpindleCommand::Step(_) => {}
+            SpindleCommand::Speed(speed) => self.mode = Mode::Speed(speed.max(0.0)),
+            SpindleCommand::Surface(speed) => self.mode = Mode::Surface(speed.max(0.0)),
+            SpindleCommand::Limit(limit) => self.limit = Some(limit.max(0.0)),
+        }
+    }
+
+    /// The speed G97 without S goes on with: the last one of G96, whole r/min,
+    /// before override.
+    pub fn surface_rpm(&self) -> f64 {
+        self.speed_before_override().round()
+    }
+
+    /// Whether G96 is in force.
+    pub const fn surface_mode(&self) -> bool {
+        matches!(self.mode, Mode::Surface(_))
+    }
+
+    /// The S value in force: r/min, or m/min under G96.
+    pub const fn word(&self) -> f64 {
+        match self.mode {
+            Mode::Speed(value) | Mode::Surface(value) => value,
+        }
+    }
+
+    /// Gear 1–4 whose top speed (037–040) counts; always 1 with 164.7 AGER = 0.
+    pub const fn gear(&self) -> u8 {
+        if self.settings.gears_usable {
+            self.gear
+        } else {
+            1
+        }
+    }
+
+    /// Selects a gear, 1–4.
+    pub const fn set_gear(&mut self, gear: u8) {
+        if gear >= 1 && gear <= 4 {
+            self.gear = gear;
+        }
+    }
+
+    /// Gear change under way: the speed of 067 instead of S.
+    pub fn set_gear_change(&mut self, active: bool) {
+        self.set_instead(Instead::GearChange, active);
+    }
+
+    /// Spindle jog: the speed of 109 instead of S.
+    pub fn set_jog(&mut self, active: bool) {
+        self.set_instead(Instead::Jog, active);
+    }
+
+    fn set_instead(&mut self, what: Instead, active: bool) {
+        if active {
+            self.instead = Some(what);
+        } else if self.instead == Some(what) {
+            self.instead = None;
+        }
+    }
+
+    /// Speed at 10 V in the gear in force, r/min.
+    pub const fn top_speed(&self) -> f64 {
+        self.settings.top[(self.gear() - 1) as usize]
+    }
+
+    fn speed_before_override(&self) -> f64 {
+        match self.mode {
+            Mode::Speed(speed) => speed,
+            Mode::Surface(speed) => self.limited(self.surface_speed(speed)),
+        }
+    }
+
+    /// n = 1000 v / (π d), at most the top speed of the gear.
+    fn surface_speed(&self, surface: f64) -> f64 {
+        let circumference = 2.0 * PI * self.radius.abs();
+        let top = self.top_speed();
+        if surface <= 0.0 {
+            0.0
+        } else if 1000.0 * surface >= top * circumference {
+            top
+        } else {
+            1000.0 * surface / circumference
+        }
+    }
+
+    /// The limits of G96: not below 043, not above G50 S, which wins.
+    fn limited(&self, speed: f64) -> f64 {
+        let raised = if speed > 0.0 {
+            speed.max(self.settings.lowest_surface)
+        } else {
+            0.0
+        };
+        raised.min(self.limit.unwrap_or(f64::INFINITY))
+    }
+
+    /// One millisecond.
+    pub fn tick(&mut self, inputs: &SpindleInputs) {
+        self.encoder
+            .tick(inputs.encoder, self.settings.encoder_scale);
+        self.radius = inputs.radius;
+        let factor = f64::from(inputs.override_percent) / 100.0;
+        self.commanded = match (self.instead, self.mode) {
+            (Some(Instead::GearChange), _) => self.settings.gear_change,
+            (Some(Instead::Jog), _) => self.settings.jog,
+            (None, Mode::Speed(speed)) => speed * factor,
+            (None, Mode::Surface(speed)) => self.limited(self.surface_speed(speed) * factor),
+        };
+        self.volts = self.voltage(self.commanded);
+    }
+
+    /// SVC for a speed, 0…10 V; none with switched speeds (001.4 = 0).
+    fn voltage(&self, speed: f64) -> f64 {
+        let top = self.top_speed();
+        if !self.settings.analog || top <= 0.0 {
+            return 0.0;
+        }
+        (10.0 * speed / top * self.settings.gain + self.settings.zero_volts).clamp(0.0, 10.0)
+    }
+
+    /// Commanded speed after override and limits, r/min.
+    pub const fn commanded_rpm(&self) -> f64 {
+        self.commanded
+    }
+
+    /// Analog output SVC, V.
+    pub const fn volts(&self) -> f64 {
+        self.volts
+    }
+
+    /// Measured speed, r/min; negative in reverse.
+    pub const fn actual_rpm(&self) -> f64 {
+        self.encoder.rpm()
+    }
+}
