@@ -34,6 +34,8 @@ use crate::units::{Axis, PerAxis, Point, Pulses};
 const SAMPLE_TICKS: u64 = 4;
 /// The PLC has its slot every so many ticks.
 const SLOT_TICKS: u64 = 8;
+/// Motions shorter than a tick that are carried out in one.
+const MOTIONS_PER_TICK: usize = 16;
 /// X0.5, *ESP: closed when all is well.
 const ESP_BYTE: usize = 0;
 const ESP_MASK: u8 = 1 << 5;
@@ -225,7 +227,7 @@ impl Cnc {
     /// absolute coordinates stay with 004.7 ABOT = 0 (manual III-2.1).
     pub fn power_cycle(&mut self) {
         let position = self.position();
-        let keeps_position = !self.parameters.bit(4, 7);
+        let keeps_position = !self.parameters.power_off_loses_coordinates();
         let setup = Setup {
             parameters: self.parameters.clone(),
             offsets: self.offsets.clone(),
@@ -257,7 +259,7 @@ impl Cnc {
         if self.ticks % SLOT_TICKS == 1 {
             self.plc_slot();
         }
-        let masked = self.parameters.bit(172, 3);
+        let masked = self.parameters.emergency_stop_masked();
         let closed = self.filter.accepted()[ESP_BYTE] & ESP_MASK != 0;
         self.watch_reset(closed || masked);
         self.automatic_tick();
@@ -360,7 +362,7 @@ impl Cnc {
 
     /// Follows the mode that the ladder commands.
     fn follow_mode(&mut self) {
-        let handwheel = self.parameters.bit(1, 3);
+        let handwheel = self.parameters.handwheel();
         let Some(mode) = Mode::from_code(self.from_plc.mode_code, handwheel) else {
             return;
         };
@@ -432,8 +434,15 @@ impl Cnc {
             hold: held || locked,
             dry_run: self.dry_run(),
         };
-        let position = self.interpolator.tick(&self.limits, &inputs);
-        self.axes.advance(position, self.from_plc.machine_lock);
+        self.interpolator.tick(&self.limits, &inputs);
+        for _ in 0..MOTIONS_PER_TICK {
+            if !self.begin_within_tick() {
+                break;
+            }
+            self.interpolator.continue_tick(&self.limits, &inputs);
+        }
+        self.axes
+            .advance(self.position(), self.from_plc.machine_lock);
     }
 
     fn feed_override_factor(&self) -> f64 {
@@ -454,7 +463,7 @@ impl Cnc {
         let rapid = self.from_plc.rapid;
         Some(DryRun {
             cutting: if rapid { JOG_RATE_MAX } else { jog },
-            rapid: (!rapid && !self.parameters.bit(4, 6)).then_some(jog),
+            rapid: (!rapid && !self.parameters.dry_run_keeps_rapid()).then_some(jog),
         })
     }
 

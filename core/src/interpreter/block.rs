@@ -155,7 +155,7 @@ fn tool_execution(context: &Context<'_>, kind: Kind) -> Execution {
     match kind {
         Kind::OneShot(OneShot::Dwell) | Kind::Arc => Execution::Not,
         Kind::OneShot(_) => Execution::Shift,
-        _ if context.parameters.bit(3, 4) => Execution::Shift,
+        _ if context.parameters.offset_by_shift() => Execution::Shift,
         _ => Execution::Travel,
     }
 }
@@ -191,7 +191,7 @@ fn motion(
         Kind::Nothing => Ok(Motion::None),
         Kind::OneShot(OneShot::Dwell) => Ok(Motion::One(dwell::dwell(words))),
         Kind::OneShot(OneShot::Coordinates) => {
-            let relative_follows = context.parameters.bit(5, 1);
+            let relative_follows = context.parameters.g50_sets_relative();
             let action = coordinates::set(state, words, axes, relative_follows)?;
             Ok(action.map_or(Motion::None, Motion::One))
         }

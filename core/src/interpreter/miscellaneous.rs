@@ -30,9 +30,7 @@ pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alar
         98 => Ok(Function::Call),
         99 => Ok(Function::Return),
         3..=5 | 8..=13 | 32 | 33 => Ok(Function::Output(code)),
-        41..=44 if context.parameters.bit(164, 7) && context.parameters.bit(1, 4) => {
-            Ok(Function::Output(code))
-        }
+        41..=44 if context.parameters.automatic_gears() => Ok(Function::Output(code)),
         41..=44 => Err(fault(format!(
             "M{code} needs automatic gear change (164.7) and the analog spindle (001.4)"
         ))),

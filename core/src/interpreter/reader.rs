@@ -163,7 +163,7 @@ impl Interpreter {
         self.main = Run::over();
         self.mdi = None;
         self.state.cycle.clear();
-        if !host.parameters().bit(4, 3) {
+        if !host.parameters().reset_keeps_offset() {
             self.state.offset = Exact::default();
             self.state.modal.offset = 0;
             self.state.untravelled = Default::default();
@@ -341,7 +341,11 @@ fn context<'a, H: Host>(
         source,
         place,
         mdi,
-        x_factor: if parameters.bit(1, 2) { 2 } else { 1 },
+        x_factor: if parameters.radius_programming() {
+            2
+        } else {
+            1
+        },
     }
 }
 

@@ -60,7 +60,7 @@ impl Reference {
             reference.set(axis, 0);
             state.offset.set(axis, 0);
             *state.untravelled.get_mut(axis) = false;
-            if context.parameters.bit(12, 7) {
+            if context.parameters.reference_sets_coordinates() {
                 let coordinate = i64::from(context.parameters.value(number)) * (PER_MM / 1000);
                 let factor = if axis == Axis::X { context.x_factor } else { 1 };
                 state.zero.set(axis, -coordinate * factor);
@@ -73,7 +73,8 @@ impl Reference {
         let frame = (before != (state.zero, state.offset)).then(|| Action::Frame {
             frame: state.frame(),
             program_zero: None,
-            relative: context.parameters.bit(12, 7) && context.parameters.bit(5, 1),
+            relative: context.parameters.reference_sets_coordinates()
+                && context.parameters.g50_sets_relative(),
         });
         Ok(Some(Self {
             intermediate: intermediate.point(),

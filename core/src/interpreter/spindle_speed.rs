@@ -25,7 +25,7 @@ pub(crate) fn evaluate(
     let was_surface = state.modal.surface_speed;
     let surface = words.surface.unwrap_or(was_surface);
     state.modal.surface_speed = surface;
-    if !context.parameters.bit(1, 4) {
+    if !context.parameters.analog_spindle() {
         return stepped(state, words.s);
     }
     let command = match words.s.map(|speed| speed as f64) {

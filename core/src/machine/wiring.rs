@@ -68,7 +68,7 @@ impl Wiring {
         let switches = bit(172, 0);
         let many = stations >= 5;
         let chuck = bit(168, 2);
-        let gears = parameters.analog_spindle() && bit(164, 7);
+        let gears = parameters.automatic_gears();
         let gear_switches = gears && bit(164, 6);
         let enable = |function| function && !bit(164, 6);
         Self {

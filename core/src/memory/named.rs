@@ -26,11 +26,6 @@ impl Parameters {
         self.bit(1, 2)
     }
 
-    /// 002.1: nose radius compensation is fitted.
-    pub fn nose_compensation(&self) -> bool {
-        self.bit(2, 1)
-    }
-
     /// 003.4: a T word shifts the coordinates; otherwise the tool moves.
     pub fn offset_by_shift(&self) -> bool {
         self.bit(3, 4)
@@ -56,34 +51,55 @@ impl Parameters {
         self.bit(5, 1)
     }
 
-    /// 006.5 CM98: undefined M, S and T codes call subprograms.
-    pub fn codes_call_subprograms(&self) -> bool {
-        self.bit(6, 5)
-    }
-
-    /// 007.3 SMZ: every block ends at the start speed.
-    pub fn exact_corners(&self) -> bool {
-        self.bit(7, 3)
-    }
-
-    /// 012.1 EBCL: the end of a block is shown as `*`; otherwise as `;`.
-    pub fn end_of_block_is_star(&self) -> bool {
-        self.bit(12, 1)
-    }
-
     /// 013.5 POD: numbers need a decimal point.
     pub fn point_required(&self) -> bool {
         self.bit(13, 5)
     }
 
-    /// 013.4 SBKM: G65 blocks stop in single block.
-    pub fn macros_stop(&self) -> bool {
-        self.bit(13, 4)
+    /// 004.7 ABOT: the absolute coordinates are lost at power-off.
+    pub fn power_off_loses_coordinates(&self) -> bool {
+        self.bit(4, 7)
     }
 
-    /// 172.4 MOT: the soft limits are checked.
-    pub fn soft_limits_checked(&self) -> bool {
-        !self.bit(172, 4)
+    /// 004.6 RDRN: in dry run, rapids keep the rapid rate.
+    pub fn dry_run_keeps_rapid(&self) -> bool {
+        self.bit(4, 6)
+    }
+
+    /// 012.7 APRS: a reference return sets the absolute coordinates to 049, 050.
+    pub fn reference_sets_coordinates(&self) -> bool {
+        self.bit(12, 7)
+    }
+
+    /// 012.0 ISOT: manual rapid is allowed before the reference return.
+    pub fn rapid_without_reference(&self) -> bool {
+        self.bit(12, 0)
+    }
+
+    /// 014.0, 014.1: the axis has a zero switch (methods B and C).
+    pub fn has_zero_switch(&self, axis: Axis) -> bool {
+        self.bit(
+            14,
+            match axis {
+                Axis::X => 0,
+                Axis::Z => 1,
+            },
+        )
+    }
+
+    /// 164.7 AGER with an analog spindle: M41–M44 change gears.
+    pub fn automatic_gears(&self) -> bool {
+        self.bit(164, 7) && self.analog_spindle()
+    }
+
+    /// 172.4 MOT: the soft limits are not watched.
+    pub fn soft_limits_masked(&self) -> bool {
+        self.bit(172, 4)
+    }
+
+    /// 172.3 MESP: the emergency-stop contact is not watched.
+    pub fn emergency_stop_masked(&self) -> bool {
+        self.bit(172, 3)
     }
 
     /// 015/017, 016/018: pulses a least output increment, as multiplier and
@@ -105,19 +121,9 @@ impl Parameters {
         self.per_axis(axis, 24, 25).into()
     }
 
-    /// 026: time constant of X in thread run-outs, ms.
-    pub fn thread_time(&self) -> f64 {
-        self.value(26).into()
-    }
-
     /// 027: highest cutting feed, mm/min.
     pub fn feed_limit(&self) -> f64 {
         self.value(27).into()
-    }
-
-    /// 028: speed at which threads start and end, mm/min.
-    pub fn thread_floor(&self) -> f64 {
-        self.value(28).into()
     }
 
     /// 029: time constant of the exponential acceleration of cuts and jogs, ms.
@@ -133,25 +139,6 @@ impl Parameters {
     /// 032: rapid rate at override F0, mm/min.
     pub fn rapid_lowest(&self) -> f64 {
         self.value(32).into()
-    }
-
-    /// 033: low rate of the zero return, mm/min.
-    pub fn zero_return_low(&self) -> f64 {
-        self.value(33).into()
-    }
-
-    /// 113: high rate of the zero return, mm/min; X takes half of it.
-    pub fn zero_return_high(&self, axis: Axis) -> f64 {
-        let rate = f64::from(self.value(113));
-        match axis {
-            Axis::X => rate / 2.0,
-            Axis::Z => rate,
-        }
-    }
-
-    /// 034, 035: backlash of the slide, mm.
-    pub fn backlash(&self, axis: Axis) -> f64 {
-        f64::from(self.per_axis(axis, 34, 35)) / 1000.0
     }
 
     /// 037–040: spindle speed at 10 V in gear 1–4, r/min; other gears as 1.

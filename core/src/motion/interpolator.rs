@@ -122,6 +122,11 @@ impl Interpolator {
         self.velocity().length() * 60.0
     }
 
+    /// What the last block has left of the tick in which it ended, s.
+    pub const fn time_left(&self) -> f64 {
+        self.carry
+    }
+
     /// Whether an axis has speed.
     pub fn is_moving(&self) -> bool {
         let programmed = match &self.motion {

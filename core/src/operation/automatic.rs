@@ -49,8 +49,8 @@ pub(crate) struct Current {
     stage: Stage,
     /// Where it began, machine coordinates.
     pub(crate) from: Point,
-    /// When it began, ticks.
-    started: u64,
+    /// When it began, s.
+    started: f64,
 }
 
 /// Automatic operation.
@@ -214,6 +214,18 @@ impl Cnc {
             return;
         }
         self.automatic.dwell_left = self.automatic.dwell_left.saturating_sub(1);
+        self.carry_out();
+        let between_blocks = self.automatic.current.is_none() && !self.automatic.within_block;
+        if self.automatic.state == RunState::Hold && between_blocks {
+            self.automatic.state = RunState::Stop;
+        }
+        if self.automatic.state == RunState::Run {
+            self.read_ahead();
+        }
+    }
+
+    /// Ends what is finished and begins what follows, until something takes time.
+    fn carry_out(&mut self) {
         for _ in 0..COMMANDS_PER_TICK {
             if self.automatic.current.is_none() && !self.begin_next() {
                 break;
@@ -222,13 +234,23 @@ impl Cnc {
                 break;
             }
         }
-        let between_blocks = self.automatic.current.is_none() && !self.automatic.within_block;
-        if self.automatic.state == RunState::Hold && between_blocks {
-            self.automatic.state = RunState::Stop;
+    }
+
+    /// A motion that ended within the tick leaves the rest of it to the next one:
+    /// begins that. Returns whether there is one.
+    pub(crate) fn begin_within_tick(&mut self) -> bool {
+        let ended = self.automatic.operating()
+            && self.interpolator.finished()
+            && self.interpolator.time_left() > 0.0;
+        if ended {
+            self.carry_out();
         }
-        if self.automatic.state == RunState::Run {
-            self.read_ahead();
-        }
+        ended && !self.interpolator.finished()
+    }
+
+    /// Machine time now, s: within a tick when a block ended in it.
+    fn now(&self) -> f64 {
+        self.ticks as f64 * TICK_S - self.interpolator.time_left()
     }
 
     /// Takes the next command and starts it. Returns whether one is under way.
@@ -315,6 +337,7 @@ impl Cnc {
         self.modal = command.modal;
         self.automatic.last = Some(command.source);
         let from = self.interpolator.position();
+        let started = self.now();
         let stage = match self.act(&command) {
             Ok(stage) => stage,
             Err(alarm) => return self.raise(alarm.at(command.source)),
@@ -324,7 +347,7 @@ impl Cnc {
             command,
             stage,
             from,
-            started: self.ticks,
+            started,
         });
     }
 
@@ -449,7 +472,7 @@ impl Cnc {
     fn output_t(&mut self, tool: u8) {
         let turns = tool != 0
             && tool != self.from_plc.current_tool
-            && self.parameters.value(84) > 0
+            && self.parameters.stations() > 0
             && !self.from_plc.auxiliary_lock;
         if turns {
             self.handshake.start(Strobe::T, tool);
@@ -512,7 +535,7 @@ impl Cnc {
         if counts {
             self.count_part();
         }
-        let rewind = self.parameters.bit(5, 4);
+        let rewind = self.parameters.m30_rewinds();
         self.automatic.clear();
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
@@ -545,7 +568,6 @@ impl Cnc {
             Action::Dwell { .. } => (MoveKind::Dwell, None, None),
             _ => return,
         };
-        let start_s = current.started as f64 * TICK_S;
         self.events.push(Event::Moved(ExecutedMove {
             source: current.command.source,
             kind,
@@ -553,8 +575,8 @@ impl Cnc {
             to: self.frame.program(self.interpolator.position()),
             center,
             feed,
-            start_s,
-            duration_s: self.ticks as f64 * TICK_S - start_s,
+            start_s: current.started,
+            duration_s: self.now() - current.started,
         }));
     }
 

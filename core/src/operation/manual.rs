@@ -95,7 +95,7 @@ impl Cnc {
     fn jog_speed(&self) -> JogRate {
         // Without a reference, manual rapid needs 012.0 ISOT.
         let referenced = self.referenced.x && self.referenced.z;
-        if self.from_plc.rapid && (referenced || self.parameters.bit(12, 0)) {
+        if self.from_plc.rapid && (referenced || self.parameters.rapid_without_reference()) {
             JogRate::Rapid
         } else {
             JogRate::Feed(jog_rate(self.from_plc.jog_code))
@@ -118,7 +118,10 @@ impl Cnc {
     /// Software travel limits 045–048 (manual III-2.5.2): effective with 172.4
     /// MOT = 0 and for axes with a reference.
     pub(crate) fn watch_travel(&mut self) {
-        if self.parameters.bit(172, 4) || self.machine_locked() || !self.interpolator.is_moving() {
+        if self.parameters.soft_limits_masked()
+            || self.machine_locked()
+            || !self.interpolator.is_moving()
+        {
             return;
         }
         let overrun =

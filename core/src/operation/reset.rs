@@ -5,7 +5,7 @@ use super::automatic::RunState;
 use crate::alarm::{Alarm, AlarmClass};
 use crate::cnc::{Cnc, Event};
 use crate::command::ProgramId;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 impl Cnc {
     /// Whether the reset signal RST stands.
@@ -70,8 +70,8 @@ impl Cnc {
                 self.raise(Alarm::new(EMERGENCY_STOP));
                 // Methods B and C lose their reference with the pulses.
                 self.referenced = PerAxis::new(
-                    self.referenced.x && !self.parameters.bit(14, 0),
-                    self.referenced.z && !self.parameters.bit(14, 1),
+                    self.referenced.x && !self.parameters.has_zero_switch(Axis::X),
+                    self.referenced.z && !self.parameters.has_zero_switch(Axis::Z),
                 );
                 self.at_reference = PerAxis::default();
             }

@@ -57,7 +57,7 @@ impl Settings {
         let value = |number| f64::from(parameters.value(number));
         Self {
             analog: parameters.analog_spindle(),
-            gears_usable: parameters.bit(164, 7),
+            gears_usable: parameters.automatic_gears(),
             top: [1, 2, 3, 4].map(|gear| parameters.gear_maximum(gear)),
             lowest_surface: parameters.surface_lowest(),
             gear_change: value(67),
