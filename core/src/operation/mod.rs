@@ -3,6 +3,7 @@
 
 mod active_alarms;
 mod automatic;
+mod execution;
 mod handshake;
 mod input_filter;
 mod manual;

@@ -1,0 +1,268 @@
+//! One command at a time: what it starts, when it is finished, what follows it.
+//!
+//! T comes before all else of its block and waits for FIN; M and S start together
+//! with the motion; the block ends when motion and handshake are both done.
+
+use super::automatic::{Current, RunState, Stage};
+use super::handshake::Strobe;
+use crate::alarm::Alarm;
+use crate::cnc::{Cnc, Event};
+use crate::command::{Action, Command, ExecutedMove, MoveKind, SpindleCommand, Timing};
+use crate::units::{Axis, Feed, Point};
+
+impl Cnc {
+    /// Starts a command.
+    pub(super) fn begin(&mut self, command: Command) {
+        self.modal = command.modal;
+        self.automatic.last = Some(command.source);
+        let from = self.interpolator.position();
+        let started = self.now();
+        let stage = match self.act(&command) {
+            Ok(stage) => stage,
+            Err(alarm) => return self.raise(alarm.at(command.source)),
+        };
+        self.automatic.waiting = false;
+        self.automatic.current = Some(Current {
+            command,
+            stage,
+            from,
+            started,
+        });
+    }
+
+    fn act(&mut self, command: &Command) -> Result<Stage, Alarm> {
+        match &command.action {
+            Action::Rapid { to } => {
+                self.interpolator.start_rapid(*to);
+                Ok(Stage::Acting)
+            }
+            Action::Line { to, feed } => {
+                self.check_feed(*feed)?;
+                self.interpolator.start_line(*to, *feed);
+                Ok(Stage::Acting)
+            }
+            Action::Arc {
+                to,
+                center,
+                clockwise,
+                feed,
+            } => {
+                self.check_feed(*feed)?;
+                self.interpolator.start_arc(*to, *center, *clockwise, *feed);
+                Ok(Stage::Acting)
+            }
+            Action::Dwell { ms } => {
+                self.automatic.dwell_left = *ms;
+                Ok(Stage::Acting)
+            }
+            Action::Referenced { x, z } => {
+                for (axis, taken) in [(Axis::X, *x), (Axis::Z, *z)] {
+                    if taken {
+                        *self.referenced.get_mut(axis) = true;
+                        *self.at_reference.get_mut(axis) = true;
+                    }
+                }
+                Ok(Stage::Acting)
+            }
+            Action::Frame {
+                frame,
+                program_zero,
+                relative,
+            } => {
+                let shown_before = self.frame.program(self.position());
+                let moved = frame.zero != self.frame.zero;
+                self.frame = *frame;
+                if let Some(point) = program_zero {
+                    self.program_zero = Some(*point);
+                }
+                // The relative display follows an offset, and a G50 only with PPD.
+                if moved {
+                    let shown = self.frame.program(self.position());
+                    self.relative_zero = if *relative {
+                        Point::default()
+                    } else {
+                        self.relative_zero + shown - shown_before
+                    };
+                }
+                Ok(Stage::Acting)
+            }
+            Action::Miscellaneous { code, timing } => {
+                self.output_m(*code);
+                Ok(match timing {
+                    Timing::WithMotion => Stage::Acting,
+                    Timing::BeforeMotion => Stage::Handshake,
+                })
+            }
+            Action::Spindle(spindle) => {
+                self.output_s(*spindle);
+                Ok(Stage::Acting)
+            }
+            Action::Tool { tool, offset } => {
+                self.tool = (*tool, *offset);
+                self.output_t(*tool);
+                Ok(Stage::Handshake)
+            }
+            Action::ProgramStop => {
+                self.automatic.decoded = Some(0);
+                self.handshake.start(Strobe::M, 0);
+                Ok(Stage::Handshake)
+            }
+            Action::End { m30: true, .. } => {
+                self.automatic.decoded = Some(30);
+                self.handshake.start(Strobe::M, 30);
+                Ok(Stage::Handshake)
+            }
+            Action::End { .. } | Action::Repeat | Action::Nothing => Ok(Stage::Acting),
+        }
+    }
+
+    /// A cut per revolution needs a turning spindle (alarm 011).
+    fn check_feed(&self, feed: Feed) -> Result<(), Alarm> {
+        let standing = matches!(feed, Feed::PerRevolution(_))
+            && !self.from_plc.dry_run
+            && self.spindle.actual_rpm().abs() < 1.0;
+        if standing {
+            return Err(Alarm::new(11).because("feed per revolution (G99) with a standing spindle"));
+        }
+        Ok(())
+    }
+
+    fn output_m(&mut self, code: u8) {
+        if self.from_plc.auxiliary_lock {
+            return;
+        }
+        if (41..=44).contains(&code) {
+            self.spindle.set_gear(code - 40);
+        }
+        self.handshake.start(Strobe::M, code);
+    }
+
+    fn output_s(&mut self, spindle: SpindleCommand) {
+        match spindle {
+            SpindleCommand::Step(step) if !self.from_plc.auxiliary_lock => {
+                self.handshake.start(Strobe::S, step);
+            }
+            SpindleCommand::Step(_) => {}
+            analog => self.spindle.command(analog),
+        }
+    }
+
+    /// T goes out only for a tool that is not in position, and only to a turret.
+    fn output_t(&mut self, tool: u8) {
+        let turns = tool != 0
+            && tool != self.from_plc.current_tool
+            && self.parameters.stations() > 0
+            && !self.from_plc.auxiliary_lock;
+        if turns {
+            self.handshake.start(Strobe::T, tool);
+        }
+    }
+
+    /// Ends the command under way if it is finished. Returns whether it ended.
+    pub(super) fn finish_current(&mut self) -> bool {
+        let Some(current) = &mut self.automatic.current else {
+            return false;
+        };
+        if current.stage == Stage::Acting {
+            let motion = matches!(
+                current.command.action,
+                Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. }
+            );
+            if self.automatic.dwell_left > 0 || (motion && !self.interpolator.finished()) {
+                return false;
+            }
+            if current.command.block_end {
+                current.stage = Stage::Handshake;
+            }
+        }
+        if current.stage == Stage::Handshake && self.handshake.busy() {
+            return false;
+        }
+        let Some(current) = self.automatic.current.take() else {
+            return false;
+        };
+        self.report(&current);
+        self.automatic.decoded = None;
+        self.automatic.within_block = !current.command.block_end;
+        self.after(&current.command);
+        true
+    }
+
+    /// What follows a finished command: stop, end, part count.
+    fn after(&mut self, command: &Command) {
+        match command.action {
+            Action::ProgramStop => return self.automatic.state = RunState::Stop,
+            Action::End { counts, m30 } => return self.program_end(counts, m30),
+            Action::Repeat => self.count_part(),
+            _ => {}
+        }
+        let stops = self.automatic.state == RunState::Hold
+            || (command.block_end && self.automatic.stop_requested)
+            || (command.stop_point && self.from_plc.single_block);
+        if stops && (command.stop_point || command.block_end) {
+            self.automatic.state = RunState::Stop;
+            self.automatic.stop_requested = false;
+        }
+    }
+
+    fn count_part(&mut self) {
+        self.counters.count_part();
+        self.events.push(Event::PartFinished);
+    }
+
+    fn program_end(&mut self, counts: bool, m30: bool) {
+        if counts {
+            self.count_part();
+        }
+        let rewind = self.parameters.m30_rewinds();
+        self.automatic.clear();
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.reset(&world);
+        if rewind {
+            self.cursor_line = 1;
+        } else {
+            self.rewind_at_start = true;
+        }
+        self.events.push(Event::ProgramEnded { m30 });
+    }
+
+    /// Reports an executed (or interrupted) piece of motion.
+    fn report(&mut self, current: &Current) {
+        let (kind, center, feed) = match current.command.action {
+            Action::Rapid { .. } => (MoveKind::Rapid, None, None),
+            Action::Line { feed, .. } => (MoveKind::Feed, None, Some(feed)),
+            Action::Arc {
+                center,
+                clockwise,
+                feed,
+                ..
+            } => {
+                let kind = if clockwise {
+                    MoveKind::Clockwise
+                } else {
+                    MoveKind::CounterClockwise
+                };
+                (kind, Some(self.frame.program(center)), Some(feed))
+            }
+            Action::Dwell { .. } => (MoveKind::Dwell, None, None),
+            _ => return,
+        };
+        self.events.push(Event::Moved(ExecutedMove {
+            source: current.command.source,
+            kind,
+            from: self.frame.program(current.from),
+            to: self.frame.program(self.interpolator.position()),
+            center,
+            feed,
+            start_s: current.started,
+            duration_s: self.now() - current.started,
+        }));
+    }
+
+    /// An interrupted motion still leaves its piece of path.
+    pub(crate) fn abandon_current(&mut self) {
+        if let Some(current) = self.automatic.current.take() {
+            self.report(&current);
+        }
+    }
+}
