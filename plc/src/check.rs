@@ -49,9 +49,7 @@ struct Checker<'a> {
 }
 
 /// Checks a whole program; returns its structure, the errors and the warnings.
-pub(crate) fn check(
-    statements: &[Statement],
-) -> (Structure, Vec<CompileError>, Vec<CompileError>) {
+pub(crate) fn check(statements: &[Statement]) -> (Structure, Vec<CompileError>, Vec<CompileError>) {
     let mut checker = Checker {
         statements,
         structure: Structure::default(),
@@ -148,7 +146,11 @@ impl Checker<'_> {
         match section {
             Section::Outside => return Section::Subprogram(at),
             Section::Subprogram(_) => {
-                self.error(at, Rule::E05, "a subprogram starts before the last one's SPE");
+                self.error(
+                    at,
+                    Rule::E05,
+                    "a subprogram starts before the last one's SPE",
+                );
                 return Section::Subprogram(at);
             }
             Section::Level1 | Section::Level2 => {
@@ -202,7 +204,10 @@ impl Checker<'_> {
         let wanted = if block { 2 } else { 1 };
         if depth < wanted {
             let message = if block {
-                format!("{} joins two blocks, but only {depth} stand before it", row.name)
+                format!(
+                    "{} joins two blocks, but only {depth} stand before it",
+                    row.name
+                )
             } else {
                 format!("{} has no LD or LDI before it", row.name)
             };
@@ -215,7 +220,11 @@ impl Checker<'_> {
     fn ineffective(&mut self, at: usize, depth: u32, output: bool) {
         if depth > 0 && !output {
             let before = at.saturating_sub(1);
-            self.warn(before, Rule::W03, "the rung has no output, so it has no effect");
+            self.warn(
+                before,
+                Rule::W03,
+                "the rung has no output, so it has no effect",
+            );
         }
     }
 
@@ -281,9 +290,8 @@ impl Checker<'_> {
                 continue;
             };
             if self.sections.get(at) != self.sections.get(target) {
-                let message = format!(
-                    "the jump to L{label} crosses END1 or END2 or leaves its subprogram"
-                );
+                let message =
+                    format!("the jump to L{label} crosses END1 or END2 or leaves its subprogram");
                 self.error(at, Rule::E05, message);
             }
         }
@@ -304,7 +312,11 @@ impl Checker<'_> {
             };
             let target = self.structure.subprograms.get(number).copied();
             if target.is_none() {
-                self.error(at, Rule::E04, format!("subprogram P{number} does not exist"));
+                self.error(
+                    at,
+                    Rule::E04,
+                    format!("subprogram P{number} does not exist"),
+                );
             }
             match (self.sections.get(at), target) {
                 (Some(Section::Level1), _) => {

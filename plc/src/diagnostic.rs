@@ -84,6 +84,10 @@ impl fmt::Display for CompileErrors {
 /// The closing line of a compilation, in the words of the programming software.
 #[must_use]
 pub fn summary(errors: usize, warnings: usize) -> String {
-    let result = if errors == 0 { "编译成功" } else { "编译失败" };
+    let result = if errors == 0 {
+        "编译成功"
+    } else {
+        "编译失败"
+    };
     format!("{result}: {errors} 错误, {warnings} 警告.")
 }

@@ -94,7 +94,12 @@ pub(crate) fn parse(
     let tokens = tokens(code)?;
     let (name, arguments) = match tokens.split_first() {
         Some((Token::Word(name), arguments)) => (name.to_ascii_uppercase(), arguments),
-        _ => return Err((Rule::E00, "a directive starts with a point and a name".to_owned())),
+        _ => {
+            return Err((
+                Rule::E00,
+                "a directive starts with a point and a name".to_owned(),
+            ));
+        }
     };
     match (name.as_str(), arguments) {
         (".UNIT", [Token::Text(text)]) => directives.header.unit = (*text).to_owned(),
@@ -106,8 +111,17 @@ pub(crate) fn parse(
             statement,
             title: (*title).to_owned(),
         }),
-        (".CMT", [Token::Word(address), Token::Text(chinese), Token::Text(english)]) => {
-            directives.comments.push(comment(address, chinese, english)?);
+        (
+            ".CMT",
+            [
+                Token::Word(address),
+                Token::Text(chinese),
+                Token::Text(english),
+            ],
+        ) => {
+            directives
+                .comments
+                .push(comment(address, chinese, english)?);
         }
         (".MSG", [Token::Word(bit), Token::Word(number), Token::Text(text)]) => {
             let message = message(bit, number, text, &directives.messages)?;
@@ -198,12 +212,7 @@ fn comment(address: &str, chinese: &str, english: &str) -> Result<Comment, Findi
     })
 }
 
-fn message(
-    bit: &str,
-    number: &str,
-    text: &str,
-    messages: &[Message],
-) -> Result<Message, Finding> {
+fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<Message, Finding> {
     let bit: BitAddress = bit
         .parse()
         .map_err(|error: crate::address::AddressError| (Rule::E03, error.to_string()))?;
@@ -215,10 +224,7 @@ fn message(
         .and_then(|number| u16::try_from(number).ok())
         .filter(|number| (1000..=9999).contains(number));
     let Some(number) = number else {
-        return Err((
-            Rule::E03,
-            "message numbers go from 1000 to 9999".to_owned(),
-        ));
+        return Err((Rule::E03, "message numbers go from 1000 to 9999".to_owned()));
     };
     if messages.iter().any(|message| message.bit == bit) {
         return Err((Rule::E04, format!("{bit} already has a message")));

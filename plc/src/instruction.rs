@@ -289,7 +289,12 @@ pub static TABLE: [Row; 25] = [
         Mnemonic::Codb,
         "CODB",
         Role::Output,
-        &[Kind::Length, Kind::TableSize, Kind::Index, Kind::TableTarget],
+        &[
+            Kind::Length,
+            Kind::TableSize,
+            Kind::Index,
+            Kind::TableTarget,
+        ],
         5,
     ),
     row(

@@ -57,6 +57,8 @@ impl Ladder {
         let code = code::generate(&parsed.statements, &structure, &parsed.directives);
         let mut directives = parsed.directives;
         directives.messages.sort_by_key(|message| message.bit);
+        directives.comments.sort_by_key(|comment| comment.subject);
+        directives.comments.dedup_by_key(|comment| comment.subject);
         Ok(Ladder {
             source: source.to_owned(),
             directives,
@@ -117,7 +119,7 @@ impl Ladder {
         &self.directives.messages
     }
 
-    /// Names of addresses.
+    /// Names of addresses, in address order; the first one of each.
     #[must_use]
     pub fn comments(&self) -> &[Comment] {
         &self.directives.comments
@@ -126,8 +128,9 @@ impl Ladder {
     /// The name of one address.
     #[must_use]
     pub fn comment(&self, subject: Subject) -> Option<&Comment> {
-        let mut comments = self.directives.comments.iter();
-        comments.find(|comment| comment.subject == subject)
+        let comments = &self.directives.comments;
+        let found = comments.binary_search_by_key(&subject, |comment| comment.subject);
+        found.ok().and_then(|at| comments.get(at))
     }
 
     /// Values of retained addresses for a blank store.
@@ -170,13 +173,12 @@ impl Ladder {
             })
     }
 
-    /// Titles given at the statement with index `first`; the last one counts.
+    /// Title given at the statement with index `first`; of several the last one counts.
     fn title_at(&self, first: usize) -> Option<&str> {
-        let networks = self.directives.networks.iter();
-        networks
-            .rev()
-            .find(|network| network.statement == first)
-            .map(|network| network.title.as_str())
+        let networks = &self.directives.networks;
+        let end = networks.partition_point(|network| network.statement <= first);
+        let network = networks.get(end.checked_sub(1)?)?;
+        (network.statement == first).then_some(network.title.as_str())
     }
 
     pub(crate) fn code(&self) -> &Code {

@@ -351,7 +351,11 @@ mod tests {
             for other in Area::ALL.into_iter().filter(|other| *other != area) {
                 for byte in 0..other.count() {
                     let address = ByteAddress::new(other, byte);
-                    assert_eq!(memory.long(address), before.long(address), "{area} {address}");
+                    assert_eq!(
+                        memory.long(address),
+                        before.long(address),
+                        "{area} {address}"
+                    );
                 }
             }
         }
@@ -377,10 +381,14 @@ mod tests {
         }
         memory.clear_volatile();
         let kept = |text: &str| memory.byte(text.parse().unwrap()) == 1;
-        for text in ["K0", "K39", "C0", "DC0", "DT99", "T80", "T99", "D300", "D999"] {
+        for text in [
+            "K0", "K39", "C0", "DC0", "DT99", "T80", "T99", "D300", "D999",
+        ] {
             assert!(kept(text), "{text}");
         }
-        for text in ["X0", "Y19", "F255", "R999", "A24", "T79", "D0", "D299", "G0"] {
+        for text in [
+            "X0", "Y19", "F255", "R999", "A24", "T79", "D0", "D299", "G0",
+        ] {
             assert!(!kept(text), "{text}");
         }
         assert_eq!((memory.g(8), memory.g(114), memory.g(116)), (0x31, 15, 15));
@@ -393,7 +401,10 @@ mod tests {
     #[test]
     fn a_blank_store_has_presets_of_never() {
         let memory = Memory::new();
-        assert_eq!((memory.dt(0), memory.dc(99), memory.c(0)), (i32::MAX, i32::MAX, 0));
+        assert_eq!(
+            (memory.dt(0), memory.dc(99), memory.c(0)),
+            (i32::MAX, i32::MAX, 0)
+        );
     }
 
     #[test]
@@ -402,6 +413,9 @@ mod tests {
         memory.set_x(30, 255);
         memory.set_bit(BitAddress::new(Area::X, 0, 9), true);
         memory.set_bit(BitAddress::new(Area::D, 0, 0), true);
-        assert_eq!((memory.x(30), memory.x(0), memory.f(0), memory.d(0)), (0, 0, 0, 0));
+        assert_eq!(
+            (memory.x(30), memory.x(0), memory.f(0), memory.d(0)),
+            (0, 0, 0, 0)
+        );
     }
 }

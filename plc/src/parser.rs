@@ -229,7 +229,11 @@ fn byte_operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding>
     let address: ByteAddress = token.parse().map_err(|error| wrong_address(name, &error))?;
     if !kind.areas().contains(&address.area) {
         let areas: Vec<&str> = kind.areas().iter().map(|area| area.letter()).collect();
-        let number = if kind.takes_number() { "a number or " } else { "" };
+        let number = if kind.takes_number() {
+            "a number or "
+        } else {
+            ""
+        };
         let message = format!(
             "{token}: {name} takes {number}an address of {} here",
             areas.join(", ")
@@ -295,7 +299,10 @@ fn no_table(mnemonic: Mnemonic, table: Option<&str>) -> Result<Vec<i32>, Finding
         None => Ok(Vec::new()),
         Some(_) => Err((
             Rule::E06,
-            format!("only CODB has a table; {} takes no comma", mnemonic.row().name),
+            format!(
+                "only CODB has a table; {} takes no comma",
+                mnemonic.row().name
+            ),
         )),
     }
 }
@@ -336,7 +343,10 @@ fn fits(number: i32, length: u16) -> Result<(), Finding> {
     if number <= largest {
         return Ok(());
     }
-    let message = format!("{number} does not fit in {}", counted(length.into(), "byte"));
+    let message = format!(
+        "{number} does not fit in {}",
+        counted(length.into(), "byte")
+    );
     Err((Rule::E03, message))
 }
 

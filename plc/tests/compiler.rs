@@ -72,7 +72,11 @@ fn one_statement_rules() {
         (".MSG A0.0 999 \"x\"", Rule::E03, 2),
         (".MSG A0.0 1000 \"x\"\n.MSG A0.0 1001 \"y\"", Rule::E04, 3),
         (".CMT Q1 \"x\" \"y\"", Rule::E03, 2),
-        (".CMT R1 \"一二三四五六七八九十一二三四五六\" \"y\"", Rule::E03, 2),
+        (
+            ".CMT R1 \"一二三四五六七八九十一二三四五六\" \"y\"",
+            Rule::E03,
+            2,
+        ),
         (".INIT R1 5", Rule::E03, 2),
         (".INIT K1 256", Rule::E03, 2),
         (".INIT K1", Rule::E00, 2),
@@ -95,7 +99,10 @@ fn rules_of_the_whole_program() {
         ("END2".to_owned(), vec![(Rule::E01, 1)]),
         ("END1\nEND1\nEND2".to_owned(), vec![(Rule::E01, 2)]),
         ("END1\nEND2\nEND2".to_owned(), vec![(Rule::E01, 3)]),
-        ("END2\nEND1".to_owned(), vec![(Rule::E01, 2), (Rule::E01, 2)]),
+        (
+            "END2\nEND1".to_owned(),
+            vec![(Rule::E01, 2), (Rule::E01, 2)],
+        ),
         (
             "END1\nEND2\nLD R1.0\nOUT R1.1".to_owned(),
             vec![(Rule::E01, 3)],
@@ -135,7 +142,10 @@ fn rules_of_the_whole_program() {
             vec![(Rule::E05, 5)],
         ),
         (deep, vec![(Rule::E05, 35)]),
-        (level2(&"LD R1.0\nSET R1.1\n".repeat(2500)), vec![(Rule::E07, 5003)]),
+        (
+            level2(&"LD R1.0\nSET R1.1\n".repeat(2500)),
+            vec![(Rule::E07, 5003)],
+        ),
         (long_level1(250), vec![(Rule::E07, 501)]),
         (long_level1(249), vec![(Rule::W04, 499)]),
         (long_level1(199), vec![]),
@@ -144,7 +154,10 @@ fn rules_of_the_whole_program() {
             vec![(Rule::W01, 5)],
         ),
         (level2("LBL L7"), vec![(Rule::W02, 2)]),
-        (level2("LD R1.0\nOUT R1.1\nLD R1.2\nAND R1.3"), vec![(Rule::W03, 5)]),
+        (
+            level2("LD R1.0\nOUT R1.1\nLD R1.2\nAND R1.3"),
+            vec![(Rule::W03, 5)],
+        ),
     ];
     for (source, expected) in table {
         assert_eq!(findings(&source), expected, "{source}");
@@ -205,8 +218,14 @@ fn directives_and_listing() {
     assert_eq!(ladder.rung_count(), 6);
 
     let listing = ladder.to_source();
-    assert!(listing.contains("LD X0000.5               ; E-stop"), "{listing}");
-    assert!(listing.contains("CTRC 0010 R0010.7 C0000 DC0003 R0024.0"), "{listing}");
+    assert!(
+        listing.contains("LD X0000.5               ; E-stop"),
+        "{listing}"
+    );
+    assert!(
+        listing.contains("CTRC 0010 R0010.7 C0000 DC0003 R0024.0"),
+        "{listing}"
+    );
     let again = Ladder::compile(&listing).unwrap();
     assert_eq!(again.to_source(), listing);
     assert_eq!(again.steps(), ladder.steps());
@@ -266,11 +285,15 @@ fn legal_rung() -> impl Strategy<Value = String> {
         (length(), word(), word(), 0..6u8, 0..500u16)
             .prop_map(|(length, a, b, bit, byte)| format!("CMP {length} {a} {b} R{byte}.{bit}")),
         (length(), word(), word()).prop_map(|(n, a, b)| format!("MOVN {n} {a} {b}")),
-        (length(), word(), any::<i32>().prop_map(|n| n & i32::MAX), 0..800u16)
+        (
+            length(),
+            word(),
+            any::<i32>().prop_map(|n| n & i32::MAX),
+            0..800u16
+        )
             .prop_map(|(n, a, base, to)| format!("DECB {n} {a} {base} R{to}")),
-        (0..255u8, 0..255u8, 0..800u16).prop_map(|(a, b, at)| {
-            format!("CODB 1 1 R{at} D{at} , {a} {b}")
-        }),
+        (0..255u8, 0..255u8, 0..800u16)
+            .prop_map(|(a, b, at)| { format!("CODB 1 1 R{at} D{at} , {a} {b}") }),
         (digit(), digit(), 0..99u8, 0..99u8, coil())
             .prop_map(|(a, b, c, dc, bit)| format!("CTRC 00{a}{b} X0.0 C{c} DC{dc} {bit}")),
         (0..16u8, 1..40u8, length(), 0..900u16, 0..800u16, coil()).prop_map(

@@ -1,5 +1,10 @@
 //! Each instruction at work, scanned slot by slot.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on should say where"
+)]
+
 use std::sync::Arc;
 
 use gsk_plc::{Fault, Ladder, Memory, Plc};
@@ -36,7 +41,7 @@ fn contacts_in_series_and_parallel() {
         ("LD R1.0\nORI R1.1", "11011101"),
         ("LD R1.0\nAND R1.1\nOR R1.2", "00011111"),
         ("LD R1.0\nAND R1.1\nLD R1.1\nANI R1.2\nORB", "00110001"),
-        ("LD R1.0\nOR R1.1\nLD R1.2\nORI R1.0\nANB", "01010111"),
+        ("LD R1.0\nOR R1.1\nLD R1.2\nORI R1.0\nANB", "00100111"),
         (
             "LD R1.0\nOR R1.1\nLD R1.2\nAND R1.0\nLD R1.1\nANI R1.2\nORB\nANB",
             "00110101",
@@ -47,7 +52,11 @@ fn contacts_in_series_and_parallel() {
         for (value, digit) in (0..).zip(expected.chars()) {
             plc.memory_mut().set_r(1, value);
             plc.slot();
-            assert_eq!(bit(&plc, "R2.0"), digit == '1', "{rung} with R1 = {value:03b}");
+            assert_eq!(
+                bit(&plc, "R2.0"),
+                digit == '1',
+                "{rung} with R1 = {value:03b}"
+            );
             assert_eq!(bit(&plc, "R2.0"), bit(&plc, "Y0.7"));
         }
     }
@@ -235,7 +244,10 @@ fn move_copies_its_length() {
     assert_eq!((memory.d(0), memory.d(1)), (255, 0));
     assert_eq!((memory.r(10), memory.r(11)), (0x34, 0x12));
     assert_eq!(memory.dt(30), 2_000_000_000);
-    assert_eq!(memory.word("R20".parse().unwrap()), (2_000_000_000 & 0xFFFF) as u16);
+    assert_eq!(
+        memory.word("R20".parse().unwrap()),
+        (2_000_000_000 & 0xFFFF) as u16
+    );
     assert_eq!(memory.c(9), 0x0102_0307);
 }
 
@@ -295,42 +307,28 @@ fn rotation_as_printed() {
 
 #[test]
 fn jumps_go_forward_and_back() {
-    // Counts R1 up to 5 in one scan, then jumps over the coil.
-    let mut plc = plc("MARK");
-    assert!(plc.fault().is_none());
+    // Shifts a bit through R1 in one scan, then jumps over a coil.
+    let mut plc = plc("LDI R9.0
+        MOVN 1 1 R1
+        LBL L1
+        LD R1.2
+        SET R1.3
+        LD R1.1
+        SET R1.2
+        LD R1.0
+        SET R1.1
+        LDI R1.3
+        JMPB L1
+        LD R1.3
+        JMPB L2
+        LDI R9.0
+        OUT R3.0
+        LBL L2
+        LDI R9.0
+        OUT R3.1");
     plc.slot();
-    assert_eq!(plc.memory().r(1), 16);
-    assert!(!bit(&plc, "R3.0"));
-    assert!(bit(&plc, "R3.1"));
-
-    fn plc(_: &str) -> Plc {
-        let rungs = "
-            LDI R9.0
-            MOVN 1 1 R1
-            LBL L1
-            LD R1.3
-            SET R1.4
-            RST R1.3
-            LD R1.2
-            SET R1.3
-            RST R1.2
-            LD R1.1
-            SET R1.2
-            RST R1.1
-            LD R1.0
-            SET R1.1
-            RST R1.0
-            LDI R1.4
-            JMPB L1
-            LD R1.4
-            JMPB L2
-            LDI R9.0
-            OUT R3.0
-            LBL L2
-            LDI R9.0
-            OUT R3.1";
-        super::plc(rungs)
-    }
+    assert_eq!(plc.memory().r(1), 0b1111);
+    assert_eq!(plc.memory().r(3), 0b10);
 }
 
 #[test]
@@ -421,9 +419,10 @@ fn parts_end_with_the_rung_that_fills_the_slot() {
         Ladder::compile(&source).unwrap().parts()
     };
     // END1 takes one step: 499 are left, so 250 rungs of two steps fill a part.
-    assert_eq!(parts(250, ""), 2, "END2 alone is left for the second part");
-    assert_eq!(parts(249, ""), 1);
-    assert_eq!(parts(499, ""), 2);
+    assert_eq!(parts(250, ""), 1);
+    assert_eq!(parts(251, ""), 2);
+    assert_eq!(parts(500, ""), 2);
+    assert_eq!(parts(501, ""), 3);
     assert_eq!(parts(1200, ""), 5);
     assert_eq!(parts(1200, ".OPT n1\n"), 1);
 }

@@ -179,6 +179,11 @@ impl Parameters {
         f64::from(self.value(111).max(1)) / f64::from(self.value(110).max(1))
     }
 
+    /// 071: how long the reset signal stands after its cause has gone, ms.
+    pub fn reset_time_ms(&self) -> u32 {
+        self.value(71).clamp(16, 4080).unsigned_abs()
+    }
+
     /// 084: tool stations; 0 without a turret.
     pub fn stations(&self) -> u8 {
         self.value(84).clamp(0, 32) as u8

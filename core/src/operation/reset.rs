@@ -7,6 +7,9 @@ use crate::cnc::{Cnc, Event};
 use crate::command::ProgramId;
 use crate::units::{Axis, PerAxis};
 
+/// RST stands at least this long, so that a whole cycle of level 2 sees it.
+const LEVEL_2_CYCLE_MS: u32 = 32;
+
 impl Cnc {
     /// Whether the reset signal RST stands.
     pub(crate) const fn resetting(&self) -> bool {
@@ -85,7 +88,7 @@ impl Cnc {
             if self.reset_left == 0 && !emergency {
                 self.reset();
             }
-            self.reset_left = self.parameters.value(71).clamp(16, 4080).unsigned_abs();
+            self.reset_left = self.parameters.reset_time_ms().max(LEVEL_2_CYCLE_MS);
         } else {
             self.reset_left = self.reset_left.saturating_sub(1);
         }

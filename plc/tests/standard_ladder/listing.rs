@@ -1,0 +1,49 @@
+//! The ladder as text.
+
+use std::collections::BTreeMap;
+
+use gsk_plc::Ladder;
+
+use crate::SOURCE;
+
+#[test]
+fn compiles_clean_and_prints_itself() {
+    let ladder = Ladder::compile(SOURCE).unwrap();
+    assert_eq!(ladder.warnings(), []);
+    assert_eq!(ladder.header().remark, "980TD标准梯形图");
+    assert_eq!(ladder.header().version, "2005.2.28");
+    assert_eq!(ladder.parts(), 3);
+    assert_eq!(ladder.messages().len(), 12);
+    let listing = ladder.to_source();
+    let again = Ladder::compile(&listing).unwrap();
+    assert_eq!(again.to_source(), listing);
+    assert_eq!(again.steps(), ladder.steps());
+    assert_eq!(again.messages(), ladder.messages());
+    assert_eq!(again.comments(), ladder.comments());
+    assert_eq!(again.start_values(), ladder.start_values());
+    for function in 1..=28 {
+        let title = format!(".NET \"F{function:02} ");
+        assert!(SOURCE.contains(&title), "{title}");
+    }
+}
+
+#[test]
+fn every_contact_and_coil_that_a_person_meets_has_a_name() {
+    let ladder = Ladder::compile(SOURCE).unwrap();
+    let mut unnamed = BTreeMap::new();
+    for statement in ladder.statements() {
+        for operand in &statement.operands {
+            let gsk_plc::Operand::Bit(bit) = operand else {
+                continue;
+            };
+            let outside = !matches!(bit.area, gsk_plc::Area::R | gsk_plc::Area::A);
+            // F54 and G54, G55 are named as bytes: sixteen alike.
+            let alike = matches!(bit.byte, 54 | 55);
+            let named = ladder.comment(gsk_plc::Subject::Bit(*bit)).is_some();
+            if outside && !alike && !named {
+                unnamed.insert(*bit, statement.line);
+            }
+        }
+    }
+    assert_eq!(unnamed, BTreeMap::new());
+}
