@@ -6,6 +6,7 @@
 
 use crate::alarm::Alarm;
 use crate::command::{Action, Source, SpindleCommand, Timing};
+use crate::interpreter::Modal;
 use crate::interpreter::exact::Exact;
 use crate::interpreter::miscellaneous::{self, Function};
 use crate::interpreter::plan::{Motion, Plan};
@@ -122,11 +123,24 @@ fn set_modal(state: &mut State, words: &Words) {
         state.cycle.clear();
     }
     if let Some(per_revolution) = words.per_revolution {
-        state.modal.feed_per_revolution = per_revolution;
+        reread_feed(&mut state.modal, per_revolution);
     }
     if let Some(feed) = words.f {
         state.modal.feed = feed;
     }
+}
+
+/// The control holds one F register: mm/min in G98, 0.0001 mm/rev in G99. Without
+/// a new F the same number is read in the other unit: F1 of G99 becomes F10000
+/// (manual III-2.1.1).
+fn reread_feed(modal: &mut Modal, per_revolution: bool) {
+    const UNITS_PER_MM: f64 = 10_000.0;
+    match (modal.feed_per_revolution, per_revolution) {
+        (true, false) => modal.feed *= UNITS_PER_MM,
+        (false, true) => modal.feed /= UNITS_PER_MM,
+        _ => {}
+    }
+    modal.feed_per_revolution = per_revolution;
 }
 
 fn kind(state: &State, words: &Words, axes: &AxisWords) -> Kind {

@@ -121,6 +121,11 @@ impl SpindleControl {
         self.speed_before_override().round()
     }
 
+    /// Highest speed under G96 (G50 S), r/min, if one was set.
+    pub const fn limit(&self) -> Option<f64> {
+        self.limit
+    }
+
     /// Whether G96 is in force.
     pub const fn surface_mode(&self) -> bool {
         matches!(self.mode, Mode::Surface(_))

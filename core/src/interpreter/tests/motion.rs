@@ -245,3 +245,15 @@ fn chamfers_are_refused_until_they_are_built() {
     assert_eq!(Bench::new().fault("G01 Z-5 R2 F50;"), (13, 1));
     assert_eq!(Bench::new().fault("G01 X5 K2 F50;"), (13, 1));
 }
+
+#[test]
+fn one_feed_register_is_read_in_the_unit_in_force() {
+    let mut bench = Bench::at(0.0, 0.0);
+    bench.trace("G99 G01 X10 F1;");
+    bench.trace("G98 X20;");
+    assert_eq!(bench.interpreter.modal().feed, 10_000.0);
+    bench.trace("G99 X30;");
+    assert_eq!(bench.interpreter.modal().feed, 1.0);
+    bench.trace("G98 F200 X40;");
+    assert_eq!(bench.interpreter.modal().feed, 200.0);
+}

@@ -1,0 +1,347 @@
+//! The whole emulator as one value: control, lathe and panel.
+
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::Request;
+use gsk_core::machine::Outputs;
+use gsk_core::operation::RunState;
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
+use serde::{Deserialize, Serialize};
+use tiny_skia::Pixmap;
+
+use crate::faceplate::{self, FaceState};
+use crate::keys::{Bit, Key};
+use crate::panel::{KeyEvent, Panel, contacts};
+use crate::raster;
+use crate::screen::Screen;
+
+/// How long [`Emulator::press`] holds a key, and rests after it, ticks.
+pub const PRESS_TICKS: u64 = 100;
+
+/// Ticks between two looks at the LCD while its text is waited for.
+const SCREEN_PERIOD: u64 = 20;
+
+/// A control with its panel and its simulated lathe: the save state.
+///
+/// ```
+/// use gsk_core::setup::Setup;
+/// use gsk_panel::emulator::{Condition, Emulator, Outcome};
+/// use gsk_panel::keys::Key;
+///
+/// let mut emulator = Emulator::new(Setup::default());
+/// emulator.run_until(&Condition::SelfTestOver, 10_000);
+/// emulator.press(Key::Auto);
+/// assert!(emulator.screen().text().contains("自动方式"));
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Emulator {
+    /// Control and lathe.
+    pub simulation: Simulation,
+    /// The panel.
+    pub panel: Panel,
+}
+
+/// What [`Emulator::run_until`] waits for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Condition {
+    /// The self-test picture is gone.
+    SelfTestOver,
+    /// No program runs and the axes stand.
+    Stopped,
+    /// A block has ended, or the run has stopped.
+    BlockEnd,
+    /// An alarm or a message stands.
+    Alarm,
+    /// The LCD shows this text in one row, blanks folded.
+    Text(String),
+}
+
+/// How [`Emulator::run_until`] ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The condition came true.
+    Reached,
+    /// The limit came first.
+    TimedOut,
+}
+
+impl Emulator {
+    /// An emulator that has just been switched on.
+    pub fn new(setup: Setup) -> Self {
+        Self {
+            simulation: Simulation::new(setup),
+            panel: Panel::new(),
+        }
+    }
+
+    /// Ticks since the start, power-off included.
+    pub const fn ticks(&self) -> u64 {
+        self.panel.clock()
+    }
+
+    /// One millisecond.
+    pub fn tick(&mut self) {
+        if self.panel.powered() {
+            self.simulation.tick();
+        } else {
+            // Without the control the drives hold and everything else stops.
+            self.simulation.lathe.tick(&Outputs {
+                pulses: self.simulation.cnc.pulses(),
+                ..Outputs::default()
+            });
+        }
+        let requests = self.panel.tick(&self.simulation.cnc);
+        self.ask(requests);
+    }
+
+    /// So many milliseconds.
+    pub fn run(&mut self, ticks: u64) {
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    /// A key event, at the start of the next tick.
+    pub fn key(&mut self, event: KeyEvent) {
+        let requests = self.panel.key(event, &self.simulation.cnc);
+        self.ask(requests);
+        let lathe = &mut self.simulation.lathe;
+        if let KeyEvent::Wheel(graduations) = event {
+            lathe.turn_handwheel(graduations);
+        }
+        lathe.set_emergency_button(self.panel.emergency_stop());
+        lathe.set_overtravel_release(self.panel.is_held(Key::OvertravelRelease));
+        self.connect_keys();
+    }
+
+    /// The contacts of the machine keys follow the keys.
+    fn connect_keys(&mut self) {
+        for (bit, down) in contacts(&self.panel) {
+            let address = BitAddress::new(Area::X, bit.byte, bit.bit);
+            self.simulation.cnc.set_panel_key(address, down);
+        }
+    }
+
+    fn ask(&mut self, requests: Vec<Request>) {
+        for request in requests {
+            if let Err(alarm) = self.simulation.cnc.request(request) {
+                self.panel.refuse(alarm);
+            }
+        }
+    }
+
+    /// A key goes down.
+    pub fn key_down(&mut self, key: Key) {
+        self.key(KeyEvent::Down(key));
+    }
+
+    /// A key comes up.
+    pub fn key_up(&mut self, key: Key) {
+        self.key(KeyEvent::Up(key));
+    }
+
+    /// A key is pressed as a finger does: down, 100 ms, up, 100 ms.
+    pub fn press(&mut self, key: Key) {
+        self.key_down(key);
+        self.run(PRESS_TICKS);
+        self.key_up(key);
+        self.run(PRESS_TICKS);
+    }
+
+    /// A key is held for so many milliseconds.
+    pub fn hold(&mut self, key: Key, ticks: u64) {
+        self.key_down(key);
+        self.run(ticks);
+        self.key_up(key);
+    }
+
+    /// Characters are typed, 100 ms each.
+    pub fn type_text(&mut self, text: &str) {
+        for character in text.chars() {
+            self.key(KeyEvent::Type(character));
+            self.run(PRESS_TICKS);
+        }
+    }
+
+    /// The handwheel is turned by so many graduations at once.
+    pub fn turn(&mut self, graduations: i32) {
+        self.key(KeyEvent::Wheel(graduations));
+    }
+
+    /// Runs until the block in execution ends or waits.
+    pub fn run_block(&mut self, limit_ms: u64) -> Outcome {
+        self.run_until(&Condition::BlockEnd, limit_ms)
+    }
+
+    /// Runs until a condition holds, at most so many milliseconds; the condition
+    /// is looked at before the first tick and after each one.
+    pub fn run_until(&mut self, condition: &Condition, limit_ms: u64) -> Outcome {
+        let mut watch = Watch::new(condition.clone(), self);
+        for _ in 0..limit_ms {
+            if watch.reached(self) {
+                return Outcome::Reached;
+            }
+            self.tick();
+        }
+        watch.looked = None;
+        if watch.reached(self) {
+            Outcome::Reached
+        } else {
+            Outcome::TimedOut
+        }
+    }
+
+    /// Stores a program in the program memory and selects it. A text without a
+    /// program number takes the one of its name (`O0001`, `o12.nc`).
+    ///
+    /// # Errors
+    /// The alarm with which the control refuses it.
+    pub fn load_program(&mut self, name: &str, text: &str) -> Result<(), Alarm> {
+        let program = Program::new(text);
+        let text = match (program.number(), number_of_name(name)) {
+            (None, Some(number)) => program.renumbered(number).text().to_owned(),
+            _ => text.to_owned(),
+        };
+        self.simulation.cnc.request(Request::StoreProgram(text))
+    }
+
+    /// Opens a program outside the memory, read-only, and selects it.
+    ///
+    /// # Errors
+    /// The alarm with which the control refuses it.
+    pub fn load_external(&mut self, program: Program) -> Result<(), Alarm> {
+        self.simulation.cnc.request(Request::OpenExternal(program))
+    }
+
+    /// What the LCD shows.
+    pub fn screen(&self) -> Screen {
+        self.panel.screen(&self.simulation.cnc)
+    }
+
+    /// The whole panel as a picture, so many pixels a panel unit; the LCD has
+    /// two units a dot.
+    pub fn panel_picture(&self, scale: f32) -> Option<Pixmap> {
+        let lcd = if self.panel.powered() {
+            raster::render(&self.screen(), 1, self.panel.view().brightness)
+        } else {
+            None
+        };
+        let state = FaceState {
+            y: &self.lamps(),
+            pressed: &self.panel.pressed(),
+            lcd: lcd.as_ref().map(Pixmap::as_ref),
+            wheel: self.panel.wheel(),
+        };
+        faceplate::paint(&state, scale)
+    }
+
+    /// Whether a lamp is lit.
+    pub fn lamp(&self, lamp: Bit) -> bool {
+        let memory = self.simulation.cnc.plc().memory();
+        self.panel.powered() && memory.bit(BitAddress::new(Area::Y, lamp.byte, lamp.bit))
+    }
+
+    /// The Y memory for the lamps of the faceplate.
+    pub fn lamps(&self) -> [u8; 20] {
+        let memory = self.simulation.cnc.plc().memory();
+        core::array::from_fn(|byte| {
+            if self.panel.powered() {
+                memory.y(byte as u16)
+            } else {
+                0
+            }
+        })
+    }
+
+    /// Switches the power off; the lathe stops.
+    pub fn power_off(&mut self) {
+        self.panel.power_off();
+        self.connect_keys();
+    }
+
+    /// Switches the power on; nothing happens when it is on.
+    pub fn power_on(&mut self) {
+        if self.panel.powered() {
+            return;
+        }
+        self.simulation.power_cycle();
+        self.panel.power_on(&self.simulation.cnc);
+        self.connect_keys();
+    }
+
+    /// Switches the power off and on: retained memory is kept.
+    pub fn power_cycle(&mut self) {
+        self.power_off();
+        self.power_on();
+    }
+
+    /// Whether no program runs and the axes stand.
+    pub fn is_stopped(&self) -> bool {
+        let cnc = &self.simulation.cnc;
+        cnc.run_state() != RunState::Run && !cnc.is_moving()
+    }
+}
+
+/// A condition being waited for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Watch {
+    condition: Condition,
+    block: gsk_core::cnc::Cursor,
+    looked: Option<u64>,
+}
+
+impl Watch {
+    pub(crate) fn new(condition: Condition, emulator: &Emulator) -> Self {
+        let condition = match condition {
+            Condition::Text(text) => Condition::Text(folded(&text)),
+            other => other,
+        };
+        Self {
+            condition,
+            block: emulator.simulation.cnc.cursor(),
+            looked: None,
+        }
+    }
+
+    pub(crate) fn reached(&mut self, emulator: &Emulator) -> bool {
+        let cnc = &emulator.simulation.cnc;
+        match &self.condition {
+            Condition::SelfTestOver => !emulator.panel.in_self_test(),
+            Condition::Stopped => emulator.is_stopped(),
+            Condition::BlockEnd => emulator.is_stopped() || cnc.cursor() != self.block,
+            Condition::Alarm => cnc.in_alarm(),
+            Condition::Text(text) => {
+                let now = emulator.ticks();
+                if self.looked.is_some_and(|last| now < last + SCREEN_PERIOD) {
+                    return false;
+                }
+                self.looked = Some(now);
+                shows(&emulator.screen(), text)
+            }
+        }
+    }
+}
+
+/// Whether a row of the screen contains a folded text.
+fn shows(screen: &Screen, text: &str) -> bool {
+    (0..crate::screen::ROWS).any(|row| folded(&screen.row(row)).contains(text))
+}
+
+/// A text with every run of blanks folded to one.
+pub(crate) fn folded(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// The program number in the name of a file.
+fn number_of_name(name: &str) -> Option<u16> {
+    let stem = name.rsplit(['/', '\\']).next()?;
+    let stem = stem.split_once('.').map_or(stem, |(stem, _)| stem);
+    let digits = stem.strip_prefix(['O', 'o'])?;
+    let number: u16 = digits.parse().ok()?;
+    (digits.len() <= 4).then_some(number)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,282 @@
+//! The geometry of the panel: one table of parts in panel units, from which the
+//! window and the painter here draw, and the pointer is looked up
+//! (manual III-1.2).
+//!
+//! One panel unit is half a dot of the LCD, so that the LCD is drawn with whole
+//! dots at every scale that is a multiple of one half.
+
+mod layout;
+mod paint;
+mod text;
+
+use std::sync::LazyLock;
+
+pub use paint::{FaceState, paint};
+
+use crate::keys::{Key, Role};
+
+/// Width and height of the panel in panel units.
+pub const SIZE: (f32, f32) = (1280.0, 756.0);
+
+/// Height of a line of a legend, panel units: one Unifont cell at scale 1.
+pub const LINE_HEIGHT: f32 = 16.0;
+
+/// A rectangle in panel units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rect {
+    /// Left edge.
+    pub x: f32,
+    /// Top edge.
+    pub y: f32,
+    /// Width.
+    pub w: f32,
+    /// Height.
+    pub h: f32,
+}
+
+impl Rect {
+    /// A rectangle.
+    pub const fn new(x: f32, y: f32, w: f32, h: f32) -> Self {
+        Self { x, y, w, h }
+    }
+
+    /// The square around a circle.
+    pub const fn around(x: f32, y: f32, diameter: f32) -> Self {
+        Self::new(x - diameter / 2.0, y - diameter / 2.0, diameter, diameter)
+    }
+
+    /// Its centre.
+    pub const fn center(&self) -> (f32, f32) {
+        (self.x + self.w / 2.0, self.y + self.h / 2.0)
+    }
+
+    /// Whether a place lies inside.
+    pub fn contains(&self, x: f32, y: f32) -> bool {
+        (self.x..self.x + self.w).contains(&x) && (self.y..self.y + self.h).contains(&y)
+    }
+
+    /// Whether two rectangles have area in common.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        self.x < other.x + other.w
+            && other.x < self.x + self.w
+            && self.y < other.y + other.h
+            && other.y < self.y + self.h
+    }
+
+    /// Whether another rectangle lies inside.
+    pub fn encloses(&self, other: &Self) -> bool {
+        self.x <= other.x
+            && self.y <= other.y
+            && other.x + other.w <= self.x + self.w
+            && other.y + other.h <= self.y + self.h
+    }
+}
+
+/// The outline of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outline {
+    /// A rectangle with rounded corners.
+    Rounded(f32),
+    /// A circle.
+    Round,
+}
+
+/// What a part is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum What {
+    /// The panel itself.
+    Housing,
+    /// A plate that holds a zone of keys.
+    Plate,
+    /// The frame of the LCD.
+    Bezel,
+    /// The LCD.
+    Lcd,
+    /// A lamp of the status strip: its place in [`crate::keys::STRIP`].
+    Strip(usize),
+    /// A key or button.
+    Key(Key),
+    /// The handwheel.
+    Handwheel,
+    /// Printed text, centred in its rectangle; the line height.
+    Text(&'static str, f32),
+}
+
+/// What a colour is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Colour {
+    /// The panel.
+    Housing,
+    /// A plate.
+    Plate,
+    /// The frame of the LCD.
+    Bezel,
+    /// The LCD without a picture.
+    Lcd,
+    /// Print on plates.
+    Print,
+    /// Fainter print.
+    Hint,
+    /// Address keys.
+    Address,
+    /// Number keys.
+    Number,
+    /// Keys of the edit keyboard with a function.
+    Function,
+    /// Page keys.
+    Page,
+    /// Reset, and the mushroom button.
+    Danger,
+    /// Machine keys.
+    Machine,
+    /// Machine keys that select a mode.
+    Mode,
+    /// Direction keys.
+    Direction,
+    /// Cycle start.
+    Start,
+    /// Feed hold.
+    Hold,
+    /// Dark parts: handwheel, release button, screws.
+    Dark,
+    /// A lamp that is on.
+    LampOn,
+    /// The lamp of feed hold when it is on.
+    LampHold,
+    /// A lamp that is off.
+    LampOff,
+}
+
+impl Colour {
+    /// Red, green, blue.
+    pub const fn rgb(self) -> [u8; 3] {
+        match self {
+            Self::Housing => [98, 116, 134],
+            Self::Plate => [62, 76, 91],
+            Self::Bezel => [28, 33, 40],
+            Self::Lcd => [10, 22, 74],
+            Self::Print => [222, 230, 238],
+            Self::Hint => [158, 174, 190],
+            Self::Address => [214, 220, 226],
+            Self::Number => [243, 244, 242],
+            Self::Function => [92, 119, 146],
+            Self::Page => [48, 99, 150],
+            Self::Danger => [198, 48, 42],
+            Self::Machine => [208, 215, 221],
+            Self::Mode => [184, 203, 221],
+            Self::Direction => [188, 208, 196],
+            Self::Start => [42, 134, 78],
+            Self::Hold => [226, 168, 44],
+            Self::Dark => [42, 49, 58],
+            Self::LampOn => [88, 244, 104],
+            Self::LampHold => [255, 196, 56],
+            Self::LampOff => [86, 98, 92],
+        }
+    }
+
+    /// The colour of print on a part of this colour.
+    pub const fn ink(self) -> [u8; 3] {
+        match self {
+            Self::Address
+            | Self::Number
+            | Self::Machine
+            | Self::Mode
+            | Self::Direction
+            | Self::Hold => [30, 38, 48],
+            _ => [246, 249, 252],
+        }
+    }
+}
+
+/// One part of the panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Part {
+    /// What it is.
+    pub what: What,
+    /// Where it is, panel units.
+    pub rect: Rect,
+    /// Its outline inside the rectangle.
+    pub outline: Outline,
+    /// Drawing order: 0 below everything. Parts of one layer do not overlap.
+    pub layer: u8,
+    /// Its colour.
+    pub colour: Colour,
+}
+
+impl Part {
+    /// The key it is.
+    pub const fn key(&self) -> Option<Key> {
+        match self.what {
+            What::Key(key) => Some(key),
+            _ => None,
+        }
+    }
+
+    /// Where the lamp of a key stands, for keys that have one.
+    pub fn lamp(&self) -> Option<Rect> {
+        let key = self.key()?;
+        key.row().lamp?;
+        let width = 18.0;
+        let x = self.rect.center().0 - width / 2.0;
+        Some(Rect::new(x, self.rect.y + 4.0, width, 5.0))
+    }
+
+    /// The legend of a key: its lines with the rectangle that each is centred in
+    /// and as high as.
+    pub fn legend(&self) -> Vec<(&'static str, Rect)> {
+        let Some(key) = self.key() else {
+            return Vec::new();
+        };
+        if matches!(
+            key.row().role,
+            Role::EmergencyStop | Role::OvertravelRelease
+        ) {
+            return Vec::new(); // Printed beside the button.
+        }
+        let lines = key.row().legend;
+        let height = match (key.row().role, lines.len()) {
+            (Role::Character(..), 1) => 32.0,
+            (Role::Character(..), _) => 24.0,
+            _ => LINE_HEIGHT,
+        };
+        let top = if self.lamp().is_some() { 9.0 } else { 0.0 };
+        let room = self.rect.h - top;
+        let first = self.rect.y + top + (room - lines.len() as f32 * height) / 2.0;
+        let place = |(index, line): (usize, &&'static str)| {
+            let y = (first + index as f32 * height).round();
+            (*line, Rect::new(self.rect.x, y, self.rect.w, height))
+        };
+        lines.iter().enumerate().map(place).collect()
+    }
+}
+
+/// Every part, in drawing order.
+pub fn parts() -> &'static [Part] {
+    static PARTS: LazyLock<Vec<Part>> = LazyLock::new(layout::parts);
+    &PARTS
+}
+
+/// The part of a key.
+pub fn part_of(key: Key) -> Option<&'static Part> {
+    parts().iter().find(|part| part.key() == Some(key))
+}
+
+/// The LCD's rectangle.
+pub const fn lcd() -> Rect {
+    layout::LCD
+}
+
+/// The topmost part at a place, panel units.
+pub fn part_at(x: f32, y: f32) -> Option<&'static Part> {
+    let hit = |part: &&Part| match part.outline {
+        Outline::Rounded(_) => part.rect.contains(x, y),
+        Outline::Round => {
+            let (cx, cy) = part.rect.center();
+            (x - cx).hypot(y - cy) <= part.rect.w / 2.0
+        }
+    };
+    parts().iter().rev().find(hit)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,353 @@
+//! Paints the panel into a picture: what `shot --panel` and the documentation
+//! show.
+
+mod additional;
+
+use tiny_skia::{
+    Color, FillRule, FilterQuality, GradientStop, LinearGradient, Paint, Path, PathBuilder, Pixmap,
+    PixmapPaint, PixmapRef, Point, RadialGradient, Shader, SpreadMode, Stroke, Transform,
+};
+
+use super::text::{draw, opaque};
+use super::{Colour, LINE_HEIGHT, Outline, Part, Rect, SIZE, What, parts};
+use crate::glyphs::text_columns;
+use crate::keys::{Bit, Key, Role, STRIP};
+
+/// Largest scale of [`paint`].
+const MOST_SCALE: f32 = 8.0;
+
+/// What changes on the panel.
+#[derive(Clone, Copy, Default)]
+pub struct FaceState<'a> {
+    /// The Y memory: lamps.
+    pub y: &'a [u8],
+    /// Keys held down; the mushroom button while it is latched.
+    pub pressed: &'a [Key],
+    /// The picture of the LCD, 320x240 or a whole multiple.
+    pub lcd: Option<PixmapRef<'a>>,
+    /// Position of the handwheel, graduations.
+    pub wheel: i32,
+}
+
+/// The panel at so many pixels a panel unit.
+pub fn paint(state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
+    let scale = scale.clamp(0.1, MOST_SCALE);
+    let size = |units: f32| (units * scale).round() as u32;
+    let mut painter = Painter {
+        pixmap: Pixmap::new(size(SIZE.0), size(SIZE.1))?,
+        scale,
+    };
+    for part in parts() {
+        painter.part(part, state);
+    }
+    Some(painter.pixmap)
+}
+
+struct Painter {
+    pixmap: Pixmap,
+    scale: f32,
+}
+
+impl Painter {
+    fn part(&mut self, part: &Part, state: &FaceState<'_>) {
+        match part.what {
+            What::Housing => self.housing(part),
+            What::Plate => self.plate(part),
+            What::Bezel => self.bezel(part),
+            What::Lcd => self.lcd(part, state.lcd),
+            What::Strip(index) => self.strip_lamp(part, index, state.y),
+            What::Key(key) => self.key(part, key, state),
+            What::Handwheel => self.handwheel(part, state.wheel),
+            What::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
+        }
+    }
+
+    fn text(&mut self, text: &str, size: f32, rect: Rect, ink: [u8; 3]) {
+        draw(&mut self.pixmap, self.scale, text, size, rect, ink);
+    }
+
+    fn fill(&mut self, path: &Path, shader: Shader<'_>) {
+        let paint = Paint {
+            shader,
+            anti_alias: true,
+            ..Paint::default()
+        };
+        let place = Transform::from_scale(self.scale, self.scale);
+        self.pixmap
+            .fill_path(path, &paint, FillRule::Winding, place, None);
+    }
+
+    fn fill_flat(&mut self, path: &Path, colour: Color) {
+        self.fill(path, Shader::SolidColor(colour));
+    }
+
+    fn line(&mut self, path: &Path, colour: Color, width: f32) {
+        let paint = Paint {
+            shader: Shader::SolidColor(colour),
+            anti_alias: true,
+            ..Paint::default()
+        };
+        let stroke = Stroke {
+            width,
+            ..Stroke::default()
+        };
+        let place = Transform::from_scale(self.scale, self.scale);
+        self.pixmap.stroke_path(path, &paint, &stroke, place, None);
+    }
+
+    fn housing(&mut self, part: &Part) {
+        let base = part.colour.rgb();
+        let Some(path) = outline(part.rect, part.outline) else {
+            return;
+        };
+        self.fill(
+            &path,
+            vertical(part.rect, lighter(base, 0.10), lighter(base, -0.14)),
+        );
+        let inner = inset(part.rect, 1.0);
+        if let Some(path) = outline(inner, part.outline) {
+            self.line(&path, faint(255, 0.22), 1.5);
+        }
+    }
+
+    fn plate(&mut self, part: &Part) {
+        let base = part.colour.rgb();
+        let shade = Rect {
+            y: part.rect.y + 1.0,
+            ..part.rect
+        };
+        if let Some(path) = outline(shade, part.outline) {
+            self.fill_flat(&path, faint(255, 0.20));
+        }
+        if let Some(path) = outline(part.rect, part.outline) {
+            self.fill(
+                &path,
+                vertical(part.rect, lighter(base, -0.08), lighter(base, 0.04)),
+            );
+            self.line(&path, faint(0, 0.35), 1.0);
+        }
+    }
+
+    fn bezel(&mut self, part: &Part) {
+        let base = part.colour.rgb();
+        if let Some(path) = outline(part.rect, part.outline) {
+            self.fill(
+                &path,
+                vertical(part.rect, lighter(base, -0.2), lighter(base, 0.12)),
+            );
+            self.line(&path, faint(0, 0.5), 1.5);
+        }
+    }
+
+    fn lcd(&mut self, part: &Part, picture: Option<PixmapRef<'_>>) {
+        if let Some(path) = outline(inset(part.rect, -2.0), Outline::Rounded(2.0)) {
+            self.fill_flat(&path, faint(0, 0.9));
+        }
+        if let Some(path) = outline(part.rect, part.outline) {
+            self.fill_flat(&path, opaque(part.colour.rgb()));
+        }
+        let Some(picture) = picture else {
+            return;
+        };
+        let zoom = part.rect.w * self.scale / picture.width() as f32;
+        let paint = PixmapPaint {
+            quality: if zoom.fract() == 0.0 {
+                FilterQuality::Nearest
+            } else {
+                FilterQuality::Bilinear
+            },
+            ..PixmapPaint::default()
+        };
+        let x = part.rect.x * self.scale;
+        let y = part.rect.y * self.scale;
+        let place = Transform::from_row(zoom, 0.0, 0.0, zoom, x, y);
+        self.pixmap.draw_pixmap(0, 0, picture, &paint, place, None);
+    }
+
+    fn strip_lamp(&mut self, part: &Part, index: usize, y: &[u8]) {
+        let Some(lamp) = STRIP.get(index) else {
+            return;
+        };
+        let (x, middle) = (part.rect.x + 13.0, part.rect.center().1);
+        if !lamp.fitted {
+            // A blind plug: this machine has no Y axis.
+            if let Some(path) = circle(x, middle, 4.0) {
+                self.line(&path, faint(255, 0.18), 1.0);
+            }
+            return;
+        }
+        let bulb = Rect::around(x, middle, 10.0);
+        self.bulb(bulb, Outline::Round, lamp_colour(lamp.lamp, None, y));
+        let width = text_columns(lamp.label) as f32 * LINE_HEIGHT / 2.0;
+        let label = Rect::new(part.rect.x + 22.0, part.rect.y, width, part.rect.h);
+        self.text(lamp.label, LINE_HEIGHT, label, part.colour.rgb());
+    }
+
+    /// A lamp with its setting, and its glow when it is on.
+    fn bulb(&mut self, rect: Rect, shape: Outline, colour: Colour) {
+        if colour != Colour::LampOff {
+            for (reach, strength) in [(4.0, 0.14), (2.0, 0.22)] {
+                let shape = match shape {
+                    Outline::Rounded(radius) => Outline::Rounded(radius + reach),
+                    Outline::Round => Outline::Round,
+                };
+                if let Some(path) = outline(inset(rect, -reach), shape) {
+                    self.fill_flat(&path, with_alpha(colour.rgb(), strength));
+                }
+            }
+        }
+        if let Some(path) = outline(rect, shape) {
+            let base = colour.rgb();
+            self.fill(
+                &path,
+                vertical(rect, lighter(base, 0.18), lighter(base, -0.12)),
+            );
+            self.line(&path, faint(0, 0.45), 0.8);
+        }
+    }
+
+    fn key(&mut self, part: &Part, key: Key, state: &FaceState<'_>) {
+        let down = state.pressed.contains(&key);
+        match key.row().role {
+            Role::EmergencyStop => return self.mushroom(part, down),
+            Role::OvertravelRelease => return self.round_button(part, down),
+            _ => {}
+        }
+        let base = part.colour.rgb();
+        let sunk = if down { 2.0 } else { 0.0 };
+        let cap = Rect {
+            y: part.rect.y + sunk,
+            h: part.rect.h - 3.0,
+            ..part.rect
+        };
+        if let Some(path) = outline(inset(part.rect, -1.5), Outline::Rounded(7.0)) {
+            self.fill_flat(&path, faint(0, 0.30));
+        }
+        if let Some(path) = outline(part.rect, part.outline) {
+            self.fill_flat(&path, opaque(lighter(base, -0.42)));
+        }
+        let (top, bottom) = if down { (-0.14, -0.06) } else { (0.16, -0.07) };
+        if let Some(path) = outline(cap, part.outline) {
+            self.fill(
+                &path,
+                vertical(cap, lighter(base, top), lighter(base, bottom)),
+            );
+        }
+        if let Some(path) = outline(inset(cap, 1.0), Outline::Rounded(5.0)) {
+            self.line(&path, faint(255, if down { 0.10 } else { 0.34 }), 1.0);
+        }
+        if let (Some(lamp), Some(bit)) = (part.lamp(), key.row().lamp) {
+            let lamp = Rect {
+                y: lamp.y + sunk,
+                ..lamp
+            };
+            self.bulb(
+                lamp,
+                Outline::Rounded(2.5),
+                lamp_colour(bit, Some(key), state.y),
+            );
+        }
+        let fitted = !matches!(key, Key::YMinus | Key::YPlus | Key::WheelY);
+        let ink = if fitted {
+            part.colour.ink()
+        } else {
+            lighter(base, -0.30)
+        };
+        for (line, rect) in part.legend() {
+            let rect = Rect {
+                y: rect.y + sunk - 1.0,
+                ..rect
+            };
+            self.text(line, rect.h, rect, ink);
+        }
+    }
+}
+
+fn lamp_colour(bit: Bit, key: Option<Key>, y: &[u8]) -> Colour {
+    match (bit.of(y), key) {
+        (false, _) => Colour::LampOff,
+        (true, Some(Key::FeedHold)) => Colour::LampHold,
+        (true, _) => Colour::LampOn,
+    }
+}
+
+fn inset(rect: Rect, by: f32) -> Rect {
+    Rect::new(
+        rect.x + by,
+        rect.y + by,
+        rect.w - 2.0 * by,
+        rect.h - 2.0 * by,
+    )
+}
+
+fn circle(x: f32, y: f32, radius: f32) -> Option<Path> {
+    PathBuilder::from_circle(x, y, radius)
+}
+
+fn outline(rect: Rect, shape: Outline) -> Option<Path> {
+    let Outline::Rounded(radius) = shape else {
+        let (x, y) = rect.center();
+        return circle(x, y, rect.w / 2.0);
+    };
+    let Rect { x, y, w, h } = rect;
+    let r = radius.min(w / 2.0).min(h / 2.0).max(0.0);
+    // A quarter of a circle as a cubic Bézier curve.
+    let c = r * (1.0 - 0.552_285);
+    let mut path = PathBuilder::new();
+    path.move_to(x + r, y);
+    path.line_to(x + w - r, y);
+    path.cubic_to(x + w - c, y, x + w, y + c, x + w, y + r);
+    path.line_to(x + w, y + h - r);
+    path.cubic_to(x + w, y + h - c, x + w - c, y + h, x + w - r, y + h);
+    path.line_to(x + r, y + h);
+    path.cubic_to(x + c, y + h, x, y + h - c, x, y + h - r);
+    path.line_to(x, y + r);
+    path.cubic_to(x, y + c, x + c, y, x + r, y);
+    path.close();
+    path.finish()
+}
+
+/// A colour made lighter (towards white) or darker (towards black).
+fn lighter(colour: [u8; 3], by: f32) -> [u8; 3] {
+    let target = if by > 0.0 { 255.0 } else { 0.0 };
+    colour.map(|part| (f32::from(part) + (target - f32::from(part)) * by.abs()) as u8)
+}
+
+fn faint(grey: u8, alpha: f32) -> Color {
+    with_alpha([grey; 3], alpha)
+}
+
+fn with_alpha([red, green, blue]: [u8; 3], alpha: f32) -> Color {
+    Color::from_rgba8(red, green, blue, (alpha * 255.0) as u8)
+}
+
+fn stops(from: [u8; 3], to: [u8; 3]) -> Vec<GradientStop> {
+    vec![
+        GradientStop::new(0.0, opaque(from)),
+        GradientStop::new(1.0, opaque(to)),
+    ]
+}
+
+fn vertical(rect: Rect, top: [u8; 3], bottom: [u8; 3]) -> Shader<'static> {
+    LinearGradient::new(
+        Point::from_xy(rect.x, rect.y),
+        Point::from_xy(rect.x, rect.y + rect.h),
+        stops(top, bottom),
+        SpreadMode::Pad,
+        Transform::identity(),
+    )
+    .unwrap_or_else(|| Shader::SolidColor(opaque(top)))
+}
+
+fn radial((x, y): (f32, f32), radius: f32, inner: [u8; 3], outer: [u8; 3]) -> Shader<'static> {
+    RadialGradient::new(
+        Point::from_xy(x, y),
+        0.0,
+        Point::from_xy(x, y),
+        radius,
+        stops(inner, outer),
+        SpreadMode::Pad,
+        Transform::identity(),
+    )
+    .unwrap_or_else(|| Shader::SolidColor(opaque(inner)))
+}

@@ -1,0 +1,87 @@
+use super::*;
+use crate::keys::{KEYS, STRIP};
+
+#[test]
+fn every_key_stands_once() {
+    for row in &KEYS {
+        let count = parts()
+            .iter()
+            .filter(|part| part.key() == Some(row.key))
+            .count();
+        assert_eq!(count, 1, "{}", row.id);
+        assert!(part_of(row.key).is_some());
+    }
+    let lamps = parts()
+        .iter()
+        .filter(|part| matches!(part.what, What::Strip(_)))
+        .count();
+    assert_eq!(lamps, STRIP.len());
+}
+
+#[test]
+fn parts_of_one_layer_do_not_overlap_and_stand_on_the_layer_below() {
+    for (index, part) in parts().iter().enumerate() {
+        for other in &parts()[index + 1..] {
+            assert!(part.layer <= other.layer, "drawing order");
+            if part.layer == other.layer {
+                assert!(!part.rect.overlaps(&other.rect), "{part:?}\n{other:?}");
+            }
+        }
+        let supported = part.layer == 0
+            || parts()
+                .iter()
+                .any(|below| below.layer + 1 == part.layer && below.rect.encloses(&part.rect));
+        assert!(supported, "{part:?}");
+    }
+}
+
+#[test]
+fn legends_and_lamps_stay_inside_their_key() {
+    for part in parts() {
+        for (line, rect) in part.legend() {
+            assert!(part.rect.encloses(&rect), "{line}");
+            let width = crate::glyphs::text_columns(line) as f32 * rect.h / 2.0;
+            assert!(width + 4.0 <= part.rect.w, "{line} is {width} wide");
+            if let Some(lamp) = part.lamp() {
+                assert!(!lamp.overlaps(&rect), "{line}");
+                assert!(part.rect.encloses(&lamp));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_lcd_has_whole_dots_at_half_scales() {
+    assert_eq!((lcd().w, lcd().h), (640.0, 480.0));
+}
+
+#[test]
+fn the_pointer_finds_keys_by_their_outline() {
+    let stop = part_of(Key::EmergencyStop).unwrap().rect;
+    let (x, y) = stop.center();
+    assert_eq!(part_at(x, y).and_then(Part::key), Some(Key::EmergencyStop));
+    assert_eq!(
+        part_at(stop.x + 1.0, stop.y + 1.0).and_then(Part::key),
+        None
+    );
+    for row in &KEYS {
+        let (x, y) = part_of(row.key).unwrap().rect.center();
+        assert_eq!(part_at(x, y).and_then(Part::key), Some(row.key));
+    }
+    assert_eq!(part_at(-1.0, 5.0), None);
+}
+
+#[test]
+fn it_is_painted_at_any_scale() {
+    let state = FaceState {
+        y: &[0xff; 20],
+        pressed: &[Key::EmergencyStop, Key::CycleStart],
+        lcd: None,
+        wheel: -7,
+    };
+    let picture = paint(&state, 1.0).unwrap();
+    assert_eq!((picture.width(), picture.height()), (1280, 756));
+    assert_ne!(picture, paint(&FaceState::default(), 1.0).unwrap());
+    assert!(paint(&state, 0.33).is_some());
+    assert!(paint(&state, f32::NAN).is_none_or(|picture| picture.width() > 0));
+}

@@ -1,0 +1,80 @@
+//! The LCD's character set: GNU Unifont, 8x16 dots for a half-width character
+//! and 16x16 for a full-width one, which is the classic Song face of such LCDs.
+
+use unifont::Glyph;
+
+/// Dot rows of a character.
+pub const GLYPH_HEIGHT: usize = 16;
+
+/// Shown for a character that has no glyph.
+const REPLACEMENT: char = '?';
+
+/// The dots of one character.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dots {
+    /// One row of 16 dots each, the leftmost dot in bit 15; a half-width
+    /// character uses the upper byte only.
+    pub rows: [u16; GLYPH_HEIGHT],
+    /// Columns of 8 dots: 1 or 2.
+    pub columns: usize,
+}
+
+/// The dots of a character; a question mark when there are none.
+pub fn dots(character: char) -> Dots {
+    let glyph = unifont::get_glyph(character).or_else(|| unifont::get_glyph(REPLACEMENT));
+    match glyph {
+        Some(Glyph::Halfwidth(rows)) => Dots {
+            rows: rows.map(|row| u16::from(row) << 8),
+            columns: 1,
+        },
+        Some(Glyph::Fullwidth(rows)) => Dots {
+            rows: *rows,
+            columns: 2,
+        },
+        None => Dots {
+            rows: [0; GLYPH_HEIGHT],
+            columns: 1,
+        },
+    }
+}
+
+/// How many of the 40 columns a character takes: 1 or 2.
+pub fn columns(character: char) -> usize {
+    if character.is_ascii() {
+        return 1;
+    }
+    let wide = unifont::get_glyph(character).is_some_and(Glyph::is_fullwidth);
+    1 + usize::from(wide)
+}
+
+/// How many columns a text takes.
+pub fn text_columns(text: &str) -> usize {
+    text.chars().map(columns).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chinese_takes_two_columns_and_ascii_one() {
+        assert_eq!(columns('现'), 2);
+        assert_eq!(columns('X'), 1);
+        assert_eq!(columns(';'), 1);
+        assert_eq!(text_columns("现在位置(相对坐标)"), 18);
+    }
+
+    #[test]
+    fn half_width_dots_stay_in_the_upper_byte() {
+        let dots = dots('A');
+        assert_eq!(dots.columns, 1);
+        assert!(dots.rows.iter().all(|row| row & 0x00ff == 0));
+        assert!(dots.rows.iter().any(|row| *row != 0));
+    }
+
+    #[test]
+    fn a_character_without_a_glyph_becomes_a_question_mark() {
+        assert_eq!(dots('\u{10ffff}'), dots('?'));
+        assert_eq!(columns('\u{10ffff}'), 1);
+    }
+}

@@ -1,0 +1,165 @@
+//! Numbers as the pages show them (manual III-2).
+
+use gsk_core::cnc::Cnc;
+use gsk_core::units::Axis;
+
+/// Millimetres of an inch.
+const INCH: f64 = 25.4;
+
+/// Ten-thousandths of the F word that the per-revolution display drops.
+const PER_REVOLUTION_UNIT: f64 = 100.0;
+
+/// How coordinates are shown: X as diameter or radius, mm or inch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Display {
+    /// X is shown as a diameter (001.2 = 0).
+    pub diameter: bool,
+    /// Inch machine (004.0 SCW): four decimals.
+    pub inch: bool,
+}
+
+impl Display {
+    /// The display of a control, by its parameters.
+    pub fn of(cnc: &Cnc) -> Self {
+        Self {
+            diameter: !cnc.parameters().bit(1, 2),
+            inch: cnc.parameters().bit(4, 0),
+        }
+    }
+
+    /// One coordinate; X is given as a radius, mm.
+    pub fn coordinate(self, axis: Axis, value: f64) -> String {
+        match axis {
+            Axis::X if self.diameter => self.length(value * 2.0),
+            _ => self.length(value),
+        }
+    }
+
+    /// A length in mm.
+    pub fn length(self, value: f64) -> String {
+        if self.inch {
+            decimals(value / INCH, 4)
+        } else {
+            decimals(value, 3)
+        }
+    }
+}
+
+/// A number with fixed decimals, never "-0.000".
+fn decimals(value: f64, count: usize) -> String {
+    let text = format!("{value:.count$}");
+    let zero = text.bytes().all(|byte| matches!(byte, b'-' | b'0' | b'.'));
+    match text.strip_prefix('-') {
+        Some(positive) if zero => positive.to_owned(),
+        _ => text,
+    }
+}
+
+/// A length in thousandths of a millimetre, as settings hold it.
+pub fn thousandths(value: i32) -> String {
+    decimals(f64::from(value) / 1000.0, 3)
+}
+
+/// A rate per minute, whole; above 15000 it is not shown.
+pub fn per_minute(rate: f64) -> String {
+    if rate > 15_000.0 {
+        return "***".to_owned();
+    }
+    format!("{:.0}", cut(rate))
+}
+
+/// A rate per revolution in hundredths of a millimetre, what is below cut off;
+/// above 500 mm it is not shown.
+pub fn per_revolution(rate: f64) -> String {
+    if rate > 500.0 {
+        return "***".to_owned();
+    }
+    let units = (rate * 10_000.0).round();
+    format!("{:.0}", (units / PER_REVOLUTION_UNIT).floor())
+}
+
+/// The whole part; a value a rounding error below a whole number counts as it.
+fn cut(value: f64) -> f64 {
+    (value + 1e-6).floor()
+}
+
+/// A jog rate as the table of the manual prints it: one decimal below 20.
+pub fn jog_rate(rate: f64) -> String {
+    if rate > 0.0 && rate < 19.95 {
+        format!("{rate:.1}")
+    } else {
+        format!("{rate:.0}")
+    }
+}
+
+/// The rapid override: a percentage, or `F0`.
+pub fn rapid_override(percent: u8) -> String {
+    match percent {
+        0 => "F0".to_owned(),
+        percent => format!("{percent}%"),
+    }
+}
+
+/// Hours, minutes and seconds; after 99:59:59 it starts again.
+pub fn clock(milliseconds: u64) -> String {
+    let seconds = milliseconds / 1000;
+    let (hours, minutes) = (seconds / 3600 % 100, seconds / 60 % 60);
+    format!("{hours:02}:{minutes:02}:{:02}", seconds % 60)
+}
+
+/// Eight binary digits, bit 7 first.
+pub fn byte(value: u8) -> String {
+    format!("{value:08b}")
+}
+
+/// A number of four digits; more do not fit and read 9999.
+pub fn four(value: f64) -> String {
+    format!("{:04.0}", value.abs().round().min(9999.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const METRIC: Display = Display {
+        diameter: true,
+        inch: false,
+    };
+
+    #[test]
+    fn coordinates() {
+        assert_eq!(METRIC.coordinate(Axis::X, 8.0), "16.000");
+        assert_eq!(METRIC.coordinate(Axis::Z, -9999.999), "-9999.999");
+        assert_eq!(METRIC.coordinate(Axis::Z, -0.0004), "0.000");
+        assert_eq!(METRIC.coordinate(Axis::Z, -0.0006), "-0.001");
+        let inch = Display {
+            diameter: false,
+            inch: true,
+        };
+        assert_eq!(inch.coordinate(Axis::X, 25.4), "1.0000");
+    }
+
+    #[test]
+    fn rates_of_the_manual() {
+        assert_eq!(per_revolution(20.2568), "2025");
+        assert_eq!(per_revolution(10.0), "1000");
+        assert_eq!(per_revolution(500.001), "***");
+        assert_eq!(per_revolution(500.0), "50000");
+        assert_eq!(per_minute(15_000.0), "15000");
+        assert_eq!(per_minute(15_001.0), "***");
+        assert_eq!(per_minute(100.0 * 0.7), "70");
+        let rates = [0.0, 2.0, 3.2, 12.6, 20.0, 1260.0].map(jog_rate);
+        assert_eq!(rates, ["0", "2.0", "3.2", "12.6", "20", "1260"]);
+    }
+
+    #[test]
+    fn overrides_times_and_bytes() {
+        assert_eq!(rapid_override(0), "F0");
+        assert_eq!(rapid_override(25), "25%");
+        assert_eq!(clock(19_688_999), "05:28:08");
+        assert_eq!(clock(360_000_000), "00:00:00");
+        assert_eq!(byte(0b0100_0001), "01000001");
+        assert_eq!(four(-300.2), "0300");
+        assert_eq!(four(12_000.0), "9999");
+    }
+}

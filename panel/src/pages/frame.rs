@@ -1,0 +1,177 @@
+//! What every page shares: title and program number above, spindle, tool, state
+//! and mode below (manual III-1.3).
+
+use gsk_core::cnc::Cnc;
+use gsk_core::command::ProgramId;
+use gsk_core::operation::Mode;
+use gsk_core::program::Program;
+
+use super::format::four;
+use super::table::PageId;
+use super::view::{Communication, View};
+use crate::screen::{Look, Screen};
+
+/// The input line, and the S and T display.
+pub const INPUT_ROW: usize = 13;
+/// State and mode.
+const STATUS_ROW: usize = 14;
+/// Where program and sequence number stand in the title row.
+const PROGRAM_COLUMN: usize = 28;
+const SEQUENCE_COLUMN: usize = 34;
+/// The input line ends in front of this column.
+const INPUT_END: usize = 27;
+
+/// The texts of the status row, and where they begin.
+const ALARM: (usize, &str) = (0, "报警");
+const HOLD: (usize, &str) = (5, "暂停");
+const NOT_READY: (usize, &str) = (0, "准备未绪");
+const MODE_COLUMN: usize = 20;
+const COMMUNICATION_COLUMN: usize = 30;
+
+/// Parameter 070: lines of the spindle encoder.
+const ENCODER_LINES: u16 = 70;
+
+/// Draws the frame of a page.
+pub fn draw(screen: &mut Screen, page: PageId, view: &View, cnc: &Cnc) {
+    screen.put(0, 0, page.title());
+    screen.put(0, PROGRAM_COLUMN, &format!("O{:04}", program_number(cnc)));
+    screen.put(0, SEQUENCE_COLUMN, &format!("N{:04}", sequence(view, cnc)));
+
+    let spindle = format!("S{}", four(spindle_speed(cnc)));
+    screen.put(INPUT_ROW, PROGRAM_COLUMN, &spindle);
+    let (tool, offset) = cnc.tool();
+    let tool = format!("T{tool:02}{offset:02}");
+    screen.put(INPUT_ROW, SEQUENCE_COLUMN, &tool);
+
+    draw_state(screen, view, cnc);
+    screen.put(STATUS_ROW, MODE_COLUMN, cnc.mode().text());
+    draw_communication(screen, view);
+}
+
+/// 准备未绪 takes the place of both 报警 and 暂停.
+fn draw_state(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    let lit = view.flash_on();
+    if cnc.not_ready() {
+        screen.put_flashing(STATUS_ROW, NOT_READY.0, NOT_READY.1, lit);
+        return;
+    }
+    if cnc.in_alarm() {
+        screen.put_flashing(STATUS_ROW, ALARM.0, ALARM.1, lit);
+    }
+    if cnc.in_feed_hold() {
+        screen.put(STATUS_ROW, HOLD.0, HOLD.1);
+    }
+}
+
+fn draw_communication(screen: &mut Screen, view: &View) {
+    let text = match view.communication {
+        Communication::Idle => return,
+        Communication::Receiving => "输入",
+        Communication::Sending => "输出",
+        Communication::NotConnected => "串口未连接",
+        Communication::Failed => "通信出错",
+    };
+    let lit = view.communication != Communication::Sending || view.flash_on();
+    screen.put_flashing(STATUS_ROW, COMMUNICATION_COLUMN, text, lit);
+}
+
+/// The input line: the prompt and what was keyed in behind it. A trailing
+/// address letter flashes until its number follows.
+pub fn input_line(screen: &mut Screen, prompt: &str, view: &View) {
+    let start = screen.put(INPUT_ROW, 0, prompt);
+    let room = INPUT_END.saturating_sub(start);
+    let length = view.input.chars().count();
+    let shown: String = view
+        .input
+        .chars()
+        .skip(length.saturating_sub(room))
+        .collect();
+    let end = screen.put(INPUT_ROW, start, &shown);
+    if shown.ends_with(|last: char| last.is_ascii_alphabetic()) && !view.flash_on() {
+        screen.set_look(INPUT_ROW, end - 1..end, Look::Dark);
+    }
+}
+
+/// The program that is selected.
+pub fn current_program(cnc: &Cnc) -> Option<&Program> {
+    cnc.programs().get(selected(cnc)?)
+}
+
+/// The selected program, also while an MDI block runs.
+fn selected(cnc: &Cnc) -> Option<ProgramId> {
+    match cnc.cursor().program {
+        Some(ProgramId::Mdi) | None => cnc.programs().current(),
+        program => program,
+    }
+}
+
+fn program_number(cnc: &Cnc) -> u16 {
+    match selected(cnc) {
+        Some(ProgramId::Stored(number)) => number,
+        Some(program) => cnc
+            .programs()
+            .get(program)
+            .and_then(Program::number)
+            .unwrap_or(0),
+        None => 0,
+    }
+}
+
+/// The sequence number of the block in execution or of the block at the cursor.
+fn sequence(view: &View, cnc: &Cnc) -> u16 {
+    let cursor = cnc.cursor();
+    if let Some(sequence) = cursor.sequence {
+        return sequence;
+    }
+    let editing = cnc.mode() == Mode::Edit && view.editor.line > 0;
+    let line = if editing {
+        view.editor.line
+    } else {
+        cursor.line
+    };
+    let program = match &view.editor.text {
+        Some(text) if editing => Some(text),
+        _ => current_program(cnc),
+    };
+    program
+        .and_then(|program| sequence_of(program.line(line)))
+        .unwrap_or(0)
+}
+
+/// The N word at the head of a block.
+fn sequence_of(line: &str) -> Option<u16> {
+    let head = line.trim_start_matches(|c: char| c == '/' || c.is_whitespace());
+    let digits = head.strip_prefix(['N', 'n'])?.trim_start();
+    let end = digits
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(digits.len());
+    digits[..end].parse().ok()
+}
+
+/// Measured speed with an encoder that counts, else the commanded one; with
+/// stepped speeds (001.4 = 0) the step.
+pub fn spindle_speed(cnc: &Cnc) -> f64 {
+    let measured = cnc.spindle_actual();
+    if cnc.parameters().value(ENCODER_LINES) > 0 && measured != 0.0 {
+        return measured;
+    }
+    if cnc.parameters().bit(1, 4) {
+        cnc.spindle_commanded()
+    } else {
+        cnc.modal().spindle
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sequence_of;
+
+    #[test]
+    fn the_sequence_number_of_a_block() {
+        assert_eq!(sequence_of("N0050 G71 U2"), Some(50));
+        assert_eq!(sequence_of("  /N7G0"), Some(7));
+        assert_eq!(sequence_of("G0 X1 (N5)"), None);
+        assert_eq!(sequence_of("N"), None);
+        assert_eq!(sequence_of("N99999999999"), None);
+    }
+}

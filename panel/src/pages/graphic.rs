@@ -1,0 +1,187 @@
+//! The graphic pages: its parameters and the picture of the path
+//! (manual III-2.5.2).
+
+use gsk_core::cnc::Cnc;
+use gsk_core::units::{Axis, Point};
+
+use super::format::{Display, thousandths};
+use super::frame;
+use super::graphic_settings::GraphicSettings;
+use super::table::PageId;
+use super::view::View;
+use crate::bitmap::{Area, Bitmap, Stroke};
+use crate::screen::Screen;
+use crate::trace::Trace;
+
+/// Where the path is drawn.
+pub const PLOT: Area = Area {
+    left: 8,
+    top: 24,
+    right: 223,
+    bottom: 199,
+};
+
+/// The dot of 图形中心.
+const CENTER: (f64, f64) = (116.0, 112.0);
+
+/// Half the length of the tool marker's arms, dots.
+const MARKER: f64 = 3.0;
+
+/// The parameters.
+pub fn parameters(screen: &mut Screen, view: &View) {
+    let settings = &view.graphic;
+    let rows = [
+        (
+            "坐标选择  = ",
+            u32::from(settings.zx).to_string(),
+            "   (XZ:0  ZX:1)",
+        ),
+        ("缩放比例  = ", settings.scale.to_string(), ""),
+        (
+            "图形中心  = ",
+            thousandths(settings.center_x),
+            "(X轴工件座标值)",
+        ),
+        (
+            "图形中心  = ",
+            thousandths(settings.center_z),
+            "(Z轴工件座标值)",
+        ),
+        ("X最大值   = ", thousandths(settings.max_x), ""),
+        ("Z最大值   = ", thousandths(settings.max_z), ""),
+        ("X最小值   = ", thousandths(settings.min_x), ""),
+        ("Z最小值   = ", thousandths(settings.min_z), ""),
+    ];
+    screen.put(1, 14, "图形参数");
+    let cursor = view.cursors.get(PageId::GraphPar).item.min(rows.len() - 1);
+    for (index, (label, value, note)) in rows.into_iter().enumerate() {
+        let row = 3 + index;
+        if index == cursor {
+            screen.put(row, 0, "_");
+        }
+        let column = screen.put(row, 1, label);
+        let column = screen.put(row, column, &value);
+        screen.put(row, column, note);
+    }
+    frame::input_line(screen, &format!("序号{:03}=", cursor + 1), view);
+}
+
+/// The picture.
+pub fn picture(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    let display = Display::of(cnc);
+    let at = cnc.position_absolute();
+    for (row, (letter, axis)) in (2..).zip([("X", Axis::X), ("Z", Axis::Z)]) {
+        screen.put(row, 29, letter);
+        screen.put_right(row, 40, &display.coordinate(axis, at.get(axis)));
+    }
+    let choices = [
+        (6, "S: 作图", view.graphic.drawing),
+        (7, "T: 停止", !view.graphic.drawing),
+        (8, "R: 清除", false),
+    ];
+    for (row, text, chosen) in choices {
+        if chosen {
+            screen.put(row, 29, "*");
+        }
+        screen.put(row, 30, text);
+    }
+    let plot = Plot::new(&view.graphic, display, cnc.parameters().bit(175, 0));
+    let dots = screen.graphic_mut();
+    plot.trace(dots, &view.trace);
+    plot.marker(dots, at);
+}
+
+/// From work coordinates to dots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Plot {
+    center: Point,
+    dots_per_mm: f64,
+    zx: bool,
+    /// +X points up in the ZX picture (rear tool post, 175.0 = 1).
+    x_up: bool,
+}
+
+impl Plot {
+    fn new(settings: &GraphicSettings, display: Display, x_up: bool) -> Self {
+        Self {
+            center: settings.center(display.diameter),
+            dots_per_mm: settings.dots_per_mm(),
+            zx: settings.zx,
+            x_up,
+        }
+    }
+
+    fn dot(&self, point: Point) -> (f64, f64) {
+        let from_center = (point - self.center) * self.dots_per_mm;
+        let (right, up) = match (self.zx, self.x_up) {
+            (true, true) => (from_center.z, from_center.x),
+            (true, false) => (from_center.z, -from_center.x),
+            (false, _) => (from_center.x, from_center.z),
+        };
+        (CENTER.0 + right, CENTER.1 - up)
+    }
+
+    fn trace(&self, dots: &mut Bitmap, trace: &Trace) {
+        for piece in trace.pieces() {
+            let stroke = if piece.rapid {
+                Stroke::Dotted
+            } else {
+                Stroke::Solid
+            };
+            dots.line(self.dot(piece.from), self.dot(piece.to), stroke, PLOT);
+        }
+    }
+
+    /// A cross at the tool's place.
+    fn marker(&self, dots: &mut Bitmap, at: Point) {
+        let (x, y) = self.dot(at);
+        dots.line((x - MARKER, y), (x + MARKER, y), Stroke::Solid, PLOT);
+        dots.line((x, y - MARKER), (x, y + MARKER), Stroke::Solid, PLOT);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings() -> GraphicSettings {
+        let mut settings = GraphicSettings {
+            zx: true,
+            max_x: 150_000,
+            max_z: 200_000,
+            min_x: -10_000,
+            min_z: -10_000,
+            ..GraphicSettings::default()
+        };
+        settings.recompute();
+        settings
+    }
+
+    const DIAMETER: Display = Display {
+        diameter: true,
+        inch: false,
+    };
+
+    #[test]
+    fn the_centre_of_the_picture_is_the_centre_of_the_plot() {
+        let plot = Plot::new(&settings(), DIAMETER, false);
+        assert_eq!(plot.dot(Point::new(35.0, 95.0)), CENTER);
+        assert_eq!(CENTER.0, f64::from((PLOT.left + PLOT.right + 1) / 2));
+        assert_eq!(CENTER.1, f64::from((PLOT.top + PLOT.bottom + 1) / 2));
+    }
+
+    #[test]
+    fn z_goes_right_and_x_down_for_a_front_tool_post() {
+        let point = Point::new(45.0, 105.0);
+        let front = Plot::new(&settings(), DIAMETER, false).dot(point);
+        assert!((front.0 - 123.1).abs() < 1e-9 && (front.1 - 119.1).abs() < 1e-9);
+        let rear = Plot::new(&settings(), DIAMETER, true).dot(point);
+        assert!((rear.1 - 104.9).abs() < 1e-9);
+        let xz = GraphicSettings {
+            zx: false,
+            ..settings()
+        };
+        let upright = Plot::new(&xz, DIAMETER, false).dot(point);
+        assert!((upright.0 - 123.1).abs() < 1e-9 && (upright.1 - 104.9).abs() < 1e-9);
+    }
+}

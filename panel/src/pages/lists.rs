@@ -1,0 +1,100 @@
+//! What the list pages share: numbered rows in one or two columns, a cursor in
+//! front of a number, screens of eight or sixteen.
+
+use crate::glyphs;
+use crate::screen::{COLUMNS, Screen};
+
+/// Rows of a list on one screen.
+pub const LIST_ROWS: usize = 8;
+/// Row of the headings.
+pub const HEADING_ROW: usize = 1;
+/// Row of the first item.
+pub const FIRST_ROW: usize = 2;
+
+/// Columns of one half of a list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// Where the cursor stands.
+    pub cursor: usize,
+    /// Where the number begins.
+    pub number: usize,
+    /// In front of which column the value ends.
+    pub value_end: usize,
+}
+
+/// One item: its number as shown, and its value.
+pub type Item = (String, String);
+
+/// The place of an item on its screen: row and which half.
+fn place(index: usize) -> (usize, usize) {
+    (FIRST_ROW + index % LIST_ROWS, index / LIST_ROWS)
+}
+
+/// Writes the items of one screen, filling the first half before the second.
+pub fn draw(
+    screen: &mut Screen,
+    halves: &[Column],
+    items: impl Iterator<Item = Item>,
+    cursor: usize,
+) {
+    for (index, (number, value)) in items.take(LIST_ROWS * halves.len()).enumerate() {
+        let (row, half) = place(index);
+        let Some(column) = halves.get(half) else {
+            return;
+        };
+        if index == cursor {
+            screen.put(row, column.cursor, "_");
+        }
+        screen.put(row, column.number, &number);
+        screen.put_right(row, column.value_end, &value);
+    }
+}
+
+/// Writes the names of the eight bits, bit 7 first; when they do not fit in the
+/// row, the longest ones are cut.
+pub fn bit_names<'a>(screen: &mut Screen, row: usize, name: impl Fn(u8) -> &'a str) {
+    let names: Vec<&str> = (0..8).rev().map(name).collect();
+    let cut = |width: usize| {
+        let cut: Vec<&str> = names.iter().map(|name| head(name, width)).collect();
+        cut.join(" ")
+    };
+    let text = (4..=COLUMNS)
+        .rev()
+        .map(cut)
+        .find(|text| glyphs::text_columns(text) <= COLUMNS);
+    screen.put(row, 0, &text.unwrap_or_default());
+}
+
+/// The beginning of a text, at most so many columns wide.
+fn head(text: &str, width: usize) -> &str {
+    let mut column = 0;
+    for (at, character) in text.char_indices() {
+        column += glyphs::columns(character);
+        if column > width {
+            return &text[..at];
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_cut_only_as_far_as_needed() {
+        let mut screen = Screen::new();
+        bit_names(&mut screen, 0, |bit| if bit == 3 { "*DECX" } else { "T01" });
+        assert_eq!(
+            screen.row(0).trim_end(),
+            "T01 T01 T01 T01 *DECX T01 T01 T01"
+        );
+        bit_names(&mut screen, 0, |bit| {
+            if bit == 3 { "模拟主轴" } else { "DOFSI" }
+        });
+        assert_eq!(
+            screen.row(0).trim_end(),
+            "DOFS DOFS DOFS DOFS 模拟 DOFS DOFS DOFS"
+        );
+    }
+}

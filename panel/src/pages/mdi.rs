@@ -1,0 +1,134 @@
+//! The MDI page: the words of a block and the modal values (manual III-2.2.2).
+
+use gsk_core::cnc::Cnc;
+use gsk_core::operation::{Mode, RunState};
+use gsk_core::program::{Block, Syntax};
+
+use super::format::{Display, four};
+use super::frame;
+use super::view::View;
+use crate::screen::Screen;
+
+/// The words of the left side, in their rows from R2 on.
+const WORDS: &[u8] = b"XZUWRFMSTPQ";
+/// The words of lengths, shown with decimals.
+const LENGTHS: &[u8] = b"XZUWR";
+/// Row of the first word.
+const FIRST_ROW: usize = 2;
+/// Columns: address and end of the value on the left; codes, address and end of
+/// the value on the right.
+const WORD_COLUMN: usize = 5;
+const WORD_END: usize = 18;
+const CODE_COLUMN: usize = 24;
+const MODAL_COLUMN: usize = 30;
+const MODAL_END: usize = 39;
+/// Highest speed that stands for none.
+const NO_LIMIT: f64 = 9999.0;
+
+/// Draws the page.
+pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    screen.put(1, 4, "(程序段值)          (模态值)");
+    if let Some((block, text)) = shown_block(cnc) {
+        draw_words(screen, &block, &text, cnc);
+    }
+    for (row, address) in (FIRST_ROW..).zip(WORDS) {
+        screen.put(row, WORD_COLUMN, &char::from(*address).to_string());
+    }
+    draw_modal(screen, cnc);
+    if cnc.mode() == Mode::Mdi {
+        frame::input_line(screen, "地址 ", view);
+    }
+}
+
+/// The block keyed in, or in AUTO the block in execution, with its text.
+fn shown_block(cnc: &Cnc) -> Option<(Block, String)> {
+    let syntax = Syntax::from(cnc.parameters());
+    if cnc.mode() != Mode::Auto {
+        let block = cnc.mdi_block().block(cnc.parameters()).ok()?;
+        return Some((block, cnc.mdi_block().text()));
+    }
+    if cnc.run_state() == RunState::Reset {
+        return None;
+    }
+    let program = frame::current_program(cnc)?;
+    let index = program.block_from_line(cnc.cursor().line);
+    let block = program.parse(index, syntax).ok()?;
+    Some((block, program.block(index).to_owned()))
+}
+
+fn draw_words(screen: &mut Screen, block: &Block, text: &str, cnc: &Cnc) {
+    if let Some(code) = block.g_codes().last() {
+        screen.put(FIRST_ROW, 0, &format!("G{code:02}"));
+    }
+    let display = Display::of(cnc);
+    for (row, address) in (FIRST_ROW..).zip(WORDS) {
+        let Some(word) = block.word(*address) else {
+            continue;
+        };
+        let keyed = || {
+            let (start, end) = word.span;
+            text.get(usize::from(start) + 1..usize::from(end))
+                .unwrap_or_default()
+                .trim()
+                .to_owned()
+        };
+        let length = LENGTHS.contains(address) && word.value.variable().is_none();
+        let value = if length {
+            display.length(word.value.mm())
+        } else {
+            keyed()
+        };
+        screen.put_right(row, WORD_END, &value);
+    }
+}
+
+fn draw_modal(screen: &mut Screen, cnc: &Cnc) {
+    let modal = cnc.modal();
+    let spindle = cnc.spindle();
+    let (tool, offset) = cnc.tool();
+    let surface = if modal.surface_speed { 96 } else { 97 };
+    let feed = if modal.feed_per_revolution { 99 } else { 98 };
+    let units = if modal.inch { 20 } else { 21 };
+    let codes = [
+        (3, modal.motion),
+        (4, surface),
+        (6, modal.nose_compensation),
+        (7, feed),
+        (8, units),
+    ];
+    for (row, code) in codes {
+        screen.put(row, CODE_COLUMN, &format!("G{code:02}"));
+    }
+    let some = |value: f64| {
+        if value == 0.0 {
+            String::new()
+        } else {
+            format!("{value}")
+        }
+    };
+    let modals = [
+        ("F", some(modal.feed)),
+        ("M", modal.m.map_or(String::new(), |m| format!("{m:02}"))),
+        ("S", some(modal.spindle)),
+        ("T", format!("{tool:02}{offset:02}")),
+    ];
+    for (row, (address, value)) in (FIRST_ROW..).zip(modals) {
+        screen.put(row, MODAL_COLUMN, address);
+        screen.put_right(row, MODAL_END, &value);
+    }
+    let per_surface = if spindle.surface_mode() {
+        spindle.word()
+    } else {
+        0.0
+    };
+    let speeds = [
+        ("SRPM", cnc.spindle_commanded()),
+        ("SSPM", per_surface),
+        ("SMAX", spindle.limit().unwrap_or(NO_LIMIT)),
+        ("SACT", cnc.spindle_actual()),
+    ];
+    for (row, (name, value)) in (9..).zip(speeds) {
+        screen.put(row, CODE_COLUMN, name);
+        screen.put(row, MODAL_COLUMN, &four(value));
+    }
+}

@@ -1,0 +1,71 @@
+//! The pages of the LCD: what each shows of the control and the panel.
+
+mod alarms;
+mod diagnosis;
+mod format;
+mod frame;
+mod graphic;
+mod graphic_settings;
+mod lists;
+mod mdi;
+mod offsets;
+mod parameters;
+mod plc;
+mod plc_names;
+mod position;
+mod power_on;
+mod program;
+mod program_text;
+mod settings;
+mod table;
+mod view;
+
+use gsk_core::cnc::Cnc;
+
+pub use graphic_settings::GraphicSettings;
+pub use parameters::{PITCH_POINTS, data_numbers, state_numbers};
+pub use plc::{bit_item, bit_item_of, bit_items, value_item, value_item_of, value_items};
+pub use power_on::{POWER_ON_TICKS, draw as power_on};
+pub use program::directory_screens;
+pub use program_text::{PAGE_ROWS, first_line, last_line};
+pub use table::{PAGE_COUNT, PAGES, PageId, PageKey, PageRow};
+pub use view::{
+    BRIGHTNESS_STEPS, Communication, Cursor, Cursors, DEFAULT_BRIGHTNESS, Editor, FLASH_TICKS, View,
+};
+
+use crate::screen::Screen;
+
+/// Draws a page.
+pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
+    let mut screen = Screen::new();
+    let target = &mut screen;
+    frame::draw(target, page, view, cnc);
+    match page {
+        PageId::PosRel => position::relative(target, view, cnc),
+        PageId::PosAbs => position::absolute(target, view, cnc),
+        PageId::PosAll => position::overall(target, cnc),
+        PageId::PosPrg => position::with_program(target, cnc),
+        PageId::Prg => program::text(target, view, cnc),
+        PageId::Mdi => mdi::draw(target, view, cnc),
+        PageId::Dir => program::directory(target, view, cnc),
+        PageId::Oft => offsets::offsets(target, view, cnc),
+        PageId::Macro => offsets::variables(target, view, cnc),
+        PageId::Msg => alarms::messages(target, cnc),
+        PageId::Alm => alarms::alarms(target, cnc),
+        PageId::SetCode => settings::codes(target, view, cnc),
+        PageId::SetSwitch => settings::switches(target, view, cnc),
+        PageId::Edisk => settings::disk(target),
+        PageId::Password => settings::password(target, view),
+        PageId::GraphPar => graphic::parameters(target, view),
+        PageId::Graph => graphic::picture(target, view, cnc),
+        PageId::ParBit => parameters::states(target, view, cnc),
+        PageId::ParData => parameters::data(target, view, cnc),
+        PageId::Pitch => parameters::pitch(target, view),
+        PageId::Dgn => diagnosis::draw(target, view, cnc),
+        PageId::PlcBits => plc::signals(target, view, cnc),
+        PageId::PlcValues => plc::values(target, view, cnc),
+        PageId::Softpanel => plc::soft_panel(target, cnc),
+        PageId::Version => plc::version(target, cnc),
+    }
+    screen
+}

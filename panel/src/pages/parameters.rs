@@ -1,0 +1,134 @@
+//! The parameter pages (manual III-2.6): values, and what the one at the cursor
+//! means.
+
+use gsk_core::cnc::Cnc;
+use gsk_core::memory::{self, ParameterRow};
+
+use super::format;
+use super::frame;
+use super::lists::{self, Column, HEADING_ROW};
+use super::table::PageId;
+use super::view::View;
+use crate::screen::Screen;
+
+/// Parameters of one screen.
+const SCREEN: usize = 16;
+/// Points of the pitch error table, and of one of its screens.
+pub const PITCH_POINTS: usize = 256;
+const PITCH_SCREEN: usize = 8;
+
+/// Columns of pages with eight binary digits a number.
+pub const BITS: [Column; 2] = [
+    Column {
+        cursor: 0,
+        number: 1,
+        value_end: 15,
+    },
+    Column {
+        cursor: 20,
+        number: 21,
+        value_end: 35,
+    },
+];
+const VALUES: [Column; 2] = [
+    Column {
+        cursor: 0,
+        number: 1,
+        value_end: 16,
+    },
+    Column {
+        cursor: 20,
+        number: 21,
+        value_end: 36,
+    },
+];
+
+/// The numbers of the state parameters, ascending.
+pub fn state_numbers() -> impl Iterator<Item = u16> {
+    numbers(true)
+}
+
+/// The numbers of the data parameters, ascending.
+pub fn data_numbers() -> impl Iterator<Item = u16> {
+    numbers(false)
+}
+
+fn numbers(state: bool) -> impl Iterator<Item = u16> {
+    let whole = |row: &&ParameterRow| row.bit.is_none();
+    memory::rows()
+        .iter()
+        .filter(whole)
+        .filter(move |row| row.state == state)
+        .map(|row| row.number)
+}
+
+/// 状态参数.
+pub fn states(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    let cursor = view.cursors.get(PageId::ParBit);
+    let values: Vec<u16> = state_numbers().collect();
+    let item = cursor.item.min(values.len().saturating_sub(1));
+    heading(screen);
+    let shown = values.iter().skip(item / SCREEN * SCREEN);
+    let shown = shown.map(|number| {
+        let byte = cnc.parameters().byte(*number);
+        (format!("{number:03}"), format::byte(byte))
+    });
+    lists::draw(screen, &BITS, shown, item % SCREEN);
+    let Some(number) = values.get(item) else {
+        return;
+    };
+    let bit = cursor.bit.min(7);
+    let meaning = memory::row(*number, Some(bit)).map_or("", |row| row.meaning_zh);
+    screen.put(10, 0, &format!("BIT{bit}:{meaning}"));
+    lists::bit_names(screen, 11, |bit| name(*number, bit));
+    frame::input_line(screen, &format!("序号 {number:03} "), view);
+}
+
+/// The short name of a bit.
+fn name(number: u16, bit: u8) -> &'static str {
+    let symbol = memory::row(number, Some(bit)).map_or("", |row| row.symbol);
+    if symbol.is_empty() { "**" } else { symbol }
+}
+
+/// 数据参数.
+pub fn data(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    let values: Vec<u16> = data_numbers().collect();
+    let item = view.cursors.get(PageId::ParData).item;
+    let item = item.min(values.len().saturating_sub(1));
+    heading(screen);
+    let shown = values.iter().skip(item / SCREEN * SCREEN);
+    let shown = shown.map(|number| {
+        let value = cnc.parameters().value(*number);
+        (format!("{number:03}"), value.to_string())
+    });
+    lists::draw(screen, &VALUES, shown, item % SCREEN);
+    let Some(number) = values.get(item) else {
+        return;
+    };
+    if let Some(row) = memory::row(*number, None) {
+        screen.put(10, 0, row.meaning_zh);
+    }
+    frame::input_line(screen, &format!("序号 {number:03} "), view);
+}
+
+fn heading(screen: &mut Screen) {
+    screen.put(HEADING_ROW, 0, "序号    数 据       序号    数 据");
+}
+
+/// 螺距补偿参数: the table is empty until compensation is built in.
+pub fn pitch(screen: &mut Screen, view: &View) {
+    let item = view.cursors.get(PageId::Pitch).item.min(PITCH_POINTS - 1);
+    screen.put(HEADING_ROW, 0, "序号          X             Z");
+    let first = item / PITCH_SCREEN * PITCH_SCREEN;
+    let halves = [Column {
+        cursor: 0,
+        number: 1,
+        value_end: 15,
+    }];
+    let shown = (first..PITCH_POINTS).map(|point| (format!("{point:03}"), "0".to_owned()));
+    lists::draw(screen, &halves, shown, item % PITCH_SCREEN);
+    for row in 0..PITCH_SCREEN {
+        screen.put_right(lists::FIRST_ROW + row, 29, "0");
+    }
+    frame::input_line(screen, &format!("序号 {item:03} "), view);
+}

@@ -1,0 +1,221 @@
+//! The pages of the PLC: signals, values, soft machine panel, and the version
+//! page, which names the ladder (manual III-2.7).
+
+use gsk_core::cnc::Cnc;
+use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
+use gsk_core::units::Axis;
+
+use super::format::{self, Display};
+use super::frame;
+use super::lists::{self, Column, HEADING_ROW, LIST_ROWS};
+use super::plc_names;
+use super::table::PageId;
+use super::view::View;
+use crate::screen::Screen;
+
+/// The areas of the signal page and of the value page, in their order.
+const BIT_AREAS: [Area; 7] = [
+    Area::X,
+    Area::Y,
+    Area::F,
+    Area::G,
+    Area::A,
+    Area::K,
+    Area::R,
+];
+const VALUE_AREAS: [Area; 3] = [Area::D, Area::T, Area::C];
+
+/// Bytes of one screen of the signal page.
+const BIT_SCREEN: usize = 2 * LIST_ROWS;
+
+const BITS: [Column; 2] = [
+    Column {
+        cursor: 0,
+        number: 1,
+        value_end: 16,
+    },
+    Column {
+        cursor: 20,
+        number: 21,
+        value_end: 36,
+    },
+];
+
+/// The address of an item of the signal page; items count through the areas.
+pub fn bit_item(item: usize) -> ByteAddress {
+    address(&BIT_AREAS, item)
+}
+
+/// The item of an address of the signal page.
+pub fn bit_item_of(address: ByteAddress) -> Option<usize> {
+    item(&BIT_AREAS, address)
+}
+
+/// How many items the signal page has.
+pub fn bit_items() -> usize {
+    count(&BIT_AREAS)
+}
+
+/// The address of an item of the value page.
+pub fn value_item(item: usize) -> ByteAddress {
+    address(&VALUE_AREAS, item)
+}
+
+/// The item of an address of the value page.
+pub fn value_item_of(address: ByteAddress) -> Option<usize> {
+    item(&VALUE_AREAS, address)
+}
+
+/// How many items the value page has.
+pub fn value_items() -> usize {
+    count(&VALUE_AREAS)
+}
+
+fn count(areas: &[Area]) -> usize {
+    areas.iter().map(|area| usize::from(area.count())).sum()
+}
+
+/// Items beyond the end are the last one.
+fn address(areas: &[Area], item: usize) -> ByteAddress {
+    let mut rest = item;
+    for area in areas {
+        let count = usize::from(area.count());
+        if rest < count {
+            return ByteAddress::new(*area, rest as u16);
+        }
+        rest -= count;
+    }
+    let last = areas.last().copied().unwrap_or(Area::R);
+    ByteAddress::new(last, last.count() - 1)
+}
+
+fn item(areas: &[Area], address: ByteAddress) -> Option<usize> {
+    let at = areas.iter().position(|area| *area == address.area)?;
+    let inside = address.byte < address.area.count();
+    inside.then(|| count(&areas[..at]) + usize::from(address.byte))
+}
+
+/// The addresses of the screen that holds an address: each area begins a screen.
+fn screen_of(address: ByteAddress, size: usize) -> impl Iterator<Item = ByteAddress> {
+    let size = size as u16;
+    let first = address.byte / size * size;
+    (first..address.area.count().min(first + size))
+        .map(move |byte| ByteAddress::new(address.area, byte))
+}
+
+/// PLC信号状态.
+pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    let cursor = view.cursors.get(PageId::PlcBits);
+    let at = bit_item(cursor.item);
+    screen.put(HEADING_ROW, 0, "序号    数据        序号    数据");
+    let memory = cnc.plc().memory();
+    let shown = screen_of(at, BIT_SCREEN)
+        .map(|address| (address.to_string(), format::byte(memory.byte(address))));
+    lists::draw(screen, &BITS, shown, usize::from(at.byte) % BIT_SCREEN);
+    let bit = cursor.bit.min(7);
+    let ladder = cnc.plc().ladder();
+    let name = |bit| plc_names::short(BitAddress::new(at.area, at.byte, bit));
+    let meaning = plc_names::meaning(ladder, BitAddress::new(at.area, at.byte, bit));
+    let end = screen.put(10, 0, &format!("BIT{bit}: {}", name(bit)));
+    screen.put(10, end + 1, &meaning);
+    lists::bit_names(screen, 11, name);
+    frame::input_line(screen, &format!("序号 {at} "), view);
+}
+
+/// PLC数值诊断.
+pub fn values(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    let at = value_item(view.cursors.get(PageId::PlcValues).item);
+    screen.put(HEADING_ROW, 0, "序号         当前值         预定值");
+    let memory = cnc.plc().memory();
+    let rows = screen_of(at, LIST_ROWS);
+    for (row, address) in (lists::FIRST_ROW..).zip(rows) {
+        if address == at {
+            screen.put(row, 0, "_");
+        }
+        screen.put(row, 1, &address.to_string());
+        let (current, preset) = match address.area {
+            Area::T => (Some(memory.t(address.byte)), memory.dt(address.byte)),
+            Area::C => (Some(memory.c(address.byte)), memory.dc(address.byte)),
+            _ => (None, i32::from(memory.byte(address))),
+        };
+        if let Some(current) = current {
+            screen.put_right(row, 20, &format!("{current:08}"));
+        }
+        screen.put_right(row, 34, &format!("{preset:08}"));
+    }
+    frame::input_line(screen, &format!("序号 {at} "), view);
+}
+
+/// 机床面板: the states that the ladder has raised.
+pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
+    // Text and the F bit that reports the state.
+    const SWITCHES: [(&str, u16, u8); 5] = [
+        ("机床锁住(键1) :", 4, 1),
+        ("辅助锁住(键2) :", 4, 4),
+        ("单程序段(键3) :", 4, 3),
+        ("空运行  (键4) :", 2, 7),
+        ("程序选跳(键5) :", 4, 0),
+    ];
+    for (row, (text, byte, bit)) in (2..).zip(SWITCHES) {
+        let on = cnc.plc().memory().bit(BitAddress::new(Area::F, byte, bit));
+        screen.put(row, 0, text);
+        screen.put(row, 18, "关    开");
+        screen.put(row, if on { 23 } else { 17 }, "*");
+    }
+    let display = Display::of(cnc);
+    let at = cnc.position_relative();
+    screen.put(9, 0, "现在位置");
+    for (row, (letter, axis)) in (10..).zip([("U", Axis::X), ("W", Axis::Z)]) {
+        screen.put(row, 2, letter);
+        screen.put_right(row, 17, &display.coordinate(axis, at.get(axis)));
+    }
+}
+
+/// 系统版本信息.
+pub fn version(screen: &mut Screen, cnc: &Cnc) {
+    let header = cnc.plc().ladder().header();
+    let rows = [
+        (2, "产品型号:   ", "GSK-980TD-1"),
+        (3, "软件版本号: ", "V05.01.15"),
+        (4, "硬件版本号: ", "RS"),
+        (6, "梯形图设计单位: ", &header.unit),
+        (7, "梯形图版本号: ", &header.version),
+        (8, "梯形图设计者: ", &header.author),
+        (9, "备注: ", &header.remark),
+    ];
+    for (row, label, value) in rows {
+        let column = screen.put(row, 0, label);
+        screen.put(row, column, value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_and_addresses_belong_together() {
+        for (item, name) in [(0, "X0000"), (29, "X0029"), (30, "Y0000"), (1626, "R0999")] {
+            assert_eq!(bit_item(item).to_string(), name);
+            assert_eq!(bit_item_of(bit_item(item)), Some(item));
+        }
+        assert_eq!(bit_items(), 1627);
+        assert_eq!(bit_item(99_999).to_string(), "R0999");
+        assert_eq!(value_item(1000).to_string(), "T0000");
+        assert_eq!(value_item(value_items() - 1).to_string(), "C0099");
+        assert_eq!(value_item_of(ByteAddress::new(Area::X, 0)), None);
+    }
+
+    #[test]
+    fn every_area_begins_a_screen() {
+        let names = |item| {
+            let shown: Vec<String> = screen_of(bit_item(item), BIT_SCREEN)
+                .map(|address| address.to_string())
+                .collect();
+            (shown[0].clone(), shown.len())
+        };
+        assert_eq!(names(17), ("X0016".to_owned(), 14));
+        assert_eq!(names(30), ("Y0000".to_owned(), 16));
+        assert_eq!(names(1626), ("R0992".to_owned(), 8));
+    }
+}

@@ -1,0 +1,73 @@
+//! Names of PLC signals for the bit rows of the pages.
+
+use std::sync::LazyLock;
+
+use gsk_core::plc::address::BitAddress;
+use gsk_core::plc::{Ladder, Subject};
+
+/// One named bit.
+struct Row {
+    address: BitAddress,
+    symbol: &'static str,
+    text_zh: &'static str,
+}
+
+static TABLE: &str = include_str!("../../../assets/tables/plc-signals.tsv");
+
+static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| {
+    let mut rows: Vec<Row> = TABLE.lines().skip(1).filter_map(parse).collect();
+    rows.sort_by_key(|row| row.address);
+    rows
+});
+
+fn parse(line: &'static str) -> Option<Row> {
+    let mut fields = line.split('\t');
+    let address = fields.next()?.parse().ok()?;
+    let symbol = fields.next()?;
+    let text_zh = fields.nth(1)?;
+    Some(Row {
+        address,
+        symbol: if symbol == "-" { "" } else { symbol },
+        text_zh,
+    })
+}
+
+fn row(address: BitAddress) -> Option<&'static Row> {
+    let at = ROWS
+        .binary_search_by_key(&address, |row| row.address)
+        .ok()?;
+    ROWS.get(at)
+}
+
+/// The name in the row of eight names: the first of several; a dash without one.
+pub fn short(address: BitAddress) -> &'static str {
+    let name = row(address).map_or("", |row| row.symbol);
+    match name.split('/').next() {
+        Some(name) if !name.is_empty() => name,
+        _ => "-",
+    }
+}
+
+/// What a bit means: the ladder's own comment, else the table's text.
+pub fn meaning(ladder: &Ladder, address: BitAddress) -> String {
+    let comment = ladder.comment(Subject::Bit(address));
+    match (comment, row(address)) {
+        (Some(comment), _) if !comment.chinese.is_empty() => comment.chinese.clone(),
+        (_, Some(row)) => row.text_zh.to_owned(),
+        _ => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::plc::Area;
+
+    #[test]
+    fn most_rows_of_the_table_name_a_bit() {
+        assert!(ROWS.len() > 400, "{}", ROWS.len());
+        assert_eq!(short(BitAddress::new(Area::X, 0, 3)), "*DECX");
+        assert_eq!(short(BitAddress::new(Area::X, 0, 0)), "T03");
+        assert_eq!(short(BitAddress::new(Area::R, 999, 7)), "-");
+    }
+}

@@ -1,0 +1,180 @@
+//! The four position pages (manual III-2.1).
+
+use gsk_core::cnc::Cnc;
+use gsk_core::operation::Mode;
+use gsk_core::units::{Axis, Point};
+
+use super::format::{self, Display};
+use super::frame;
+use super::program_text::{self, Listing};
+use super::view::View;
+use crate::screen::{Look, Screen};
+
+/// Group-01 codes whose F word is a lead.
+const THREADS: [u8; 5] = [32, 33, 34, 76, 92];
+
+/// The rows of the big figures.
+const BIG_ROWS: [usize; 2] = [3, 6];
+/// Where the big letters and figures stand: in the text, and on the picture.
+const BIG_LETTER: (usize, usize) = (4, 4);
+const BIG_FIGURE_END: (usize, usize) = (24, 34);
+
+/// Relative coordinates.
+pub fn relative(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    big_figures(screen, ["U", "W"], cnc.position_relative(), view, cnc);
+    state_rows(screen, view, cnc);
+}
+
+/// Absolute coordinates.
+pub fn absolute(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    big_figures(screen, ["X", "Z"], cnc.position_absolute(), view, cnc);
+    state_rows(screen, view, cnc);
+}
+
+fn big_figures(screen: &mut Screen, letters: [&str; 2], at: Point, view: &View, cnc: &Cnc) {
+    let display = Display::of(cnc);
+    for ((letter, row), axis) in letters.into_iter().zip(BIG_ROWS).zip([Axis::X, Axis::Z]) {
+        let flashes = view.flashing == Some(axis) && letters == ["U", "W"];
+        if flashes && !view.flash_on() {
+            screen.put_as(row, BIG_LETTER.0, letter, Look::Dark);
+        } else {
+            screen.put_big(row, BIG_LETTER.0, BIG_LETTER.1, letter);
+        }
+        let figure = display.coordinate(axis, at.get(axis));
+        let (text_end, drawn_end) = BIG_FIGURE_END;
+        let text_at = text_end.saturating_sub(figure.len());
+        let drawn_at = drawn_end.saturating_sub(2 * figure.len());
+        screen.put_big(row, text_at, drawn_at, &figure);
+    }
+}
+
+/// Rates, overrides, G codes, part count and cutting time.
+fn state_rows(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    let modal = cnc.modal();
+    let (programmed_label, programmed) = first_rate(cnc);
+    let override_row = if view.spindle_override {
+        ("主轴倍率:", format!("{}%", cnc.spindle_override()))
+    } else {
+        ("快速倍率:", format::rapid_override(cnc.rapid_override()))
+    };
+    let left = [
+        (programmed_label, programmed),
+        ("实际速率:", actual_rate(cnc)),
+        ("进给倍率:", format!("{}%", cnc.feed_override())),
+        override_row,
+    ];
+    for (row, (label, value)) in (10..).zip(left) {
+        screen.put(row, 0, label);
+        screen.put_right(row, 17, &value);
+    }
+    let group_3 = if modal.feed_per_revolution { 99 } else { 98 };
+    let codes = format!("G功能码: G{:02}, G{group_3}", modal.motion);
+    screen.put(10, 20, &codes);
+    let counters = cnc.counters();
+    screen.put(11, 20, "加工件数:");
+    screen.put_right(11, 36, &counters.parts.to_string());
+    screen.put(12, 20, "切削时间:");
+    screen.put(12, 30, &format::clock(counters.cutting_ms));
+}
+
+/// The first of the rate rows, which depends on the mode.
+fn first_rate(cnc: &Cnc) -> (&'static str, String) {
+    match cnc.mode() {
+        Mode::Jog => ("手动速率:", format::jog_rate(cnc.jog_rate())),
+        Mode::Step => ("单步增量:", increment(cnc)),
+        Mode::Handwheel => ("手轮增量:", increment(cnc)),
+        Mode::Edit | Mode::Auto | Mode::Mdi | Mode::MachineZero | Mode::ProgramZero => {
+            ("编程速率:", feed(cnc, 1.0))
+        }
+    }
+}
+
+/// The increment of step and handwheel, mm: MP1 and MP2, G19.4 and G19.5.
+fn increment(cnc: &Cnc) -> String {
+    const INCREMENTS: [&str; 4] = ["0.001", "0.01", "0.1", "1"];
+    let code = cnc.plc().memory().g(19) >> 4 & 0b11;
+    INCREMENTS[usize::from(code)].to_owned()
+}
+
+/// What the page calls the actual rate: F and override. By hand, the speed.
+fn actual_rate(cnc: &Cnc) -> String {
+    match cnc.mode() {
+        Mode::Jog | Mode::Step | Mode::Handwheel => format!("{:.0}", cnc.feed_actual()),
+        Mode::Edit | Mode::Auto | Mode::Mdi | Mode::MachineZero | Mode::ProgramZero => {
+            let factor = if threads(cnc) {
+                1.0
+            } else {
+                f64::from(cnc.feed_override()) / 100.0
+            };
+            feed(cnc, factor)
+        }
+    }
+}
+
+fn feed(cnc: &Cnc, factor: f64) -> String {
+    let rate = cnc.feed_commanded();
+    if threads(cnc) || cnc.modal().feed_per_revolution {
+        format::per_revolution(rate * factor)
+    } else {
+        format::per_minute(rate * factor)
+    }
+}
+
+fn threads(cnc: &Cnc) -> bool {
+    THREADS.contains(&cnc.modal().motion)
+}
+
+/// All coordinates.
+pub fn overall(screen: &mut Screen, cnc: &Cnc) {
+    group(screen, 2, 2, RELATIVE, cnc.position_relative(), cnc);
+    group(screen, 2, 22, ABSOLUTE, cnc.position_absolute(), cnc);
+    group(screen, 7, 2, MACHINE, cnc.position_machine(), cnc);
+    if cnc.mode().runs_programs() {
+        group(screen, 7, 22, REMAINING, cnc.distance_to_go(), cnc);
+    }
+}
+
+/// A heading and its two axis letters.
+type Heading = (&'static str, [&'static str; 2]);
+const RELATIVE: Heading = ("(相对坐标)", ["U", "W"]);
+const ABSOLUTE: Heading = ("(绝对坐标)", ["X", "Z"]);
+const MACHINE: Heading = ("(机床坐标)", ["X", "Z"]);
+const REMAINING: Heading = ("(余移动量)", ["X", "Z"]);
+
+fn group(screen: &mut Screen, row: usize, column: usize, what: Heading, at: Point, cnc: &Cnc) {
+    let (heading, letters) = what;
+    let display = Display::of(cnc);
+    screen.put(row, column, heading);
+    for ((row, letter), axis) in (row + 1..).zip(letters).zip([Axis::X, Axis::Z]) {
+        screen.put(row, column, letter);
+        screen.put_right(row, column + 14, &display.coordinate(axis, at.get(axis)));
+    }
+}
+
+/// Coordinates and program; 180.0 SPOS shows the remaining distance.
+pub fn with_program(screen: &mut Screen, cnc: &Cnc) {
+    let (what, at) = if cnc.parameters().bit(180, 0) {
+        (REMAINING, cnc.distance_to_go())
+    } else {
+        (RELATIVE, cnc.position_relative())
+    };
+    group(screen, 1, 2, what, at, cnc);
+    group(screen, 1, 22, ABSOLUTE, cnc.position_absolute(), cnc);
+    let Some(program) = frame::current_program(cnc) else {
+        return;
+    };
+    let line = cnc.cursor().line.max(1);
+    let listing = Listing {
+        top: 5,
+        rows: 8,
+        first: line,
+        skip: 0,
+    };
+    program_text::draw(
+        screen,
+        program,
+        listing,
+        program_text::Mark::Block(line),
+        cnc,
+    );
+}

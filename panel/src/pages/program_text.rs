@@ -1,0 +1,295 @@
+//! Program text in rows of 40 columns: wrapping, end-of-block sign, cursor.
+
+use core::ops::Range;
+
+use gsk_core::cnc::Cnc;
+use gsk_core::program::Program;
+
+use crate::glyphs;
+use crate::screen::{COLUMNS, Look, Screen};
+
+/// The rows of the program page.
+pub const PAGE_ROWS: usize = 12;
+
+/// Empty lines at the end of a file that are looked through at most.
+const BLANK_LINES: u32 = 1000;
+
+/// Which part of a program is listed where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Listing {
+    /// First screen row.
+    pub top: usize,
+    /// Screen rows.
+    pub rows: usize,
+    /// First line, from 1.
+    pub first: u32,
+    /// Rows of that line left out because it is longer than the screen.
+    pub skip: usize,
+}
+
+/// What is marked in a listing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// The block in execution, inverse; by its line.
+    Block(u32),
+    /// The edit cursor.
+    Edit {
+        /// Its line.
+        line: u32,
+        /// Its character in that line, from 0.
+        column: u32,
+        /// Alter mode: inverse; else a bar.
+        alter: bool,
+    },
+}
+
+/// A block as the control writes it: without trailing blanks, with the sign for
+/// the end of the block.
+fn shown(line: &str, end_of_block: char) -> String {
+    let text = line.trim_end();
+    if text == "%" {
+        return text.to_owned();
+    }
+    let text = text.trim_end_matches([';', '*', '；']).trim_end();
+    let mut block = String::with_capacity(text.len() + 1);
+    block.push_str(text);
+    block.push(end_of_block);
+    block
+}
+
+/// The sign for the end of a block: 012.1 EBCL.
+fn end_of_block(cnc: &Cnc) -> char {
+    if cnc.parameters().bit(12, 1) {
+        ';'
+    } else {
+        '*'
+    }
+}
+
+/// The line that the listing begins with; a program cut out of a file keeps the
+/// line numbers of that file.
+pub fn first_line(program: &Program) -> u32 {
+    let mut first = match program.block_count() {
+        0 => 1,
+        _ => program.block_line(0).max(1),
+    };
+    let limit = first.saturating_sub(BLANK_LINES).max(1);
+    while first > limit && !program.line(first - 1).trim().is_empty() {
+        first -= 1;
+    }
+    first
+}
+
+/// The last line of the text that is not empty, and whether the `%` behind it
+/// has to be added.
+fn extent(program: &Program) -> (u32, bool) {
+    let first = first_line(program);
+    let mut last = first.saturating_add(program.line_count());
+    let limit = last.saturating_sub(BLANK_LINES + first).max(first - 1);
+    while last > limit && program.line(last).trim().is_empty() {
+        last -= 1;
+    }
+    let closed = last > first && program.line(last).trim() == "%";
+    (last, !closed)
+}
+
+/// The last line of the listing, which holds the `%`.
+pub fn last_line(program: &Program) -> u32 {
+    let (last, added) = extent(program);
+    last + u32::from(added)
+}
+
+/// A line of the listing; `None` outside it.
+fn listed(program: &Program, line: u32, end_of_block: char) -> Option<String> {
+    let (last, added) = extent(program);
+    if line <= last {
+        return Some(shown(program.line(line), end_of_block));
+    }
+    (added && line == last + 1).then(|| "%".to_owned())
+}
+
+/// Byte ranges of the rows a text takes.
+fn wrap(text: &str, most: usize) -> Vec<Range<usize>> {
+    let mut rows = Vec::new();
+    let (mut start, mut column) = (0, 0);
+    for (at, character) in text.char_indices() {
+        let width = glyphs::columns(character);
+        if column + width > COLUMNS {
+            rows.push(start..at);
+            if rows.len() == most {
+                return rows;
+            }
+            (start, column) = (at, 0);
+        }
+        column += width;
+    }
+    rows.push(start..text.len());
+    rows
+}
+
+/// The listing of the program page that holds a place of the program: fixed
+/// pages of twelve lines, moved on only as far as wrapped lines demand.
+pub fn page_of(program: &Program, line: u32, column: u32) -> Listing {
+    let top = first_line(program);
+    let line = line.max(top);
+    let rows_of =
+        |line: u32| listed(program, line, ';').map_or(0, |text| wrap(&text, usize::MAX).len());
+    let row = listed(program, line, ';').map_or(0, |text| row_of(&text, column));
+    let mut first = (line - top) / PAGE_ROWS as u32 * PAGE_ROWS as u32 + top;
+    let mut above: usize = (first..line).map(rows_of).sum();
+    while first < line && above + row >= PAGE_ROWS {
+        above -= rows_of(first);
+        first += 1;
+    }
+    Listing {
+        top: 1,
+        rows: PAGE_ROWS,
+        first,
+        skip: (above + row + 1).saturating_sub(PAGE_ROWS),
+    }
+}
+
+/// The row of a text that holds a character.
+fn row_of(text: &str, column: u32) -> usize {
+    let at = byte_of(text, column);
+    wrap(text, usize::MAX)
+        .iter()
+        .position(|row| at < row.end)
+        .unwrap_or(0)
+}
+
+/// The byte of a character, the last one when there are not so many.
+fn byte_of(text: &str, column: u32) -> usize {
+    let mut last = 0;
+    for (index, (at, _)) in text.char_indices().enumerate() {
+        if index > column as usize {
+            break;
+        }
+        last = at;
+    }
+    last
+}
+
+/// Writes a listing.
+pub fn draw(screen: &mut Screen, program: &Program, listing: Listing, mark: Mark, cnc: &Cnc) {
+    let sign = end_of_block(cnc);
+    let end = listing.top + listing.rows;
+    let (mut row, mut line, mut skip) = (listing.top, listing.first.max(1), listing.skip);
+    while row < end {
+        let Some(text) = listed(program, line, sign) else {
+            return;
+        };
+        for range in wrap(&text, skip + end - row).into_iter().skip(skip) {
+            draw_row(screen, row, &text, range, line, mark);
+            row += 1;
+        }
+        skip = 0;
+        line += 1;
+    }
+}
+
+fn draw_row(
+    screen: &mut Screen,
+    row: usize,
+    text: &str,
+    range: Range<usize>,
+    line: u32,
+    mark: Mark,
+) {
+    let part = text.get(range.clone()).unwrap_or_default();
+    match mark {
+        Mark::Block(marked) if marked == line => {
+            screen.put_as(row, 0, part, Look::Inverse);
+        }
+        Mark::Edit {
+            line: marked,
+            column,
+            alter,
+        } if marked == line => {
+            screen.put(row, 0, part);
+            let at = byte_of(text, column);
+            if range.contains(&at) {
+                let start = glyphs::text_columns(text.get(range.start..at).unwrap_or_default());
+                let width = text[at..].chars().next().map_or(1, glyphs::columns);
+                let look = if alter {
+                    Look::Inverse
+                } else {
+                    Look::Underline
+                };
+                screen.set_look(row, start..start + width, look);
+            }
+        }
+        Mark::Block(_) | Mark::Edit { .. } => {
+            screen.put(row, 0, part);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_core::program::split;
+
+    use super::*;
+
+    #[test]
+    fn a_block_ends_with_one_sign() {
+        assert_eq!(shown("G0 X1", ';'), "G0 X1;");
+        assert_eq!(shown("G0 X1 ; ", ';'), "G0 X1;");
+        assert_eq!(shown("G0 X1;", '*'), "G0 X1*");
+        assert_eq!(shown("", ';'), ";");
+        assert_eq!(shown("%", ';'), "%");
+    }
+
+    #[test]
+    fn long_blocks_wrap_and_wide_characters_stay_whole() {
+        let text = "X".repeat(39) + "中文";
+        let rows = wrap(&text, usize::MAX);
+        assert_eq!(rows, [0..39, 39..45]);
+        assert_eq!(wrap(&"Y".repeat(200), 2), [0..40, 40..80]);
+        assert_eq!(row_of(&text, 39), 1);
+        assert_eq!(row_of(&text, 900), 1);
+    }
+
+    #[test]
+    fn the_listing_ends_with_a_percent_sign() {
+        let program = Program::new("O0001;\nM30;\n\n");
+        assert_eq!((first_line(&program), last_line(&program)), (1, 3));
+        assert_eq!(listed(&program, 3, ';').as_deref(), Some("%"));
+        assert_eq!(listed(&program, 4, ';'), None);
+        let closed = Program::new("O0001;\nM30;\n%\n");
+        assert_eq!(last_line(&closed), 3);
+    }
+
+    #[test]
+    fn pages_hold_twelve_lines() {
+        let program = Program::new("G1 X1\n".repeat(30));
+        assert_eq!(page_of(&program, 12, 0).first, 1);
+        assert_eq!(page_of(&program, 13, 0).first, 13);
+        assert_eq!(page_of(&program, 31, 0).first, 25);
+    }
+
+    #[test]
+    fn a_program_from_the_middle_of_a_file_begins_at_its_own_line() {
+        let parts = split("O0001;\nM30;\n\n\nO0002;\nG0 X1;\nM30;\n");
+        let second = &parts[1];
+        assert_eq!((first_line(second), last_line(second)), (5, 8));
+        assert_eq!(page_of(second, 6, 0).first, 5);
+        assert_eq!(listed(second, 7, ';').as_deref(), Some("M30;"));
+    }
+
+    #[test]
+    fn wrapped_lines_never_push_the_cursor_off_the_page() {
+        let long = "G1 X1 (".to_owned() + &"A".repeat(60) + ")\n";
+        let program = Program::new(long.repeat(30));
+        for line in 1..=30 {
+            for column in [0, 50, 900] {
+                let listing = page_of(&program, line, column);
+                let above = (line - listing.first) as usize * 2;
+                assert!(above + usize::from(column > 0) < PAGE_ROWS);
+            }
+        }
+        let one = Program::new("A".repeat(4000));
+        let listing = page_of(&one, 1, 3999);
+        assert_eq!((listing.first, listing.skip), (1, 88));
+    }
+}

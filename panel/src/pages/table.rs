@@ -1,0 +1,237 @@
+//! The table of pages: which key opens them, in which order the page keys step
+//! through them, and what the title row says (manual III-2).
+
+use serde::{Deserialize, Serialize};
+
+/// One page of the LCD.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+pub enum PageId {
+    /// Relative coordinates.
+    #[default]
+    PosRel,
+    /// Absolute coordinates.
+    PosAbs,
+    /// All coordinates (综合).
+    PosAll,
+    /// Coordinates and program.
+    PosPrg,
+    /// Program text and editor.
+    Prg,
+    /// MDI: words and modal values.
+    Mdi,
+    /// Program directory.
+    Dir,
+    /// Tool offsets.
+    Oft,
+    /// Macro variables.
+    Macro,
+    /// Messages of the PLC (外部信息).
+    Msg,
+    /// Alarms of the control (报警信息).
+    Alm,
+    /// Settings: codes.
+    SetCode,
+    /// Settings: parameter and program switch.
+    SetSwitch,
+    /// Electronic disk.
+    Edisk,
+    /// Password.
+    Password,
+    /// Parameters of the graphic.
+    GraphPar,
+    /// The graphic.
+    Graph,
+    /// Status parameters.
+    ParBit,
+    /// Data parameters.
+    ParData,
+    /// Pitch error compensation table.
+    Pitch,
+    /// Diagnosis.
+    Dgn,
+    /// PLC signals.
+    PlcBits,
+    /// PLC values.
+    PlcValues,
+    /// Soft machine panel.
+    Softpanel,
+    /// Version information.
+    Version,
+}
+
+/// The key that opens a group of pages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum PageKey {
+    /// 位置 POS
+    Pos,
+    /// 程序 PRG
+    Prg,
+    /// 刀补 OFT
+    Oft,
+    /// 报警 ALM
+    Alm,
+    /// 设置 SET
+    Set,
+    /// 参数 PAR
+    Par,
+    /// 诊断 DGN
+    Dgn,
+}
+
+/// What the table says about a page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PageRow {
+    /// The page.
+    pub page: PageId,
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// The key of its group.
+    pub key: PageKey,
+    /// Which display of that key: pressing the key again goes to the next one,
+    /// the page keys stay inside one.
+    pub display: u8,
+    /// Screens the page has; the page keys step through them first.
+    pub screens: u16,
+    /// The title row.
+    pub title: &'static str,
+}
+
+const fn row(
+    page: PageId,
+    name: &'static str,
+    key: PageKey,
+    display: u8,
+    screens: u16,
+    title: &'static str,
+) -> PageRow {
+    PageRow {
+        page,
+        name,
+        key,
+        display,
+        screens,
+        title,
+    }
+}
+
+/// How many pages there are.
+pub const PAGE_COUNT: usize = 25;
+
+/// Every page, in the order of the page keys.
+pub const PAGES: [PageRow; PAGE_COUNT] = {
+    use PageId as P;
+    use PageKey as K;
+    [
+        row(P::PosRel, "pos-rel", K::Pos, 0, 1, "现在位置(相对坐标)"),
+        row(P::PosAbs, "pos-abs", K::Pos, 0, 1, "现在位置(绝对坐标)"),
+        row(P::PosAll, "pos-all", K::Pos, 0, 1, "现在位置"),
+        row(P::PosPrg, "pos-prg", K::Pos, 0, 1, "现在位置"),
+        row(P::Prg, "prg", K::Prg, 0, 1, "程序"),
+        row(P::Mdi, "mdi", K::Prg, 0, 1, "程序"),
+        row(P::Dir, "dir", K::Prg, 0, 1, "程序"),
+        row(P::Oft, "oft", K::Oft, 0, 5, "偏置"),
+        row(P::Macro, "macro", K::Oft, 0, 3, "宏变量"),
+        row(P::Msg, "msg", K::Alm, 0, 1, "外部信息"),
+        row(P::Alm, "alm", K::Alm, 0, 1, "报警信息"),
+        row(P::SetCode, "set-code", K::Set, 0, 1, "设置"),
+        row(P::SetSwitch, "set-switch", K::Set, 0, 1, "设置"),
+        row(P::Edisk, "edisk", K::Set, 0, 1, "电子盘设置"),
+        row(P::Password, "password", K::Set, 0, 1, "密码设置"),
+        row(P::GraphPar, "graph-par", K::Set, 1, 1, "图形"),
+        row(P::Graph, "graph", K::Set, 1, 1, "图形"),
+        row(P::ParBit, "par-bit", K::Par, 0, 2, "状态参数"),
+        row(P::ParData, "par-data", K::Par, 1, 7, "数据参数"),
+        row(P::Pitch, "pitch", K::Par, 2, 32, "螺距补偿参数"),
+        row(P::Dgn, "dgn", K::Dgn, 0, 8, "诊断"),
+        row(P::PlcBits, "plc-bits", K::Dgn, 1, 104, "PLC信号状态"),
+        row(P::PlcValues, "plc-values", K::Dgn, 2, 151, "PLC数值诊断"),
+        row(P::Softpanel, "softpanel", K::Dgn, 3, 1, "机床面板"),
+        row(P::Version, "version", K::Dgn, 4, 1, "系统版本信息"),
+    ]
+};
+
+impl PageId {
+    /// The page's row in the table.
+    pub fn row(self) -> &'static PageRow {
+        &PAGES[self as usize]
+    }
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// Its title.
+    pub fn title(self) -> &'static str {
+        self.row().title
+    }
+
+    /// The page of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        PAGES
+            .iter()
+            .find(|row| row.name == name)
+            .map(|row| row.page)
+    }
+
+    /// The next (or previous) page of the same display, wrapping at both ends.
+    pub fn neighbour(self, forward: bool) -> Self {
+        let own = self.row();
+        let group: Vec<Self> = PAGES
+            .iter()
+            .filter(|row| row.key == own.key && row.display == own.display)
+            .map(|row| row.page)
+            .collect();
+        let at = group.iter().position(|page| *page == self).unwrap_or(0);
+        let step = if forward { 1 } else { group.len() - 1 };
+        group[(at + step) % group.len()]
+    }
+
+    /// The first page of a display of a key; the displays wrap.
+    pub fn first_of(key: PageKey, display: u8) -> Self {
+        let displays = PAGES
+            .iter()
+            .filter(|row| row.key == key)
+            .map(|row| row.display)
+            .max()
+            .map_or(1, |last| last + 1);
+        PAGES
+            .iter()
+            .find(|row| row.key == key && row.display == display % displays)
+            .map_or(Self::PosRel, |row| row.page)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_stands_in_the_order_of_the_ids() {
+        for (index, row) in PAGES.iter().enumerate() {
+            assert_eq!(row.page as usize, index, "{}", row.name);
+            assert_eq!(PageId::from_name(row.name), Some(row.page));
+        }
+    }
+
+    #[test]
+    fn page_keys_wrap_inside_one_display() {
+        assert_eq!(PageId::PosRel.neighbour(true), PageId::PosAbs);
+        assert_eq!(PageId::PosRel.neighbour(false), PageId::PosPrg);
+        assert_eq!(PageId::GraphPar.neighbour(true), PageId::Graph);
+        assert_eq!(PageId::Graph.neighbour(true), PageId::GraphPar);
+        assert_eq!(PageId::Password.neighbour(true), PageId::SetCode);
+        assert_eq!(PageId::Version.neighbour(true), PageId::Version);
+    }
+
+    #[test]
+    fn displays_of_a_key_follow_each_other() {
+        assert_eq!(PageId::first_of(PageKey::Set, 1), PageId::GraphPar);
+        assert_eq!(PageId::first_of(PageKey::Set, 2), PageId::SetCode);
+        assert_eq!(PageId::first_of(PageKey::Dgn, 4), PageId::Version);
+        assert_eq!(PageId::first_of(PageKey::Par, 3), PageId::ParBit);
+        assert_eq!(PageId::first_of(PageKey::Alm, 0), PageId::Msg);
+    }
+}

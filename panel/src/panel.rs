@@ -1,0 +1,427 @@
+//! The operator panel: which keys are held, which page is shown, what is typed
+//! (manual III-1.2). It owns no machine state: it reads the control and asks it.
+
+mod entry;
+mod graphic;
+mod navigation;
+mod program_text;
+mod search;
+
+pub(crate) use entry::is_typable;
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::{Cnc, Event, Request};
+use gsk_core::command::Frame;
+use gsk_core::operation::Mode;
+use gsk_core::units::Point;
+use serde::{Deserialize, Serialize};
+
+use crate::keys::{KEYS, Key, Role};
+use crate::pages::{self, POWER_ON_TICKS, PageId, PageKey, View};
+use crate::screen::Screen;
+
+/// Characters that the input line takes.
+pub const INPUT_LENGTH: usize = 20;
+
+/// A held cursor or page key repeats after so many ticks…
+pub const REPEAT_DELAY: u64 = 500;
+/// …and then every so many.
+pub const REPEAT_PERIOD: u64 = 100;
+
+/// Parameter 119: how many keys are accepted at the same time.
+const SIMULTANEOUS_KEYS: u16 = 119;
+
+/// What fingers do to the panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum KeyEvent {
+    /// A key goes down; the emergency stop changes over.
+    Down(Key),
+    /// A key comes up.
+    Up(Key),
+    /// Every held key comes up: the window lost the focus.
+    ReleaseAll,
+    /// A character typed on the PC keyboard, as if it had a key of its own.
+    Type(char),
+    /// The handwheel turns by so many graduations, clockwise positive.
+    Wheel(i32),
+}
+
+/// The panel's state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Panel {
+    page: PageId,
+    view: View,
+    /// The page last shown of each group that remembers it.
+    last_shown: [PageId; 4],
+    /// Keys that are down and were accepted, in the order of pressing.
+    held: Vec<Key>,
+    emergency_stop: bool,
+    repeat: Option<Repeat>,
+    /// The compound key that entered the last character of the input line.
+    compound: Option<Key>,
+    powered: bool,
+    /// Ticks since the emulator was started; goes on while the power is off.
+    clock: u64,
+    /// The self-test picture stands until this tick.
+    picture_until: Option<u64>,
+    /// 173.2 SWAT: the picture waits for a page key.
+    picture_waits: bool,
+    mode: Option<Mode>,
+    /// Numbers of the ladder's messages that stand.
+    messages: Vec<u16>,
+    traced: Option<(Frame, Point)>,
+    wheel: i32,
+    refused: Option<Alarm>,
+}
+
+/// A held key that repeats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Repeat {
+    key: Key,
+    at: u64,
+}
+
+impl Default for Panel {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Panel {
+    /// A panel whose control is being switched on.
+    pub fn new() -> Self {
+        let mut view = View::default();
+        // The manual's picture of the page shows ZX.
+        view.graphic.zx = true;
+        Self {
+            page: PageId::PosRel,
+            view,
+            last_shown: [PageId::PosRel, PageId::Prg, PageId::Oft, PageId::Msg],
+            held: Vec::new(),
+            emergency_stop: false,
+            repeat: None,
+            compound: None,
+            powered: true,
+            clock: 0,
+            picture_until: Some(POWER_ON_TICKS),
+            picture_waits: false,
+            mode: None,
+            messages: Vec::new(),
+            traced: None,
+            wheel: 0,
+            refused: None,
+        }
+    }
+
+    /// Switches the panel on: brightness and graphic settings are kept, buttons
+    /// stay as they stand, the self-test picture appears.
+    pub fn power_on(&mut self, cnc: &Cnc) {
+        let mut new = Self::new();
+        new.view.brightness = self.view.brightness;
+        new.view.graphic = self.view.graphic;
+        new.view.graphic.drawing = false;
+        new.emergency_stop = self.emergency_stop;
+        new.wheel = self.wheel;
+        new.clock = self.clock;
+        new.picture_until = Some(self.clock + POWER_ON_TICKS);
+        new.picture_waits = cnc.parameters().bit(173, 2);
+        *self = new;
+    }
+
+    /// Switches the panel off: the LCD is dark and every key is let go.
+    pub fn power_off(&mut self) {
+        self.powered = false;
+        self.held.clear();
+        self.repeat = None;
+    }
+
+    /// Whether the power is on.
+    pub const fn powered(&self) -> bool {
+        self.powered
+    }
+
+    /// Ticks since the emulator was started.
+    pub const fn clock(&self) -> u64 {
+        self.clock
+    }
+
+    /// The page that is selected.
+    pub const fn page(&self) -> PageId {
+        self.page
+    }
+
+    /// What drawing needs of the panel.
+    pub const fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// Keys that are down and accepted.
+    pub fn held(&self) -> &[Key] {
+        &self.held
+    }
+
+    /// Whether a key is down and accepted.
+    pub fn is_held(&self, key: Key) -> bool {
+        self.held.contains(&key)
+    }
+
+    /// Whether the emergency stop button is latched.
+    pub const fn emergency_stop(&self) -> bool {
+        self.emergency_stop
+    }
+
+    /// Position of the handwheel, graduations.
+    pub const fn wheel(&self) -> i32 {
+        self.wheel
+    }
+
+    /// Whether the self-test picture is shown.
+    pub const fn in_self_test(&self) -> bool {
+        self.picture_until.is_some()
+    }
+
+    /// Shows a page at once, without keys: for pictures of single pages.
+    pub fn show(&mut self, page: PageId) {
+        self.picture_until = None;
+        self.go_to(page);
+    }
+
+    /// What the LCD shows; nothing while the power is off.
+    pub fn screen(&self, cnc: &Cnc) -> Screen {
+        if !self.powered {
+            return Screen::new();
+        }
+        if self.in_self_test() {
+            return pages::power_on();
+        }
+        pages::draw(self.page, &self.view, cnc)
+    }
+
+    /// The keys that look pressed: those held, and the latched emergency stop.
+    pub fn pressed(&self) -> Vec<Key> {
+        let mut pressed = self.held.clone();
+        if self.emergency_stop {
+            pressed.push(Key::EmergencyStop);
+        }
+        pressed
+    }
+
+    /// The last alarm with which the control refused a request.
+    pub const fn refused(&self) -> Option<&Alarm> {
+        self.refused.as_ref()
+    }
+
+    /// Takes note of the control's answer to a request.
+    pub fn refuse(&mut self, alarm: Alarm) {
+        self.refused = Some(alarm);
+    }
+
+    /// A key event: what is to be asked of the control. Contacts of machine keys
+    /// follow from [`Self::is_held`].
+    pub fn key(&mut self, event: KeyEvent, cnc: &Cnc) -> Vec<Request> {
+        let mut requests = Vec::new();
+        match event {
+            KeyEvent::Down(Key::EmergencyStop) => self.emergency_stop = !self.emergency_stop,
+            KeyEvent::Up(Key::EmergencyStop) => {}
+            KeyEvent::Down(key) => self.down(key, cnc, &mut requests),
+            KeyEvent::Up(key) => self.up(key, &mut requests),
+            KeyEvent::ReleaseAll => {
+                for key in self.held.clone() {
+                    self.up(key, &mut requests);
+                }
+            }
+            KeyEvent::Type(character) => {
+                if self.awake() {
+                    self.typed(character, cnc, &mut requests);
+                }
+            }
+            KeyEvent::Wheel(graduations) => self.wheel = self.wheel.wrapping_add(graduations),
+        }
+        requests
+    }
+
+    /// Whether the display reacts to keys.
+    const fn awake(&self) -> bool {
+        self.powered && !self.in_self_test()
+    }
+
+    fn down(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if self.is_held(key) || !(self.powered || key == Key::OvertravelRelease) {
+            return;
+        }
+        let matrix = |key: &&Key| **key != Key::OvertravelRelease;
+        let most = cnc.parameters().value(SIMULTANEOUS_KEYS).clamp(1, 15) as usize;
+        if matrix(&&key) && self.held.iter().filter(matrix).count() >= most {
+            return;
+        }
+        self.held.push(key);
+        if self.in_self_test() {
+            let shown_long_enough = self.picture_until.is_some_and(|until| self.clock >= until);
+            if key.row().role == Role::Page && shown_long_enough {
+                self.picture_until = None;
+            }
+            return;
+        }
+        self.repeat = key.repeats().then_some(Repeat {
+            key,
+            at: self.clock + REPEAT_DELAY,
+        });
+        self.act(key, cnc, requests);
+    }
+
+    fn up(&mut self, key: Key, requests: &mut Vec<Request>) {
+        self.held.retain(|held| *held != key);
+        if self.repeat.is_some_and(|repeat| repeat.key == key) {
+            self.repeat = None;
+        }
+        if key == Key::Output {
+            requests.push(Request::OutputKey(false));
+        }
+    }
+
+    /// What a key does on the display.
+    fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+        let compound = self.compound.take();
+        let flashing = self.view.flashing.take();
+        match (key.row().role, key) {
+            (Role::Page, _) => self.page_key(key, cnc),
+            (Role::Character(first, second), _) => {
+                self.character_key(key, first, second, compound, cnc, requests);
+            }
+            (_, Key::Up | Key::Down) if flashing.is_some() => {
+                self.view.flashing = flashing;
+                self.change_brightness(key == Key::Down);
+            }
+            (_, Key::Cancel) if flashing.is_some() => {
+                requests.extend(flashing.map(Request::ZeroRelative));
+            }
+            (_, Key::Up | Key::Down | Key::Left | Key::Right) => {
+                self.cursor_key(key, cnc, requests);
+            }
+            (_, Key::PageUp) => self.turn_page(false, cnc, requests),
+            (_, Key::PageDown) => self.turn_page(true, cnc, requests),
+            (_, Key::Input) => self.commit(cnc, requests),
+            (_, Key::Output) => requests.push(Request::OutputKey(true)),
+            (_, Key::Change) => self.change_key(cnc),
+            (_, Key::Cancel) => {
+                self.view.input.pop();
+            }
+            (_, Key::Reset) => self.reset(),
+            _ => {}
+        }
+    }
+
+    fn reset(&mut self) {
+        self.clear_input();
+        self.view.editor.line = 0;
+        self.view.editor.column = 0;
+    }
+
+    fn clear_input(&mut self) {
+        self.view.input.clear();
+        self.view.editor.searching = false;
+        self.compound = None;
+    }
+
+    fn change_brightness(&mut self, brighter: bool) {
+        let last = pages::BRIGHTNESS_STEPS - 1;
+        self.view.brightness = if brighter {
+            (self.view.brightness + 1).min(last)
+        } else {
+            self.view.brightness.saturating_sub(1)
+        };
+    }
+
+    /// One millisecond, after the control's.
+    pub fn tick(&mut self, cnc: &Cnc) -> Vec<Request> {
+        self.clock += 1;
+        if !self.powered {
+            return Vec::new();
+        }
+        self.view.ticks += 1;
+        let over = self.picture_until.is_some_and(|until| self.clock >= until);
+        if over && !self.picture_waits {
+            self.picture_until = None;
+        }
+        self.follow_mode(cnc);
+        self.follow_alarms(cnc);
+        self.trace(cnc);
+        self.follow_cursor(cnc);
+        self.repeat_key(cnc)
+    }
+
+    fn repeat_key(&mut self, cnc: &Cnc) -> Vec<Request> {
+        let Some(repeat) = self.repeat.filter(|repeat| self.clock >= repeat.at) else {
+            return Vec::new();
+        };
+        let mut requests = Vec::new();
+        self.act(repeat.key, cnc, &mut requests);
+        self.repeat = Some(Repeat {
+            at: self.clock + REPEAT_PERIOD,
+            ..repeat
+        });
+        requests
+    }
+
+    /// A change of mode drops what was typed; EDIT has no MDI page and no
+    /// directory.
+    fn follow_mode(&mut self, cnc: &Cnc) {
+        let mode = cnc.mode();
+        if self.mode.replace(mode).is_none_or(|before| before == mode) {
+            return;
+        }
+        self.clear_input();
+        self.view.editor.line = 0;
+        self.view.editor.column = 0;
+        if mode == Mode::Edit && matches!(self.page, PageId::Mdi | PageId::Dir) {
+            self.go_to(PageId::Prg);
+        }
+    }
+
+    /// The display switches to the page of a new alarm or message.
+    fn follow_alarms(&mut self, cnc: &Cnc) {
+        let raised = |event: &Event| matches!(event, Event::AlarmRaised(_));
+        if cnc.events().iter().any(raised) {
+            self.go_to(PageId::Alm);
+        }
+        if !cnc.in_alarm() {
+            self.messages.clear();
+            return;
+        }
+        if !cnc.plc().memory().any_message() && self.messages.is_empty() {
+            return;
+        }
+        let messages: Vec<u16> = cnc.plc_messages().map(|(number, _)| number).collect();
+        if messages
+            .iter()
+            .any(|number| !self.messages.contains(number))
+        {
+            self.go_to(PageId::Msg);
+        }
+        self.messages = messages;
+    }
+}
+
+/// The group of a page key.
+const fn group(key: Key) -> Option<PageKey> {
+    Some(match key {
+        Key::Position => PageKey::Pos,
+        Key::Program => PageKey::Prg,
+        Key::Offset => PageKey::Oft,
+        Key::Alarm => PageKey::Alm,
+        Key::Setting => PageKey::Set,
+        Key::Parameter => PageKey::Par,
+        Key::Diagnosis => PageKey::Dgn,
+        _ => return None,
+    })
+}
+
+/// Every machine key with the state of its contact.
+pub(crate) fn contacts(panel: &Panel) -> impl Iterator<Item = (crate::keys::Bit, bool)> {
+    KEYS.iter().filter_map(|row| {
+        let contact = row.key.contact()?;
+        Some((contact, panel.is_held(row.key)))
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,186 @@
+//! Characters and the input line (manual III-1.2.4, III-1.3).
+
+use gsk_core::cnc::{Cnc, Request};
+use gsk_core::operation::Mode;
+use gsk_core::units::Axis;
+
+use super::{INPUT_LENGTH, Panel};
+use crate::keys::Key;
+use crate::pages::PageId;
+
+/// Characters that a search takes; the last one is overwritten.
+const SEARCH_LENGTH: usize = 5;
+
+/// Whether a character can be entered: ASCII, without the quotation mark, which
+/// no program uses.
+pub(crate) fn is_typable(character: char) -> bool {
+    character == ' ' || character.is_ascii_graphic() && character != '"'
+}
+
+impl Panel {
+    /// A character from the PC keyboard.
+    pub(super) fn typed(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
+        let character = character.to_ascii_uppercase();
+        if character == ';' {
+            return self.act(Key::Eob, cnc, requests);
+        }
+        self.compound = None;
+        self.view.flashing = None;
+        if is_typable(character) {
+            self.character(character, cnc, requests);
+        }
+    }
+
+    /// A character key. Pressed again with nothing in between, a compound key
+    /// replaces its character by the other one.
+    pub(super) fn character_key(
+        &mut self,
+        key: Key,
+        first: char,
+        second: Option<char>,
+        before: Option<Key>,
+        cnc: &Cnc,
+        requests: &mut Vec<Request>,
+    ) {
+        let entered = self.view.input.chars().last();
+        if let (Some(second), true) = (second, before == Some(key))
+            && let Some(last) = entered.filter(|last| [first, second].contains(last))
+        {
+            self.view.input.pop();
+            self.view
+                .input
+                .push(if last == first { second } else { first });
+            self.compound = Some(key);
+            return;
+        }
+        let length = self.view.input.len();
+        self.character(first, cnc, requests);
+        if second.is_some() && self.view.input.len() > length {
+            self.compound = Some(key);
+        }
+    }
+
+    fn character(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if self.is_held(Key::Cancel) {
+            return self.chord(character, requests);
+        }
+        if self.bit_command(character) {
+            return;
+        }
+        match self.page {
+            PageId::PosRel | PageId::PosAll => {
+                self.view.flashing = match character {
+                    'U' => Some(Axis::X),
+                    'W' => Some(Axis::Z),
+                    _ => None,
+                };
+            }
+            PageId::Graph => self.graphic_command(character, cnc),
+            _ if self.takes_input(cnc) => self.append(character),
+            _ => {}
+        }
+    }
+
+    /// A character while 取消 is held.
+    fn chord(&self, character: char, requests: &mut Vec<Request>) {
+        let relative = matches!(self.page, PageId::PosRel | PageId::PosAll);
+        let counters = matches!(self.page, PageId::PosRel | PageId::PosAbs);
+        match character {
+            'U' if relative => requests.push(Request::ZeroRelative(Axis::X)),
+            'W' if relative => requests.push(Request::ZeroRelative(Axis::Z)),
+            'N' if counters => requests.push(Request::ClearParts),
+            'T' if counters => requests.push(Request::ClearCuttingTime),
+            _ => {}
+        }
+    }
+
+    /// W and D move the bit cursor; the key D/U enters U first.
+    fn bit_command(&mut self, character: char) -> bool {
+        let bits = matches!(self.page, PageId::ParBit | PageId::Dgn | PageId::PlcBits);
+        if !bits || !self.view.input.is_empty() {
+            return false;
+        }
+        match character {
+            'W' => self.move_bit(true),
+            'D' | 'U' => self.move_bit(false),
+            _ => return false,
+        }
+        true
+    }
+
+    /// Whether the page shows the input line and reads it.
+    fn takes_input(&self, cnc: &Cnc) -> bool {
+        match self.page {
+            PageId::Prg => matches!(cnc.mode(), Mode::Edit | Mode::Auto),
+            PageId::Mdi | PageId::GraphPar => cnc.mode() == Mode::Mdi,
+            PageId::Oft
+            | PageId::Macro
+            | PageId::ParBit
+            | PageId::ParData
+            | PageId::Pitch
+            | PageId::Dgn
+            | PageId::PlcBits
+            | PageId::PlcValues => true,
+            _ => false,
+        }
+    }
+
+    fn append(&mut self, character: char) {
+        if self.view.editor.searching && self.view.input.len() >= SEARCH_LENGTH {
+            self.view.input.pop();
+        }
+        if self.view.input.len() < INPUT_LENGTH {
+            self.view.input.push(character);
+        }
+    }
+
+    /// 输入: the input line is read and cleared.
+    pub(super) fn commit(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if self.view.input.is_empty() {
+            return;
+        }
+        match self.page {
+            PageId::Mdi if cnc.mode() == Mode::Mdi => {
+                requests.push(Request::MdiWord(self.view.input.clone()));
+            }
+            PageId::GraphPar if cnc.mode() == Mode::Mdi => self.set_graphic(),
+            // The program page is searched with the cursor keys.
+            PageId::Prg => return,
+            _ => self.search_item(),
+        }
+        self.clear_input();
+    }
+
+    /// 转换.
+    pub(super) fn change_key(&mut self, cnc: &Cnc) {
+        match self.page {
+            PageId::PosRel | PageId::PosAbs => {
+                self.view.spindle_override = !self.view.spindle_override;
+            }
+            PageId::Dir => self.next_directory_screen(cnc),
+            PageId::Prg if matches!(cnc.mode(), Mode::Edit | Mode::Auto) => {
+                let searching = !self.view.editor.searching;
+                self.clear_input();
+                self.view.editor.searching = searching;
+            }
+            PageId::ParBit => {
+                let cursor = self.view.cursors.get_mut(PageId::ParBit);
+                cursor.bit_entry = !cursor.bit_entry;
+            }
+            _ => {}
+        }
+    }
+
+    /// The cursor keys.
+    pub(super) fn cursor_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if self.page == PageId::Prg && matches!(cnc.mode(), Mode::Edit | Mode::Auto) {
+            self.program_cursor(key, cnc, requests);
+            return;
+        }
+        match key {
+            Key::Up => self.move_item(false),
+            Key::Down => self.move_item(true),
+            _ => {}
+        }
+    }
+}

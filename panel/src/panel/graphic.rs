@@ -1,0 +1,145 @@
+//! The graphic pages: entering the extents, drawing the path
+//! (manual III-2.5.2).
+
+use gsk_core::cnc::Cnc;
+
+use super::Panel;
+use crate::pages::PageId;
+
+/// Largest value of a row, thousandths of a millimetre.
+const LARGEST: i64 = 9_999_999;
+/// An undotted number up to here is in millimetres, above in thousandths.
+const LARGEST_MM: i64 = 9999;
+/// The byte and bit of F that say that the axes move at rapid.
+const RAPID: (u16, u8) = (2, 1);
+
+impl Panel {
+    /// S draws, T stops, R erases.
+    pub(super) fn graphic_command(&mut self, character: char, cnc: &Cnc) {
+        match character {
+            'S' => {
+                self.view.graphic.drawing = true;
+                self.traced = Some((cnc.frame(), cnc.position_absolute()));
+            }
+            'T' => {
+                self.view.graphic.drawing = false;
+                self.traced = None;
+            }
+            'R' => self.view.trace.clear(),
+            _ => {}
+        }
+    }
+
+    /// Appends the motion of the last tick to the path. A new coordinate frame
+    /// is no motion.
+    pub(super) fn trace(&mut self, cnc: &Cnc) {
+        if !self.view.graphic.drawing {
+            return;
+        }
+        let now = (cnc.frame(), cnc.position_absolute());
+        let Some(before) = self.traced.replace(now) else {
+            return;
+        };
+        if before.0 == now.0 && before.1 != now.1 {
+            let rapid = cnc.plc().memory().f(RAPID.0) >> RAPID.1 & 1 == 1;
+            self.view.trace.push(before.1, now.1, rapid);
+        }
+    }
+
+    /// Stores the input line in the row at the cursor; what does not fit is
+    /// ignored. New extents recompute scale and centre.
+    pub(super) fn set_graphic(&mut self) {
+        let input = self.view.input.trim();
+        let settings = &mut self.view.graphic;
+        let row = self.view.cursors.get(PageId::GraphPar).item;
+        match row {
+            0 => match input {
+                "0" => settings.zx = false,
+                "1" => settings.zx = true,
+                _ => {}
+            },
+            1 => {
+                if let Ok(scale) = input.parse()
+                    && i64::from(scale) <= LARGEST
+                {
+                    settings.scale = scale;
+                }
+            }
+            _ => {
+                let Some(value) = thousandths(input) else {
+                    return;
+                };
+                match row {
+                    2 => settings.center_x = value,
+                    3 => settings.center_z = value,
+                    4 => settings.max_x = value,
+                    5 => settings.max_z = value,
+                    6 => settings.min_x = value,
+                    _ => settings.min_z = value,
+                }
+                if row > 3 {
+                    settings.recompute();
+                }
+            }
+        }
+    }
+}
+
+/// A length: with a point in millimetres, without one in millimetres up to 9999
+/// and in thousandths above.
+fn thousandths(text: &str) -> Option<i32> {
+    let (sign, digits) = match text.strip_prefix('-') {
+        Some(rest) => (-1, rest),
+        None => (1, text),
+    };
+    let (whole, fraction) = match digits.split_once('.') {
+        Some((whole, fraction)) => (whole, Some(fraction)),
+        None => (digits, None),
+    };
+    let all_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let fraction_text = fraction.unwrap_or_default();
+    if !all_digits(whole) || !all_digits(fraction_text) || fraction_text.len() > 3 {
+        return None;
+    }
+    if whole.is_empty() && fraction_text.is_empty() {
+        return None;
+    }
+    let number = |text: &str| {
+        if text.is_empty() {
+            Some(0)
+        } else {
+            text.parse::<i64>().ok()
+        }
+    };
+    let whole = number(whole)?;
+    let value = match fraction {
+        None if whole > LARGEST_MM => whole,
+        None => whole.checked_mul(1000)?,
+        Some(_) => whole
+            .checked_mul(1000)?
+            .checked_add(number(&format!("{fraction_text:0<3}"))?)?,
+    };
+    (value <= LARGEST).then_some((sign * value) as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::thousandths;
+
+    #[test]
+    fn lengths_with_and_without_a_point() {
+        assert_eq!(thousandths("150"), Some(150_000));
+        assert_eq!(thousandths("150.000"), Some(150_000));
+        assert_eq!(thousandths("150000"), Some(150_000));
+        assert_eq!(thousandths("-10"), Some(-10_000));
+        assert_eq!(thousandths("-.5"), Some(-500));
+        assert_eq!(thousandths("9999.999"), Some(9_999_999));
+        assert_eq!(thousandths("10000.0"), None);
+        assert_eq!(thousandths("1.2345"), None);
+        assert_eq!(thousandths("--1"), None);
+        assert_eq!(thousandths("1-"), None);
+        assert_eq!(thousandths("."), None);
+        assert_eq!(thousandths(""), None);
+        assert_eq!(thousandths("99999999999999999999"), None);
+    }
+}

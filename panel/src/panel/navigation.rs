@@ -1,0 +1,205 @@
+//! Which page is shown, and the cursor on list pages (manual III-1.2.5).
+
+use gsk_core::cnc::{Cnc, Request};
+use gsk_core::operation::Mode;
+
+use super::{Panel, group};
+use crate::keys::Key;
+use crate::pages::{self, PageId, PageKey};
+
+/// Numbers of tool offsets, macro variables and diagnosis bytes listed.
+const OFFSETS: usize = 33;
+const VARIABLES: usize = 48;
+const DIAGNOSES: usize = 128;
+
+impl Panel {
+    /// Selects a page; what was typed for the old one is dropped.
+    pub(super) fn go_to(&mut self, page: PageId) {
+        if page == self.page {
+            return;
+        }
+        self.page = page;
+        self.clear_input();
+        self.view.flashing = None;
+        if page == PageId::Password {
+            // The cursor begins on the row of the password.
+            self.view.cursors.get_mut(page).item = 1;
+        }
+        let slot = match page.row().key {
+            PageKey::Pos => 0,
+            PageKey::Prg => 1,
+            PageKey::Oft => 2,
+            PageKey::Alm => 3,
+            PageKey::Set | PageKey::Par | PageKey::Dgn => return,
+        };
+        self.last_shown[slot] = page;
+    }
+
+    /// POS, PRG, OFT and ALM open what was last shown; SET, PAR and DGN open
+    /// their first display and step through them when pressed again.
+    pub(super) fn page_key(&mut self, key: Key, cnc: &Cnc) {
+        let Some(group) = group(key) else {
+            return;
+        };
+        let shown = self.page.row();
+        let again = shown.key == group;
+        let page = match group {
+            PageKey::Set | PageKey::Par | PageKey::Dgn => {
+                let display = if again { shown.display + 1 } else { 0 };
+                PageId::first_of(group, display)
+            }
+            _ if again => return,
+            PageKey::Pos => self.last_shown[0],
+            PageKey::Prg if cnc.mode() == Mode::Edit => PageId::Prg,
+            PageKey::Prg => self.last_shown[1],
+            PageKey::Oft => self.last_shown[2],
+            PageKey::Alm => self.last_shown[3],
+        };
+        self.go_to(page);
+    }
+
+    /// The page keys: screens of the page first, then the next page.
+    pub(super) fn turn_page(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if self.page == PageId::Prg && cnc.mode() == Mode::Edit {
+            self.turn_text(forward, cnc, requests);
+            return;
+        }
+        if self.page == PageId::Dir {
+            if self.turn_directory(forward, cnc) {
+                return;
+            }
+        } else if let Some(screen) = list_screen(self.page)
+            && let Some(item) = screen.turn(self.view.cursors.get(self.page).item, forward)
+        {
+            self.view.cursors.get_mut(self.page).item = item;
+            return;
+        }
+        let next = self.page.neighbour(forward);
+        self.go_to(next);
+        self.enter(forward, cnc);
+    }
+
+    /// A page entered from its end shows its last screen.
+    fn enter(&mut self, forward: bool, cnc: &Cnc) {
+        let page = self.page;
+        if page == PageId::Dir {
+            let last = pages::directory_screens(cnc) - 1;
+            self.view.directory_screen = if forward { 0 } else { last };
+        }
+        if let Some(list) = list_screen(page) {
+            let item = if forward {
+                0
+            } else {
+                list.start(list.items() - 1)
+            };
+            self.view.cursors.get_mut(page).item = item;
+        }
+    }
+
+    /// Steps through the directory; false at its end.
+    fn turn_directory(&mut self, forward: bool, cnc: &Cnc) -> bool {
+        let shown = self.view.directory_screen;
+        let last = pages::directory_screens(cnc) - 1;
+        let next = if forward {
+            Some(shown + 1)
+        } else {
+            shown.checked_sub(1)
+        };
+        let Some(next) = next.filter(|next| *next <= last) else {
+            return false;
+        };
+        self.view.directory_screen = next;
+        true
+    }
+
+    /// The next screen of the directory, cyclic.
+    pub(super) fn next_directory_screen(&mut self, cnc: &Cnc) {
+        let screens = pages::directory_screens(cnc);
+        self.view.directory_screen = (self.view.directory_screen + 1) % screens;
+    }
+
+    /// Moves the cursor of a list page; the ends are joined.
+    pub(super) fn move_item(&mut self, forward: bool) {
+        let items = item_count(self.page);
+        if items == 0 {
+            return;
+        }
+        let cursor = self.view.cursors.get_mut(self.page);
+        let item = cursor.item.min(items - 1);
+        let step = if forward { 1 } else { items - 1 };
+        cursor.item = (item + step) % items;
+    }
+
+    /// Moves the bit cursor, cyclic.
+    pub(super) fn move_bit(&mut self, next: bool) {
+        let cursor = self.view.cursors.get_mut(self.page);
+        cursor.bit = (cursor.bit + if next { 1 } else { 7 }) % 8;
+    }
+}
+
+/// How many items the cursor of a page walks over.
+pub(super) fn item_count(page: PageId) -> usize {
+    match page {
+        PageId::Oft => OFFSETS,
+        PageId::Macro => VARIABLES,
+        PageId::SetCode | PageId::Password => 4,
+        PageId::SetSwitch => 2,
+        PageId::GraphPar => 8,
+        PageId::ParBit => pages::state_numbers().count(),
+        PageId::ParData => pages::data_numbers().count(),
+        PageId::Pitch => pages::PITCH_POINTS,
+        PageId::Dgn => DIAGNOSES,
+        PageId::PlcBits => pages::bit_items(),
+        PageId::PlcValues => pages::value_items(),
+        _ => 0,
+    }
+}
+
+/// A list page of several screens.
+#[derive(Clone, Copy, Debug)]
+struct ListScreen {
+    page: PageId,
+    size: usize,
+}
+
+const fn list_screen(page: PageId) -> Option<ListScreen> {
+    let size = match page {
+        PageId::Oft | PageId::Pitch | PageId::PlcValues => 8,
+        PageId::Macro | PageId::ParBit | PageId::ParData | PageId::Dgn | PageId::PlcBits => 16,
+        _ => return None,
+    };
+    Some(ListScreen { page, size })
+}
+
+impl ListScreen {
+    fn items(self) -> usize {
+        item_count(self.page).max(1)
+    }
+
+    /// The first item of the screen that shows an item. Each area of the PLC
+    /// begins a new screen.
+    fn start(self, item: usize) -> usize {
+        let within = match self.page {
+            PageId::PlcBits => usize::from(pages::bit_item(item).byte),
+            PageId::PlcValues => usize::from(pages::value_item(item).byte),
+            _ => item,
+        };
+        item - within % self.size
+    }
+
+    /// The first item of the next or previous screen; `None` beyond the ends of
+    /// a page that has neighbours.
+    fn turn(self, item: usize, forward: bool) -> Option<usize> {
+        let items = self.items();
+        let start = self.start(item.min(items - 1));
+        let alone = self.page.neighbour(true) == self.page;
+        if forward {
+            let next = (start + 1..items).find(|next| self.start(*next) != start);
+            return next.or_else(|| alone.then_some(0));
+        }
+        match start.checked_sub(1) {
+            Some(before) => Some(self.start(before)),
+            None => alone.then(|| self.start(items - 1)),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! `P`, a number, 输入: the cursor of a list page jumps there.
+
+use gsk_core::plc::address::{Area, ByteAddress};
+
+use super::Panel;
+use super::navigation::item_count;
+use crate::pages::{self, PageId};
+
+/// First numbers of the two groups of macro variables that are listed.
+const VARIABLES: [(usize, usize); 2] = [(200, 32), (500, 16)];
+
+impl Panel {
+    /// Moves the cursor to the item that the input line names; nothing happens
+    /// when there is none.
+    pub(super) fn search_item(&mut self) {
+        let Some(wanted) = self.view.input.strip_prefix('P') else {
+            return;
+        };
+        if let Some(item) = found(self.page, wanted.trim()) {
+            self.view.cursors.get_mut(self.page).item = item;
+        }
+    }
+}
+
+fn found(page: PageId, wanted: &str) -> Option<usize> {
+    if matches!(page, PageId::PlcBits | PageId::PlcValues) {
+        return plc_item(page, wanted);
+    }
+    let number: usize = wanted.parse().ok()?;
+    match page {
+        PageId::Oft | PageId::Pitch | PageId::Dgn => (number < item_count(page)).then_some(number),
+        PageId::Macro => {
+            let mut before = 0;
+            for (first, count) in VARIABLES {
+                if (first..first + count).contains(&number) {
+                    return Some(before + number - first);
+                }
+                before += count;
+            }
+            None
+        }
+        PageId::ParBit => pages::state_numbers().position(|listed| usize::from(listed) == number),
+        PageId::ParData => pages::data_numbers().position(|listed| usize::from(listed) == number),
+        _ => None,
+    }
+}
+
+/// A PLC address; keys that the keyboard lacks have stand-ins: H is Y, I is A,
+/// J is C, and U, the first character of its key, is D.
+fn plc_item(page: PageId, wanted: &str) -> Option<usize> {
+    let letter = wanted.chars().next()?;
+    let byte: u16 = wanted.get(1..)?.parse().ok()?;
+    if page == PageId::PlcBits {
+        let area = match letter {
+            'X' => Area::X,
+            'H' | 'Y' => Area::Y,
+            'F' => Area::F,
+            'G' => Area::G,
+            'I' | 'A' => Area::A,
+            'K' => Area::K,
+            'R' => Area::R,
+            _ => return None,
+        };
+        return (byte < area.count())
+            .then(|| pages::bit_item_of(ByteAddress::new(area, byte)))
+            .flatten();
+    }
+    let area = match letter {
+        'D' | 'U' => Area::D,
+        'T' => Area::T,
+        'J' | 'C' => Area::C,
+        _ => return None,
+    };
+    (byte < area.count())
+        .then(|| pages::value_item_of(ByteAddress::new(area, byte)))
+        .flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_found_by_number() {
+        assert_eq!(found(PageId::Oft, "07"), Some(7));
+        assert_eq!(found(PageId::Oft, "33"), None);
+        assert_eq!(found(PageId::Macro, "231"), Some(31));
+        assert_eq!(found(PageId::Macro, "500"), Some(32));
+        assert_eq!(found(PageId::Macro, "232"), None);
+        assert_eq!(found(PageId::ParBit, "164"), Some(14));
+        assert_eq!(found(PageId::ParData, "15"), Some(0));
+        assert_eq!(found(PageId::ParData, "X"), None);
+    }
+
+    #[test]
+    fn plc_addresses_are_found_in_any_length() {
+        let seven = Some(7);
+        for text in ["X7", "X07", "X007", "X0007"] {
+            assert_eq!(found(PageId::PlcBits, text), seven, "{text}");
+        }
+        assert_eq!(found(PageId::PlcBits, "H0"), Some(30));
+        assert_eq!(found(PageId::PlcBits, "X30"), None);
+        assert_eq!(found(PageId::PlcBits, "\u{4f4d}1"), None);
+        assert_eq!(found(PageId::PlcValues, "U1"), Some(1));
+        assert_eq!(found(PageId::PlcValues, "T0"), Some(1000));
+        assert_eq!(found(PageId::PlcValues, "J2"), Some(1102));
+    }
+}

@@ -1,0 +1,261 @@
+//! What the LCD shows: 40x15 cells of 8x16 dots, a few double-size texts and a
+//! 320x240 graphic layer. Flashing is resolved when a page is drawn: the dark
+//! half is missing from the picture, never from the text.
+
+use crate::bitmap::Bitmap;
+use crate::glyphs;
+
+/// Columns of cells.
+pub const COLUMNS: usize = 40;
+/// Rows of cells.
+pub const ROWS: usize = 15;
+/// Dots from left to right.
+pub const WIDTH: usize = 320;
+/// Dots from top to bottom.
+pub const HEIGHT: usize = 240;
+
+/// The right half of a full-width character.
+const TAIL: char = '\0';
+
+/// How a cell is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Look {
+    /// Pale on blue.
+    #[default]
+    Plain,
+    /// Blue on pale.
+    Inverse,
+    /// Pale on blue with a bar below.
+    Underline,
+    /// Read as text here, drawn elsewhere at double size.
+    Big,
+    /// Read as text, not drawn: in the dark half of its flashing.
+    Dark,
+}
+
+/// One of the 40x15 cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The character; NUL in the right half of a full-width one.
+    pub character: char,
+    /// How it is drawn.
+    pub look: Look,
+}
+
+/// An empty cell.
+const BLANK: Cell = Cell {
+    character: ' ',
+    look: Look::Plain,
+};
+
+/// A text drawn with dots of double size.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BigText {
+    /// Upper one of the two rows it covers.
+    pub row: usize,
+    /// Column of its left edge; a half-width character takes two.
+    pub column: usize,
+    /// The text.
+    pub text: String,
+}
+
+/// One picture of the LCD.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Screen {
+    cells: [[Cell; COLUMNS]; ROWS],
+    big: Vec<BigText>,
+    graphic: Option<Bitmap>,
+}
+
+impl Default for Screen {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Screen {
+    /// An empty screen.
+    pub const fn new() -> Self {
+        Self {
+            cells: [[BLANK; COLUMNS]; ROWS],
+            big: Vec::new(),
+            graphic: None,
+        }
+    }
+
+    /// Writes a text from a column on; what does not fit in the row is cut.
+    /// Returns the column behind it.
+    pub fn put(&mut self, row: usize, column: usize, text: &str) -> usize {
+        self.put_as(row, column, text, Look::Plain)
+    }
+
+    /// Writes a text with a given look.
+    pub fn put_as(&mut self, row: usize, column: usize, text: &str, look: Look) -> usize {
+        let mut column = column;
+        for character in text.chars() {
+            let character = if character.is_control() {
+                ' '
+            } else {
+                character
+            };
+            let width = glyphs::columns(character);
+            if row >= ROWS || column + width > COLUMNS {
+                return column;
+            }
+            self.erase(row, column);
+            self.cells[row][column] = Cell { character, look };
+            if width == 2 {
+                self.erase(row, column + 1);
+                self.cells[row][column + 1] = Cell {
+                    character: TAIL,
+                    look,
+                };
+            }
+            column += width;
+        }
+        column
+    }
+
+    /// Writes a text that ends in front of a column.
+    pub fn put_right(&mut self, row: usize, end: usize, text: &str) {
+        let width = glyphs::text_columns(text);
+        self.put(row, end.saturating_sub(width), text);
+    }
+
+    /// Writes a text that stands at `column` of the row's text and is drawn at
+    /// double size from the left edge of cell column `drawn_at`, two rows high.
+    pub fn put_big(&mut self, row: usize, column: usize, drawn_at: usize, text: &str) {
+        self.put_as(row, column, text, Look::Big);
+        self.big.push(BigText {
+            row,
+            column: drawn_at,
+            text: text.to_owned(),
+        });
+    }
+
+    /// Writes a flashing text: always there to be read, drawn only while `lit`.
+    pub fn put_flashing(&mut self, row: usize, column: usize, text: &str, lit: bool) -> usize {
+        let look = if lit { Look::Plain } else { Look::Dark };
+        self.put_as(row, column, text, look)
+    }
+
+    /// Changes how a stretch of a row is drawn.
+    pub fn set_look(&mut self, row: usize, columns: core::ops::Range<usize>, look: Look) {
+        let Some(cells) = self.cells.get_mut(row) else {
+            return;
+        };
+        let end = columns.end.min(COLUMNS);
+        for cell in cells.get_mut(columns.start..end).unwrap_or_default() {
+            cell.look = look;
+        }
+    }
+
+    /// Blanks a full-width character that is about to lose one of its halves.
+    fn erase(&mut self, row: usize, column: usize) {
+        let cells = &mut self.cells[row];
+        if cells[column].character == TAIL && column > 0 {
+            cells[column - 1] = BLANK;
+        }
+        if column + 1 < COLUMNS && cells[column + 1].character == TAIL {
+            cells[column + 1] = BLANK;
+        }
+        cells[column] = BLANK;
+    }
+
+    /// A cell; blank outside the screen.
+    pub fn cell(&self, row: usize, column: usize) -> Cell {
+        self.cells
+            .get(row)
+            .and_then(|cells| cells.get(column))
+            .copied()
+            .unwrap_or(BLANK)
+    }
+
+    /// The double-size texts.
+    pub fn big_texts(&self) -> &[BigText] {
+        &self.big
+    }
+
+    /// The graphic layer, if anything was drawn.
+    pub const fn graphic(&self) -> Option<&Bitmap> {
+        self.graphic.as_ref()
+    }
+
+    /// The graphic layer, to be drawn on.
+    pub fn graphic_mut(&mut self) -> &mut Bitmap {
+        self.graphic.get_or_insert_default()
+    }
+
+    /// The text of a row: 40 columns, a full-width character taking two.
+    pub fn row(&self, row: usize) -> String {
+        let Some(cells) = self.cells.get(row) else {
+            return String::new();
+        };
+        cells
+            .iter()
+            .map(|cell| cell.character)
+            .filter(|character| *character != TAIL)
+            .collect()
+    }
+
+    /// All rows: 15 lines of 40 columns.
+    pub fn text(&self) -> String {
+        let rows: Vec<String> = (0..ROWS).map(|row| self.row(row)).collect();
+        rows.join("\n")
+    }
+}
+
+impl core::fmt::Display for Screen {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(&self.text())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_forty_columns_wide() {
+        let mut screen = Screen::new();
+        screen.put(0, 0, "现在位置(相对坐标)");
+        screen.put(1, 38, "超出");
+        screen.put(2, 39, "宽");
+        for row in 0..ROWS {
+            assert_eq!(glyphs::text_columns(&screen.row(row)), COLUMNS);
+        }
+        assert_eq!(screen.text().lines().count(), ROWS);
+        assert!(screen.row(1).ends_with('超'));
+        assert!(screen.row(2).trim().is_empty());
+    }
+
+    #[test]
+    fn writing_over_half_a_character_removes_the_other_half() {
+        let mut screen = Screen::new();
+        screen.put(0, 0, "报警");
+        screen.put(0, 1, "X");
+        assert!(screen.row(0).starts_with(" X警"));
+        screen.put(0, 2, "YZ");
+        assert!(screen.row(0).starts_with(" XYZ "));
+        screen.put(0, 0, "暂停");
+        screen.put(0, 0, "1");
+        assert!(screen.row(0).starts_with("1 停"));
+    }
+
+    #[test]
+    fn right_aligned_text_ends_in_front_of_its_column() {
+        let mut screen = Screen::new();
+        screen.put_right(3, 10, "16.000");
+        assert!(screen.row(3).starts_with("    16.000 "));
+    }
+
+    #[test]
+    fn outside_the_screen_nothing_happens() {
+        let mut screen = Screen::new();
+        screen.put(ROWS, 0, "X");
+        screen.put(0, COLUMNS, "X");
+        screen.set_look(ROWS, 0..4, Look::Inverse);
+        screen.set_look(0, 60..70, Look::Inverse);
+        assert_eq!(screen, Screen::new());
+    }
+}

@@ -1,0 +1,140 @@
+//! Operator scripts: one line an action, for tests, instructors and recordings.
+//!
+//! [`Script::parse`] reads one, a [`Runner`] carries it out on an
+//! [`Emulator`](crate::emulator::Emulator) and hands what needs files to its
+//! caller, a [`Recorder`] writes down a live session as a script.
+
+mod expect;
+mod parse;
+mod record;
+mod run;
+
+use core::fmt;
+
+use gsk_core::machine::Fault;
+use gsk_core::plc::address::BitAddress;
+
+pub use expect::{Coordinates, Expect};
+pub use record::{Recorded, Recorder};
+pub use run::{Effect, Failure, Progress, Runner, run};
+
+use crate::emulator::Condition;
+use crate::keys::Key;
+
+/// The actions with their forms: what help and error messages list.
+pub const FORMS: [(&str, &str); 15] = [
+    ("press", "press KEY"),
+    ("hold", "hold KEY 2s"),
+    ("down", "down KEY"),
+    ("up", "up KEY"),
+    ("type", "type O0001"),
+    ("load", "load FILE"),
+    ("power", "power off | power on"),
+    ("fault", "fault NAME on | off"),
+    ("turn", "turn 10"),
+    (
+        "wait",
+        "wait 500ms | wait idle 60s | wait alarm 5s | wait \"text on the LCD\" 5s",
+    ),
+    ("set", "set X0.5 0"),
+    ("free", "free X0.5"),
+    (
+        "expect",
+        "expect row 3 \"U 16.000\" | abs X Z | machine X Z | rel U W | lamp KEY on | alarm 011 | \
+         alarm none | mode 自动方式 | Y0.3 1",
+    ),
+    ("show", "show"),
+    ("shot", "shot FILE.png [--panel]"),
+];
+
+/// A script that was read without errors.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Script {
+    /// Its lines with actions.
+    pub lines: Vec<Line>,
+}
+
+/// One action.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Line of the file, from 1.
+    pub number: u32,
+    /// The text of the line.
+    pub text: String,
+    /// The tick at which it happens, counted from the start of the script.
+    pub at: Option<u64>,
+    /// What to do.
+    pub action: Action,
+}
+
+/// What a line does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// A key goes down, 100 ms, up, 100 ms; after `@tick` without the rest.
+    Press(Key),
+    /// A key is held for so many milliseconds.
+    Hold(Key, u64),
+    /// A key goes down.
+    Down(Key),
+    /// A key comes up.
+    Up(Key),
+    /// Characters, 100 ms each.
+    Type(String),
+    /// A program file into the program memory.
+    Load(String),
+    /// Power off (`false`) or on.
+    Power(bool),
+    /// Breaks or mends something of the lathe.
+    Fault(Fault, bool),
+    /// Turns the handwheel.
+    Turn(i32),
+    /// Lets time pass, milliseconds.
+    Wait(u64),
+    /// Waits for something, at most so many milliseconds.
+    WaitFor(Condition, u64),
+    /// Holds a machine input at a value.
+    Set(BitAddress, bool),
+    /// Gives a machine input back to its sensor.
+    Free(BitAddress),
+    /// Compares.
+    Expect(Expect),
+    /// Prints the LCD.
+    Show,
+    /// Stores a picture of the LCD or of the whole panel.
+    Shot {
+        /// Where to.
+        path: String,
+        /// The whole panel.
+        panel: bool,
+    },
+}
+
+/// Why a line cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScriptError {
+    /// Line of the file, from 1.
+    pub line: u32,
+    /// What is wrong and what would be right.
+    pub message: String,
+}
+
+impl fmt::Display for ScriptError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}", self.line, self.message)
+    }
+}
+
+impl core::error::Error for ScriptError {}
+
+impl Script {
+    /// Reads a script.
+    ///
+    /// # Errors
+    /// Every line that cannot be read, in order.
+    pub fn parse(text: &str) -> Result<Self, Vec<ScriptError>> {
+        parse::script(text)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,123 @@
+//! What `expect` compares, and what it says when it is not so.
+
+use gsk_core::operation::Mode;
+use gsk_core::plc::address::BitAddress;
+use gsk_core::units::Point;
+
+use crate::emulator::{Emulator, folded};
+use crate::keys::Bit;
+
+/// Coordinates are equal when they are shown alike.
+const TOLERANCE: f64 = 0.000_500_1;
+
+/// A set of coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinates {
+    /// 绝对坐标.
+    Absolute,
+    /// 机床坐标.
+    Machine,
+    /// 相对坐标.
+    Relative,
+}
+
+/// What should be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expect {
+    /// A row of the LCD contains a text, blanks folded.
+    Row(usize, String),
+    /// X as it is displayed (diameter or radius) and Z, mm.
+    Position(Coordinates, f64, f64),
+    /// A lamp, by the name in the script, is on or off.
+    Lamp(String, Bit, bool),
+    /// An alarm or a message of this number stands.
+    Alarm(u16),
+    /// No alarm and no message stands.
+    NoAlarm,
+    /// The operating mode.
+    Mode(Mode),
+    /// A bit of PLC memory.
+    Bit(BitAddress, bool),
+}
+
+impl Expect {
+    /// Compares.
+    ///
+    /// # Errors
+    /// What was seen instead.
+    pub fn check(&self, emulator: &Emulator) -> Result<(), String> {
+        let cnc = &emulator.simulation.cnc;
+        match self {
+            Self::Row(row, text) => {
+                let seen = emulator.screen().row(*row);
+                let fits = folded(&seen).contains(&folded(text));
+                verdict(fits, || format!("row {row} reads \"{}\"", seen.trim_end()))
+            }
+            Self::Position(coordinates, x, z) => {
+                let at = match coordinates {
+                    Coordinates::Absolute => cnc.position_absolute(),
+                    Coordinates::Machine => cnc.position_machine(),
+                    Coordinates::Relative => cnc.position_relative(),
+                };
+                let seen = Point::new(
+                    if cnc.parameters().bit(1, 2) {
+                        at.x
+                    } else {
+                        at.x * 2.0
+                    },
+                    at.z,
+                );
+                let near = |a: f64, b: f64| (a - b).abs() < TOLERANCE;
+                verdict(near(seen.x, *x) && near(seen.z, *z), || {
+                    format!("the coordinates are {:.3} {:.3}", seen.x, seen.z)
+                })
+            }
+            Self::Lamp(name, lamp, on) => {
+                let seen = emulator.lamp(*lamp);
+                verdict(seen == *on, || {
+                    format!("the lamp {name} is {}", if seen { "on" } else { "off" })
+                })
+            }
+            Self::Alarm(number) => verdict(
+                standing(emulator).iter().any(|(seen, _)| seen == number),
+                || alarms(emulator),
+            ),
+            Self::NoAlarm => verdict(standing(emulator).is_empty(), || alarms(emulator)),
+            Self::Mode(mode) => verdict(cnc.mode() == *mode, || {
+                format!("the mode is {}", cnc.mode().text())
+            }),
+            Self::Bit(address, on) => {
+                let seen = cnc.plc().memory().bit(*address);
+                verdict(seen == *on, || format!("{address} is {}", u8::from(seen)))
+            }
+        }
+    }
+}
+
+fn verdict(fits: bool, seen: impl FnOnce() -> String) -> Result<(), String> {
+    if fits { Ok(()) } else { Err(seen()) }
+}
+
+/// Alarms and messages that stand.
+fn standing(emulator: &Emulator) -> Vec<(u16, String)> {
+    let cnc = &emulator.simulation.cnc;
+    let alarms = cnc.alarms().iter();
+    let mut all: Vec<_> = alarms
+        .map(|alarm| (alarm.number, alarm.line_text()))
+        .collect();
+    let messages = cnc.plc_messages();
+    all.extend(messages.map(|(number, text)| (number, format!("{number} {text}"))));
+    all
+}
+
+fn alarms(emulator: &Emulator) -> String {
+    let texts: Vec<String> = standing(emulator)
+        .into_iter()
+        .map(|(_, text)| text)
+        .collect();
+    if texts.is_empty() {
+        "no alarm stands".to_owned()
+    } else {
+        format!("alarms: {}", texts.join(" | "))
+    }
+}

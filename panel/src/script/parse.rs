@@ -1,0 +1,355 @@
+//! From text to actions.
+
+use gsk_core::machine::Fault;
+use gsk_core::operation::Mode;
+use gsk_core::plc::address::{Area, BitAddress};
+
+use super::{Action, Coordinates, Expect, FORMS, Line, Script, ScriptError};
+use crate::emulator::Condition;
+use crate::keys::{self, Key};
+use crate::panel::is_typable;
+use crate::screen::ROWS;
+
+/// How long `wait` waits for something when no limit is given, milliseconds.
+const DEFAULT_LIMIT: u64 = 60_000;
+/// Longest time that can be written, milliseconds: a hundred days.
+const LONGEST: f64 = 100.0 * 24.0 * 3600.0 * 1000.0;
+
+const MODES: [Mode; 8] = [
+    Mode::Edit,
+    Mode::Auto,
+    Mode::Mdi,
+    Mode::Step,
+    Mode::Handwheel,
+    Mode::Jog,
+    Mode::MachineZero,
+    Mode::ProgramZero,
+];
+
+pub(super) fn script(text: &str) -> Result<Script, Vec<ScriptError>> {
+    let mut script = Script::default();
+    let mut errors = Vec::new();
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    for (number, text) in (1..).zip(text.lines()) {
+        match line(number, text) {
+            Ok(line) => script.lines.extend(line),
+            Err(message) => errors.push(ScriptError {
+                line: number,
+                message,
+            }),
+        }
+    }
+    if errors.is_empty() {
+        Ok(script)
+    } else {
+        Err(errors)
+    }
+}
+
+/// One word of a line.
+#[derive(Clone, Debug, PartialEq)]
+struct Word<'a> {
+    text: &'a str,
+    quoted: bool,
+}
+
+fn line(number: u32, text: &str) -> Result<Option<Line>, String> {
+    let code = without_comment(text)?.trim();
+    if code.is_empty() {
+        return Ok(None);
+    }
+    let (at, rest) = match code.strip_prefix('@') {
+        Some(rest) => {
+            let (tick, rest) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+            let tick = tick.parse().map_err(|_| {
+                format!(
+                    "\"@{tick}\" is no tick: write @ and whole milliseconds, as in @12345 press CS"
+                )
+            })?;
+            (Some(tick), rest.trim())
+        }
+        None => (None, code),
+    };
+    let (verb, rest) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+    let action = action(verb, rest.trim())?;
+    Ok(Some(Line {
+        number,
+        text: code.to_owned(),
+        at,
+        action,
+    }))
+}
+
+/// The line up to a `#` that begins a word outside quotation marks.
+fn without_comment(text: &str) -> Result<&str, String> {
+    let (mut quoted, mut blank) = (false, true);
+    for (at, character) in text.char_indices() {
+        match character {
+            '"' => quoted = !quoted,
+            '#' if blank && !quoted => return Ok(&text[..at]),
+            _ => {}
+        }
+        blank = character.is_whitespace();
+    }
+    if quoted {
+        return Err("a quotation mark is not closed".to_owned());
+    }
+    Ok(text)
+}
+
+fn words(text: &str) -> Vec<Word<'_>> {
+    let mut words = Vec::new();
+    let mut rest = text.trim_start();
+    while !rest.is_empty() {
+        let (text, quoted, after) = match rest.strip_prefix('"') {
+            Some(inner) => {
+                let (text, after) = inner.split_once('"').unwrap_or((inner, ""));
+                (text, true, after)
+            }
+            None => {
+                let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
+                (&rest[..end], false, &rest[end..])
+            }
+        };
+        words.push(Word { text, quoted });
+        rest = after.trim_start();
+    }
+    words
+}
+
+/// The form of an action, for messages.
+fn form(verb: &str) -> &'static str {
+    let found = FORMS.iter().find(|(name, _)| *name == verb);
+    found.map_or("", |(_, form)| form)
+}
+
+fn wrong(verb: &str) -> String {
+    format!("{verb} is written: {}", form(verb))
+}
+
+fn action(verb: &str, rest: &str) -> Result<Action, String> {
+    let words = words(rest);
+    let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
+    match (verb, texts.as_slice()) {
+        ("press", [name]) => Ok(Action::Press(key(name)?)),
+        ("hold", [name, time]) => Ok(Action::Hold(key(name)?, duration(time)?)),
+        ("down", [name]) => Ok(Action::Down(key(name)?)),
+        ("up", [name]) => Ok(Action::Up(key(name)?)),
+        ("type", [_, ..]) => typed(rest, &words),
+        ("load", [_, ..]) => Ok(Action::Load(path(rest, &words))),
+        ("power", ["off"]) => Ok(Action::Power(false)),
+        ("power", ["on"]) => Ok(Action::Power(true)),
+        ("fault", [name, state]) => Ok(Action::Fault(fault(name)?, on_off(state)?)),
+        ("turn", [count]) => count
+            .parse()
+            .map(Action::Turn)
+            .map_err(|_| format!("\"{count}\" is no whole number; {}", wrong(verb))),
+        ("wait", [_, ..]) => wait(&words),
+        ("set", [address, state]) => Ok(Action::Set(input(address)?, zero_one(state)?)),
+        ("free", [address]) => Ok(Action::Free(input(address)?)),
+        ("expect", [_, ..]) => expect(&texts).map(Action::Expect),
+        ("show", []) => Ok(Action::Show),
+        ("shot", [path]) if *path != "--panel" => Ok(shot(path, false)),
+        ("shot", [path, "--panel"] | ["--panel", path]) => Ok(shot(path, true)),
+        _ if !form(verb).is_empty() => Err(wrong(verb)),
+        _ => Err(unknown_verb(verb)),
+    }
+}
+
+fn shot(path: &str, panel: bool) -> Action {
+    Action::Shot {
+        path: path.to_owned(),
+        panel,
+    }
+}
+
+/// A file name: in quotation marks, or the rest of the line.
+fn path(rest: &str, words: &[Word<'_>]) -> String {
+    match words {
+        [Word { text, quoted: true }] => (*text).to_owned(),
+        _ => rest.to_owned(),
+    }
+}
+
+fn unknown_verb(verb: &str) -> String {
+    let near = FORMS
+        .iter()
+        .map(|(name, _)| (keys::distance(&verb.to_lowercase(), name), *name))
+        .filter(|(distance, _)| *distance <= 2)
+        .min();
+    let all: Vec<&str> = FORMS.iter().map(|(name, _)| *name).collect();
+    match near {
+        Some((_, name)) => format!("unknown action \"{verb}\"; near: {}", form(name)),
+        None => format!("unknown action \"{verb}\"; there are {}", all.join(" ")),
+    }
+}
+
+fn key(name: &str) -> Result<Key, String> {
+    if let Some(key) = Key::from_id(name) {
+        return Ok(key);
+    }
+    let near = keys::near_ids(name);
+    if near.is_empty() {
+        return Err(format!(
+            "unknown key \"{name}\"; \"gsk980td keys\" lists the names of all keys"
+        ));
+    }
+    Err(format!("unknown key \"{name}\"; near: {}", near.join(" ")))
+}
+
+fn typed(rest: &str, words: &[Word<'_>]) -> Result<Action, String> {
+    let text = match words {
+        [Word { text, quoted: true }] => *text,
+        _ => rest,
+    };
+    if let Some(strange) = text.chars().find(|c| !is_typable(*c)) {
+        return Err(format!(
+            "'{strange}' cannot be typed: the edit keyboard has letters, digits and signs of ASCII"
+        ));
+    }
+    Ok(Action::Type(text.to_ascii_uppercase()))
+}
+
+/// A time in milliseconds: `500ms`, `2s`, `1.5s`, `10min`.
+fn duration(text: &str) -> Result<u64, String> {
+    let end = text
+        .find(|c: char| c.is_ascii_alphabetic())
+        .unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let factor = match unit {
+        "ms" => 1.0,
+        "s" => 1000.0,
+        "min" => 60_000.0,
+        _ => 0.0,
+    };
+    let plain = number.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    match number.parse::<f64>() {
+        Ok(value) if plain && factor > 0.0 && value * factor <= LONGEST => {
+            Ok((value * factor).round() as u64)
+        }
+        _ => Err(format!(
+            "\"{text}\" is no time: write a number with ms, s or min, up to 100 days, as in 500ms, 1.5s, 2min"
+        )),
+    }
+}
+
+fn on_off(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(format!("\"{text}\" should be on or off")),
+    }
+}
+
+fn zero_one(text: &str) -> Result<bool, String> {
+    match text {
+        "1" => Ok(true),
+        "0" => Ok(false),
+        _ => Err(format!("\"{text}\" should be 0 or 1")),
+    }
+}
+
+fn fault(name: &str) -> Result<Fault, String> {
+    Fault::from_name(name).ok_or_else(|| {
+        let names: Vec<&str> = Fault::ALL.iter().map(|(name, _)| *name).collect();
+        format!("unknown fault \"{name}\"; there are {}", names.join(" "))
+    })
+}
+
+fn bit(text: &str) -> Result<BitAddress, String> {
+    text.parse()
+        .map_err(|error: gsk_core::plc::address::AddressError| error.to_string())
+}
+
+/// A machine input: X0.0 to X3.7.
+fn input(text: &str) -> Result<BitAddress, String> {
+    let address = bit(text)?;
+    if address.area == Area::X && address.byte < 4 {
+        return Ok(address);
+    }
+    Err(format!(
+        "{text} is no machine input: those are X0.0 to X3.7"
+    ))
+}
+
+fn wait(words: &[Word<'_>]) -> Result<Action, String> {
+    let (first, limit) = match words {
+        [first] => (first, None),
+        [first, limit] => (first, Some(duration(limit.text)?)),
+        _ => return Err(wrong("wait")),
+    };
+    let condition = match first {
+        Word { text, quoted: true } => Condition::Text((*text).to_owned()),
+        Word { text: "idle", .. } => Condition::Stopped,
+        Word { text: "alarm", .. } => Condition::Alarm,
+        Word { text, .. } if limit.is_none() => return duration(text).map(Action::Wait),
+        _ => return Err(wrong("wait")),
+    };
+    Ok(Action::WaitFor(condition, limit.unwrap_or(DEFAULT_LIMIT)))
+}
+
+fn expect(words: &[&str]) -> Result<Expect, String> {
+    Ok(match words {
+        ["row", row, text] => {
+            let number = row.strip_prefix('R').unwrap_or(row);
+            let row = number.parse().ok().filter(|row| *row < ROWS);
+            let row = row.ok_or_else(|| format!("\"{number}\" is no row: they are 0 to 14"))?;
+            Expect::Row(row, (*text).to_owned())
+        }
+        [kind @ ("abs" | "machine" | "rel"), x, z] => {
+            let coordinates = match *kind {
+                "abs" => Coordinates::Absolute,
+                "machine" => Coordinates::Machine,
+                _ => Coordinates::Relative,
+            };
+            Expect::Position(coordinates, coordinate(x)?, coordinate(z)?)
+        }
+        ["lamp", name, state] => {
+            let lamp = keys::lamp_of(name).ok_or_else(|| no_lamp(name))?;
+            Expect::Lamp((*name).to_owned(), lamp, on_off(state)?)
+        }
+        ["alarm", "none"] => Expect::NoAlarm,
+        ["alarm", number] => Expect::Alarm(number.parse().map_err(|_| {
+            format!("\"{number}\" is no alarm number; write it as in 011, or none")
+        })?),
+        ["mode", text] => {
+            let mode = MODES.iter().find(|mode| mode.text() == *text);
+            Expect::Mode(*mode.ok_or_else(|| {
+                let all: Vec<&str> = MODES.iter().map(|mode| mode.text()).collect();
+                format!("unknown mode \"{text}\"; there are {}", all.join(" "))
+            })?)
+        }
+        [address, state] if address.starts_with(|c: char| c.is_ascii_uppercase()) => {
+            Expect::Bit(bit(address)?, zero_one(state)?)
+        }
+        _ => return Err(wrong("expect")),
+    })
+}
+
+fn coordinate(text: &str) -> Result<f64, String> {
+    let plain = text
+        .bytes()
+        .all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-'));
+    match text.parse() {
+        Ok(value) if plain => Ok(value),
+        _ => Err(format!(
+            "\"{text}\" is no coordinate; write millimetres, as in -12.345"
+        )),
+    }
+}
+
+fn no_lamp(name: &str) -> String {
+    if Key::from_id(name).is_some() {
+        return format!("the key {name} has no lamp");
+    }
+    let strip: Vec<&str> = keys::STRIP.iter().map(|lamp| lamp.id).collect();
+    let near = keys::near_ids(name);
+    if near.is_empty() {
+        format!(
+            "unknown lamp \"{name}\"; keys have lamps, and the strip {}",
+            strip.join(" ")
+        )
+    } else {
+        format!("unknown lamp \"{name}\"; near: {}", near.join(" "))
+    }
+}

@@ -1,0 +1,279 @@
+//! Carries a script out, a few ticks at a time.
+
+use core::fmt;
+
+use super::{Action, Line, Script};
+use crate::emulator::{Emulator, PRESS_TICKS, Watch};
+use crate::keys::Key;
+use crate::pages::POWER_ON_TICKS;
+use crate::panel::KeyEvent;
+
+/// Ticks that [`run`] lets pass between two looks at the effects.
+const SLICE: u64 = 100_000;
+
+/// What a script asks of whoever runs it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Print this: the LCD's rows.
+    Show(String),
+    /// Store a picture of what is shown now.
+    Shot {
+        /// Where to.
+        path: String,
+        /// The whole panel.
+        panel: bool,
+    },
+    /// Read this file and give its text to [`Emulator::load_program`].
+    Load(String),
+}
+
+/// How far a script has come.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// The ticks allowed are used up.
+    Running,
+    /// Something is to be done before it goes on.
+    Effect(Effect),
+    /// A line failed; the script is over.
+    Failed(Failure),
+    /// The last line is done.
+    Finished,
+}
+
+/// A line that did not come out as written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failure {
+    /// Line of the file, from 1.
+    pub line: u32,
+    /// The line.
+    pub text: String,
+    /// What was seen instead.
+    pub seen: String,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "line {}: {}: {}", self.line, self.text, self.seen)
+    }
+}
+
+impl core::error::Error for Failure {}
+
+/// A script under way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Runner {
+    script: Script,
+    next: usize,
+    /// The clock at the start of the script.
+    origin: u64,
+    stage: Stage,
+}
+
+/// What the runner is in the middle of.
+#[derive(Clone, Debug, PartialEq)]
+enum Stage {
+    /// The self-test picture, at most until this tick.
+    SelfTest(Option<u64>),
+    /// Nothing: the next line is due.
+    Ready,
+    /// A key is down until this tick; then a rest of so many.
+    Holding(Key, u64, u64),
+    /// Time passes until this tick.
+    Resting(u64),
+    /// The next character is typed at this tick.
+    Typing(u64, Vec<char>, u64),
+    /// Something is waited for until this tick.
+    Waiting(Box<Watch>, u64),
+    /// Failed or finished.
+    Over,
+}
+
+/// What to do next.
+enum Next {
+    Tick,
+    Look,
+    Say(Progress),
+}
+
+impl Runner {
+    /// A script before its first line.
+    pub const fn new(script: Script) -> Self {
+        Self {
+            script,
+            next: 0,
+            origin: 0,
+            stage: Stage::SelfTest(None),
+        }
+    }
+
+    /// The line under way or just done: for messages about its effects.
+    pub fn line(&self) -> Option<&Line> {
+        self.script.lines.get(self.next.saturating_sub(1))
+    }
+
+    /// A failure of the line just done, by what was seen.
+    pub fn failure(&self, seen: impl Into<String>) -> Failure {
+        let (line, text) = self
+            .line()
+            .map(|line| (line.number, line.text.clone()))
+            .unwrap_or_default();
+        Failure {
+            line,
+            text,
+            seen: seen.into(),
+        }
+    }
+
+    /// Goes on for at most so many ticks.
+    pub fn advance(&mut self, emulator: &mut Emulator, ticks: u64) -> Progress {
+        let mut left = ticks;
+        loop {
+            match self.look(emulator) {
+                Next::Tick if left == 0 => return Progress::Running,
+                Next::Tick => {
+                    emulator.tick();
+                    left -= 1;
+                }
+                Next::Look => {}
+                Next::Say(progress) => {
+                    if matches!(progress, Progress::Failed(_) | Progress::Finished) {
+                        self.stage = Stage::Over;
+                    }
+                    return progress;
+                }
+            }
+        }
+    }
+
+    fn look(&mut self, emulator: &mut Emulator) -> Next {
+        let now = emulator.ticks();
+        match &mut self.stage {
+            Stage::SelfTest(until) => {
+                let until = *until.get_or_insert(now + POWER_ON_TICKS);
+                if emulator.panel.in_self_test() && now < until {
+                    return Next::Tick;
+                }
+                self.origin = now;
+            }
+            Stage::Ready => return self.begin(emulator, now),
+            Stage::Holding(key, until, rest) => {
+                if now < *until {
+                    return Next::Tick;
+                }
+                emulator.key_up(*key);
+                self.stage = Stage::Resting(now + *rest);
+                return Next::Look;
+            }
+            Stage::Resting(until) => {
+                if now < *until {
+                    return Next::Tick;
+                }
+            }
+            Stage::Typing(at, characters, rest) => {
+                if now < *at {
+                    return Next::Tick;
+                }
+                if let Some(character) = characters.pop() {
+                    emulator.key(KeyEvent::Type(character));
+                    let last = characters.is_empty();
+                    *at = now + if last { *rest } else { PRESS_TICKS };
+                    return Next::Look;
+                }
+            }
+            Stage::Waiting(watch, until) => {
+                if !watch.reached(emulator) {
+                    if now < *until {
+                        return Next::Tick;
+                    }
+                    let seen = format!("not within the time; the LCD shows\n{}", emulator.screen());
+                    return Next::Say(Progress::Failed(self.failure(seen)));
+                }
+            }
+            Stage::Over => return Next::Say(Progress::Finished),
+        }
+        self.stage = Stage::Ready;
+        Next::Look
+    }
+
+    /// Begins the next line when it is due.
+    fn begin(&mut self, emulator: &mut Emulator, now: u64) -> Next {
+        let Some(line) = self.script.lines.get(self.next) else {
+            return Next::Say(Progress::Finished);
+        };
+        let timed = line.at.map(|at| at + self.origin);
+        if timed.is_some_and(|at| now < at) {
+            return Next::Tick;
+        }
+        let action = line.action.clone();
+        self.next += 1;
+        if timed.is_some_and(|at| now > at) {
+            let seen = format!("that tick is over: it is {}", now - self.origin);
+            return Next::Say(Progress::Failed(self.failure(seen)));
+        }
+        let rest = if timed.is_some() { 0 } else { PRESS_TICKS };
+        match action {
+            Action::Press(key) => {
+                emulator.key_down(key);
+                self.stage = Stage::Holding(key, now + PRESS_TICKS, rest);
+            }
+            Action::Hold(key, ticks) => {
+                emulator.key_down(key);
+                self.stage = Stage::Holding(key, now + ticks, 0);
+            }
+            Action::Down(key) => emulator.key_down(key),
+            Action::Up(key) => emulator.key_up(key),
+            Action::Type(text) => {
+                let characters = text.chars().rev().collect();
+                self.stage = Stage::Typing(now, characters, rest);
+            }
+            Action::Load(path) => return Next::Say(Progress::Effect(Effect::Load(path))),
+            Action::Power(true) => emulator.power_on(),
+            Action::Power(false) => emulator.power_off(),
+            Action::Fault(fault, on) => emulator.simulation.lathe.set_fault(fault, on),
+            Action::Turn(graduations) => emulator.turn(graduations),
+            Action::Wait(ticks) => self.stage = Stage::Resting(now + ticks),
+            Action::WaitFor(condition, limit) => {
+                self.stage = Stage::Waiting(Box::new(Watch::new(condition, emulator)), now + limit);
+            }
+            Action::Set(address, state) => {
+                emulator.simulation.lathe.force_input(address, Some(state));
+            }
+            Action::Free(address) => emulator.simulation.lathe.force_input(address, None),
+            Action::Expect(expect) => {
+                if let Err(seen) = expect.check(emulator) {
+                    return Next::Say(Progress::Failed(self.failure(seen)));
+                }
+            }
+            Action::Show => {
+                let text = emulator.screen().text();
+                return Next::Say(Progress::Effect(Effect::Show(text)));
+            }
+            Action::Shot { path, panel } => {
+                return Next::Say(Progress::Effect(Effect::Shot { path, panel }));
+            }
+        }
+        Next::Look
+    }
+}
+
+/// Runs a script to its end; `carry_out` does what needs files.
+///
+/// # Errors
+/// The line that failed, also when its effect could not be carried out.
+pub fn run(
+    script: Script,
+    emulator: &mut Emulator,
+    carry_out: &mut dyn FnMut(Effect, &mut Emulator) -> Result<(), String>,
+) -> Result<(), Failure> {
+    let mut runner = Runner::new(script);
+    loop {
+        match runner.advance(emulator, SLICE) {
+            Progress::Running => {}
+            Progress::Effect(effect) => {
+                carry_out(effect, emulator).map_err(|seen| runner.failure(seen))?;
+            }
+            Progress::Failed(failure) => return Err(failure),
+            Progress::Finished => return Ok(()),
+        }
+    }
+}
