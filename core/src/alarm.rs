@@ -48,6 +48,19 @@ pub struct AlarmRow {
     pub cause_en: &'static str,
     /// What clears it.
     pub cleared_by_en: &'static str,
+    /// How it comes about and what helps, for the alarms that a program raises.
+    pub advice: Option<Advice>,
+}
+
+/// What to tell the operator besides the text of the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Advice {
+    /// What raises it, in Chinese.
+    pub cause_zh: &'static str,
+    /// What helps, in Chinese.
+    pub way_out_zh: &'static str,
+    /// What helps, in English.
+    pub way_out_en: &'static str,
 }
 
 /// The whole table, by ascending number.
@@ -92,6 +105,17 @@ fn parse_row(line: &'static str) -> Option<AlarmRow> {
         meaning_en: fields.next()?,
         cause_en: fields.next()?,
         cleared_by_en: fields.next()?,
+        advice: parse_advice(&mut fields),
+    })
+}
+
+/// The last three columns; `-` where the program raises no such alarm.
+fn parse_advice(fields: &mut core::str::Split<'static, char>) -> Option<Advice> {
+    let cause_zh = fields.next().filter(|text| *text != "-")?;
+    Some(Advice {
+        cause_zh,
+        way_out_zh: fields.next()?,
+        way_out_en: fields.next()?,
     })
 }
 
@@ -159,6 +183,11 @@ impl Alarm {
         self.row().map_or("", |row| row.text_zh)
     }
 
+    /// How it comes about and what helps, for the alarms that a program raises.
+    pub fn advice(&self) -> Option<&'static Advice> {
+        self.row()?.advice.as_ref()
+    }
+
     /// The line of the alarm page: `P/S 011: …`, `207: …`, `P/S 515`.
     pub fn line_text(&self) -> String {
         let prefix = match self.class() {
@@ -171,13 +200,26 @@ impl Alarm {
     }
 }
 
+/// The line of the alarm page with the reason; `{:#}` adds cause and way out in
+/// both languages.
 impl fmt::Display for Alarm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.line_text())?;
-        match &self.detail {
-            Some(detail) => write!(f, " ({detail})"),
-            None => Ok(()),
+        if let Some(detail) = &self.detail {
+            write!(f, " ({detail})")?;
         }
+        let Some(row) = self.row().filter(|_| f.alternate()) else {
+            return Ok(());
+        };
+        if let Some(advice) = row.advice {
+            write!(f, "\n原因: {}", advice.cause_zh)?;
+            write!(f, "\n处理: {}", advice.way_out_zh)?;
+        }
+        write!(f, "\ncause: {}", row.cause_en)?;
+        if let Some(advice) = row.advice {
+            write!(f, "\nway out: {}", advice.way_out_en)?;
+        }
+        write!(f, "\ncleared by: {}", row.cleared_by_en)
     }
 }
 
@@ -204,6 +246,38 @@ mod tests {
                 assert!(!text.is_empty() && text == text.trim(), "{row:?}");
             }
         }
+        for line in TABLE.lines() {
+            assert_eq!(line.split('\t').count(), 9, "{line}");
+        }
+    }
+
+    #[test]
+    fn what_a_program_can_raise_has_advice() {
+        let numbers = [2, 5, 6, 7, 18, 19, 23, 24, 43, 90, 91, 92, 94, 98, 515];
+        let ranges = [9..=16, 29..=32, 46..=59, 60..=67, 76..=78, 111..=128];
+        let mut advised = 0;
+        for number in ranges.into_iter().flatten().chain(numbers) {
+            let Some(row) = row(number) else { continue };
+            let Some(advice) = row.advice else {
+                panic!("{number} without advice");
+            };
+            advised += 1;
+            for text in [advice.cause_zh, advice.way_out_zh, advice.way_out_en] {
+                assert!(!text.is_empty() && text == text.trim(), "{row:?}");
+            }
+        }
+        assert!(advised > 55, "{advised}");
+        let alarm = Alarm::new(112).because("H05 of 1 and 0");
+        assert_eq!(
+            format!("{alarm:#}"),
+            "P/S 112: 除零错误 (H05 of 1 and 0)\n\
+             原因: G65 中除数为零(包括 tan 90°)\n\
+             处理: 运算前先判断除数\n\
+             cause: G65 H05 and others\n\
+             way out: test the divisor before dividing\n\
+             cleared by: RESET after correcting the cause"
+        );
+        assert_eq!(Alarm::new(1000).advice(), None);
     }
 
     #[test]

@@ -19,7 +19,7 @@ use crate::axis::{AxisChain, SoftLimits};
 use crate::command::{Action, ExecutedMove, Frame, SpindleCommand};
 use crate::interpreter::{Interpreter, Modal};
 use crate::machine::{Inputs, Outputs};
-use crate::memory::{Counters, Offsets, Parameters};
+use crate::memory::{Counters, Offsets, Parameters, Variables};
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
     ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, RunState, Strobe,
@@ -27,7 +27,7 @@ use crate::operation::{
 };
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::setup::Setup;
-use crate::spindle::{SpindleControl, SpindleInputs};
+use crate::spindle::{SpindleAngle, SpindleControl, SpindleInputs};
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
 /// Contacts are sampled, and outputs refreshed, every so many ticks.
@@ -105,11 +105,13 @@ pub enum Event {
 pub struct Cnc {
     pub(crate) parameters: Parameters,
     pub(crate) offsets: Offsets,
+    pub(crate) variables: Variables,
+    pub(crate) inch_input: bool,
     pub(crate) programs: ProgramMemory,
     pub(crate) counters: Counters,
     pub(crate) mdi: MdiBlock,
     pub(crate) interpreter: Interpreter,
-    plc: Plc,
+    pub(crate) plc: Plc,
     pub(crate) from_plc: FromPlc,
     pub(crate) filter: InputFilter,
     panel_keys: [u8; X_BYTES],
@@ -128,7 +130,7 @@ pub struct Cnc {
     indexing_by_hand: bool,
 
     pub(crate) interpolator: Interpolator,
-    limits: MotionLimits,
+    pub(crate) limits: MotionLimits,
     /// The rest of a held block while the axes are moved by hand.
     pub(crate) held: Option<Interpolator>,
     pub(crate) jog_blocked: PerAxis<bool>,
@@ -136,6 +138,9 @@ pub struct Cnc {
     axes: AxisChain,
     pub(crate) soft_limits: SoftLimits,
     pub(crate) spindle: SpindleControl,
+    pub(crate) angle: SpindleAngle,
+    /// Spindle override in force, %; a change waits for the end of a thread.
+    spindle_override: u8,
 
     pub(crate) frame: Frame,
     /// Absolute coordinate at which the relative display shows zero.
@@ -166,7 +171,8 @@ impl Cnc {
         }
         plc.power_on();
         preset_plc(plc.memory_mut(), &parameters);
-        let interpreter = Interpreter::new(&parameters);
+        let mut interpreter = Interpreter::new(&parameters);
+        interpreter.set_inch_input(setup.inch_input);
         let modal = *interpreter.modal();
         let start = setup.start.unwrap_or_default();
         let mut axes = AxisChain::new(&parameters);
@@ -182,8 +188,12 @@ impl Cnc {
             limits: MotionLimits::from(&parameters),
             soft_limits: SoftLimits::new(&parameters),
             spindle,
+            angle: SpindleAngle::new(&parameters),
+            spindle_override: 100,
             parameters,
             offsets: setup.offsets,
+            variables: setup.variables,
+            inch_input: setup.inch_input,
             programs: setup.programs,
             counters: setup.counters,
             mdi: MdiBlock::default(),
@@ -231,6 +241,8 @@ impl Cnc {
         let setup = Setup {
             parameters: self.parameters.clone(),
             offsets: self.offsets.clone(),
+            variables: self.variables.clone(),
+            inch_input: self.inch_input,
             ladder: Arc::clone(self.plc.ladder()),
             plc_retained: Some(self.plc.memory().retained()),
             programs: self.programs.clone(),
@@ -331,7 +343,12 @@ impl Cnc {
         self.last_rapid = rapid.unwrap_or(self.last_rapid && !self.automatic.operating());
         let cutting = matches!(
             self.automatic.action(),
-            Some(Action::Line { .. } | Action::Arc { .. })
+            Some(
+                Action::Line { .. }
+                    | Action::Arc { .. }
+                    | Action::Thread { .. }
+                    | Action::Tap { .. }
+            )
         );
         let message = ToPlc {
             mode: self.mode,
@@ -345,6 +362,7 @@ impl Cnc {
             rapid: self.last_rapid,
             cutting: cutting && state == RunState::Run,
             dwelling: self.automatic.dwelling(),
+            tapping: matches!(self.automatic.action(), Some(Action::Tap { .. })),
             decoded_m00: self.automatic.decoded == Some(0),
             decoded_m30: self.automatic.decoded == Some(30),
             handshake: &self.handshake,
@@ -412,11 +430,15 @@ impl Cnc {
         };
         self.spindle.set_jog(self.from_plc.spindle_jog);
         self.spindle.set_gear_change(self.changing_gear());
+        if !self.automatic.threading() {
+            self.spindle_override = self.from_plc.spindle_override;
+        }
         self.spindle.tick(&SpindleInputs {
             encoder: inputs.encoder,
             radius: self.frame.program(at).x,
-            override_percent: self.from_plc.spindle_override,
+            override_percent: self.spindle_override,
         });
+        self.angle.tick(inputs.encoder, inputs.encoder_index);
     }
 
     fn changing_gear(&self) -> bool {
@@ -424,13 +446,17 @@ impl Cnc {
     }
 
     fn motion_tick(&mut self) {
-        let held = self.automatic.state == RunState::Hold && self.held.is_none();
+        let held = self.automatic.state == RunState::Hold
+            && self.held.is_none()
+            && !self.automatic.protected();
         let locked = self.automatic.state == RunState::Run
             && (self.from_plc.start_lock || self.from_plc.interlock);
-        let inputs = MotionInputs {
+        let mut inputs = MotionInputs {
             feed_override: self.feed_override_factor(),
             rapid_override: RapidOverride::from_percent(self.from_plc.rapid_override),
             spindle_rpm: self.spindle.actual_rpm(),
+            spindle: self.angle.turn(),
+            thread_continues: self.automatic.thread_continues(),
             hold: held || locked,
             dry_run: self.dry_run(),
         };
@@ -439,6 +465,7 @@ impl Cnc {
             if !self.begin_within_tick() {
                 break;
             }
+            inputs.thread_continues = self.automatic.thread_continues();
             self.interpolator.continue_tick(&self.limits, &inputs);
         }
         self.axes
@@ -455,7 +482,7 @@ impl Cnc {
     /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its
     /// highest step with manual rapid on; rapids at the jog rate unless manual
     /// rapid is on or 004.6 RDRN = 1.
-    fn dry_run(&self) -> Option<DryRun> {
+    pub(crate) fn dry_run(&self) -> Option<DryRun> {
         if !self.from_plc.dry_run || self.mode != Mode::Auto {
             return None;
         }
@@ -467,11 +494,12 @@ impl Cnc {
         })
     }
 
-    /// The zero lamps go out when an axis leaves its reference point.
+    /// The zero lamps go out when an axis leaves its reference point, which is
+    /// machine coordinate zero; the tick in which it arrives does not count.
     fn watch_reference(&mut self, before: Point) {
         let now = self.position();
-        self.at_reference.x &= now.x == before.x;
-        self.at_reference.z &= now.z == before.z;
+        self.at_reference.x &= now.x == before.x || now.x == 0.0;
+        self.at_reference.z &= now.z == before.z || now.z == 0.0;
     }
 
     fn at_program_zero(&self) -> PerAxis<bool> {

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::interpreter::Modal;
-use crate::units::{Feed, Point};
+use crate::units::{Axis, Feed, Point};
 
 /// Which program a block stands in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,8 +61,10 @@ pub struct Command {
     /// Whether it is the last command of its block.
     pub block_end: bool,
     /// Whether single block stops after it (ends of blocks that stop, and the
-    /// moves of G90/G92/G94, manual I-3.1.13).
+    /// moves of cycles, manual I-3.1.13).
     pub stop_point: bool,
+    /// Whether feed hold waits for its end: the moves of G70 to G75.
+    pub whole: bool,
 }
 
 /// What a command does. Positions are machine coordinates.
@@ -90,6 +92,31 @@ pub enum Action {
         clockwise: bool,
         /// Rate along the path.
         feed: Feed,
+    },
+    /// Straight cut tied to the angle of the spindle (G32, G34, G92, G76).
+    Thread {
+        /// End point.
+        to: Point,
+        /// The axis the lead counts on; X as a radius.
+        long: Axis,
+        /// mm per revolution at the start.
+        lead: f64,
+        /// mm per revolution and revolution (G34); 0 otherwise.
+        increase: f64,
+        /// Where on the turn it begins.
+        start: ThreadStart,
+        /// Whether it is the tail that leaves the thread.
+        run_out: bool,
+    },
+    /// Tapping in Z (G33): in, spindle stop, reverse, out. It ends where it began,
+    /// with the spindle stopped.
+    Tap {
+        /// Bottom of the hole.
+        to: Point,
+        /// mm per revolution.
+        lead: f64,
+        /// Angle after the one-turn signal at which it begins.
+        start_degrees: f64,
     },
     /// G04; zero is an exact stop.
     Dwell {
@@ -140,9 +167,25 @@ pub enum Action {
     },
     /// M99 in the main program: the part counter counts, the run goes on.
     Repeat,
+    /// An operation on variables (G65) was done when its block was read; it takes a
+    /// millisecond.
+    Macro,
     /// A block without any effect on the machine (only N, G modal words…): it
     /// moves the block cursor and is a place where single block stops.
     Nothing,
+}
+
+/// Where on the turn of the spindle a thread begins.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ThreadStart {
+    /// So many degrees after the one-turn signal, which is waited for; the starts
+    /// of a multi-start thread differ in it.
+    AtIndex {
+        /// Degrees, 0…360.
+        degrees: f64,
+    },
+    /// It goes on in phase from the thread before.
+    Continued,
 }
 
 /// How an auxiliary function runs against the motion of its block.
@@ -179,6 +222,10 @@ pub enum MoveKind {
     Clockwise,
     /// Counter-clockwise arc.
     CounterClockwise,
+    /// Cut tied to the angle of the spindle.
+    Thread,
+    /// The tail that leaves a thread.
+    RunOut,
     /// A wait without motion.
     Dwell,
 }

@@ -4,6 +4,7 @@ pub mod alarm;
 pub mod axis;
 pub mod cnc;
 pub mod command;
+pub(crate) mod compensation;
 pub mod interpreter;
 pub mod machine;
 pub mod memory;

@@ -4,15 +4,20 @@
 mod bounds;
 mod clock;
 mod spindle;
+mod thread;
+
+use core::cell::OnceCell;
 
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, Source};
+use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, Source, ThreadStart};
 use crate::interpreter::{Advance, Host, Interpreter, Modal};
-use crate::memory::{Offsets, Parameters};
-use crate::motion::{MotionLimits, duration, path_length};
+use crate::memory::{Offsets, Parameters, Variables};
+use crate::motion::{MotionLimits, ThreadMove, duration, path_length};
+use crate::operation::check_encoder;
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
-use crate::units::{Feed, PerAxis, Point};
+use crate::simulation::Simulation;
+use crate::units::{Feed, PerAxis, Point, TICK_S};
 
 pub use bounds::Bounds;
 use clock::Clock;
@@ -51,6 +56,8 @@ pub struct Lengths {
     pub clockwise: f64,
     /// Counter-clockwise arcs.
     pub counter_clockwise: f64,
+    /// Threads with their run-outs, and taps.
+    pub thread: f64,
 }
 
 /// What a program does. Points have a radius X.
@@ -106,11 +113,16 @@ pub fn preview(
     let mut host = DryRun {
         parameters: setup.parameters.clone(),
         offsets: &setup.offsets,
+        variables: setup.variables.clone(),
+        idle_inputs: OnceCell::new(),
+        outputs: 0,
+        setup,
         programs,
         machine: setup.start.unwrap_or_default(),
         referenced: PerAxis::new(setup.referenced, setup.referenced),
     };
     let mut interpreter = Interpreter::new(&host.parameters);
+    interpreter.set_inch_input(setup.inch_input);
     let mut walk = Walk::new(setup, *interpreter.modal(), on_move);
     match programs.current() {
         Some(program) => {
@@ -129,6 +141,11 @@ pub fn preview(
 struct DryRun<'a> {
     parameters: Parameters,
     offsets: &'a Offsets,
+    variables: Variables,
+    /// Worked out when a program asks for them.
+    idle_inputs: OnceCell<u16>,
+    outputs: u64,
+    setup: &'a Setup,
     programs: &'a ProgramMemory,
     machine: Point,
     referenced: PerAxis<bool>,
@@ -143,6 +160,21 @@ impl Host for DryRun<'_> {
     }
     fn offsets(&self) -> &Offsets {
         self.offsets
+    }
+    fn variables(&self) -> &Variables {
+        &self.variables
+    }
+    fn variables_mut(&mut self) -> &mut Variables {
+        &mut self.variables
+    }
+    fn interface_inputs(&self) -> u16 {
+        *self.idle_inputs.get_or_init(|| idle_inputs(self.setup))
+    }
+    fn interface_outputs(&self) -> u64 {
+        self.outputs
+    }
+    fn set_interface_outputs(&mut self, outputs: u64) {
+        self.outputs = outputs;
     }
     fn programs(&self) -> &ProgramMemory {
         self.programs
@@ -161,6 +193,17 @@ impl Host for DryRun<'_> {
     }
 }
 
+/// What the ladder gives to macros while the lathe stands idle.
+fn idle_inputs(setup: &Setup) -> u16 {
+    const SETTLED_TICKS: u32 = 500;
+    let mut simulation = Simulation::new(setup.clone());
+    for _ in 0..SETTLED_TICKS {
+        simulation.tick();
+    }
+    let memory = simulation.cnc.plc().memory();
+    u16::from_le_bytes([memory.g(54), memory.g(55)])
+}
+
 /// The walk over the commands.
 struct Walk<'a> {
     limits: MotionLimits,
@@ -168,6 +211,10 @@ struct Walk<'a> {
     spindle: Spindle,
     relative_zero: Point,
     motionless: u32,
+    /// Slowing down at the end of the last thread, s.
+    owed: f64,
+    /// Time the spindle needs for a new speed, s.
+    settle_s: f64,
     so_far: Preview,
     on_move: &'a mut dyn FnMut(&ExecutedMove),
 }
@@ -181,6 +228,8 @@ impl<'a> Walk<'a> {
             spindle: Spindle::new(setup),
             relative_zero: Point::default(),
             motionless: 0,
+            owed: 0.0,
+            settle_s: f64::from(setup.lathe.spindle.settle_ms) / 1000.0,
             so_far: Preview {
                 end: End::Limit,
                 alarm: None,
@@ -230,7 +279,7 @@ impl<'a> Walk<'a> {
 
     fn finish(self) -> Preview {
         let mut preview = self.so_far;
-        preview.time_s = self.clock.now();
+        preview.time_s = self.clock.now() + self.owed;
         preview.spindle = self.spindle.turning();
         preview.absolute = snapped(preview.frame.program(preview.machine));
         preview.relative = snapped(preview.absolute - self.relative_zero);
@@ -239,6 +288,9 @@ impl<'a> Walk<'a> {
 
     fn carry_out(&mut self, command: &Command) -> Result<Option<End>, Alarm> {
         self.motionless += 1;
+        if self.owed > 0.0 {
+            self.pay(&command.action);
+        }
         match &command.action {
             Action::Rapid { to } => self.travel(command, MoveKind::Rapid, *to, None, None)?,
             Action::Line { to, feed } => {
@@ -257,6 +309,25 @@ impl<'a> Walk<'a> {
                 };
                 self.travel(command, kind, *to, Some(*center), Some(*feed))?;
             }
+            Action::Thread {
+                to,
+                long,
+                lead,
+                increase,
+                start,
+                run_out,
+            } => {
+                let thread = ThreadMove {
+                    to: *to,
+                    long: *long,
+                    lead: *lead,
+                    increase: *increase,
+                    start: *start,
+                    run_out: *run_out,
+                };
+                self.thread(command, &thread)?;
+            }
+            Action::Tap { to, lead, .. } => self.tap(command, *to, *lead)?,
             Action::Dwell { ms } => self.dwell(command.source, *ms),
             Action::Frame {
                 frame, relative, ..
@@ -295,6 +366,7 @@ impl<'a> Walk<'a> {
                 }
                 return Ok(Some(if *m30 { End::M30 } else { End::Text }));
             }
+            Action::Macro => self.clock.advance(TICK_S),
             Action::Referenced { .. } | Action::Nothing => {}
         }
         if command.block_end {
@@ -302,6 +374,21 @@ impl<'a> Walk<'a> {
             self.clock.block_end();
         }
         Ok(None)
+    }
+
+    /// The slowing down of the thread before, unless it goes on in phase.
+    fn pay(&mut self, next: &Action) {
+        let owed = core::mem::take(&mut self.owed);
+        let in_phase = matches!(
+            next,
+            Action::Thread {
+                start: ThreadStart::Continued,
+                ..
+            }
+        );
+        if !in_phase {
+            self.clock.advance(owed);
+        }
     }
 
     fn travel(
@@ -319,6 +406,7 @@ impl<'a> Walk<'a> {
             None => 0.0,
             Some(Feed::PerMinute(rate)) => rate,
             Some(Feed::PerRevolution(rate)) => {
+                check_encoder(&self.so_far.parameters)?;
                 let middle = (frame.program(from).x + frame.program(to).x) / 2.0;
                 rate * self.spindle.rpm_for_feed(middle)?
             }

@@ -7,7 +7,7 @@ use gsk_plc::Retained;
 use gsk_plc::address::BitAddress;
 
 use crate::machine::LatheConfig;
-use crate::memory::{Counters, Offsets, Parameters};
+use crate::memory::{Counters, Offsets, Parameters, Variables};
 use crate::program::ProgramMemory;
 use crate::units::Point;
 
@@ -21,6 +21,10 @@ pub struct Setup {
     pub parameters: Parameters,
     /// Tool offsets.
     pub offsets: Offsets,
+    /// Macro variables.
+    pub variables: Variables,
+    /// Whether programs are in inches (英制编程 of the setting page).
+    pub inch_input: bool,
     /// Program memory.
     pub programs: ProgramMemory,
     /// Part counter and cutting time.
@@ -75,6 +79,8 @@ impl Default for Setup {
         Self {
             parameters,
             offsets: Offsets::default(),
+            variables: Variables::default(),
+            inch_input: false,
             programs: ProgramMemory::default(),
             counters: Counters::default(),
             ladder: standard_ladder(),

@@ -6,11 +6,12 @@ use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
 /// The least output increment of an axis, mm of slide travel: X 0.0005 with
-/// diameter programming (001.2 = 0), 0.001 with radius programming; Z 0.001.
+/// diameter programming (001.2 = 0), 0.001 with radius programming; Z 0.001. With
+/// an inch machine (004.0 SCW) 0.0001 inch takes the place of 0.001 mm.
 pub fn least_increment(axis: Axis, parameters: &Parameters) -> f64 {
     match axis {
-        Axis::X if !parameters.radius_programming() => 0.0005,
-        _ => 0.001,
+        Axis::X if !parameters.radius_programming() => parameters.least_increment() / 2.0,
+        _ => parameters.least_increment(),
     }
 }
 

@@ -5,6 +5,7 @@ use gsk_plc::address::{Area, BitAddress};
 use super::{Cnc, X_BYTES};
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
+use crate::operation::Mode;
 use crate::program::Program;
 use crate::units::Axis;
 
@@ -29,6 +30,15 @@ pub enum Request {
     OpenExternal(Program),
     /// One word for the MDI block.
     MdiWord(String),
+    /// A value for a common macro variable, keyed in on its page.
+    SetVariable {
+        /// #200–#231, #500–#515.
+        number: u16,
+        /// −2³² to 2³² − 1.
+        value: i64,
+    },
+    /// 英制编程: programs are in inches from now on.
+    SetInchInput(bool),
     /// The OUTPUT key went down or up.
     OutputKey(bool),
 }
@@ -39,7 +49,8 @@ impl Cnc {
     ///
     /// # Errors
     /// The alarm of the manual: 031 or 071 program not found, 060 sequence number
-    /// not found, 068 and 072 memory full, and those of the MDI words.
+    /// not found, 068 and 072 memory full, 111 and 115 for variables, and those of
+    /// the MDI words.
     pub fn request(&mut self, request: Request) -> Result<(), Alarm> {
         match request {
             Request::ZeroRelative(axis) if !self.is_moving() => {
@@ -70,6 +81,18 @@ impl Cnc {
                 self.select(ProgramId::External)?;
             }
             Request::MdiWord(word) => self.mdi.enter(&word, &self.parameters)?,
+            Request::SetVariable { number, value } => {
+                if self.mode == Mode::Mdi && !self.automatic.operating() {
+                    self.variables.set(number, value)?;
+                }
+            }
+            Request::SetInchInput(inch) => {
+                if self.mode == Mode::Mdi && !self.automatic.operating() {
+                    self.inch_input = inch;
+                    self.interpreter.set_inch_input(inch);
+                    self.modal.inch = inch;
+                }
+            }
             Request::OutputKey(down) => self.output_key = down,
         }
         Ok(())
@@ -93,11 +116,7 @@ impl Cnc {
         if self.automatic.operating() {
             return Ok(());
         }
-        let missing = if self.mode == crate::operation::Mode::Auto {
-            31
-        } else {
-            71
-        };
+        let missing = if self.mode == Mode::Auto { 31 } else { 71 };
         if self.programs.get(program).is_none() {
             return Err(Alarm::new(missing));
         }

@@ -6,7 +6,7 @@ use super::{Cnc, Event};
 use crate::alarm::Alarm;
 use crate::command::{Frame, ProgramId, Source};
 use crate::interpreter::Modal;
-use crate::memory::{Counters, Offsets, Parameters};
+use crate::memory::{Counters, Offsets, Parameters, Variables};
 use crate::operation::{Mode, RunState, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
@@ -132,6 +132,16 @@ impl Cnc {
     /// Tool offsets.
     pub const fn offsets(&self) -> &Offsets {
         &self.offsets
+    }
+
+    /// Macro variables.
+    pub const fn variables(&self) -> &Variables {
+        &self.variables
+    }
+
+    /// Whether programs are in inches (英制编程 of the setting page).
+    pub const fn inch_input(&self) -> bool {
+        self.inch_input
     }
 
     /// Program memory.

@@ -1,15 +1,24 @@
 //! The control as the interpreter sees it.
 
+use gsk_plc::Memory;
+
 use crate::interpreter::Host;
-use crate::memory::{Offsets, Parameters};
+use crate::memory::{Offsets, Parameters, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
+
+/// G54: UI0, #1000.
+const MACRO_INPUTS: u16 = 54;
+/// F54 to F59: UO0, #1100, and on.
+const MACRO_OUTPUTS: core::ops::RangeInclusive<u16> = 54..=59;
 
 /// A view of the control for the interpreter, at one instant.
 pub(crate) struct World<'a> {
     pub parameters: &'a mut Parameters,
     pub offsets: &'a Offsets,
+    pub variables: &'a mut Variables,
     pub programs: &'a ProgramMemory,
+    pub plc: &'a mut Memory,
     pub machine_position: Point,
     pub referenced: PerAxis<bool>,
     pub block_skip: bool,
@@ -28,6 +37,32 @@ impl Host for World<'_> {
 
     fn offsets(&self) -> &Offsets {
         self.offsets
+    }
+
+    fn variables(&self) -> &Variables {
+        self.variables
+    }
+
+    fn variables_mut(&mut self) -> &mut Variables {
+        self.variables
+    }
+
+    fn interface_inputs(&self) -> u16 {
+        u16::from_le_bytes([self.plc.g(MACRO_INPUTS), self.plc.g(MACRO_INPUTS + 1)])
+    }
+
+    fn interface_outputs(&self) -> u64 {
+        let mut bytes = [0; 8];
+        for (byte, number) in bytes.iter_mut().zip(MACRO_OUTPUTS) {
+            *byte = self.plc.f(number);
+        }
+        u64::from_le_bytes(bytes)
+    }
+
+    fn set_interface_outputs(&mut self, outputs: u64) {
+        for (byte, number) in outputs.to_le_bytes().into_iter().zip(MACRO_OUTPUTS) {
+            self.plc.set_f(number, byte);
+        }
     }
 
     fn programs(&self) -> &ProgramMemory {

@@ -9,19 +9,23 @@ use crate::command::{Action, Source, SpindleCommand, Timing};
 use crate::interpreter::Modal;
 use crate::interpreter::exact::Exact;
 use crate::interpreter::miscellaneous::{self, Function};
+use crate::interpreter::nose_compensation::{
+    Compensated, check_arc_block, check_call, check_option,
+};
 use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::positioning::within_stroke;
 use crate::interpreter::reference::Reference;
 use crate::interpreter::state::State;
 use crate::interpreter::subprogram::{self, Call, Flow, Place};
 use crate::interpreter::tool::{self, Execution, ToolWord};
-use crate::interpreter::words::{AxisWords, OneShot, Target, Words};
+use crate::interpreter::words::{AxisWords, OneShot, Words};
 use crate::interpreter::{
-    arc, coordinates, dwell, facing_cycle, numbers, positioning, spindle_speed, turning_cycle,
+    arc, compound, coordinates, corner, dwell, facing_cycle, positioning, special_call,
+    spindle_speed, tapping, thread, thread_cycle, turning_cycle,
 };
 use crate::memory::{Offsets, Parameters};
 use crate::program::ProgramMemory;
-use crate::units::{Axis, PerAxis};
+use crate::units::PerAxis;
 
 /// What a block may look at.
 pub(crate) struct Context<'a> {
@@ -38,6 +42,13 @@ pub(crate) struct Context<'a> {
     pub(crate) mdi: bool,
     /// 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
+    /// The nose radius compensation before the block.
+    pub(crate) compensated: Compensated,
+    /// The words of any block of the program the block stands in, by its index
+    /// and the code of group 01 before it; `None` for a skipped one.
+    pub(crate) read: &'a dyn Fn(u32, u8) -> Result<Option<Words>, Alarm>,
+    /// The words of the block that follows, for a block that needs them.
+    pub(crate) next: Option<&'a Words>,
 }
 
 /// What the motion words of a block amount to.
@@ -48,7 +59,10 @@ enum Kind {
     Rapid,
     Line,
     Arc,
+    Thread,
+    Tap,
     TurningCycle,
+    ThreadCycle,
     FacingCycle,
 }
 
@@ -58,16 +72,26 @@ pub(crate) fn evaluate(
     context: &Context<'_>,
     words: &Words,
 ) -> Result<Plan, Alarm> {
+    let special = special_call::find(words, context)?;
+    let rest;
+    let words = match special {
+        Some(call) => {
+            rest = call.without(words);
+            &rest
+        }
+        None => words,
+    };
     let function = match words.m {
         Some(code) => Some(miscellaneous::function(code, context)?),
         None => None,
     };
-    set_modal(state, words);
+    check_option(words, context.parameters)?;
+    set_modal(state, words)?;
     let axes = words.axes(context.x_factor);
     let kind = kind(state, words, &axes);
 
     // Increments count from the position shown before a T of the same block.
-    let base = state.position;
+    let base = state.position + state.ahead;
     let mut plan = Plan::new(context.source, state.modal);
     let mut travels = false;
     if let Some(t) = words.t {
@@ -87,7 +111,13 @@ pub(crate) fn evaluate(
         }
         _ => None,
     };
-    plan.motion = motion(state, context, words, kind, &axes, base)?;
+    match kind {
+        Kind::OneShot(code) if code.is_compound() => {
+            compound::plan(code, state, context, words, &axes, base, &mut plan)?;
+        }
+        _ => plan.motion = motion(state, context, words, kind, &axes, base)?,
+    }
+    state.threading = kind == Kind::Thread && plan.motion.moves();
     if travels && kind == Kind::Nothing {
         plan.motion = Motion::One(positioning::rapid(state, state.position));
     }
@@ -101,6 +131,15 @@ pub(crate) fn evaluate(
             .push_back(Action::Miscellaneous { code, timing });
     }
     follow(state, context, words, function, &mut plan)?;
+    if let Some(call) = special {
+        check_call(state, context, &plan)?;
+        plan.flow = subprogram::call_special(context, call)?;
+        // Alone in its block it is like M98.
+        plan.stops = words.count > 1;
+        if plan.stops && plan.is_done() {
+            plan.after = Some(Action::Nothing);
+        }
+    }
     plan.modal = state.modal;
     if plan.is_done() && plan.flow == Flow::Next {
         plan.after = Some(Action::Nothing);
@@ -108,26 +147,30 @@ pub(crate) fn evaluate(
     Ok(plan)
 }
 
-/// G groups 01 and 03, and F.
-fn set_modal(state: &mut State, words: &Words) {
+/// G groups 01, 03 and 04, and F.
+fn set_modal(state: &mut State, words: &Words) -> Result<(), Alarm> {
     if let Some(code) = words.motion {
         state.modal.motion = code;
-        if code <= 3 {
+        if !matches!(code, 90 | 92 | 94) {
             state.cycle.clear();
         }
     }
-    if matches!(
-        words.one_shot,
-        Some(OneShot::Reference | OneShot::Coordinates)
-    ) {
+    if words.one_shot.is_some_and(|code| code != OneShot::Dwell) {
         state.cycle.clear();
+    }
+    if let Some(code) = words.nose {
+        state.modal.nose_compensation = code;
     }
     if let Some(per_revolution) = words.per_revolution {
         reread_feed(&mut state.modal, per_revolution);
     }
+    if thread::takes_lead(words, state.modal.motion) {
+        return thread::take_lead(state, words);
+    }
     if let Some(feed) = words.f {
         state.modal.feed = feed;
     }
+    Ok(())
 }
 
 /// The control holds one F register: mm/min in G98, 0.0001 mm/rev in G99. Without
@@ -151,12 +194,16 @@ fn kind(state: &State, words: &Words, axes: &AxisWords) -> Kind {
         0 if axes.any() => Kind::Rapid,
         1 if axes.any() => Kind::Line,
         2 | 3 if axes.any() || words.i.is_some() || words.k.is_some() => Kind::Arc,
-        code @ (90 | 94) => {
-            let programmed = axes.any() || words.r.is_some();
+        32 | 34 if axes.any() => Kind::Thread,
+        33 if axes.any() => Kind::Tap,
+        code @ (90 | 92 | 94) => {
+            let run_out = code == 92 && words.j.or(words.k).or(words.l).is_some();
+            let programmed = axes.any() || words.r.is_some() || run_out;
             // An empty block repeats the cycle, and so does its bare G code.
             let repeats = (words.count == 0 || words.motion.is_some()) && state.cycle.is_set();
             match code {
                 90 if programmed || repeats => Kind::TurningCycle,
+                92 if programmed || repeats => Kind::ThreadCycle,
                 94 if programmed || repeats => Kind::FacingCycle,
                 _ => Kind::Nothing,
             }
@@ -202,7 +249,8 @@ fn motion(
     base: Exact,
 ) -> Result<Motion, Alarm> {
     match kind {
-        Kind::Nothing => Ok(Motion::None),
+        Kind::Thread => thread::plan(state, words, axes, base, context.x_factor),
+        Kind::Tap => tapping::plan(state, words, axes, base, context.x_factor),
         Kind::OneShot(OneShot::Dwell) => Ok(Motion::One(dwell::dwell(words))),
         Kind::OneShot(OneShot::Coordinates) => {
             let relative_follows = context.parameters.g50_sets_relative();
@@ -213,24 +261,26 @@ fn motion(
             let reference = Reference::plan(state, context, axes, base)?;
             Ok(reference.map_or(Motion::None, Motion::Reference))
         }
+        // G70 to G76 have plans of their own.
+        Kind::Nothing | Kind::OneShot(_) => Ok(Motion::None),
         Kind::Rapid => {
             let end = end_point(state, axes, base, context.x_factor)?;
             let action = positioning::rapid(state, end);
-            arrive(state, axes, end);
+            state.arrive(axes, end);
             Ok(Motion::One(action))
         }
         Kind::Line => {
-            if words.r.or(words.i).or(words.k).is_some() {
-                return Err(Alarm::new(numbers::ARC_DATA)
-                    .because("chamfers and corner arcs (I, K, R with G01) are not built yet"));
-            }
             let end = end_point(state, axes, base, context.x_factor)?;
+            if corner::is_asked(words) {
+                return corner::plan(state, context, words, axes, end);
+            }
             let action = positioning::line(state, end)?;
-            arrive(state, axes, end);
+            state.arrive(axes, end);
             Ok(Motion::One(action))
         }
         Kind::Arc => {
             let end = end_point(state, axes, base, context.x_factor)?;
+            check_arc_block(state, context, end, words)?;
             let clockwise = state.modal.motion == 2;
             let Some(center) = arc::center(state.position, end, words, clockwise)? else {
                 return Ok(Motion::None);
@@ -241,16 +291,26 @@ fn motion(
                 clockwise,
                 feed: positioning::feed(&state.modal)?,
             };
-            arrive(state, axes, end);
+            state.arrive(axes, end);
             Ok(Motion::One(action))
+        }
+        Kind::ThreadCycle => {
+            let data = state.cycle.take(words, axes, base, state.position);
+            let cycle = thread_cycle::plan(state, context.parameters, data, context.x_factor)?;
+            state.return_here();
+            Ok(Motion::Cycle(Box::new(cycle)))
         }
         Kind::TurningCycle | Kind::FacingCycle => {
             let data = state.cycle.take(words, axes, base, state.position);
-            let cycle = match kind {
+            let mut cycle = match kind {
                 Kind::TurningCycle => turning_cycle::plan(state, data, context.x_factor)?,
                 _ => facing_cycle::plan(state, data, context.x_factor)?,
             };
-            state.untravelled = PerAxis::new(false, false);
+            if state.compensates() && context.compensated != Compensated::Never {
+                let start = state.machine(state.position).point();
+                cycle.follow_nose(start, state.nose);
+            }
+            state.return_here();
             Ok(Motion::Box(cycle))
         }
     }
@@ -258,16 +318,6 @@ fn motion(
 
 fn end_point(state: &State, axes: &AxisWords, base: Exact, x_factor: i64) -> Result<Exact, Alarm> {
     within_stroke(axes.target(base, state.position), x_factor)
-}
-
-/// The motion will end at a point; its axes have travelled their offset.
-fn arrive(state: &mut State, axes: &AxisWords, end: Exact) {
-    state.position = end;
-    for axis in [Axis::X, Axis::Z] {
-        if axes.get(axis) != Target::None {
-            *state.untravelled.get_mut(axis) = false;
-        }
-    }
 }
 
 /// M00, M30, M98, M99: after the motion.
@@ -292,10 +342,14 @@ fn follow(
             state.cycle.clear();
         }
         Some(Function::Call) => {
+            check_call(state, context, plan)?;
             plan.flow = subprogram::call(context, p)?;
             plan.stops = !words.bare_call();
         }
         Some(Function::Return) => {
+            if !context.calls.is_empty() {
+                check_call(state, context, plan)?;
+            }
             plan.flow = subprogram::back(context, p)?;
             plan.stops = !words.bare_call();
             if subprogram::repeats(context, plan.flow) {

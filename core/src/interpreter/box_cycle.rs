@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
 use crate::command::Action;
+use crate::compensation::{Nose, box_corners};
 use crate::interpreter::exact::{Exact, mm};
 use crate::interpreter::plan::Emission;
 use crate::interpreter::state::State;
@@ -31,6 +32,12 @@ impl BoxCycle {
             feed: positioning::feed(&state.modal)?,
             step: 0,
         })
+    }
+
+    /// Moves the legs for the nose, under G41 and G42. The box begins and ends
+    /// at the machine point `start`.
+    pub(crate) fn follow_nose(&mut self, start: Point, nose: Nose) {
+        self.corners = box_corners(start, self.corners, nose);
     }
 
     pub(crate) fn next(&mut self) -> Option<Emission> {

@@ -11,6 +11,11 @@ pub(crate) struct CycleWords {
     x: Option<i64>,
     z: Option<i64>,
     r: i64,
+    /// Run-out of G92: height and length.
+    j: Option<i64>,
+    k: Option<i64>,
+    /// Thread starts of G92.
+    l: Option<i64>,
 }
 
 /// What a cycle block amounts to after the stored words are added.
@@ -20,6 +25,12 @@ pub(crate) struct CycleData {
     pub(crate) end: Exact,
     /// R in millionths of a millimetre; a radius when it is along X.
     pub(crate) r: i64,
+    /// J of G92, if ever given.
+    pub(crate) j: Option<i64>,
+    /// K of G92, if ever given.
+    pub(crate) k: Option<i64>,
+    /// L of G92.
+    pub(crate) starts: i64,
 }
 
 impl CycleWords {
@@ -51,9 +62,15 @@ impl CycleWords {
         if let Some(r) = words.r {
             self.r = r;
         }
+        self.j = words.j.or(self.j);
+        self.k = words.k.or(self.k);
+        self.l = words.l.or(self.l);
         CycleData {
             end: Exact::new(self.x.unwrap_or(at.x), self.z.unwrap_or(at.z)),
             r: self.r,
+            j: self.j,
+            k: self.k,
+            starts: self.l.unwrap_or(1),
         }
     }
 }

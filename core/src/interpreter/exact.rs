@@ -88,8 +88,21 @@ impl core::ops::Sub for Exact {
     }
 }
 
+/// `value * numerator / denominator`, rounded half away from zero.
+pub(crate) fn scaled(value: i64, numerator: i64, denominator: i64) -> i64 {
+    if denominator == 0 {
+        return 0;
+    }
+    let (product, by) = (
+        i128::from(value) * i128::from(numerator),
+        i128::from(denominator),
+    );
+    let half = by.abs() / 2 * product.signum();
+    i64::try_from((product + half) / by).unwrap_or(i64::MAX)
+}
+
 /// Rounds half away from zero; what is no number becomes zero.
-fn to_units(value: f64) -> i64 {
+pub(crate) fn to_units(value: f64) -> i64 {
     libm::round(value) as i64
 }
 

@@ -1,7 +1,7 @@
 //! What the interpreter needs to know of the world, and what it answers.
 
 use crate::command::Command;
-use crate::memory::{Offsets, Parameters};
+use crate::memory::{Offsets, Parameters, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
@@ -14,6 +14,17 @@ pub trait Host {
     fn parameters_mut(&mut self) -> &mut Parameters;
     /// Tool offsets.
     fn offsets(&self) -> &Offsets;
+    /// Macro variables, to be read.
+    fn variables(&self) -> &Variables;
+    /// Macro variables, to be written by G65.
+    fn variables_mut(&mut self) -> &mut Variables;
+    /// What the ladder gives to macros, G54 and G55: #1000 in bit 0. Meaningful
+    /// when [`Host::settled`].
+    fn interface_inputs(&self) -> u16;
+    /// What macros give to the ladder: F54 in the lowest byte to F59.
+    fn interface_outputs(&self) -> u64;
+    /// Switches the outputs F54 to F59.
+    fn set_interface_outputs(&mut self, outputs: u64);
     /// Stored programs and the external one.
     fn programs(&self) -> &ProgramMemory;
     /// Commanded machine position; meaningful when [`Host::settled`].

@@ -19,6 +19,11 @@ pub(crate) enum Function {
     Output(u8),
 }
 
+/// Whether an M code has a function of its own.
+pub(crate) const fn is_standard(code: u8) -> bool {
+    matches!(code, 0 | 3..=5 | 8..=13 | 30 | 32 | 33 | 41..=44 | 98 | 99)
+}
+
 /// Sorts an M code; alarm 019 for one that the control does not have.
 pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alarm> {
     match code {

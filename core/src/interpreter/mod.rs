@@ -11,32 +11,55 @@
 //! when they are asked for. Positions are kept as integers ([`exact`]).
 
 mod arc;
+mod arithmetic;
 mod block;
 mod box_cycle;
+mod compound;
+mod compound_thread;
+mod contour;
 mod coordinates;
+mod corner;
+mod cycle;
 mod cycle_words;
 mod dwell;
 mod exact;
+mod explanation;
 mod facing_cycle;
+mod finishing;
 mod host;
+mod inch;
+mod jump;
+mod lookahead;
+mod macro_block;
 mod miscellaneous;
 mod modal;
+mod nose_compensation;
 mod numbers;
+mod pattern;
+mod pecking;
 mod plan;
 mod positioning;
+mod profile;
 mod reader;
 mod reference;
+mod roughing;
 mod run;
+mod special_call;
 mod spindle_speed;
 mod state;
 mod subprogram;
+mod tapping;
+mod thread;
+mod thread_cycle;
 mod tool;
 mod turning_cycle;
+mod variable;
 mod words;
 
 #[cfg(test)]
 mod tests;
 
+pub use explanation::Explanation;
 pub use host::{Host, Step};
 pub use modal::Modal;
 pub(crate) use reader::Advance;

@@ -1,11 +1,14 @@
 //! Alarm numbers that the interpreter raises (manual, appendix 3).
 
 pub(crate) const BAD_VALUE: u16 = 2;
+pub(crate) const BAD_ADDRESS: u16 = 9;
 pub(crate) const BAD_G: u16 = 10;
 pub(crate) const NO_FEED: u16 = 11;
+pub(crate) const TWO_CALLS: u16 = 12;
 pub(crate) const ARC_DATA: u16 = 13;
 pub(crate) const EMPTY_G50: u16 = 14;
 pub(crate) const CYCLE_TAPER: u16 = 15;
+pub(crate) const PROFILE_RANGE: u16 = 16;
 pub(crate) const BAD_M: u16 = 19;
 pub(crate) const NEGATIVE_RADIUS: u16 = 23;
 pub(crate) const G_CONFLICT: u16 = 24;
@@ -14,7 +17,22 @@ pub(crate) const BAD_OFFSET: u16 = 30;
 pub(crate) const PROGRAM_MISSING: u16 = 31;
 pub(crate) const BAD_TOOL: u16 = 32;
 pub(crate) const OUT_OF_RANGE: u16 = 43;
+pub(crate) const PROFILE_WORDS: u16 = 61;
+pub(crate) const CYCLE_DATA: u16 = 62;
+pub(crate) const PROFILE_MISSING: u16 = 63;
+pub(crate) const PROFILE_CALL: u16 = 64;
+pub(crate) const PROFILE_START: u16 = 65;
+pub(crate) const PROFILE_CODE: u16 = 66;
+pub(crate) const PROFILE_IN_MDI: u16 = 67;
 pub(crate) const CALL_WITHOUT_P: u16 = 76;
 pub(crate) const CALL_TOO_DEEP: u16 = 77;
 pub(crate) const TARGET_MISSING: u16 = 78;
 pub(crate) const NOT_REFERENCED: u16 = 90;
+pub(crate) const MACRO_RANGE: u16 = 111;
+pub(crate) const DIVISION_BY_ZERO: u16 = 112;
+pub(crate) const BAD_OPERATION: u16 = 114;
+pub(crate) const BAD_VARIABLE: u16 = 115;
+pub(crate) const READ_ONLY: u16 = 116;
+pub(crate) const NEGATIVE_ARGUMENT: u16 = 119;
+pub(crate) const BAD_IN_MACRO: u16 = 125;
+pub(crate) const BAD_JUMP: u16 = 128;

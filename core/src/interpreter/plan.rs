@@ -8,8 +8,12 @@ use serde::{Deserialize, Serialize};
 use crate::command::{Action, Command, Source};
 use crate::interpreter::Modal;
 use crate::interpreter::box_cycle::BoxCycle;
+use crate::interpreter::cycle::Cycle;
+use crate::interpreter::exact::scaled;
+use crate::interpreter::explanation::Explanation;
 use crate::interpreter::reference::Reference;
 use crate::interpreter::subprogram::Flow;
+use crate::memory::{ParameterError, Parameters};
 
 /// One action of a block.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +41,60 @@ impl Emission {
     }
 }
 
+/// Two moves of one block: a cut and the chamfer, corner arc or run-out at its
+/// end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Two {
+    first: Option<Action>,
+    second: Option<Action>,
+}
+
+impl Two {
+    /// One after the other.
+    pub(crate) fn then(first: Action, second: Action) -> Box<Self> {
+        Box::new(Self {
+            first: Some(first),
+            second: Some(second),
+        })
+    }
+
+    fn next(&mut self) -> Option<Emission> {
+        let action = self.first.take().or_else(|| self.second.take());
+        action.map(Emission::passing)
+    }
+}
+
+/// Parameters that a cycle writes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Writes(Vec<(u16, i32)>);
+
+impl Writes {
+    /// A whole number.
+    pub(crate) fn push(&mut self, number: u16, value: i64) {
+        let value = i32::try_from(value).unwrap_or(if value < 0 { i32::MIN } else { i32::MAX });
+        self.0.push((number, value));
+    }
+
+    /// A length in millionths, as thousandths.
+    pub(crate) fn push_length(&mut self, number: u16, length: i64) {
+        self.push(number, scaled(length, 1, 1000));
+    }
+
+    /// The value of a parameter after these writes.
+    pub(crate) fn value(&self, number: u16, parameters: &Parameters) -> i32 {
+        let written = self.0.iter().rev().find(|(written, _)| *written == number);
+        written.map_or_else(|| parameters.value(number), |(_, value)| *value)
+    }
+
+    /// Carries the writes out.
+    pub(crate) fn apply(&mut self, parameters: &mut Parameters) -> Result<(), ParameterError> {
+        for (number, value) in core::mem::take(&mut self.0) {
+            parameters.set(number, value)?;
+        }
+        Ok(())
+    }
+}
+
 /// The motion of a block: one variant for each way to make moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Motion {
@@ -49,10 +107,14 @@ pub(crate) enum Motion {
     Box(BoxCycle),
     /// G28.
     Reference(Reference),
+    /// A cut with a chamfer, corner arc or run-out.
+    Two(Box<Two>),
+    /// G33 with several starts, G71 to G76, G92.
+    Cycle(Box<Cycle>),
 }
 
 impl Motion {
-    fn next(&mut self) -> Option<Emission> {
+    pub(crate) fn next(&mut self) -> Option<Emission> {
         match self {
             Self::None => None,
             Self::One(_) => match core::mem::take(self) {
@@ -61,6 +123,8 @@ impl Motion {
             },
             Self::Box(cycle) => cycle.next(),
             Self::Reference(reference) => reference.next(),
+            Self::Two(two) => two.next(),
+            Self::Cycle(cycle) => cycle.next(),
         }
     }
 
@@ -70,10 +134,24 @@ impl Motion {
             Self::None => false,
             Self::One(action) => matches!(
                 action,
-                Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. }
+                Action::Rapid { .. }
+                    | Action::Line { .. }
+                    | Action::Arc { .. }
+                    | Action::Thread { .. }
+                    | Action::Tap { .. }
             ),
-            Self::Box(_) | Self::Reference(_) => true,
+            Self::Box(_) | Self::Reference(_) | Self::Two(_) | Self::Cycle(_) => true,
         }
+    }
+
+    /// Whether it goes along a contour, where G41 and G42 act: G00 to G03. The
+    /// moves of cycles, threads and G28 run without compensation.
+    pub(crate) const fn is_contour(&self) -> bool {
+        matches!(
+            self,
+            Self::One(Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. })
+                | Self::Two(_)
+        )
     }
 
     fn is_done(&self) -> bool {
@@ -82,6 +160,8 @@ impl Motion {
             Self::One(_) => false,
             Self::Box(cycle) => cycle.is_done(),
             Self::Reference(reference) => reference.is_done(),
+            Self::Two(two) => two.second.is_none(),
+            Self::Cycle(cycle) => cycle.is_done(),
         }
     }
 }
@@ -100,6 +180,10 @@ pub(crate) struct Plan {
     pub(crate) flow: Flow,
     /// Whether single block stops at the end of the block.
     pub(crate) stops: bool,
+    /// Whether feed hold waits for the end of each of its moves.
+    pub(crate) whole: bool,
+    /// Parameters that come into force with it.
+    pub(crate) writes: Writes,
 }
 
 impl Plan {
@@ -112,6 +196,16 @@ impl Plan {
             after: None,
             flow: Flow::Next,
             stops: true,
+            whole: false,
+            writes: Writes::default(),
+        }
+    }
+
+    /// Why the move of a cycle taken last is where it is.
+    pub(crate) fn explanation(&self) -> Option<Explanation> {
+        match &self.motion {
+            Motion::Cycle(cycle) => cycle.explanation(),
+            _ => None,
         }
     }
 
@@ -136,6 +230,7 @@ impl Plan {
             modal: self.modal,
             block_end,
             stop_point: emission.stops || (block_end && self.stops),
+            whole: self.whole,
         })
     }
 }

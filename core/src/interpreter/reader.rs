@@ -5,17 +5,24 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, Frame, ProgramId, Source};
+use crate::compensation::Compensation;
 use crate::interpreter::block::{self, Context};
 use crate::interpreter::exact::Exact;
+use crate::interpreter::explanation::Explanation;
 use crate::interpreter::host::{Host, Step};
+use crate::interpreter::jump::Jumps;
+use crate::interpreter::lookahead::Reading;
+use crate::interpreter::macro_block::Outcome;
+use crate::interpreter::nose_compensation::{Compensated, check_call};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
 use crate::interpreter::state::State;
 use crate::interpreter::subprogram::{self, Flow, Place};
+use crate::interpreter::variable::NotNow;
 use crate::interpreter::words::Words;
-use crate::interpreter::{Modal, numbers};
+use crate::interpreter::{Modal, corner, inch, lookahead, macro_block, numbers, variable};
 use crate::memory::Parameters;
-use crate::program::{Program, Syntax};
+use crate::program::{Block, Program, Syntax};
 use crate::units::{Axis, Point};
 
 /// Blocks without any command that one call goes through.
@@ -29,14 +36,20 @@ const SILENT_BLOCKS: u32 = 16;
 /// automatic run where it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interpreter {
-    state: State,
-    main: Run,
-    mdi: Option<Mdi>,
+    pub(super) state: State,
+    pub(super) main: Run,
+    pub(super) mdi: Option<Mdi>,
+    /// The nose radius compensation of the automatic run.
+    pub(super) compensation: Compensation,
+    /// Programmed end of what a compensated run has read, machine coordinates,
+    /// while something else moves the tool.
+    pub(super) aside: Option<Exact>,
+    jumps: Jumps,
 }
 
 /// The run over the MDI block.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Mdi {
+pub(super) struct Mdi {
     program: Program,
     run: Run,
 }
@@ -71,7 +84,15 @@ impl Interpreter {
             state: State::new(modal),
             main: Run::over(),
             mdi: None,
+            compensation: Compensation::default(),
+            aside: None,
+            jumps: Jumps::default(),
         }
+    }
+
+    /// Whether programs are in inches, from the next block on.
+    pub const fn set_inch_input(&mut self, inch: bool) {
+        self.state.modal.inch = inch;
     }
 
     /// The modal state after the block read last.
@@ -94,6 +115,12 @@ impl Interpreter {
         self.run().source
     }
 
+    /// Why the move of a cycle taken last is where it is: its pass, level, depth
+    /// and formula. `None` outside cycles. Worked out when asked.
+    pub fn explanation(&self) -> Option<Explanation> {
+        self.run().plan.as_ref().and_then(Plan::explanation)
+    }
+
     /// How many subprogram calls are under way.
     pub fn depth(&self) -> usize {
         self.run().calls.len()
@@ -113,6 +140,8 @@ impl Interpreter {
             .map_or(0, |text| text.block_from_line(line));
         self.main = Run::from(Place { program, block });
         self.mdi = None;
+        self.drop_compensation();
+        self.jumps = Jumps::default();
         self.resync(host);
     }
 
@@ -129,6 +158,7 @@ impl Interpreter {
 
     /// Takes the position from the host again (after manual motion).
     pub fn resync(&mut self, host: &impl Host) {
+        self.lay_aside();
         self.state
             .stand_at(Exact::from_point(host.machine_position()));
     }
@@ -147,7 +177,7 @@ impl Interpreter {
         self.state.offset.set(axis, 0);
         *self.state.untravelled.get_mut(axis) = false;
         if self.state.offset == Exact::default() {
-            self.state.modal.offset = 0;
+            self.state.cancel_offset_number();
         }
         self.resync(host);
     }
@@ -158,14 +188,17 @@ impl Interpreter {
     }
 
     /// RESET, and the end of a program: runs are over, the stored words of
-    /// cycles are cleared, modal codes stay. The offset stays by 004.3 TOC.
+    /// cycles are cleared, modal codes stay, but G41 and G42 are cancelled and
+    /// their vector is dropped. The offset stays by 004.3 TOC.
     pub fn reset(&mut self, host: &impl Host) {
         self.main = Run::over();
         self.mdi = None;
+        self.drop_compensation();
+        self.state.modal.nose_compensation = 40;
         self.state.cycle.clear();
         if !host.parameters().reset_keeps_offset() {
             self.state.offset = Exact::default();
-            self.state.modal.offset = 0;
+            self.state.cancel_offset_number();
             self.state.untravelled = Default::default();
         }
         self.resync(host);
@@ -185,8 +218,8 @@ impl Interpreter {
         })
     }
 
-    /// [`next`](Self::next) without a heap allocation for the command.
-    pub(crate) fn advance<H: Host>(&mut self, host: &mut H) -> Result<Advance, Alarm> {
+    /// The next command as it is programmed, without the compensation.
+    pub(super) fn step<H: Host>(&mut self, host: &mut H) -> Result<Advance, Alarm> {
         for _ in 0..SILENT_BLOCKS {
             let run = self.run_mut();
             if let Some(command) = run.take() {
@@ -223,10 +256,11 @@ impl Interpreter {
             modal: self.state.modal,
             block_end: false,
             stop_point: false,
+            whole: false,
         }))
     }
 
-    fn read<H: Host>(&mut self, host: &H) -> Result<Read, Alarm> {
+    fn read<H: Host>(&mut self, host: &mut H) -> Result<Read, Alarm> {
         let mdi = self.mdi.as_ref();
         let run = mdi.map_or(&self.main, |mdi| &mdi.run);
         let place = run.place;
@@ -237,33 +271,123 @@ impl Interpreter {
                 .get(place.program)
                 .ok_or_else(|| missing(place.program))?,
         };
+        if let Some(finishing) = run.finishing.filter(|profile| profile.is_over(place)) {
+            let mut plan = finishing.back(&mut self.state);
+            plan.whole = true;
+            self.run_mut().finishing = None;
+            self.note(plan.source);
+            return Ok(self.planned(plan));
+        }
         if place.block >= program.block_count() {
             return self.end_of_text(program.line_count(), host);
         }
-        let syntax = Syntax::from(host.parameters());
+        let syntax = Syntax {
+            inch: self.state.modal.inch,
+            ..Syntax::from(host.parameters())
+        };
         let mut source = Source {
             program: place.program,
             line: program.block_line(place.block),
             sequence: run.sequence,
         };
-        let block = program
-            .parse(place.block, syntax)
-            .map_err(|error| Alarm::from(error).at(source))?;
+        let block = program.parse_with_variables(place.block, syntax);
+        let skipping = host.block_skip() && mdi.is_none();
+        if skipping && block.is_err() && program.has_skip_mark(place.block) {
+            source.sequence = program.sequence(place.block).or(source.sequence);
+            self.note(source);
+            return Ok(Read::Skipped);
+        }
+        let mut block = block.map_err(|error| Alarm::from(error).at(source))?;
         source.sequence = block.n.or(source.sequence);
-        let skipped = block.skip && host.block_skip() && mdi.is_none();
+        let skipped = skipping && block.skip;
         if skipped || (block.is_empty() && block.o.is_some()) {
             self.note(source);
             return Ok(Read::Skipped);
         }
+        if block.has_g(65) {
+            return self.operate(&block, source, place, host);
+        }
+        if block.has_variables() {
+            block = match variable::resolve(block, syntax, host) {
+                Ok(block) => block,
+                Err(NotNow::Wait) => return Ok(Read::Wait),
+                Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
+            };
+        }
+        if syntax.inch {
+            inch::to_metric(&mut block, self.state.modal.motion);
+        }
         let words = Words::of(&block).map_err(|alarm| alarm.at(source))?;
-        if words.waits() && !host.settled() {
+        if words.waits() && !host.settled() && !self.reads_early(&words) {
             return Ok(Read::Wait);
         }
-        let context = context(host, source, place, &run.calls, mdi.is_some());
+        let reading = Reading {
+            program,
+            syntax,
+            skipping,
+            host: &*host,
+        };
+        let next = if corner::is_possible(&words, &self.state.modal) {
+            match reading.words_after(place.block, 1) {
+                Ok(next) => next,
+                Err(NotNow::Wait) => return Ok(Read::Wait),
+                Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
+            }
+        } else {
+            None
+        };
+        let read = |index, motion| reading.words_at(index, motion).map_err(lookahead::alarm);
+        let context = Context {
+            compensated: self.compensated(),
+            next: next.as_ref(),
+            ..context(&*host, source, place, &run.calls, mdi.is_some(), &read)
+        };
         let mut state = self.state;
-        let plan =
+        let mut plan =
             block::evaluate(&mut state, &context, &words).map_err(|alarm| alarm.at(source))?;
+        plan.writes
+            .apply(host.parameters_mut())
+            .map_err(|error| Alarm::from(error).at(source))?;
+        self.stand_before(&state);
         self.state = state;
+        self.note(source);
+        Ok(self.planned(plan))
+    }
+
+    /// G65: acts while it is read.
+    fn operate<H: Host>(
+        &mut self,
+        block: &Block,
+        source: Source,
+        place: Place,
+        host: &mut H,
+    ) -> Result<Read, Alarm> {
+        let outcome = match macro_block::evaluate(block, host) {
+            Ok(outcome) => outcome,
+            Err(NotNow::Wait) => return Ok(Read::Wait),
+            Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
+        };
+        let mut plan = Plan::new(source, self.state.modal);
+        plan.after = Some(Action::Macro);
+        plan.stops = host.parameters().macro_blocks_stop();
+        match outcome {
+            Outcome::Nothing => {}
+            Outcome::Value(slot, value) => {
+                slot.write(value, host).map_err(|alarm| alarm.at(source))?;
+            }
+            Outcome::Jump(p) => {
+                let program = match &self.mdi {
+                    Some(mdi) => &mdi.program,
+                    None => host
+                        .programs()
+                        .get(place.program)
+                        .ok_or_else(|| missing(place.program))?,
+                };
+                let target = self.jumps.target(program, place, p);
+                let block = target.map_err(|alarm| alarm.at(source))?;
+                plan.flow = Flow::Jump(Place { block, ..place });
+            }
+        }
         self.note(source);
         Ok(self.planned(plan))
     }
@@ -282,7 +406,11 @@ impl Interpreter {
         let mut plan = Plan::new(source, self.state.modal);
         plan.stops = false;
         if !run.calls.is_empty() {
-            let context = context(host, source, run.place, &run.calls, false);
+            let context = Context {
+                compensated: self.compensated(),
+                ..context(host, source, run.place, &run.calls, false, &|_, _| Ok(None))
+            };
+            check_call(&self.state, &context, &plan).map_err(|alarm| alarm.at(source))?;
             plan.flow = subprogram::back(&context, None)?;
             return Ok(self.planned(plan));
         }
@@ -299,8 +427,9 @@ impl Interpreter {
     }
 
     /// After M00 and M30 nothing is read before they are finished.
-    fn planned(&mut self, plan: Plan) -> Read {
+    fn planned(&mut self, mut plan: Plan) -> Read {
         let run = self.run_mut();
+        plan.whole |= run.finishing.is_some();
         run.paused = matches!(plan.after, Some(Action::ProgramStop | Action::End { .. }));
         run.plan = Some(plan);
         Read::Planned
@@ -330,6 +459,7 @@ fn context<'a, H: Host>(
     place: Place,
     calls: &'a [subprogram::Call],
     mdi: bool,
+    read: &'a dyn Fn(u32, u8) -> Result<Option<Words>, Alarm>,
 ) -> Context<'a> {
     let parameters = host.parameters();
     Context {
@@ -346,6 +476,9 @@ fn context<'a, H: Host>(
         } else {
             1
         },
+        compensated: Compensated::Never,
+        read,
+        next: None,
     }
 }
 

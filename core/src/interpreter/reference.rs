@@ -61,13 +61,19 @@ impl Reference {
             state.offset.set(axis, 0);
             *state.untravelled.get_mut(axis) = false;
             if context.parameters.reference_sets_coordinates() {
-                let coordinate = i64::from(context.parameters.value(number)) * (PER_MM / 1000);
+                // In 0.001 mm, or 0.0001 inch (004.0 SCW).
+                let increment = if context.parameters.inch_machine() {
+                    PER_MM * 254 / 100_000
+                } else {
+                    PER_MM / 1000
+                };
+                let coordinate = i64::from(context.parameters.value(number)) * increment;
                 let factor = if axis == Axis::X { context.x_factor } else { 1 };
                 state.zero.set(axis, -coordinate * factor);
             }
         }
         if state.offset == Exact::default() {
-            state.modal.offset = 0;
+            state.cancel_offset_number();
         }
         state.stand_at(reference);
         let frame = (before != (state.zero, state.offset)).then(|| Action::Frame {

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::command::{Command, ProgramId, Source};
+use crate::interpreter::finishing::Finishing;
 use crate::interpreter::plan::Plan;
 use crate::interpreter::subprogram::{Call, Flow, Place};
 
@@ -20,6 +21,10 @@ pub(crate) struct Run {
     pub(crate) source: Option<Source>,
     /// Its commands not taken yet.
     pub(crate) plan: Option<Plan>,
+    /// The command taken last came from a block along a contour.
+    pub(crate) contour: bool,
+    /// The profile that a G70 runs through.
+    pub(crate) finishing: Option<Finishing>,
     /// Nothing more is read before everything is finished (after M00).
     pub(crate) paused: bool,
     pub(crate) ended: bool,
@@ -34,6 +39,8 @@ impl Run {
             sequence: None,
             source: None,
             plan: None,
+            contour: false,
+            finishing: None,
             paused: false,
             ended: false,
         }
@@ -53,6 +60,7 @@ impl Run {
     /// block that follows.
     pub(crate) fn take(&mut self) -> Option<Command> {
         let plan = self.plan.as_mut()?;
+        self.contour = plan.motion.is_contour();
         let command = plan.take();
         if plan.is_done() {
             let flow = plan.flow;
@@ -66,6 +74,10 @@ impl Run {
         match flow {
             Flow::Next => self.place.block = self.place.block.saturating_add(1),
             Flow::Jump(place) => self.place = place,
+            Flow::Finish(finishing) => {
+                self.place = finishing.first;
+                self.finishing = Some(finishing);
+            }
             Flow::Call(call) => {
                 self.place = Place {
                     program: call.program,

@@ -12,7 +12,9 @@ use serde::{Deserialize, Serialize};
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
 use crate::interpreter::block::Context;
+use crate::interpreter::finishing::Finishing;
 use crate::interpreter::numbers;
+use crate::interpreter::special_call::SpecialCall;
 
 /// Levels of calls.
 const LEVELS: usize = 4;
@@ -44,6 +46,8 @@ pub(crate) enum Flow {
     Next,
     /// Another place; calls stay as they are.
     Jump(Place),
+    /// G70: the blocks of its profile, and back.
+    Finish(Finishing),
     /// The next run of the innermost call.
     Again,
     /// M98.
@@ -61,17 +65,37 @@ pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm>
             Alarm::new(numbers::CALL_WITHOUT_P).because("M98 needs P with the program number")
         );
     };
+    let (count, number) = (p / 10_000, p % 10_000);
+    let runs = u16::try_from(count).unwrap_or(u16::MAX).max(1);
+    enter(context, number, runs, &format_args!("M98 P{p}"))
+}
+
+/// A call by an M, S or T code (006.5 CM98).
+pub(crate) fn call_special(context: &Context<'_>, call: SpecialCall) -> Result<Flow, Alarm> {
+    let SpecialCall {
+        program,
+        address,
+        code,
+    } = call;
+    let name = format_args!("{address}{code:02}");
+    enter(context, program.into(), 1, &name)
+}
+
+fn enter(
+    context: &Context<'_>,
+    number: i64,
+    runs: u16,
+    name: &core::fmt::Arguments<'_>,
+) -> Result<Flow, Alarm> {
     if context.calls.len() >= LEVELS {
         return Err(Alarm::new(numbers::CALL_TOO_DEEP).because(format!(
-            "M98 P{p} would be call level {} of {LEVELS}",
+            "{name} would be call level {} of {LEVELS}",
             LEVELS + 1
         )));
     }
-    let (count, number) = (p / 10_000, p % 10_000);
-    let runs = u16::try_from(count).unwrap_or(u16::MAX).max(1);
     let Some(program) = find_program(context, number) else {
         return Err(Alarm::new(numbers::TARGET_MISSING).because(format!(
-            "M98 P{p}: program O{number:04} is not in the memory"
+            "{name}: program O{number:04} is not in the memory"
         )));
     };
     Ok(Flow::Call(Call {

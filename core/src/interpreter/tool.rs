@@ -9,6 +9,7 @@
 
 use crate::alarm::Alarm;
 use crate::command::Action;
+use crate::compensation::Nose;
 use crate::interpreter::block::Context;
 use crate::interpreter::exact::Exact;
 use crate::interpreter::numbers;
@@ -84,6 +85,7 @@ pub(crate) fn select(
 ) {
     let tool = word.tool.unwrap_or(state.modal.tool);
     (state.modal.tool, state.modal.offset) = (tool, word.offset);
+    state.nose = Nose::of(&context.offsets.get(word.offset));
     actions.extend([Action::Tool {
         tool,
         offset: word.offset,

@@ -15,6 +15,27 @@ pub(crate) enum OneShot {
     Reference,
     /// G50.
     Coordinates,
+    /// G70.
+    Finishing,
+    /// G71.
+    TurningRough,
+    /// G72.
+    FacingRough,
+    /// G73.
+    Pattern,
+    /// G74.
+    FacePecking,
+    /// G75.
+    Grooving,
+    /// G76.
+    CompoundThread,
+}
+
+impl OneShot {
+    /// Whether it is one of G70 to G76.
+    pub(crate) const fn is_compound(self) -> bool {
+        !matches!(self, Self::Dwell | Self::Reference | Self::Coordinates)
+    }
 }
 
 /// A block's words. Lengths are millionths of a millimetre, `x` and `u` as
@@ -25,6 +46,8 @@ pub(crate) struct Words {
     pub(crate) one_shot: Option<OneShot>,
     /// Group 01, by number.
     pub(crate) motion: Option<u8>,
+    /// Group 04: G40, G41 or G42, by number.
+    pub(crate) nose: Option<u8>,
     /// Group 02: G96 or G97.
     pub(crate) surface: Option<bool>,
     /// Group 03: G99 or G98.
@@ -32,6 +55,9 @@ pub(crate) struct Words {
     pub(crate) m: Option<u8>,
     pub(crate) s: Option<i64>,
     pub(crate) t: Option<i64>,
+    /// Digits written for S and T; 0 when a variable gave the number.
+    pub(crate) s_digits: u8,
+    pub(crate) t_digits: u8,
     pub(crate) f: Option<f64>,
     pub(crate) p: Option<i64>,
     pub(crate) x: Option<i64>,
@@ -41,6 +67,11 @@ pub(crate) struct Words {
     pub(crate) r: Option<i64>,
     pub(crate) i: Option<i64>,
     pub(crate) k: Option<i64>,
+    pub(crate) j: Option<i64>,
+    pub(crate) q: Option<i64>,
+    pub(crate) l: Option<i64>,
+    /// Whether R was written with a decimal point (G76 R(d)).
+    pub(crate) r_has_point: bool,
     /// How many words besides O and N there are.
     pub(crate) count: u8,
 }
@@ -55,15 +86,27 @@ impl Words {
             match word.address {
                 b'G' => words.take_g(value.integer())?,
                 b'M' => words.m = u8::try_from(value.integer()).ok(),
-                b'S' => words.s = Some(value.integer()),
-                b'T' => words.t = Some(value.integer()),
+                b'S' => {
+                    words.s = Some(value.integer());
+                    words.s_digits = value.digits();
+                }
+                b'T' => {
+                    words.t = Some(value.integer());
+                    words.t_digits = value.digits();
+                }
                 b'P' => words.p = Some(value.integer()),
                 b'F' => words.f = Some(value.mm()),
                 b'X' => words.x = Some(value.millionths()),
                 b'U' => words.u = Some(value.millionths()),
                 b'Z' => words.z = Some(value.millionths()),
                 b'W' => words.w = Some(value.millionths()),
-                b'R' => words.r = Some(value.millionths()),
+                b'Q' => words.q = Some(value.integer()),
+                b'L' => words.l = Some(value.integer()),
+                b'R' => {
+                    words.r = Some(value.millionths());
+                    words.r_has_point = value.has_point();
+                }
+                b'J' => words.j = Some(value.millionths()),
                 b'I' => words.i = Some(value.millionths()),
                 b'K' => words.k = Some(value.millionths()),
                 _ => {}
@@ -78,11 +121,18 @@ impl Words {
 
     fn take_g(&mut self, code: i64) -> Result<(), Alarm> {
         match code {
-            0..=3 | 90 | 94 => self.motion = u8::try_from(code).ok(),
+            0..=3 | 32..=34 | 90 | 92 | 94 => self.motion = u8::try_from(code).ok(),
             4 => self.one_shot = Some(OneShot::Dwell),
             28 => self.one_shot = Some(OneShot::Reference),
             50 => self.one_shot = Some(OneShot::Coordinates),
-            40 => {}
+            70 => self.one_shot = Some(OneShot::Finishing),
+            71 => self.one_shot = Some(OneShot::TurningRough),
+            72 => self.one_shot = Some(OneShot::FacingRough),
+            73 => self.one_shot = Some(OneShot::Pattern),
+            74 => self.one_shot = Some(OneShot::FacePecking),
+            75 => self.one_shot = Some(OneShot::Grooving),
+            76 => self.one_shot = Some(OneShot::CompoundThread),
+            40..=42 => self.nose = u8::try_from(code).ok(),
             96 => self.surface = Some(true),
             97 => self.surface = Some(false),
             98 => self.per_revolution = Some(false),
@@ -107,6 +157,20 @@ impl Words {
                 Some(98 | 99) => self.has_axis_words(),
                 Some(_) => true,
             }
+    }
+
+    /// Only what says where the tool goes, without F, S, T, M and the codes of
+    /// feed and spindle.
+    pub(crate) fn path_only(&self) -> Self {
+        Self {
+            surface: None,
+            per_revolution: None,
+            m: None,
+            s: None,
+            t: None,
+            f: None,
+            ..*self
+        }
     }
 
     /// Whether X, U, Z or W is programmed.

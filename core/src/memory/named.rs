@@ -26,6 +26,11 @@ impl Parameters {
         self.bit(1, 2)
     }
 
+    /// 002.1: the control has the nose radius compensation C (option).
+    pub fn has_nose_compensation(&self) -> bool {
+        self.bit(2, 1)
+    }
+
     /// 003.4: a T word shifts the coordinates; otherwise the tool moves.
     pub fn offset_by_shift(&self) -> bool {
         self.bit(3, 4)
@@ -54,6 +59,32 @@ impl Parameters {
     /// 013.5 POD: numbers need a decimal point.
     pub fn point_required(&self) -> bool {
         self.bit(13, 5)
+    }
+
+    /// 013.4 SBKM: single block stops after G65 blocks.
+    pub fn macro_blocks_stop(&self) -> bool {
+        self.bit(13, 4)
+    }
+
+    /// 013.3 PODI: the editor appends the decimal point to numbers without one.
+    pub fn point_is_appended(&self) -> bool {
+        self.bit(13, 3)
+    }
+
+    /// 006.5 CM98: M, S and T codes without a function call subprograms.
+    pub fn special_codes_call(&self) -> bool {
+        self.bit(6, 5)
+    }
+
+    /// 004.0 SCW: the least increment is 0.0001 inch; otherwise 0.001 mm. Lengths
+    /// among the parameters count it.
+    pub fn inch_machine(&self) -> bool {
+        self.bit(4, 0)
+    }
+
+    /// The unit of lengths among the parameters, mm: 0.001, or 0.0001 inch (SCW).
+    pub fn least_increment(&self) -> f64 {
+        if self.inch_machine() { 0.00254 } else { 0.001 }
     }
 
     /// 004.7 ABOT: the absolute coordinates are lost at power-off.
@@ -131,6 +162,37 @@ impl Parameters {
         self.value(29).into()
     }
 
+    /// 026: time constant of X leaving a thread, ms.
+    pub fn run_out_time(&self) -> f64 {
+        self.value(26).into()
+    }
+
+    /// 028: speed at which threads start and end, mm/min.
+    pub fn thread_floor(&self) -> f64 {
+        self.value(28).into()
+    }
+
+    /// 175.4 THDACC: exponential acceleration in threads; otherwise linear.
+    pub fn thread_exponential(&self) -> bool {
+        self.bit(175, 4)
+    }
+
+    /// 106: greatest change of the spindle speed in a thread, %; 0 = not watched.
+    pub fn fluctuation_limit(&self) -> f64 {
+        self.value(106).into()
+    }
+
+    /// 107: speed at which X leaves a thread (Z twice as fast), mm/min; 0 = the
+    /// thread's own.
+    pub fn run_out_rate(&self) -> f64 {
+        self.value(107).into()
+    }
+
+    /// 175.2 SPFD: cuts stop when the spindle has stopped.
+    pub fn watches_spindle(&self) -> bool {
+        self.bit(175, 2)
+    }
+
     /// 030: speed at which cuts start and end, mm/min.
     pub fn feed_floor(&self) -> f64 {
         self.value(30).into()
@@ -161,12 +223,19 @@ impl Parameters {
     /// mm: positive and negative end.
     pub fn soft_limits(&self, axis: Axis) -> (f64, f64) {
         let scale = match axis {
-            Axis::X if !self.radius_programming() => 2000.0,
-            Axis::X | Axis::Z => 1000.0,
+            Axis::X if !self.radius_programming() => 2.0,
+            Axis::X | Axis::Z => 1.0,
         };
         let positive = self.per_axis(axis, 45, 46);
         let negative = self.per_axis(axis, 47, 48);
-        (f64::from(positive) / scale, f64::from(negative) / scale)
+        let mm = |value: i32| {
+            if self.inch_machine() {
+                f64::from(value) * self.least_increment() / scale
+            } else {
+                f64::from(value) / (1000.0 * scale)
+            }
+        };
+        (mm(positive), mm(negative))
     }
 
     /// 070: lines of the spindle encoder.

@@ -7,6 +7,9 @@ use super::limits::MotionLimits;
 use super::path::Path;
 use super::ramp::Ramp;
 use super::rapid::Rapid;
+use super::tap::Tap;
+use super::thread::{Handover, SpindleTick, Thread, ThreadMove};
+use crate::spindle::SpindleTurn;
 use crate::units::{Axis, Feed, PerAxis, Point, TICK_S};
 
 /// Rapid override.
@@ -47,6 +50,10 @@ pub struct MotionInputs {
     pub rapid_override: RapidOverride,
     /// Measured spindle speed, r/min, either sign.
     pub spindle_rpm: f64,
+    /// Measured spindle angle.
+    pub spindle: SpindleTurn,
+    /// A thread that goes on in phase follows the one under way.
+    pub thread_continues: bool,
     /// Feed hold or interlock: programmed motion decelerates to standstill.
     pub hold: bool,
     /// Dry run; switching it goes through standstill.
@@ -60,6 +67,8 @@ impl Default for MotionInputs {
             feed_override: 1.0,
             rapid_override: RapidOverride::Percent(100),
             spindle_rpm: 0.0,
+            spindle: SpindleTurn::default(),
+            thread_continues: false,
             hold: false,
             dry_run: None,
         }
@@ -72,6 +81,8 @@ enum Motion {
     None,
     Rapid(Rapid),
     Cut { path: Path, ramp: Ramp, feed: Feed },
+    Thread(Thread),
+    Tap(Tap),
 }
 
 /// Produces the positions. Machine coordinates, X in radius; plain data.
@@ -89,6 +100,8 @@ pub struct Interpolator {
     manual: PerAxis<ManualAxis>,
     /// Time left of the tick in which the last block ended, s.
     carry: f64,
+    /// What the last motion leaves to a thread that goes on from it.
+    handover: Option<Handover>,
     stopping: bool,
     dry: bool,
 }
@@ -102,6 +115,7 @@ impl Interpolator {
             motion: Motion::None,
             manual: PerAxis::default(),
             carry: 0.0,
+            handover: None,
             stopping: false,
             dry: false,
         }
@@ -133,6 +147,8 @@ impl Interpolator {
             Motion::None => false,
             Motion::Rapid(rapid) => rapid.is_moving(),
             Motion::Cut { ramp, .. } => ramp.speed > 0.0,
+            Motion::Thread(thread) => thread.running() && self.position != self.tick_start,
+            Motion::Tap(tap) => tap.running() && self.position != self.tick_start,
         };
         programmed || self.manual.x.is_moving() || self.manual.z.is_moving()
     }
@@ -148,6 +164,8 @@ impl Interpolator {
             Motion::None => Point::default(),
             Motion::Rapid(rapid) => rapid.to() - self.position,
             Motion::Cut { path, .. } => path.to() - self.position,
+            Motion::Thread(thread) => thread.to() - self.position,
+            Motion::Tap(tap) => tap.to() - self.position,
         }
     }
 
@@ -161,6 +179,15 @@ impl Interpolator {
             Motion::Rapid(rapid) => rapid.stopping_point(limits),
             Motion::Cut { path, ramp, .. } => {
                 path.at(ramp.remaining - limits.cutting_law().braking_distance(ramp.speed))
+            }
+            Motion::Thread(_) | Motion::Tap(_) => {
+                let velocity = self.velocity();
+                let speed = velocity.length();
+                if speed <= 0.0 {
+                    return self.position;
+                }
+                let way = limits.cutting_law().braking_distance(speed);
+                self.position + velocity * (way / speed)
             }
         }
     }
@@ -181,6 +208,37 @@ impl Interpolator {
         self.start_cut(Path::arc(self.position, to, center, clockwise), feed);
     }
 
+    /// Begins a thread: it waits for its angle of the spindle, or goes on from the
+    /// thread before.
+    pub fn start_thread(&mut self, thread: &ThreadMove, limits: &MotionLimits) {
+        let before = self.handover.take();
+        let thread = Thread::new(self.position, thread, before, limits);
+        self.begin(Motion::Thread(thread));
+    }
+
+    /// Whether a thread is under way that has begun to follow the spindle.
+    pub const fn in_thread(&self) -> bool {
+        matches!(&self.motion, Motion::Thread(thread) if thread.running())
+    }
+
+    /// Begins tapping: in phase inwards until [`Interpolator::turn_back`].
+    pub fn start_tap(&mut self, to: Point, lead: f64, degrees: f64) {
+        let tap = Tap::new(self.position, to, lead, degrees);
+        self.begin(Motion::Tap(tap));
+    }
+
+    /// Whether a tap has reached its depth; it follows the spindle further.
+    pub fn tap_at_bottom(&self) -> bool {
+        matches!(&self.motion, Motion::Tap(tap) if tap.at_bottom())
+    }
+
+    /// The tap follows the reversed spindle out to its start, and ends there.
+    pub fn turn_back(&mut self) {
+        if let Motion::Tap(tap) = &mut self.motion {
+            tap.turn_back();
+        }
+    }
+
     fn start_cut(&mut self, path: Path, feed: Feed) {
         self.begin(Motion::Cut {
             path,
@@ -193,6 +251,7 @@ impl Interpolator {
         self.motion = motion;
         self.manual = PerAxis::default();
         self.stopping = false;
+        self.handover = None;
     }
 
     /// Asks an axis to jog (true = positive), or to stop; effective while no
@@ -244,6 +303,8 @@ impl Interpolator {
                 ramp,
                 feed,
             },
+            Motion::Thread(thread) => Motion::Thread(thread.translated(by)),
+            Motion::Tap(tap) => Motion::Tap(tap.translated(by)),
         };
     }
 
@@ -252,6 +313,9 @@ impl Interpolator {
         self.tick_start = self.position;
         let time = TICK_S + core::mem::take(&mut self.carry);
         if self.finished() {
+            if let Some(handover) = &mut self.handover {
+                handover.stand_still();
+            }
             self.manual_motion(limits, inputs);
         } else {
             self.programmed_motion(limits, inputs, time);
@@ -284,7 +348,45 @@ impl Interpolator {
         }
     }
 
+    /// A thread or tap that must stop leaves the spindle and comes to rest on its
+    /// line, like a cut.
+    fn leave_spindle(&mut self, limits: &MotionLimits) {
+        let (to, ends) = match &self.motion {
+            Motion::Thread(thread) => (thread.to(), true),
+            Motion::Tap(tap) => (tap.to(), false),
+            _ => return,
+        };
+        let speed = self.velocity().length();
+        let rest = self.stopping_point(limits) - self.position;
+        let left = (to - self.position).length();
+        let beyond = 1.0 + 1e-3 / rest.length().max(1e-9);
+        let end = if ends && rest.length() >= left {
+            to
+        } else {
+            self.position + rest * beyond
+        };
+        let path = Path::line(self.position, end);
+        self.motion = Motion::Cut {
+            path,
+            ramp: Ramp {
+                speed,
+                remaining: path.length(),
+            },
+            feed: Feed::PerMinute(0.0),
+        };
+    }
+
     fn programmed_motion(&mut self, limits: &MotionLimits, inputs: &MotionInputs, time: f64) {
+        if self.stopping {
+            self.leave_spindle(limits);
+        }
+        let tick = SpindleTick {
+            limits,
+            spindle: &inputs.spindle,
+            rpm: inputs.spindle_rpm,
+            hold: inputs.hold,
+            continues: inputs.thread_continues,
+        };
         let dry_changes = inputs.dry_run.is_some() != self.dry;
         let stop = inputs.hold || self.stopping || (dry_changes && self.is_moving());
         if !stop {
@@ -314,6 +416,17 @@ impl Interpolator {
                 let used = ramp.advance(limits.cutting_law(), target, time).used;
                 self.position = path.at(ramp.remaining);
                 ramp.finished().then_some(used)
+            }
+            Motion::Thread(thread) => {
+                let used = thread.advance(&tick, time);
+                self.position = thread.position();
+                self.handover = Some(thread.handover(tick.continues));
+                thread.finished().then_some(used)
+            }
+            Motion::Tap(tap) => {
+                let used = tap.advance(&tick, time);
+                self.position = tap.position();
+                tap.finished().then_some(used)
             }
         };
         if let Some(used) = used {

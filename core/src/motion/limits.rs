@@ -2,9 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::gear::GearLaw;
 use super::ramp::Law;
+use super::thread::gear_law;
 use crate::memory::Parameters;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, Point};
 
 /// The lowest start and end speed of the exponential law, mm/min: with 030 or
 /// 041 = 0 the exponential tail would never end.
@@ -19,6 +21,9 @@ pub struct MotionLimits {
     cutting: f64,
     cutting_law: Law,
     jog_law: Law,
+    gear_law: GearLaw,
+    tail_rate: f64,
+    tail_time: f64,
 }
 
 impl From<&Parameters> for MotionLimits {
@@ -35,6 +40,9 @@ impl From<&Parameters> for MotionLimits {
             cutting: per_second(parameters.feed_limit()),
             cutting_law: Law::exponential(time, lowest(parameters.feed_floor())),
             jog_law: Law::exponential(time, lowest(parameters.jog_floor())),
+            gear_law: gear_law(parameters),
+            tail_rate: parameters.run_out_rate() / 60.0,
+            tail_time: parameters.run_out_time() / 1000.0,
         }
     }
 }
@@ -48,6 +56,12 @@ impl MotionLimits {
     /// Upper limit of cutting feed (027), mm/min.
     pub const fn cutting_rate(&self) -> f64 {
         self.cutting * 60.0
+    }
+
+    /// Highest speed of each axis in a thread (022, 023, 027), mm/min.
+    pub fn axis_limits(&self) -> Point {
+        let limit = |axis| self.rapid_rate(axis).min(self.cutting_rate());
+        Point::new(limit(Axis::X), limit(Axis::Z))
     }
 
     pub(super) const fn rapid(&self, axis: Axis) -> f64 {
@@ -69,6 +83,21 @@ impl MotionLimits {
 
     pub(super) const fn cutting_law(&self) -> &Law {
         &self.cutting_law
+    }
+
+    /// Lead-in and tail of threads (028, 029, 175.4).
+    pub(super) const fn gear_law(&self) -> &GearLaw {
+        &self.gear_law
+    }
+
+    /// X leaving a thread (107), mm/s; 0: at the thread's own speed.
+    pub(super) const fn tail_rate(&self) -> f64 {
+        self.tail_rate
+    }
+
+    /// Time constant of X leaving a thread (026), s.
+    pub(super) const fn tail_time(&self) -> f64 {
+        self.tail_time
     }
 
     pub(super) const fn jog_law(&self) -> &Law {

@@ -42,21 +42,31 @@
 //!    └────────────────────► t
 //! ```
 //!
+//! Threads and taps have no speed of their own: they follow the angle of the spindle
+//! through an electronic gear (see `gear`, `thread`, `tap`); overrides and feed hold
+//! do not act on them.
+//!
 //! Feed hold, reset and an override of 0 % bring the speed down by the law in
 //! force; the distance left is kept, so that going on loses no position.
 
 mod duration;
+mod gear;
 mod interpolator;
 mod jog;
 mod limits;
 mod path;
 mod ramp;
 mod rapid;
+mod tap;
+mod thread;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod thread_tests;
 
 pub use duration::{duration, path_length};
 pub use interpolator::{DryRun, Interpolator, MotionInputs, RapidOverride};
 pub use jog::JogRate;
 pub use limits::MotionLimits;
+pub use thread::ThreadMove;

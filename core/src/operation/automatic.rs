@@ -13,6 +13,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::mode::Mode;
+use super::thread::{Protection, SpindleWatch, TapStage};
 use crate::alarm::Alarm;
 use crate::cnc::{Cnc, World};
 use crate::command::{Action, Command, Source};
@@ -58,7 +59,7 @@ pub struct Automatic {
     /// Run state.
     pub state: RunState,
     pub(crate) current: Option<Current>,
-    ahead: Option<Command>,
+    pub(super) ahead: Option<Command>,
     /// A fault found while reading ahead; it counts when its block's turn comes.
     fault_ahead: Option<Alarm>,
     /// The interpreter waits for standstill; not asked again before.
@@ -78,6 +79,12 @@ pub struct Automatic {
     pub(crate) last: Option<Source>,
     /// More commands of the running block follow the one that ended.
     pub(super) within_block: bool,
+    pub(super) protection: Protection,
+    /// Tapping under way.
+    pub(super) tap: Option<TapStage>,
+    /// M function that leads the tap out.
+    pub(super) tap_reverse: u8,
+    pub(super) watch: SpindleWatch,
 }
 
 /// Commands without duration carried out in one tick at most, so that no loop
@@ -100,6 +107,10 @@ impl Default for Automatic {
             mdi: false,
             last: None,
             within_block: false,
+            protection: Protection::None,
+            tap: None,
+            tap_reverse: 0,
+            watch: SpindleWatch::default(),
         }
     }
 }
@@ -115,9 +126,9 @@ impl Automatic {
         matches!(&self.current, Some(current) if current.stage == Stage::Handshake)
     }
 
-    /// Whether a dwell runs.
-    pub(crate) const fn dwelling(&self) -> bool {
-        self.dwell_left > 0
+    /// Whether the dwell of a G04 runs.
+    pub(crate) fn dwelling(&self) -> bool {
+        self.dwell_left > 0 && matches!(self.action(), Some(Action::Dwell { .. }))
     }
 
     /// The action under way.
@@ -131,6 +142,13 @@ impl Automatic {
             last: self.last,
             ..Self::default()
         };
+    }
+
+    /// Stops at the end of a block.
+    pub(super) const fn stop(&mut self) {
+        self.state = RunState::Stop;
+        self.stop_requested = false;
+        self.protection = Protection::None;
     }
 
     /// Asks for a stop at the end of the running block.
@@ -199,10 +217,13 @@ impl Cnc {
         self.automatic.state = RunState::Run;
     }
 
-    /// Feed hold: the axes decelerate; a block without motion finishes.
+    /// Feed hold: the axes decelerate; a block without motion finishes, and so does
+    /// a thread with the first thing after it.
     pub(crate) fn feed_hold(&mut self) {
         if self.automatic.state == RunState::Run {
             self.automatic.state = RunState::Hold;
+        } else if self.automatic.protection == (Protection::After { again: true }) {
+            self.automatic.protection = Protection::None;
         }
     }
 
@@ -213,14 +234,19 @@ impl Cnc {
             return;
         }
         self.automatic.dwell_left = self.automatic.dwell_left.saturating_sub(1);
+        self.tap_tick();
+        self.watch_spindle();
+        if !self.automatic.operating() {
+            return;
+        }
         self.carry_out();
-        let between_blocks = self.automatic.current.is_none() && !self.automatic.within_block;
+        let between_blocks = self.automatic.current.is_none()
+            && !self.automatic.within_block
+            && !self.automatic.protected();
         if self.automatic.state == RunState::Hold && between_blocks {
             self.automatic.state = RunState::Stop;
         }
-        if self.automatic.state == RunState::Run {
-            self.read_ahead();
-        }
+        self.read_ahead();
     }
 
     /// Ends what is finished and begins what follows, until something takes time.
@@ -254,7 +280,7 @@ impl Cnc {
 
     /// Takes the next command and starts it. Returns whether one is under way.
     fn begin_next(&mut self) -> bool {
-        if self.automatic.state != RunState::Run {
+        if !self.automatic.may_begin() {
             return false;
         }
         if let Some(alarm) = self.automatic.fault_ahead.take() {
@@ -273,13 +299,15 @@ impl Cnc {
     }
 
     /// Reads one command while another runs, so that motion goes on without a
-    /// gap. Under single block nothing is read ahead.
-    fn read_ahead(&mut self) {
-        let may_read = self.automatic.current.is_some()
+    /// gap. Under single block nothing is read ahead, except in a thread.
+    pub(super) fn read_ahead(&mut self) {
+        let threading = self.automatic.threading();
+        let may_read = (self.automatic.state == RunState::Run || threading)
+            && self.automatic.current.is_some()
             && self.automatic.ahead.is_none()
             && self.automatic.fault_ahead.is_none()
             && !self.automatic.waiting
-            && !self.from_plc.single_block;
+            && (!self.from_plc.single_block || threading);
         if may_read {
             self.automatic.ahead = self.read(false);
         }
@@ -342,7 +370,9 @@ impl Cnc {
             World {
                 parameters: &mut self.parameters,
                 offsets: &self.offsets,
+                variables: &mut self.variables,
                 programs: &self.programs,
+                plc: self.plc.memory_mut(),
                 machine_position,
                 referenced: self.referenced,
                 block_skip: self.from_plc.block_skip,

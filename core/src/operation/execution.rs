@@ -5,15 +5,18 @@
 
 use super::automatic::{Current, RunState, Stage};
 use super::handshake::Strobe;
+use super::thread::TapStage;
 use crate::alarm::Alarm;
 use crate::cnc::{Cnc, Event};
 use crate::command::{Action, Command, ExecutedMove, MoveKind, SpindleCommand, Timing};
-use crate::units::{Axis, Feed, Point};
+use crate::motion::ThreadMove;
+use crate::units::{Axis, Feed, Point, TICK_MS};
 
 impl Cnc {
     /// Starts a command.
     pub(super) fn begin(&mut self, command: Command) {
         self.modal = command.modal;
+        self.automatic.protect(&command.action);
         self.automatic.last = Some(command.source);
         let from = self.interpolator.position();
         let started = self.now();
@@ -28,6 +31,10 @@ impl Cnc {
             from,
             started,
         });
+        if self.automatic.threading() {
+            // Whether it slows down at its end depends on what follows.
+            self.read_ahead();
+        }
     }
 
     fn act(&mut self, command: &Command) -> Result<Stage, Alarm> {
@@ -51,13 +58,37 @@ impl Cnc {
                 self.interpolator.start_arc(*to, *center, *clockwise, *feed);
                 Ok(Stage::Acting)
             }
+            Action::Thread {
+                to,
+                long,
+                lead,
+                increase,
+                start,
+                run_out,
+            } => {
+                self.begin_thread(&ThreadMove {
+                    to: *to,
+                    long: *long,
+                    lead: *lead,
+                    increase: *increase,
+                    start: *start,
+                    run_out: *run_out,
+                })?;
+                Ok(Stage::Acting)
+            }
+            Action::Tap { to, lead, .. } => {
+                self.begin_tap(*to, *lead)?;
+                Ok(Stage::Acting)
+            }
             Action::Dwell { ms } => {
                 self.automatic.dwell_left = *ms;
                 Ok(Stage::Acting)
             }
             Action::Referenced { x, z } => {
+                // Under machine lock the slides are not there (manual I-3.2.7).
+                let locked = self.from_plc.machine_lock;
                 for (axis, taken) in [(Axis::X, *x), (Axis::Z, *z)] {
-                    if taken {
+                    if taken && !locked.get(axis) {
                         *self.referenced.get_mut(axis) = true;
                         *self.at_reference.get_mut(axis) = true;
                     }
@@ -112,12 +143,19 @@ impl Cnc {
                 self.handshake.start(Strobe::M, 30);
                 Ok(Stage::Handshake)
             }
+            Action::Macro => {
+                self.automatic.dwell_left = TICK_MS;
+                Ok(Stage::Acting)
+            }
             Action::End { .. } | Action::Repeat | Action::Nothing => Ok(Stage::Acting),
         }
     }
 
     /// A cut per revolution needs a turning spindle (alarm 011).
     fn check_feed(&self, feed: Feed) -> Result<(), Alarm> {
+        if matches!(feed, Feed::PerRevolution(_)) && !self.from_plc.dry_run {
+            self.check_encoder()?;
+        }
         let standing = matches!(feed, Feed::PerRevolution(_))
             && !self.from_plc.dry_run
             && self.spindle.actual_rpm().abs() < 1.0;
@@ -164,11 +202,17 @@ impl Cnc {
             return false;
         };
         if current.stage == Stage::Acting {
-            let motion = matches!(
-                current.command.action,
-                Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. }
-            );
-            if self.automatic.dwell_left > 0 || (motion && !self.interpolator.finished()) {
+            let motion = match current.command.action {
+                Action::Rapid { .. }
+                | Action::Line { .. }
+                | Action::Arc { .. }
+                | Action::Thread { .. } => !self.interpolator.finished(),
+                Action::Tap { .. } => {
+                    self.automatic.tap != Some(TapStage::Done) || !self.interpolator.finished()
+                }
+                _ => false,
+            };
+            if self.automatic.dwell_left > 0 || motion {
                 return false;
             }
             if current.command.block_end {
@@ -196,12 +240,20 @@ impl Cnc {
             Action::Repeat => self.count_part(),
             _ => {}
         }
+        let by_thread = self
+            .automatic
+            .stop_after(command, self.from_plc.single_block);
+        if let Some(stops) = by_thread {
+            if stops {
+                self.automatic.stop();
+            }
+            return;
+        }
         let stops = self.automatic.state == RunState::Hold
             || (command.block_end && self.automatic.stop_requested)
             || (command.stop_point && self.from_plc.single_block);
         if stops && (command.stop_point || command.block_end) {
-            self.automatic.state = RunState::Stop;
-            self.automatic.stop_requested = false;
+            self.automatic.stop();
         }
     }
 
@@ -244,6 +296,15 @@ impl Cnc {
                 };
                 (kind, Some(self.frame.program(center)), Some(feed))
             }
+            Action::Thread { lead, run_out, .. } => {
+                let kind = if run_out {
+                    MoveKind::RunOut
+                } else {
+                    MoveKind::Thread
+                };
+                (kind, None, Some(Feed::PerRevolution(lead)))
+            }
+            Action::Tap { lead, .. } => (MoveKind::Thread, None, Some(Feed::PerRevolution(lead))),
             Action::Dwell { .. } => (MoveKind::Dwell, None, None),
             _ => return,
         };
@@ -257,6 +318,19 @@ impl Cnc {
             start_s: current.started,
             duration_s: self.now() - current.started,
         }));
+    }
+
+    /// Reports the way in of a tap; the rest counts from here. Returns where it began.
+    pub(super) fn report_half(&mut self) -> Point {
+        let position = self.interpolator.position();
+        let Some(mut current) = self.automatic.current.take() else {
+            return position;
+        };
+        self.report(&current);
+        let from = core::mem::replace(&mut current.from, position);
+        current.started = self.now();
+        self.automatic.current = Some(current);
+        from
     }
 
     /// An interrupted motion still leaves its piece of path.

@@ -74,6 +74,7 @@ impl Cnc {
     fn set_aside_held_motion(&mut self) {
         let at_rest = self.automatic.state == RunState::Hold
             && self.held.is_none()
+            && !self.automatic.protected()
             && !self.interpolator.is_moving();
         if at_rest {
             self.held = Some(self.interpolator.clone());

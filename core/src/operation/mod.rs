@@ -10,6 +10,7 @@ mod manual;
 mod mode;
 mod reset;
 mod signals;
+mod thread;
 
 pub use active_alarms::ActiveAlarms;
 pub use automatic::{Automatic, RunState};
@@ -19,3 +20,4 @@ pub(crate) use manual::JOG_RATE_MAX;
 pub use manual::jog_rate;
 pub use mode::Mode;
 pub use signals::{FromPlc, ToPlc};
+pub(crate) use thread::{check_encoder, check_thread_speed};

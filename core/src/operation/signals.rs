@@ -177,6 +177,8 @@ pub struct ToPlc<'a> {
     pub cutting: bool,
     /// The dwell of a G04 runs.
     pub dwelling: bool,
+    /// RTAP: tapping.
+    pub tapping: bool,
     /// DM00 stands.
     pub decoded_m00: bool,
     /// DM30 stands.
@@ -294,6 +296,7 @@ impl ToPlc<'_> {
         }
         set(26, self.handshake.t);
         set(34, 1 << (self.gear.clamp(1, 4) - 1));
+        set(76, pack(&[(3, self.tapping)]));
         set(94, pack_axes(self.at_reference));
         set(102, pack_axes(self.moving));
         set(106, pack_axes(self.negative));

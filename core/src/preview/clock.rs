@@ -57,6 +57,11 @@ impl Clock {
         }
     }
 
+    /// The time 080 of an M function, s.
+    pub(super) const fn m_time(&self) -> f64 {
+        self.m_s
+    }
+
     /// The time 081 of a stepped speed; the analog spindle is not waited for.
     pub(super) const fn output_s(&mut self, command: &SpindleCommand) {
         if let SpindleCommand::Step(_) = command {

@@ -76,14 +76,19 @@ impl Spindle {
         }
     }
 
-    /// The speed for a feed per revolution; alarm 011 when the spindle stands.
-    /// Under G96 the one at the middle of the cut, which gives the right time.
-    pub(super) fn rpm_for_feed(&self, radius: f64) -> Result<f64, Alarm> {
-        let rpm = match self.speed {
+    /// The speed, at a radius for G96; 0 when the spindle stands.
+    pub(super) fn rpm(&self, radius: f64) -> f64 {
+        match self.speed {
             _ if self.turning == Turning::Stopped => 0.0,
             Speed::Fixed(rpm) => rpm,
             Speed::Surface(speed) => surface_rpm(speed, 2.0 * radius, self.limit, self.lowest),
-        };
+        }
+    }
+
+    /// The speed for a feed per revolution; alarm 011 when the spindle stands.
+    /// Under G96 the one at the middle of the cut, which gives the right time.
+    pub(super) fn rpm_for_feed(&self, radius: f64) -> Result<f64, Alarm> {
+        let rpm = self.rpm(radius);
         if rpm < 1.0 {
             return Err(Alarm::new(11).because("feed per revolution (G99) with a standing spindle"));
         }

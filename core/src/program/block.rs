@@ -5,7 +5,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::number::{Number, Variable};
-use super::parse::{BlockError, check_values};
+use super::parse::{BlockError, Syntax, check_values};
 
 /// Words a block can hold besides N and O; more raise alarm 012.
 pub const MAX_WORDS: usize = 24;
@@ -131,19 +131,21 @@ impl Block {
     }
 
     /// Puts the values of variables in the place of their references and checks
-    /// the ranges again. A value counts as 0.001 mm on X Z U W R I J K and as the
-    /// number itself elsewhere. The words of G65 stay as they are: the macro
+    /// the ranges again. A value counts as 0.001 mm (0.0001 inch) on X Z U W R I J
+    /// K, as 0.001 s on X U of G04, and as the number itself elsewhere. The words of G65 stay as they are: the macro
     /// operations read variables themselves.
     ///
     /// # Errors
     /// The alarm of `lookup`, or 043 for a value beyond the range of its address.
     pub fn resolve<E: From<BlockError>>(
         mut self,
+        syntax: Syntax,
         mut lookup: impl FnMut(Variable) -> Result<i64, E>,
     ) -> Result<Self, E> {
         if !self.has_variables() || self.has_g(65) {
             return Ok(self);
         }
+        let dwell = self.has_g(4);
         for word in &mut self.words[..usize::from(self.len)] {
             let Some(variable) = word.value.variable() else {
                 continue;
@@ -155,13 +157,22 @@ impl Block {
                 value
             };
             word.value = if is_length(word.address) {
-                Number::from_millionths(value.saturating_mul(1000))
+                let seconds = dwell && matches!(word.address, b'X' | b'U');
+                let increment = if seconds { 1000 } else { syntax.increment() };
+                Number::from_millionths(value.saturating_mul(increment))
             } else {
                 Number::from_integer(value, 0)
             };
         }
         self.index()?;
         Ok(self)
+    }
+
+    /// Changes the numbers of words; their ranges are not checked again.
+    pub(crate) fn change(&mut self, mut change: impl FnMut(u8, Number) -> Number) {
+        for word in &mut self.words[..usize::from(self.len)] {
+            word.value = change(word.address, word.value);
+        }
     }
 
     /// Adds a word; `false` when the block is full.

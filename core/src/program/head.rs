@@ -7,6 +7,8 @@ use super::lexer::Lexer;
 pub(super) struct Head {
     pub(super) o: Option<u16>,
     pub(super) n: Option<u16>,
+    /// Whether it begins with `/`.
+    pub(super) skip: bool,
     /// Byte range of the O word.
     pub(super) o_span: Option<(usize, usize)>,
 }
@@ -24,7 +26,7 @@ impl Head {
             let (byte, len) = lexer.peek();
             lexer.at += len;
             match byte {
-                b'/' if head.o.is_none() && head.n.is_none() => {}
+                b'/' if head.o.is_none() && head.n.is_none() => head.skip = true,
                 b'O' | b'o' if head.o.is_none() => {
                     head.o = number(&mut lexer);
                     head.o_span = head.o.map(|_| (start, lexer.at));

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::block::Block;
 use super::parse::{BlockError, Syntax, parse_block};
+use super::points::with_points;
 use super::text::Program;
 use crate::alarm::Alarm;
 use crate::memory::Parameters;
@@ -30,6 +31,14 @@ impl MdiBlock {
     pub fn enter(&mut self, text: &str, parameters: &Parameters) -> Result<(), Alarm> {
         let syntax = Syntax::from(parameters);
         let mut next = self.clone();
+        let in_macro = self.words.iter().any(|(_, word)| is_macro(word));
+        let pointed;
+        let text = if parameters.point_is_appended() && !in_macro {
+            pointed = with_points(text);
+            &pointed
+        } else {
+            text
+        };
         for (slot, word) in cut(text) {
             match next.words.iter_mut().find(|(taken, _)| *taken == slot) {
                 Some((_, old)) => *old = word,
@@ -87,6 +96,12 @@ impl MdiBlock {
         let mut word = word.filter(|word| word.bytes().next() == Some(address));
         word.next().and_then(|word| word.get(1..)).map(str::trim)
     }
+}
+
+/// Whether a word is G65.
+fn is_macro(word: &str) -> bool {
+    let code = word.strip_prefix('G').map(str::trim);
+    code.and_then(|code| code.parse::<u8>().ok()) == Some(65)
 }
 
 /// Cuts a text before each address letter.

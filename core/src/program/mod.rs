@@ -28,6 +28,7 @@ mod lexer;
 mod mdi;
 mod number;
 mod parse;
+mod points;
 mod store;
 #[cfg(test)]
 mod tests;
@@ -37,5 +38,6 @@ pub use block::{Block, MAX_WORDS, Word};
 pub use mdi::MdiBlock;
 pub use number::{Number, Variable};
 pub use parse::{BlockError, Syntax, parse_block};
+pub use points::with_points;
 pub use store::{CHARACTER_LIMIT, PROGRAM_LIMIT, ProgramMemory, RANGE};
 pub use text::{Program, split};

@@ -128,9 +128,19 @@ impl Number {
         self.digits
     }
 
-    pub(super) const fn rounded_to_increment(self) -> Self {
-        let half = if self.millionths < 0 { -500 } else { 500 };
-        let millionths = (self.millionths + half) / 1000 * 1000;
+    /// The same length or feed, given in inches, in millimetres.
+    pub(crate) const fn inches_to_mm(self) -> Self {
+        Self::from_millionths(self.millionths.saturating_mul(254) / 10)
+    }
+
+    /// Rounded to the least input increment, in millionths of its unit.
+    pub(super) const fn rounded_to_increment(self, increment: i64) -> Self {
+        let half = if self.millionths < 0 {
+            -increment / 2
+        } else {
+            increment / 2
+        };
+        let millionths = (self.millionths + half) / increment * increment;
         Self { millionths, ..self }
     }
 }

@@ -14,12 +14,22 @@ use crate::memory::Parameters;
 pub struct Syntax {
     /// 013 POD: a decimal point is compulsory on X Z U W R I J K F.
     pub point_required: bool,
+    /// Lengths are inches, to 0.0001.
+    pub inch: bool,
+}
+
+impl Syntax {
+    /// The least input increment of a length, in millionths of its unit.
+    pub(super) const fn increment(self) -> i64 {
+        if self.inch { 100 } else { 1000 }
+    }
 }
 
 impl From<&Parameters> for Syntax {
     fn from(parameters: &Parameters) -> Self {
         Self {
             point_required: parameters.point_required(),
+            inch: false,
         }
     }
 }
@@ -290,7 +300,7 @@ fn read_number(
     if point {
         let number = Number::from_millionths(millionths);
         return Ok(if is_length(address) {
-            number.rounded_to_increment()
+            number.rounded_to_increment(syntax.increment())
         } else {
             number
         });

@@ -162,7 +162,7 @@ impl Program {
         if !block.has_variables() {
             return Ok(block);
         }
-        block.resolve(|variable| {
+        block.resolve(syntax, |variable| {
             let detail = format!("variable #{} has no value here", variable.number);
             Err(BlockError {
                 alarm: 115,
@@ -201,6 +201,11 @@ impl Program {
     /// The sequence number at the start of a block.
     pub fn sequence(&self, index: u32) -> Option<u16> {
         Head::read(self.block(index)).n
+    }
+
+    /// Whether a block begins with the skip mark `/`.
+    pub fn has_skip_mark(&self, index: u32) -> bool {
+        Head::read(self.block(index)).skip
     }
 
     /// The same program under another number: its O word is replaced, or put in

@@ -7,11 +7,13 @@
 //!                                              (G96 only)             · 021/625 + 036
 //! ```
 
+mod angle;
 mod control;
 mod encoder;
 
 #[cfg(test)]
 mod tests;
 
+pub use angle::{SpindleAngle, SpindleTurn};
 pub use control::{SpindleControl, SpindleInputs};
 pub use encoder::Encoder;

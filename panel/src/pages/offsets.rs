@@ -1,7 +1,7 @@
 //! The offset pages and the macro variables (manual III-2.3).
 
 use gsk_core::cnc::Cnc;
-use gsk_core::memory::OFFSETS;
+use gsk_core::memory::{OFFSETS, Variables};
 use gsk_core::units::Axis;
 
 use super::format::Display;
@@ -11,11 +11,12 @@ use super::table::PageId;
 use super::view::View;
 use crate::screen::Screen;
 
-/// Variables that are shown, and those of one screen.
-const VARIABLES: [core::ops::Range<u16>; 2] = [200..232, 500..516];
+/// Variables of one screen.
 const VARIABLE_SCREEN: usize = 16;
-/// A variable without a value.
+/// A variable without a value, or with one that does not fit.
 const VACANT: &str = "******";
+/// The greatest value that fits.
+const GREATEST_SHOWN: u64 = 99_999_999;
 
 const VARIABLE_COLUMNS: [Column; 2] = [
     Column {
@@ -51,15 +52,20 @@ pub fn offsets(screen: &mut Screen, view: &View, cnc: &Cnc) {
     frame::input_line(screen, "地址 ", view);
 }
 
-/// 宏变量: none has a value until macros are built in.
+/// 宏变量.
 pub fn variables(screen: &mut Screen, view: &View, cnc: &Cnc) {
-    let numbers: Vec<u16> = VARIABLES.into_iter().flatten().collect();
+    let numbers: Vec<u16> = Variables::numbers().collect();
     let item = view.cursors.get(PageId::Macro).item.min(numbers.len() - 1);
     screen.put(HEADING_ROW, 0, "序号      数 据     序号      数 据");
     let shown = numbers
         .iter()
         .skip(item / VARIABLE_SCREEN * VARIABLE_SCREEN);
-    let shown = shown.map(|number| (number.to_string(), VACANT.to_owned()));
+    let shown = shown.map(|number| {
+        let value = cnc.variables().get(*number);
+        let value = value.filter(|value| value.unsigned_abs() <= GREATEST_SHOWN);
+        let value = value.map_or_else(|| VACANT.to_owned(), |value| value.to_string());
+        (number.to_string(), value)
+    });
     lists::draw(screen, &VARIABLE_COLUMNS, shown, item % VARIABLE_SCREEN);
     relative_position(screen, cnc);
     frame::input_line(screen, "地址 ", view);

@@ -1,6 +1,7 @@
 //! Characters and the input line (manual III-1.2.4, III-1.3).
 
 use gsk_core::cnc::{Cnc, Request};
+use gsk_core::memory::Variables;
 use gsk_core::operation::Mode;
 use gsk_core::units::Axis;
 
@@ -144,6 +145,13 @@ impl Panel {
                 requests.push(Request::MdiWord(self.view.input.clone()));
             }
             PageId::GraphPar if cnc.mode() == Mode::Mdi => self.set_graphic(),
+            PageId::Macro if cnc.mode() == Mode::Mdi && !self.view.input.starts_with('P') => {
+                let item = self.view.cursors.get(PageId::Macro).item;
+                let value = self.view.input.trim().parse().ok();
+                if let (Some(number), Some(value)) = (Variables::numbers().nth(item), value) {
+                    requests.push(Request::SetVariable { number, value });
+                }
+            }
             // The program page is searched with the cursor keys.
             PageId::Prg => return,
             _ => self.search_item(),

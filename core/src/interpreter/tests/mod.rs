@@ -1,17 +1,26 @@
 //! Checkable facts of the manual, over a small host.
 
 mod blocks;
+mod calls_and_units;
+mod compound_threads;
+mod corners;
 mod cycles;
+mod macros;
 mod motion;
+mod pecking;
 mod preview;
+mod profiles;
 mod properties;
+mod roughing;
+mod roughing_properties;
 mod runs;
 mod spindle_and_tool;
+mod threads;
 
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, ProgramId};
+use crate::command::{Action, Command, ProgramId, ThreadStart};
 use crate::interpreter::{Host, Interpreter, Step};
-use crate::memory::{Offsets, Parameters, ToolOffset};
+use crate::memory::{Offsets, Parameters, ToolOffset, Variables};
 use crate::program::{Program, ProgramMemory};
 use crate::units::{Feed, PerAxis, Point};
 
@@ -19,6 +28,9 @@ use crate::units::{Feed, PerAxis, Point};
 pub(super) struct Bench {
     pub(super) parameters: Parameters,
     pub(super) offsets: Offsets,
+    pub(super) variables: Variables,
+    pub(super) inputs: u16,
+    pub(super) outputs: u64,
     pub(super) programs: ProgramMemory,
     pub(super) machine: Point,
     pub(super) referenced: PerAxis<bool>,
@@ -30,6 +42,9 @@ pub(super) struct Bench {
 struct World<'a> {
     parameters: &'a mut Parameters,
     offsets: &'a Offsets,
+    variables: &'a mut Variables,
+    inputs: u16,
+    outputs: &'a mut u64,
     programs: &'a ProgramMemory,
     machine: Point,
     referenced: PerAxis<bool>,
@@ -46,6 +61,21 @@ impl Host for World<'_> {
     }
     fn offsets(&self) -> &Offsets {
         self.offsets
+    }
+    fn variables(&self) -> &Variables {
+        self.variables
+    }
+    fn variables_mut(&mut self) -> &mut Variables {
+        self.variables
+    }
+    fn interface_inputs(&self) -> u16 {
+        self.inputs
+    }
+    fn interface_outputs(&self) -> u64 {
+        *self.outputs
+    }
+    fn set_interface_outputs(&mut self, outputs: u64) {
+        *self.outputs = outputs;
     }
     fn programs(&self) -> &ProgramMemory {
         self.programs
@@ -94,6 +124,9 @@ impl Bench {
         Self {
             parameters,
             offsets,
+            variables: Variables::default(),
+            inputs: 0,
+            outputs: 0,
             programs: ProgramMemory::default(),
             machine: Point::new(150.0, 300.0),
             referenced: PerAxis::new(true, true),
@@ -120,6 +153,9 @@ impl Bench {
         let world = World {
             parameters: &mut self.parameters,
             offsets: &self.offsets,
+            variables: &mut self.variables,
+            inputs: self.inputs,
+            outputs: &mut self.outputs,
             programs: &self.programs,
             machine: self.machine,
             referenced: self.referenced,
@@ -133,6 +169,11 @@ impl Bench {
         self.programs.open_external(Program::new(text));
         let (interpreter, world) = self.parts();
         interpreter.start(ProgramId::External, 1, &world);
+    }
+
+    pub(super) fn mdi(&mut self, text: &str) {
+        let (interpreter, world) = self.parts();
+        interpreter.start_mdi(Program::new(text), &world);
     }
 
     pub(super) fn next(&mut self) -> Result<Step, Alarm> {
@@ -218,6 +259,44 @@ impl Bench {
                 let turn = if *clockwise { "cw" } else { "ccw" };
                 format!("{turn} {} about {} {}", xz(*to), xz(*center), per(*feed))
             }
+            Action::Thread {
+                to,
+                long,
+                lead,
+                increase,
+                start,
+                run_out,
+            } => {
+                let kind = if *run_out { "run-out" } else { "thread" };
+                let begins = match start {
+                    ThreadStart::AtIndex { degrees } => format!("at {}", short(*degrees)),
+                    ThreadStart::Continued => "continued".into(),
+                };
+                let growth = if *increase == 0.0 {
+                    String::new()
+                } else {
+                    format!(
+                        "{}{}",
+                        if *increase > 0.0 { "+" } else { "" },
+                        short(*increase)
+                    )
+                };
+                format!(
+                    "{kind} {} {long:?} lead {}{growth} {begins}",
+                    xz(*to),
+                    short(*lead)
+                )
+            }
+            Action::Tap {
+                to,
+                lead,
+                start_degrees,
+            } => format!(
+                "tap {} lead {} at {}",
+                xz(*to),
+                short(*lead),
+                short(*start_degrees)
+            ),
             Action::Dwell { ms } => format!("dwell {ms}"),
             Action::Referenced { x, z } => format!("referenced {x} {z}"),
             Action::Frame {
@@ -241,6 +320,7 @@ impl Bench {
             Action::ProgramStop => "stop".into(),
             Action::End { counts, m30 } => format!("end counts {counts} m30 {m30}"),
             Action::Repeat => "repeat".into(),
+            Action::Macro => "macro".into(),
             Action::Nothing => "nothing".into(),
         };
         let stop = if command.stop_point { " |" } else { "" };
@@ -250,7 +330,10 @@ impl Bench {
 
 fn target(action: &Action) -> Option<Point> {
     match action {
-        Action::Rapid { to } | Action::Line { to, .. } | Action::Arc { to, .. } => Some(*to),
+        Action::Rapid { to }
+        | Action::Line { to, .. }
+        | Action::Arc { to, .. }
+        | Action::Thread { to, .. } => Some(*to),
         _ => None,
     }
 }

@@ -241,12 +241,6 @@ fn the_stroke_of_x_is_a_radius_under_radius_programming() {
 }
 
 #[test]
-fn chamfers_are_refused_until_they_are_built() {
-    assert_eq!(Bench::new().fault("G01 Z-5 R2 F50;"), (13, 1));
-    assert_eq!(Bench::new().fault("G01 X5 K2 F50;"), (13, 1));
-}
-
-#[test]
 fn one_feed_register_is_read_in_the_unit_in_force() {
     let mut bench = Bench::at(0.0, 0.0);
     bench.trace("G99 G01 X10 F1;");

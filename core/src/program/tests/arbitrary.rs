@@ -151,6 +151,6 @@ proptest! {
         for index in 0..program.block_count() {
             let _ = program.parse(index, Syntax::default());
         }
-        let _ = parse_block(&text, Syntax { point_required: true });
+        let _ = parse_block(&text, Syntax { point_required: true, ..Syntax::default() });
     }
 }

@@ -209,6 +209,7 @@ fn decimal_points() {
     }
     let syntax = Syntax {
         point_required: true,
+        ..Syntax::default()
     };
     for letter in "FIJKRUWXZ".chars() {
         let error = parse_block(&format!("{letter}1"), syntax).unwrap_err();
@@ -344,19 +345,33 @@ fn variables_get_values() {
             detail: String::new(),
         }),
     };
-    let block = block.resolve(value).unwrap();
+    let block = block.resolve(Syntax::default(), value).unwrap();
     assert_eq!(block.to_string(), "G3 X0.01 U-0.01 F15 T101;");
     assert!(block.has_g(3) && !block.has_variables());
-    assert_eq!(parse("X#9").unwrap().resolve(value).unwrap_err().alarm, 115);
+    assert_eq!(
+        parse("X#9")
+            .unwrap()
+            .resolve(Syntax::default(), value)
+            .unwrap_err()
+            .alarm,
+        115
+    );
     let huge = |_| Ok::<_, BlockError>(i64::MAX);
     for text in ["X#1", "X-#1", "M#1", "G#1", "P#1"] {
         assert_eq!(
-            parse(text).unwrap().resolve(huge).unwrap_err().alarm,
+            parse(text)
+                .unwrap()
+                .resolve(Syntax::default(), huge)
+                .unwrap_err()
+                .alarm,
             43,
             "{text}"
         );
     }
-    let raw = parse("G65 H1 P#200 Q#9").unwrap().resolve(value).unwrap();
+    let raw = parse("G65 H1 P#200 Q#9")
+        .unwrap()
+        .resolve(Syntax::default(), value)
+        .unwrap();
     assert_eq!(raw.number(b'P').unwrap().variable().unwrap().number, 200);
 }
 

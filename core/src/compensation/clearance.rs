@@ -1,0 +1,215 @@
+//! How near two curves come to each other: the path of the nose centre and the
+//! surface it cuts. Nearer than the nose radius, the nose cuts into the part.
+//!
+//! ```text
+//!    nose path  ________________        the nearest points are
+//!                  |     ^              - an end of the one, or
+//!                  |d    | foot         - the foot of a centre on a line, or
+//!              .--'|'--. |              - on the line of two centres, or
+//!            .'    + <---+ '.           - a crossing: no distance at all
+//! ```
+
+use core::f64::consts::{PI, TAU};
+
+use serde::{Deserialize, Serialize};
+
+use super::piece::{Circle, Piece};
+use super::plane::{cross, dot, left, sweep, unit};
+use crate::units::Point;
+
+/// What the nose may come too near by rounding and joined corners, mm.
+const ROUNDING: f64 = 0.0003;
+/// Shorter than this, an arc of at most half a turn counts as its chord, mm.
+const SHORT: f64 = 1e-6;
+
+/// A line, or an arc of at most a full turn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Curve {
+    from: Point,
+    to: Point,
+    arc: Option<Arc>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Arc {
+    center: Point,
+    radius: f64,
+    turn: f64,
+    sweep: f64,
+}
+
+impl Curve {
+    pub(super) const fn line(from: Point, to: Point) -> Self {
+        Self {
+            from,
+            to,
+            arc: None,
+        }
+    }
+
+    /// The arc about the centre of `circle`, beside a programmed one that is a
+    /// full turn or `whole` round.
+    pub(super) fn arc(from: Point, to: Point, circle: &Circle, whole: f64) -> Self {
+        let arm = from - circle.center;
+        if (to - from).length() < SHORT && whole <= PI {
+            return Self::line(from, to);
+        }
+        let way = sweep(arm, to - circle.center, circle.turn);
+        Self {
+            from,
+            to,
+            arc: Some(Arc {
+                center: circle.center,
+                radius: arm.length(),
+                turn: circle.turn,
+                sweep: if way <= 0.0 { TAU } else { way },
+            }),
+        }
+    }
+
+    /// The programmed surface of a move.
+    pub(super) fn surface(piece: &Piece) -> Self {
+        match &piece.circle {
+            None => Self::line(piece.start, piece.end),
+            Some(circle) => Self::arc(piece.start, piece.end, circle, piece.sweep()),
+        }
+    }
+
+    /// A length that is not less than that of the curve.
+    fn reach(&self) -> f64 {
+        match &self.arc {
+            None => (self.to - self.from).length(),
+            Some(arc) => arc.sweep * arc.radius,
+        }
+    }
+}
+
+impl Arc {
+    /// Whether the direction from the centre lies within the arc.
+    fn spans(&self, from: Point, direction: Point) -> bool {
+        sweep(from - self.center, direction, self.turn) <= self.sweep
+    }
+}
+
+/// Whether a nose with this radius cuts into a surface on its path. `loose`:
+/// what the end of the surface may lie off its circle.
+pub(super) fn cuts(path: &Curve, surface: &Curve, radius: f64, loose: f64) -> bool {
+    let least = radius - ROUNDING - loose;
+    let apart = (path.from - surface.from).length();
+    if apart - path.reach() - surface.reach() > least {
+        return false;
+    }
+    distance(path, surface) < least
+}
+
+/// The least distance of two curves.
+pub(super) fn distance(a: &Curve, b: &Curve) -> f64 {
+    let ends = to_point(a, b.from)
+        .min(to_point(a, b.to))
+        .min(to_point(b, a.from))
+        .min(to_point(b, a.to));
+    let between = match (&a.arc, &b.arc) {
+        (None, None) => lines(a, b),
+        (None, Some(arc)) => line_and_arc(a, b, arc),
+        (Some(arc), None) => line_and_arc(b, a, arc),
+        (Some(first), Some(second)) => arcs(a, first, b, second),
+    };
+    ends.min(between)
+}
+
+fn to_point(curve: &Curve, point: Point) -> f64 {
+    let ends = (point - curve.from)
+        .length()
+        .min((point - curve.to).length());
+    match &curve.arc {
+        None => foot(curve, point).map_or(ends, |foot| (point - foot).length().min(ends)),
+        Some(arc) => {
+            let arm = point - arc.center;
+            if !arc.spans(curve.from, arm) {
+                return ends;
+            }
+            (arm.length() - arc.radius).abs().min(ends)
+        }
+    }
+}
+
+/// The foot of a point on a line, if it lies on it.
+fn foot(line: &Curve, point: Point) -> Option<Point> {
+    let along = line.to - line.from;
+    let square = dot(along, along);
+    if square <= 0.0 {
+        return None;
+    }
+    let part = dot(point - line.from, along) / square;
+    (0.0..=1.0)
+        .contains(&part)
+        .then(|| line.from + along * part)
+}
+
+/// Two lines are nearest at an end, unless they cross.
+fn lines(a: &Curve, b: &Curve) -> f64 {
+    let (u, v) = (a.to - a.from, b.to - b.from);
+    let between = b.from - a.from;
+    let area = cross(u, v);
+    if area == 0.0 {
+        return f64::INFINITY;
+    }
+    let (on_a, on_b) = (cross(between, v) / area, cross(between, u) / area);
+    let within = (0.0..=1.0).contains(&on_a) && (0.0..=1.0).contains(&on_b);
+    if within { 0.0 } else { f64::INFINITY }
+}
+
+fn line_and_arc(line: &Curve, curve: &Curve, arc: &Arc) -> f64 {
+    let Some(along) = unit(line.to - line.from) else {
+        return f64::INFINITY;
+    };
+    let to_line = left(along) * dot(line.from - arc.center, left(along));
+    let way = to_line.length();
+    if way < arc.radius {
+        let half = (arc.radius * arc.radius - way * way).sqrt();
+        for direction in [to_line + along * half, to_line - along * half] {
+            let on_line = dot(arc.center + direction - line.from, along);
+            let within = (0.0..=(line.to - line.from).length()).contains(&on_line);
+            if within && arc.spans(curve.from, direction) {
+                return 0.0;
+            }
+        }
+        return f64::INFINITY;
+    }
+    match foot(line, arc.center) {
+        Some(foot) if arc.spans(curve.from, foot - arc.center) => way - arc.radius,
+        _ => f64::INFINITY,
+    }
+}
+
+fn arcs(a: &Curve, first: &Arc, b: &Curve, second: &Arc) -> f64 {
+    let between = second.center - first.center;
+    let d = between.length();
+    let Some(e) = unit(between) else {
+        return f64::INFINITY;
+    };
+    let both = |point: Point| {
+        first.spans(a.from, point - first.center) && second.spans(b.from, point - second.center)
+    };
+    let along = (first.radius * first.radius - second.radius * second.radius + d * d) / (2.0 * d);
+    let square = first.radius * first.radius - along * along;
+    if square >= 0.0 {
+        let (middle, half) = (first.center + e * along, left(e) * square.sqrt());
+        if both(middle + half) || both(middle - half) {
+            return 0.0;
+        }
+    }
+    let mut least = f64::INFINITY;
+    for side_a in [1.0, -1.0] {
+        for side_b in [1.0, -1.0] {
+            let on_a = first.center + e * (side_a * first.radius);
+            let on_b = second.center + e * (side_b * second.radius);
+            let seen = first.spans(a.from, on_a - first.center)
+                && second.spans(b.from, on_b - second.center);
+            if seen {
+                least = least.min((on_b - on_a).length());
+            }
+        }
+    }
+    least
+}

@@ -1,0 +1,150 @@
+//! The interference check: a move whose nose path runs against the programmed
+//! one would cut into the part (manual II, C compensation).
+//!
+//! ```text
+//!        p .        q
+//!   ---. .  `.    .'  .---       p = start + its last vector
+//!      |.     `. .'   |          q = end + its first vector
+//!      |  q <-- p     |          bottom: programmed to the left, nose path to
+//!      '--------------'          the right: alarm 057
+//! ```
+//!
+//! The nose must not cut into the moves about it either: into those just run, and
+//! into the next one, which has been read.
+//!
+//! Before the alarm, vectors of corners with several are dropped one by one; an
+//! arc is then run as a straight line.
+
+use core::f64::consts::{PI, TAU};
+
+use serde::{Deserialize, Serialize};
+
+use super::clearance::{self, Curve};
+use super::corner::Vectors;
+use super::fault::Fault;
+use super::piece::{Circle, Piece};
+use super::plane::{dot, sweep, unit};
+use crate::units::Point;
+
+/// So far backwards is rounding, mm.
+const BACKWARDS: f64 = 1e-6;
+
+/// A move that may be run: the vectors left at its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Way {
+    pub(super) start: Vectors,
+    pub(super) end: Vectors,
+    /// An arc run as a straight line.
+    pub(super) straight: bool,
+}
+
+/// A move that was run: its surface and the path of the nose.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Trail {
+    pub(super) piece: Piece,
+    path: Curve,
+    /// The nose ran so far on the left of it.
+    pub(super) rho: f64,
+}
+
+impl Trail {
+    pub(super) fn of(piece: &Piece, way: &Way, rho: f64) -> Self {
+        let (p, q) = (
+            piece.start + way.start.last(),
+            piece.end + way.end.first(),
+        );
+        let path = match &piece.circle {
+            Some(circle) if !way.straight => Curve::arc(p, q, circle, piece.sweep()),
+            _ => Curve::line(p, q),
+        };
+        Self {
+            piece: *piece,
+            path,
+            rho,
+        }
+    }
+}
+
+/// Whether the nose would cut into the moves about it: on its way round the
+/// corner at the start and along the move, into the moves before, the move itself
+/// and the next one; and whether it has cut into the next one on the moves before.
+pub(super) fn cuts_into<'a>(
+    before: impl Iterator<Item = &'a Trail> + Clone,
+    way: &Way,
+    trail: &Trail,
+    next: Option<&Piece>,
+) -> bool {
+    let cuts = |path: &Curve, piece: &Piece| {
+        clearance::cuts(path, &Curve::surface(piece), trail.rho.abs(), piece.misfit())
+    };
+    let around = |path: &Curve| {
+        cuts(path, &trail.piece)
+            || before.clone().any(|before| cuts(path, &before.piece))
+            || next.is_some_and(|next| cuts(path, next))
+    };
+    if around(&trail.path) {
+        return true;
+    }
+    let start = trail.piece.start;
+    let mut corner = way.start.all().windows(2);
+    let corner_cuts = before.clone().next().is_some()
+        && corner.any(|pair| match pair {
+            [one, other] => around(&Curve::line(start + *one, start + *other)),
+            _ => false,
+        });
+    corner_cuts
+        || next.is_some_and(|next| before.clone().any(|before| cuts(&before.path, next)))
+}
+
+/// Checks a move between the vectors at its start and at its end.
+pub(super) fn check(piece: &Piece, start: Vectors, end: Vectors) -> Result<Way, Fault> {
+    let mut way = Way {
+        start,
+        end,
+        straight: false,
+    };
+    while interferes(piece, &way) {
+        match (way.start.single(), way.end.single()) {
+            (true, true) => return Err(Fault::Interference),
+            (false, true) => way.start.drop_last(),
+            (true, false) => way.end.drop_first(),
+            (false, false) => {
+                way.start.drop_last();
+                way.end.drop_first();
+            }
+        }
+        way.straight = piece.circle.is_some();
+    }
+    Ok(way)
+}
+
+fn interferes(piece: &Piece, way: &Way) -> bool {
+    let (p, q) = (
+        piece.start + way.start.last(),
+        piece.end + way.end.first(),
+    );
+    match &piece.circle {
+        Some(circle) if !way.straight => turns_over(piece, circle, p, q),
+        _ => {
+            let along = unit(piece.end - piece.start).unwrap_or(piece.exit);
+            dot(q - p, along) < -BACKWARDS
+        }
+    }
+}
+
+/// Whether the sweep of the nose path differs by more than half a turn.
+fn turns_over(piece: &Piece, circle: &Circle, p: Point, q: Point) -> bool {
+    let programmed = piece.sweep();
+    let (first, last) = (p - circle.center, q - circle.center);
+    // An arc shrunk to its centre has no sweep to compare.
+    if first.length() <= BACKWARDS || last.length() <= BACKWARDS {
+        return false;
+    }
+    let left = if (q - p).length() <= BACKWARDS && programmed < TAU {
+        0.0
+    } else {
+        let left = sweep(first, last, circle.turn);
+        if left <= 0.0 { TAU } else { left }
+    };
+    (left - programmed).abs() > PI
+}

@@ -1,0 +1,59 @@
+//! G90 and G94 under G41 or G42: the four legs of the box are moved from the tip
+//! toward the nose centre, whatever the side (manual II, C compensation).
+//!
+//! ```text
+//!   C . . . . . . . . A        u = from the tip to the centre
+//!   . D-------------A .        a leg moves by r along its normal m with
+//!   . |             | .        m·u > 0; a leg along u stays
+//!   . C-------------B .        the tip: the corner of the moved legs + tip
+//! ```
+//!
+//! Legs along the axes leave the tip on the programmed path: only tapers differ.
+
+use super::intersection::of_lines;
+use super::nose::Nose;
+use super::plane::{dot, left, unit};
+use super::rounded;
+use crate::units::Point;
+
+/// A leg so little inclined to the direction of the tip counts as along it.
+const ALONG: f64 = 1e-9;
+
+/// The corners B, C, D that the tip goes to, from A; the last corner is A again.
+pub(crate) fn box_corners(start: Point, corners: [Point; 4], nose: Nose) -> [Point; 4] {
+    if nose.radius == 0.0 {
+        return corners;
+    }
+    let mut tips = corners;
+    let mut from = start;
+    for (index, tip) in tips.iter_mut().enumerate().take(3) {
+        let corner = corners[index];
+        let next = corners[index + 1];
+        *tip = tip_at(from, corner, next, nose);
+        from = corner;
+    }
+    tips
+}
+
+fn tip_at(from: Point, corner: Point, next: Point, nose: Nose) -> Point {
+    let before = shift(corner - from, nose);
+    let after = shift(next - corner, nose);
+    let moved = match (before, after) {
+        (Some((normal_a, by_a)), Some((normal_b, by_b))) => {
+            of_lines(normal_a, by_a, normal_b, by_b).unwrap_or(normal_a * by_a)
+        }
+        (Some((normal, by)), None) | (None, Some((normal, by))) => normal * by,
+        (None, None) => return corner,
+    };
+    rounded(corner + moved + nose.tip())
+}
+
+/// The normal of a leg and how far it moves along it; `None` without a leg.
+fn shift(leg: Point, nose: Nose) -> Option<(Point, f64)> {
+    let normal = left(unit(leg)?);
+    let toward = -dot(normal, nose.direction());
+    if toward.abs() < ALONG {
+        return Some((normal, 0.0));
+    }
+    Some((normal * toward.signum(), nose.radius.abs()))
+}

@@ -1,0 +1,262 @@
+//! Random profiles: the nose circle stays outside the part to 1 µm, or there is
+//! an alarm; nothing third. The part is looked at with geometry of its own.
+
+use std::fmt::Write;
+
+use proptest::prelude::*;
+
+use super::cases::{run, tip_of};
+use crate::command::{ExecutedMove, MoveKind};
+use crate::memory::ToolOffset;
+use crate::units::Point;
+
+/// How near the nose may come beyond its radius, mm.
+const TOLERANCE: f64 = 0.001;
+/// Distance of the points at which the path of the nose is looked at, mm.
+const STEP: f64 = 0.02;
+
+/// One piece of a profile in thousandths of a millimetre, X as a radius.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    dz: i64,
+    dx: i64,
+    /// Radius of an arc over the half chord, in 1/64; none: a line.
+    arc: Option<(i64, bool)>,
+}
+
+/// A piece of the part's surface.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    from: Point,
+    to: Point,
+    /// Centre and whether it turns clockwise.
+    about: Option<(Point, bool)>,
+}
+
+fn angle(center: Point, point: Point) -> f64 {
+    libm::atan2(point.x - center.x, point.z - center.z)
+}
+
+/// Angle swept from `from` to `to`, 0 to a full turn.
+fn swept(center: Point, from: Point, to: Point, clockwise: bool) -> f64 {
+    use core::f64::consts::TAU;
+    let way = angle(center, to) - angle(center, from);
+    (if clockwise { -way } else { way }).rem_euclid(TAU)
+}
+
+impl Surface {
+    fn distance(&self, point: Point) -> f64 {
+        let ends = (point - self.from).length().min((point - self.to).length());
+        let between = match self.about {
+            None => {
+                let along = self.to - self.from;
+                let way = point - self.from;
+                let length = along.length();
+                let part = (way.x * along.x + way.z * along.z) / (length * length);
+                (0.0..=1.0)
+                    .contains(&part)
+                    .then(|| (way - along * part).length())
+            }
+            Some((center, clockwise)) => {
+                let whole = swept(center, self.from, self.to, clockwise);
+                let radius = (self.from - center).length();
+                (swept(center, self.from, point, clockwise) <= whole)
+                    .then(|| ((point - center).length() - radius).abs())
+            }
+        };
+        between.map_or(ends, |between| between.min(ends))
+    }
+}
+
+/// Points along a move.
+fn points(made: &ExecutedMove) -> Vec<Point> {
+    let (from, to) = (made.from, made.to);
+    let pieces = |length: f64| (length / STEP).ceil().max(1.0) as usize;
+    let Some(center) = made.center else {
+        let count = pieces((to - from).length());
+        return (0..=count)
+            .map(|index| from + (to - from) * (index as f64 / count as f64))
+            .collect();
+    };
+    let clockwise = made.kind == MoveKind::Clockwise;
+    let sweep = swept(center, from, to, clockwise);
+    let radius = (from - center).length();
+    let growth = (to - center).length() - radius;
+    let count = pieces(sweep * radius);
+    (0..=count)
+        .map(|index| {
+            let part = index as f64 / count as f64;
+            let turn = if clockwise { -sweep } else { sweep } * part;
+            let at = angle(center, from) + turn;
+            center + Point::new(libm::sin(at), libm::cos(at)) * (radius + growth * part)
+        })
+        .collect()
+}
+
+fn mm(thousandths: i64) -> String {
+    let sign = if thousandths < 0 { "-" } else { "" };
+    format!(
+        "{sign}{}.{:03}",
+        thousandths.abs() / 1000,
+        thousandths.abs() % 1000
+    )
+}
+
+/// Radius in thousandths and centre of an arc of at most half a turn.
+fn circle(from: Point, to: Point, more: i64, clockwise: bool) -> (i64, Point) {
+    let chord = (to - from).length();
+    let thousandths = (chord * 500.0).ceil() as i64 + more;
+    let radius = thousandths as f64 / 1000.0;
+    let height = (radius * radius - chord * chord / 4.0).max(0.0).sqrt();
+    let along = (to - from) * (1.0 / chord);
+    // To the right of the travel for G02, to the left for G03.
+    let normal = Point::new(-along.z, along.x) * if clockwise { 1.0 } else { -1.0 };
+    (
+        thousandths,
+        from + (to - from) * 0.5 + normal * height,
+    )
+}
+
+/// Whether an arc never goes away from the chuck: a surface over Z.
+fn never_back(from: Point, to: Point, (more, clockwise): (i64, bool), left: bool) -> bool {
+    let clockwise = clockwise != left;
+    let (_, center) = circle(from, to, more, clockwise);
+    [from, to].iter().all(|end| {
+        let arm = *end - center;
+        if clockwise { arm.x <= 0.0 } else { arm.x >= 0.0 }
+    })
+}
+
+/// A program over the profile, from the first point, and its surface.
+fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
+    let mut text = String::from("T0101 F100\n");
+    let (mut x, mut z) = (20_000_i64, 0_i64);
+    let point = |x: i64, z: i64| Point::new(x as f64 / 1000.0, z as f64 / 1000.0);
+    let code = if left { 41 } else { 42 };
+    writeln!(text, "G{code} G00 X{} Z{}", mm(2 * x), mm(z)).unwrap();
+    let mut surface = Vec::new();
+    for step in steps {
+        let from = point(x, z);
+        // G41 runs over the mirrored profile, inside a bore.
+        let dx = if left { -step.dx } else { step.dx };
+        (x, z) = (x + dx, z + step.dz);
+        let to = point(x, z);
+        let chord = (to - from).length();
+        let arc = step.arc.filter(|arc| chord > 0.0 && never_back(from, to, *arc, left));
+        let Some((ratio, clockwise)) = arc else {
+            writeln!(text, "G01 X{} Z{}", mm(2 * x), mm(z)).unwrap();
+            surface.push(Surface {
+                from,
+                to,
+                about: None,
+            });
+            continue;
+        };
+        let clockwise = clockwise != left;
+        let (radius, center) = circle(from, to, ratio, clockwise);
+        surface.push(Surface {
+            from,
+            to,
+            about: Some((center, clockwise)),
+        });
+        let g = if clockwise { 2 } else { 3 };
+        writeln!(text, "G0{g} X{} Z{} R{}", mm(2 * x), mm(z), mm(radius)).unwrap();
+    }
+    let away = if left { -10_000 } else { 10_000 };
+    writeln!(text, "G40 G00 X{} Z{}", mm(2 * (x + away)), mm(z - 2_000)).unwrap();
+    (text, surface)
+}
+
+/// What became of a profile.
+enum Outcome {
+    Alarm(u16),
+    /// How far the nose came into the part, mm, and where.
+    Cut(f64, String),
+}
+
+fn outcome(steps: &[Step], nose: ToolOffset, left: bool) -> Outcome {
+    let (text, surface) = program(steps, left);
+    let start = Point::new(20.0, 10.0);
+    let (moves, preview) = run(&text, nose, start);
+    if let Some(alarm) = preview.alarm {
+        return Outcome::Alarm(alarm.number);
+    }
+    let mut worst = (f64::MIN, String::new());
+    let last = steps.len() as u32 + 2;
+    for made in &moves {
+        if made.source.line < 3 || made.source.line > last {
+            continue;
+        }
+        for point in points(made) {
+            let center = point - tip_of(&nose);
+            let clear = surface
+                .iter()
+                .map(|piece| piece.distance(center))
+                .fold(f64::MAX, f64::min);
+            let deep = nose.r.abs() - clear;
+            if deep > worst.0 {
+                worst = (deep, format!("line {} at {point:?}", made.source.line));
+            }
+        }
+    }
+    Outcome::Cut(worst.0, format!("{} in\n{text}", worst.1))
+}
+
+/// Steps toward the chuck that never come back in Z.
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let long = (1_000_i64..8_000, -4_000_i64..4_000);
+    let short = (0_i64..800, -600_i64..600);
+    let square = prop_oneof![
+        (500_i64..6_000).prop_map(|z| (z, 0)),
+        (-4_000_i64..4_000).prop_map(|x| (0, x)),
+    ];
+    let way = prop_oneof![3 => long, 2 => short, 3 => square];
+    let arc = prop_oneof![
+        3 => Just(None),
+        2 => (0_i64..6_000, any::<bool>()).prop_map(Some),
+    ];
+    let step = (way, arc).prop_map(|((dz, dx), arc)| Step { dz: -dz, dx, arc });
+    // Room to come and to go, wherever the profile begins and ends.
+    let room = Step {
+        dz: -5_000,
+        dx: 0,
+        arc: None,
+    };
+    prop::collection::vec(step, 1..9).prop_map(move |mut steps| {
+        // A wall that comes back on itself bounds no part.
+        let mut down = false;
+        for step in &mut steps {
+            if step.dz == 0 && down {
+                step.dz = -500;
+            }
+            down = step.dz == 0;
+        }
+        steps.insert(0, room);
+        steps.push(room);
+        steps
+    })
+}
+
+fn noses() -> impl Strategy<Value = ToolOffset> {
+    (50_i32..2_000, 0_u8..10).prop_map(|(r, t)| ToolOffset {
+        r: f64::from(r) / 1000.0,
+        t,
+        ..ToolOffset::default()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_nose_stays_outside_or_there_is_an_alarm(
+        steps in steps(), nose in noses(), left in any::<bool>(),
+    ) {
+        match outcome(&steps, nose, left) {
+            Outcome::Alarm(number) => prop_assert!(matches!(number, 50..=59), "{}", number),
+            Outcome::Cut(deep, place) => {
+                prop_assert!(deep <= TOLERANCE, "{} deep, {:?} {}", deep, nose, place);
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Worked cases and properties.
+
+mod cases;
+mod clearance;

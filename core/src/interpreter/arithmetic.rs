@@ -1,0 +1,222 @@
+//! The operations of G65 (manual I-3.7.3): whole numbers in, whole numbers out,
+//! fractions dropped toward zero.
+
+use crate::interpreter::numbers;
+
+/// What an operation works on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Operands {
+    /// The result variable before the operation.
+    pub(crate) i: i64,
+    /// Q.
+    pub(crate) j: i64,
+    /// R.
+    pub(crate) k: i64,
+}
+
+/// Why there is no result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Fault {
+    /// Alarm number.
+    pub(crate) alarm: u16,
+    pub(crate) detail: &'static str,
+}
+
+const DIVISION_BY_ZERO: Fault = Fault {
+    alarm: numbers::DIVISION_BY_ZERO,
+    detail: "division by zero",
+};
+const NO_TANGENT: Fault = Fault {
+    alarm: numbers::DIVISION_BY_ZERO,
+    detail: "the tangent of 90 degrees",
+};
+const NO_DIRECTION: Fault = Fault {
+    alarm: numbers::DIVISION_BY_ZERO,
+    detail: "the angle of 0/0",
+};
+const NEGATIVE_ROOT: Fault = Fault {
+    alarm: numbers::NEGATIVE_ARGUMENT,
+    detail: "the root of a negative number",
+};
+const NEGATIVE_CODE: Fault = Fault {
+    alarm: numbers::NEGATIVE_ARGUMENT,
+    detail: "decimal codes have no sign",
+};
+const NO_DECIMAL_DIGIT: Fault = Fault {
+    alarm: numbers::NEGATIVE_ARGUMENT,
+    detail: "a digit of the decimal code is above 9",
+};
+const BEYOND: Fault = Fault {
+    alarm: numbers::MACRO_RANGE,
+    detail: "more than -2^32 to 2^32-1",
+};
+
+/// What an H code does.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Operation {
+    /// Result into P.
+    Value(fn(Operands) -> Result<i128, Fault>),
+    /// Jump to N of P when true of Q and R.
+    Jump(fn(i64, i64) -> bool),
+    /// Alarm 500 and P.
+    Alarm,
+}
+
+impl Operation {
+    /// The operation of an H code.
+    pub(crate) fn of(h: i64) -> Option<Self> {
+        use Operation::{Alarm, Jump, Value};
+        Some(match h {
+            1 => Value(|o| Ok(o.j.into())),
+            2 => Value(|o| Ok(i128::from(o.j) + i128::from(o.k))),
+            3 => Value(|o| Ok(i128::from(o.j) - i128::from(o.k))),
+            4 => Value(|o| Ok(i128::from(o.j) * i128::from(o.k))),
+            5 => Value(|o| divided(o.j.into(), o.k)),
+            11 => Value(|o| Ok((o.j | o.k).into())),
+            12 => Value(|o| Ok((o.j & o.k).into())),
+            13 => Value(|o| Ok((o.j ^ o.k).into())),
+            21 => Value(|o| root(o.j)),
+            22 => Value(|o| Ok(i128::from(o.j).abs())),
+            23 => Value(|o| remainder(o.j, o.k)),
+            24 => Value(|o| from_decimal_code(o.j)),
+            25 => Value(|o| to_decimal_code(o.j)),
+            26 => Value(|o| divided(i128::from(o.i) * i128::from(o.j), o.k)),
+            27 => Value(|o| Ok(hypotenuse(o.j, o.k))),
+            31 => Value(|o| Ok(times_sine(o.j, i128::from(o.k)))),
+            32 => Value(|o| Ok(times_sine(o.j, i128::from(o.k) + i128::from(QUARTER)))),
+            33 => Value(|o| times_tangent(o.j, o.k)),
+            34 => Value(|o| angle(o.j, o.k)),
+            80 => Jump(|_, _| true),
+            81 => Jump(|j, k| j == k),
+            82 => Jump(|j, k| j != k),
+            83 => Jump(|j, k| j > k),
+            84 => Jump(|j, k| j < k),
+            85 => Jump(|j, k| j >= k),
+            86 => Jump(|j, k| j <= k),
+            99 => Alarm,
+            _ => return None,
+        })
+    }
+
+    /// Whether the result depends on the old value of P.
+    pub(crate) const fn reads_result(h: i64) -> bool {
+        h == 26
+    }
+}
+
+fn divided(dividend: i128, divisor: i64) -> Result<i128, Fault> {
+    dividend.checked_div(divisor.into()).ok_or(DIVISION_BY_ZERO)
+}
+
+fn remainder(dividend: i64, divisor: i64) -> Result<i128, Fault> {
+    let remainder = i128::from(dividend).checked_rem(divisor.into());
+    remainder.ok_or(DIVISION_BY_ZERO)
+}
+
+fn root(value: i64) -> Result<i128, Fault> {
+    let value = u64::try_from(value).map_err(|_| NEGATIVE_ROOT)?;
+    Ok(value.isqrt().into())
+}
+
+fn hypotenuse(j: i64, k: i64) -> i128 {
+    let square = |value: i64| {
+        let size = u128::from(value.unsigned_abs());
+        size * size
+    };
+    square(j).saturating_add(square(k)).isqrt() as i128
+}
+
+/// Four bits a decimal digit to a number.
+fn from_decimal_code(code: i64) -> Result<i128, Fault> {
+    let mut rest = u64::try_from(code).map_err(|_| NEGATIVE_CODE)?;
+    let (mut value, mut weight) = (0, 1);
+    while rest > 0 {
+        let digit = rest & 0xF;
+        if digit > 9 {
+            return Err(NO_DECIMAL_DIGIT);
+        }
+        value += i128::from(digit) * weight;
+        weight *= 10;
+        rest >>= 4;
+    }
+    Ok(value)
+}
+
+/// A number to four bits a decimal digit.
+fn to_decimal_code(value: i64) -> Result<i128, Fault> {
+    let mut rest = u64::try_from(value).map_err(|_| NEGATIVE_CODE)?;
+    let (mut code, mut shift) = (0, 0);
+    while rest > 0 {
+        code |= i128::from(rest % 10) << shift;
+        shift += 4;
+        rest /= 10;
+    }
+    Ok(code)
+}
+
+/// Thousandths of a degree in a quarter turn.
+const QUARTER: i64 = 90_000;
+const TURN: i64 = 4 * QUARTER;
+
+fn radians(thousandths: i64) -> f64 {
+    (thousandths as f64 / 1000.0).to_radians()
+}
+
+/// Drops the fraction, after the noise of the last bits: 1000 · sin 30° is 500.
+fn whole(value: f64) -> i128 {
+    const NOISE: f64 = 1e6;
+    libm::trunc(libm::round(value * NOISE) / NOISE) as i128
+}
+
+fn times_sine(factor: i64, angle: i128) -> i128 {
+    let angle = angle.rem_euclid(TURN.into()) as i64;
+    let factor = i128::from(factor);
+    // Exact where the sine is.
+    match angle {
+        0 | 180_000 => 0,
+        30_000 | 150_000 => factor / 2,
+        90_000 => factor,
+        210_000 | 330_000 => -factor / 2,
+        270_000 => -factor,
+        _ => whole(factor as f64 * libm::sin(radians(angle))),
+    }
+}
+
+fn times_tangent(factor: i64, angle: i64) -> Result<i128, Fault> {
+    let angle = angle.rem_euclid(2 * QUARTER);
+    Ok(match angle {
+        0 => 0,
+        45_000 => factor.into(),
+        QUARTER => return Err(NO_TANGENT),
+        135_000 => -i128::from(factor),
+        _ => whole(factor as f64 * libm::tan(radians(angle))),
+    })
+}
+
+/// The direction of (k, j) in thousandths of a degree, 0 to 359999.
+fn angle(j: i64, k: i64) -> Result<i128, Fault> {
+    if j == 0 && k == 0 {
+        return Err(NO_DIRECTION);
+    }
+    let degrees = libm::atan2(j as f64, k as f64).to_degrees();
+    let degrees = if degrees < 0.0 {
+        degrees + 360.0
+    } else {
+        degrees
+    };
+    Ok(whole(degrees * 1000.0).rem_euclid(TURN.into()))
+}
+
+/// Works out a value; alarm 111 beyond what a variable holds.
+pub(crate) fn work_out(
+    function: fn(Operands) -> Result<i128, Fault>,
+    operands: Operands,
+) -> Result<i64, Fault> {
+    use crate::memory::Variables;
+    let value = i64::try_from(function(operands)?).map_err(|_| BEYOND)?;
+    if (Variables::LEAST..=Variables::GREATEST).contains(&value) {
+        Ok(value)
+    } else {
+        Err(BEYOND)
+    }
+}

@@ -1,0 +1,85 @@
+//! G70 to G76: which of a cycle's two blocks it is, and where the run goes on
+//! (manual I-3.2.6).
+//!
+//! ```text
+//!   G71 U2 R1            without P, Q: data into parameters
+//!   G71 P10 Q50 U0.5     with them: the cycle; the run goes on behind nf
+//!   N10 …                when the profile follows, else behind the cycle
+//!   N50 …
+//! ```
+
+use crate::alarm::Alarm;
+use crate::interpreter::block::Context;
+use crate::interpreter::contour::View;
+use crate::interpreter::exact::Exact;
+use crate::interpreter::plan::{Motion, Plan};
+use crate::interpreter::profile::{self, Range};
+use crate::interpreter::state::State;
+use crate::interpreter::subprogram::{Flow, Place};
+use crate::interpreter::words::{AxisWords, OneShot, Words};
+use crate::interpreter::{compound_thread, finishing, pattern, pecking, roughing};
+use crate::units::Axis;
+
+/// Plans a block of one of these cycles.
+pub(crate) fn plan(
+    code: OneShot,
+    state: &mut State,
+    context: &Context<'_>,
+    words: &Words,
+    axes: &AxisWords,
+    base: Exact,
+    plan: &mut Plan,
+) -> Result<(), Alarm> {
+    let writes = &mut plan.writes;
+    plan.motion = match code {
+        OneShot::Finishing => {
+            plan.flow = finishing::plan(state, context, words)?;
+            return Ok(());
+        }
+        OneShot::TurningRough | OneShot::FacingRough | OneShot::Pattern => {
+            let view = match code {
+                OneShot::FacingRough => View::Facing,
+                _ => View::Turning,
+            };
+            let pattern = code == OneShot::Pattern;
+            if words.p.or(words.q).is_none() {
+                return if pattern {
+                    pattern::store(words, writes)
+                } else {
+                    roughing::store(view, words, writes)
+                };
+            }
+            let range = profile::locate(context, words)?;
+            let cycle = if pattern {
+                pattern::plan(state, context, words, range, writes)?
+            } else {
+                roughing::plan(view, state, context, words, range, writes)?
+            };
+            plan.flow = behind(context.place, range);
+            Motion::Cycle(Box::new(cycle))
+        }
+        OneShot::FacePecking => pecking::plan(Axis::Z, state, context, words, axes, base, writes)?,
+        OneShot::Grooving => pecking::plan(Axis::X, state, context, words, axes, base, writes)?,
+        OneShot::CompoundThread => {
+            compound_thread::plan(state, context, words, axes, base, writes)?
+        }
+        _ => return Ok(()),
+    };
+    if plan.motion.moves() {
+        state.return_here();
+        // G76 keeps to the rules of threads.
+        plan.whole = code != OneShot::CompoundThread;
+    }
+    Ok(())
+}
+
+/// Where the run goes on after a cycle over a profile.
+fn behind(cycle: Place, profile: Range) -> Flow {
+    if profile.last < cycle.block {
+        return Flow::Next;
+    }
+    Flow::Jump(Place {
+        block: profile.last + 1,
+        ..cycle
+    })
+}

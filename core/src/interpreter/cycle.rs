@@ -1,0 +1,191 @@
+//! Canned cycles: makers of moves, one move at a time.
+//!
+//! ```text
+//!   block --plan--> Maker --make--> Move, Move, …    each with a Note: which pass
+//!                     |                              it belongs to and why
+//!                     +-- plain data: start, end, step counters
+//! ```
+//!
+//! A cycle with ten thousand passes takes no more memory than one with two.
+
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::Alarm;
+use crate::command::Action;
+use crate::interpreter::compound_thread::CompoundThread;
+use crate::interpreter::exact::Exact;
+use crate::interpreter::explanation::{Explanation, Note};
+use crate::interpreter::numbers;
+use crate::interpreter::pattern::Pattern;
+use crate::interpreter::pecking::Pecking;
+use crate::interpreter::plan::Emission;
+use crate::interpreter::roughing::Roughing;
+use crate::interpreter::state::State;
+use crate::interpreter::tapping::Tapping;
+use crate::interpreter::thread_cycle::ThreadCycle;
+use crate::units::{Feed, Point};
+
+/// From programmed coordinates to machine coordinates. Whatever a cycle does,
+/// the frame does not change in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Shift(Exact);
+
+impl Shift {
+    /// The frame in force.
+    pub(crate) fn of(state: &State) -> Self {
+        Self(state.zero + state.offset)
+    }
+
+    /// The same with everything moved by a programmed distance.
+    pub(crate) fn moved(self, by: Exact) -> Self {
+        Self(self.0 + by)
+    }
+
+    /// Machine coordinates of a programmed point.
+    pub(crate) fn machine(self, program: Exact) -> Point {
+        (program + self.0).point()
+    }
+
+    /// Machine coordinates of a programmed centre.
+    pub(crate) fn center(self, program: Point) -> Point {
+        program + self.0.point()
+    }
+
+    /// The programmed point of machine coordinates.
+    pub(crate) fn program(self, machine: Point) -> Exact {
+        Exact::from_point(machine) - self.0
+    }
+
+    /// The programmed centre of machine coordinates.
+    pub(crate) fn program_center(self, machine: Point) -> Point {
+        machine - self.0.point()
+    }
+}
+
+/// One move of a cycle, with what it belongs to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Move {
+    pub(crate) action: Action,
+    /// Single block stops after it.
+    pub(crate) stops: bool,
+    pub(crate) note: Note,
+}
+
+impl Move {
+    pub(crate) const fn rapid(to: Point, note: Note) -> Self {
+        Self::of(Action::Rapid { to }, note)
+    }
+
+    pub(crate) const fn line(to: Point, feed: Feed, note: Note) -> Self {
+        Self::of(Action::Line { to, feed }, note)
+    }
+
+    /// Any action after which single block stops.
+    pub(crate) const fn of(action: Action, note: Note) -> Self {
+        Self {
+            action,
+            stops: true,
+            note,
+        }
+    }
+}
+
+/// What makes the moves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Maker {
+    /// G33 with several starts.
+    Tapping(Tapping),
+    /// G92.
+    Thread(ThreadCycle),
+    /// G76.
+    CompoundThread(CompoundThread),
+    /// G71, G72.
+    Roughing(Roughing),
+    /// G73.
+    Pattern(Pattern),
+    /// G74, G75.
+    Pecking(Pecking),
+}
+
+impl Maker {
+    fn make(&mut self) -> Option<Move> {
+        match self {
+            Self::Tapping(cycle) => cycle.make(),
+            Self::Thread(cycle) => cycle.make(),
+            Self::CompoundThread(cycle) => cycle.make(),
+            Self::Roughing(cycle) => cycle.make(),
+            Self::Pattern(cycle) => cycle.make(),
+            Self::Pecking(cycle) => cycle.make(),
+        }
+    }
+}
+
+/// A cycle under way. It is one move ahead, so that it knows its last one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Cycle {
+    maker: Maker,
+    ahead: Option<Move>,
+    /// Where the move ahead ends.
+    at: Point,
+    /// What the move taken last belongs to.
+    taken: Option<Note>,
+}
+
+impl Cycle {
+    /// Begins a cycle where the tool stands.
+    pub(crate) fn begin(state: &State, maker: Maker) -> Result<Self, Alarm> {
+        let mut cycle = Self {
+            maker,
+            ahead: None,
+            at: state.machine(state.position).point(),
+            taken: None,
+        };
+        cycle.look_ahead();
+        if cycle.ahead.is_none() {
+            return Err(
+                Alarm::new(numbers::CYCLE_DATA).because("the cycle would not make any pass")
+            );
+        }
+        Ok(cycle)
+    }
+
+    /// The next move that goes anywhere.
+    fn look_ahead(&mut self) {
+        loop {
+            self.ahead = self.maker.make();
+            let Some(made) = &self.ahead else {
+                return;
+            };
+            let to = match made.action {
+                Action::Rapid { to } | Action::Line { to, .. } if to == self.at => continue,
+                Action::Rapid { to }
+                | Action::Line { to, .. }
+                | Action::Arc { to, .. }
+                | Action::Thread { to, .. } => to,
+                _ => return,
+            };
+            self.at = to;
+            return;
+        }
+    }
+
+    pub(crate) fn next(&mut self) -> Option<Emission> {
+        let Move {
+            action,
+            stops,
+            note,
+        } = self.ahead.take()?;
+        self.taken = Some(note);
+        self.look_ahead();
+        Some(Emission { action, stops })
+    }
+
+    pub(crate) const fn is_done(&self) -> bool {
+        self.ahead.is_none()
+    }
+
+    /// Why the move taken last is where it is.
+    pub(crate) fn explanation(&self) -> Option<Explanation> {
+        self.taken.and_then(Note::explanation)
+    }
+}

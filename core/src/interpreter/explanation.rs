@@ -1,0 +1,303 @@
+//! What a teacher would write on the board about a pass of a cycle.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interpreter::exact::{Exact, mm};
+use crate::units::Axis;
+
+/// Why a pass of a cycle is where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation {
+    /// G code of the cycle.
+    pub code: u8,
+    /// The pass, column or start, from 1.
+    pub pass: u64,
+    /// How many there are, when that is fixed beforehand.
+    pub passes: Option<u64>,
+    /// Where it cuts: programmed X (diameter) or Z of a level or column.
+    pub level: Option<f64>,
+    /// Depth reached, mm; a radius in X.
+    pub depth: f64,
+    /// What is left for the passes after it, mm; a radius in X.
+    pub remaining: f64,
+    /// The formula with its numbers.
+    pub formula: String,
+    /// The words and parameters that made it.
+    pub words: &'static str,
+}
+
+/// How G76 found the depth of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum DepthRule {
+    /// √n·Δd.
+    Root,
+    /// The depth before plus Δdmin.
+    Least,
+    /// k - d: the last roughing pass.
+    Last,
+    /// k.
+    Finish,
+}
+
+/// The numbers behind an explanation, kept with each move. Lengths are units of
+/// [`Exact`], diameters in X unless said otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Note {
+    /// Nothing to say.
+    None,
+    /// A start of a multi-start thread (G33, G92).
+    Start { code: u8, start: u32, starts: u32 },
+    /// A pass of G76; depths are radii.
+    ThreadPass {
+        number: u64,
+        depth: i64,
+        previous: i64,
+        height: i64,
+        first: i64,
+        least: i64,
+        rule: DepthRule,
+    },
+    /// A level of G71 (X) or G72 (Z).
+    Level {
+        axis: Axis,
+        number: i64,
+        levels: i64,
+        /// Level of the start, allowance included.
+        from: i64,
+        /// Signed step from level to level.
+        step: i64,
+        /// Level of the deepest point, allowance included.
+        last: i64,
+    },
+    /// The contour pass of G71 and G72.
+    Contour {
+        axis: Axis,
+        levels: i64,
+        allowance: Exact,
+    },
+    /// A pass of G73.
+    Shifted {
+        number: i64,
+        passes: i64,
+        shift: Exact,
+        allowance: Exact,
+        /// Δi and Δk, X as a diameter.
+        relief: Exact,
+    },
+    /// A column of G74 (along Z) or G75 (along X).
+    Column {
+        axis: Axis,
+        number: i64,
+        columns: i64,
+        /// Coordinate of the column on the other axis.
+        at: i64,
+        from: i64,
+        step: i64,
+        /// Peck under way and how many there are; 0 outside pecks.
+        peck: i64,
+        pecks: i64,
+        /// Peck depth, signed.
+        feed: i64,
+        bottom: i64,
+    },
+}
+
+/// A length on an axis as a depth: X as a radius.
+fn depth_on(axis: Axis, units: i64) -> f64 {
+    match axis {
+        Axis::X => mm(units) / 2.0,
+        Axis::Z => mm(units),
+    }
+}
+
+const fn name(axis: Axis) -> char {
+    match axis {
+        Axis::X => 'X',
+        Axis::Z => 'Z',
+    }
+}
+
+impl Note {
+    pub(crate) fn explanation(self) -> Option<Explanation> {
+        match self {
+            Self::None => None,
+            Self::Start {
+                code,
+                start,
+                starts,
+            } => Some(Explanation {
+                code,
+                pass: start.into(),
+                passes: Some(starts.into()),
+                level: None,
+                depth: 0.0,
+                remaining: 0.0,
+                formula: format!("start angle = 360°·{}/{starts}", start.saturating_sub(1)),
+                words: "L",
+            }),
+            Self::ThreadPass {
+                number,
+                depth,
+                previous,
+                height,
+                first,
+                least,
+                rule,
+            } => {
+                let shown = mm(depth);
+                let formula = match rule {
+                    DepthRule::Root => {
+                        format!("d{number} = √{number}·{:.3} = {shown:.3}", mm(first))
+                    }
+                    DepthRule::Least => format!(
+                        "d{number} = d{} + Δdmin = {:.3} + {:.3} = {shown:.3}",
+                        number - 1,
+                        mm(previous),
+                        mm(least)
+                    ),
+                    DepthRule::Last => {
+                        format!(
+                            "d{number} = k - d = {:.3} - {:.3}",
+                            mm(height),
+                            mm(height - depth)
+                        )
+                    }
+                    DepthRule::Finish => {
+                        format!("k = {shown:.3}, cutting {:.3}", mm(depth - previous))
+                    }
+                };
+                Some(Explanation {
+                    code: 76,
+                    pass: number,
+                    passes: None,
+                    level: None,
+                    depth: shown,
+                    remaining: mm(height - depth),
+                    formula,
+                    words: match rule {
+                        DepthRule::Root => "Q(Δd)",
+                        DepthRule::Least => "Q(Δdmin), 059",
+                        DepthRule::Last => "P(k), R(d), 060",
+                        DepthRule::Finish => "P(k), P(m), 057",
+                    },
+                })
+            }
+            Self::Level {
+                axis,
+                number,
+                levels,
+                from,
+                step,
+                last,
+            } => {
+                let level = from + step * number;
+                let axis_name = name(axis);
+                Some(Explanation {
+                    code: rough_code(axis),
+                    pass: number.unsigned_abs(),
+                    passes: Some(levels.unsigned_abs()),
+                    level: Some(mm(level)),
+                    depth: depth_on(axis, step * number).abs(),
+                    remaining: depth_on(axis, last - level).abs(),
+                    formula: format!(
+                        "{axis_name}{number} = {:.3} {:+.3}·{number} = {:.3}",
+                        mm(from),
+                        mm(step),
+                        mm(level)
+                    ),
+                    words: match axis {
+                        Axis::X => "U(Δd), 051",
+                        Axis::Z => "W(Δd), 051",
+                    },
+                })
+            }
+            Self::Contour {
+                axis,
+                levels,
+                allowance,
+            } => Some(Explanation {
+                code: rough_code(axis),
+                pass: levels.unsigned_abs(),
+                passes: Some(levels.unsigned_abs()),
+                level: None,
+                depth: 0.0,
+                remaining: 0.0,
+                formula: format!(
+                    "contour moved by X{:+.3} Z{:+.3}",
+                    mm(allowance.x),
+                    mm(allowance.z)
+                ),
+                words: "U(Δu), W(Δw)",
+            }),
+            Self::Shifted {
+                number,
+                passes,
+                shift,
+                allowance,
+                relief,
+            } => Some(Explanation {
+                code: 73,
+                pass: number.unsigned_abs(),
+                passes: Some(passes.unsigned_abs()),
+                level: None,
+                depth: mm(relief.x + allowance.x - shift.x).abs() / 2.0,
+                remaining: mm(shift.x - allowance.x).abs() / 2.0,
+                formula: format!(
+                    "X{:+.3} = {:+.3} {:+.3}·{left}/{gaps}, Z{:+.3} = {:+.3} {:+.3}·{left}/{gaps}",
+                    mm(shift.x),
+                    mm(allowance.x),
+                    mm(relief.x),
+                    mm(shift.z),
+                    mm(allowance.z),
+                    mm(relief.z),
+                    left = passes - number,
+                    gaps = passes - 1,
+                ),
+                words: "U(Δi), W(Δk), R(d), 053, 054, 055, U(Δu), W(Δw)",
+            }),
+            Self::Column {
+                axis,
+                number,
+                columns,
+                at,
+                from,
+                step,
+                peck,
+                pecks,
+                feed,
+                bottom,
+            } => {
+                let reached = if peck >= pecks {
+                    bottom
+                } else {
+                    from + feed * peck
+                };
+                Some(Explanation {
+                    code: match axis {
+                        Axis::Z => 74,
+                        Axis::X => 75,
+                    },
+                    pass: number.unsigned_abs(),
+                    passes: Some(columns.unsigned_abs()),
+                    level: Some(mm(at)),
+                    depth: depth_on(axis, reached - from).abs(),
+                    remaining: depth_on(axis, bottom - reached).abs(),
+                    formula: format!(
+                        "peck {peck} of {pecks}: {} = {:.3}; column {number} of {columns}, step {:.3}",
+                        name(axis),
+                        mm(reached),
+                        mm(step)
+                    ),
+                    words: "P(Δi), Q(Δk), R(e), 056, R(Δd)",
+                })
+            }
+        }
+    }
+}
+
+const fn rough_code(axis: Axis) -> u8 {
+    match axis {
+        Axis::X => 71,
+        Axis::Z => 72,
+    }
+}

@@ -1,0 +1,37 @@
+//! Inch input (英制编程 of the setting page): the words of a block in mm.
+//!
+//! Lengths and the feed are inches; times, counts, angles and threads per inch
+//! are what they are. The increments of P and Q in cycles count 0.0001 inch.
+
+use crate::program::{Block, Number};
+
+/// The words of a block that is written in inches, in millimetres. `motion` is
+/// the code of group 01 in force before it.
+pub(crate) fn to_metric(block: &mut Block, motion: u8) {
+    let dwell = block.has_g(4);
+    let motion = block.g_codes().fold(motion, |motion, code| match code {
+        0..=3 | 32..=34 | 90 | 92 | 94 => code,
+        _ => motion,
+    });
+    let counted = block.has_g(76) && block.number(b'R').is_some_and(|r| !r.has_point());
+    let thread = block.has_g(76) || matches!(motion, 32..=34 | 92);
+    // The first G73 block has the number of passes in R.
+    let passes = block.has_g(73) && !block.has(b'P');
+    let cycle = block.has_g(74) || block.has_g(75) || block.has_g(76);
+    let steps = cycle && (block.has(b'X') || block.has(b'U') || block.has(b'Z') || block.has(b'W'));
+    block.change(|address, number| match address {
+        b'X' | b'U' if dwell => number,
+        b'R' if passes => number,
+        b'R' if counted => increments(number),
+        b'I' if thread => number,
+        b'X' | b'U' | b'Z' | b'W' | b'R' | b'I' | b'J' | b'K' | b'F' => number.inches_to_mm(),
+        b'P' | b'Q' if steps => increments(number),
+        _ => number,
+    });
+}
+
+/// Counts of 0.0001 inch as counts of 0.001 mm.
+fn increments(number: Number) -> Number {
+    let (count, half) = (number.integer() * 254, 50 * number.integer().signum());
+    Number::from_integer((count + half) / 100, number.digits())
+}

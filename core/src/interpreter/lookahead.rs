@@ -1,0 +1,75 @@
+//! Blocks that are read before their turn: the profile of a cycle, and the block
+//! behind a chamfer.
+
+use crate::alarm::Alarm;
+use crate::interpreter::host::Host;
+use crate::interpreter::variable::{self, NotNow};
+use crate::interpreter::words::Words;
+use crate::interpreter::{inch, numbers};
+use crate::program::{Program, Syntax};
+
+/// Blocks that are looked through for one that is not skipped.
+const REACH: u32 = 16;
+
+/// What reading ahead needs.
+pub(crate) struct Reading<'a, H> {
+    pub(crate) program: &'a Program,
+    pub(crate) syntax: Syntax,
+    /// Whether blocks marked `/` are skipped.
+    pub(crate) skipping: bool,
+    pub(crate) host: &'a H,
+}
+
+/// What a block read ahead of its turn raises. Cycles are planned when everything
+/// before them is finished: their blocks need not wait.
+pub(crate) fn alarm(reason: NotNow) -> Alarm {
+    match reason {
+        NotNow::Fault(alarm) => alarm,
+        NotNow::Wait => {
+            Alarm::new(numbers::BAD_VARIABLE).because("a variable that cannot be read ahead")
+        }
+    }
+}
+
+impl<H: Host> Reading<'_, H> {
+    /// The words of a block; `None` for one that is skipped. `motion` is the code
+    /// of group 01 in force before it.
+    pub(crate) fn words_at(&self, index: u32, motion: u8) -> Result<Option<Words>, NotNow> {
+        let block = self.program.parse_with_variables(index, self.syntax);
+        if self.skipping && block.is_err() && self.program.has_skip_mark(index) {
+            return Ok(None);
+        }
+        let mut block = block.map_err(|error| NotNow::Fault(error.into()))?;
+        let skipped = self.skipping && block.skip;
+        if skipped || (block.is_empty() && block.o.is_some()) {
+            return Ok(None);
+        }
+        if block.has_g(65) {
+            return Err(NotNow::Fault(
+                Alarm::new(numbers::PROFILE_CODE).because("G65 must not stand in a profile"),
+            ));
+        }
+        if block.has_variables() {
+            block = variable::resolve(block, self.syntax, self.host)?;
+        }
+        if self.syntax.inch {
+            inch::to_metric(&mut block, motion);
+        }
+        Words::of(&block).map(Some).map_err(NotNow::Fault)
+    }
+
+    /// The words of the block after this one; none at the end of the text, and
+    /// none when they make an alarm, which is raised at its turn.
+    pub(crate) fn words_after(&self, index: u32, motion: u8) -> Result<Option<Words>, NotNow> {
+        let next = index.saturating_add(1);
+        let end = self.program.block_count().min(next.saturating_add(REACH));
+        for index in next..end {
+            match self.words_at(index, motion) {
+                Ok(None) => {}
+                Err(NotNow::Fault(_)) => return Ok(None),
+                found => return found,
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,240 @@
+//! G40, G41, G42: what a block must not say while the compensation acts, and
+//! the way of the commands through it (manual II, C compensation).
+
+use crate::alarm::Alarm;
+use crate::command::{Action, Command};
+use crate::compensation::{Fault, Origin, check_arc};
+use crate::interpreter::block::Context;
+use crate::interpreter::exact::{Exact, PER_MM};
+use crate::interpreter::host::Host;
+use crate::interpreter::numbers;
+use crate::interpreter::plan::Plan;
+use crate::interpreter::reader::{Advance, Interpreter};
+use crate::interpreter::state::State;
+use crate::interpreter::words::Words;
+use crate::memory::{Offsets, Parameters, Variables};
+use crate::program::ProgramMemory;
+use crate::units::{PerAxis, Point};
+
+/// The compensation as a block finds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Compensated {
+    /// It takes no part: MDI, and the profile of a roughing cycle.
+    Never,
+    /// Cancel mode.
+    Off,
+    /// Offset mode.
+    On,
+}
+
+/// G41 and G42 are an option (002.1): alarm 010 without it.
+pub(super) fn check_option(words: &Words, parameters: &Parameters) -> Result<(), Alarm> {
+    match words.nose {
+        Some(code @ (41 | 42)) if !parameters.has_nose_compensation() => {
+            Err(Alarm::new(numbers::BAD_G).because(format!(
+                "G{code}: nose radius compensation C is not installed (002.1 = 0)"
+            )))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Arcs start and cancel nothing (034, 056), and their data must be good (048,
+/// 051, 052).
+pub(super) fn check_arc_block(
+    state: &State,
+    context: &Context<'_>,
+    end: Exact,
+    words: &Words,
+) -> Result<(), Alarm> {
+    let start = state.position;
+    let stands = words.r.is_some() && start == end;
+    let fault = match context.compensated {
+        _ if stands => None,
+        Compensated::Never => None,
+        Compensated::Off => state.compensates().then_some(Fault::StartOnArc),
+        Compensated::On if state.modal.nose_compensation == 40 => Some(Fault::CancelOnArc),
+        Compensated::On => check_center(start, end, words).err(),
+    };
+    fault.map_or(Ok(()), |fault| Err(fault.alarm()))
+}
+
+fn check_center(start: Exact, end: Exact, words: &Words) -> Result<(), Fault> {
+    if words.r.is_some() || (words.i.is_none() && words.k.is_none()) {
+        return Ok(());
+    }
+    let mm = |units: Option<i64>| units.unwrap_or(0) as f64 / PER_MM as f64;
+    let center = Point::new(mm(words.i), mm(words.k));
+    let to_end = (end - start).point();
+    check_arc(center.length(), (to_end - center).length())
+}
+
+/// M98 in offset mode, and M99 that returns: alarm 036.
+pub(super) fn check_call(
+    state: &State,
+    context: &Context<'_>,
+    plan: &Plan,
+) -> Result<(), Alarm> {
+    let contour = plan.motion.is_contour();
+    let on = match context.compensated {
+        Compensated::Never => false,
+        Compensated::Off => contour && state.compensates(),
+        Compensated::On => !(contour && state.modal.nose_compensation == 40),
+    };
+    if on { Err(Fault::Call.alarm()) } else { Ok(()) }
+}
+
+impl Interpreter {
+    /// [`next`](Self::next) without a heap allocation for the command.
+    pub(crate) fn advance<H: Host>(&mut self, host: &mut H) -> Result<Advance, Alarm> {
+        if self.mdi.is_some() {
+            return self.step(&mut Ahead { host, held: false });
+        }
+        if self.aside.is_some() {
+            if !host.settled() {
+                return Ok(Advance::Wait);
+            }
+            self.come_back(host.machine_position());
+        }
+        loop {
+            if let Some(ready) = self.compensation.take() {
+                return ready.map(Advance::Command);
+            }
+            let held = self.compensation.holds();
+            match self.step(&mut Ahead { host, held }) {
+                Ok(Advance::Command(command)) => {
+                    let attends =
+                        command.modal.nose_compensation != 40 || self.compensation.is_on();
+                    if !attends || is_a_turn_only(&command) {
+                        return Ok(Advance::Command(command));
+                    }
+                    self.compensation.push(
+                        command,
+                        Origin {
+                            contour: self.main.contour,
+                            nose: self.state.nose,
+                            offset_by_shift: host.parameters().offset_by_shift(),
+                        },
+                    );
+                }
+                Err(alarm) if held && of_two_moves(&alarm) => self.compensation.refuse(alarm),
+                // The block is read again when all before it is carried out.
+                Ok(Advance::Wait | Advance::Ended) | Err(_) if held => self.compensation.flush(),
+                answer => return answer,
+            }
+        }
+    }
+
+    /// Where the tool stands before a block that may start the compensation.
+    pub(super) fn stand_before(&mut self, after: &State) {
+        if after.modal.nose_compensation != 40 && !self.compensation.is_on() {
+            let before = &self.state;
+            let machine = before.machine(before.position).point();
+            self.compensation.stand_at(machine, before.frame());
+        }
+    }
+
+    /// The compensation as the next block finds it.
+    pub(super) fn compensated(&self) -> Compensated {
+        match (&self.mdi, self.compensation.is_on()) {
+            (Some(_), _) => Compensated::Never,
+            (None, true) => Compensated::On,
+            (None, false) => Compensated::Off,
+        }
+    }
+
+    /// Whether a block that otherwise waits may be read while moves before it
+    /// wait for their ends: its effects come in order all the same.
+    pub(super) fn reads_early(&self, words: &Words) -> bool {
+        self.mdi.is_none()
+            && self.compensation.holds()
+            && !matches!(words.m, Some(0 | 30 | 98 | 99))
+    }
+
+    /// Something else will move the tool while a compensated run stands: what
+    /// was read ahead stays where it is.
+    pub(super) fn lay_aside(&mut self) {
+        if self.compensation.is_on() || self.compensation.holds() {
+            let position = self.state.machine(self.state.position);
+            self.aside.get_or_insert(position);
+        }
+    }
+
+    /// The compensated run goes on from where the tool stands now.
+    fn come_back(&mut self, machine: Point) {
+        let Some(position) = self.aside.take() else {
+            return;
+        };
+        let by = self.compensation.displace(machine);
+        let moved = if self.compensation.holds() {
+            position
+        } else {
+            position + Exact::from_point(by)
+        };
+        self.state.stand_at(moved);
+    }
+
+    /// The vector is dropped, without motion.
+    pub(super) fn drop_compensation(&mut self) {
+        self.compensation.clear();
+        self.aside = None;
+    }
+}
+
+/// The turn of the control between many silent blocks: no command of a block.
+fn is_a_turn_only(command: &Command) -> bool {
+    command.action == Action::Nothing && !command.block_end
+}
+
+/// Alarms 051 and 052 belong to a corner: the move before it is not begun.
+const fn of_two_moves(alarm: &Alarm) -> bool {
+    matches!(alarm.number, 51 | 52)
+}
+
+/// The host while moves wait for their ends: nothing is finished then.
+struct Ahead<'a, H> {
+    host: &'a mut H,
+    held: bool,
+}
+
+impl<H: Host> Host for Ahead<'_, H> {
+    fn parameters(&self) -> &Parameters {
+        self.host.parameters()
+    }
+    fn parameters_mut(&mut self) -> &mut Parameters {
+        self.host.parameters_mut()
+    }
+    fn offsets(&self) -> &Offsets {
+        self.host.offsets()
+    }
+    fn variables(&self) -> &Variables {
+        self.host.variables()
+    }
+    fn variables_mut(&mut self) -> &mut Variables {
+        self.host.variables_mut()
+    }
+    fn interface_inputs(&self) -> u16 {
+        self.host.interface_inputs()
+    }
+    fn interface_outputs(&self) -> u64 {
+        self.host.interface_outputs()
+    }
+    fn set_interface_outputs(&mut self, outputs: u64) {
+        self.host.set_interface_outputs(outputs);
+    }
+    fn programs(&self) -> &ProgramMemory {
+        self.host.programs()
+    }
+    fn machine_position(&self) -> Point {
+        self.host.machine_position()
+    }
+    fn referenced(&self) -> PerAxis<bool> {
+        self.host.referenced()
+    }
+    fn block_skip(&self) -> bool {
+        self.host.block_skip()
+    }
+    fn settled(&self) -> bool {
+        !self.held && self.host.settled()
+    }
+}

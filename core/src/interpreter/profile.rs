@@ -1,0 +1,315 @@
+//! The blocks ns to nf that G70 to G73 name by P and Q (manual I-3.2.6): found,
+//! checked, and evaluated to the contour they describe.
+//!
+//! ```text
+//!   G71 P10 Q50 …        N10 G00 X…      ns: A -> B
+//!                        …               B -> … -> C, at most 100 blocks
+//!                        N50 …           nf: ends at C
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::Alarm;
+use crate::command::{Action, Source};
+use crate::interpreter::block::{self, Context};
+use crate::interpreter::cycle::Shift;
+use crate::interpreter::exact::Exact;
+use crate::interpreter::nose_compensation::Compensated;
+use crate::interpreter::state::State;
+use crate::interpreter::subprogram::Place;
+use crate::interpreter::words::{OneShot, Words};
+use crate::interpreter::{corner, numbers, special_call};
+use crate::program::Program;
+use crate::units::Point;
+
+/// Blocks a profile may have.
+const MOST_BLOCKS: u32 = 100;
+
+/// Where a profile stands: its first and its last block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Range {
+    pub(crate) first: u32,
+    pub(crate) last: u32,
+}
+
+/// How one step of a contour goes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Shape {
+    /// Straight; whether it was programmed as a rapid.
+    Straight { rapid: bool },
+    /// An arc about a programmed centre.
+    Arc { center: Point, clockwise: bool },
+    /// A wait.
+    Dwell { ms: u32 },
+}
+
+/// One step of a contour, in programmed coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Step {
+    pub(crate) to: Exact,
+    pub(crate) shape: Shape,
+    /// Line of the file it comes from.
+    pub(crate) line: u32,
+}
+
+/// A contour: A, the step to B, and the steps from there to C.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Profile {
+    pub(crate) start: Exact,
+    pub(crate) entry: Step,
+    pub(crate) steps: Vec<Step>,
+}
+
+impl Profile {
+    /// B, the end of ns.
+    pub(crate) const fn begin(&self) -> Exact {
+        self.entry.to
+    }
+
+    /// C, the end of nf.
+    pub(crate) fn end(&self) -> Exact {
+        self.steps.last().map_or(self.entry.to, |step| step.to)
+    }
+}
+
+/// Finds ns and nf; alarms 016, 061, 063, 067.
+pub(crate) fn locate(context: &Context<'_>, words: &Words) -> Result<Range, Alarm> {
+    if context.mdi {
+        return Err(Alarm::new(numbers::PROFILE_IN_MDI)
+            .because("G70 to G73 with P, Q run in automatic mode only"));
+    }
+    let (Some(ns), Some(nf)) = (words.p, words.q) else {
+        return Err(Alarm::new(numbers::PROFILE_WORDS)
+            .because("the cycle needs P(ns) and Q(nf), the ends of its profile"));
+    };
+    if ns == nf {
+        return Err(out_of_order(format!(
+            "P and Q both name N{ns:04}: a profile has at least two blocks"
+        )));
+    }
+    let program = program(context)?;
+    let all = 0..program.block_count();
+    let first = find(program, ns, all.clone()).ok_or_else(|| missing('P', ns))?;
+    let Some(last) = find(program, nf, first..all.end) else {
+        return Err(match find(program, nf, all) {
+            Some(_) => out_of_order(format!("N{nf:04} of Q stands before N{ns:04} of P")),
+            None => missing('Q', nf),
+        });
+    };
+    let blocks = last - first + 1;
+    if blocks > MOST_BLOCKS {
+        return Err(out_of_order(format!(
+            "{blocks} blocks from N{ns:04} to N{nf:04}, at most {MOST_BLOCKS} may be"
+        )));
+    }
+    Ok(Range { first, last })
+}
+
+/// The program the cycle stands in.
+pub(crate) fn program<'a>(context: &Context<'a>) -> Result<&'a Program, Alarm> {
+    context
+        .programs
+        .get(context.place.program)
+        .ok_or_else(|| Alarm::new(numbers::PROGRAM_MISSING).because("the program is gone"))
+}
+
+fn find(program: &Program, number: i64, range: core::ops::Range<u32>) -> Option<u32> {
+    program.find_sequence_block(u16::try_from(number).ok()?, range)
+}
+
+fn missing(address: char, number: i64) -> Alarm {
+    Alarm::new(numbers::PROFILE_MISSING)
+        .because(format!("{address}{number}: no such N in the program"))
+}
+
+fn out_of_order(detail: String) -> Alarm {
+    Alarm::new(numbers::PROFILE_RANGE).because(detail)
+}
+
+/// The words of each block of a range, in order; alarms 064 and 066 for what
+/// must not stand there. The callback gets block, words and the code of group 01.
+fn walk(
+    context: &Context<'_>,
+    range: Range,
+    motion: u8,
+    visit: &mut dyn FnMut(u32, &Words, u8) -> Result<(), Alarm>,
+) -> Result<(), Alarm> {
+    let mut motion = motion;
+    let program = program(context)?;
+    for index in range.first..=range.last {
+        let at = |alarm: Alarm| in_profile(&alarm, program.block_line(index));
+        let Some(words) = (context.read)(index, motion).map_err(at)? else {
+            continue;
+        };
+        motion = words.motion.unwrap_or(motion);
+        check_codes(context, &words, motion).map_err(at)?;
+        visit(index, &words, motion).map_err(at)?;
+    }
+    Ok(())
+}
+
+/// An alarm of a profile's block belongs to the cycle; its text names the line.
+fn in_profile(alarm: &Alarm, line: u32) -> Alarm {
+    let detail = alarm.detail.as_deref().unwrap_or_default();
+    Alarm::new(alarm.number).because(format!("profile, line {line}: {detail}"))
+}
+
+fn check_codes(context: &Context<'_>, words: &Words, motion: u8) -> Result<(), Alarm> {
+    if let Some(code @ (98 | 99)) = words.m {
+        return Err(Alarm::new(numbers::PROFILE_CALL)
+            .because(format!("M{code} must not stand in a profile")));
+    }
+    if special_call::find(words, context)?.is_some() {
+        return Err(Alarm::new(numbers::PROFILE_CALL)
+            .because("a code that calls a subprogram must not stand in a profile"));
+    }
+    let foreign = words.one_shot.is_some_and(|code| code != OneShot::Dwell);
+    let moves = words.motion.is_some() || (words.one_shot.is_none() && words.has_axis_words());
+    if foreign || (moves && motion > 3) {
+        return Err(Alarm::new(numbers::PROFILE_CODE)
+            .because("a profile has only G00, G01, G02, G03 and G04"));
+    }
+    Ok(())
+}
+
+/// Checks the blocks of G70, which run as ordinary blocks afterwards.
+pub(crate) fn check(state: &State, context: &Context<'_>, range: Range) -> Result<(), Alarm> {
+    walk(
+        context,
+        range,
+        state.modal.motion,
+        &mut |index, words, motion| {
+            if index == range.last && motion == 1 && corner::is_asked(words) {
+                return Err(last_corner());
+            }
+            Ok(())
+        },
+    )
+}
+
+/// A chamfer needs a block after it. Arcs have I, K and R of their own.
+fn last_corner() -> Alarm {
+    Alarm::new(numbers::ARC_DATA).because("a chamfer or corner arc in the last block")
+}
+
+/// The contour of a range, as the same rules read it that run it. F, S, T and M
+/// of its blocks count in G70 only.
+pub(crate) fn evaluate(
+    state: &State,
+    context: &Context<'_>,
+    range: Range,
+) -> Result<Profile, Alarm> {
+    let mut scratch = State {
+        ahead: Exact::default(),
+        ..*state
+    };
+    let shift = Shift::of(state);
+    let program = program(context)?;
+    let mut entry = None;
+    let mut steps = Vec::new();
+    walk(
+        context,
+        range,
+        state.modal.motion,
+        &mut |index, words, motion| {
+            let line = program.block_line(index);
+            if index == range.first && !matches!(words.motion, Some(0 | 1)) {
+                return Err(bad_start("ns needs G00 or G01"));
+            }
+            let words = words.path_only();
+            let next = if motion == 1 && corner::is_asked(&words) {
+                next_words(context, index + 1..=range.last, motion)?
+            } else {
+                None
+            };
+            let inner = Context {
+                source: Source {
+                    line,
+                    ..context.source
+                },
+                place: Place {
+                    block: index,
+                    ..context.place
+                },
+                compensated: Compensated::Never,
+                next: next.as_ref(),
+                ..*context
+            };
+            let plan = block::evaluate(&mut scratch, &inner, &words)?;
+            let mut moves = plan.motion;
+            while let Some(made) = moves.next() {
+                let Some(step) = step(&made.action, shift, scratch.position, line) else {
+                    continue;
+                };
+                if index > range.first {
+                    steps.push(step);
+                } else if entry.replace(step).is_some() {
+                    return Err(bad_start("ns has no chamfer and no corner arc"));
+                }
+            }
+            Ok(())
+        },
+    )?;
+    let Some(entry) = entry else {
+        return Err(bad_start("ns has no X or Z"));
+    };
+    if !steps
+        .iter()
+        .any(|step| !matches!(step.shape, Shape::Dwell { .. }))
+    {
+        return Err(bad_start("the profile has no motion after ns"));
+    }
+    Ok(Profile {
+        start: state.position,
+        entry,
+        steps,
+    })
+}
+
+/// The words of the first block of a range that is not skipped.
+fn next_words(
+    context: &Context<'_>,
+    mut range: core::ops::RangeInclusive<u32>,
+    motion: u8,
+) -> Result<Option<Words>, Alarm> {
+    range
+        .find_map(|index| (context.read)(index, motion).transpose())
+        .transpose()
+}
+
+fn step(action: &Action, shift: Shift, rest: Exact, line: u32) -> Option<Step> {
+    let (to, shape) = match action {
+        Action::Rapid { to } => (*to, Shape::Straight { rapid: true }),
+        Action::Line { to, .. } => (*to, Shape::Straight { rapid: false }),
+        Action::Arc {
+            to,
+            center,
+            clockwise,
+            ..
+        } => (
+            *to,
+            Shape::Arc {
+                center: shift.program_center(*center),
+                clockwise: *clockwise,
+            },
+        ),
+        Action::Dwell { ms } => {
+            return Some(Step {
+                to: rest,
+                shape: Shape::Dwell { ms: *ms },
+                line,
+            });
+        }
+        _ => return None,
+    };
+    Some(Step {
+        to: shift.program(to),
+        shape,
+        line,
+    })
+}
+
+/// Alarm 065.
+pub(crate) fn bad_start(detail: impl Into<String>) -> Alarm {
+    Alarm::new(numbers::PROFILE_START).because(detail)
+}

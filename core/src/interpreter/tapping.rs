@@ -1,0 +1,91 @@
+//! G33: tapping in Z (manual I-3.2.4.3).
+//!
+//! ```text
+//!   X ^   bottom <======1====== A      1 feed in with the spindle, M05, stop
+//!     |          ======2======>        2 reversed, out to A, stop
+//!     +--------------------------> Z   L starts: again, 360°/L further each time
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::Alarm;
+use crate::command::Action;
+use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
+use crate::interpreter::exact::Exact;
+use crate::interpreter::explanation::Note;
+use crate::interpreter::plan::Motion;
+use crate::interpreter::positioning::within_stroke;
+use crate::interpreter::state::State;
+use crate::interpreter::words::{AxisWords, Words};
+use crate::interpreter::{numbers, thread};
+use crate::units::Point;
+
+/// The holes still to be tapped at the same place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Tapping {
+    bottom: Point,
+    lead: f64,
+    start: u32,
+    starts: u32,
+}
+
+/// A G33 block. The tool ends where it began.
+pub(crate) fn plan(
+    state: &mut State,
+    words: &Words,
+    axes: &AxisWords,
+    base: Exact,
+    x_factor: i64,
+) -> Result<Motion, Alarm> {
+    let to = within_stroke(axes.target(base, state.position), x_factor)?;
+    if to.x != state.position.x {
+        return Err(Alarm::new(numbers::BAD_ADDRESS)
+            .because("G33 taps along Z: X or U must not move the tool"));
+    }
+    let lead = thread::lead(state)?;
+    if to == state.position {
+        return Ok(Motion::None);
+    }
+    let starts = u32::try_from(words.l.unwrap_or(1)).unwrap_or(1);
+    let tapping = Tapping {
+        bottom: Shift::of(state).machine(to),
+        lead,
+        start: 0,
+        starts,
+    };
+    state.arrive(axes, state.position);
+    if starts == 1 {
+        return Ok(Motion::One(tapping.tap()));
+    }
+    let cycle = Cycle::begin(state, Maker::Tapping(tapping))?;
+    Ok(Motion::Cycle(Box::new(cycle)))
+}
+
+impl Tapping {
+    fn tap(&self) -> Action {
+        Action::Tap {
+            to: self.bottom,
+            lead: self.lead,
+            start_degrees: phase(self.start, self.starts),
+        }
+    }
+
+    pub(crate) fn make(&mut self) -> Option<Move> {
+        if self.start >= self.starts {
+            return None;
+        }
+        let note = Note::Start {
+            code: 33,
+            start: self.start + 1,
+            starts: self.starts,
+        };
+        let action = self.tap();
+        self.start += 1;
+        Some(Move::of(action, note))
+    }
+}
+
+/// The angle of a start, counted from 0, of a multi-start thread.
+pub(crate) fn phase(start: u32, starts: u32) -> f64 {
+    360.0 * f64::from(start) / f64::from(starts.max(1))
+}

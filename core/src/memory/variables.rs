@@ -1,0 +1,139 @@
+//! Macro variables #200–#231 and #500–#515 (manual I-3.7.2).
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::Alarm;
+
+/// Numbers of the two groups.
+const GROUPS: [(u16, usize); 2] = [(200, 32), (500, 16)];
+const COUNT: usize = 48;
+
+/// The common variables. All programs share them and they are kept over
+/// power-off; one that was never given a value is vacant and counts as zero.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "BTreeMap<u16, i64>", try_from = "BTreeMap<u16, i64>")]
+pub struct Variables {
+    values: [Option<i64>; COUNT],
+}
+
+impl Default for Variables {
+    fn default() -> Self {
+        Self {
+            values: [None; COUNT],
+        }
+    }
+}
+
+impl Variables {
+    /// Least value, −2³².
+    pub const LEAST: i64 = -(1 << 32);
+    /// Greatest value, 2³² − 1.
+    pub const GREATEST: i64 = (1 << 32) - 1;
+
+    /// Whether there is a common variable of this number.
+    pub fn has(number: u16) -> bool {
+        index(number).is_some()
+    }
+
+    /// The numbers of all common variables, ascending.
+    pub fn numbers() -> impl Iterator<Item = u16> {
+        GROUPS
+            .into_iter()
+            .flat_map(|(first, count)| (first..).take(count))
+    }
+
+    /// A value; `None` when it is vacant or there is no such variable.
+    pub fn get(&self, number: u16) -> Option<i64> {
+        self.values.get(index(number)?).copied().flatten()
+    }
+
+    /// Gives a variable its value.
+    ///
+    /// # Errors
+    /// 115 for a number that is none, 111 for a value beyond −2³² to 2³² − 1.
+    pub fn set(&mut self, number: u16, value: i64) -> Result<(), Alarm> {
+        let Some(slot) = index(number).and_then(|index| self.values.get_mut(index)) else {
+            let detail = format!("#{number} is none of #200 to #231, #500 to #515");
+            return Err(Alarm::new(115).because(detail));
+        };
+        if !(Self::LEAST..=Self::GREATEST).contains(&value) {
+            let detail = format!("{value} for #{number} is outside -2^32 to 2^32-1");
+            return Err(Alarm::new(111).because(detail));
+        }
+        *slot = Some(value);
+        Ok(())
+    }
+}
+
+fn index(number: u16) -> Option<usize> {
+    let mut before = 0;
+    for (first, count) in GROUPS {
+        let within = usize::from(number.wrapping_sub(first));
+        if within < count {
+            return Some(before + within);
+        }
+        before += count;
+    }
+    None
+}
+
+impl From<Variables> for BTreeMap<u16, i64> {
+    fn from(variables: Variables) -> Self {
+        let valued = |number| variables.get(number).map(|value| (number, value));
+        Variables::numbers().filter_map(valued).collect()
+    }
+}
+
+impl TryFrom<BTreeMap<u16, i64>> for Variables {
+    type Error = Alarm;
+
+    fn try_from(values: BTreeMap<u16, i64>) -> Result<Self, Alarm> {
+        let mut variables = Self::default();
+        for (number, value) in values {
+            variables.set(number, value)?;
+        }
+        Ok(variables)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_range() {
+        let mut variables = Variables::default();
+        let numbers: Vec<u16> = Variables::numbers().collect();
+        assert_eq!(numbers.len(), COUNT);
+        for (value, number) in (0..).zip(&numbers) {
+            variables.set(*number, value).unwrap();
+        }
+        for (value, number) in (0..).zip(&numbers) {
+            assert_eq!(variables.get(*number), Some(value));
+        }
+        for number in [0, 199, 232, 499, 516, 1000, 9200, u16::MAX] {
+            assert!(!Variables::has(number));
+            assert_eq!(variables.set(number, 0).unwrap_err().number, 115);
+        }
+        for value in [Variables::LEAST, Variables::GREATEST] {
+            variables.set(200, value).unwrap();
+            let beyond = value + value.signum();
+            assert_eq!(variables.set(200, beyond).unwrap_err().number, 111);
+            assert_eq!(variables.get(200), Some(value));
+        }
+    }
+
+    #[test]
+    fn stored_values_are_checked() {
+        let mut variables = Variables::default();
+        variables.set(231, -5).unwrap();
+        variables.set(515, 7).unwrap();
+        let text = ron::to_string(&variables).unwrap();
+        assert_eq!(text, "{231:-5,515:7}");
+        assert_eq!(ron::from_str::<Variables>(&text).unwrap(), variables);
+        assert!(ron::from_str::<Variables>("{232:1}").is_err());
+        assert!(ron::from_str::<Variables>("{200:4294967296}").is_err());
+    }
+}

@@ -1,0 +1,252 @@
+//! The electronic gear of threads: spindle turns in, thread turns out.
+//!
+//! ```text
+//!  rate │      ______________            rate = thread turns per spindle turn
+//!     1 │    .'              '.          linear (175.4 = 0): slope 1 / T (029)
+//!       │  .'                  '.        exponential: 1 - (1 - r0) e^(-t/T)
+//!    r0 ├─'                      '─┐ r1  r0, r1: the speed of 028
+//!       └─┴──┴──────────────┴────┴─┴─► t
+//!        lead-in   in phase    tail
+//! ```
+//!
+//! While the rate is below 1 the tool lags behind and the lead is short; after the
+//! lead-in the lag stays, so that every pass at the same speed cuts the same groove.
+
+use serde::{Deserialize, Serialize};
+
+/// Turns that count as none.
+const NOTHING: f64 = 1e-12;
+
+/// How the gear takes up and drops its rate.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct GearLaw {
+    /// Time constant T (029), s.
+    pub time: f64,
+    /// Exponential instead of linear (175.4).
+    pub exponential: bool,
+    /// Speed at which threads start and end (028), mm/s.
+    pub lowest: f64,
+}
+
+impl GearLaw {
+    /// The rate at `lowest` for a lead and a spindle rate (turns/s).
+    pub fn lowest_rate(&self, lead: f64, spin: f64) -> f64 {
+        let speed = lead * spin;
+        if self.time <= 0.0 || speed <= self.lowest {
+            1.0
+        } else {
+            self.lowest / speed
+        }
+    }
+
+    /// Turns made while the rate comes down to `last`, at so many turns in T.
+    fn braking(&self, rate: f64, last: f64, unit: f64) -> f64 {
+        if rate <= last {
+            0.0
+        } else if self.exponential {
+            unit * (rate - last)
+        } else {
+            unit * (rate * rate - last * last) / 2.0
+        }
+    }
+
+    /// Time of `total` turns at `spin` turns/s: from the rate `first` (1: in phase
+    /// already) to `last` (1: going on), s.
+    pub fn duration(&self, total: f64, spin: f64, first: f64, last: f64) -> f64 {
+        if total <= NOTHING {
+            return 0.0;
+        }
+        if spin <= 0.0 {
+            return f64::INFINITY;
+        }
+        let even = total / spin;
+        let time = self.time;
+        if time <= 0.0 || (first >= 1.0 && last >= 1.0) {
+            return even;
+        }
+        if self.exponential {
+            return self.exponential_duration(even, first, last);
+        }
+        if last >= 1.0 {
+            let peak = (first * first + 2.0 * even / time).sqrt();
+            if peak < 1.0 {
+                return time * (peak - first);
+            }
+        } else if first >= 1.0 && even < time * (1.0 - last * last) / 2.0 {
+            return 2.0 * even / (1.0 + last);
+        } else {
+            let peak = f64::midpoint(first * first, last * last) + even / time;
+            if peak < 1.0 {
+                return time * (2.0 * peak.sqrt() - first - last).max(0.0);
+            }
+        }
+        let lost = |rate: f64| (1.0 - rate) * (1.0 - rate) / 2.0;
+        even + time * (lost(first) + lost(last))
+    }
+
+    fn exponential_duration(&self, even: f64, first: f64, last: f64) -> f64 {
+        let time = self.time;
+        let missing = |after: f64| (1.0 - first) * libm::exp(-after / time);
+        if last >= 1.0 {
+            let mut whole = even;
+            for _ in 0..4 {
+                whole = even + time * (1.0 - first - missing(whole));
+            }
+            return whole;
+        }
+        let braking_at = (even + time * (last - first)).max(0.0);
+        let peak = (1.0 - missing(braking_at)).max(last);
+        braking_at + time * libm::log(peak / last)
+    }
+}
+
+/// Where the turns end, and whether the gear comes down for it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GearEnd {
+    /// Thread turns in all.
+    pub total: f64,
+    /// Rate to end at; `None`: it goes on into the next thread.
+    pub last: Option<f64>,
+}
+
+/// State of the gear.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Gear {
+    /// Thread turns for a spindle turn, 0…1.
+    pub rate: f64,
+    /// Thread turns made.
+    pub done: f64,
+}
+
+impl Gear {
+    /// Takes `turns` of the spindle in `time` seconds; the time used, less than
+    /// `time` only at the end.
+    pub fn advance(&mut self, law: &GearLaw, end: GearEnd, turns: f64, time: f64) -> f64 {
+        if turns <= 0.0 || time <= 0.0 {
+            // The spindle stands or turns back: the tool follows, never past the start.
+            self.done += self.rate * turns.min(0.0);
+            return time;
+        }
+        let spin = turns / time;
+        let mut used = 0.0;
+        // Each turn of the loop is one phase: take up, keep, drop.
+        for _ in 0..8 {
+            let (left, rest) = (time - used, end.total - self.done);
+            if rest <= NOTHING {
+                self.done = end.total;
+                return used;
+            }
+            if left <= 1e-15 {
+                break;
+            }
+            used += self.phase(law, end, spin, left);
+        }
+        if end.total - self.done <= NOTHING {
+            self.done = end.total;
+            return used;
+        }
+        time
+    }
+
+    fn phase(&mut self, law: &GearLaw, end: GearEnd, spin: f64, left: f64) -> f64 {
+        let rest = end.total - self.done;
+        let unit = spin * law.time;
+        if law.time <= 0.0 {
+            self.rate = 1.0;
+        }
+        let last = end.last.unwrap_or(1.0);
+        let braking = law.braking(self.rate, last, unit);
+        if braking > 0.0 && rest <= braking * (1.0 + 1e-9) {
+            return self.drop_rate(law, last, spin, rest, left);
+        }
+        if self.rate < 1.0 {
+            return self.take_up(law, last, spin, rest, left);
+        }
+        let room = rest - braking;
+        let until = room / spin;
+        if until > left {
+            self.done += spin * left;
+            return left;
+        }
+        self.done += room;
+        until
+    }
+
+    /// Towards the rate 1, or to the point where it must come down.
+    fn take_up(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
+        let (rate, time) = (self.rate, law.time);
+        let unit = spin * time;
+        if law.exponential {
+            let room = rest - law.braking(rate, last, unit);
+            let until = (room / spin).max(0.0);
+            let span = until.min(left);
+            if span <= 1e-15 {
+                return self.coast(spin, rest, left);
+            }
+            self.rate = 1.0 - (1.0 - rate) * libm::exp(-span / time);
+            let made = spin * (span - time * (self.rate - rate));
+            if last >= 1.0 && made >= rest {
+                self.done += rest;
+                return span * rest / made;
+            }
+            self.done += made;
+            return span;
+        }
+        let peak = if last < 1.0 {
+            (f64::midpoint(rate * rate, last * last) + rest / unit)
+                .sqrt()
+                .min(1.0)
+        } else {
+            (rate * rate + 2.0 * rest / unit).sqrt().min(1.0)
+        };
+        if peak <= rate {
+            return self.coast(spin, rest, left);
+        }
+        let whole = time * (peak - rate);
+        let (span, reached) = if whole <= left {
+            (whole, peak)
+        } else {
+            (left, rate + left / time)
+        };
+        self.done += spin * f64::midpoint(rate, reached) * span;
+        self.rate = reached;
+        span
+    }
+
+    /// At the rate there is, to the end.
+    fn coast(&mut self, spin: f64, rest: f64, left: f64) -> f64 {
+        let until = rest / (spin * self.rate.max(1e-6));
+        if until > left {
+            self.done += spin * self.rate * left;
+            return left;
+        }
+        self.done += rest;
+        until
+    }
+
+    /// Down to `last` exactly at the end, whatever the spindle did on the way.
+    fn drop_rate(&mut self, law: &GearLaw, last: f64, spin: f64, rest: f64, left: f64) -> f64 {
+        let rate = self.rate;
+        if law.exponential {
+            let own = rest / (spin * (rate - last));
+            let reached = rate * libm::exp(-left / own);
+            if reached > last {
+                self.done += rest - spin * own * (reached - last);
+                self.rate = reached;
+                return left;
+            }
+            self.done += rest;
+            self.rate = last;
+            return (own * libm::log(rate / last)).min(left);
+        }
+        let until = 2.0 * rest / (spin * (rate + last));
+        if until <= left {
+            self.done += rest;
+            self.rate = last;
+            return until;
+        }
+        self.rate = rate - (rate - last) * left / until;
+        self.done += spin * f64::midpoint(rate, self.rate) * left;
+        left
+    }
+}

@@ -1,0 +1,491 @@
+//! Threads and taps on a spindle that turns exactly as told.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::command::{MoveKind, ThreadStart};
+use crate::memory::Parameters;
+use crate::spindle::{SpindleAngle, SpindleControl, SpindleInputs};
+use crate::units::{Axis, Point, TICK_S};
+
+const COUNTS: f64 = 4096.0;
+/// One pulse of Z, mm.
+const PULSE: f64 = 0.001;
+
+struct Rig {
+    limits: MotionLimits,
+    interpolator: Interpolator,
+    angle: SpindleAngle,
+    spindle: SpindleControl,
+    rpm: f64,
+    turns: f64,
+    inputs: MotionInputs,
+}
+
+impl Rig {
+    /// A spindle that has been turning for a while; plus parameters.
+    fn new(rpm: f64, changes: &[(u16, i32)]) -> Self {
+        let mut parameters = Parameters::default();
+        for (number, value) in changes {
+            parameters.set(*number, *value).unwrap();
+        }
+        let mut rig = Self {
+            limits: MotionLimits::from(&parameters),
+            interpolator: Interpolator::new(Point::default()),
+            angle: SpindleAngle::new(&parameters),
+            spindle: SpindleControl::new(&parameters),
+            rpm,
+            turns: 0.37,
+            inputs: MotionInputs::default(),
+        };
+        rig.wait(800);
+        rig
+    }
+
+    /// Moves on by a tick; the way made in it.
+    fn tick(&mut self) -> f64 {
+        self.turns += self.rpm / 60.0 * TICK_S;
+        let encoder = (self.turns * COUNTS).floor() as i64;
+        let index = self.turns.floor() as i64 * COUNTS as i64;
+        self.angle.tick(encoder, index);
+        self.spindle.tick(&SpindleInputs {
+            encoder,
+            radius: 0.0,
+            override_percent: 100,
+        });
+        self.inputs.spindle = self.angle.turn();
+        self.inputs.spindle_rpm = self.spindle.actual_rpm();
+        let before = self.interpolator.position();
+        let position = self.interpolator.tick(&self.limits, &self.inputs);
+        assert!(position.x.is_finite() && position.z.is_finite());
+        (position - before).length()
+    }
+
+    fn wait(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    fn start(&mut self, to: Point, lead: f64, degrees: f64) {
+        let thread = thread(to, lead, ThreadStart::AtIndex { degrees });
+        self.interpolator.start_thread(&thread, &self.limits);
+    }
+
+    fn finish(&mut self) -> u32 {
+        let mut ticks = 0;
+        while !self.interpolator.finished() {
+            self.tick();
+            ticks += 1;
+            assert!(ticks < 1_000_000, "the thread never ends");
+        }
+        ticks
+    }
+
+    /// Cuts until Z has come to `z`; the angle of the spindle there, as a part of a
+    /// turn that the lead has not explained.
+    fn phase_at(&mut self, z: f64, lead: f64) -> f64 {
+        while self.interpolator.position().z > z {
+            self.tick();
+        }
+        let thread_turns = -self.interpolator.position().z / lead;
+        let phase = self.turns.abs() - thread_turns;
+        phase - phase.floor()
+    }
+}
+
+fn thread(to: Point, lead: f64, start: ThreadStart) -> ThreadMove {
+    ThreadMove {
+        to,
+        long: Axis::Z,
+        lead,
+        increase: 0.0,
+        start,
+        run_out: false,
+    }
+}
+
+/// Distance of two parts of a turn.
+fn apart(one: f64, other: f64) -> f64 {
+    let apart = (one - other).abs();
+    apart.min(1.0 - apart)
+}
+
+#[test]
+fn passes_meet_the_same_groove() {
+    for rpm in [120.0, 500.0, 1500.0] {
+        for starts in [1u32, 2, 5] {
+            let lead = 3.0;
+            let mut rig = Rig::new(rpm, &[]);
+            let mut first = vec![None; starts as usize];
+            for pass in 0..12u32 {
+                let start = pass % starts;
+                let share = f64::from(start) / f64::from(starts);
+                rig.interpolator = Interpolator::new(Point::new(10.0, 0.0));
+                rig.wait(17 * pass + 3);
+                rig.start(Point::new(10.0, -40.0), lead, share * 360.0);
+                let phase = rig.phase_at(-20.0, lead);
+                let reference = *first[start as usize].get_or_insert(phase);
+                let error = apart(phase, reference) * lead;
+                assert!(error <= PULSE, "{error} mm at {rpm} r/min, start {start}");
+                let shift = apart(phase, first[0].unwrap());
+                let wanted = share.min(1.0 - share);
+                assert!(
+                    (shift - wanted).abs() * lead <= PULSE,
+                    "start {start} of {starts}: {shift} turns instead of {share}"
+                );
+                rig.finish();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_reversed_spindle_threads_too() {
+    let mut rig = Rig::new(-300.0, &[]);
+    rig.start(Point::new(0.0, -10.0), 1.5, 90.0);
+    rig.finish();
+    assert_eq!(rig.interpolator.position(), Point::new(0.0, -10.0));
+}
+
+/// The way until the full speed is reached, and the way left when the speed has
+/// been falling for 5 ms (the manual's figures are read in steps of about that).
+fn lead_in_and_tail(speed: f64, time: i32) -> (f64, f64) {
+    let (rpm, lead) = (500.0, speed / 500.0);
+    let changes = [(28, 6), (29, time), (22, 15_000), (23, 15_000)];
+    let mut rig = Rig::new(rpm, &changes);
+    rig.start(Point::new(0.0, -60.0), lead, 0.0);
+    let full = speed / 60.0 * TICK_S * 0.995;
+    let fallen = full * (1.0 - 5.0 / f64::from(time));
+    let (mut lead_in, mut tail) = (None, None);
+    while !rig.interpolator.finished() {
+        let moved = rig.tick();
+        let at = -rig.interpolator.position().z;
+        if lead_in.is_none() {
+            if moved >= full {
+                lead_in = Some(at);
+            }
+        } else if tail.is_none() && moved < fallen {
+            // The way left goes with the square of the speed; here at mid-tick.
+            let left = 60.0 - at + moved / 2.0;
+            tail = Some(left * (fallen / moved) * (fallen / moved));
+        }
+    }
+    (lead_in.unwrap(), tail.unwrap())
+}
+
+/// The tables of manual I-3.2.4.6: speed, then lead-in and tail with 029 = 50 ms
+/// and with 100 ms.
+const TABLES: [[f64; 5]; 20] = [
+    [500.0, 0.217, 0.150, 0.434, 0.361],
+    [600.0, 0.257, 0.213, 0.513, 0.464],
+    [800.0, 0.344, 0.266, 0.688, 0.603],
+    [1000.0, 0.431, 0.332, 0.862, 0.756],
+    [1200.0, 0.519, 0.373, 1.037, 0.883],
+    [1400.0, 0.606, 0.504, 1.211, 1.104],
+    [1600.0, 0.693, 0.563, 1.386, 1.250],
+    [1800.0, 0.780, 0.652, 1.560, 1.427],
+    [2000.0, 0.868, 0.703, 1.735, 1.564],
+    [2200.0, 0.955, 0.714, 1.909, 1.660],
+    [2400.0, 1.042, 0.830, 2.084, 1.864],
+    [2600.0, 1.122, 0.866, 2.243, 1.978],
+    [2800.0, 1.209, 0.929, 2.417, 2.129],
+    [3200.0, 1.383, 1.050, 2.766, 2.423],
+    [3600.0, 1.558, 1.310, 3.116, 2.862],
+    [4000.0, 1.733, 1.435, 3.465, 3.161],
+    [4400.0, 1.907, 1.520, 3.814, 3.418],
+    [4800.0, 2.082, 1.563, 4.163, 3.630],
+    [5200.0, 2.248, 1.814, 4.496, 4.053],
+    [6000.0, 2.597, 1.923, 5.194, 4.502],
+];
+
+#[test]
+fn lead_in_and_tail_are_those_of_the_manual() {
+    for [speed, in_50, tail_50, in_100, tail_100] in TABLES {
+        for (time, lead_in, tail) in [(50, in_50, tail_50), (100, in_100, tail_100)] {
+            let found = lead_in_and_tail(speed, time);
+            let off = found.0 / lead_in - 1.0;
+            assert!(off.abs() < 0.1, "lead-in {found:?} at {speed}, T {time}");
+            // The first tail of the table falls out of its row by a step of its own.
+            let allowed = if speed < 600.0 { 0.2 } else { 0.1 };
+            let off = found.1 / tail - 1.0;
+            assert!(off.abs() < allowed, "tail {found:?} at {speed}, T {time}");
+        }
+    }
+}
+
+#[test]
+fn a_faster_start_shortens_the_lead_in_and_the_exponential_law_lengthens_it() {
+    let lag = |changes: &[(u16, i32)]| {
+        let mut rig = Rig::new(500.0, changes);
+        rig.start(Point::new(0.0, -60.0), 3.0, 0.0);
+        rig.phase_at(-40.0, 3.0)
+    };
+    let slow = lag(&[(28, 6)]);
+    let fast = lag(&[(28, 800)]);
+    let exponential = lag(&[(28, 6), (175, 0b1_0000)]);
+    // The lag in turns is 8.33 r/s times half of 029, times it when exponential.
+    assert!((slow - 8.333 * 0.05).abs() < 0.02, "{slow}");
+    assert!(fast < slow && (exponential - 8.333 * 0.1).abs() < 0.02);
+}
+
+#[test]
+fn the_lead_grows_as_programmed() {
+    let mut rig = Rig::new(300.0, &[(28, 8000)]);
+    let mut growing = thread(
+        Point::new(0.0, -52.0),
+        2.0,
+        ThreadStart::AtIndex { degrees: 0.0 },
+    );
+    growing.increase = 0.5;
+    rig.interpolator.start_thread(&growing, &rig.limits);
+    while rig.interpolator.position().z == 0.0 {
+        rig.tick();
+    }
+    let begun = rig.turns.floor();
+    while !rig.interpolator.finished() {
+        rig.tick();
+        let turns = rig.turns - begun;
+        let way = 2.0 * turns + 0.25 * turns * turns;
+        let off = (-rig.interpolator.position().z - way.min(52.0)).abs();
+        assert!(off < 0.003, "{off} mm off after {turns} turns");
+    }
+    // 2 n + n² / 4 = 52.
+    assert!((growing.turns(Point::default()) - 10.966_629_547_1).abs() < 1e-9);
+}
+
+#[test]
+fn a_thread_that_goes_on_keeps_phase_and_speed() {
+    for tick_later in [false, true] {
+        let mut rig = Rig::new(480.0, &[]);
+        rig.start(Point::new(10.0, -12.3), 2.0, 0.0);
+        rig.inputs.thread_continues = true;
+        let mut slowest = f64::INFINITY;
+        let mut joined = false;
+        let mut phases = Vec::new();
+        while !(joined && rig.interpolator.finished()) {
+            let moved = rig.tick();
+            if rig.interpolator.finished() && !joined {
+                joined = true;
+                let next = thread(Point::new(12.0, -30.0), 2.0, ThreadStart::Continued);
+                rig.interpolator.start_thread(&next, &rig.limits);
+                if !tick_later {
+                    let inputs = rig.inputs;
+                    rig.interpolator.continue_tick(&rig.limits, &inputs);
+                }
+            }
+            let z = rig.interpolator.position().z;
+            if (-25.0..-5.0).contains(&z) && (tick_later || !joined || moved > 0.0) {
+                let phase = rig.turns + z / 2.0;
+                phases.push(phase - phase.floor());
+                if !tick_later {
+                    slowest = slowest.min(moved);
+                }
+            }
+            if joined {
+                rig.inputs.thread_continues = false;
+            }
+        }
+        assert_eq!(rig.interpolator.position(), Point::new(12.0, -30.0));
+        let spread = phases
+            .iter()
+            .fold(0.0f64, |worst, phase| worst.max(apart(*phase, phases[0])));
+        if !tick_later {
+            assert!(spread * 2.0 <= 2.0 * PULSE, "{} mm", spread * 2.0);
+            assert!(slowest > 0.9 * 16.0 * TICK_S, "slowed down to {slowest}");
+        }
+        let last = *phases.last().unwrap();
+        assert!(apart(last, phases[0]) * 2.0 <= PULSE);
+    }
+}
+
+#[test]
+fn a_thread_that_went_on_too_late_waits_for_its_angle() {
+    let mut rig = Rig::new(480.0, &[]);
+    rig.start(Point::new(10.0, -12.3), 2.0, 0.0);
+    let before = rig.phase_at(-8.0, 2.0);
+    rig.finish();
+    rig.wait(1);
+    let next = thread(Point::new(10.0, -30.0), 2.0, ThreadStart::Continued);
+    rig.interpolator.start_thread(&next, &rig.limits);
+    let after = rig.phase_at(-20.0, 2.0);
+    assert!(apart(before, after) * 2.0 <= PULSE, "{before} {after}");
+}
+
+#[test]
+fn hold_and_overrides_do_not_act_on_a_thread() {
+    let mut rig = Rig::new(480.0, &[]);
+    let mut ticks = Vec::new();
+    for disturbed in [false, true] {
+        rig.interpolator = Interpolator::new(Point::default());
+        rig.start(Point::new(0.0, -20.0), 2.0, 0.0);
+        while !rig.interpolator.is_moving() {
+            rig.tick();
+        }
+        if disturbed {
+            rig.inputs.hold = true;
+            rig.inputs.feed_override = 0.0;
+        }
+        ticks.push(rig.finish());
+    }
+    assert!(ticks[0].abs_diff(ticks[1]) <= 1, "{ticks:?}");
+}
+
+#[test]
+fn reset_stops_a_thread_on_its_line() {
+    let mut rig = Rig::new(480.0, &[]);
+    rig.start(Point::new(5.0, -20.0), 2.0, 0.0);
+    while rig.interpolator.position().z > -10.0 {
+        rig.tick();
+    }
+    rig.interpolator.decelerate();
+    rig.wait(1000);
+    let at = rig.interpolator.position();
+    assert!(rig.interpolator.finished() && !rig.interpolator.is_moving());
+    assert!(at.z < -10.0 && at.z > -14.0, "{at:?}");
+    assert!((at.x / at.z + 0.25).abs() < 1e-6);
+}
+
+#[test]
+fn a_run_out_with_its_own_speed_moves_x_at_it() {
+    let mut rig = Rig::new(480.0, &[(107, 1200), (26, 50)]);
+    let mut tail = thread(
+        Point::new(12.0, -2.0),
+        2.0,
+        ThreadStart::AtIndex { degrees: 0.0 },
+    );
+    tail.run_out = true;
+    rig.interpolator = Interpolator::new(Point::new(10.0, 0.0));
+    rig.interpolator.start_thread(&tail, &rig.limits);
+    let (going_on, stopping) = tail.duration(Point::new(10.0, 0.0), 480.0, &rig.limits);
+    while rig.interpolator.position() == Point::new(10.0, 0.0) {
+        rig.tick();
+    }
+    let ticks = rig.finish();
+    assert_eq!(rig.interpolator.position(), Point::new(12.0, -2.0));
+    let expected = going_on + stopping;
+    // 2 mm at 20 mm/s and the time constant of 50 ms; Z takes 2 mm at 16 mm/s.
+    assert!(expected > 0.125, "{expected}");
+    assert!((f64::from(ticks) * TICK_S - expected).abs() < 0.005);
+}
+
+#[test]
+fn a_tap_follows_the_spindle_in_and_out() {
+    let mut rig = Rig::new(600.0, &[]);
+    rig.interpolator
+        .start_tap(Point::new(0.0, -15.0), 1.25, 0.0);
+    while !rig.interpolator.tap_at_bottom() {
+        rig.tick();
+    }
+    let phase = |rig: &Rig| rig.turns + rig.interpolator.position().z / 1.25;
+    let locked = phase(&rig);
+    // The spindle runs out, stands and turns back, each as a first-order lag.
+    let mut deepest = 0.0f64;
+    for (target, ticks) in [(0.0, 1000), (-600.0, 500)] {
+        for _ in 0..ticks {
+            rig.rpm += (target - rig.rpm) * 0.01;
+            rig.tick();
+            deepest = deepest.min(rig.interpolator.position().z);
+            let off = (phase(&rig) - locked).abs() * 1.25;
+            assert!(off < 0.006, "{off} mm out of phase");
+        }
+        rig.interpolator.turn_back();
+    }
+    assert!(deepest < -15.5, "{deepest}");
+    rig.finish();
+    assert_eq!(rig.interpolator.position(), Point::default());
+}
+
+#[test]
+fn threads_wait_with_a_standing_spindle() {
+    let mut rig = Rig::new(0.0, &[]);
+    rig.start(Point::new(0.0, -10.0), 2.0, 0.0);
+    rig.wait(1000);
+    assert!(!rig.interpolator.finished() && !rig.interpolator.is_moving());
+    assert_eq!(rig.interpolator.position(), Point::default());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    /// Whatever the spindle does, a thread stays on its line and ends at its end.
+    #[test]
+    fn threads_end_where_they_should(
+        (x, z) in (-20_000i32..20_000, -40_000i32..40_000),
+        lead in 5i32..500,
+        increase in -20i32..20,
+        degrees in 0u16..360,
+        (floor, time, exponential) in (6i32..8000, 0i32..4000, any::<bool>()),
+        speeds in prop::collection::vec((-3000i32..3000, 1u32..400), 0..8),
+        rpm in prop_oneof![-3000i32..-30, 30i32..3000],
+    ) {
+        let changes = [(28, floor), (29, time), (175, i32::from(exponential) << 4)];
+        let mut rig = Rig::new(f64::from(rpm), &changes);
+        let to = Point::new(f64::from(x) / 2000.0, f64::from(z) / 1000.0);
+        let long = if to.x.abs() > to.z.abs() { Axis::X } else { Axis::Z };
+        let lead = f64::from(lead) / 100.0;
+        // The lead stays above zero to the end (alarm 043 otherwise).
+        let way = to.get(long).abs().max(1e-3);
+        let least = -0.4 * lead * lead / way;
+        let cut = ThreadMove {
+            to,
+            long,
+            lead,
+            increase: (f64::from(increase) / 100.0).max(least),
+            start: ThreadStart::AtIndex { degrees: f64::from(degrees) },
+            run_out: false,
+        };
+        rig.interpolator.start_thread(&cut, &rig.limits);
+        let on_line = |at: Point| {
+            let off = (at.x * to.z - at.z * to.x).abs() / to.length().max(1e-9);
+            assert!(off < 1e-9 && at.length() <= to.length() + 1e-9, "{at:?}");
+        };
+        for (speed, ticks) in speeds {
+            rig.rpm = f64::from(speed);
+            for _ in 0..ticks {
+                rig.tick();
+                on_line(rig.interpolator.position());
+            }
+        }
+        let forward = if rig.interpolator.position() == Point::default() || rpm > 0 { 3000.0 } else { -3000.0 };
+        for direction in [forward, -forward] {
+            rig.rpm = direction;
+            for _ in 0..60_000 {
+                if rig.interpolator.finished() {
+                    break;
+                }
+                rig.tick();
+                on_line(rig.interpolator.position());
+            }
+        }
+        prop_assert_eq!(rig.interpolator.position(), to);
+    }
+
+    /// The time of the preview is the time of the motion.
+    #[test]
+    fn the_time_is_known_beforehand(
+        way in 1i32..60_000,
+        lead in 10i32..600,
+        rpm in 60i32..1200,
+        (floor, time, exponential) in (6i32..3000, 0i32..300, any::<bool>()),
+    ) {
+        let changes = [(28, floor), (29, time), (175, i32::from(exponential) << 4)];
+        let mut rig = Rig::new(f64::from(rpm), &changes);
+        let to = Point::new(0.0, f64::from(-way) / 1000.0);
+        let cut = thread(to, f64::from(lead) / 100.0, ThreadStart::AtIndex { degrees: 0.0 });
+        rig.interpolator.start_thread(&cut, &rig.limits);
+        let (going_on, stopping) = cut.duration(Point::default(), f64::from(rpm), &rig.limits);
+        let expected = going_on + stopping;
+        let mut ticks = 0;
+        while !rig.interpolator.finished() {
+            rig.tick();
+            ticks += u32::from(rig.interpolator.position() != Point::default());
+        }
+        let took = f64::from(ticks) * TICK_S;
+        prop_assert!(
+            (took - expected).abs() < 0.004 + 0.01 * expected,
+            "{} s instead of {}", took, expected
+        );
+        prop_assert_eq!(path_length(MoveKind::Thread, Point::default(), to, None), to.length());
+    }
+}

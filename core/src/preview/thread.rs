@@ -1,0 +1,96 @@
+//! Threads and taps without ticks.
+
+use super::{Walk, bounds, snapped};
+use crate::alarm::Alarm;
+use crate::command::{Command, ExecutedMove, MoveKind, ThreadStart};
+use crate::motion::{ThreadMove, path_length};
+use crate::operation::{check_encoder, check_thread_speed};
+use crate::units::{Axis, Feed, Point};
+
+/// From an M code to the spindle's contactor: strobe, scan and output, s.
+const M_LATENCY_S: f64 = 0.04;
+
+impl Walk<'_> {
+    /// A thread: it waits half a turn for the one-turn signal, on average.
+    pub(super) fn thread(&mut self, command: &Command, thread: &ThreadMove) -> Result<(), Alarm> {
+        let from = self.so_far.machine;
+        let rpm = self.thread_speed(thread)?;
+        if from == thread.to {
+            return Ok(());
+        }
+        if let ThreadStart::AtIndex { degrees } = thread.start {
+            self.clock.advance((0.5 + degrees / 360.0) * 60.0 / rpm);
+        }
+        let (took, stopping) = thread.duration(from, rpm, &self.limits);
+        let kind = if thread.run_out {
+            MoveKind::RunOut
+        } else {
+            MoveKind::Thread
+        };
+        self.tied_move(command, kind, thread.to, thread.lead, took);
+        // Paid when no thread follows that goes on in phase.
+        self.owed = stopping;
+        Ok(())
+    }
+
+    /// A tap: in, the spindle stops and turns back, out, it stops again.
+    pub(super) fn tap(&mut self, command: &Command, to: Point, lead: f64) -> Result<(), Alarm> {
+        let start = self.so_far.machine;
+        let inwards = ThreadMove {
+            to,
+            long: Axis::Z,
+            lead,
+            increase: 0.0,
+            start: ThreadStart::AtIndex { degrees: 0.0 },
+            run_out: false,
+        };
+        let rpm = self.thread_speed(&inwards)?;
+        let spin = rpm / 60.0;
+        let settle = self.settle_s / libm::log(100.0);
+        let m_s = self.clock.m_time() + M_LATENCY_S;
+        let stop = m_s.max(settle * libm::log(rpm));
+        let (down, _) = inwards.duration(start, rpm, &self.limits);
+        let beyond = (M_LATENCY_S + settle) * spin;
+        let up = M_LATENCY_S + settle + (inwards.turns(start) + beyond) / spin;
+        self.clock.advance(0.5 / spin);
+        self.tied_move(command, MoveKind::Thread, to, lead, down + stop);
+        self.tied_move(command, MoveKind::Thread, start, lead, up.max(m_s));
+        self.clock.advance(stop);
+        self.spindle.output_m(5);
+        Ok(())
+    }
+
+    /// The spindle speed of a thread, r/min (alarms 092 and 094).
+    fn thread_speed(&self, thread: &ThreadMove) -> Result<f64, Alarm> {
+        check_encoder(&self.so_far.parameters)?;
+        let from = self.so_far.machine;
+        let rpm = self.spindle.rpm(self.so_far.frame.program(from).x);
+        let top = thread.top_speed(from, rpm);
+        check_thread_speed(top, rpm, self.limits.axis_limits())?;
+        Ok(rpm)
+    }
+
+    /// A move at the speed of the spindle.
+    fn tied_move(&mut self, command: &Command, kind: MoveKind, to: Point, lead: f64, took: f64) {
+        let from = self.so_far.machine;
+        let frame = self.so_far.frame;
+        self.so_far.machine = to;
+        self.motionless = 0;
+        self.so_far.lengths.thread += path_length(kind, from, to, None);
+        self.so_far.cutting_s += took;
+        let executed = ExecutedMove {
+            source: command.source,
+            kind,
+            from: snapped(frame.program(from)),
+            to: snapped(frame.program(to)),
+            center: None,
+            feed: Some(Feed::PerRevolution(lead)),
+            start_s: self.clock.now(),
+            duration_s: took,
+        };
+        bounds::include(&mut self.so_far.bounds, &executed);
+        self.clock.advance(took);
+        self.so_far.moves += 1;
+        (self.on_move)(&executed);
+    }
+}

@@ -1,0 +1,42 @@
+//! 013.3 PODI: decimal points that the control appends while a block is keyed in.
+
+use super::block::is_length;
+use super::parse::{Syntax, parse_block};
+
+/// A block as keyed in, with a point after each number that takes one and has
+/// none. A block that cannot be read stays as it is, and so does G65.
+pub fn with_points(text: &str) -> String {
+    let mut pointed = text.to_owned();
+    let Ok(block) = parse_block(text, Syntax::default()) else {
+        return pointed;
+    };
+    if block.has_g(65) || text.len() > usize::from(u16::MAX) {
+        return pointed;
+    }
+    for word in block.words().iter().rev() {
+        let takes = is_length(word.address) || word.address == b'F';
+        if takes && !word.value.has_point() && word.value.variable().is_none() {
+            pointed.insert(word.span.1.into(), '.');
+        }
+    }
+    pointed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_come_after_numbers_that_take_one() {
+        for (keyed, kept) in [
+            ("G01 X10 Z-5 (a 1) F100", "G01 X10. Z-5. (a 1) F100."),
+            ("X1.5 U-.5 W#200 P100 T0101", "X1.5 U-.5 W#200 P100 T0101"),
+            ("G65 H01 P#200 Q5 R7", "G65 H01 P#200 Q5 R7"),
+            ("X", "X"),
+            ("Ｘ10；", "Ｘ10.；"),
+        ] {
+            assert_eq!(with_points(keyed), kept);
+            assert_eq!(with_points(kept), kept);
+        }
+    }
+}
