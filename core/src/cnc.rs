@@ -143,7 +143,8 @@ pub struct Cnc {
     /// Machine coordinate of the program zero point, once a G50 has run.
     pub(crate) program_zero: Option<Point>,
     pub(crate) referenced: PerAxis<bool>,
-    pub(crate) at_reference: PerAxis<bool>,
+    /// Coordinate of the reference point an axis stands at.
+    pub(crate) at_reference: PerAxis<Option<f64>>,
     negative: PerAxis<bool>,
     last_rapid: bool,
 
@@ -265,10 +266,9 @@ impl Cnc {
         self.automatic_tick();
         self.manual_tick();
         self.spindle_tick(inputs);
-        let before = self.position();
         self.motion_tick();
         self.watch_travel();
-        self.watch_reference(before);
+        self.watch_reference();
         if self.automatic.state == RunState::Run {
             self.counters.count_cutting_ms(1);
         }
@@ -349,7 +349,10 @@ impl Cnc {
             decoded_m30: self.automatic.decoded == Some(30),
             handshake: &self.handshake,
             gear: self.spindle.gear(),
-            at_reference: self.at_reference,
+            at_reference: PerAxis::new(
+                self.at_reference.x.is_some(),
+                self.at_reference.z.is_some(),
+            ),
             referenced: self.referenced,
             at_program_zero: self.at_program_zero(),
             moving,
@@ -468,10 +471,12 @@ impl Cnc {
     }
 
     /// The zero lamps go out when an axis leaves its reference point.
-    fn watch_reference(&mut self, before: Point) {
+    fn watch_reference(&mut self) {
         let now = self.position();
-        self.at_reference.x &= now.x == before.x;
-        self.at_reference.z &= now.z == before.z;
+        for axis in [Axis::X, Axis::Z] {
+            let at = self.at_reference.get_mut(axis);
+            *at = at.filter(|at| *at == now.get(axis));
+        }
     }
 
     fn at_program_zero(&self) -> PerAxis<bool> {

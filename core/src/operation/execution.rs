@@ -59,7 +59,8 @@ impl Cnc {
                 for (axis, taken) in [(Axis::X, *x), (Axis::Z, *z)] {
                     if taken {
                         *self.referenced.get_mut(axis) = true;
-                        *self.at_reference.get_mut(axis) = true;
+                        let at = self.position().get(axis);
+                        *self.at_reference.get_mut(axis) = Some(at);
                     }
                 }
                 Ok(Stage::Acting)
@@ -164,11 +165,13 @@ impl Cnc {
             return false;
         };
         if current.stage == Stage::Acting {
+            // Motion laid aside for jogging is not finished.
+            let motion_done = self.interpolator.finished() && self.held.is_none();
             let motion = matches!(
                 current.command.action,
                 Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. }
             );
-            if self.automatic.dwell_left > 0 || (motion && !self.interpolator.finished()) {
+            if self.automatic.dwell_left > 0 || (motion && !motion_done) {
                 return false;
             }
             if current.command.block_end {
@@ -244,7 +247,7 @@ impl Cnc {
                 };
                 (kind, Some(self.frame.program(center)), Some(feed))
             }
-            Action::Dwell { .. } => (MoveKind::Dwell, None, None),
+            Action::Dwell { ms: 1.. } => (MoveKind::Dwell, None, None),
             _ => return,
         };
         self.events.push(Event::Moved(ExecutedMove {
