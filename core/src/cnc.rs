@@ -16,7 +16,7 @@ pub(crate) use world::World;
 
 use crate::alarm::Alarm;
 use crate::axis::{AxisChain, SoftLimits};
-use crate::command::{Action, ExecutedMove, Frame, SpindleCommand};
+use crate::command::{Action, ExecutedMove, Frame, Source, SpindleCommand};
 use crate::interpreter::{Interpreter, Modal};
 use crate::machine::{Inputs, Outputs};
 use crate::memory::{Counters, Offsets, Parameters};
@@ -89,6 +89,8 @@ fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
 pub enum Event {
     /// A piece of motion was finished or broken off.
     Moved(ExecutedMove),
+    /// A block was finished.
+    BlockEnded(Source),
     /// An alarm came up.
     AlarmRaised(Alarm),
     /// The part counter counted.

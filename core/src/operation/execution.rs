@@ -187,6 +187,11 @@ impl Cnc {
         self.report(&current);
         self.automatic.decoded = None;
         self.automatic.within_block = !current.command.block_end;
+        // The end of a text without M30 is no block.
+        let is_block = !matches!(current.command.action, Action::End { m30: false, .. });
+        if current.command.block_end && is_block {
+            self.events.push(Event::BlockEnded(current.command.source));
+        }
         self.after(&current.command);
         true
     }
