@@ -95,14 +95,14 @@ impl Window {
                 let lamp = STRIP.get(index).filter(|lamp| lamp.fitted)?;
                 let response = ui.interact(rect, ui.scope_id().with(lamp.id), Sense::HOVER);
                 let name = match language {
-                    Language::Zh => lamp.name_zh,
-                    Language::En => lamp.name_en,
+                    Language::Zh => format!("{}灯", lamp.name_zh),
+                    Language::En => format!("{} lamp", lamp.name_en),
                 };
                 let lit = lamp.lamp.of(look.y);
                 let word = if lit { Text::Lit } else { Text::Dark };
                 response.widget_info(|| WidgetInfo {
                     current_text_value: Some(word.of(language).to_owned()),
-                    ..WidgetInfo::labeled(Role::Status, true, name)
+                    ..WidgetInfo::labeled(Role::Status, true, &name)
                 });
                 None
             }
