@@ -41,6 +41,9 @@ pub struct WindowArgs {
     /// Program to open at the start
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
+    /// Print the time to the first frame and frames a second on standard error
+    #[arg(long)]
+    pub figures: bool,
     /// Language of menus and messages; the panel itself is always as printed
     #[arg(long, value_enum, value_name = "LANG")]
     pub lang: Option<Language>,

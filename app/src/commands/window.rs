@@ -1,6 +1,7 @@
 //! The window: what stands behind `gsk980td` without a command.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
@@ -16,6 +17,7 @@ use crate::{loading, retained};
 
 /// Opens the window and returns when it is closed.
 pub fn open(args: WindowArgs) -> Result<u8, String> {
+    let begun = Instant::now();
     if let Some(program) = &args.program
         && !program.exists()
     {
@@ -55,6 +57,7 @@ pub fn open(args: WindowArgs) -> Result<u8, String> {
         data,
         restored,
         program: args.program,
+        figures: args.figures.then_some(begun),
     };
     match app::run(start) {
         Ok(()) => Ok(FINE),

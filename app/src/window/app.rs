@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 use eframe::egui;
 
+use super::figures::Figures;
 use super::{Settings, Window, fonts};
 use crate::files::data_dir::DataDir;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
@@ -29,6 +31,8 @@ pub struct Start {
     pub restored: Restored,
     /// A program to open.
     pub program: Option<PathBuf>,
+    /// When the program began, if figures are wanted.
+    pub figures: Option<Instant>,
 }
 
 /// Whether there is a display to open a window on.
@@ -76,6 +80,7 @@ struct App {
     data: Arc<DataDir>,
     saved: Settings,
     sized: bool,
+    figures: Option<Figures>,
 }
 
 impl App {
@@ -87,6 +92,7 @@ impl App {
             data,
             restored,
             program,
+            figures,
         } = start;
         let data = Arc::new(data);
         let cnc = &kernel.emulator().simulation.cnc;
@@ -110,6 +116,7 @@ impl App {
             data,
             saved: settings,
             sized: false,
+            figures: figures.map(Figures::new),
         })
     }
 
@@ -160,9 +167,12 @@ impl eframe::App for App {
         self.save_settings();
     }
 
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.size_once(ui.ctx());
         self.window.ui(ui);
+        if let Some(figures) = &mut self.figures {
+            figures.frame(frame.info().cpu_usage);
+        }
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {

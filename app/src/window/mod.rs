@@ -3,6 +3,7 @@
 
 pub mod app;
 mod extents;
+mod figures;
 pub mod fonts;
 mod held;
 mod help;
