@@ -59,6 +59,7 @@ struct Run<'a> {
     simulation: Simulation,
     watcher: &'a mut dyn Watcher,
     start_ticks: u64,
+    wanted_parts: u32,
     parts: u32,
     stops: u32,
     blocks: u64,
@@ -79,6 +80,7 @@ pub fn execute(
         simulation: Simulation::new(setup),
         watcher,
         start_ticks: 0,
+        wanted_parts: limits.parts,
         parts: 0,
         stops: 0,
         blocks: 0,
@@ -248,7 +250,13 @@ impl Run<'_> {
                 Event::AlarmRaised(alarm) if self.ended.is_none() => {
                     self.ended = Some(End::Alarm(alarm.clone()));
                 }
-                Event::PartFinished => self.parts += 1,
+                Event::PartFinished => {
+                    self.parts += 1;
+                    // A loop without motion finishes several parts in a tick.
+                    if self.parts >= self.wanted_parts {
+                        break;
+                    }
+                }
                 Event::ProgramEnded { m30 } if self.ended.is_none() => {
                     self.ended = Some(if *m30 { End::M30 } else { End::Text });
                 }

@@ -11,7 +11,7 @@ const MOST_AT_ONCE: u64 = 40;
 /// the clock then, and no motion is skipped.
 const CATCH_UP_MS: u64 = 250;
 /// The ratio is measured over this time.
-const WINDOW: Duration = Duration::from_secs(1);
+const WINDOW: Duration = Duration::from_secs(2);
 
 /// Paces ticks of one millisecond.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,7 @@ impl Pace {
         self.origin + Duration::from_millis(self.done + BATCH_MS)
     }
 
-    /// Machine time over wall time in the last second: 1 unless the PC is too
+    /// Machine time over wall time in the last two seconds: 1 unless the PC is too
     /// slow.
     pub const fn ratio(&self) -> f64 {
         self.ratio

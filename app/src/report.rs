@@ -9,7 +9,7 @@ use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
 use serde::Serialize;
 
-use crate::moves::{diameter_z, rounded};
+use crate::moves::diameter_z;
 
 /// An alarm in a result.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -255,7 +255,7 @@ impl PathReport {
             .lengths
             .iter()
             .filter(|(_, length)| **length > 0.0)
-            .map(|(kind, length)| format!("{kind} {} mm", rounded(*length * 1e3) / 1e3))
+            .map(|(kind, length)| format!("{kind} {length:.3} mm"))
             .collect();
         if !lengths.is_empty() {
             out.push_str(&format!("  length: {}\n", lengths.join(", ")));

@@ -115,9 +115,9 @@ fn turn(mut kernel: Kernel, mut outside: Outside) {
     }
 }
 
-/// In steps of 5 % below 97 %, so that the picture does not change for nothing.
+/// In steps of 5 % below 95 %, so that the picture does not change for nothing.
 fn speed_percent(ratio: f64) -> u32 {
-    if ratio > 0.97 {
+    if ratio > 0.95 {
         100
     } else {
         ((ratio * 20.0).floor() * 5.0) as u32

@@ -104,6 +104,7 @@ impl App {
         };
         let thread = kernel::start(kernel, &console, outside)?;
         let mut window = Window::new(console, settings.clone());
+        window.paint_ahead();
         if !restored.complaints.is_empty() {
             window.say(restored.complaints.join("; "));
         }
@@ -173,6 +174,10 @@ impl eframe::App for App {
         if let Some(figures) = &mut self.figures {
             figures.frame(frame.info().cpu_usage);
         }
+    }
+
+    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
+        egui::Color32::from_gray(22).to_normalized_gamma_f32()
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {

@@ -67,24 +67,14 @@ impl Lcd {
         let Some(texture) = &self.texture else { return };
         let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
         let [red, green, blue] = raster::palette(brightness).background;
-        painter.rect_filled(room, 0.0, Color32::from_rgb(red, green, blue));
+        if !placing.rect.expand(0.01).contains_rect(room) {
+            painter.rect_filled(room, 0.0, Color32::from_rgb(red, green, blue));
+        }
         painter.image(texture.id(), placing.rect, whole, Color32::WHITE);
     }
 
     fn upload(&mut self, context: &egui::Context, screen: &Screen, level: u8, placing: Placing) {
-        let Some(picture) = raster::render(screen, placing.dots, level) else {
-            return;
-        };
-        let size = [picture.width() as usize, picture.height() as usize];
-        // Every pixel is opaque: premultiplied or not is the same.
-        let pixels = picture
-            .data()
-            .as_chunks::<4>()
-            .0
-            .iter()
-            .map(|[red, green, blue, _]| Color32::from_rgb(*red, *green, *blue))
-            .collect();
-        let image = ColorImage::new(size, pixels);
+        let image = image(screen, level, placing.dots as usize);
         let options = if placing.crisp {
             TextureOptions::NEAREST
         } else {
@@ -95,6 +85,30 @@ impl Lcd {
             None => self.texture = Some(context.load_texture("lcd", image, options)),
         }
     }
+}
+
+/// The picture with squares of `dots` texture pixels, written once: it is made
+/// anew for every change of the LCD.
+fn image(screen: &Screen, level: u8, dots: usize) -> ColorImage {
+    let palette = raster::palette(level);
+    let [dark, lit] = [palette.background, palette.text]
+        .map(|[red, green, blue]| Color32::from_rgb(red, green, blue));
+    let bitmap = raster::bitmap(screen);
+    let width = WIDTH * dots;
+    let mut pixels = Vec::with_capacity(width * HEIGHT * dots);
+    for y in 0..HEIGHT {
+        let begin = pixels.len();
+        for byte in bitmap.row(y) {
+            for bit in (0..8).rev() {
+                let colour = if byte >> bit & 1 == 1 { lit } else { dark };
+                pixels.extend(core::iter::repeat_n(colour, dots));
+            }
+        }
+        for _ in 1..dots {
+            pixels.extend_from_within(begin..begin + width);
+        }
+    }
+    ColorImage::new([width, HEIGHT * dots], pixels)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //! threads and of eframe; a test drives it as the program does.
 
 pub mod app;
+mod backdrop;
 mod extents;
 mod figures;
 pub mod fonts;
@@ -51,6 +52,7 @@ pub struct Window {
     help: bool,
     lcd: lcd::Lcd,
     shade: paint::Shade,
+    backdrop: backdrop::Backdrop,
 }
 
 /// What the line of messages says.
@@ -76,7 +78,13 @@ impl Window {
             help: false,
             lcd: lcd::Lcd::default(),
             shade: paint::Shade::default(),
+            backdrop: backdrop::Backdrop::default(),
         }
+    }
+
+    /// From now on the panel is painted ahead, in a thread: for a real display.
+    pub const fn paint_ahead(&mut self) {
+        self.backdrop.turn_on();
     }
 
     /// What is remembered for the next start.
@@ -136,9 +144,9 @@ impl Window {
             .frame(slim)
             .show_separator_line(false);
         line.show(ui, |ui| self.status(ui));
-        let back = Frame::new().fill(egui::Color32::from_gray(22));
+        // What the panel leaves free is the colour that a picture is cleared with.
         egui::CentralPanel::default()
-            .frame(back)
+            .frame(Frame::NONE)
             .show(ui, |ui| self.panel(ui));
         if let Some(asked) = asked {
             self.answer(asked, ui);

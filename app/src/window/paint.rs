@@ -10,7 +10,10 @@ use egui::{
     TextureOptions, pos2, vec2,
 };
 use gsk_panel::faceplate::{self, Colour, LINE_HEIGHT, Outline, Part, What};
+use gsk_panel::glyphs::text_columns;
 use gsk_panel::keys::{Bit, Key, Role, STRIP};
+
+use super::backdrop::Sheet;
 
 /// The smallest legend that is still drawn, physical pixels.
 const SMALLEST_TEXT: f32 = 5.0;
@@ -71,6 +74,16 @@ pub struct Look<'a> {
     pub pressed: &'a dyn Fn(Key) -> bool,
     /// Position of the handwheel, graduations.
     pub wheel: i32,
+}
+
+/// The keys and the wheel that are not as the picture with every key up shows
+/// them.
+fn differs(part: &Part, look: &Look<'_>) -> bool {
+    match part.what {
+        What::Key(key) => (look.pressed)(key),
+        What::Handwheel => look.wheel.rem_euclid(wheel::GRADUATIONS) != 0,
+        _ => false,
+    }
 }
 
 /// Paints the panel.
@@ -139,6 +152,51 @@ impl<'a> Faceplate<'a> {
         }
     }
 
+    /// Paints what a part adds to the picture with every key up: a key that is
+    /// down, a lamp that is on, a turned wheel.
+    pub fn change(&self, part: &Part, look: &Look<'_>, down: Option<&Sheet>) {
+        let differs = differs(part, look);
+        match (part.what, down) {
+            (What::Key(key), Some(down)) => {
+                if differs {
+                    down.paint_part(self.painter, self.view, around(part.rect));
+                }
+                self.key_lamp(part, key, look);
+            }
+            (What::Key(key), None) if !differs => self.key_lamp(part, key, look),
+            (What::Strip(index), _) => self.strip_lamp(part, index, look),
+            _ if differs => self.part(part, look),
+            _ => {}
+        }
+    }
+
+    /// The lamp of a key, if it is on.
+    fn key_lamp(&self, part: &Part, key: Key, look: &Look<'_>) {
+        if let (Some(lamp), Some(bit)) = (part.lamp(), key.row().lamp)
+            && bit.of(look.y)
+        {
+            let sunk = if (look.pressed)(key) { 2.0 } else { 0.0 };
+            let lamp = faceplate::Rect {
+                y: lamp.y + sunk,
+                ..lamp
+            };
+            let colour = lamp_colour(bit, Some(key), look.y);
+            self.bulb(self.view.rect(lamp), Outline::Rounded(2.5), colour);
+        }
+    }
+
+    /// A lamp of the strip, if it is on.
+    fn strip_lamp(&self, part: &Part, index: usize, look: &Look<'_>) {
+        if let Some(lamp) = STRIP.get(index)
+            && lamp.fitted
+            && lamp.lamp.of(look.y)
+        {
+            let (x, middle) = (part.rect.x + 13.0, part.rect.center().1);
+            let bulb = self.view.rect(faceplate::Rect::around(x, middle, 10.0));
+            self.bulb(bulb, Outline::Round, lamp_colour(lamp.lamp, None, look.y));
+        }
+    }
+
     fn strip(&self, part: &Part, index: usize, look: &Look<'_>) {
         let Some(lamp) = STRIP.get(index) else { return };
         let (x, middle) = (part.rect.x + 13.0, part.rect.center().1);
@@ -149,12 +207,8 @@ impl<'a> Faceplate<'a> {
         }
         let bulb = self.view.rect(faceplate::Rect::around(x, middle, 11.0));
         self.bulb(bulb, Outline::Round, lamp_colour(lamp.lamp, None, look.y));
-        let label = faceplate::Rect::new(
-            part.rect.x + 20.0,
-            part.rect.y,
-            part.rect.w - 20.0,
-            part.rect.h,
-        );
+        let width = text_columns(lamp.label) as f32 * LINE_HEIGHT / 2.0;
+        let label = faceplate::Rect::new(part.rect.x + 22.0, part.rect.y, width, part.rect.h);
         let ink = opaque(part.colour.rgb());
         self.text(lamp.label, LINE_HEIGHT, self.view.rect(label), ink);
     }
@@ -218,11 +272,13 @@ impl<'a> Faceplate<'a> {
             opaque(lighter(base, -0.30))
         };
         for (line, place) in part.legend() {
+            // Larger single letters, as the panel's own painter has them.
+            let height = LINE_HEIGHT + (place.h - LINE_HEIGHT) * 0.6;
             let place = self
                 .view
                 .rect(place)
                 .translate(vec2(0.0, sunk - self.view.length(1.0)));
-            self.text(line, LINE_HEIGHT, place, ink);
+            self.text(line, height, place, ink);
         }
     }
 
@@ -294,6 +350,17 @@ impl<'a> Faceplate<'a> {
             StrokeKind::Inside,
         );
     }
+}
+
+/// A part with its shadow.
+const fn around(rect: faceplate::Rect) -> faceplate::Rect {
+    let reach = 2.0;
+    faceplate::Rect::new(
+        rect.x - reach,
+        rect.y - reach,
+        rect.w + 2.0 * reach,
+        rect.h + 2.0 * reach,
+    )
 }
 
 fn lamp_colour(bit: Bit, key: Option<Key>, y: &[u8]) -> Colour {

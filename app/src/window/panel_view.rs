@@ -34,8 +34,15 @@ impl Window {
         };
         let face = Faceplate::new(&painter, view, shade);
         let mut taps = Vec::new();
+        let (up, down) = self.backdrop.sheets(ui.ctx(), view);
+        if let Some(up) = &up {
+            up.paint(&painter, view);
+        }
         for part in faceplate::parts() {
-            face.part(part, &look);
+            match &up {
+                Some(_) => face.change(part, &look, down.as_ref()),
+                None => face.part(part, &look),
+            }
             let tapped = self.describe(ui, part, view, &look);
             taps.extend(tapped);
         }
@@ -46,10 +53,9 @@ impl Window {
             let place = view.rect(faceplate::lcd());
             self.lcd
                 .paint(&painter, place, &picture.screen, picture.brightness);
-            let text = picture.screen.text();
             let lcd = ui.interact(place, ui.scope_id().with("lcd"), Sense::HOVER);
             lcd.widget_info(|| WidgetInfo {
-                current_text_value: Some(text.clone()),
+                current_text_value: Some(picture.screen.text()),
                 ..WidgetInfo::labeled(Role::Terminal, true, Text::Lcd.of(self.settings.language))
             });
         }
@@ -87,7 +93,9 @@ impl Window {
                 let by_screen_reader =
                     response.clicked() && response.interact_pointer_pos().is_none();
                 if !row.pc.is_empty() {
-                    response.on_hover_text(format!("{name}   [{}]", pc_name(row.pc)));
+                    response.on_hover_ui(|ui| {
+                        ui.label(format!("{name}   [{}]", pc_name(row.pc)));
+                    });
                 }
                 by_screen_reader.then_some(key)
             }
