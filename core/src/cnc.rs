@@ -16,7 +16,7 @@ pub(crate) use world::World;
 
 use crate::alarm::Alarm;
 use crate::axis::{AxisChain, SoftLimits};
-use crate::command::{Action, ExecutedMove, Frame, SpindleCommand};
+use crate::command::{Action, ExecutedMove, Frame, Source, SpindleCommand};
 use crate::interpreter::{Interpreter, Modal};
 use crate::machine::{Inputs, Outputs};
 use crate::memory::{Counters, Offsets, Parameters, Variables};
@@ -89,6 +89,8 @@ fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
 pub enum Event {
     /// A piece of motion was finished or broken off.
     Moved(ExecutedMove),
+    /// A block was finished.
+    BlockEnded(Source),
     /// An alarm came up.
     AlarmRaised(Alarm),
     /// The part counter counted.
@@ -148,7 +150,8 @@ pub struct Cnc {
     /// Machine coordinate of the program zero point, once a G50 has run.
     pub(crate) program_zero: Option<Point>,
     pub(crate) referenced: PerAxis<bool>,
-    pub(crate) at_reference: PerAxis<bool>,
+    /// Coordinate of the reference point an axis stands at.
+    pub(crate) at_reference: PerAxis<Option<f64>>,
     negative: PerAxis<bool>,
     last_rapid: bool,
 
@@ -277,10 +280,9 @@ impl Cnc {
         self.automatic_tick();
         self.manual_tick();
         self.spindle_tick(inputs);
-        let before = self.position();
         self.motion_tick();
         self.watch_travel();
-        self.watch_reference(before);
+        self.watch_reference();
         if self.automatic.state == RunState::Run {
             self.counters.count_cutting_ms(1);
         }
@@ -367,7 +369,10 @@ impl Cnc {
             decoded_m30: self.automatic.decoded == Some(30),
             handshake: &self.handshake,
             gear: self.spindle.gear(),
-            at_reference: self.at_reference,
+            at_reference: PerAxis::new(
+                self.at_reference.x.is_some(),
+                self.at_reference.z.is_some(),
+            ),
             referenced: self.referenced,
             at_program_zero: self.at_program_zero(),
             moving,
@@ -494,12 +499,13 @@ impl Cnc {
         })
     }
 
-    /// The zero lamps go out when an axis leaves its reference point, which is
-    /// machine coordinate zero; the tick in which it arrives does not count.
-    fn watch_reference(&mut self, before: Point) {
+    /// The zero lamps go out when an axis leaves its reference point.
+    fn watch_reference(&mut self) {
         let now = self.position();
-        self.at_reference.x &= now.x == before.x || now.x == 0.0;
-        self.at_reference.z &= now.z == before.z || now.z == 0.0;
+        for axis in [Axis::X, Axis::Z] {
+            let at = self.at_reference.get_mut(axis);
+            *at = at.filter(|at| *at == now.get(axis));
+        }
     }
 
     fn at_program_zero(&self) -> PerAxis<bool> {

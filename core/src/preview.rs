@@ -400,7 +400,6 @@ impl<'a> Walk<'a> {
         feed: Option<Feed>,
     ) -> Result<(), Alarm> {
         let from = self.so_far.machine;
-        self.so_far.machine = to;
         let frame = self.so_far.frame;
         let per_minute = match feed {
             None => 0.0,
@@ -411,6 +410,7 @@ impl<'a> Walk<'a> {
                 rate * self.spindle.rpm_for_feed(middle)?
             }
         };
+        self.so_far.machine = to;
         if from == to && center.is_none() {
             return Ok(());
         }

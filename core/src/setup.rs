@@ -56,11 +56,10 @@ pub fn standard_ladder() -> Arc<Ladder> {
 }
 
 impl Setup {
-    /// A machine as it is delivered: factory parameters, no reference, the
-    /// training lathe.
+    /// The training lathe as it is delivered: factory parameters but for the analog
+    /// spindle it has, dogs and limit switches, no reference yet.
     pub fn delivered() -> Self {
         Self {
-            parameters: Parameters::default(),
             lathe: LatheConfig::default(),
             start: None,
             referenced: false,

@@ -8,6 +8,7 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
+use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
 use tiny_skia::Pixmap;
 
@@ -126,9 +127,8 @@ impl Emulator {
 
     fn ask(&mut self, requests: Vec<Request>) {
         for request in requests {
-            if let Err(alarm) = self.simulation.cnc.request(request) {
-                self.panel.refuse(alarm);
-            }
+            // A refusal stands on the alarm page.
+            let _ = self.simulation.cnc.request(request);
         }
     }
 
@@ -213,6 +213,12 @@ impl Emulator {
     /// The alarm with which the control refuses it.
     pub fn load_external(&mut self, program: Program) -> Result<(), Alarm> {
         self.simulation.cnc.request(Request::OpenExternal(program))
+    }
+
+    /// Sets the graphic page to the extents of a program and starts drawing, unless
+    /// extents were keyed in already. X as a radius.
+    pub fn fit_graphic(&mut self, min: Point, max: Point) {
+        self.panel.fit_graphic(min, max, &self.simulation.cnc);
     }
 
     /// What the LCD shows.

@@ -8,7 +8,6 @@ mod program_text;
 mod search;
 
 pub(crate) use entry::is_typable;
-use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Cnc, Event, Request};
 use gsk_core::command::Frame;
 use gsk_core::operation::Mode;
@@ -70,7 +69,6 @@ pub struct Panel {
     messages: Vec<u16>,
     traced: Option<(Frame, Point)>,
     wheel: i32,
-    refused: Option<Alarm>,
 }
 
 /// A held key that repeats.
@@ -89,12 +87,9 @@ impl Default for Panel {
 impl Panel {
     /// A panel whose control is being switched on.
     pub fn new() -> Self {
-        let mut view = View::default();
-        // The manual's picture of the page shows ZX.
-        view.graphic.zx = true;
         Self {
             page: PageId::PosRel,
-            view,
+            view: View::default(),
             last_shown: [PageId::PosRel, PageId::Prg, PageId::Oft, PageId::Msg],
             held: Vec::new(),
             emergency_stop: false,
@@ -108,7 +103,6 @@ impl Panel {
             messages: Vec::new(),
             traced: None,
             wheel: 0,
-            refused: None,
         }
     }
 
@@ -203,16 +197,6 @@ impl Panel {
             pressed.push(Key::EmergencyStop);
         }
         pressed
-    }
-
-    /// The last alarm with which the control refused a request.
-    pub const fn refused(&self) -> Option<&Alarm> {
-        self.refused.as_ref()
-    }
-
-    /// Takes note of the control's answer to a request.
-    pub fn refuse(&mut self, alarm: Alarm) {
-        self.refused = Some(alarm);
     }
 
     /// A key event: what is to be asked of the control. Contacts of machine keys

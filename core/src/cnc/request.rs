@@ -44,14 +44,22 @@ pub enum Request {
 }
 
 impl Cnc {
-    /// Carries out a request or says with an alarm why not. A refusal that the
-    /// manual gives no alarm for is silent.
+    /// Carries out a request, or raises the alarm that says why not. A refusal
+    /// that the manual gives no alarm for is silent.
     ///
     /// # Errors
-    /// The alarm of the manual: 031 or 071 program not found, 060 sequence number
+    /// The alarm that was raised: 031 or 071 program not found, 060 sequence number
     /// not found, 068 and 072 memory full, 111 and 115 for variables, and those of
     /// the MDI words.
     pub fn request(&mut self, request: Request) -> Result<(), Alarm> {
+        let done = self.carry_out_request(request);
+        if let Err(alarm) = &done {
+            self.raise(alarm.clone());
+        }
+        done
+    }
+
+    fn carry_out_request(&mut self, request: Request) -> Result<(), Alarm> {
         match request {
             Request::ZeroRelative(axis) if !self.is_moving() => {
                 *self.relative_zero.get_mut(axis) = self.position_absolute().get(axis);

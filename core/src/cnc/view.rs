@@ -4,13 +4,14 @@ use gsk_plc::Plc;
 
 use super::{Cnc, Event};
 use crate::alarm::Alarm;
-use crate::command::{Frame, ProgramId, Source};
+use crate::command::{Action, Frame, ProgramId, Source};
 use crate::interpreter::Modal;
 use crate::memory::{Counters, Offsets, Parameters, Variables};
+use crate::motion::JogRate;
 use crate::operation::{Mode, RunState, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
-use crate::units::{PerAxis, Point};
+use crate::units::{Axis, PerAxis, Point};
 
 /// The block in execution, or the one the next cycle start begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +63,16 @@ impl Cnc {
     /// Whether an axis moves.
     pub fn is_moving(&self) -> bool {
         self.interpolator.is_moving()
+    }
+
+    /// Whether the motion under way is a rapid, programmed or by hand.
+    pub fn moves_at_rapid(&self) -> bool {
+        let by_hand = |axis| matches!(self.jog_command.get(axis), Some((_, JogRate::Rapid)));
+        match self.automatic.action() {
+            Some(Action::Rapid { .. }) => true,
+            Some(_) if self.held.is_none() => false,
+            _ => by_hand(Axis::X) || by_hand(Axis::Z),
+        }
     }
 
     /// The F word in force, in the unit of G98 or G99.

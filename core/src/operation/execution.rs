@@ -90,7 +90,8 @@ impl Cnc {
                 for (axis, taken) in [(Axis::X, *x), (Axis::Z, *z)] {
                     if taken && !locked.get(axis) {
                         *self.referenced.get_mut(axis) = true;
-                        *self.at_reference.get_mut(axis) = true;
+                        let at = self.position().get(axis);
+                        *self.at_reference.get_mut(axis) = Some(at);
                     }
                 }
                 Ok(Stage::Acting)
@@ -202,13 +203,15 @@ impl Cnc {
             return false;
         };
         if current.stage == Stage::Acting {
+            // Motion laid aside for jogging is not finished.
+            let moving = !self.interpolator.finished() || self.held.is_some();
             let motion = match current.command.action {
                 Action::Rapid { .. }
                 | Action::Line { .. }
                 | Action::Arc { .. }
-                | Action::Thread { .. } => !self.interpolator.finished(),
+                | Action::Thread { .. } => moving,
                 Action::Tap { .. } => {
-                    self.automatic.tap != Some(TapStage::Done) || !self.interpolator.finished()
+                    self.automatic.tap != Some(TapStage::Done) || moving
                 }
                 _ => false,
             };
@@ -228,6 +231,11 @@ impl Cnc {
         self.report(&current);
         self.automatic.decoded = None;
         self.automatic.within_block = !current.command.block_end;
+        // The end of a text without M30 is no block.
+        let is_block = !matches!(current.command.action, Action::End { m30: false, .. });
+        if current.command.block_end && is_block {
+            self.events.push(Event::BlockEnded(current.command.source));
+        }
         self.after(&current.command);
         true
     }
@@ -305,7 +313,7 @@ impl Cnc {
                 (kind, None, Some(Feed::PerRevolution(lead)))
             }
             Action::Tap { lead, .. } => (MoveKind::Thread, None, Some(Feed::PerRevolution(lead))),
-            Action::Dwell { .. } => (MoveKind::Dwell, None, None),
+            Action::Dwell { ms: 1.. } => (MoveKind::Dwell, None, None),
             _ => return,
         };
         self.events.push(Event::Moved(ExecutedMove {

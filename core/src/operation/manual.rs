@@ -128,9 +128,16 @@ impl Cnc {
         let overrun =
             self.soft_limits
                 .overrun(self.slide(), self.stopping_point(), self.referenced);
-        if let Some(number) = overrun {
-            self.raise(Alarm::new(number));
-        }
+        let Some(number) = overrun else {
+            return;
+        };
+        let alarm = Alarm::new(number);
+        let source = self
+            .automatic
+            .current
+            .as_ref()
+            .map(|current| current.command.source);
+        self.raise(source.map_or(alarm.clone(), |source| alarm.at(source)));
     }
 
     /// A mode change: what moved by hand stops, and keys that are down count

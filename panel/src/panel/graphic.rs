@@ -2,6 +2,7 @@
 //! (manual III-2.5.2).
 
 use gsk_core::cnc::Cnc;
+use gsk_core::units::Point;
 
 use super::Panel;
 use crate::pages::PageId;
@@ -10,8 +11,6 @@ use crate::pages::PageId;
 const LARGEST: i64 = 9_999_999;
 /// An undotted number up to here is in millimetres, above in thousandths.
 const LARGEST_MM: i64 = 9999;
-/// The byte and bit of F that say that the axes move at rapid.
-const RAPID: (u16, u8) = (2, 1);
 
 impl Panel {
     /// S draws, T stops, R erases.
@@ -41,9 +40,32 @@ impl Panel {
             return;
         };
         if before.0 == now.0 && before.1 != now.1 {
-            let rapid = cnc.plc().memory().f(RAPID.0) >> RAPID.1 & 1 == 1;
-            self.view.trace.push(before.1, now.1, rapid);
+            self.view.trace.push(before.1, now.1, cnc.moves_at_rapid());
         }
+    }
+
+    /// Keys in the extents of a program that was opened, as an operator would, and
+    /// starts drawing; extents that are set already stay. `min` and `max` are
+    /// points of the program (X as a radius).
+    pub fn fit_graphic(&mut self, min: Point, max: Point, cnc: &Cnc) {
+        let settings = &mut self.view.graphic;
+        let unset = settings.scale == 0 && settings.max_x == 0 && settings.max_z == 0;
+        if !unset {
+            return;
+        }
+        let x_factor = if cnc.parameters().radius_programming() {
+            1.0
+        } else {
+            2.0
+        };
+        let thousandths = |mm: f64| (mm * 1000.0).round() as i32;
+        settings.zx = true;
+        settings.min_x = thousandths(min.x * x_factor);
+        settings.max_x = thousandths(max.x * x_factor);
+        settings.min_z = thousandths(min.z);
+        settings.max_z = thousandths(max.z);
+        settings.recompute();
+        self.graphic_command('S', cnc);
     }
 
     /// Stores the input line in the row at the cursor; what does not fit is

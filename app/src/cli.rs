@@ -1,0 +1,273 @@
+//! The command line: what `gsk980td --help` says, and nothing else.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::setup_args::SetupArgs;
+
+const EXAMPLES: &str = "\
+Examples:
+  gsk980td                                  the panel in a window
+  gsk980td --program shaft.CNC              the panel with a program opened
+  gsk980td check shaft.CNC                  is the program right? how long does it take?
+  gsk980td run shaft.CNC --spindle 800      execute it on the simulated lathe, headless
+  gsk980td plot shaft.CNC -o shaft.png      its toolpath as a picture
+  gsk980td operate lesson.txt               press keys from a script
+
+Exit codes: 0 all right, 1 the control raised an alarm (or a script failed), 2 wrong call or file.";
+
+/// The control of a GSK980TD lathe on a PC: panel, control and simulated lathe.
+///
+/// Without a command the operator panel opens in a window. Every command does
+/// its job without a window and without a display.
+#[derive(Debug, Parser)]
+#[command(name = "gsk980td", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// What to do instead of opening the window.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// Options of the window.
+    #[command(flatten)]
+    pub window: WindowArgs,
+}
+
+/// Options of the window.
+#[derive(Args, Clone, Debug)]
+pub struct WindowArgs {
+    /// Folder of the control's memory (programs, parameters, offsets, counters)
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Program to open at the start
+    #[arg(long, value_name = "FILE")]
+    pub program: Option<PathBuf>,
+    /// Print the time to the first frame and frames a second on standard error
+    #[arg(long)]
+    pub figures: bool,
+    /// Language of menus and messages; the panel itself is always as printed
+    #[arg(long, value_enum, value_name = "LANG")]
+    pub lang: Option<Language>,
+    /// The machine's ladder instead of the standard one (instruction list)
+    #[arg(long, value_name = "FILE")]
+    pub ladder: Option<PathBuf>,
+    /// The simulated lathe (travel, turret, dogs …) from a RON file
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+}
+
+/// Language of what surrounds the panel.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, serde::Serialize, serde::Deserialize,
+)]
+pub enum Language {
+    /// Chinese
+    #[default]
+    Zh,
+    /// English
+    En,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Execute a program on the simulated lathe, as fast as the PC can
+    ///
+    /// The first file is executed to its end in the complete control: ladder,
+    /// acceleration, spindle, turret. Subprograms come from the other files and
+    /// from the folder of the first one. M00 is answered with cycle start.
+    Run(RunArgs),
+    /// Check programs without executing them: alarms, path, tools, time
+    ///
+    /// Interprets every block as the control does, without running the machine.
+    /// Each file is checked for itself; subprograms are found in its folder.
+    Check(CheckArgs),
+    /// Draw the toolpath of a program as a picture (PNG or SVG)
+    Plot(PlotArgs),
+    /// Operate the panel by a script of key presses and expectations
+    Operate(OperateArgs),
+    /// Print or draw one LCD page as it looks after power-on
+    Screen(ScreenArgs),
+    /// Print the keys of the panel: script name, label, PC key, address
+    Keys(TableArgs),
+    /// Print the parameter table
+    Parameters(TableArgs),
+    /// Print the alarm table: number, text, meaning, cause, cure
+    Alarms(TableArgs),
+    /// Print the PLC signal table
+    Signals(TableArgs),
+    /// Check, print or scan a ladder (instruction list)
+    #[command(subcommand)]
+    Ladder(LadderCommand),
+}
+
+/// `run`.
+#[derive(Args, Debug)]
+pub struct RunArgs {
+    /// The program, then files of subprograms
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+    /// Stop after so many parts (M30, or M99 in the main program)
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub parts: u32,
+    /// Stop after so much machine time, for instance 90s, 30m, 2h
+    #[arg(long, default_value = "24h", value_name = "TIME", value_parser = crate::setup_args::duration_ms)]
+    pub limit: u64,
+    /// Say in words what each block does
+    #[arg(long)]
+    pub explain: bool,
+    /// Write every move as one JSON object a line (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    pub moves: Option<PathBuf>,
+    /// Write time, X (diameter), Z and spindle angle of every millisecond as CSV
+    #[arg(long, value_name = "FILE")]
+    pub positions: Option<PathBuf>,
+    /// Draw the executed toolpath (name ends in .png or .svg)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `check`.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// The programs
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+    /// Write every move as one JSON object a line (`-`: standard output); one program only
+    #[arg(long, value_name = "FILE")]
+    pub moves: Option<PathBuf>,
+    /// Print one JSON object for each file
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `plot`.
+#[derive(Args, Debug)]
+pub struct PlotArgs {
+    /// The program
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+    /// The picture (name ends in .png or .svg)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// `operate`.
+#[derive(Args, Debug)]
+pub struct OperateArgs {
+    /// The script
+    #[arg(value_name = "SCRIPT")]
+    pub script: PathBuf,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+    /// Program to open before the script starts
+    #[arg(long, value_name = "FILE")]
+    pub program: Option<PathBuf>,
+    /// Write what happened as a script with the time of every key
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
+/// `screen`.
+#[derive(Args, Debug)]
+pub struct ScreenArgs {
+    /// Page id, see --list
+    #[arg(required_unless_present = "list", value_name = "PAGE")]
+    pub page: Option<String>,
+    /// List the pages
+    #[arg(long, conflicts_with_all = ["page", "output"])]
+    pub list: bool,
+    /// Draw the page into a PNG instead of printing it
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: Option<PathBuf>,
+}
+
+/// A table.
+#[derive(Args, Debug)]
+pub struct TableArgs {
+    /// Only lines that contain this text (capital or small letters alike)
+    #[arg(value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Print as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `ladder`.
+#[derive(Debug, Subcommand)]
+pub enum LadderCommand {
+    /// Compile a ladder and say whether it is right
+    Check(LadderArgs),
+    /// Print a ladder as it was compiled
+    List(LadderArgs),
+    /// Compile a ladder and scan it with all inputs off
+    Run(LadderRunArgs),
+}
+
+/// A ladder file.
+#[derive(Args, Debug)]
+pub struct LadderArgs {
+    /// The ladder; without it the standard ladder
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+}
+
+/// `ladder run`.
+#[derive(Args, Debug)]
+pub struct LadderRunArgs {
+    /// The ladder; without it the standard ladder
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Number of 8 ms slots to scan
+    #[arg(long, default_value_t = 1000, value_name = "N")]
+    pub slots: u32,
+    /// Hold a bit, for instance X20.1=1
+    #[arg(long = "set", value_name = "ADDRESS=0|1", value_parser = crate::setup_args::input_bit)]
+    pub bits: Vec<crate::setup_args::InputBit>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_window_is_the_default() {
+        let cli = Cli::try_parse_from(["gsk980td", "--lang", "en"]).expect("window");
+        assert!(cli.command.is_none());
+        assert_eq!(cli.window.lang, Some(Language::En));
+    }
+
+    #[test]
+    fn options_of_control_and_lathe_are_shared() {
+        for command in [
+            "run a.nc",
+            "check a.nc",
+            "plot a.nc -o a.png",
+            "operate a.txt",
+        ] {
+            let words = format!(
+                "gsk980td {command} --start 100,50 --spindle 800 --param 22=3800 --param 1.4=0 \
+                 --offset 1=0,0,0.4,3 --input X0.4=1"
+            );
+            Cli::try_parse_from(words.split_whitespace()).expect(command);
+        }
+    }
+}

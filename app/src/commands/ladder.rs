@@ -1,0 +1,132 @@
+//! `ladder`: compiling, printing and scanning an instruction list.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use gsk_core::plc::{Ladder, Plc};
+use gsk_core::setup::{STANDARD_LADDER, standard_ladder};
+
+use super::{ALARM, FINE, output};
+use crate::cli::{LadderArgs, LadderCommand, LadderRunArgs};
+use crate::files::program_file;
+use crate::loading;
+
+/// Carries out a ladder command.
+pub fn ladder(command: &LadderCommand) -> Result<u8, String> {
+    match command {
+        LadderCommand::Check(args) => check(args),
+        LadderCommand::List(args) => list(args),
+        LadderCommand::Run(args) => run(args),
+    }
+}
+
+fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, String>, String> {
+    let Some(path) = path else {
+        return Ok(Ok(standard_ladder()));
+    };
+    let file = program_file::read(path).map_err(|error| error.to_string())?;
+    let name = path.display().to_string();
+    Ok(Ladder::compile(&file.text).map(Arc::new).map_err(|errors| {
+        errors
+            .errors
+            .iter()
+            .map(|error| error.in_file(&name) + "\n")
+            .collect()
+    }))
+}
+
+fn check(args: &LadderArgs) -> Result<u8, String> {
+    let name = args.file.as_ref().map_or_else(
+        || "standard ladder".to_owned(),
+        |path| path.display().to_string(),
+    );
+    match compile(args.file.as_deref())? {
+        Ok(ladder) => {
+            let mut out = String::new();
+            for warning in ladder.warnings() {
+                out.push_str(&(warning.in_file(&name) + "\n"));
+            }
+            out.push_str(&format!(
+                "{name}: {} rungs, {} steps (level 1: {}), {} slots of 8 ms a scan, {} warning(s)\n",
+                ladder.rung_count(),
+                ladder.steps(),
+                ladder.level1_steps(),
+                ladder.parts(),
+                ladder.warnings().len()
+            ));
+            output::print(&out)?;
+            Ok(FINE)
+        }
+        Err(said) => {
+            eprint!("{said}");
+            Ok(ALARM)
+        }
+    }
+}
+
+fn list(args: &LadderArgs) -> Result<u8, String> {
+    match compile(args.file.as_deref())? {
+        Ok(ladder) => {
+            // The standard ladder is printed as it was written, comments and all.
+            let text = match args.file {
+                Some(_) => ladder.to_source(),
+                None => STANDARD_LADDER.to_owned(),
+            };
+            output::print(&text)?;
+            Ok(FINE)
+        }
+        Err(said) => {
+            eprint!("{said}");
+            Ok(ALARM)
+        }
+    }
+}
+
+fn run(args: &LadderRunArgs) -> Result<u8, String> {
+    let ladder = match compile(args.file.as_deref())? {
+        Ok(ladder) => ladder,
+        Err(said) => {
+            eprint!("{said}");
+            return Ok(ALARM);
+        }
+    };
+    let mut held = Vec::new();
+    for bit in &args.bits {
+        held.push((loading::address(&bit.address)?, bit.state));
+    }
+    let mut plc = Plc::new(ladder);
+    plc.power_on();
+    for _ in 0..args.slots {
+        for (address, state) in &held {
+            plc.memory_mut().set_bit(*address, *state);
+        }
+        plc.slot();
+        if let Some(fault) = plc.fault() {
+            eprintln!("gsk980td: {fault}");
+            return Ok(ALARM);
+        }
+    }
+    output::print(&after(&plc))?;
+    Ok(FINE)
+}
+
+/// The outputs that are on, and the messages that stand.
+fn after(plc: &Plc) -> String {
+    let mut out = String::new();
+    let memory = plc.memory();
+    for (area, count, byte) in [
+        ('Y', 20u16, &(|byte| memory.y(byte)) as &dyn Fn(u16) -> u8),
+        ('G', 256, &|byte| memory.g(byte)),
+    ] {
+        let on: Vec<String> = (0..count)
+            .flat_map(|number| (0..8u8).map(move |bit| (number, bit)))
+            .filter(|(number, bit)| byte(*number) >> bit & 1 == 1)
+            .map(|(number, bit)| format!("{area}{number}.{bit}"))
+            .collect();
+        out.push_str(&format!("{area} on: {}\n", on.join(" ")));
+    }
+    for (number, text) in plc.active_messages() {
+        out.push_str(&format!("message {number}: {text}\n"));
+    }
+    out
+}

@@ -1,0 +1,206 @@
+//! `keys`, `parameters`, `alarms`, `signals`: the tables of the control.
+
+use gsk_core::{alarm, memory};
+use gsk_panel::keys::{Bit, KEYS, Role, STRIP};
+use serde_json::{Value, json};
+
+use super::{FINE, output};
+use crate::cli::TableArgs;
+use crate::report::class_name;
+use crate::window::pc_name;
+
+const SIGNALS: &str = include_str!("../../../assets/tables/plc-signals.tsv");
+
+/// A table: its heading, its rows, and the same as JSON.
+struct Table {
+    heading: Vec<&'static str>,
+    rows: Vec<Vec<String>>,
+    json: Vec<Value>,
+}
+
+impl Table {
+    fn new(heading: &[&'static str]) -> Self {
+        Self {
+            heading: heading.to_vec(),
+            rows: Vec::new(),
+            json: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, row: Vec<String>, json: Value) {
+        self.rows.push(row);
+        self.json.push(json);
+    }
+
+    fn print(self, args: &TableArgs) -> Result<u8, String> {
+        let filter = args.filter.as_deref().map(str::to_lowercase);
+        let wanted = |row: &[String]| {
+            filter
+                .as_ref()
+                .is_none_or(|filter| row.iter().any(|cell| cell.to_lowercase().contains(filter)))
+        };
+        let mut out = String::new();
+        if args.json {
+            let chosen: Vec<&Value> = self
+                .rows
+                .iter()
+                .zip(&self.json)
+                .filter(|(row, _)| wanted(row))
+                .map(|(_, json)| json)
+                .collect();
+            out = serde_json::to_string_pretty(&chosen).map_err(|error| error.to_string())?;
+            out.push('\n');
+            output::print(&out)?;
+            return Ok(FINE);
+        }
+        let heading: Vec<String> = self.heading.iter().map(ToString::to_string).collect();
+        let shown: Vec<&Vec<String>> = std::iter::once(&heading)
+            .chain(self.rows.iter().filter(|row| wanted(row)))
+            .collect();
+        let widths: Vec<usize> = (0..heading.len())
+            .map(|column| {
+                shown
+                    .iter()
+                    .map(|row| columns(&row[column]))
+                    .max()
+                    .unwrap_or(0)
+            })
+            .collect();
+        for row in shown {
+            let mut line = String::new();
+            for (cell, width) in row.iter().zip(&widths) {
+                line.push_str(cell);
+                line.push_str(&" ".repeat(width - columns(cell) + 2));
+            }
+            out.push_str(line.trim_end());
+            out.push('\n');
+        }
+        output::print(&out)?;
+        Ok(FINE)
+    }
+}
+
+/// Columns of a terminal: a Chinese character takes two.
+fn columns(text: &str) -> usize {
+    gsk_panel::glyphs::text_columns(text)
+}
+
+fn bit(area: char, bit: Bit) -> String {
+    format!("{area}{}.{}", bit.byte, bit.bit)
+}
+
+/// The keys of the panel, then the lamps of the strip.
+pub fn keys(args: &TableArgs) -> Result<u8, String> {
+    let mut table = Table::new(&[
+        "ID", "LABEL", "PC KEY", "CONTACT", "LAMP", "中文", "ENGLISH",
+    ]);
+    for row in &KEYS {
+        let contact = match row.role {
+            Role::Machine(contact) => bit('X', contact),
+            _ => String::new(),
+        };
+        let lamp = row.lamp.map(|lamp| bit('Y', lamp)).unwrap_or_default();
+        let label = row.legend.join(" ");
+        let json = json!({
+            "id": row.id, "label": label, "pc": row.pc, "contact": contact, "lamp": lamp,
+            "zh": row.name_zh, "en": row.name_en,
+        });
+        let cells = [
+            row.id,
+            &label,
+            &pc_name(row.pc),
+            &contact,
+            &lamp,
+            row.name_zh,
+            row.name_en,
+        ];
+        table.push(cells.map(str::to_owned).to_vec(), json);
+    }
+    for row in STRIP.iter().filter(|row| row.fitted) {
+        let lamp = bit('Y', row.lamp);
+        let json = json!({
+            "id": row.id, "label": row.label, "lamp": lamp, "zh": row.name_zh, "en": row.name_en,
+        });
+        let cells = [row.id, row.label, "", "", &lamp, row.name_zh, row.name_en];
+        table.push(cells.map(str::to_owned).to_vec(), json);
+    }
+    table.print(args)
+}
+
+/// The parameters.
+pub fn parameters(args: &TableArgs) -> Result<u8, String> {
+    let mut table = Table::new(&[
+        "NUMBER", "SYMBOL", "UNIT", "RANGE", "FACTORY", "中文", "MEANING",
+    ]);
+    for row in memory::rows() {
+        let number = match row.bit {
+            Some(bit) => format!("{:03}.{bit}", row.number),
+            None => format!("{:03}", row.number),
+        };
+        let value = row.factory(memory::Disk::N0);
+        let factory = if row.state {
+            format!("{value:08b}")
+        } else {
+            value.to_string()
+        };
+        let range = row.range.to_string();
+        let json = json!({
+            "number": row.number, "bit": row.bit, "symbol": row.symbol, "unit": row.unit,
+            "range": range, "factory": value, "zh": row.meaning_zh, "en": row.meaning_en,
+        });
+        let cells = [
+            &number,
+            row.symbol,
+            row.unit,
+            &range,
+            &factory,
+            row.meaning_zh,
+            row.meaning_en,
+        ];
+        table.push(cells.map(str::to_owned).to_vec(), json);
+    }
+    table.print(args)
+}
+
+/// The alarms.
+pub fn alarms(args: &TableArgs) -> Result<u8, String> {
+    let mut table = Table::new(&["CLASS", "NUMBER", "中文", "MEANING", "CAUSE", "CURE"]);
+    for row in alarm::rows() {
+        let number = if row.last == row.number {
+            format!("{:03}", row.number)
+        } else {
+            format!("{:03}-{:03}", row.number, row.last)
+        };
+        let class = class_name(row.class);
+        let json = json!({
+            "class": class, "number": row.number, "last": row.last, "zh": row.text_zh,
+            "en": row.meaning_en, "cause": row.cause_en, "cure": row.cleared_by_en,
+        });
+        let cells = [
+            class,
+            &number,
+            row.text_zh,
+            row.meaning_en,
+            row.cause_en,
+            row.cleared_by_en,
+        ];
+        table.push(cells.map(str::to_owned).to_vec(), json);
+    }
+    table.print(args)
+}
+
+/// The signals of the PLC.
+pub fn signals(args: &TableArgs) -> Result<u8, String> {
+    let mut table = Table::new(&["ADDRESS", "SYMBOL", "DIRECTION", "中文", "ENGLISH"]);
+    for line in SIGNALS.lines().skip(1) {
+        let cells: Vec<String> = line.split('\t').take(5).map(str::to_owned).collect();
+        let [address, symbol, direction, zh, en] = &cells[..] else {
+            continue;
+        };
+        let json = json!({
+            "address": address, "symbol": symbol, "direction": direction, "zh": zh, "en": en,
+        });
+        table.push(cells, json);
+    }
+    table.print(args)
+}

@@ -1,0 +1,273 @@
+//! Executing a program in the full kernel, as fast as the PC can: the keys are
+//! pressed as an operator presses them, and the ladder does the rest.
+
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::Event;
+use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::operation::RunState;
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
+use gsk_core::units::{Point, TICK_MS};
+
+use crate::report::{self, AlarmReport, Final, Report};
+
+const AUTO_KEY: BitAddress = BitAddress::new(Area::X, 20, 1);
+const START_KEY: BitAddress = BitAddress::new(Area::X, 25, 0);
+const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
+const M04_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 4);
+/// How long a key is held, and the pause behind it.
+const PRESS_MS: u32 = 100;
+/// After the end the axes come to rest and the last lamps settle.
+const SETTLE_MS: u32 = 5000;
+
+/// When an execution ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// After so many parts.
+    pub parts: u32,
+    /// After so much machine time.
+    pub time_ms: u64,
+}
+
+/// What an execution tells while it goes on.
+pub trait Watcher {
+    /// A move was executed; times count from cycle start.
+    fn moved(&mut self, executed: &ExecutedMove) -> Result<(), String>;
+    /// A tick has passed.
+    fn ticked(
+        &mut self,
+        time_ms: u64,
+        machine: Point,
+        simulation: &Simulation,
+    ) -> Result<(), String>;
+    /// A block was finished; `line` counts from 1.
+    fn block(&mut self, line: u32, text: &str) -> Result<(), String>;
+}
+
+/// How a program ended.
+#[derive(Clone, Debug, PartialEq)]
+enum End {
+    M30,
+    M99,
+    Text,
+    Alarm(Alarm),
+    Limit,
+}
+
+struct Run<'a> {
+    simulation: Simulation,
+    watcher: &'a mut dyn Watcher,
+    start_ticks: u64,
+    wanted_parts: u32,
+    parts: u32,
+    stops: u32,
+    blocks: u64,
+    moves: u64,
+    cutting_s: f64,
+    ended: Option<End>,
+}
+
+/// Executes the selected program of `setup`.
+pub fn execute(
+    name: &str,
+    setup: Setup,
+    limits: Limits,
+    watcher: &mut dyn Watcher,
+) -> Result<(Report, Simulation), String> {
+    let before = setup.parameters.clone();
+    let mut run = Run {
+        simulation: Simulation::new(setup),
+        watcher,
+        start_ticks: 0,
+        wanted_parts: limits.parts,
+        parts: 0,
+        stops: 0,
+        blocks: 0,
+        moves: 0,
+        cutting_s: 0.0,
+        ended: None,
+    };
+    run.press(AUTO_KEY)?;
+    run.start()?;
+    let end = run.run_to_end(limits)?;
+    let time_ms = run.time_ms();
+    run.settle()?;
+    let cnc = &run.simulation.cnc;
+    let alarm = match &end {
+        End::Alarm(alarm) => Some(AlarmReport::new(alarm, cnc.programs())),
+        _ => None,
+    };
+    let turns = |address| cnc.plc().memory().bit(address);
+    let modal = cnc.modal();
+    let report = Report {
+        file: name.to_owned(),
+        end: match end {
+            End::M30 => "M30",
+            End::M99 => "M99",
+            End::Text => "EOF",
+            End::Alarm(_) => "alarm",
+            End::Limit => "limit",
+        },
+        alarm,
+        time_s: time_ms as f64 / 1000.0,
+        cutting_s: crate::moves::rounded(run.cutting_s),
+        blocks: run.blocks,
+        moves: run.moves,
+        parts: run.parts,
+        stops: run.stops,
+        position: Final::new(
+            cnc.position_absolute(),
+            cnc.position_machine(),
+            cnc.position_relative(),
+        ),
+        modal: report::modal_codes(modal),
+        f: modal.feed,
+        s: modal.spindle,
+        t: report::tool_word(cnc.tool()),
+        spindle: if turns(M03_OUTPUT) {
+            "cw"
+        } else if turns(M04_OUTPUT) {
+            "ccw"
+        } else {
+            "stop"
+        },
+        coolant: cnc.plc().memory().y(5) & 1 != 0,
+        parameters_changed: report::changed(&before, cnc.parameters()),
+        path: None,
+    };
+    Ok((report, run.simulation))
+}
+
+impl Run<'_> {
+    fn time_ms(&self) -> u64 {
+        (self.simulation.cnc.ticks() - self.start_ticks) * u64::from(TICK_MS)
+    }
+
+    fn press(&mut self, key: BitAddress) -> Result<(), String> {
+        self.simulation.cnc.set_panel_key(key, true);
+        self.ticks(PRESS_MS)?;
+        self.simulation.cnc.set_panel_key(key, false);
+        self.ticks(PRESS_MS)
+    }
+
+    fn ticks(&mut self, ms: u32) -> Result<(), String> {
+        for _ in 0..ms / TICK_MS {
+            self.tick()?;
+        }
+        Ok(())
+    }
+
+    /// Presses cycle start and waits until the run has begun. Machine time
+    /// counts from there.
+    fn start(&mut self) -> Result<(), String> {
+        self.simulation.cnc.set_panel_key(START_KEY, true);
+        self.ticks(PRESS_MS)?;
+        self.simulation.cnc.set_panel_key(START_KEY, false);
+        let first = self.start_ticks == 0;
+        for _ in 0..PRESS_MS {
+            if first {
+                self.start_ticks = self.simulation.cnc.ticks();
+            }
+            self.tick()?;
+            if self.simulation.cnc.run_state() == RunState::Run || self.ended.is_some() {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    fn run_to_end(&mut self, limits: Limits) -> Result<End, String> {
+        loop {
+            if let Some(end) = self.ended.take() {
+                let more = self.parts < limits.parts;
+                match end {
+                    // A part more: the cycle is started again.
+                    End::M30 | End::Text if more && self.parts > 0 => {
+                        self.press_again()?;
+                        continue;
+                    }
+                    end => return Ok(end),
+                }
+            }
+            if self.parts >= limits.parts {
+                return Ok(End::M99);
+            }
+            if self.time_ms() >= limits.time_ms {
+                return Ok(End::Limit);
+            }
+            self.tick()?;
+            let cnc = &self.simulation.cnc;
+            let idle = cnc.run_state() == RunState::Stop && !cnc.is_moving();
+            if idle && self.ended.is_none() {
+                self.stops += 1;
+                self.press_again()?;
+            } else if cnc.run_state() == RunState::Reset && self.ended.is_none() {
+                self.ended = Some(End::Text);
+            }
+        }
+    }
+
+    fn press_again(&mut self) -> Result<(), String> {
+        self.start()
+    }
+
+    /// Lets the axes come to rest.
+    fn settle(&mut self) -> Result<(), String> {
+        for _ in 0..SETTLE_MS {
+            if !self.simulation.cnc.is_moving() {
+                break;
+            }
+            self.tick()?;
+        }
+        Ok(())
+    }
+
+    fn tick(&mut self) -> Result<(), String> {
+        self.simulation.tick();
+        let running = self.start_ticks != 0;
+        let cnc = &self.simulation.cnc;
+        let start_s = self.start_ticks as f64 / 1000.0;
+        for event in cnc.events() {
+            match event {
+                Event::Moved(executed) => {
+                    let mut executed = *executed;
+                    executed.start_s = (executed.start_s - start_s).max(0.0);
+                    if crate::moves::counts(&executed) {
+                        self.moves += u64::from(executed.kind != MoveKind::Dwell);
+                        if !matches!(executed.kind, MoveKind::Rapid | MoveKind::Dwell) {
+                            self.cutting_s += executed.duration_s;
+                        }
+                        self.watcher.moved(&executed)?;
+                    }
+                }
+                Event::BlockEnded(source) => {
+                    self.blocks += 1;
+                    let program = cnc.programs().get(source.program);
+                    let text = program.map_or("", |program| program.line(source.line));
+                    self.watcher.block(source.line, text.trim())?;
+                }
+                Event::AlarmRaised(alarm) if self.ended.is_none() => {
+                    self.ended = Some(End::Alarm(alarm.clone()));
+                }
+                Event::PartFinished => {
+                    self.parts += 1;
+                    // A loop without motion finishes several parts in a tick.
+                    if self.parts >= self.wanted_parts {
+                        break;
+                    }
+                }
+                Event::ProgramEnded { m30 } if self.ended.is_none() => {
+                    self.ended = Some(if *m30 { End::M30 } else { End::Text });
+                }
+                Event::AlarmRaised(_) | Event::ProgramEnded { .. } => {}
+            }
+        }
+        if running {
+            let time_ms = self.time_ms();
+            let machine = self.simulation.cnc.position_machine();
+            self.watcher.ticked(time_ms, machine, &self.simulation)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,364 @@
+//! Bytes of a program file to text and back: which encoding it is in, and what
+//! in it no encoding explains.
+
+use std::fmt;
+
+use encoding_rs::{CoderResult, DecoderResult, GB18030};
+
+/// How the text of a file is written down.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// UTF-8 without a byte order mark (ASCII included).
+    #[default]
+    Utf8,
+    /// UTF-8 with a byte order mark.
+    Utf8Marked,
+    /// UTF-16, low byte first, with a byte order mark.
+    Utf16Little,
+    /// UTF-16, high byte first, with a byte order mark.
+    Utf16Big,
+    /// GB18030 (GBK, GB2312).
+    Gb18030,
+}
+
+impl fmt::Display for Encoding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Utf8 | Self::Utf8Marked => "UTF-8",
+            Self::Utf16Little | Self::Utf16Big => "UTF-16",
+            Self::Gb18030 => "GB18030",
+        })
+    }
+}
+
+/// A decoded file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Decoded {
+    /// The text.
+    pub text: String,
+    /// What it was written in, to be written back the same way.
+    pub encoding: Encoding,
+}
+
+/// Why bytes are no program text. Line and column count from 1; a column is a
+/// character.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DecodeError {
+    /// A byte that text never has.
+    #[error(
+        "this is a binary file, not a program (byte {byte:#04x} in line {line}, column {column})"
+    )]
+    Binary {
+        /// The byte.
+        byte: u8,
+        /// Its line.
+        line: usize,
+        /// Its column.
+        column: usize,
+    },
+    /// Bytes that the encoding does not know.
+    #[error("line {line}, column {column}: byte {byte:#04x} is not valid {encoding} text")]
+    Undecodable {
+        /// The byte.
+        byte: u8,
+        /// The encoding that was tried last.
+        encoding: Encoding,
+        /// Its line.
+        line: usize,
+        /// Its column.
+        column: usize,
+    },
+}
+
+/// Decodes the bytes of a program file: a byte order mark decides, else valid
+/// UTF-8, else GB18030.
+pub fn decode(bytes: Vec<u8>) -> Result<Decoded, DecodeError> {
+    if bytes.starts_with(&[0xEF, 0xBB, 0xBF]) {
+        let text = String::from_utf8(bytes[3..].to_vec())
+            .map_err(|error| bad_utf8(error.as_bytes(), error.utf8_error().valid_up_to()))?;
+        return plain(text, Encoding::Utf8Marked);
+    }
+    if bytes.starts_with(&[0xFF, 0xFE]) {
+        return utf16(&bytes[2..], Encoding::Utf16Little, u16::from_le_bytes);
+    }
+    if bytes.starts_with(&[0xFE, 0xFF]) {
+        return utf16(&bytes[2..], Encoding::Utf16Big, u16::from_be_bytes);
+    }
+    match String::from_utf8(bytes) {
+        Ok(text) => plain(text, Encoding::Utf8),
+        Err(error) => gb18030(error.as_bytes()),
+    }
+}
+
+/// The bytes of a text in an encoding; characters that GB18030 cannot write do
+/// not exist.
+pub fn encode(text: &str, encoding: Encoding) -> Vec<u8> {
+    match encoding {
+        Encoding::Utf8 => text.as_bytes().to_vec(),
+        Encoding::Utf8Marked => [&[0xEF, 0xBB, 0xBF], text.as_bytes()].concat(),
+        Encoding::Utf16Little => with_mark(text, u16::to_le_bytes),
+        Encoding::Utf16Big => with_mark(text, u16::to_be_bytes),
+        Encoding::Gb18030 => gb18030_bytes(text),
+    }
+}
+
+fn with_mark(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
+    std::iter::once(0xFEFF)
+        .chain(text.encode_utf16())
+        .flat_map(bytes)
+        .collect()
+}
+
+fn gb18030_bytes(text: &str) -> Vec<u8> {
+    let mut encoder = GB18030.new_encoder();
+    let mut out = Vec::new();
+    let mut rest = text;
+    loop {
+        let room = encoder
+            .max_buffer_length_from_utf8_if_no_unmappables(rest.len())
+            .unwrap_or(rest.len().saturating_mul(4));
+        out.reserve(room + 16);
+        let (result, read, _) = encoder.encode_from_utf8_to_vec(rest, &mut out, true);
+        rest = &rest[read..];
+        if matches!(result, CoderResult::InputEmpty) {
+            return out;
+        }
+    }
+}
+
+/// The place of the next character after a text, from 1.
+fn place_after(text: &str) -> (usize, usize) {
+    let line = text.bytes().filter(|byte| *byte == b'\n').count() + 1;
+    let start = text.rfind('\n').map_or(0, |at| at + 1);
+    (line, text[start..].chars().count() + 1)
+}
+
+fn bad_utf8(bytes: &[u8], valid: usize) -> DecodeError {
+    let before = std::str::from_utf8(&bytes[..valid]).unwrap_or_default();
+    let (line, column) = place_after(before);
+    let byte = bytes.get(valid).copied().unwrap_or_default();
+    DecodeError::Undecodable {
+        byte,
+        encoding: Encoding::Utf8,
+        line,
+        column,
+    }
+}
+
+fn utf16(
+    bytes: &[u8],
+    encoding: Encoding,
+    unit: fn([u8; 2]) -> u16,
+) -> Result<Decoded, DecodeError> {
+    let (units, odd) = bytes.as_chunks::<2>();
+    let mut text = String::with_capacity(units.len());
+    for decoded in char::decode_utf16(units.iter().map(|pair| unit(*pair))) {
+        match decoded {
+            Ok(character) => text.push(character),
+            Err(error) => {
+                let (line, column) = place_after(&text);
+                let byte = error.unpaired_surrogate().to_be_bytes()[0];
+                return Err(DecodeError::Undecodable {
+                    byte,
+                    encoding,
+                    line,
+                    column,
+                });
+            }
+        }
+    }
+    if let Some(byte) = odd.first() {
+        let (line, column) = place_after(&text);
+        return Err(DecodeError::Undecodable {
+            byte: *byte,
+            encoding,
+            line,
+            column,
+        });
+    }
+    plain(text, encoding)
+}
+
+fn gb18030(bytes: &[u8]) -> Result<Decoded, DecodeError> {
+    // A binary file is named as such, and not by some pair of bytes in it.
+    if let Some(at) = bytes.iter().position(|byte| is_binary(*byte)) {
+        let before = String::from_utf8_lossy(&bytes[..at]);
+        let (line, column) = place_after(&before);
+        return Err(DecodeError::Binary {
+            byte: bytes[at],
+            line,
+            column,
+        });
+    }
+    let mut decoder = GB18030.new_decoder_without_bom_handling();
+    let room = decoder.max_utf8_buffer_length_without_replacement(bytes.len());
+    let mut text = String::with_capacity(room.unwrap_or(bytes.len() * 4));
+    let mut read = 0;
+    loop {
+        let (result, taken) =
+            decoder.decode_to_string_without_replacement(&bytes[read..], &mut text, true);
+        read += taken;
+        match result {
+            DecoderResult::InputEmpty => return plain(text, Encoding::Gb18030),
+            DecoderResult::OutputFull => text.reserve(bytes.len() - read + 16),
+            DecoderResult::Malformed(length, after) => {
+                let at = read.saturating_sub(usize::from(length) + usize::from(after));
+                let (line, column) = place_after(&text);
+                let byte = bytes.get(at).copied().unwrap_or_default();
+                let encoding = Encoding::Gb18030;
+                return Err(DecodeError::Undecodable {
+                    byte,
+                    encoding,
+                    line,
+                    column,
+                });
+            }
+        }
+    }
+}
+
+/// Control characters that no program text has. Tab, line ends, form feed,
+/// the reader controls DC1–DC4 and the end mark of DOS may occur.
+const fn is_binary(byte: u8) -> bool {
+    matches!(byte, 0..=8 | 0x0E..=0x10 | 0x15..=0x19 | 0x1B..=0x1F)
+}
+
+/// The last gate: text without binary characters; an end mark of DOS and what
+/// follows it is dropped.
+fn plain(mut text: String, encoding: Encoding) -> Result<Decoded, DecodeError> {
+    if let Some(at) = text.bytes().position(is_binary) {
+        let (line, column) = place_after(&text[..at]);
+        return Err(DecodeError::Binary {
+            byte: text.as_bytes()[at],
+            line,
+            column,
+        });
+    }
+    if let Some(end) = text.find('\u{1A}') {
+        text.truncate(end);
+    }
+    Ok(Decoded { text, encoding })
+}
+
+/// The first line with a full-width letter or digit outside a comment: it is
+/// read as its ASCII form, and the user is told.
+pub fn full_width_line(text: &str) -> Option<usize> {
+    if text.is_ascii() {
+        return None;
+    }
+    let mut depth = 0usize;
+    for (index, line) in text.lines().enumerate() {
+        for character in line.chars() {
+            match character {
+                '(' => depth += 1,
+                ')' => depth = depth.saturating_sub(1),
+                '\u{FF01}'..='\u{FF5E}' | '\u{3000}' if depth == 0 => return Some(index + 1),
+                _ => {}
+            }
+        }
+        depth = 0;
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text_of(bytes: &[u8]) -> Decoded {
+        decode(bytes.to_vec()).expect("text")
+    }
+
+    #[test]
+    fn every_encoding_comes_back_byte_for_byte() {
+        let text = "O0001 (外圆 shaft)\r\nG00 X50.;\n";
+        for encoding in [
+            Encoding::Utf8,
+            Encoding::Utf8Marked,
+            Encoding::Utf16Little,
+            Encoding::Utf16Big,
+            Encoding::Gb18030,
+        ] {
+            let bytes = encode(text, encoding);
+            let decoded = text_of(&bytes);
+            assert_eq!(
+                decoded,
+                Decoded {
+                    text: text.to_owned(),
+                    encoding
+                }
+            );
+        }
+    }
+
+    #[test]
+    fn the_place_of_a_bad_byte_is_named() {
+        // A GBK comment, then a lone 0xFF in line 2 after four characters.
+        let mut bytes = encode("(车)\n", Encoding::Gb18030);
+        bytes.extend(b"G00 ");
+        bytes.push(0xFF);
+        bytes.extend(b"X1\n");
+        let error = decode(bytes).expect_err("bad byte");
+        assert_eq!(
+            error,
+            DecodeError::Undecodable {
+                byte: 0xFF,
+                encoding: Encoding::Gb18030,
+                line: 2,
+                column: 5
+            }
+        );
+    }
+
+    #[test]
+    fn a_picture_is_a_binary_file() {
+        let error = decode(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec()).expect_err("binary");
+        assert!(
+            matches!(
+                error,
+                DecodeError::Binary {
+                    byte: 0,
+                    line: 3,
+                    column: 1
+                }
+            ),
+            "{error:?}"
+        );
+        let error = decode(vec![b'G', 0]).expect_err("binary");
+        assert!(error.to_string().contains("line 1, column 2"));
+    }
+
+    #[test]
+    fn a_marked_file_is_held_to_its_mark() {
+        let error = decode(vec![0xEF, 0xBB, 0xBF, b'G', 0xB3]).expect_err("bad UTF-8");
+        assert!(matches!(
+            error,
+            DecodeError::Undecodable {
+                line: 1,
+                column: 2,
+                ..
+            }
+        ));
+        let error = decode(vec![0xFF, 0xFE, b'G', 0, b'1']).expect_err("odd byte");
+        assert!(matches!(
+            error,
+            DecodeError::Undecodable {
+                line: 1,
+                column: 2,
+                ..
+            }
+        ));
+    }
+
+    #[test]
+    fn the_end_mark_of_dos_ends_the_text() {
+        assert_eq!(text_of(b"G00 X1\r\n\x1a\x1a").text, "G00 X1\r\n");
+        assert_eq!(text_of(b"").text, "");
+    }
+
+    #[test]
+    fn full_width_outside_comments_is_noticed() {
+        assert_eq!(full_width_line("G00 X1 (ＡＢ)\nＧ01 Z2\n"), Some(2));
+        assert_eq!(full_width_line("G00 (ＡＢ)\n"), None);
+    }
+}

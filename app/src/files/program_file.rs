@@ -1,0 +1,152 @@
+//! Reading one part program from the disk.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::decode::{self, DecodeError, Encoding};
+
+/// The largest program file that is read.
+pub const LARGEST_BYTES: u64 = 256 * 1024 * 1024;
+
+/// A program as it stands in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ProgramFile {
+    /// Where it came from.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+    /// What it was written in.
+    pub encoding: Encoding,
+    /// What the user should know about how it was read.
+    pub notices: Vec<String>,
+}
+
+/// Why a program could not be read, as a sentence that names the file.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The system refused.
+    #[error("{}: {}", .path.display(), plain_reason(.source))]
+    System {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Not a plain file.
+    #[error("{} is a folder, not a program", .path.display())]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// Nothing in it.
+    #[error("{} is empty: there is no program in it", .path.display())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Above [`LARGEST_BYTES`].
+    #[error("{} is larger than 256 MB: a program of that size is not read", .path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Not text.
+    #[error("{}: {source}", .path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: DecodeError,
+    },
+}
+
+fn plain_reason(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        io::ErrorKind::PermissionDenied => "no permission to read it".to_owned(),
+        _ => error.to_string(),
+    }
+}
+
+/// Reads a program file of any supported encoding, up to 256 MB.
+pub fn read(path: &Path) -> Result<ProgramFile, FileError> {
+    let bytes = read_bytes(path)?;
+    let decoded = decode::decode(bytes).map_err(|source| FileError::NotText {
+        path: path.to_owned(),
+        source,
+    })?;
+    if decoded.text.trim().is_empty() {
+        return Err(FileError::Empty {
+            path: path.to_owned(),
+        });
+    }
+    let mut notices = Vec::new();
+    if let Some(line) = decode::full_width_line(&decoded.text) {
+        notices.push(format!(
+            "{}: full-width characters outside comments (first in line {line}) are read as ASCII",
+            path.display()
+        ));
+    }
+    Ok(ProgramFile {
+        path: path.to_owned(),
+        text: decoded.text,
+        encoding: decoded.encoding,
+        notices,
+    })
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
+    let system = |source| FileError::System {
+        path: path.to_owned(),
+        source,
+    };
+    let file = File::open(path).map_err(system)?;
+    let facts = file.metadata().map_err(system)?;
+    if facts.is_dir() {
+        return Err(FileError::Folder {
+            path: path.to_owned(),
+        });
+    }
+    if facts.len() > LARGEST_BYTES {
+        return Err(FileError::TooLarge {
+            path: path.to_owned(),
+        });
+    }
+    // A pipe has no length beforehand: the limit holds for what is read, too.
+    let mut bytes = Vec::with_capacity(usize::try_from(facts.len()).unwrap_or_default());
+    file.take(LARGEST_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(system)?;
+    if bytes.len() as u64 > LARGEST_BYTES {
+        return Err(FileError::TooLarge {
+            path: path.to_owned(),
+        });
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_refusal_is_a_sentence_with_the_name() {
+        let folder = crate::files::test_folder("program-file");
+        let path = folder.join("part.CNC");
+        let said = |path: &Path| read(path).expect_err("refused").to_string();
+        assert!(said(&path).ends_with("part.CNC: there is no such file"));
+        assert!(said(&folder).contains("is a folder"));
+        std::fs::write(&path, "\n  \n").expect("write");
+        assert!(said(&path).contains("is empty"));
+        std::fs::write(&path, b"G00\0").expect("write");
+        assert!(said(&path).contains("binary file"));
+        let big = File::create(folder.join("big.CNC")).expect("create");
+        big.set_len(LARGEST_BYTES + 1).expect("sparse");
+        assert!(said(&folder.join("big.CNC")).contains("larger than 256 MB"));
+        std::fs::write(&path, "Ｏ０００１\nG00 X1\n").expect("write");
+        let read = read(&path).expect("program");
+        assert_eq!(read.notices.len(), 1);
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+}

@@ -1,0 +1,215 @@
+//! Finding the subprograms of a program in the folder it lies in.
+//!
+//! `M98 P…` is looked for in the text; a number that no loaded program has is
+//! searched beside the file, by name first (`O1002.CNC`, `1002.nc`), then by
+//! the O word that a small file starts with. What stays missing is reported by
+//! the control itself when the call is reached (alarm 078).
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::program_file;
+
+/// Endings of files that are opened only to look for their O word.
+const PROGRAM_ENDINGS: [&str; 9] = ["", "cnc", "nc", "txt", "tap", "gcode", "ngc", "min", "prg"];
+/// The most files of a folder that are looked into.
+const MOST_FILES: usize = 2000;
+/// How much of a file is read to find its O word.
+const HEAD_BYTES: u64 = 4096;
+
+/// A subprogram found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// Its number.
+    pub number: u16,
+    /// Where.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+}
+
+/// Searches the folder of `main` for the programs that `text` calls and that
+/// are not in `loaded`, and for those that they call.
+pub fn find(main: &Path, text: &str, loaded: &BTreeSet<u16>) -> Vec<Found> {
+    let mut wanted: Vec<u16> = calls(text).into_iter().collect();
+    let mut known = loaded.clone();
+    wanted.retain(|number| !known.contains(number));
+    if wanted.is_empty() {
+        return Vec::new();
+    }
+    let folder = main
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let index = index(folder.unwrap_or(Path::new(".")), main);
+    let mut found = Vec::new();
+    while let Some(number) = wanted.pop() {
+        if !known.insert(number) {
+            continue;
+        }
+        let Some(path) = index.get(&number) else {
+            continue;
+        };
+        let Ok(file) = program_file::read(path) else {
+            continue;
+        };
+        wanted.extend(calls(&file.text));
+        found.push(Found {
+            number,
+            path: file.path,
+            text: file.text,
+        });
+    }
+    found.sort_by_key(|found| found.number);
+    found
+}
+
+/// The program numbers that a text calls by `M98 P…` outside comments: the last
+/// four digits of P.
+fn calls(text: &str) -> BTreeSet<u16> {
+    let mut numbers = BTreeSet::new();
+    for line in text.lines() {
+        let upper = code_of(line);
+        if upper.contains("M98")
+            && let Some(at) = upper.find('P')
+        {
+            let digits: Vec<u16> = upper[at + 1..]
+                .bytes()
+                .take_while(u8::is_ascii_digit)
+                .map(|digit| u16::from(digit - b'0'))
+                .collect();
+            let last = &digits[digits.len().saturating_sub(4)..];
+            if !last.is_empty() {
+                numbers.insert(last.iter().fold(0, |number, digit| number * 10 + digit));
+            }
+        }
+    }
+    numbers
+}
+
+/// A line without comment and blanks, full-width letters and digits as ASCII.
+fn code_of(line: &str) -> String {
+    let code = line.split('(').next().unwrap_or_default();
+    let code = code.chars().filter_map(|character| match character {
+        '\u{FF01}'..='\u{FF5E}' => char::from_u32(u32::from(character) - 0xFEE0),
+        ' ' | '\t' | '\u{3000}' => None,
+        other => Some(other),
+    });
+    code.collect::<String>().to_ascii_uppercase()
+}
+
+/// The programs beside a file, by number; a name counts more than an O word,
+/// and of two equals the first in alphabetical order.
+fn index(folder: &Path, main: &Path) -> BTreeMap<u16, PathBuf> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return BTreeMap::new();
+    };
+    let mut paths: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path != main)
+        .collect();
+    paths.sort();
+    let mut by_number = BTreeMap::new();
+    for path in &paths {
+        if let Some(number) = number_in_name(path)
+            && path.is_file()
+        {
+            by_number.entry(number).or_insert_with(|| path.clone());
+        }
+    }
+    for path in paths
+        .iter()
+        .filter(|path| has_program_ending(path))
+        .take(MOST_FILES)
+    {
+        if let Some(number) = number_in_head(path) {
+            by_number.entry(number).or_insert_with(|| path.clone());
+        }
+    }
+    by_number
+}
+
+fn number_in_name(path: &Path) -> Option<u16> {
+    if !has_program_ending(path) {
+        return None;
+    }
+    let stem = path.file_stem()?.to_str()?;
+    let digits = stem.strip_prefix(['O', 'o']).unwrap_or(stem);
+    let plain = (1..=4).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit());
+    plain.then(|| digits.parse().ok())?
+}
+
+fn number_in_head(path: &Path) -> Option<u16> {
+    if !path.is_file() {
+        return None;
+    }
+    let mut head = Vec::new();
+    fs::File::open(path)
+        .ok()?
+        .take(HEAD_BYTES)
+        .read_to_end(&mut head)
+        .ok()?;
+    let head = String::from_utf8_lossy(&head);
+    let line = head
+        .lines()
+        .map(code_of)
+        .find(|line| !line.is_empty() && line != "%")?;
+    let digits: String = line
+        .strip_prefix('O')?
+        .chars()
+        .take_while(char::is_ascii_digit)
+        .collect();
+    digits.parse().ok().filter(|number| *number <= 9999)
+}
+
+fn has_program_ending(path: &Path) -> bool {
+    let ending = path
+        .extension()
+        .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+    PROGRAM_ENDINGS.contains(&ending.as_deref().unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn calls_are_found_through_comments_blanks_and_counts() {
+        let text =
+            "N10 M98 P51002;\nm 98 p 7 (M98 P9)\n(M98 P8)\nM98 P12345678\nＭ９８ Ｐ３\nM99 P20\n";
+        assert_eq!(
+            calls(text).into_iter().collect::<Vec<_>>(),
+            [3, 7, 1002, 5678]
+        );
+    }
+
+    #[test]
+    fn the_folder_is_searched_by_name_then_by_o_word_and_on_from_there() {
+        let folder = crate::files::test_folder("subprograms");
+        let put = |name: &str, text: &str| {
+            fs::write(folder.join(name), text).expect("write");
+        };
+        put("main.CNC", "O1\nM98 P2\nM98 P5\n");
+        put("O0002.nc", "O0002\nM98 P3\nM99\n");
+        put("groove.txt", "%\nO0003 (groove)\nM98 P1\nM98 P2\nM99\n");
+        put("zz.txt", "O0003\nM99\n");
+        put("picture.png", "O0005\n");
+        let main = folder.join("main.CNC");
+        let text = fs::read_to_string(&main).expect("read");
+        let found = find(&main, &text, &BTreeSet::from([1]));
+        let names: Vec<_> = found
+            .iter()
+            .map(|found| (found.number, found.path.file_name()))
+            .collect();
+        assert_eq!(
+            names,
+            [
+                (2, Some("O0002.nc".as_ref())),
+                (3, Some("groove.txt".as_ref()))
+            ]
+        );
+        fs::remove_dir_all(folder).expect("clean");
+    }
+}

@@ -1,0 +1,307 @@
+//! The kernel: owns the emulator, carries out what the window asks for, hands
+//! out pictures. The same code runs in its thread and, step by step, in a test.
+
+mod thread;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crossbeam::channel::{Receiver, Sender, bounded};
+use crossbeam::queue::ArrayQueue;
+use gsk_core::cnc::Request;
+use gsk_core::command::ProgramId;
+use gsk_core::operation::RunState;
+use gsk_core::program::Program;
+use gsk_core::units::Point;
+use gsk_panel::emulator::Emulator;
+use gsk_panel::keys::Key;
+use gsk_panel::panel::KeyEvent;
+use gsk_panel::screen::Screen;
+
+pub use thread::{KernelThread, Outside, start};
+
+/// A key stays down at least so long, ticks: a click between two pictures is
+/// still seen by the ladder.
+const SHORTEST_PRESS: u64 = 50;
+/// How long a key pressed by a screen reader stays down, ticks.
+const TAP: u64 = 100;
+/// Ticks between two pictures.
+pub const PICTURE_TICKS: u64 = 25;
+/// Commands that wait for the kernel.
+const QUEUE: usize = 1024;
+
+/// What the window asks of the kernel.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// A key of the panel went down or came up.
+    Key {
+        /// The key.
+        key: Key,
+        /// Down, or up.
+        down: bool,
+    },
+    /// Press a key and let it go.
+    Tap(Key),
+    /// A character that the panel has no key of its own for.
+    Type(char),
+    /// Turn the handwheel by so many detents.
+    Turn(i32),
+    /// Open a program that was read from a file.
+    Open(Box<Opened>),
+    /// What the opened program cuts, for the graphic page.
+    Fit {
+        /// Least point, X as a radius.
+        least: Point,
+        /// Greatest point.
+        greatest: Point,
+    },
+    /// The window is alive; held keys may stay down.
+    Alive,
+    /// Let go of every key.
+    ReleaseAll,
+    /// Stop the kernel.
+    Quit,
+}
+
+/// A program read from a file, ready for the control.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// Name to be shown.
+    pub name: String,
+    /// The program.
+    pub program: Program,
+    /// Subprograms from its folder.
+    pub subprograms: Vec<Program>,
+}
+
+/// What the kernel tells the window besides pictures; none is lost.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Notice {
+    /// A program was opened.
+    Opened(String),
+    /// Something went wrong, or should be known.
+    Said(String),
+}
+
+/// The panel as it is seen at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    /// The LCD.
+    pub screen: Screen,
+    /// Brightness of the LCD.
+    pub brightness: u8,
+    /// Lamps: the Y memory.
+    pub y: [u8; 20],
+    /// Keys that are down, the latched emergency stop among them.
+    pub pressed: Vec<Key>,
+    /// Position of the handwheel, detents.
+    pub wheel: i32,
+    /// Machine time over wall time, %; 100 unless the PC is too slow.
+    pub speed_percent: u32,
+}
+
+/// The window's end of the channels.
+#[derive(Clone, Debug)]
+pub struct Console {
+    /// To the kernel.
+    pub commands: Sender<Command>,
+    /// The newest picture.
+    pub pictures: Arc<ArrayQueue<Snapshot>>,
+    /// Messages.
+    pub notices: Receiver<Notice>,
+    /// For helpers that read files: their messages come out of `notices`.
+    pub say: Sender<Notice>,
+}
+
+impl Console {
+    /// Sends a command; a kernel that has ended hears nothing.
+    pub fn send(&self, command: Command) {
+        // A full queue means that the kernel has stood still for a thousand
+        // commands: one more would not help, and the window must not wait.
+        let _ = self.commands.try_send(command);
+    }
+}
+
+/// The kernel.
+#[derive(Debug)]
+pub struct Kernel {
+    emulator: Emulator,
+    commands: Receiver<Command>,
+    pictures: Arc<ArrayQueue<Snapshot>>,
+    notices: Sender<Notice>,
+    /// Keys that are down, with the tick they went down at.
+    down: BTreeMap<Key, u64>,
+    /// Keys that come up at a tick.
+    releases: Vec<(u64, Key)>,
+    tick: u64,
+    last: Option<Snapshot>,
+    speed_percent: u32,
+    quit: bool,
+}
+
+impl Kernel {
+    /// A kernel and the console that goes with it.
+    pub fn new(emulator: Emulator) -> (Self, Console) {
+        let (commands, from_window) = bounded(QUEUE);
+        let (notices, from_kernel) = bounded(QUEUE);
+        let pictures = Arc::new(ArrayQueue::new(1));
+        let kernel = Self {
+            emulator,
+            commands: from_window,
+            pictures: Arc::clone(&pictures),
+            notices: notices.clone(),
+            down: BTreeMap::new(),
+            releases: Vec::new(),
+            tick: 0,
+            last: None,
+            speed_percent: 100,
+            quit: false,
+        };
+        (
+            kernel,
+            Console {
+                commands,
+                pictures,
+                notices: from_kernel,
+                say: notices,
+            },
+        )
+    }
+
+    /// The emulator.
+    pub const fn emulator(&self) -> &Emulator {
+        &self.emulator
+    }
+
+    /// Takes what the window asked for and runs so many ticks.
+    pub fn run(&mut self, ticks: u64) {
+        while let Ok(command) = self.commands.try_recv() {
+            self.carry_out(command);
+        }
+        for _ in 0..ticks {
+            self.release_due();
+            self.emulator.tick();
+            self.tick += 1;
+        }
+    }
+
+    /// Puts out a picture if anything has changed since the last one.
+    pub fn show(&mut self) -> bool {
+        let snapshot = self.snapshot();
+        if self.last.as_ref() == Some(&snapshot) {
+            return false;
+        }
+        self.pictures.force_push(snapshot.clone());
+        self.last = Some(snapshot);
+        true
+    }
+
+    /// The panel as it is now.
+    pub fn snapshot(&self) -> Snapshot {
+        let panel = &self.emulator.panel;
+        Snapshot {
+            screen: self.emulator.screen(),
+            brightness: panel.view().brightness,
+            y: self.emulator.lamps(),
+            pressed: panel.pressed(),
+            wheel: panel.wheel(),
+            speed_percent: self.speed_percent,
+        }
+    }
+
+    fn carry_out(&mut self, command: Command) {
+        match command {
+            Command::Key { key, down: true } => self.press(key),
+            Command::Key { key, down: false } => self.release_soon(key, SHORTEST_PRESS),
+            Command::Tap(key) => {
+                self.press(key);
+                self.release_soon(key, TAP);
+            }
+            Command::Type(character) => self.emulator.key(KeyEvent::Type(character)),
+            Command::Turn(detents) => self.emulator.turn(detents),
+            Command::Open(opened) => self.open(*opened),
+            Command::Fit { least, greatest } => self.emulator.fit_graphic(least, greatest),
+            Command::ReleaseAll => self.release_all(),
+            Command::Alive => {}
+            Command::Quit => self.quit = true,
+        }
+    }
+
+    fn press(&mut self, key: Key) {
+        self.releases.retain(|(_, waiting)| *waiting != key);
+        if self.down.insert(key, self.tick).is_some() {
+            // Pressed again before the release was due: two presses, not one.
+            self.emulator.key_up(key);
+        }
+        self.emulator.key_down(key);
+    }
+
+    fn release_soon(&mut self, key: Key, shortest: u64) {
+        if let Some(since) = self.down.get(&key) {
+            self.releases.push((since + shortest, key));
+        }
+    }
+
+    fn release_due(&mut self) {
+        if self.releases.is_empty() {
+            return;
+        }
+        let tick = self.tick;
+        let due: Vec<Key> = self
+            .releases
+            .iter()
+            .filter(|(at, _)| *at <= tick)
+            .map(|(_, key)| *key)
+            .collect();
+        self.releases.retain(|(at, _)| *at > tick);
+        for key in due {
+            if self.down.remove(&key).is_some() {
+                self.emulator.key_up(key);
+            }
+        }
+    }
+
+    fn release_all(&mut self) {
+        self.releases.clear();
+        self.down.clear();
+        self.emulator.key(KeyEvent::ReleaseAll);
+    }
+
+    fn open(&mut self, opened: Opened) {
+        if matches!(
+            self.emulator.simulation.cnc.run_state(),
+            RunState::Run | RunState::Hold
+        ) {
+            self.say(Notice::Said(format!(
+                "{}: 程序正在运行, 复位后再打开 / a program is running: open it after [RESET]",
+                opened.name
+            )));
+            return;
+        }
+        for program in opened.subprograms {
+            let programs = self.emulator.simulation.cnc.programs();
+            let known = program
+                .number()
+                .is_some_and(|number| programs.get(ProgramId::Stored(number)).is_some());
+            if !known
+                && let Err(alarm) = self
+                    .emulator
+                    .simulation
+                    .cnc
+                    .request(Request::StoreProgram(program.text().to_owned()))
+            {
+                self.say(Notice::Said(alarm.line_text()));
+            }
+        }
+        match self.emulator.load_external(opened.program) {
+            Ok(()) => self.say(Notice::Opened(opened.name)),
+            Err(alarm) => self.say(Notice::Said(alarm.line_text())),
+        }
+    }
+
+    fn say(&self, notice: Notice) {
+        // The window reads them with every picture; a thousand unread ones mean
+        // that it is gone.
+        let _ = self.notices.try_send(notice);
+    }
+}

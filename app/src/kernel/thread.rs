@@ -1,0 +1,125 @@
+//! The kernel in its thread: ticks against the clock, asleep in between.
+
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use crossbeam::channel::RecvTimeoutError;
+
+use super::{Command, Console, Kernel, Notice, PICTURE_TICKS};
+use crate::pace::Pace;
+use crate::retained::Keeper;
+
+/// Held keys are let go when the window has said nothing for so long: no motion
+/// depends on a release that may never come.
+const LEASE: Duration = Duration::from_millis(600);
+/// How often the memory is looked at for something to be saved.
+const KEEP: Duration = Duration::from_millis(500);
+
+/// What the kernel thread needs from outside.
+pub struct Outside {
+    /// Called when there is a new picture or a notice.
+    pub wake: Box<dyn Fn() + Send>,
+    /// Saves the memory, if there is a data directory.
+    pub keeper: Option<Keeper>,
+}
+
+/// The running thread.
+#[derive(Debug)]
+pub struct KernelThread {
+    console: Console,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl KernelThread {
+    /// Whether it still runs.
+    pub fn is_alive(&self) -> bool {
+        self.thread
+            .as_ref()
+            .is_some_and(|thread| !thread.is_finished())
+    }
+
+    /// Stops it; everything is saved then.
+    pub fn stop(&mut self) {
+        let Some(thread) = self.thread.take() else {
+            return;
+        };
+        // The queue may be full: the kernel empties it.
+        let _ = self.console.commands.send(Command::Quit);
+        if thread.join().is_err() {
+            tracing::error!("the kernel thread ended with an error");
+        }
+    }
+}
+
+impl Drop for KernelThread {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+/// Starts the kernel in a thread of its own.
+pub fn start(kernel: Kernel, console: &Console, outside: Outside) -> std::io::Result<KernelThread> {
+    let thread = thread::Builder::new()
+        .name("kernel".to_owned())
+        .spawn(move || turn(kernel, outside))?;
+    Ok(KernelThread {
+        console: console.clone(),
+        thread: Some(thread),
+    })
+}
+
+fn turn(mut kernel: Kernel, mut outside: Outside) {
+    let start = Instant::now();
+    let mut pace = Pace::new(start);
+    let mut picture_at = 0;
+    let mut heard = start;
+    let mut kept = start;
+    kernel.show();
+    (outside.wake)();
+    while !kernel.quit {
+        let now = Instant::now();
+        if !kernel.down.is_empty() && now.duration_since(heard) > LEASE {
+            kernel.release_all();
+        }
+        let due = pace.due(now);
+        kernel.run(due);
+        if kernel.tick >= picture_at {
+            picture_at = kernel.tick + PICTURE_TICKS;
+            kernel.speed_percent = speed_percent(pace.ratio());
+            if kernel.show() {
+                (outside.wake)();
+            }
+        }
+        if let Some(keeper) = &mut outside.keeper
+            && now.duration_since(kept) > KEEP
+        {
+            kept = now;
+            keeper.look(&kernel.emulator.simulation.cnc);
+            for complaint in keeper.complaints() {
+                kernel.say(Notice::Said(complaint));
+                (outside.wake)();
+            }
+        }
+        match kernel.commands.recv_deadline(pace.next()) {
+            Ok(command) => {
+                heard = Instant::now();
+                kernel.carry_out(command);
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+    }
+    kernel.release_all();
+    if let Some(keeper) = outside.keeper {
+        keeper.finish(&kernel.emulator.simulation.cnc);
+    }
+}
+
+/// In steps of 5 % below 95 %, so that the picture does not change for nothing.
+fn speed_percent(ratio: f64) -> u32 {
+    if ratio > 0.95 {
+        100
+    } else {
+        ((ratio * 20.0).floor() * 5.0) as u32
+    }
+}

@@ -1,0 +1,15 @@
+//! The edge of the program: window, kernel thread, command line, files.
+
+pub mod cli;
+pub mod commands;
+pub mod execution;
+pub mod files;
+pub mod kernel;
+pub mod loading;
+pub mod moves;
+pub mod pace;
+pub mod picture;
+pub mod report;
+pub mod retained;
+pub mod setup_args;
+pub mod window;

@@ -1,0 +1,152 @@
+//! Executed moves and positions as lines of text: NDJSON and CSV.
+
+use std::io::{self, Write};
+
+use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::units::{Feed, Point};
+use serde::Serialize;
+
+/// One executed move. X values are diameters in the program's work coordinates
+/// without tool offset; times are seconds of machine time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MoveLine {
+    line: u32,
+    n: Option<u16>,
+    kind: &'static str,
+    x0: f64,
+    z0: f64,
+    x: f64,
+    z: f64,
+    cx: Option<f64>,
+    cz: Option<f64>,
+    feed: Option<f64>,
+    per: Option<&'static str>,
+    lead: Option<f64>,
+    t: f64,
+    dt: f64,
+}
+
+/// The name of a kind of move in the output.
+pub const fn kind_name(kind: MoveKind) -> &'static str {
+    match kind {
+        MoveKind::Rapid => "rapid",
+        MoveKind::Feed => "feed",
+        MoveKind::Clockwise => "cw",
+        MoveKind::CounterClockwise => "ccw",
+        MoveKind::Dwell => "dwell",
+    }
+}
+
+/// Rounds to a millionth: a nanometre, a microsecond.
+pub fn rounded(value: f64) -> f64 {
+    let rounded = (value * 1e6).round() / 1e6;
+    // No negative zero in the output.
+    if rounded == 0.0 { 0.0 } else { rounded }
+}
+
+/// A point as diameter and Z.
+pub fn diameter_z(point: Point) -> (f64, f64) {
+    (rounded(point.diameter().0), rounded(point.z))
+}
+
+/// Whether a move belongs into the output: a motion of no length does not.
+pub fn counts(executed: &ExecutedMove) -> bool {
+    let full_circle = executed.center.is_some();
+    executed.kind == MoveKind::Dwell || full_circle || executed.from != executed.to
+}
+
+impl From<&ExecutedMove> for MoveLine {
+    fn from(executed: &ExecutedMove) -> Self {
+        let (x0, z0) = diameter_z(executed.from);
+        let (x, z) = diameter_z(executed.to);
+        let center = executed.center.map(diameter_z);
+        let (feed, per) = match executed.feed {
+            Some(Feed::PerMinute(feed)) => (Some(rounded(feed)), Some("min")),
+            Some(Feed::PerRevolution(feed)) => (Some(rounded(feed)), Some("rev")),
+            None => (None, None),
+        };
+        Self {
+            line: executed.source.line,
+            n: executed.source.sequence,
+            kind: kind_name(executed.kind),
+            x0,
+            z0,
+            x,
+            z,
+            cx: center.map(|center| center.0),
+            cz: center.map(|center| center.1),
+            feed,
+            per,
+            lead: None,
+            t: rounded(executed.start_s),
+            dt: rounded(executed.duration_s),
+        }
+    }
+}
+
+/// Writes a move as one line.
+pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()> {
+    serde_json::to_writer(&mut *out, &MoveLine::from(executed))?;
+    out.write_all(b"\n")
+}
+
+/// The head of the CSV of positions.
+pub const POSITIONS_HEAD: &str = "t,x,z,spindle_deg\n";
+
+/// Writes the position at a tick: X as a diameter, machine coordinates.
+pub fn write_position(
+    out: &mut dyn Write,
+    time_s: f64,
+    machine: Point,
+    spindle_degrees: f64,
+) -> io::Result<()> {
+    let (x, z) = (machine.diameter().0, machine.z);
+    writeln!(out, "{time_s:.3},{x:.6},{z:.6},{spindle_degrees:.3}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::command::{ProgramId, Source};
+
+    fn executed(kind: MoveKind) -> ExecutedMove {
+        ExecutedMove {
+            source: Source {
+                program: ProgramId::External,
+                line: 12,
+                sequence: Some(50),
+            },
+            kind,
+            from: Point::new(25.0, 0.0),
+            to: Point::new(25.0, -30.000_000_04),
+            center: None,
+            feed: Some(Feed::PerMinute(120.0)),
+            start_s: 1.5,
+            duration_s: 15.0,
+        }
+    }
+
+    #[test]
+    fn a_move_is_one_line_with_diameters() {
+        let mut out = Vec::new();
+        write_move(&mut out, &executed(MoveKind::Feed)).expect("write");
+        assert_eq!(
+            String::from_utf8(out).expect("text"),
+            "{\"line\":12,\"n\":50,\"kind\":\"feed\",\"x0\":50.0,\"z0\":0.0,\"x\":50.0,\"z\":-30.0,\
+             \"cx\":null,\"cz\":null,\"feed\":120.0,\"per\":\"min\",\"lead\":null,\"t\":1.5,\"dt\":15.0}\n"
+        );
+    }
+
+    #[test]
+    fn only_motions_of_no_length_are_left_out() {
+        let mut still = executed(MoveKind::Feed);
+        assert!(counts(&still));
+        still.to = still.from;
+        assert!(!counts(&still));
+        still.kind = MoveKind::Dwell;
+        assert!(counts(&still));
+        still.kind = MoveKind::Clockwise;
+        still.center = Some(Point::default());
+        assert!(counts(&still), "a full circle ends where it began");
+    }
+}

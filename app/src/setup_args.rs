@@ -1,0 +1,278 @@
+//! The options of control and lathe that `run`, `check`, `plot` and `operate`
+//! share: their words on the command line.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// Options of control and lathe.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Control and lathe")]
+pub struct SetupArgs {
+    /// Where the tool stands before the first block: X (diameter), Z in mm [default: 300,300]
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = pair)]
+    pub start: Option<(f64, f64)>,
+    /// The spindle already turns forward at this speed, r/min [default: it stands]
+    #[arg(long, value_name = "RPM", value_parser = spindle_speed)]
+    pub spindle: Option<f64>,
+    /// A parameter: 22=3800, or one bit of it: 1.4=1 (may be repeated)
+    #[arg(long = "param", value_name = "N=V|N.B=0|1", allow_hyphen_values = true, value_parser = parameter)]
+    pub parameters: Vec<ParameterWord>,
+    /// A tool offset: NN=X,Z,R,T; what is left out at the end is 0 (may be repeated)
+    #[arg(long = "offset", value_name = "NN=X,Z,R,T", allow_hyphen_values = true, value_parser = offset)]
+    pub offsets: Vec<OffsetWord>,
+    /// Hold a machine input at a value, for instance X0.4=1 (may be repeated)
+    #[arg(long = "input", value_name = "X0.4=1", value_parser = input_bit)]
+    pub inputs: Vec<InputBit>,
+    /// The lathe (travel, turret, dogs …) from a RON file
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// The machine's ladder instead of the standard one (instruction list)
+    #[arg(long, value_name = "FILE")]
+    pub ladder: Option<PathBuf>,
+    /// Take parameters, offsets and programs from this data directory, and write them back
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+}
+
+/// `--param`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ParameterWord {
+    /// `N=V`.
+    Value {
+        /// Parameter number.
+        number: u16,
+        /// New value.
+        value: i32,
+    },
+    /// `N.B=0|1`.
+    Bit {
+        /// Parameter number.
+        number: u16,
+        /// Bit 0–7.
+        bit: u8,
+        /// New state.
+        state: bool,
+    },
+}
+
+/// `--offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OffsetWord {
+    /// Offset number.
+    pub number: u8,
+    /// X, as it is keyed in on the offset page.
+    pub x: f64,
+    /// Z, mm.
+    pub z: f64,
+    /// Nose radius, mm.
+    pub radius: f64,
+    /// Nose type 0–9.
+    pub nose: u8,
+}
+
+/// `--input`, `--set`: an address as the ladder writes it, and its state.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputBit {
+    /// For instance `X0.4`.
+    pub address: String,
+    /// Its state.
+    pub state: bool,
+}
+
+fn number(word: &str) -> Result<f64, String> {
+    let value: f64 = word
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{word}` is not a number"))?;
+    if !value.is_finite() || value.abs() > 9999.999 {
+        return Err(format!("`{word}` is outside ±9999.999"));
+    }
+    Ok(value)
+}
+
+fn pair(word: &str) -> Result<(f64, f64), String> {
+    let (x, z) = word
+        .split_once(',')
+        .ok_or("write it as X,Z, for instance 300,300")?;
+    Ok((number(x)?, number(z)?))
+}
+
+fn spindle_speed(word: &str) -> Result<f64, String> {
+    let value = number(word)?;
+    if value < 0.0 {
+        Err("a speed is not negative".to_owned())
+    } else {
+        Ok(value)
+    }
+}
+
+fn state(word: &str) -> Result<bool, String> {
+    match word.trim() {
+        "0" => Ok(false),
+        "1" => Ok(true),
+        other => Err(format!("a bit is 0 or 1, not `{other}`")),
+    }
+}
+
+fn parameter(word: &str) -> Result<ParameterWord, String> {
+    let (name, value) = word
+        .split_once('=')
+        .ok_or("write it as N=V or N.B=0|1, for instance 22=3800 or 1.4=1")?;
+    let name = name.trim();
+    let name = name.strip_prefix('P').unwrap_or(name);
+    let parse = |digits: &str| {
+        digits
+            .parse::<u16>()
+            .map_err(|_| format!("`{digits}` is not a parameter number"))
+    };
+    let Some((number, bit)) = name.split_once('.') else {
+        let number = parse(name)?;
+        let value = value.trim();
+        // A status parameter may be written as its eight bits, as on the page.
+        if value.len() == 8 && value.bytes().all(|byte| matches!(byte, b'0' | b'1')) {
+            let value = i32::from_str_radix(value, 2).map_err(|error| error.to_string())?;
+            return Ok(ParameterWord::Value { number, value });
+        }
+        let value = value
+            .parse()
+            .map_err(|_| format!("`{value}` is not a whole number"))?;
+        return Ok(ParameterWord::Value { number, value });
+    };
+    let number = parse(number)?;
+    let bit = bit.parse().ok().filter(|bit| *bit < 8);
+    let bit = bit.ok_or("a parameter has the bits 0 to 7")?;
+    Ok(ParameterWord::Bit {
+        number,
+        bit,
+        state: state(value)?,
+    })
+}
+
+fn offset(word: &str) -> Result<OffsetWord, String> {
+    let (name, values) = word
+        .split_once('=')
+        .ok_or("write it as NN=X,Z,R,T, for instance 1=0,0,0.4,3")?;
+    let name = name.trim();
+    let number_of = name
+        .parse()
+        .map_err(|_| format!("`{name}` is not an offset number"))?;
+    let words: Vec<&str> = values.split(',').collect();
+    if words.len() > 4 {
+        return Err("an offset has four values: X,Z,R,T".to_owned());
+    }
+    let value = |index: usize| words.get(index).map_or(Ok(0.0), |word| number(word));
+    let nose = words.get(3).map_or("0", |word| word.trim());
+    let nose = nose.parse().ok().filter(|nose| *nose <= 9);
+    Ok(OffsetWord {
+        number: number_of,
+        x: value(0)?,
+        z: value(1)?,
+        radius: value(2)?,
+        nose: nose.ok_or("T, the nose type, is 0 to 9")?,
+    })
+}
+
+/// Reads `X0.4=1`.
+pub fn input_bit(word: &str) -> Result<InputBit, String> {
+    let (address, value) = word
+        .split_once('=')
+        .ok_or("write it as ADDRESS=0|1, for instance X0.4=1")?;
+    Ok(InputBit {
+        address: address.trim().to_ascii_uppercase(),
+        state: state(value)?,
+    })
+}
+
+/// Reads a time like `500ms`, `90s`, `1.5m`, `24h`; seconds without a unit.
+pub fn duration_ms(word: &str) -> Result<u64, String> {
+    let word = word.trim();
+    let split = word
+        .find(|c: char| c.is_ascii_alphabetic())
+        .unwrap_or(word.len());
+    let (digits, unit) = word.split_at(split);
+    let unit_ms = match unit {
+        "ms" => 1.0,
+        "" | "s" => 1000.0,
+        "m" | "min" => 60_000.0,
+        "h" => 3_600_000.0,
+        _ => return Err(format!("`{unit}` is no unit of time: use ms, s, m or h")),
+    };
+    let value: f64 = digits
+        .trim()
+        .parse()
+        .map_err(|_| format!("`{word}` is not a time"))?;
+    let ms = value * unit_ms;
+    if !(1.0..=1e12).contains(&ms) {
+        return Err(format!("`{word}` is not a useful time"));
+    }
+    Ok(ms.round() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_come_as_value_as_bit_and_as_eight_bits() {
+        assert_eq!(
+            parameter("22=3800"),
+            Ok(ParameterWord::Value {
+                number: 22,
+                value: 3800
+            })
+        );
+        assert_eq!(
+            parameter("45=-5"),
+            Ok(ParameterWord::Value {
+                number: 45,
+                value: -5
+            })
+        );
+        assert_eq!(
+            parameter("001=00010000"),
+            Ok(ParameterWord::Value {
+                number: 1,
+                value: 16
+            })
+        );
+        assert_eq!(
+            parameter("001.4=1"),
+            Ok(ParameterWord::Bit {
+                number: 1,
+                bit: 4,
+                state: true
+            })
+        );
+        for wrong in ["22", "x=1", "1.8=1", "1.4=2", "22=1.5"] {
+            assert!(parameter(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn offsets_may_be_short() {
+        let word = offset("3=-1.5,2").expect("offset");
+        assert_eq!(
+            word,
+            OffsetWord {
+                number: 3,
+                x: -1.5,
+                z: 2.0,
+                radius: 0.0,
+                nose: 0
+            }
+        );
+        assert!(offset("3=1,2,3,4,5").is_err());
+        assert!(offset("3=0,0,0.4,12").is_err());
+    }
+
+    #[test]
+    fn times_have_units() {
+        assert_eq!(duration_ms("500ms"), Ok(500));
+        assert_eq!(duration_ms("90"), Ok(90_000));
+        assert_eq!(duration_ms("1.5m"), Ok(90_000));
+        assert_eq!(duration_ms("24h"), Ok(86_400_000));
+        assert!(duration_ms("3 days").is_err());
+        assert!(duration_ms("-1s").is_err());
+    }
+}

@@ -1,0 +1,188 @@
+//! The window on a real display: eframe around [`Window`].
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use eframe::egui;
+
+use super::figures::Figures;
+use super::{Settings, Window, fonts};
+use crate::files::data_dir::DataDir;
+use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
+use crate::retained::{Keeper, Restored};
+
+/// Size of the window at the first start, points: the LCD at two pixels a dot.
+const SIZE: [f32; 2] = [1280.0, 806.0];
+/// Share of the monitor that the window may take.
+const MOST: f32 = 0.92;
+
+/// What the window starts with.
+pub struct Start {
+    /// The kernel, not yet running.
+    pub kernel: Kernel,
+    /// Its console.
+    pub console: Console,
+    /// What was remembered.
+    pub settings: Settings,
+    /// The data directory.
+    pub data: DataDir,
+    /// What it held.
+    pub restored: Restored,
+    /// A program to open.
+    pub program: Option<PathBuf>,
+    /// When the program began, if figures are wanted.
+    pub figures: Option<Instant>,
+}
+
+/// Whether there is a display to open a window on.
+pub fn has_display() -> bool {
+    if cfg!(not(all(unix, not(target_os = "macos")))) {
+        return true;
+    }
+    ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+        .iter()
+        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
+}
+
+/// Opens the window and returns when it is closed.
+pub fn run(start: Start) -> Result<(), String> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("GSK980TD")
+        .with_app_id("gsk980td")
+        .with_inner_size(SIZE)
+        .with_min_inner_size([480.0, 330.0])
+        .with_drag_and_drop(true);
+    let options = eframe::NativeOptions {
+        viewport,
+        centered: true,
+        ..eframe::NativeOptions::default()
+    };
+    let opened = eframe::run_native(
+        "gsk980td",
+        options,
+        Box::new(move |creation| {
+            fonts::set_up(&creation.egui_ctx);
+            Ok(Box::new(App::new(start, &creation.egui_ctx)?))
+        }),
+    );
+    opened.map_err(|error| {
+        format!(
+            "the window cannot be opened ({error}); without one, `gsk980td run FILE` executes \
+             a program and `gsk980td operate SCRIPT` operates the panel"
+        )
+    })
+}
+
+struct App {
+    window: Window,
+    kernel: KernelThread,
+    data: Arc<DataDir>,
+    saved: Settings,
+    sized: bool,
+    figures: Option<Figures>,
+}
+
+impl App {
+    fn new(start: Start, context: &egui::Context) -> std::io::Result<Self> {
+        let Start {
+            kernel,
+            console,
+            settings,
+            data,
+            restored,
+            program,
+            figures,
+        } = start;
+        let data = Arc::new(data);
+        let cnc = &kernel.emulator().simulation.cnc;
+        let keeper = Keeper::start(Arc::clone(&data), &restored, cnc)?;
+        let waker = context.clone();
+        let outside = Outside {
+            wake: Box::new(move || waker.request_repaint()),
+            keeper: Some(keeper),
+        };
+        let thread = kernel::start(kernel, &console, outside)?;
+        let mut window = Window::new(console, settings.clone());
+        window.paint_ahead();
+        if !restored.complaints.is_empty() {
+            window.say(restored.complaints.join("; "));
+        }
+        if let Some(path) = program {
+            window.open(context, path);
+        }
+        Ok(Self {
+            window,
+            kernel: thread,
+            data,
+            saved: settings,
+            sized: false,
+            figures: figures.map(Figures::new),
+        })
+    }
+
+    /// Makes the window as large as the monitor allows in whole steps of half the
+    /// panel's size, so that dots of the LCD stay whole.
+    fn size_once(&mut self, context: &egui::Context) {
+        if self.sized {
+            return;
+        }
+        let Some(monitor) = context.input(|input| input.viewport().monitor_size) else {
+            return;
+        };
+        self.sized = true;
+        let fits = (monitor.x / SIZE[0]).min(monitor.y / SIZE[1]) * MOST;
+        let steps = (fits * 2.0).floor() / 2.0;
+        if steps > 1.0 {
+            let size = egui::vec2(SIZE[0] * steps, (SIZE[1] - 50.0) * steps + 50.0);
+            context.send_viewport_cmd(egui::ViewportCommand::InnerSize(size));
+        } else if fits < 1.0 {
+            let size = egui::vec2(SIZE[0], SIZE[1]) * fits;
+            context.send_viewport_cmd(egui::ViewportCommand::InnerSize(size));
+        }
+    }
+
+    fn save_settings(&mut self) {
+        if *self.window.settings() == self.saved {
+            return;
+        }
+        self.saved = self.window.settings().clone();
+        if let Err(said) = self.data.store("window", &self.saved) {
+            self.window.say(said);
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, context: &egui::Context, _frame: &mut eframe::Frame) {
+        let hidden = context.input(|input| {
+            let viewport = input.viewport();
+            viewport.minimized == Some(true) || viewport.occluded == Some(true)
+        });
+        if hidden {
+            self.window.let_go();
+        }
+        if !self.kernel.is_alive() {
+            self.window.kernel_gone();
+        }
+        self.save_settings();
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
+        self.size_once(ui.ctx());
+        self.window.ui(ui);
+        if let Some(figures) = &mut self.figures {
+            figures.frame(frame.info().cpu_usage);
+        }
+    }
+
+    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
+        egui::Color32::from_gray(22).to_normalized_gamma_f32()
+    }
+
+    fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
+        self.window.let_go();
+        self.kernel.stop();
+        self.save_settings();
+    }
+}

@@ -1,0 +1,55 @@
+//! Figures of the window for `--figures`: time to the first frame, frames a
+//! second, time spent on a frame.
+
+use std::time::{Duration, Instant};
+
+/// How often a line is printed.
+const PERIOD: Duration = Duration::from_secs(5);
+
+/// Counts frames and prints what came of it on standard error.
+pub struct Figures {
+    begun: Instant,
+    since: Option<Instant>,
+    frames: u32,
+    busy: Duration,
+}
+
+impl Figures {
+    /// Counts from the start of the program.
+    pub const fn new(begun: Instant) -> Self {
+        Self {
+            begun,
+            since: None,
+            frames: 0,
+            busy: Duration::ZERO,
+        }
+    }
+
+    /// A frame was drawn; `busy` is what the one before it took.
+    pub fn frame(&mut self, busy: Option<f32>) {
+        let now = Instant::now();
+        let Some(since) = self.since else {
+            eprintln!(
+                "gsk980td: first frame after {} ms",
+                self.begun.elapsed().as_millis()
+            );
+            self.since = Some(now);
+            return;
+        };
+        self.frames += 1;
+        self.busy += Duration::from_secs_f32(busy.unwrap_or(0.0).max(0.0));
+        let passed = now - since;
+        if passed < PERIOD {
+            return;
+        }
+        let a_frame = self.busy / self.frames;
+        eprintln!(
+            "gsk980td: {:.1} frames/s, {:.2} ms a frame",
+            f64::from(self.frames) / passed.as_secs_f64(),
+            a_frame.as_secs_f64() * 1000.0
+        );
+        self.since = Some(now);
+        self.frames = 0;
+        self.busy = Duration::ZERO;
+    }
+}

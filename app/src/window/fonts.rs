@@ -1,0 +1,105 @@
+//! Chinese legends and menus: glyphs of GNU Unifont, drawn at the size asked
+//! for, for every character that the built-in Latin fonts do not have.
+
+use std::sync::Arc;
+
+use egui::epaint::text::{GlyphBitmap, GlyphRasterizer, GlyphRasterizerRequest, RasterizedGlyph};
+use egui::{Color32, ColorImage, vec2};
+
+/// Dots of a glyph from top to bottom.
+const DOTS: f32 = 16.0;
+/// Rows above the base line.
+const ASCENT: f32 = 14.0;
+
+/// Teaches a context the Chinese characters. It may be called again.
+pub fn install(context: &egui::Context) {
+    context.add_glyph_rasterizer(GlyphRasterizer::new("gsk980td::unifont", rasterize));
+}
+
+/// The size in physical pixels at which a glyph is drawn: whole multiples of its
+/// dots where one is near, so that strokes stay sharp.
+fn drawn_size(size_px: f32) -> f32 {
+    let nearest = (size_px / DOTS).round() * DOTS;
+    if nearest > 0.0 && (nearest - size_px).abs() <= nearest * 0.08 {
+        nearest
+    } else {
+        size_px
+    }
+}
+
+fn rasterize(request: &GlyphRasterizerRequest<'_>) -> Option<RasterizedGlyph> {
+    let mut characters = request.cluster.chars();
+    let character = characters.next()?;
+    if characters.next().is_some() {
+        return None;
+    }
+    let glyph = unifont::get_glyph(character)?;
+    let scale = drawn_size(request.font_size_px) / DOTS;
+    let width = glyph.get_width() as f32 * scale;
+    let size = [
+        (width.ceil() as usize).max(1),
+        ((DOTS * scale).ceil() as usize).max(1),
+    ];
+    let coverage = |x: usize, y: usize| {
+        let (x, y) = (x as f32 / scale, y as f32 / scale);
+        covered(glyph, x, y, 1.0 / scale)
+    };
+    let pixels = (0..size[0] * size[1])
+        .map(|index| {
+            let share = coverage(index % size[0], index / size[0]);
+            // Strokes thinner than a pixel would turn pale.
+            let share = if scale < 1.0 {
+                (share * 1.35).min(1.0)
+            } else {
+                share
+            };
+            Color32::from_white_alpha((share * 255.0).round() as u8)
+        })
+        .collect();
+    let image = ColorImage::new(size, pixels);
+    let offset_px = vec2(0.0, -(ASCENT * scale).round());
+    let bitmap = GlyphBitmap {
+        image,
+        offset_px,
+        is_color: false,
+    };
+    Some(RasterizedGlyph {
+        bitmap,
+        advance_px: width,
+    })
+}
+
+/// The share of a square of the glyph, in dots, that is ink.
+fn covered(glyph: &unifont::Glyph, left: f32, top: f32, side: f32) -> f32 {
+    let span = |start: f32, dots: usize| {
+        let first = start.floor() as usize;
+        let last = ((start + side).ceil() as usize).min(dots);
+        first..last
+    };
+    let overlap = |start: f32, dot: usize| {
+        let dot = dot as f32;
+        ((start + side).min(dot + 1.0) - start.max(dot)).max(0.0)
+    };
+    let mut ink = 0.0;
+    for y in span(top, DOTS as usize) {
+        for x in span(left, glyph.get_width()) {
+            if glyph.get_pixel(x, y) {
+                ink += overlap(left, x) * overlap(top, y);
+            }
+        }
+    }
+    (ink / (side * side)).min(1.0)
+}
+
+/// A context set up as the window uses it; for tests, too.
+pub fn set_up(context: &egui::Context) {
+    install(context);
+    context.set_theme(egui::Theme::Dark);
+    context.all_styles_mut(|style| {
+        style.visuals.override_text_color = Some(Color32::from_gray(225));
+        style.spacing.button_padding = vec2(8.0, 3.0);
+        // Keys of the panel answer to the pointer alone, never to Tab and Space.
+        style.interaction.tooltip_delay = 0.6;
+    });
+    let _: Arc<egui::Style> = context.global_style();
+}

@@ -1,0 +1,76 @@
+//! The map of PC keys, over the panel.
+
+use egui::{Color32, Context, RichText};
+use gsk_panel::keys::{KEYS, KeyRow, Role};
+
+use super::texts::Text;
+use crate::cli::Language;
+
+/// Draws the map; returns whether it stays open.
+pub fn show(context: &Context, language: Language) -> bool {
+    let mut open = true;
+    let screen = context.content_rect();
+    let width = (screen.width() - 40.0).clamp(240.0, 980.0);
+    let window = egui::Window::new(Text::KeysTitle.of(language))
+        .id(egui::Id::unique("key map"))
+        .collapsible(false)
+        .resizable(false)
+        .fixed_size([width, (screen.height() - 120.0).clamp(120.0, 620.0)])
+        .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+        .open(&mut open);
+    let mut clicked = false;
+    window.show(context, |ui| {
+        ui.label(RichText::new(Text::KeysClose.of(language)).color(Color32::from_gray(150)));
+        egui::ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                let columns = ((ui.available_width() / 300.0).floor() as usize).clamp(1, 3);
+                let rows: Vec<&KeyRow> = listed().collect();
+                let length = rows.len().div_ceil(columns);
+                ui.columns(columns, |columns| {
+                    for (ui, rows) in columns.iter_mut().zip(rows.chunks(length.max(1))) {
+                        table(ui, rows, language);
+                    }
+                });
+            });
+        clicked = ui.response().clicked();
+    });
+    open && !clicked
+}
+
+/// Letters, digits and signs press what is printed on them: one line for all.
+fn listed() -> impl Iterator<Item = &'static KeyRow> {
+    KEYS.iter()
+        .filter(|row| !matches!(row.role, Role::Character(..)) && !row.pc.is_empty())
+}
+
+fn table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {
+    let id = rows.first().map_or("", |row| row.id);
+    egui::Grid::new(("keys", id))
+        .num_columns(2)
+        .striped(true)
+        .spacing([12.0, 2.0])
+        .show(ui, |ui| {
+            ui.strong(Text::PcKey.of(language));
+            ui.strong(Text::PanelKey.of(language));
+            ui.end_row();
+            for row in rows {
+                ui.label(RichText::new(pc_name(row.pc)).monospace());
+                let name = match language {
+                    Language::Zh => row.name_zh,
+                    Language::En => row.name_en,
+                };
+                ui.label(name);
+                ui.end_row();
+            }
+        });
+}
+
+/// A PC key as it is printed on keyboards.
+pub fn pc_name(name: &str) -> String {
+    name.replace("ArrowUp", "↑")
+        .replace("ArrowDown", "↓")
+        .replace("ArrowLeft", "←")
+        .replace("ArrowRight", "→")
+        .replace("Escape", "Esc")
+}

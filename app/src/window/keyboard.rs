@@ -1,0 +1,179 @@
+//! The PC keyboard: which key of the panel an event presses.
+
+use egui::{Event, Key as PcKey, Modifiers};
+use gsk_panel::keys::Key;
+
+use super::held::Holder;
+
+/// What a PC key asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PcAction {
+    /// Hold a key of the panel.
+    Press(Holder, Key),
+    /// Let it go.
+    Release(Holder),
+    /// Enter a character that has no key of its own.
+    Type(char),
+    /// Show or hide the key map.
+    Help,
+}
+
+/// What an event of the PC keyboard asks for. Repeats of a held key ask for
+/// nothing: the control repeats by itself.
+pub fn action(event: &Event) -> Option<PcAction> {
+    if let Event::Text(text) = event {
+        return typed(text);
+    }
+    let Event::Key {
+        key,
+        pressed,
+        repeat,
+        modifiers,
+        ..
+    } = event
+    else {
+        return None;
+    };
+    let holder = Holder::Keyboard(*key);
+    if !pressed {
+        return Some(PcAction::Release(holder));
+    }
+    if *repeat {
+        return None;
+    }
+    if *key == PcKey::F1 {
+        return Some(PcAction::Help);
+    }
+    panel_key(*key, *modifiers).map(|panel| PcAction::Press(holder, panel))
+}
+
+/// A character that no key of the table stands for: `D`, `Q`, `#`, … The others
+/// come as keys.
+fn typed(text: &str) -> Option<PcAction> {
+    let mut characters = text.chars();
+    let character = characters.next()?.to_ascii_uppercase();
+    let printable = character.is_ascii_graphic() && characters.next().is_none();
+    let has_key = Key::of_pc(character.encode_utf8(&mut [0; 4])).is_some();
+    (printable && !has_key).then_some(PcAction::Type(character))
+}
+
+/// The key of the panel for a PC key with its modifiers.
+fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
+    let name = plain_name(key);
+    let mut combined = String::new();
+    for (held, word) in [
+        (modifiers.ctrl, "Ctrl+"),
+        (modifiers.alt, "Alt+"),
+        (modifiers.shift, "Shift+"),
+    ] {
+        if held {
+            combined.push_str(word);
+        }
+    }
+    combined.push_str(name);
+    // Shift makes no difference for letters and signs: `x` and `X` are one key.
+    let only_shift = modifiers.shift && !modifiers.ctrl && !modifiers.alt;
+    Key::of_pc(&combined).or_else(|| {
+        let character = name.chars().count() == 1;
+        if only_shift && character {
+            Key::of_pc(name)
+        } else {
+            None
+        }
+    })
+}
+
+/// The name of a PC key in the key table: what it types, else egui's name.
+fn plain_name(key: PcKey) -> &'static str {
+    match key {
+        PcKey::Minus => "-",
+        PcKey::Plus => "+",
+        PcKey::Equals => "=",
+        PcKey::Period => ".",
+        PcKey::Comma => ",",
+        PcKey::Slash => "/",
+        PcKey::Semicolon | PcKey::Colon => ";",
+        PcKey::ArrowUp => "ArrowUp",
+        PcKey::ArrowDown => "ArrowDown",
+        PcKey::ArrowLeft => "ArrowLeft",
+        PcKey::ArrowRight => "ArrowRight",
+        other => other.name(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_panel::keys::KEYS;
+
+    fn event(key: PcKey, modifiers: Modifiers, pressed: bool, repeat: bool) -> Event {
+        Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat,
+            modifiers,
+        }
+    }
+
+    /// Every PC key of the table is a key that egui knows, with modifiers.
+    #[test]
+    fn every_key_of_the_table_can_be_pressed() {
+        for row in KEYS.iter().filter(|row| !row.pc.is_empty()) {
+            let mut modifiers = Modifiers::default();
+            let mut name = row.pc;
+            while let Some((word, rest)) = name.split_once('+') {
+                match word {
+                    "Ctrl" => modifiers.ctrl = true,
+                    "Alt" => modifiers.alt = true,
+                    "Shift" => modifiers.shift = true,
+                    _ => break,
+                }
+                name = rest;
+            }
+            let found = PcKey::ALL.iter().find(|key| {
+                action(&event(**key, modifiers, true, false)).is_some_and(
+                    |action| matches!(action, PcAction::Press(_, key) if key == row.key),
+                )
+            });
+            assert!(
+                found.is_some(),
+                "{} cannot be pressed by {}",
+                row.id,
+                row.pc
+            );
+        }
+    }
+
+    #[test]
+    fn repeats_and_shift_do_no_harm() {
+        let plain = Modifiers::default();
+        assert_eq!(action(&event(PcKey::F12, plain, true, true)), None);
+        let shift = Modifiers {
+            shift: true,
+            ..plain
+        };
+        assert!(matches!(
+            action(&event(PcKey::X, shift, true, false)),
+            Some(PcAction::Press(_, Key::X))
+        ));
+        assert_eq!(
+            action(&event(PcKey::X, plain, false, false)),
+            Some(PcAction::Release(Holder::Keyboard(PcKey::X)))
+        );
+    }
+
+    #[test]
+    fn characters_without_a_key_are_typed() {
+        assert_eq!(
+            action(&Event::Text("q".to_owned())),
+            Some(PcAction::Type('Q'))
+        );
+        assert_eq!(
+            action(&Event::Text("#".to_owned())),
+            Some(PcAction::Type('#'))
+        );
+        assert_eq!(action(&Event::Text("x".to_owned())), None);
+        assert_eq!(action(&Event::Text("车".to_owned())), None);
+    }
+}

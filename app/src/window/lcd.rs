@@ -1,0 +1,137 @@
+//! The LCD in the window: whole dots wherever a whole zoom fits.
+
+use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, vec2};
+use gsk_panel::raster;
+use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
+
+/// A whole zoom is taken if the picture fills at least this share of its place.
+const ENOUGH: f32 = 0.88;
+
+/// How the dots are drawn, and where.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placing {
+    /// The picture, on whole pixels, in points.
+    pub rect: Rect,
+    /// Texture pixels a dot: the picture is drawn larger than needed and made
+    /// smaller by the graphics card where no whole zoom fits.
+    pub dots: u32,
+    /// Whether each dot is a square of whole pixels.
+    pub crisp: bool,
+}
+
+/// Where the picture lies inside its place, both in points.
+pub fn place(room: Rect, pixels_per_point: f32) -> Placing {
+    let zoom = (room.width() * pixels_per_point / WIDTH as f32)
+        .min(room.height() * pixels_per_point / HEIGHT as f32)
+        .max(0.05);
+    let whole = (zoom + 0.01).floor();
+    let crisp = whole >= 1.0 && whole / zoom >= ENOUGH;
+    let drawn = if crisp { whole } else { zoom };
+    let size = vec2(WIDTH as f32, HEIGHT as f32) * drawn;
+    let size = vec2(size.x.round(), size.y.round());
+    let corner = room.center() * pixels_per_point;
+    let corner = Pos2::new(
+        (corner.x - size.x / 2.0).round(),
+        (corner.y - size.y / 2.0).round(),
+    );
+    let rect = Rect::from_min_size(
+        Pos2::new(corner.x / pixels_per_point, corner.y / pixels_per_point),
+        size / pixels_per_point,
+    );
+    let dots = if crisp {
+        1
+    } else {
+        (zoom.ceil() as u32).clamp(1, 8)
+    };
+    Placing { rect, dots, crisp }
+}
+
+/// The texture of the LCD, made anew only when the picture has changed.
+#[derive(Default)]
+pub struct Lcd {
+    texture: Option<TextureHandle>,
+    shown: Option<(Screen, u8, u32)>,
+}
+
+impl Lcd {
+    /// Draws a screen into its place.
+    pub fn paint(&mut self, painter: &egui::Painter, room: Rect, screen: &Screen, brightness: u8) {
+        let placing = place(room, painter.pixels_per_point());
+        let same = |(shown, level, dots): &(Screen, u8, u32)| {
+            shown == screen && *level == brightness && *dots == placing.dots
+        };
+        if !self.shown.as_ref().is_some_and(same) {
+            self.upload(painter.ctx(), screen, brightness, placing);
+            self.shown = Some((screen.clone(), brightness, placing.dots));
+        }
+        let Some(texture) = &self.texture else { return };
+        let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+        let [red, green, blue] = raster::palette(brightness).background;
+        if !placing.rect.expand(0.01).contains_rect(room) {
+            painter.rect_filled(room, 0.0, Color32::from_rgb(red, green, blue));
+        }
+        painter.image(texture.id(), placing.rect, whole, Color32::WHITE);
+    }
+
+    fn upload(&mut self, context: &egui::Context, screen: &Screen, level: u8, placing: Placing) {
+        let image = image(screen, level, placing.dots as usize);
+        let options = if placing.crisp {
+            TextureOptions::NEAREST
+        } else {
+            TextureOptions::LINEAR
+        };
+        match &mut self.texture {
+            Some(texture) => texture.set(image, options),
+            None => self.texture = Some(context.load_texture("lcd", image, options)),
+        }
+    }
+}
+
+/// The picture with squares of `dots` texture pixels, written once: it is made
+/// anew for every change of the LCD.
+fn image(screen: &Screen, level: u8, dots: usize) -> ColorImage {
+    let palette = raster::palette(level);
+    let [dark, lit] = [palette.background, palette.text]
+        .map(|[red, green, blue]| Color32::from_rgb(red, green, blue));
+    let bitmap = raster::bitmap(screen);
+    let width = WIDTH * dots;
+    let mut pixels = Vec::with_capacity(width * HEIGHT * dots);
+    for y in 0..HEIGHT {
+        let begin = pixels.len();
+        for byte in bitmap.row(y) {
+            for bit in (0..8).rev() {
+                let colour = if byte >> bit & 1 == 1 { lit } else { dark };
+                pixels.extend(core::iter::repeat_n(colour, dots));
+            }
+        }
+        for _ in 1..dots {
+            pixels.extend_from_within(begin..begin + width);
+        }
+    }
+    ColorImage::new([width, HEIGHT * dots], pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_zooms_are_taken_where_they_nearly_fill() {
+        let room = Rect::from_min_size(Pos2::new(28.3, 60.1), vec2(640.0, 480.0));
+        for (pixels_per_point, zoom) in [(1.0, 2.0), (1.5, 3.0), (2.0, 4.0), (1.05, 2.0)] {
+            let placing = place(room, pixels_per_point);
+            let physical = placing.rect.width() * pixels_per_point;
+            assert!(
+                placing.crisp && (physical - 320.0 * zoom).abs() < 0.01,
+                "{placing:?}"
+            );
+            let left = placing.rect.left() * pixels_per_point;
+            assert!((left - left.round()).abs() < 0.01);
+        }
+        let between = place(room, 1.25);
+        assert!(!between.crisp && between.dots == 3);
+        assert!((between.rect.width() * 1.25 - 800.0).abs() < 0.01);
+        let tiny = place(Rect::from_min_size(Pos2::ZERO, vec2(100.0, 75.0)), 1.0);
+        assert!(!tiny.crisp && tiny.dots == 1);
+    }
+}

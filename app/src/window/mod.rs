@@ -1,0 +1,295 @@
+//! The window: the panel as it is painted and operated. It knows nothing of
+//! threads and of eframe; a test drives it as the program does.
+
+pub mod app;
+mod backdrop;
+mod extents;
+mod figures;
+pub mod fonts;
+mod held;
+mod help;
+mod keyboard;
+mod lcd;
+mod opener;
+mod paint;
+mod panel_view;
+mod pointing;
+mod settings;
+mod texts;
+mod top_bar;
+
+use std::path::PathBuf;
+
+use egui::{Event, Frame, Margin, Panel, Ui};
+use gsk_panel::keys::Key;
+
+use crate::cli::Language;
+use crate::kernel::{Command, Console, Notice, Snapshot};
+use held::{Change, Held};
+use keyboard::PcAction;
+use opener::Opener;
+use pointing::Pointing;
+pub use settings::Settings;
+use texts::Text;
+
+pub use help::pc_name;
+
+/// Height of the bar above and of the line below, points.
+const BAR: f32 = 28.0;
+/// Height of the line of messages, points.
+const STATUS: f32 = 22.0;
+
+/// The window's state.
+pub struct Window {
+    console: Console,
+    picture: Option<Snapshot>,
+    settings: Settings,
+    opened: Option<PathBuf>,
+    message: Option<Message>,
+    held: Held<Key>,
+    pointing: Pointing,
+    opener: Opener,
+    help: bool,
+    lcd: lcd::Lcd,
+    shade: paint::Shade,
+    backdrop: backdrop::Backdrop,
+}
+
+/// What the line of messages says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Message {
+    text: String,
+    warning: bool,
+}
+
+impl Window {
+    /// A window on a console.
+    pub fn new(console: Console, settings: Settings) -> Self {
+        let opener = Opener::new(console.clone());
+        Self {
+            console,
+            picture: None,
+            settings,
+            opened: None,
+            message: None,
+            held: Held::default(),
+            pointing: Pointing::default(),
+            opener,
+            help: false,
+            lcd: lcd::Lcd::default(),
+            shade: paint::Shade::default(),
+            backdrop: backdrop::Backdrop::default(),
+        }
+    }
+
+    /// From now on the panel is painted ahead, in a thread: for a real display.
+    pub const fn paint_ahead(&mut self) {
+        self.backdrop.turn_on();
+    }
+
+    /// What is remembered for the next start.
+    pub const fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Says something on the line of messages.
+    pub fn say(&mut self, text: impl Into<String>) {
+        self.message = Some(Message {
+            text: text.into(),
+            warning: true,
+        });
+    }
+
+    /// Opens a program file; what comes of it is said on the line of messages.
+    pub fn open(&mut self, context: &egui::Context, path: PathBuf) {
+        self.opener.open(path, context.clone());
+    }
+
+    /// Says that the kernel has ended without being asked to.
+    pub fn kernel_gone(&mut self) {
+        self.say(Text::KernelGone.of(self.settings.language));
+    }
+
+    /// The picture that is shown.
+    pub const fn picture(&self) -> Option<&Snapshot> {
+        self.picture.as_ref()
+    }
+
+    /// Lets everything go: the window is hidden or has lost the focus.
+    pub fn let_go(&mut self) {
+        self.pointing.forget();
+        let changes = self.held.release_all();
+        self.send(&changes);
+    }
+
+    /// Draws the window and takes its input.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        self.receive();
+        self.take_files(ui);
+        let language = self.settings.language;
+        let slim = Frame::new()
+            .fill(egui::Color32::from_gray(34))
+            .inner_margin(Margin::symmetric(8, 0));
+        let bar = Panel::top("bar")
+            .exact_size(BAR)
+            .frame(slim)
+            .show_separator_line(false);
+        let asked = bar
+            .show(ui, |ui| {
+                top_bar::show(ui, language, &self.settings.recent, self.opened.as_ref())
+            })
+            .inner;
+        let line = Panel::bottom("status")
+            .exact_size(STATUS)
+            .frame(slim)
+            .show_separator_line(false);
+        line.show(ui, |ui| self.status(ui));
+        // What the panel leaves free is the colour that a picture is cleared with.
+        egui::CentralPanel::default()
+            .frame(Frame::NONE)
+            .show(ui, |ui| self.panel(ui));
+        if let Some(asked) = asked {
+            self.answer(asked, ui);
+        }
+        if self.help {
+            self.help = help::show(ui.ctx(), language);
+        }
+        self.keyboard(ui);
+        let focused = ui.input(|input| input.focused);
+        if !focused {
+            self.let_go();
+        }
+        if self.held.any() {
+            // The kernel lets go of keys when it hears nothing of the window.
+            self.console.send(Command::Alive);
+            ui.ctx()
+                .request_repaint_after(std::time::Duration::from_millis(100));
+        }
+    }
+
+    /// Takes what the kernel has sent.
+    fn receive(&mut self) {
+        if let Some(picture) = self.console.pictures.pop() {
+            self.picture = Some(picture);
+        }
+        while let Ok(notice) = self.console.notices.try_recv() {
+            match notice {
+                Notice::Said(text) => {
+                    self.message = Some(Message {
+                        text,
+                        warning: true,
+                    });
+                }
+                Notice::Opened(name) => {
+                    let path = PathBuf::from(name);
+                    let shown = path
+                        .file_name()
+                        .unwrap_or_default()
+                        .to_string_lossy()
+                        .into_owned();
+                    let word = Text::Opened.of(self.settings.language);
+                    self.message = Some(Message {
+                        text: format!("{word} {shown}"),
+                        warning: false,
+                    });
+                    self.settings.remember(&path);
+                    self.opened = Some(path);
+                }
+            }
+        }
+    }
+
+    /// Files that were dropped on the window.
+    fn take_files(&mut self, ui: &Ui) {
+        let (dropped, hovering) = ui.input(|input| {
+            let dropped = input
+                .raw
+                .dropped_files
+                .first()
+                .map(|file| file.path().to_owned());
+            (dropped, !input.raw.hovered_files.is_empty())
+        });
+        if let Some(path) = dropped {
+            self.open(ui.ctx(), path);
+        } else if hovering {
+            let text = Text::DropHere.of(self.settings.language).to_owned();
+            self.message = Some(Message {
+                text,
+                warning: false,
+            });
+        }
+    }
+
+    fn answer(&mut self, asked: top_bar::Asked, ui: &Ui) {
+        match asked {
+            top_bar::Asked::Choose => {
+                self.opener.choose(self.settings.language, ui.ctx().clone());
+            }
+            top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
+            top_bar::Asked::Keys => self.help = !self.help,
+            top_bar::Asked::Language => {
+                self.settings.language = match self.settings.language {
+                    Language::Zh => Language::En,
+                    Language::En => Language::Zh,
+                };
+            }
+        }
+    }
+
+    fn status(&self, ui: &mut Ui) {
+        let language = self.settings.language;
+        let speed = self
+            .picture
+            .as_ref()
+            .map_or(100, |picture| picture.speed_percent);
+        if speed < 100 {
+            let text = format!("{} {speed} %", Text::Slow.of(language));
+            return top_bar::status(ui, Some(&text), true, "");
+        }
+        let pressed = self
+            .picture
+            .as_ref()
+            .is_some_and(|picture| picture.pressed.contains(&Key::EmergencyStop));
+        let hint = if pressed {
+            Text::EmergencyHint
+        } else {
+            Text::Hint
+        };
+        let message = self.message.as_ref();
+        let text = message.map(|message| message.text.as_str());
+        let warning = message.is_some_and(|message| message.warning);
+        top_bar::status(ui, text, warning, hint.of(language));
+    }
+
+    /// The PC keyboard; it belongs to the panel unless a text is being typed.
+    fn keyboard(&mut self, ui: &Ui) {
+        if ui.ctx().text_edit_focused() {
+            return;
+        }
+        let events: Vec<Event> = ui.input(|input| input.events.clone());
+        for event in &events {
+            match keyboard::action(event) {
+                Some(PcAction::Help) => self.help = !self.help,
+                Some(PcAction::Type(character)) => self.console.send(Command::Type(character)),
+                Some(PcAction::Press(holder, key)) => {
+                    let changes = self.held.set(holder, Some(key));
+                    self.send(&changes);
+                }
+                Some(PcAction::Release(holder)) => {
+                    let changes = self.held.set(holder, None);
+                    self.send(&changes);
+                }
+                None => {}
+            }
+        }
+    }
+
+    fn send(&self, changes: &[Change<Key>]) {
+        for change in changes {
+            self.console.send(Command::Key {
+                key: change.key,
+                down: change.down,
+            });
+        }
+    }
+}

@@ -1,0 +1,318 @@
+//! Mouse and fingers on the panel: which key they hold, and the handwheel.
+
+use std::collections::BTreeSet;
+
+use egui::{Event, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
+use gsk_panel::faceplate::{self, What};
+use gsk_panel::keys::Key;
+
+use super::held::{Change, Held, Holder};
+use super::paint::View;
+
+/// Points of scrolling that make one detent of the handwheel.
+const POINTS_A_DETENT: f32 = 24.0;
+/// Detents of one turn.
+const DETENTS: f32 = 100.0;
+
+/// What one picture's worth of events did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Done {
+    /// Keys that went down or came up, in order.
+    pub changes: Vec<Change<Key>>,
+    /// Detents the handwheel was turned by.
+    pub detents: i32,
+}
+
+/// Mouse and fingers.
+#[derive(Clone, Debug, Default)]
+pub struct Pointing {
+    fingers: BTreeSet<(u64, u64)>,
+    /// Angle under the pointer that drags the handwheel.
+    drag: Option<f32>,
+    /// Turning that is less than a detent so far.
+    rest: f32,
+    last: Option<Pos2>,
+}
+
+impl Pointing {
+    /// Follows the events of one picture. `free` tells whether a place is the
+    /// panel and not something that lies over it.
+    pub fn follow(
+        &mut self,
+        events: &[Event],
+        view: View,
+        held: &mut Held<Key>,
+        free: &dyn Fn(Pos2) -> bool,
+    ) -> Done {
+        let mut done = Done::default();
+        let touched = events
+            .iter()
+            .any(|event| matches!(event, Event::Touch { .. }));
+        let by_finger = touched || !self.fingers.is_empty();
+        for event in events {
+            match event {
+                Event::Touch {
+                    device_id,
+                    id,
+                    phase,
+                    pos,
+                    ..
+                } => {
+                    let finger = (device_id.0, id.0);
+                    self.finger(finger, *phase, *pos, view, held, free, &mut done);
+                }
+                // What a finger does also arrives as the mouse: not twice.
+                Event::PointerButton { .. } | Event::PointerMoved(_) | Event::PointerGone
+                    if by_finger => {}
+                Event::PointerButton {
+                    pos,
+                    button: PointerButton::Primary,
+                    pressed,
+                    ..
+                } => {
+                    self.last = Some(*pos);
+                    let key = if *pressed && free(*pos) {
+                        key_at(*pos, view)
+                    } else {
+                        None
+                    };
+                    done.changes.extend(held.set(Holder::Pointer, key));
+                    self.drag = (*pressed && free(*pos))
+                        .then(|| wheel_angle(*pos, view))
+                        .flatten();
+                }
+                Event::PointerMoved(pos) => {
+                    self.last = Some(*pos);
+                    slide(Holder::Pointer, *pos, view, held, &mut done);
+                    self.turn_to(*pos, view, &mut done);
+                }
+                Event::PointerGone => {
+                    self.last = None;
+                    self.drag = None;
+                    done.changes.extend(held.set(Holder::Pointer, None));
+                }
+                Event::MouseWheel { unit, delta, .. }
+                    if self
+                        .last
+                        .is_some_and(|at| free(at) && wheel_angle(at, view).is_some()) =>
+                {
+                    self.scroll(*unit, *delta, &mut done);
+                }
+                _ => {}
+            }
+        }
+        done
+    }
+
+    /// Forgets everything that was held.
+    pub fn forget(&mut self) {
+        self.fingers.clear();
+        self.drag = None;
+    }
+
+    #[allow(clippy::too_many_arguments)] // One event with all it may touch.
+    fn finger(
+        &mut self,
+        finger: (u64, u64),
+        phase: TouchPhase,
+        at: Pos2,
+        view: View,
+        held: &mut Held<Key>,
+        free: &dyn Fn(Pos2) -> bool,
+        done: &mut Done,
+    ) {
+        let holder = Holder::Finger(finger.0, finger.1);
+        match phase {
+            TouchPhase::Start => {
+                self.fingers.insert(finger);
+                let key = if free(at) { key_at(at, view) } else { None };
+                done.changes.extend(held.set(holder, key));
+                if key.is_none() && free(at) {
+                    self.drag = wheel_angle(at, view);
+                }
+            }
+            TouchPhase::Move => {
+                slide(holder, at, view, held, done);
+                if held.of(holder).is_none() {
+                    self.turn_to(at, view, done);
+                }
+            }
+            TouchPhase::End | TouchPhase::Cancel => {
+                self.fingers.remove(&finger);
+                self.drag = None;
+                done.changes.extend(held.set(holder, None));
+            }
+        }
+    }
+
+    fn turn_to(&mut self, at: Pos2, view: View, done: &mut Done) {
+        let Some(before) = self.drag else { return };
+        let now = angle(at, view);
+        let half = std::f32::consts::PI;
+        let way = (now - before + half).rem_euclid(2.0 * half) - half;
+        self.drag = Some(now);
+        self.turn_by(way / (2.0 * half) * DETENTS, done);
+    }
+
+    fn scroll(&mut self, unit: MouseWheelUnit, delta: Vec2, done: &mut Done) {
+        // Down and right are clockwise, as the finger would push the front.
+        let amount = if delta.y == 0.0 { delta.x } else { delta.y };
+        self.turn_by(
+            match unit {
+                MouseWheelUnit::Point => amount / POINTS_A_DETENT,
+                MouseWheelUnit::Line => amount,
+                MouseWheelUnit::Page => amount * 10.0,
+            },
+            done,
+        );
+    }
+
+    fn turn_by(&mut self, detents: f32, done: &mut Done) {
+        self.rest += detents.clamp(-DETENTS, DETENTS);
+        let whole = self.rest.trunc();
+        self.rest -= whole;
+        done.detents += whole as i32;
+    }
+}
+
+/// A holder that leaves its key lets it go; it does not press the next one.
+fn slide(holder: Holder, at: Pos2, view: View, held: &mut Held<Key>, done: &mut Done) {
+    if let Some(key) = held.of(holder)
+        && key_at(at, view) != Some(key)
+    {
+        done.changes.extend(held.set(holder, None));
+    }
+}
+
+fn key_at(at: Pos2, view: View) -> Option<Key> {
+    let (x, y) = view.units(at);
+    faceplate::part_at(x, y)?.key()
+}
+
+/// The angle of a place around the handwheel, if it is on it.
+fn wheel_angle(at: Pos2, view: View) -> Option<f32> {
+    let (x, y) = view.units(at);
+    let part = faceplate::part_at(x, y)?;
+    (part.what == What::Handwheel).then(|| angle(at, view))
+}
+
+fn angle(at: Pos2, view: View) -> f32 {
+    let wheel = faceplate::parts()
+        .iter()
+        .find(|part| part.what == What::Handwheel);
+    let (cx, cy) = wheel.map_or((0.0, 0.0), |part| part.rect.center());
+    let (x, y) = view.units(at);
+    (y - cy).atan2(x - cx)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Modifiers, TouchDeviceId, TouchId, pos2};
+
+    const VIEW: View = View {
+        corner: Pos2::ZERO,
+        scale: 1.0,
+        pixels_per_point: 1.0,
+    };
+
+    fn at(key: Key) -> Pos2 {
+        let (x, y) = faceplate::part_of(key).expect("part").rect.center();
+        pos2(x, y)
+    }
+
+    fn button(pos: Pos2, pressed: bool) -> Event {
+        let modifiers = Modifiers::default();
+        Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers,
+        }
+    }
+
+    fn touch(finger: u64, phase: TouchPhase, pos: Pos2) -> Event {
+        let (device_id, id) = (TouchDeviceId(0), TouchId(finger));
+        Event::Touch {
+            device_id,
+            id,
+            phase,
+            pos,
+            force: None,
+        }
+    }
+
+    fn keys(done: &Done) -> Vec<(Key, bool)> {
+        done.changes
+            .iter()
+            .map(|change| (change.key, change.down))
+            .collect()
+    }
+
+    #[test]
+    fn a_click_within_one_picture_is_a_press_and_a_release() {
+        let (mut pointing, mut held) = (Pointing::default(), Held::default());
+        let events = [button(at(Key::Auto), true), button(at(Key::Auto), false)];
+        let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
+        assert_eq!(keys(&done), [(Key::Auto, true), (Key::Auto, false)]);
+    }
+
+    #[test]
+    fn sliding_off_lets_go_and_presses_nothing_else() {
+        let (mut pointing, mut held) = (Pointing::default(), Held::default());
+        pointing.follow(&[button(at(Key::ZLeft), true)], VIEW, &mut held, &|_| true);
+        let events = [
+            Event::PointerMoved(at(Key::Rapid)),
+            Event::PointerMoved(at(Key::ZLeft)),
+        ];
+        let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
+        assert_eq!(keys(&done), [(Key::ZLeft, false)]);
+        assert!(!held.is_down(Key::ZLeft));
+    }
+
+    #[test]
+    fn two_fingers_hold_two_keys_and_the_mouse_they_emulate_holds_none() {
+        let (mut pointing, mut held) = (Pointing::default(), Held::default());
+        let events = [
+            touch(1, TouchPhase::Start, at(Key::ZLeft)),
+            Event::PointerMoved(at(Key::ZLeft)),
+            button(at(Key::ZLeft), true),
+            touch(2, TouchPhase::Start, at(Key::Rapid)),
+        ];
+        let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
+        assert_eq!(keys(&done), [(Key::ZLeft, true), (Key::Rapid, true)]);
+        let events = [
+            touch(1, TouchPhase::End, at(Key::ZLeft)),
+            button(at(Key::ZLeft), false),
+            Event::PointerGone,
+        ];
+        let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
+        assert_eq!(keys(&done), [(Key::ZLeft, false)]);
+        assert!(held.is_down(Key::Rapid));
+    }
+
+    #[test]
+    fn what_lies_over_the_panel_keeps_it_from_the_mouse() {
+        let (mut pointing, mut held) = (Pointing::default(), Held::default());
+        let done = pointing.follow(&[button(at(Key::Auto), true)], VIEW, &mut held, &|_| false);
+        assert_eq!(keys(&done), []);
+    }
+
+    #[test]
+    fn a_quarter_turn_of_the_handwheel_is_25_detents() {
+        let (mut pointing, mut held) = (Pointing::default(), Held::default());
+        let wheel = faceplate::parts()
+            .iter()
+            .find(|part| part.what == What::Handwheel)
+            .expect("handwheel");
+        let (x, y) = wheel.rect.center();
+        let mut events = vec![button(pos2(x, y - 50.0), true)];
+        events.extend((1..=90u8).map(|degree| {
+            let angle = f32::from(degree).to_radians();
+            Event::PointerMoved(pos2(x + 50.0 * angle.sin(), y - 50.0 * angle.cos()))
+        }));
+        let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
+        assert!((24..=25).contains(&done.detents), "{}", done.detents);
+        assert_eq!(keys(&done), []);
+    }
+}

@@ -1,0 +1,30 @@
+//! What the window remembers from one start to the next.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::cli::Language;
+
+/// Programs that are remembered.
+const MOST: usize = 10;
+
+/// What the window remembers.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Language of menus and messages.
+    pub language: Language,
+    /// The last programs, the newest first.
+    pub recent: Vec<PathBuf>,
+}
+
+impl Settings {
+    /// Puts a program in front of the last ones.
+    pub fn remember(&mut self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|known| *known != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(MOST);
+    }
+}

@@ -1,0 +1,106 @@
+//! The words around the panel, in Chinese and English. The panel itself is
+//! always as printed.
+
+use crate::cli::Language;
+
+/// A word or sentence of the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Text {
+    /// Open a program.
+    Open,
+    /// Menu of the last programs.
+    Recent,
+    /// No last programs yet.
+    RecentEmpty,
+    /// Reload the opened program.
+    Reload,
+    /// PC keys.
+    Keys,
+    /// The other language.
+    Language,
+    /// Name of the LCD for screen readers.
+    Lcd,
+    /// Name of the handwheel.
+    Handwheel,
+    /// What the handwheel takes.
+    HandwheelHint,
+    /// Title of the key map.
+    KeysTitle,
+    /// How to leave the key map.
+    KeysClose,
+    /// Heading: key of the panel.
+    PanelKey,
+    /// Heading: key of the PC.
+    PcKey,
+    /// Filter of the file dialog.
+    Programs,
+    /// Filter of the file dialog.
+    AllFiles,
+    /// Drop here.
+    DropHere,
+    /// The PC is too slow.
+    Slow,
+    /// The kernel has stopped.
+    KernelGone,
+    /// A program was opened.
+    Opened,
+    /// Hint on an empty status line.
+    Hint,
+    /// Lamp lit, for screen readers.
+    Lit,
+    /// Lamp dark, for screen readers.
+    Dark,
+    /// The e-stop is pressed: how to release it.
+    EmergencyHint,
+}
+
+impl Text {
+    /// The words in a language.
+    pub const fn of(self, language: Language) -> &'static str {
+        let (zh, en) = self.both();
+        match language {
+            Language::Zh => zh,
+            Language::En => en,
+        }
+    }
+
+    const fn both(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Open => ("打开程序…", "Open program…"),
+            Self::Recent => ("最近文件", "Recent"),
+            Self::RecentEmpty => ("(无)", "(none)"),
+            Self::Reload => ("重新读入", "Reload"),
+            Self::Keys => ("键盘 F1", "Keys F1"),
+            Self::Language => ("English", "中文"),
+            Self::Lcd => ("显示屏", "LCD"),
+            Self::Handwheel => ("手轮", "Handwheel"),
+            Self::HandwheelHint => ("滚动或拖动转动手轮", "Scroll or drag to turn the handwheel"),
+            Self::KeysTitle => ("电脑键盘与面板按键", "PC keyboard and panel keys"),
+            Self::KeysClose => ("按 F1 或单击关闭", "F1 or a click closes this"),
+            Self::PanelKey => ("面板按键", "Panel key"),
+            Self::PcKey => ("电脑按键", "PC key"),
+            Self::Programs => ("零件程序", "Part programs"),
+            Self::AllFiles => ("所有文件", "All files"),
+            Self::DropHere => ("松开鼠标以打开程序", "Drop to open the program"),
+            Self::Slow => (
+                "电脑速度不足, 机床时间变慢",
+                "The PC is too slow: machine time runs at",
+            ),
+            Self::KernelGone => (
+                "控制内核已停止, 请重新启动程序",
+                "The control has stopped: restart the program",
+            ),
+            Self::Opened => ("已打开", "Opened"),
+            Self::Hint => (
+                "打开程序, 按 [自动] 再按 [运行]",
+                "Open a program, press [自动] AUTO, then [运行] START",
+            ),
+            Self::Lit => ("亮", "on"),
+            Self::Dark => ("灭", "off"),
+            Self::EmergencyHint => (
+                "急停已按下, 再按一次旋开",
+                "Emergency stop is pressed; press it again to release",
+            ),
+        }
+    }
+}

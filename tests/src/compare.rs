@@ -1,0 +1,97 @@
+//! Comparing what was seen with the fields an expectation names.
+
+use serde_json::Value;
+
+/// How far coordinates may be off, mm: they are equal when shown alike.
+const COORDINATE: f64 = 0.000_6;
+
+/// What differs between an expectation and what was seen, one line each. Only
+/// the fields that the expectation names are compared; `time_tolerance` holds
+/// for fields of time, in seconds.
+pub fn differences(
+    place: &str,
+    expected: &Value,
+    seen: &Value,
+    time_tolerance: f64,
+) -> Vec<String> {
+    match (expected, seen) {
+        (Value::Object(expected), Value::Object(seen)) => expected
+            .iter()
+            .flat_map(|(name, value)| {
+                let place = format!("{place}.{name}");
+                let seen = seen.get(name).unwrap_or(&Value::Null);
+                differences(&place, value, seen, time_tolerance)
+            })
+            .collect(),
+        (Value::Array(expected), Value::Array(seen)) if place.ends_with(".modal") => expected
+            .iter()
+            .filter(|code| !seen.contains(code))
+            .map(|code| format!("{place}: {code} expected among {seen:?}"))
+            .collect(),
+        (Value::Array(expected), Value::Array(seen)) if expected.len() == seen.len() => expected
+            .iter()
+            .zip(seen)
+            .enumerate()
+            .flat_map(|(index, (expected, seen))| {
+                differences(&format!("{place}[{index}]"), expected, seen, time_tolerance)
+            })
+            .collect(),
+        (Value::Number(expected), Value::Number(seen)) => {
+            let time = place.ends_with("dt") || place.ends_with("time_s");
+            let tolerance = if time { time_tolerance } else { COORDINATE };
+            let (a, b) = (
+                expected.as_f64().unwrap_or(f64::NAN),
+                seen.as_f64().unwrap_or(f64::NAN),
+            );
+            if (a - b).abs() <= tolerance {
+                Vec::new()
+            } else {
+                vec![format!("{place}: {expected} expected, {seen} seen")]
+            }
+        }
+        (expected, seen) if expected == seen => Vec::new(),
+        (expected, seen) => vec![format!("{place}: {expected} expected, {seen} seen")],
+    }
+}
+
+/// The expectation with the values seen, in the fields it names.
+pub fn updated(expected: &Value, seen: &Value) -> Value {
+    match (expected, seen) {
+        (Value::Object(expected), Value::Object(seen)) => Value::Object(
+            expected
+                .iter()
+                .map(|(name, value)| {
+                    let seen = seen.get(name).unwrap_or(&Value::Null);
+                    (name.clone(), updated(value, seen))
+                })
+                .collect(),
+        ),
+        (_, seen) => seen.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn only_named_fields_count() {
+        let seen = json!({"x": 10.0003, "z": 5, "dt": 1.5});
+        assert!(differences("", &json!({"x": 10}), &seen, 0.0).is_empty());
+        assert_eq!(
+            differences("", &json!({"x": 10.01, "q": 1}), &seen, 0.0).len(),
+            2
+        );
+        assert!(differences("", &json!({"dt": 1.4}), &seen, 0.2).is_empty());
+        assert_eq!(differences("", &json!({"dt": 1.4}), &seen, 0.05).len(), 1);
+    }
+
+    #[test]
+    fn an_update_keeps_the_choice_of_fields() {
+        let seen = json!({"x": 10.5, "z": 5, "final": {"abs": [1, 2], "rel": [3, 4]}});
+        let expected = json!({"x": 0, "final": {"abs": [0, 0]}});
+        let wanted = json!({"x": 10.5, "final": {"abs": [1, 2]}});
+        assert_eq!(updated(&expected, &seen), wanted);
+    }
+}

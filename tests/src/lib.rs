@@ -1,0 +1,67 @@
+//! End-to-end cases as folders of data, run through the public API.
+//!
+//! A case is a folder under `tests/cases/`; what its files mean stands in
+//! `ARCHITECTURE.md`. [`run_case`] runs one and returns what differs.
+
+pub mod case;
+pub mod compare;
+pub mod execute;
+pub mod setup;
+
+mod operate;
+mod program;
+
+use std::path::{Path, PathBuf};
+
+pub use case::{Case, ProgramPath};
+
+/// The folder of the cases.
+pub fn cases_dir() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("cases")
+}
+
+/// The folder of the repository.
+pub fn repository() -> PathBuf {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    manifest.parent().unwrap_or(manifest).to_path_buf()
+}
+
+/// Runs the case in a folder. With `update` the values of its expectation files
+/// are rewritten where they differ.
+///
+/// # Errors
+/// What differs, one difference a line; or that the case cannot be read; or that
+/// a case marked as a known failure has begun to pass.
+pub fn run_case(folder: &Path, update: bool) -> Result<(), String> {
+    let case = Case::read(folder)?;
+    let outcome = match &case.script {
+        Some(script) => operate::run(&case, folder, script, update),
+        None => program::run(&case, folder, update),
+    };
+    match (&case.known_failure, outcome) {
+        (None, outcome) => outcome,
+        (Some(_), Err(_)) => Ok(()),
+        (Some(reason), Ok(())) => Err(format!(
+            "passes now, although it is marked as a known failure ({reason}): remove the mark"
+        )),
+    }
+}
+
+/// Reads a file of a case.
+fn read(folder: &Path, name: &str) -> Result<String, String> {
+    std::fs::read_to_string(folder.join(name)).map_err(|error| format!("{name}: {error}"))
+}
+
+/// Reads a file of a case that may be missing.
+fn read_if_there(folder: &Path, name: &str) -> Result<Option<String>, String> {
+    if folder.join(name).exists() {
+        read(folder, name).map(Some)
+    } else {
+        Ok(None)
+    }
+}
+
+/// Rewrites an expectation.
+fn write(folder: &Path, name: &str, text: &str) -> Result<(), String> {
+    std::fs::write(folder.join(name), text).map_err(|error| format!("{name}: {error}"))
+}

@@ -1,0 +1,72 @@
+//! Cases that run an operator script.
+
+use std::path::Path;
+
+use gsk_panel::emulator::Emulator;
+use gsk_panel::script::{self, Effect, Script};
+
+use crate::case::Case;
+
+const SCREEN: &str = "screen.txt";
+
+/// Runs the script and compares the LCD at its end.
+pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Result<(), String> {
+    let text = crate::read(folder, name)?;
+    let script = Script::parse(&text).map_err(|errors| {
+        let lines: Vec<String> = errors
+            .iter()
+            .map(|error| format!("{name}: {error}"))
+            .collect();
+        lines.join("\n")
+    })?;
+    let mut emulator = Emulator::new(case.setup.setup()?);
+    let outcome = script::run(
+        script,
+        &mut emulator,
+        &mut |effect, emulator| match effect {
+            Effect::Load(file) => {
+                let text = crate::read(folder, &file)?;
+                emulator
+                    .load_program(&file, &text)
+                    .map_err(|alarm| alarm.line_text())
+            }
+            Effect::Show(screen) => {
+                println!("{screen}");
+                Ok(())
+            }
+            Effect::Shot { .. } => Ok(()),
+        },
+    );
+    outcome.map_err(|failure| format!("{name}: {failure}\n{}", screen_text(&emulator)))?;
+    let Some(expected) = crate::read_if_there(folder, SCREEN)? else {
+        return Ok(());
+    };
+    let seen = screen_text(&emulator);
+    if seen == expected {
+        return Ok(());
+    }
+    if update {
+        return crate::write(folder, SCREEN, &seen);
+    }
+    let mut lines = vec![format!("{SCREEN} differs:")];
+    for (row, (expected, seen)) in padded(&expected).zip(padded(&seen)).take(15).enumerate() {
+        if expected != seen {
+            lines.push(format!("R{row:<2} expected |{expected}"));
+            lines.push(format!("    seen     |{seen}"));
+        }
+    }
+    Err(lines.join("\n"))
+}
+
+fn padded(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().chain(core::iter::repeat(""))
+}
+
+/// The LCD as 15 lines without blanks at their ends.
+fn screen_text(emulator: &Emulator) -> String {
+    let screen = emulator.screen().text();
+    screen
+        .lines()
+        .map(|line| format!("{}\n", line.trim_end()))
+        .collect()
+}

@@ -1,0 +1,119 @@
+//! Cases that run a part program.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::case::{Case, ProgramPath};
+use crate::compare::{differences, updated};
+use crate::execute::{self, Seen};
+use crate::setup;
+
+const MOVES: &str = "moves.ndjson";
+const RESULT: &str = "result.json";
+
+/// Fields of the result that only the full kernel knows.
+const KERNEL_ONLY: [&str; 2] = ["t", "spindle"];
+
+/// Runs the case through its paths.
+pub(crate) fn run(case: &Case, folder: &Path, update: bool) -> Result<(), String> {
+    let texts: Vec<String> = case
+        .programs
+        .iter()
+        .map(|name| crate::read(folder, name))
+        .collect::<Result<_, _>>()?;
+    let mut start = case.setup.setup()?;
+    start.programs = setup::memory(&texts)?;
+    let expected = Expected::read(folder)?;
+    let mut all = Vec::new();
+    for &path in &case.paths {
+        let seen = match path {
+            ProgramPath::Check => execute::check(&start),
+            ProgramPath::Run => execute::run(&start),
+        };
+        let found = expected.differences(path, &seen, case.time_tolerance);
+        if !found.is_empty() && update {
+            expected.update(folder, &seen)?;
+        }
+        all.extend(found);
+    }
+    if all.is_empty() || update {
+        Ok(())
+    } else {
+        Err(all.join("\n"))
+    }
+}
+
+struct Expected {
+    moves: Option<Vec<Value>>,
+    result: Option<Value>,
+}
+
+impl Expected {
+    fn read(folder: &Path) -> Result<Self, String> {
+        let moves = crate::read_if_there(folder, MOVES)?
+            .map(|text| {
+                let lines = text.lines().enumerate();
+                lines
+                    .map(|(index, line)| {
+                        serde_json::from_str(line)
+                            .map_err(|error| format!("{MOVES}:{}: {error}", index + 1))
+                    })
+                    .collect::<Result<Vec<Value>, _>>()
+            })
+            .transpose()?;
+        let result = crate::read_if_there(folder, RESULT)?
+            .map(|text| serde_json::from_str(&text).map_err(|error| format!("{RESULT}: {error}")))
+            .transpose()?;
+        Ok(Self { moves, result })
+    }
+
+    fn differences(&self, path: ProgramPath, seen: &Seen, time_tolerance: f64) -> Vec<String> {
+        let name = path.name();
+        let mut all = Vec::new();
+        if self.moves.is_none() && self.result.is_none() {
+            all.push(format!("neither {MOVES} nor {RESULT} is there"));
+        }
+        if let Some(result) = &self.result {
+            let mut result = result.clone();
+            if let (ProgramPath::Check, Value::Object(fields)) = (path, &mut result) {
+                fields.retain(|field, _| !KERNEL_ONLY.contains(&field.as_str()));
+            }
+            all.extend(differences(name, &result, &seen.result, time_tolerance));
+        }
+        if let Some(moves) = &self.moves {
+            for (index, (expected, seen)) in moves.iter().zip(&seen.moves).enumerate() {
+                let place = format!("{name}: move {}", index + 1);
+                all.extend(differences(&place, expected, seen, time_tolerance));
+            }
+            if moves.len() != seen.moves.len() {
+                let next = moves.get(seen.moves.len()).or(seen.moves.get(moves.len()));
+                all.push(format!(
+                    "{name}: {} moves expected, {} seen; the first one alone: {}",
+                    moves.len(),
+                    seen.moves.len(),
+                    next.unwrap_or(&Value::Null)
+                ));
+            }
+        }
+        all
+    }
+
+    /// Rewrites the values of the fields named; a new case gets the usual fields.
+    fn update(&self, folder: &Path, seen: &Seen) -> Result<(), String> {
+        let fields = json!({"line": 0, "kind": 0, "x0": 0, "z0": 0, "x": 0, "z": 0});
+        if self.moves.is_some() || self.result.is_none() {
+            let mut text = String::new();
+            for (index, seen) in seen.moves.iter().enumerate() {
+                let named = self.moves.as_ref().and_then(|moves| moves.get(index));
+                text += &updated(named.unwrap_or(&fields), seen).to_string();
+                text.push('\n');
+            }
+            crate::write(folder, MOVES, &text)?;
+        }
+        let fields = json!({"end": 0, "alarm": 0, "parts": 0, "final": 0});
+        let result = updated(self.result.as_ref().unwrap_or(&fields), &seen.result);
+        let text = serde_json::to_string_pretty(&result).map_err(|error| error.to_string())?;
+        crate::write(folder, RESULT, &(text + "\n"))
+    }
+}

@@ -1,0 +1,129 @@
+//! The set-up words of a case, in the form of the command line.
+
+use gsk_core::command::ProgramId;
+use gsk_core::memory::ToolOffset;
+use gsk_core::program::{Program, ProgramMemory};
+use gsk_core::setup::Setup;
+use gsk_core::units::{Diameter, Point};
+use serde::Deserialize;
+
+/// What a case starts from where it differs from the dry-run set-up.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SetupWords {
+    /// The machine as delivered instead: factory parameters, no reference.
+    pub delivered: bool,
+    /// Where the tool stands: X as a diameter, Z.
+    pub start: Option<(f64, f64)>,
+    /// Speed of a spindle that already turns, r/min.
+    pub spindle: Option<f64>,
+    /// Parameters: `"22=3800"`, `"001.4=0"`.
+    pub params: Vec<String>,
+    /// Offsets: `"01=2,1.5,0,0"`.
+    pub offsets: Vec<String>,
+    /// Machine inputs held at a value: `"X0.4=1"`.
+    pub inputs: Vec<String>,
+    /// Whether the axes have their reference.
+    pub referenced: Option<bool>,
+}
+
+impl SetupWords {
+    /// The set-up.
+    ///
+    /// # Errors
+    /// A word that cannot be read or is refused.
+    pub fn setup(&self) -> Result<Setup, String> {
+        let mut setup = if self.delivered {
+            Setup::delivered()
+        } else {
+            Setup::default()
+        };
+        if let Some((x, z)) = self.start {
+            setup.start = Some(Point::from_diameter(Diameter(x), z));
+        }
+        setup.spindle_rpm = self.spindle;
+        setup.referenced = self.referenced.unwrap_or(setup.referenced);
+        for word in &self.params {
+            parameter(&mut setup, word).map_err(|error| format!("parameter {word}: {error}"))?;
+        }
+        for word in &self.offsets {
+            offset(&mut setup, word).map_err(|error| format!("offset {word}: {error}"))?;
+        }
+        for word in &self.inputs {
+            let (address, state) = parts(word)?;
+            let address = address
+                .parse()
+                .map_err(|error| format!("input {word}: {error}"))?;
+            setup.forced_inputs.push((address, state == "1"));
+        }
+        Ok(setup)
+    }
+}
+
+fn parts(word: &str) -> Result<(&str, &str), String> {
+    word.split_once('=')
+        .ok_or_else(|| format!("{word}: write it as NAME=VALUE"))
+}
+
+fn number<T: core::str::FromStr>(text: &str) -> Result<T, String> {
+    text.trim()
+        .parse()
+        .map_err(|_| format!("{text} is not a number of this kind"))
+}
+
+fn parameter(setup: &mut Setup, word: &str) -> Result<(), String> {
+    let (name, value) = parts(word)?;
+    let refused = |error| format!("{error:?}");
+    match name.split_once('.') {
+        Some((name, bit)) => setup
+            .parameters
+            .set_bit(number(name)?, number(bit)?, value == "1")
+            .map_err(refused),
+        None => setup
+            .parameters
+            .set(number(name)?, number(value)?)
+            .map_err(refused),
+    }
+}
+
+fn offset(setup: &mut Setup, word: &str) -> Result<(), String> {
+    let (name, values) = parts(word)?;
+    let values: Vec<f64> = values.split(',').map(number).collect::<Result<_, _>>()?;
+    let value = |index: usize| values.get(index).copied().unwrap_or_default();
+    let row = ToolOffset {
+        x: value(0),
+        z: value(1),
+        r: value(2),
+        t: value(3) as u8,
+    };
+    let refused = |alarm: gsk_core::alarm::Alarm| alarm.line_text();
+    setup.offsets.set(number(name)?, row).map_err(refused)
+}
+
+/// Program memory with these texts; the first one is selected. A text without
+/// an O word is opened as an external program.
+///
+/// # Errors
+/// The alarm with which the memory refuses one.
+pub fn memory(texts: &[String]) -> Result<ProgramMemory, String> {
+    let mut memory = ProgramMemory::default();
+    let mut first = None;
+    for text in texts {
+        let program = Program::new(text.as_str());
+        let id = match program.number() {
+            Some(_) => memory
+                .store(text.as_str())
+                .map(ProgramId::Stored)
+                .map_err(|alarm| alarm.line_text())?,
+            None => {
+                memory.open_external(program);
+                ProgramId::External
+            }
+        };
+        first.get_or_insert(id);
+    }
+    if let Some(first) = first {
+        memory.select(first);
+    }
+    Ok(memory)
+}

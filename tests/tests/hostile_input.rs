@@ -1,0 +1,123 @@
+//! No text panics the program or hangs it.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
+
+use gsk_core::preview::{End, preview};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::simulation::{Simulation, Until};
+use gsk_panel::script::Script;
+use gsk_tests::setup;
+use proptest::prelude::*;
+
+/// Words that look like a program, and words that spoil one.
+fn word() -> impl Strategy<Value = String> {
+    prop_oneof![
+        6 => "[GMTSNXZUWRIKFPQLO][0-9]{1,3}",
+        4 => "[XZUWRIKF]-?[0-9]{1,3}\\.[0-9]{0,3}",
+        2 => "G(00|01|02|03|04|28|50|90|94|96|97|98|99)",
+        1 => "M(98 P[0-9]{1,8}|99|30|00)",
+        1 => "[A-Z]",
+        1 => "[;%/()*#.+-]",
+        1 => "\\PC{1,3}",
+        1 => "[0-9]{1,40}",
+    ]
+}
+
+fn text() -> impl Strategy<Value = String> {
+    let line = proptest::collection::vec(word(), 0..6).prop_map(|words| words.join(" "));
+    proptest::collection::vec(line, 0..12).prop_map(|lines| lines.join("\n"))
+}
+
+fn start(text: &str) -> Setup {
+    let mut start = Setup::default();
+    start.programs.open_external(Program::new(text));
+    start
+        .programs
+        .select(gsk_core::command::ProgramId::External);
+    start
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text_can_be_checked(text in text()) {
+        let start = start(&text);
+        let seen = preview(&start, &start.programs, &mut |executed| {
+            assert!(executed.to.x.is_finite() && executed.to.z.is_finite());
+        });
+        prop_assert!(seen.time_s.is_finite());
+        prop_assert_eq!(seen.end == End::Alarm, seen.alarm.is_some());
+    }
+
+    #[test]
+    fn any_text_can_be_executed(text in text()) {
+        let mut simulation = Simulation::new(start(&text));
+        simulation.start_automatic();
+        simulation.run_until(Until::Stopped, 300);
+        let position = simulation.cnc.position_machine();
+        prop_assert!(position.x.is_finite() && position.z.is_finite());
+    }
+
+    #[test]
+    fn any_text_can_be_stored_or_is_refused(text in "\\PC{0,200}") {
+        let _ = setup::memory(&[text]);
+    }
+
+    #[test]
+    fn any_text_can_be_read_as_a_script(text in "(press|hold|wait|expect|set|turn|@[0-9]{1,30}| |\\PC){0,12}") {
+        let _ = Script::parse(&text);
+    }
+}
+
+#[test]
+fn files_that_are_no_programs() {
+    let lines = "X".repeat(100_000);
+    for text in [
+        "",
+        "\n\n\n",
+        "%",
+        "%\n%",
+        "\u{0}\u{1}\u{7f}",
+        ";;;;",
+        "(",
+        ")",
+        "O",
+        "O99999",
+        &lines,
+    ] {
+        let start = start(text);
+        let seen = preview(&start, &start.programs, &mut |_| {});
+        assert!(
+            matches!(seen.end, End::Text | End::Alarm),
+            "{:.20?}: {:?}",
+            text,
+            seen.end
+        );
+    }
+}
+
+#[test]
+fn loops_without_motion_end() {
+    for text in ["M99", "O1\nG98\nM99", "N1 M99 P1"] {
+        let start = start(text);
+        let seen = preview(&start, &start.programs, &mut |_| {});
+        assert!(
+            matches!(seen.end, End::M99 | End::Limit),
+            "{text}: {:?}",
+            seen.end
+        );
+    }
+    let texts = [
+        "O1\nM98 P99990002\nM30".to_owned(),
+        "O2\nM98 P99990003\nM99".to_owned(),
+        "O3\nG98\nM99".to_owned(),
+    ];
+    let start = Setup {
+        programs: setup::memory(&texts).expect("programs"),
+        ..Setup::default()
+    };
+    let seen = preview(&start, &start.programs, &mut |_| {});
+    assert_eq!(seen.end, End::Limit);
+}

@@ -1,0 +1,116 @@
+//! The case runner itself: it sees differences, keeps known failures honest and
+//! rewrites expectations only on demand.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
+
+use std::fs;
+use std::path::PathBuf;
+
+use gsk_tests::run_case;
+
+/// A case in a folder of its own, removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, files: &[(&str, &str)]) -> Self {
+        let path = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));
+        fs::create_dir_all(&path).expect("folder");
+        for (file, text) in files {
+            fs::write(path.join(file), text).expect(file);
+        }
+        Self(path)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What stays behind is a few bytes in the temporary folder.
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+const PART: (&str, &str) = ("part.nc", "O1;\nG00 X100 Z50;\nM30;\n");
+const CASE: (&str, &str) = ("case.ron", "(programs: [\"part.nc\"])");
+
+#[test]
+fn a_wrong_move_is_seen_on_both_paths() {
+    let wrong = (
+        "moves.ndjson",
+        "{\"line\":2,\"kind\":\"rapid\",\"x\":100.01,\"z\":50}\n",
+    );
+    let folder = Folder::new("wrong", &[PART, CASE, wrong]);
+    let failure = run_case(&folder.0, false).expect_err("a difference");
+    assert!(failure.contains("check: move 1.x"), "{failure}");
+    assert!(failure.contains("run: move 1.x"), "{failure}");
+}
+
+#[test]
+fn a_missing_move_is_seen() {
+    let folder = Folder::new("missing", &[PART, CASE, ("moves.ndjson", "")]);
+    let failure = run_case(&folder.0, false).expect_err("a difference");
+    assert!(failure.contains("0 moves expected, 1 seen"), "{failure}");
+}
+
+#[test]
+fn a_wrong_result_is_seen() {
+    let wrong = ("result.json", "{\"end\":\"M30\",\"alarm\":{\"number\":11}}");
+    let folder = Folder::new("result", &[PART, CASE, wrong]);
+    let failure = run_case(&folder.0, false).expect_err("a difference");
+    assert!(failure.contains("check.alarm"), "{failure}");
+}
+
+#[test]
+fn a_case_without_expectation_fails() {
+    let folder = Folder::new("nothing", &[PART, CASE]);
+    assert!(run_case(&folder.0, false).is_err());
+}
+
+#[test]
+fn a_failed_expect_shows_its_line_and_the_screen() {
+    let case = ("case.ron", "(script: \"operate.txt\")");
+    let script = ("operate.txt", "press AUTO\nexpect mode 手动方式\n");
+    let folder = Folder::new("script", &[case, script]);
+    let failure = run_case(&folder.0, false).expect_err("a difference");
+    assert!(failure.contains("line 2"), "{failure}");
+    assert!(failure.contains("自动方式"), "{failure}");
+}
+
+#[test]
+fn a_wrong_screen_is_seen() {
+    let case = ("case.ron", "(script: \"operate.txt\")");
+    let script = ("operate.txt", "press AUTO\n");
+    let folder = Folder::new("screen", &[case, script, ("screen.txt", "程序\n")]);
+    let failure = run_case(&folder.0, false).expect_err("a difference");
+    assert!(failure.contains("R0  expected |程序"), "{failure}");
+}
+
+#[test]
+fn a_known_failure_passes_until_it_is_none() {
+    let known = (
+        "case.ron",
+        "(programs: [\"part.nc\"], known_failure: \"why\")",
+    );
+    let wrong = ("result.json", "{\"end\":\"M99\"}");
+    let folder = Folder::new("known", &[PART, known, wrong]);
+    assert_eq!(run_case(&folder.0, false), Ok(()));
+    fs::write(folder.0.join("result.json"), "{\"end\":\"M30\"}").expect("result");
+    let failure = run_case(&folder.0, false).expect_err("it passes now");
+    assert!(failure.contains("passes now"), "{failure}");
+}
+
+#[test]
+fn an_update_rewrites_named_fields_only() {
+    let wrong = ("moves.ndjson", "{\"line\":2,\"x\":1}\n");
+    let folder = Folder::new("update", &[PART, CASE, wrong]);
+    run_case(&folder.0, true).expect("update");
+    let text = fs::read_to_string(folder.0.join("moves.ndjson")).expect("moves");
+    assert_eq!(text, "{\"line\":2,\"x\":100.0}\n");
+    assert_eq!(run_case(&folder.0, false), Ok(()));
+}
+
+#[test]
+fn a_case_that_cannot_be_read_says_so() {
+    let folder = Folder::new("unreadable", &[("case.ron", "(program: [])")]);
+    let failure = run_case(&folder.0, false).expect_err("no case");
+    assert!(failure.starts_with("case.ron:"), "{failure}");
+}
