@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use eframe::egui;
 
@@ -99,7 +99,8 @@ impl App {
         let keeper = Keeper::start(Arc::clone(&data), &restored, cnc)?;
         let waker = context.clone();
         let outside = Outside {
-            wake: Box::new(move || waker.request_repaint()),
+            // With a delay it is drawn once; without one egui draws twice.
+            wake: Box::new(move || waker.request_repaint_after(Duration::from_millis(1))),
             keeper: Some(keeper),
         };
         let thread = kernel::start(kernel, &console, outside)?;

@@ -18,9 +18,10 @@ pub fn show(context: &Context, language: Language) -> bool {
         .fixed_size([width, (screen.height() - 120.0).clamp(120.0, 620.0)])
         .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
         .open(&mut open);
-    let mut clicked = false;
     window.show(context, |ui| {
-        ui.label(RichText::new(Text::KeysClose.of(language)).color(Color32::from_gray(150)));
+        for text in [Text::KeysCharacters, Text::KeysClose] {
+            ui.label(RichText::new(text.of(language)).color(Color32::from_gray(150)));
+        }
         egui::ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
@@ -33,9 +34,8 @@ pub fn show(context: &Context, language: Language) -> bool {
                     }
                 });
             });
-        clicked = ui.response().clicked();
     });
-    open && !clicked
+    open
 }
 
 /// Letters, digits and signs press what is printed on them: one line for all.

@@ -26,6 +26,8 @@ pub enum Text {
     HandwheelHint,
     /// Title of the key map.
     KeysTitle,
+    /// Letters, digits and signs of the PC.
+    KeysCharacters,
     /// How to leave the key map.
     KeysClose,
     /// Heading: key of the panel.
@@ -76,7 +78,12 @@ impl Text {
             Self::Handwheel => ("手轮", "Handwheel"),
             Self::HandwheelHint => ("滚动或拖动转动手轮", "Scroll or drag to turn the handwheel"),
             Self::KeysTitle => ("电脑键盘与面板按键", "PC keyboard and panel keys"),
-            Self::KeysClose => ("按 F1 或单击关闭", "F1 or a click closes this"),
+            Self::KeysCharacters => (
+                "字母、数字和符号: 按面板所印; 复合键的第二个字符 (D Q C Y #) 直接键入",
+                "Letters, digits and signs: as printed on the panel; the second character of a \
+                 compound key (D Q C Y #) is typed directly",
+            ),
+            Self::KeysClose => ("再按 F1 关闭", "F1 closes this"),
             Self::PanelKey => ("面板按键", "Panel key"),
             Self::PcKey => ("电脑按键", "PC key"),
             Self::Programs => ("零件程序", "Part programs"),
