@@ -26,17 +26,6 @@ pub struct MoveLine {
     dt: f64,
 }
 
-/// The name of a kind of move in the output.
-pub const fn kind_name(kind: MoveKind) -> &'static str {
-    match kind {
-        MoveKind::Rapid => "rapid",
-        MoveKind::Feed => "feed",
-        MoveKind::Clockwise => "cw",
-        MoveKind::CounterClockwise => "ccw",
-        MoveKind::Dwell => "dwell",
-    }
-}
-
 /// Rounds to a millionth: a nanometre, a microsecond.
 pub fn rounded(value: f64) -> f64 {
     let rounded = (value * 1e6).round() / 1e6;
@@ -65,10 +54,16 @@ impl From<&ExecutedMove> for MoveLine {
             Some(Feed::PerRevolution(feed)) => (Some(rounded(feed)), Some("rev")),
             None => (None, None),
         };
+        // A thread has a lead, no feed.
+        let (feed, per, lead) = if executed.kind.is_thread() {
+            (None, None, feed)
+        } else {
+            (feed, per, None)
+        };
         Self {
             line: executed.source.line,
             n: executed.source.sequence,
-            kind: kind_name(executed.kind),
+            kind: executed.kind.name(),
             x0,
             z0,
             x,
@@ -77,7 +72,7 @@ impl From<&ExecutedMove> for MoveLine {
             cz: center.map(|center| center.1),
             feed,
             per,
-            lead: None,
+            lead,
             t: rounded(executed.start_s),
             dt: rounded(executed.duration_s),
         }

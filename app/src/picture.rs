@@ -69,7 +69,9 @@ impl Drawing {
         let points = match executed.kind {
             MoveKind::Dwell => return,
             MoveKind::Rapid => rapid_points(executed.from, executed.to, rates),
-            MoveKind::Feed => vec![executed.from, executed.to],
+            MoveKind::Feed | MoveKind::Thread | MoveKind::RunOut => {
+                vec![executed.from, executed.to]
+            }
             MoveKind::Clockwise | MoveKind::CounterClockwise => {
                 let clockwise = executed.kind == MoveKind::Clockwise;
                 let center = executed.center.unwrap_or(executed.from);

@@ -7,7 +7,7 @@ use std::thread::{self, JoinHandle};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use gsk_core::cnc::Cnc;
-use gsk_core::memory::{Counters, Offsets, Parameters};
+use gsk_core::memory::{Counters, Offsets, Parameters, Variables};
 use gsk_core::plc::Retained as PlcRetained;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
@@ -24,6 +24,7 @@ struct Memory {
     parameters: Parameters,
     offsets: Offsets,
     counters: Counters,
+    variables: Variables,
     plc: PlcRetained,
     programs: BTreeMap<u16, Program>,
 }
@@ -34,6 +35,7 @@ impl Memory {
             parameters: cnc.parameters().clone(),
             offsets: cnc.offsets().clone(),
             counters: cnc.counters(),
+            variables: cnc.variables().clone(),
             plc: cnc.plc().memory().retained(),
             programs: cnc
                 .programs()
@@ -63,6 +65,11 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
     );
     take(data.load("offsets"), &mut setup.offsets, &mut complaints);
     take(data.load("counters"), &mut setup.counters, &mut complaints);
+    take(
+        data.load("variables"),
+        &mut setup.variables,
+        &mut complaints,
+    );
     match data.load("plc") {
         Loaded::Value(plc) => setup.plc_retained = Some(plc),
         Loaded::Missing => {}
@@ -105,6 +112,7 @@ pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), String>
         parameters: Parameters::default(),
         offsets: Offsets::default(),
         counters: Counters::default(),
+        variables: Variables::default(),
         plc: PlcRetained::default(),
         programs: BTreeMap::new(),
     };
@@ -217,6 +225,10 @@ impl Writer {
         if now.counters != self.written.counters {
             self.data.store("counters", &now.counters)?;
             self.written.counters = now.counters;
+        }
+        if now.variables != self.written.variables {
+            self.data.store("variables", &now.variables)?;
+            self.written.variables = now.variables;
         }
         if now.plc != self.written.plc {
             self.data.store("plc", &now.plc)?;

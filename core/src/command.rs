@@ -230,6 +230,26 @@ pub enum MoveKind {
     Dwell,
 }
 
+impl MoveKind {
+    /// Its name in `--moves` and in the cases.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rapid => "rapid",
+            Self::Feed => "feed",
+            Self::Clockwise => "cw",
+            Self::CounterClockwise => "ccw",
+            Self::Thread => "thread",
+            Self::RunOut => "runout",
+            Self::Dwell => "dwell",
+        }
+    }
+
+    /// Whether the spindle angle drives it.
+    pub const fn is_thread(self) -> bool {
+        matches!(self, Self::Thread | Self::RunOut)
+    }
+}
+
 /// A piece of motion as it was carried out, in the *program's* coordinates
 /// (radius, without tool offset). Interpreted by the preview, executed by the
 /// control: both report the same.

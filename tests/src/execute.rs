@@ -44,17 +44,10 @@ fn pair(point: Point) -> Value {
 
 /// A move as one JSON object.
 pub fn move_json(executed: &ExecutedMove) -> Value {
-    let kind = match executed.kind {
-        MoveKind::Rapid => "rapid",
-        MoveKind::Feed => "feed",
-        MoveKind::Clockwise => "cw",
-        MoveKind::CounterClockwise => "ccw",
-        MoveKind::Dwell => "dwell",
-    };
     let mut value = json!({
         "line": executed.source.line,
         "n": executed.source.sequence,
-        "kind": kind,
+        "kind": executed.kind.name(),
         "x0": rounded(executed.from.diameter().0),
         "z0": rounded(executed.from.z),
         "x": rounded(executed.to.diameter().0),
@@ -69,6 +62,9 @@ pub fn move_json(executed: &ExecutedMove) -> Value {
         Some(Feed::PerMinute(feed)) => {
             value["feed"] = json!(rounded(feed));
             value["per"] = json!("min");
+        }
+        Some(Feed::PerRevolution(lead)) if executed.kind.is_thread() => {
+            value["lead"] = json!(rounded(lead));
         }
         Some(Feed::PerRevolution(feed)) => {
             value["feed"] = json!(rounded(feed));

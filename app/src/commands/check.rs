@@ -158,6 +158,7 @@ fn path(preview: &Preview) -> PathReport {
             ("feed", moves::rounded(lengths.feed)),
             ("cw", moves::rounded(lengths.clockwise)),
             ("ccw", moves::rounded(lengths.counter_clockwise)),
+            ("thread", moves::rounded(lengths.thread)),
         ]),
         tools: preview
             .tools

@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::Path;
 
-use gsk_core::command::ExecutedMove;
+use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Feed, Point};
 use indicatif::ProgressBar;
@@ -170,12 +170,14 @@ impl Watcher for Outputs {
 /// A move in words.
 fn sentence(executed: &ExecutedMove) -> String {
     let (x, z) = moves::diameter_z(executed.to);
-    let verb = match moves::kind_name(executed.kind) {
-        "rapid" => "rapid",
-        "feed" => "cut",
-        "cw" => "cut clockwise",
-        "ccw" => "cut counter-clockwise",
-        _ => return format!("wait {} s", moves::rounded(executed.duration_s)),
+    let verb = match executed.kind {
+        MoveKind::Rapid => "rapid",
+        MoveKind::Feed => "cut",
+        MoveKind::Clockwise => "cut clockwise",
+        MoveKind::CounterClockwise => "cut counter-clockwise",
+        MoveKind::Thread => "thread",
+        MoveKind::RunOut => "leave the thread",
+        MoveKind::Dwell => return format!("wait {} s", moves::rounded(executed.duration_s)),
     };
     let feed = match executed.feed {
         Some(Feed::PerMinute(feed)) => format!(" at {} mm/min", moves::rounded(feed)),

@@ -34,7 +34,6 @@ const COS_1_DEGREE: f64 = 0.999_847_695_156_391_3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Type {
     /// Only for machines that are set so.
-    #[cfg_attr(not(test), expect(dead_code, reason = "the other of the two types"))]
     A,
     B,
 }
@@ -121,7 +120,11 @@ fn angle(exit: Point, entry: Point, rho: f64) -> Angle {
     let reversal = along < 0.0 && turn.abs() < PARALLEL;
     let sharp = along < -COS_1_DEGREE;
     if turn > -PARALLEL && !reversal {
-        return if sharp { Angle::InnerSharp } else { Angle::Inner };
+        return if sharp {
+            Angle::InnerSharp
+        } else {
+            Angle::Inner
+        };
     }
     if sharp {
         return Angle::OuterSharp;
@@ -151,7 +154,10 @@ pub(super) fn vectors(
     } else {
         one_side(a, b, rho_b, role)?
     };
-    let finite = vectors.all().iter().all(|vector| vector.length().is_finite());
+    let finite = vectors
+        .all()
+        .iter()
+        .all(|vector| vector.length().is_finite());
     if finite {
         Ok(vectors)
     } else {

@@ -49,10 +49,7 @@ pub(super) struct Trail {
 
 impl Trail {
     pub(super) fn of(piece: &Piece, way: &Way, rho: f64) -> Self {
-        let (p, q) = (
-            piece.start + way.start.last(),
-            piece.end + way.end.first(),
-        );
+        let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
         let path = match &piece.circle {
             Some(circle) if !way.straight => Curve::arc(p, q, circle, piece.sweep()),
             _ => Curve::line(p, q),
@@ -75,7 +72,12 @@ pub(super) fn cuts_into<'a>(
     next: Option<&Piece>,
 ) -> bool {
     let cuts = |path: &Curve, piece: &Piece| {
-        clearance::cuts(path, &Curve::surface(piece), trail.rho.abs(), piece.misfit())
+        clearance::cuts(
+            path,
+            &Curve::surface(piece),
+            trail.rho.abs(),
+            piece.misfit(),
+        )
     };
     let around = |path: &Curve| {
         cuts(path, &trail.piece)
@@ -92,8 +94,7 @@ pub(super) fn cuts_into<'a>(
             [one, other] => around(&Curve::line(start + *one, start + *other)),
             _ => false,
         });
-    corner_cuts
-        || next.is_some_and(|next| before.clone().any(|before| cuts(&before.path, next)))
+    corner_cuts || next.is_some_and(|next| before.clone().any(|before| cuts(&before.path, next)))
 }
 
 /// Checks a move between the vectors at its start and at its end.
@@ -119,10 +120,7 @@ pub(super) fn check(piece: &Piece, start: Vectors, end: Vectors) -> Result<Way, 
 }
 
 fn interferes(piece: &Piece, way: &Way) -> bool {
-    let (p, q) = (
-        piece.start + way.start.last(),
-        piece.end + way.end.first(),
-    );
+    let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
     match &piece.circle {
         Some(circle) if !way.straight => turns_over(piece, circle, p, q),
         _ => {

@@ -85,12 +85,7 @@ fn on_line(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> 
 }
 
 /// Two circles, their centres seen from P.
-fn of_arcs(
-    center_a: Point,
-    radius_a: f64,
-    center_b: Point,
-    radius_b: f64,
-) -> Result<Point, Fault> {
+fn of_arcs(center_a: Point, radius_a: f64, center_b: Point, radius_b: f64) -> Result<Point, Fault> {
     let between = center_b - center_a;
     let d = between.length();
     let e = unit(between)

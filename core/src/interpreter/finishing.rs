@@ -67,6 +67,7 @@ impl Finishing {
         plan.motion = Motion::One(Action::Rapid {
             to: Shift::of(state).machine(self.start),
         });
+        plan.apart = true;
         plan.flow = Flow::Jump(self.back);
         plan
     }

@@ -70,11 +70,7 @@ fn check_center(start: Exact, end: Exact, words: &Words) -> Result<(), Fault> {
 }
 
 /// M98 in offset mode, and M99 that returns: alarm 036.
-pub(super) fn check_call(
-    state: &State,
-    context: &Context<'_>,
-    plan: &Plan,
-) -> Result<(), Alarm> {
+pub(super) fn check_call(state: &State, context: &Context<'_>, plan: &Plan) -> Result<(), Alarm> {
     let contour = plan.motion.is_contour();
     let on = match context.compensated {
         Compensated::Never => false,

@@ -174,6 +174,8 @@ pub(crate) struct Plan {
     /// T, S, M.
     pub(crate) before: VecDeque<Action>,
     pub(crate) motion: Motion,
+    /// The motion runs without nose radius compensation, whatever it is.
+    pub(crate) apart: bool,
     /// M00, M30, M99 of the main program.
     pub(crate) after: Option<Action>,
     /// Where reading goes on when everything is taken.
@@ -193,6 +195,7 @@ impl Plan {
             modal,
             before: VecDeque::new(),
             motion: Motion::None,
+            apart: false,
             after: None,
             flow: Flow::Next,
             stops: true,

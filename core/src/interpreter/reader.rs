@@ -272,6 +272,8 @@ impl Interpreter {
                 .ok_or_else(|| missing(place.program))?,
         };
         if let Some(finishing) = run.finishing.filter(|profile| profile.is_over(place)) {
+            // The last block of the profile ends square to itself.
+            self.compensation.flush();
             let mut plan = finishing.back(&mut self.state);
             plan.whole = true;
             self.run_mut().finishing = None;

@@ -73,7 +73,8 @@ impl Reference {
             }
         }
         if state.offset == Exact::default() {
-            state.cancel_offset_number();
+            // The nose stays: the compensation comes back with the next move.
+            state.modal.offset = 0;
         }
         state.stand_at(reference);
         let frame = (before != (state.zero, state.offset)).then(|| Action::Frame {

@@ -60,7 +60,7 @@ impl Run {
     /// block that follows.
     pub(crate) fn take(&mut self) -> Option<Command> {
         let plan = self.plan.as_mut()?;
-        self.contour = plan.motion.is_contour();
+        self.contour = plan.motion.is_contour() && !plan.apart;
         let command = plan.take();
         if plan.is_done() {
             let flow = plan.flow;

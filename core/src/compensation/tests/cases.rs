@@ -135,11 +135,7 @@ fn the_worked_cases() {
 
 fn check(case: &Case) -> Result<(), String> {
     // The first block says where the tool stands.
-    let start = numbers(
-        &case.blocks[0]
-            .replace("G00 X", "")
-            .replace('Z', ""),
-    );
+    let start = numbers(&case.blocks[0].replace("G00 X", "").replace('Z', ""));
     let text = format!("T0101 F100\n{}", case.blocks[1..].join("\n"));
     let (moves, preview) = run(&text, case.nose, start);
     let alarm = preview.alarm.as_ref().map(|alarm| {
@@ -161,12 +157,13 @@ fn check(case: &Case) -> Result<(), String> {
         }
         at = target.1;
     }
-    let moves: Vec<_> = moves
-        .iter()
-        .filter(|made| made.from != made.to)
-        .collect();
+    let moves: Vec<_> = moves.iter().filter(|made| made.from != made.to).collect();
     if moves.len() != expected.len() {
-        return Err(format!("{} moves, not {}: {moves:?}", moves.len(), expected.len()));
+        return Err(format!(
+            "{} moves, not {}: {moves:?}",
+            moves.len(),
+            expected.len()
+        ));
     }
     let mut before = 1;
     for (made, (block, target, about)) in moves.iter().zip(expected) {
@@ -181,10 +178,7 @@ fn check(case: &Case) -> Result<(), String> {
         if !near(made.to, target) {
             return Err(format!("block {block}: {:?}, not {target:?}", made.to));
         }
-        let arc = matches!(
-            made.kind,
-            MoveKind::Clockwise | MoveKind::CounterClockwise
-        );
+        let arc = matches!(made.kind, MoveKind::Clockwise | MoveKind::CounterClockwise);
         match (arc, about) {
             (false, None) => {}
             (true, Some(about)) if near(made.center.unwrap_or_default(), about) => {}

@@ -111,10 +111,7 @@ fn circle(from: Point, to: Point, more: i64, clockwise: bool) -> (i64, Point) {
     let along = (to - from) * (1.0 / chord);
     // To the right of the travel for G02, to the left for G03.
     let normal = Point::new(-along.z, along.x) * if clockwise { 1.0 } else { -1.0 };
-    (
-        thousandths,
-        from + (to - from) * 0.5 + normal * height,
-    )
+    (thousandths, from + (to - from) * 0.5 + normal * height)
 }
 
 /// Whether an arc never goes away from the chuck: a surface over Z.
@@ -123,7 +120,11 @@ fn never_back(from: Point, to: Point, (more, clockwise): (i64, bool), left: bool
     let (_, center) = circle(from, to, more, clockwise);
     [from, to].iter().all(|end| {
         let arm = *end - center;
-        if clockwise { arm.x <= 0.0 } else { arm.x >= 0.0 }
+        if clockwise {
+            arm.x <= 0.0
+        } else {
+            arm.x >= 0.0
+        }
     })
 }
 
@@ -142,7 +143,9 @@ fn program(steps: &[Step], left: bool) -> (String, Vec<Surface>) {
         (x, z) = (x + dx, z + step.dz);
         let to = point(x, z);
         let chord = (to - from).length();
-        let arc = step.arc.filter(|arc| chord > 0.0 && never_back(from, to, *arc, left));
+        let arc = step
+            .arc
+            .filter(|arc| chord > 0.0 && never_back(from, to, *arc, left));
         let Some((ratio, clockwise)) = arc else {
             writeln!(text, "G01 X{} Z{}", mm(2 * x), mm(z)).unwrap();
             surface.push(Surface {
@@ -246,7 +249,7 @@ fn noses() -> impl Strategy<Value = ToolOffset> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 100000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_nose_stays_outside_or_there_is_an_alarm(

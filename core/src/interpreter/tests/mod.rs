@@ -8,6 +8,7 @@ mod cycles;
 mod macros;
 mod motion;
 mod pecking;
+mod nose_compensation;
 mod preview;
 mod profiles;
 mod properties;

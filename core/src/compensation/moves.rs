@@ -1,0 +1,208 @@
+//! Moves on their way through the compensation, and the commands they become.
+
+use serde::{Deserialize, Serialize};
+
+use super::corner::Vectors;
+use super::fault::Fault;
+use super::interference::Way;
+use super::nose::Nose;
+use super::piece::Piece;
+use super::plane::sweep;
+use super::rounded;
+use crate::command::{Action, Command, Source};
+use crate::interpreter::Modal;
+use crate::units::{Feed, Point};
+
+/// Arcs shorter than this are run straight: rounding could turn them over.
+const SHORT_ARC: f64 = 0.002;
+
+/// Where the tip stands, or will when what was given out is done, and which
+/// vectors of that corner are still ahead.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Stand {
+    /// Machine point from which the vectors count: the programmed one plus the
+    /// way from the centre to the tip.
+    pub(super) base: Point,
+    /// The first one is reached.
+    pub(super) vectors: Vectors,
+    /// Radius that made the vectors.
+    pub(super) radius: f64,
+    /// The vector is cancelled: the tip is on the programmed point.
+    pub(super) cancelled: bool,
+}
+
+impl Stand {
+    pub(super) fn on_point(machine: Point) -> Self {
+        Self {
+            base: machine,
+            vectors: Vectors::of(&[Point::default()]),
+            radius: 0.0,
+            cancelled: true,
+        }
+    }
+
+    /// The tip.
+    pub(super) fn tip(&self) -> Point {
+        let tip = self.base + self.vectors.first();
+        if self.cancelled { tip } else { rounded(tip) }
+    }
+}
+
+/// A compensated move whose end is still open.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Moving {
+    pub(super) command: Command,
+    pub(super) piece: Piece,
+    /// +1 left (G41), -1 right (G42).
+    pub(super) side: f64,
+    pub(super) nose: Nose,
+    /// Tool offset at its end.
+    pub(super) offset: Point,
+    /// It is the first one.
+    pub(super) starts: bool,
+    /// It begins on a cancelled vector.
+    pub(super) from_point: bool,
+    /// It begins on the vector that ended the move before, square to that.
+    pub(super) square_start: bool,
+}
+
+impl Moving {
+    pub(super) fn rho(&self) -> f64 {
+        self.side * self.nose.radius
+    }
+
+    /// The machine point that vectors at its end count from.
+    pub(super) fn base(&self) -> Point {
+        self.piece.end + self.offset + self.nose.tip()
+    }
+
+    pub(super) fn command(&self, action: Action) -> Command {
+        Command {
+            action,
+            ..self.command.clone()
+        }
+    }
+}
+
+/// The move that gives an open one its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Next {
+    pub(super) source: Source,
+    /// A compensated move, and how far on its left the nose runs.
+    pub(super) surface: Option<(Piece, f64)>,
+}
+
+/// How an open move ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum End {
+    Vectors(Vectors),
+    /// On the programmed point.
+    Cancelled,
+}
+
+/// A command after the open move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) enum Held {
+    Plain(Command),
+    /// The tool travels a change of its offset, this far; the programmed point
+    /// stays.
+    Travel(Command, Point),
+}
+
+/// +1 for G41, -1 for G42, 0 for G40.
+pub(super) fn side(modal: &Modal) -> f64 {
+    match modal.nose_compensation {
+        41 => 1.0,
+        42 => -1.0,
+        _ => 0.0,
+    }
+}
+
+/// Whether it is a move of G00 to G03.
+pub(super) const fn cuts(action: &Action) -> bool {
+    matches!(
+        action,
+        Action::Rapid { .. } | Action::Line { .. } | Action::Arc { .. }
+    )
+}
+
+/// Where an action takes the axes that stand at `from`.
+pub(super) fn destination(action: &Action, from: Point) -> Option<Point> {
+    match action {
+        Action::Rapid { to }
+        | Action::Line { to, .. }
+        | Action::Arc { to, .. }
+        | Action::Thread { to, .. } => Some(*to),
+        // It comes back.
+        Action::Tap { .. } => Some(from),
+        _ => None,
+    }
+}
+
+/// A move as geometry, without the tool offset.
+pub(super) fn piece(
+    action: &Action,
+    start: Point,
+    end: Point,
+    offset: Point,
+) -> Result<Piece, Fault> {
+    match action {
+        Action::Arc {
+            center, clockwise, ..
+        } => Piece::arc(start, end, *center - offset, *clockwise),
+        _ => Piece::line(start, end),
+    }
+}
+
+/// A straight move to the tip's target, as rapid or at the feed of its block.
+pub(super) fn straight_action(action: &Action, to: Point) -> Action {
+    match feed(action) {
+        Some(feed) => Action::Line { to, feed },
+        None => Action::Rapid { to },
+    }
+}
+
+pub(super) const fn feed(action: &Action) -> Option<Feed> {
+    match action {
+        Action::Line { feed, .. } | Action::Arc { feed, .. } => Some(*feed),
+        _ => None,
+    }
+}
+
+/// A corner move: at the head of the block that follows the corner.
+pub(super) fn corner_move(command: &Command, to: Point) -> Command {
+    Command {
+        action: straight_action(&command.action, to),
+        block_end: false,
+        stop_point: false,
+        ..command.clone()
+    }
+}
+
+/// The arc of the tip: that of the nose centre, moved. `None` for a line, and
+/// for an arc of which too little is left.
+pub(super) fn shifted_arc(moving: &Moving, way: &Way, to: Point) -> Option<Action> {
+    use core::f64::consts::PI;
+    let circle = moving.piece.circle.as_ref()?;
+    let p = moving.piece.start + way.start.last() - circle.center;
+    let q = moving.piece.end + way.end.first() - circle.center;
+    let short = (q - p).length() < SHORT_ARC;
+    if short && (p.length() < SHORT_ARC || sweep(p, q, circle.turn) < PI || !whole(moving)) {
+        return None;
+    }
+    Some(Action::Arc {
+        to,
+        center: circle.center + moving.offset + moving.nose.tip(),
+        clockwise: circle.turn < 0.0,
+        feed: feed(&moving.command.action)?,
+    })
+}
+
+/// Whether an arc goes more than half round.
+pub(super) fn whole(moving: &Moving) -> bool {
+    moving.piece.circle.as_ref().is_some_and(|circle| {
+        let from = moving.piece.start - circle.center;
+        let way = sweep(from, moving.piece.end - circle.center, circle.turn);
+        way == 0.0 || way > core::f64::consts::PI
+    })
+}

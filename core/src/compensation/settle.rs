@@ -1,0 +1,290 @@
+//! Moves get their ends: the vectors of the corner, the check, the commands.
+
+use super::corner::{self, Role, Vectors};
+use super::fault::Fault;
+use super::interference::{self, Trail, Way};
+use super::moves::{
+    End, Held, Moving, Next, Stand, corner_move, destination, shifted_arc, straight_action,
+};
+use super::piece::{Piece, SAME};
+use super::rounded;
+use super::stream::Compensation;
+use crate::command::{Command, Source};
+use crate::units::Point;
+
+/// Moves that the interference check looks back on.
+const MOVES_BEFORE: usize = 3;
+
+impl Compensation {
+    /// The open move gets its end from the next one, which becomes the open one.
+    pub(super) fn next_move(&mut self, mut next: Moving) {
+        let source = next.command.source;
+        if let Some(moving) = &self.moving {
+            // The side cannot change right after the start-up.
+            if moving.starts {
+                next.side = moving.side;
+            }
+            let role = if moving.starts {
+                Role::StartUp
+            } else {
+                Role::Both
+            };
+            let (rho, next_rho) = (moving.rho(), next.side * moving.nose.radius);
+            match corner::vectors(&moving.piece, rho, &next.piece, next_rho, role) {
+                Ok(vectors) => {
+                    let surface = Some((next.piece, next_rho));
+                    self.end_move(End::Vectors(vectors), Some(Next { source, surface }));
+                }
+                Err(fault) => self.stop_at_corner(fault, source),
+            }
+        } else {
+            self.begin_from_stand(&mut next);
+        }
+        if self.fault.is_none() {
+            self.idle = 0;
+            self.moving = Some(next);
+        }
+    }
+
+    /// A move after the end of the one before was settled: from the vector that
+    /// stands; an arc begins on its own path.
+    fn begin_from_stand(&mut self, next: &mut Moving) {
+        let mut radius = self.stand.radius;
+        if self.stand.cancelled {
+            radius = next.nose.radius;
+            let tip = next.nose.tip();
+            self.stand = Stand {
+                base: self.stand.base + tip,
+                vectors: Vectors::of(&[-tip]),
+                radius,
+                cancelled: true,
+            };
+            next.from_point = true;
+        }
+        next.square_start = !next.from_point;
+        let Some(circle) = &next.piece.circle else {
+            return;
+        };
+        let rho = next.side * radius;
+        if let Err(fault) = circle.offset_radius(rho) {
+            return self.stop_before(fault, next.command.source);
+        }
+        let vector = self.stand.vectors.first();
+        let square = corner::square_to_start(&next.piece, rho);
+        if (square - vector).length() > SAME {
+            self.stand.vectors = Vectors::of(&[vector, square]);
+        }
+    }
+
+    /// The move that cancels: to its programmed end; with `None` it has no
+    /// direction.
+    pub(super) fn cancel(&mut self, command: Command, piece: Option<&Piece>) {
+        let corner = match (&self.moving, piece) {
+            (Some(moving), Some(piece)) => {
+                let role = if moving.starts {
+                    Role::StartUp
+                } else {
+                    Role::Cancel
+                };
+                let rho = moving.rho();
+                Some(corner::vectors(&moving.piece, rho, piece, rho, role))
+            }
+            _ => None,
+        };
+        match corner {
+            Some(Ok(vectors)) => {
+                let next = Next {
+                    source: command.source,
+                    surface: None,
+                };
+                self.end_move(End::Vectors(vectors), Some(next));
+            }
+            Some(Err(fault)) => self.stop_at_corner(fault, command.source),
+            None => self.flush(),
+        }
+        if self.fault.is_some() {
+            return;
+        }
+        for vector in self.stand.vectors.all().iter().skip(1) {
+            let to = rounded(self.stand.base + *vector);
+            self.ready.push_back(corner_move(&command, to));
+        }
+        self.on = false;
+        self.before.clear();
+        self.ready.push_back(command);
+    }
+
+    /// A T without axis words: the tool travels the change of the offset.
+    pub(super) fn travel(&mut self, command: Command, by: Point) {
+        if self.moving.is_some() {
+            self.held.push_back(Held::Travel(command, by));
+        } else {
+            self.travel_now(command, by);
+        }
+    }
+
+    /// The tip goes along, vector and all.
+    fn travel_now(&mut self, command: Command, by: Point) {
+        self.stand.base = self.stand.base + by;
+        self.ready.push_back(Command {
+            action: straight_action(&command.action, self.stand.tip()),
+            ..command
+        });
+    }
+
+    /// Gives the open move out, with this end, and what was held after it.
+    pub(super) fn end_move(&mut self, end: End, next: Option<Next>) {
+        let Some(moving) = self.moving.take() else {
+            return;
+        };
+        let start = self.stand.vectors;
+        let inside = !moving.starts && !moving.from_point;
+        let way = match end {
+            End::Vectors(end) if inside => self.check(&moving, start, end, next),
+            End::Vectors(end) => Ok(Way {
+                start,
+                end,
+                straight: false,
+            }),
+            End::Cancelled => Ok(Way {
+                start,
+                end: Vectors::of(&[corner::square_to_end(&moving.piece, moving.rho())]),
+                straight: false,
+            }),
+        };
+        let way = match way {
+            Ok(way) => way,
+            Err(fault) => {
+                let source = moving.command.source;
+                self.moving = Some(moving);
+                let alarm = fault.at_corner(source, next.map_or(source, |next| next.source));
+                return self.refuse(alarm);
+            }
+        };
+        self.corner_moves(&moving, way.start);
+        self.main_move(&moving, &way, end == End::Cancelled);
+        let regular = next.is_some() && inside && self.stand.radius == moving.nose.radius;
+        self.remember(end, regular, &moving, &way);
+        self.stand = match end {
+            End::Vectors(_) => Stand {
+                base: moving.base(),
+                vectors: way.end,
+                radius: moving.nose.radius,
+                cancelled: false,
+            },
+            End::Cancelled => Stand::on_point(moving.piece.end + moving.offset),
+        };
+        self.release();
+    }
+
+    /// Keeps a move for the interference check of those that follow. After an end
+    /// square to it, or on the point, the next one may cut in.
+    fn remember(&mut self, end: End, regular: bool, moving: &Moving, way: &Way) {
+        let goes_on = self
+            .before
+            .back()
+            .is_none_or(|before| (before.piece.end - moving.piece.start).length() <= SAME);
+        if !goes_on {
+            self.before.clear();
+        }
+        if end == End::Cancelled || !regular {
+            return self.before.clear();
+        }
+        if self.before.len() >= MOVES_BEFORE {
+            self.before.pop_front();
+        }
+        let trail = Trail::of(&moving.piece, way, moving.rho());
+        self.before.push_back(trail);
+    }
+
+    /// The interference check of a move within offset mode.
+    fn check(
+        &self,
+        moving: &Moving,
+        start: Vectors,
+        end: Vectors,
+        next: Option<Next>,
+    ) -> Result<Way, Fault> {
+        let way = interference::check(&moving.piece, start, end)?;
+        let rho = moving.rho();
+        let trail = Trail::of(&moving.piece, &way, rho);
+        // Neither a vector of another nose nor one of another corner keeps clear.
+        if moving.square_start || self.stand.radius != moving.nose.radius {
+            return Ok(way);
+        }
+        let goes_on = self
+            .before
+            .back()
+            .is_some_and(|before| (before.piece.end - moving.piece.start).length() <= SAME);
+        let before = self
+            .before
+            .iter()
+            .filter(|before| goes_on && before.rho == rho);
+        let surface = next
+            .and_then(|next| next.surface)
+            .filter(|(piece, by)| *by == rho && (piece.start - moving.piece.end).length() <= SAME);
+        let next = surface.as_ref().map(|(piece, _)| piece);
+        if interference::cuts_into(before, &way, &trail, next) {
+            return Err(Fault::Interference);
+        }
+        Ok(way)
+    }
+
+    /// Round the corner at the start of a move, at its head.
+    pub(super) fn corner_moves(&mut self, moving: &Moving, vectors: Vectors) {
+        for vector in vectors.all().iter().skip(1) {
+            let to = rounded(self.stand.base + *vector);
+            self.ready.push_back(corner_move(&moving.command, to));
+        }
+    }
+
+    /// The move itself, to the first vector of its end or to the point.
+    fn main_move(&mut self, moving: &Moving, way: &Way, cancelled: bool) {
+        let to = rounded(moving.base() + way.end.first());
+        let point = destination(&moving.command.action, to).unwrap_or(to);
+        let arc = if way.straight {
+            None
+        } else {
+            shifted_arc(moving, way, to)
+        };
+        let straight = |to| straight_action(&moving.command.action, to);
+        match (arc, cancelled) {
+            (Some(arc), false) => self.ready.push_back(moving.command(arc)),
+            (None, false) => self.ready.push_back(moving.command(straight(to))),
+            (None, true) => self.ready.push_back(moving.command(straight(point))),
+            (Some(arc), true) => {
+                self.ready.push_back(Command {
+                    block_end: false,
+                    stop_point: false,
+                    ..moving.command(arc)
+                });
+                self.ready.push_back(moving.command(straight(point)));
+            }
+        }
+    }
+
+    /// What was held after a move follows it.
+    fn release(&mut self) {
+        while let Some(held) = self.held.pop_front() {
+            match held {
+                Held::Plain(command) => self.ready.push_back(command),
+                Held::Travel(command, by) => self.travel_now(command, by),
+            }
+        }
+    }
+
+    /// Alarm at the start of a block: everything before it is carried out.
+    pub(super) fn stop_before(&mut self, fault: Fault, source: Source) {
+        self.flush();
+        self.fault.get_or_insert_with(|| fault.alarm().at(source));
+    }
+
+    /// Alarm between the open move and the next: the open one is not begun.
+    pub(super) fn stop_at_corner(&mut self, fault: Fault, next: Source) {
+        let first = self
+            .moving
+            .as_ref()
+            .map_or(next, |moving| moving.command.source);
+        self.refuse(fault.at_corner(first, next));
+    }
+}
