@@ -277,6 +277,7 @@ impl Cnc {
         let masked = self.parameters.emergency_stop_masked();
         let closed = self.filter.accepted()[ESP_BYTE] & ESP_MASK != 0;
         self.watch_reset(closed || masked);
+        self.watch_drives(inputs.drive_alarm);
         self.automatic_tick();
         self.manual_tick();
         self.spindle_tick(inputs);

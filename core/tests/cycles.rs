@@ -26,10 +26,10 @@ M30;
 fn started(text: &str) -> Simulation {
     let mut simulation = Simulation::new(Setup::default());
     ticks(&mut simulation, 100);
-    simulation
+    let opened = simulation
         .cnc
-        .request(Request::OpenExternal(Program::new(text)))
-        .unwrap();
+        .request(Request::OpenExternal(Program::new(text)));
+    assert_eq!(opened, Ok(()));
     simulation.start_automatic();
     simulation
 }
@@ -135,10 +135,10 @@ fn single_block_stops_at_the_end_of_every_segment() {
     let mut simulation = Simulation::new(Setup::default());
     ticks(&mut simulation, 100);
     let text = "G00 X50 Z2 F600;\nG71 U5 R1;\nG71 P1 Q2;\nN1 G00 X30;\nN2 G01 Z-5;\n";
-    simulation
+    let opened = simulation
         .cnc
-        .request(Request::OpenExternal(Program::new(text)))
-        .unwrap();
+        .request(Request::OpenExternal(Program::new(text)));
+    assert_eq!(opened, Ok(()));
     press(&mut simulation, key(SINGLE_BLOCK.0, SINGLE_BLOCK.1));
     simulation.start_automatic();
     let mut stops = Vec::new();

@@ -13,10 +13,10 @@ use gsk_core::simulation::{Outcome, Simulation, Until};
 fn started(text: &str) -> Simulation {
     let mut simulation = Simulation::new(Setup::default());
     ticks(&mut simulation, 100);
-    simulation
+    let opened = simulation
         .cnc
-        .request(Request::OpenExternal(Program::new(text)))
-        .unwrap();
+        .request(Request::OpenExternal(Program::new(text)));
+    assert_eq!(opened, Ok(()));
     simulation.start_automatic();
     simulation
 }

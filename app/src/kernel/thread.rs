@@ -46,7 +46,7 @@ impl KernelThread {
         // The queue may be full: the kernel empties it.
         let _ = self.console.commands.send(Command::Quit);
         if thread.join().is_err() {
-            tracing::error!("the kernel thread ended with an error");
+            eprintln!("gsk980td: the kernel thread ended with an error");
         }
     }
 }

@@ -75,11 +75,18 @@ impl Curve {
         }
     }
 
-    /// A length that is not less than that of the curve.
-    fn reach(&self) -> f64 {
+    /// The corners of a box about the curve, or more than that.
+    fn bounds(&self) -> (Point, Point) {
+        let (a, b) = (self.from, self.to);
         match &self.arc {
-            None => (self.to - self.from).length(),
-            Some(arc) => arc.sweep * arc.radius,
+            None => (
+                Point::new(a.x.min(b.x), a.z.min(b.z)),
+                Point::new(a.x.max(b.x), a.z.max(b.z)),
+            ),
+            Some(arc) => {
+                let corner = Point::new(arc.radius, arc.radius);
+                (arc.center - corner, arc.center + corner)
+            }
         }
     }
 }
@@ -95,11 +102,16 @@ impl Arc {
 /// what the end of the surface may lie off its circle.
 pub(super) fn cuts(path: &Curve, surface: &Curve, radius: f64, loose: f64) -> bool {
     let least = radius - ROUNDING - loose;
-    let apart = (path.from - surface.from).length();
-    if apart - path.reach() - surface.reach() > least {
-        return false;
-    }
-    distance(path, surface) < least
+    !far_apart(path, surface, least) && distance(path, surface) < least
+}
+
+/// Whether the boxes about two curves are this far from each other already.
+fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
+    let ((low_a, high_a), (low_b, high_b)) = (a.bounds(), b.bounds());
+    let gap = |low: f64, high: f64| low.max(high).max(0.0);
+    let x = gap(low_a.x - high_b.x, low_b.x - high_a.x);
+    let z = gap(low_a.z - high_b.z, low_b.z - high_a.z);
+    x * x + z * z >= least * least && least > 0.0
 }
 
 /// The least distance of two curves.

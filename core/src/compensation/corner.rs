@@ -187,8 +187,7 @@ fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault
     let bow = |first: bool, last: bool| bow(a, b, rho, first, last);
     Ok(match angle(a.exit, b.entry, rho) {
         Angle::Straight => Vectors::of(&[kept]),
-        Angle::Inner if around => Vectors::of(&[kept]),
-        Angle::InnerSharp if around => Vectors::of(&[kept]),
+        Angle::Inner | Angle::InnerSharp if around => Vectors::of(&[kept]),
         Angle::InnerSharp => return Err(Fault::SharpCorner),
         Angle::OuterSharp if around && lines => Vectors::of(&[kept]),
         Angle::Obtuse | Angle::Acute | Angle::OuterSharp if around && START_TYPE == Type::A => {

@@ -41,10 +41,31 @@ pub(super) struct Way {
 /// A move that was run: its surface and the path of the nose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trail {
-    pub(super) piece: Piece,
+    /// Programmed end.
+    pub(super) end: Point,
+    surface: Surface,
     path: Curve,
+    /// The path keeps the nose clear of its own surface.
+    parallel: bool,
     /// The nose ran so far on the left of it.
     pub(super) rho: f64,
+}
+
+/// The surface that a move cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Surface {
+    curve: Curve,
+    /// What its end lies off its circle.
+    loose: f64,
+}
+
+impl Surface {
+    fn of(piece: &Piece) -> Self {
+        Self {
+            curve: Curve::surface(piece),
+            loose: piece.misfit(),
+        }
+    }
 }
 
 impl Trail {
@@ -55,8 +76,10 @@ impl Trail {
             _ => Curve::line(p, q),
         };
         Self {
-            piece: *piece,
+            end: piece.end,
+            surface: Surface::of(piece),
             path,
+            parallel: !way.straight,
             rho,
         }
     }
@@ -66,35 +89,35 @@ impl Trail {
 /// corner at the start and along the move, into the moves before, the move itself
 /// and the next one; and whether it has cut into the next one on the moves before.
 pub(super) fn cuts_into<'a>(
-    before: impl Iterator<Item = &'a Trail> + Clone,
+    before: &(impl Iterator<Item = &'a Trail> + Clone),
+    start: Point,
     way: &Way,
     trail: &Trail,
     next: Option<&Piece>,
 ) -> bool {
-    let cuts = |path: &Curve, piece: &Piece| {
-        clearance::cuts(
-            path,
-            &Curve::surface(piece),
-            trail.rho.abs(),
-            piece.misfit(),
-        )
+    let radius = trail.rho.abs();
+    let next = next.map(Surface::of);
+    let cuts = |path: &Curve, surface: &Surface| {
+        clearance::cuts(path, &surface.curve, radius, surface.loose)
     };
     let around = |path: &Curve| {
-        cuts(path, &trail.piece)
-            || before.clone().any(|before| cuts(path, &before.piece))
-            || next.is_some_and(|next| cuts(path, next))
+        before.clone().any(|before| cuts(path, &before.surface))
+            || next.is_some_and(|next| cuts(path, &next))
     };
-    if around(&trail.path) {
+    if around(&trail.path) || (!trail.parallel && cuts(&trail.path, &trail.surface)) {
         return true;
     }
-    let start = trail.piece.start;
+    if before.clone().next().is_none() {
+        return false;
+    }
     let mut corner = way.start.all().windows(2);
-    let corner_cuts = before.clone().next().is_some()
-        && corner.any(|pair| match pair {
-            [one, other] => around(&Curve::line(start + *one, start + *other)),
-            _ => false,
-        });
-    corner_cuts || next.is_some_and(|next| before.clone().any(|before| cuts(&before.path, next)))
+    corner.any(|pair| match pair {
+        [one, other] => {
+            let path = Curve::line(start + *one, start + *other);
+            cuts(&path, &trail.surface) || around(&path)
+        }
+        _ => false,
+    }) || next.is_some_and(|next| before.clone().any(|before| cuts(&before.path, &next)))
 }
 
 /// Checks a move between the vectors at its start and at its end.

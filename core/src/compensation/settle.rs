@@ -124,12 +124,10 @@ impl Compensation {
     }
 
     /// The tip goes along, vector and all.
-    fn travel_now(&mut self, command: Command, by: Point) {
+    fn travel_now(&mut self, mut command: Command, by: Point) {
         self.stand.base = self.stand.base + by;
-        self.ready.push_back(Command {
-            action: straight_action(&command.action, self.stand.tip()),
-            ..command
-        });
+        command.action = straight_action(&command.action, self.stand.tip());
+        self.ready.push_back(command);
     }
 
     /// Gives the open move out, with this end, and what was held after it.
@@ -183,7 +181,7 @@ impl Compensation {
         let goes_on = self
             .before
             .back()
-            .is_none_or(|before| (before.piece.end - moving.piece.start).length() <= SAME);
+            .is_none_or(|before| (before.end - moving.piece.start).length() <= SAME);
         if !goes_on {
             self.before.clear();
         }
@@ -215,7 +213,7 @@ impl Compensation {
         let goes_on = self
             .before
             .back()
-            .is_some_and(|before| (before.piece.end - moving.piece.start).length() <= SAME);
+            .is_some_and(|before| (before.end - moving.piece.start).length() <= SAME);
         let before = self
             .before
             .iter()
@@ -224,7 +222,7 @@ impl Compensation {
             .and_then(|next| next.surface)
             .filter(|(piece, by)| *by == rho && (piece.start - moving.piece.end).length() <= SAME);
         let next = surface.as_ref().map(|(piece, _)| piece);
-        if interference::cuts_into(before, &way, &trail, next) {
+        if interference::cuts_into(&before, moving.piece.start, &way, &trail, next) {
             return Err(Fault::Interference);
         }
         Ok(way)

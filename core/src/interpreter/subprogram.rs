@@ -94,9 +94,8 @@ fn enter(
         )));
     }
     let Some(program) = find_program(context, number) else {
-        return Err(Alarm::new(numbers::TARGET_MISSING).because(format!(
-            "{name}: program O{number:04} is not in the memory"
-        )));
+        return Err(Alarm::new(numbers::TARGET_MISSING)
+            .because(format!("{name}: program O{number:04} is not in the memory")));
     };
     Ok(Flow::Call(Call {
         program,

@@ -210,9 +210,7 @@ impl Cnc {
                 | Action::Line { .. }
                 | Action::Arc { .. }
                 | Action::Thread { .. } => moving,
-                Action::Tap { .. } => {
-                    self.automatic.tap != Some(TapStage::Done) || moving
-                }
+                Action::Tap { .. } => self.automatic.tap != Some(TapStage::Done) || moving,
                 _ => false,
             };
             if self.automatic.dwell_left > 0 || motion {
@@ -324,7 +322,7 @@ impl Cnc {
             center,
             feed,
             start_s: current.started,
-            duration_s: self.now() - current.started,
+            duration_s: (self.now() - current.started).max(0.0),
         }));
     }
 

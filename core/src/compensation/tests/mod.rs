@@ -2,3 +2,5 @@
 
 mod cases;
 mod clearance;
+mod distances;
+mod random_programs;

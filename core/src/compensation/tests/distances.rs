@@ -1,0 +1,72 @@
+//! The distance of curves against a count over their points.
+
+use proptest::prelude::*;
+
+use crate::compensation::clearance::{Curve, distance};
+use crate::compensation::piece::Piece;
+use crate::units::Point;
+
+fn coordinate() -> impl Strategy<Value = f64> {
+    (-5_000_i32..5_000).prop_map(|value| f64::from(value) / 1000.0)
+}
+
+fn point() -> impl Strategy<Value = Point> {
+    (coordinate(), coordinate()).prop_map(|(x, z)| Point::new(x, z))
+}
+
+/// A line, or an arc about a centre from one angle on.
+fn piece() -> impl Strategy<Value = Piece> {
+    let line =
+        (point(), point()).prop_filter_map("no length", |(from, to)| Piece::line(from, to).ok());
+    let arc = (
+        point(),
+        0.1_f64..4.0,
+        0.0_f64..6.3,
+        0.1_f64..6.2,
+        any::<bool>(),
+    );
+    let arc = arc.prop_map(|(center, radius, from, sweep, clockwise)| {
+        let at = |angle: f64| center + Point::new(libm::sin(angle), libm::cos(angle)) * radius;
+        let to = if clockwise {
+            from - sweep
+        } else {
+            from + sweep
+        };
+        Piece::arc(at(from), at(to), center, clockwise).unwrap()
+    });
+    prop_oneof![line, arc]
+}
+
+fn points(piece: &Piece) -> Vec<Point> {
+    const COUNT: u32 = 400;
+    let part = |index: u32| f64::from(index) / f64::from(COUNT);
+    (0..=COUNT)
+        .map(|index| match &piece.circle {
+            None => piece.start + (piece.end - piece.start) * part(index),
+            Some(circle) => {
+                let arm = piece.start - circle.center;
+                let turned = piece.sweep() * circle.turn * part(index);
+                let (sine, cosine) = libm::sincos(turned);
+                circle.center
+                    + Point::new(arm.x * cosine + arm.z * sine, arm.z * cosine - arm.x * sine)
+            }
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_nearest_points(a in piece(), b in piece()) {
+        let exact = distance(&Curve::surface(&a), &Curve::surface(&b));
+        let others = points(&b);
+        let counted = points(&a)
+            .iter()
+            .flat_map(|one| others.iter().map(|other| (*one - *other).length()))
+            .fold(f64::MAX, f64::min);
+        prop_assert!(exact <= counted + 1e-9, "{} {}", exact, counted);
+        // Half the distance of neighbouring points on either curve.
+        prop_assert!(counted - exact <= 0.08, "{} {}", exact, counted);
+    }
+}

@@ -1,0 +1,168 @@
+//! Nose radius compensation in the whole control: agreement with the preview,
+//! single block, reset.
+
+use gsk_core::cnc::{Event, Request};
+use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::memory::ToolOffset;
+use gsk_core::operation::RunState;
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::preview::preview;
+use gsk_core::program::{Program, ProgramMemory};
+use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
+
+const PROFILE: &str = "T0101 F600;
+G42 G00 X-2 Z2;
+G01 Z0;
+X20;
+X30 Z-5;
+M08 Z-20;
+G02 X40 Z-25 R5;
+G04 P10;
+G01 X44;
+M00;
+X50 Z-28;
+Z-40;
+X20 Z-30;
+G40 G00 X60 Z10;
+M30;
+";
+
+const SINGLE_BLOCK: BitAddress = BitAddress::new(Area::X, 20, 6);
+const CYCLE_START: BitAddress = BitAddress::new(Area::X, 25, 0);
+const RESET: BitAddress = BitAddress::new(Area::X, 26, 0);
+
+type Piece = (u32, MoveKind, [i64; 4]);
+
+fn piece(moved: &ExecutedMove) -> Piece {
+    let round = |value: f64| (value * 1e6).round() as i64;
+    let ends = [moved.from.x, moved.from.z, moved.to.x, moved.to.z];
+    (moved.source.line, moved.kind, ends.map(round))
+}
+
+fn setup() -> Option<Setup> {
+    let mut setup = Setup::default();
+    setup.parameters.set_bit(2, 1, true).ok()?;
+    let nose = ToolOffset {
+        r: 0.8,
+        t: 3,
+        ..ToolOffset::default()
+    };
+    setup.offsets.set(1, nose).ok()?;
+    Some(setup)
+}
+
+fn ticks(simulation: &mut Simulation, count: u32) {
+    for _ in 0..count {
+        simulation.tick();
+    }
+}
+
+fn press(simulation: &mut Simulation, key: BitAddress) {
+    for down in [true, false] {
+        simulation.cnc.set_panel_key(key, down);
+        ticks(simulation, 100);
+    }
+}
+
+fn started() -> Simulation {
+    let setup = setup();
+    assert!(setup.is_some());
+    let mut simulation = Simulation::new(setup.unwrap_or_default());
+    ticks(&mut simulation, 100);
+    let opened = simulation
+        .cnc
+        .request(Request::OpenExternal(Program::new(PROFILE)));
+    assert_eq!(opened, Ok(()));
+    simulation.start_automatic();
+    simulation
+}
+
+/// The moves up to the next stop.
+fn moves(simulation: &mut Simulation, pieces: &mut Vec<Piece>) {
+    for _ in 0..200_000 {
+        if matches!(simulation.cnc.run_state(), RunState::Reset | RunState::Stop) {
+            return;
+        }
+        simulation.tick();
+        for event in simulation.cnc.events() {
+            if let Event::Moved(moved) = event
+                && moved.kind != MoveKind::Dwell
+                && moved.from != moved.to
+            {
+                pieces.push(piece(moved));
+            }
+        }
+    }
+}
+
+/// Cycle start again and again until the program is over.
+fn run_through(simulation: &mut Simulation) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    for _ in 0..40 {
+        moves(simulation, &mut pieces);
+        assert_eq!(simulation.cnc.alarms(), []);
+        if simulation.cnc.run_state() == RunState::Reset {
+            break;
+        }
+        // Release and press between the events of a tick: none is lost.
+        for down in [true, false] {
+            simulation.cnc.set_panel_key(CYCLE_START, down);
+            for _ in 0..100 {
+                simulation.tick();
+                for event in simulation.cnc.events() {
+                    if let Event::Moved(moved) = event
+                        && moved.kind != MoveKind::Dwell
+                        && moved.from != moved.to
+                    {
+                        pieces.push(piece(moved));
+                    }
+                }
+            }
+        }
+    }
+    pieces
+}
+
+fn previewed() -> Vec<Piece> {
+    let mut programs = ProgramMemory::default();
+    programs.open_external(Program::new(PROFILE));
+    let mut pieces = Vec::new();
+    let preview = preview(
+        &setup().unwrap_or_default(),
+        &programs,
+        &mut |moved: &ExecutedMove| {
+            if moved.kind != MoveKind::Dwell {
+                pieces.push(piece(moved));
+            }
+        },
+    );
+    assert_eq!(preview.alarm, None);
+    pieces
+}
+
+#[test]
+fn the_control_runs_what_the_preview_shows() {
+    let expected = previewed();
+    assert!(expected.len() > 12, "{expected:?}");
+    assert_eq!(run_through(&mut started()), expected);
+}
+
+#[test]
+fn single_block_changes_no_move() {
+    let mut simulation = started();
+    press(&mut simulation, SINGLE_BLOCK);
+    assert_eq!(run_through(&mut simulation), previewed());
+}
+
+#[test]
+fn reset_leaves_the_tool_where_it_stands() {
+    let mut simulation = started();
+    let mut pieces = Vec::new();
+    moves(&mut simulation, &mut pieces);
+    let machine = simulation.cnc.position_machine();
+    press(&mut simulation, RESET);
+    assert_eq!(simulation.cnc.run_state(), RunState::Reset);
+    assert_eq!(simulation.cnc.position_machine(), machine);
+    assert_eq!(simulation.cnc.position_absolute(), machine);
+}
