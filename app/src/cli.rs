@@ -115,7 +115,7 @@ pub struct RunArgs {
     /// Stop after so much machine time, for instance 90s, 30m, 2h
     #[arg(long, default_value = "24h", value_name = "TIME", value_parser = crate::setup_args::duration_ms)]
     pub limit: u64,
-    /// Say in words what each block does
+    /// Say what each block leaves in force, what each move does, and why each pass of a cycle is where it is
     #[arg(long)]
     pub explain: bool,
     /// Write every move as one JSON object a line (`-`: standard output)

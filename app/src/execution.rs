@@ -4,6 +4,7 @@
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Event;
 use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::interpreter::{Explanation, Modal};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
@@ -41,8 +42,12 @@ pub trait Watcher {
         machine: Point,
         simulation: &Simulation,
     ) -> Result<(), String>;
-    /// A block was finished; `line` counts from 1.
-    fn block(&mut self, line: u32, text: &str) -> Result<(), String>;
+    /// A block begins; `line` counts from 1.
+    fn block(&mut self, line: u32, text: &str, modal: &Modal) -> Result<(), String>;
+    /// A pass of a cycle begins; only if [`Watcher::wants_explanations`].
+    fn pass(&mut self, explanation: &Explanation) -> Result<(), String>;
+    /// Whether passes of cycles are to be explained.
+    fn wants_explanations(&self) -> bool;
 }
 
 /// How a program ended.
@@ -88,6 +93,7 @@ pub fn execute(
         cutting_s: 0.0,
         ended: None,
     };
+    run.simulation.cnc.explain(run.watcher.wants_explanations());
     run.press(AUTO_KEY)?;
     run.start()?;
     let end = run.run_to_end(limits)?;
@@ -241,11 +247,12 @@ impl Run<'_> {
                         self.watcher.moved(&executed)?;
                     }
                 }
-                Event::BlockEnded(source) => {
-                    self.blocks += 1;
+                Event::BlockEnded(_) => self.blocks += 1,
+                Event::Explained(explanation) => self.watcher.pass(explanation)?,
+                Event::BlockBegan(source, modal) => {
                     let program = cnc.programs().get(source.program);
                     let text = program.map_or("", |program| program.line(source.line));
-                    self.watcher.block(source.line, text.trim())?;
+                    self.watcher.block(source.line, text.trim(), modal)?;
                 }
                 Event::AlarmRaised(alarm) if self.ended.is_none() => {
                     self.ended = Some(End::Alarm(alarm.clone()));

@@ -4,6 +4,7 @@ mod request;
 mod view;
 mod world;
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use gsk_plc::address::{Area, BitAddress};
@@ -17,7 +18,7 @@ pub(crate) use world::World;
 use crate::alarm::Alarm;
 use crate::axis::{AxisChain, SoftLimits};
 use crate::command::{Action, ExecutedMove, Frame, Source, SpindleCommand};
-use crate::interpreter::{Interpreter, Modal};
+use crate::interpreter::{Explanation, Interpreter, Modal};
 use crate::machine::{Inputs, Outputs};
 use crate::memory::{Counters, Offsets, Parameters, Variables};
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
@@ -89,6 +90,10 @@ fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
 pub enum Event {
     /// A piece of motion was finished or broken off.
     Moved(ExecutedMove),
+    /// A block begins, with the modal state it leaves.
+    BlockBegan(Source, Modal),
+    /// Why the move that begins is where it is; only while the control explains.
+    Explained(Explanation),
     /// A block was finished.
     BlockEnded(Source),
     /// An alarm came up.
@@ -159,6 +164,9 @@ pub struct Cnc {
     pub(crate) rewind_at_start: bool,
     pub(crate) ticks: u64,
     y: Vec<u8>,
+    /// Explanations of what was read and has not begun yet; `None`: nobody asked.
+    #[serde(skip)]
+    pub(crate) explanations: Option<VecDeque<Option<Explanation>>>,
     #[serde(skip)]
     pub(crate) events: Vec<Event>,
 }
@@ -232,6 +240,7 @@ impl Cnc {
             rewind_at_start: false,
             ticks: 0,
             y: vec![0; 20],
+            explanations: None,
             events: Vec::new(),
         }
     }

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::Path;
 
 use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::interpreter::{Explanation, Modal};
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Feed, Point};
 use indicatif::ProgressBar;
@@ -13,7 +14,7 @@ use crate::cli::RunArgs;
 use crate::execution::{self, Limits, Watcher};
 use crate::files::data_dir::DataDir;
 use crate::picture::{self, Drawing, RapidRates};
-use crate::report::clock;
+use crate::report::{self, clock};
 use crate::{loading, moves, retained};
 
 /// Ticks between two looks at the progress line.
@@ -57,6 +58,7 @@ pub fn run(args: &RunArgs) -> Result<u8, String> {
         explain: args.explain,
         progress: output::progress(u64::from(lines)),
         line: 0,
+        pass: None,
     };
     outputs.begin()?;
     let limits = Limits {
@@ -101,6 +103,8 @@ struct Outputs {
     explain: bool,
     progress: ProgressBar,
     line: u32,
+    /// The pass that was explained last.
+    pass: Option<u64>,
 }
 
 impl Outputs {
@@ -158,13 +162,54 @@ impl Watcher for Outputs {
         Ok(())
     }
 
-    fn block(&mut self, line: u32, text: &str) -> Result<(), String> {
+    fn block(&mut self, line: u32, text: &str, modal: &Modal) -> Result<(), String> {
         self.line = line;
-        if self.explain {
-            output::print(&format!("{line:6}  {text}\n"))?;
+        self.pass = None;
+        if !self.explain {
+            return Ok(());
         }
-        Ok(())
+        let codes = report::modal_codes(modal).join(" ");
+        let (feed, speed) = (moves::rounded(modal.feed), moves::rounded(modal.spindle));
+        let (tool, offset) = (modal.tool, modal.offset);
+        output::print(&format!(
+            "{line:6}  {text}\n        {codes} F{feed} S{speed} T{tool:02}{offset:02}\n"
+        ))
     }
+
+    fn pass(&mut self, explanation: &Explanation) -> Result<(), String> {
+        if self.pass == Some(explanation.pass) {
+            return Ok(());
+        }
+        self.pass = Some(explanation.pass);
+        output::print(&pass_in_words(explanation))
+    }
+
+    fn wants_explanations(&self) -> bool {
+        self.explain
+    }
+}
+
+/// A pass of a cycle, as it would stand on the blackboard.
+fn pass_in_words(explanation: &Explanation) -> String {
+    let Explanation {
+        code,
+        pass,
+        depth,
+        remaining,
+        formula,
+        words,
+        ..
+    } = explanation;
+    let of = explanation
+        .passes
+        .map_or_else(String::new, |passes| format!(" of {passes}"));
+    let level = explanation.level.map_or_else(String::new, |level| {
+        format!(" at {}", moves::rounded(level))
+    });
+    format!(
+        "        G{code:02} pass {pass}{of}{level}: depth {depth:.3}, left {remaining:.3}\n          \
+         {formula}   [{words}]\n"
+    )
 }
 
 /// A move in words.

@@ -1,5 +1,7 @@
 //! What the pages and the command line may read of the control.
 
+use std::collections::VecDeque;
+
 use gsk_plc::Plc;
 
 use super::{Cnc, Event};
@@ -225,6 +227,11 @@ impl Cnc {
     /// Events of the last tick.
     pub fn events(&self) -> &[Event] {
         &self.events
+    }
+
+    /// Whether cycles explain their passes ([`Event::Explained`]); off at power-on.
+    pub fn explain(&mut self, on: bool) {
+        self.explanations = on.then(VecDeque::new);
     }
 
     /// Ticks since power-on.

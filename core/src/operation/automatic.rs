@@ -323,9 +323,13 @@ impl Cnc {
         }
         let settled = settled && !self.handshake.busy();
         let (interpreter, mut world) = self.interpreter_and_world(settled);
-        match interpreter.next(&mut world) {
+        let step = interpreter.next(&mut world);
+        match step {
             Ok(Step::Command(command)) => {
                 self.automatic.waiting = false;
+                if let Some(explanations) = &mut self.explanations {
+                    explanations.push_back(self.interpreter.explanation());
+                }
                 Some(*command)
             }
             Ok(Step::Wait) => {

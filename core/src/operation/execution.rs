@@ -3,6 +3,8 @@
 //! T comes before all else of its block and waits for FIN; M and S start together
 //! with the motion; the block ends when motion and handshake are both done.
 
+use std::collections::VecDeque;
+
 use super::automatic::{Current, RunState, Stage};
 use super::handshake::Strobe;
 use super::thread::TapStage;
@@ -16,6 +18,16 @@ impl Cnc {
     /// Starts a command.
     pub(super) fn begin(&mut self, command: Command) {
         self.modal = command.modal;
+        if !self.automatic.within_block {
+            self.events
+                .push(Event::BlockBegan(command.source, command.modal));
+        }
+        let explanation = self
+            .explanations
+            .as_mut()
+            .and_then(VecDeque::pop_front)
+            .flatten();
+        self.events.extend(explanation.map(Event::Explained));
         self.automatic.protect(&command.action);
         self.automatic.last = Some(command.source);
         let from = self.interpolator.position();
