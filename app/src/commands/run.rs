@@ -206,10 +206,12 @@ fn pass_in_words(explanation: &Explanation) -> String {
     let level = explanation.level.map_or_else(String::new, |level| {
         format!(" at {}", moves::rounded(level))
     });
-    format!(
-        "        G{code:02} pass {pass}{of}{level}: depth {depth:.3}, left {remaining:.3}\n          \
-         {formula}   [{words}]\n"
-    )
+    let cut = if *depth == 0.0 && *remaining == 0.0 {
+        String::new()
+    } else {
+        format!(": depth {depth:.3}, left {remaining:.3}")
+    };
+    format!("        G{code:02} pass {pass}{of}{level}{cut}\n          {formula}   [{words}]\n")
 }
 
 /// A move in words.

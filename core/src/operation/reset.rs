@@ -57,6 +57,7 @@ impl Cnc {
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
         self.frame = self.interpreter.frame();
+        self.modal = *self.interpreter.modal();
         if self.mode == super::Mode::Edit {
             self.cursor_line = 1;
         }
