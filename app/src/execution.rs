@@ -235,7 +235,11 @@ impl Run<'_> {
         let cnc = &self.simulation.cnc;
         let start_s = self.start_ticks as f64 / 1000.0;
         for event in cnc.events() {
+            // A loop without motion finishes several parts in a tick: what follows
+            // the last one wanted does not count.
+            let enough = self.parts >= self.wanted_parts;
             match event {
+                Event::BlockBegan(..) | Event::BlockEnded(_) | Event::PartFinished if enough => {}
                 Event::Moved(executed) => {
                     let mut executed = *executed;
                     executed.start_s = (executed.start_s - start_s).max(0.0);
@@ -257,13 +261,7 @@ impl Run<'_> {
                 Event::AlarmRaised(alarm) if self.ended.is_none() => {
                     self.ended = Some(End::Alarm(alarm.clone()));
                 }
-                Event::PartFinished => {
-                    self.parts += 1;
-                    // A loop without motion finishes several parts in a tick.
-                    if self.parts >= self.wanted_parts {
-                        break;
-                    }
-                }
+                Event::PartFinished => self.parts += 1,
                 Event::ProgramEnded { m30 } if self.ended.is_none() => {
                     self.ended = Some(if *m30 { End::M30 } else { End::Text });
                 }
