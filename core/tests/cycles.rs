@@ -1,6 +1,9 @@
 //! Cycles in the whole control: feed hold, single block, agreement with the
 //! preview.
 
+mod bench;
+
+use bench::{press, ticks};
 use gsk_core::cnc::{Event, Request};
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::operation::RunState;
@@ -34,21 +37,8 @@ fn started(text: &str) -> Simulation {
     simulation
 }
 
-fn ticks(simulation: &mut Simulation, count: u32) {
-    for _ in 0..count {
-        simulation.tick();
-    }
-}
-
 fn key(byte: u16, bit: u8) -> BitAddress {
     BitAddress::new(Area::X, byte, bit)
-}
-
-fn press(simulation: &mut Simulation, key: BitAddress) {
-    for down in [true, false] {
-        simulation.cnc.set_panel_key(key, down);
-        ticks(simulation, 100);
-    }
 }
 
 const FEED_HOLD: (u16, u8) = (24, 7);

@@ -1,5 +1,8 @@
 //! Macros in the whole control: their pace, the signals of the ladder, memory.
 
+mod bench;
+
+use bench::{press, ticks};
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::memory::Variables;
@@ -19,19 +22,6 @@ fn started(text: &str) -> Simulation {
     assert_eq!(opened, Ok(()));
     simulation.start_automatic();
     simulation
-}
-
-fn ticks(simulation: &mut Simulation, count: u32) {
-    for _ in 0..count {
-        simulation.tick();
-    }
-}
-
-fn press(simulation: &mut Simulation, key: BitAddress) {
-    for down in [true, false] {
-        simulation.cnc.set_panel_key(key, down);
-        ticks(simulation, 100);
-    }
 }
 
 fn previewed(text: &str) -> (End, f64) {

@@ -1,6 +1,9 @@
 //! Nose radius compensation in the whole control: agreement with the preview,
 //! single block, reset.
 
+mod bench;
+
+use bench::{press, ticks};
 use gsk_core::cnc::{Event, Request};
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::memory::ToolOffset;
@@ -50,19 +53,6 @@ fn setup() -> Option<Setup> {
     };
     setup.offsets.set(1, nose).ok()?;
     Some(setup)
-}
-
-fn ticks(simulation: &mut Simulation, count: u32) {
-    for _ in 0..count {
-        simulation.tick();
-    }
-}
-
-fn press(simulation: &mut Simulation, key: BitAddress) {
-    for down in [true, false] {
-        simulation.cnc.set_panel_key(key, down);
-        ticks(simulation, 100);
-    }
 }
 
 fn started() -> Simulation {

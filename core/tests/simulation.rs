@@ -1,5 +1,8 @@
 //! Control, ladder and lathe together: from the key to the pulse.
 
+mod bench;
+
+use bench::{press, ticks};
 use gsk_core::cnc::{Event, Request};
 use gsk_core::operation::{Mode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
@@ -11,19 +14,6 @@ const MINUTE: u64 = 60_000;
 
 fn key(byte: u16, bit: u8) -> BitAddress {
     BitAddress::new(Area::X, byte, bit)
-}
-
-fn ticks(simulation: &mut Simulation, count: u32) {
-    for _ in 0..count {
-        simulation.tick();
-    }
-}
-
-fn press(simulation: &mut Simulation, key: BitAddress) {
-    for down in [true, false] {
-        simulation.cnc.set_panel_key(key, down);
-        ticks(simulation, 100);
-    }
 }
 
 fn with_program(text: &str) -> Simulation {
