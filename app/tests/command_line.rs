@@ -74,6 +74,18 @@ fn run_and_check_agree_on_a_sample() {
 }
 
 #[test]
+fn the_tool_in_position_is_known_before_any_t() {
+    let program = Scratch::new("no-t.nc", b"G00 X10\nM30\n");
+    for command in ["run", "check"] {
+        let (code, out, _) = said(&[command, program.path(), "--json"]);
+        assert!(
+            code == 0 && out.contains("\"t\":\"0100\""),
+            "{command}: {out}"
+        );
+    }
+}
+
+#[test]
 fn an_alarm_names_line_and_rule_and_ends_with_1() {
     let (code, out, _) = said(&["check", "faulty/01-arc-too-small.CNC"]);
     assert_eq!(code, 1);

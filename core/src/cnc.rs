@@ -174,6 +174,7 @@ pub struct Cnc {
 impl Cnc {
     /// A control at power-on.
     pub fn new(setup: Setup) -> Self {
+        let tool = setup.tool_in_position();
         let mut parameters = setup.parameters;
         parameters.power_on();
         let mut plc = Plc::new(setup.ladder);
@@ -184,6 +185,7 @@ impl Cnc {
         preset_plc(plc.memory_mut(), &parameters);
         let mut interpreter = Interpreter::new(&parameters);
         interpreter.set_inch_input(setup.inch_input);
+        interpreter.set_tool(tool);
         let modal = *interpreter.modal();
         let start = setup.start.unwrap_or_default();
         let mut axes = AxisChain::new(&parameters);
@@ -222,7 +224,7 @@ impl Cnc {
             emergency_stop: false,
             reset_left: 0,
             modal,
-            tool: (0, 0),
+            tool: (tool, 0),
             indexing_by_hand: false,
             interpolator: Interpolator::new(start),
             held: None,

@@ -123,6 +123,7 @@ pub fn preview(
     };
     let mut interpreter = Interpreter::new(&host.parameters);
     interpreter.set_inch_input(setup.inch_input);
+    interpreter.set_tool(setup.tool_in_position());
     let mut walk = Walk::new(setup, *interpreter.modal(), on_move);
     match programs.current() {
         Some(program) => {

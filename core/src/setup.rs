@@ -2,14 +2,16 @@
 
 use std::sync::{Arc, LazyLock};
 
-use gsk_plc::Ladder;
-use gsk_plc::Retained;
 use gsk_plc::address::BitAddress;
+use gsk_plc::{Ladder, Plc, Retained};
 
 use crate::machine::LatheConfig;
 use crate::memory::{Counters, Offsets, Parameters, Variables};
 use crate::program::ProgramMemory;
 use crate::units::Point;
+
+/// K12: the tool in position, kept by the ladder.
+const TOOL_IN_POSITION: usize = 12;
 
 /// The standard ladder, as instruction list.
 pub const STANDARD_LADDER: &str = include_str!("../../assets/ladder/standard.il");
@@ -56,6 +58,16 @@ pub fn standard_ladder() -> Arc<Ladder> {
 }
 
 impl Setup {
+    /// The tool in position at power-on: what the ladder kept in K12.
+    pub fn tool_in_position(&self) -> u8 {
+        match &self.plc_retained {
+            Some(retained) => retained.k.get(TOOL_IN_POSITION).copied().unwrap_or(0),
+            None => Plc::new(Arc::clone(&self.ladder))
+                .memory()
+                .k(TOOL_IN_POSITION as u16),
+        }
+    }
+
     /// The training lathe as it is delivered: factory parameters but for the analog
     /// spindle it has, dogs and limit switches, no reference yet.
     pub fn delivered() -> Self {
