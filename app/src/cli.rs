@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use gsk_panel::script::FORMS;
 
 use crate::setup_args::SetupArgs;
 
@@ -84,6 +85,7 @@ pub enum Command {
     /// Draw the toolpath of a program as a picture (PNG or SVG)
     Plot(PlotArgs),
     /// Operate the panel by a script of key presses and expectations
+    #[command(after_help = script_help())]
     Operate(OperateArgs),
     /// Print or draw one LCD page as it looks after power-on
     Screen(ScreenArgs),
@@ -161,6 +163,18 @@ pub struct PlotArgs {
     /// The picture (name ends in .png or .svg)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+}
+
+/// The actions of scripts, for `operate --help`.
+fn script_help() -> String {
+    let forms: Vec<String> = FORMS.iter().map(|(_, form)| format!("  {form}")).collect();
+    format!(
+        "A script has one action a line; # begins a comment, @12345 before an action is the \
+         millisecond at which it happens. `gsk980td keys` lists the keys.\n\nActions:\n{}\n\n\
+         Example:\n  load part.CNC        # beside the script, or in the current folder\n  \
+         press AUTO\n  press CS\n  wait idle 10m\n  expect alarm none\n  show",
+        forms.join("\n")
+    )
 }
 
 /// `operate`.

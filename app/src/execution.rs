@@ -70,6 +70,9 @@ struct Run<'a> {
     blocks: u64,
     moves: u64,
     cutting_s: f64,
+    /// End of the last move and modal state of the last block that count.
+    last_point: Option<Point>,
+    last_modal: Option<Modal>,
     ended: Option<End>,
 }
 
@@ -91,6 +94,8 @@ pub fn execute(
         blocks: 0,
         moves: 0,
         cutting_s: 0.0,
+        last_point: None,
+        last_modal: None,
         ended: None,
     };
     run.simulation.cnc.explain(run.watcher.wants_explanations());
@@ -105,7 +110,15 @@ pub fn execute(
         _ => None,
     };
     let turns = |address| cnc.plc().memory().bit(address);
-    let modal = cnc.modal();
+    // After the last part that was wanted an M99 has begun another one.
+    let (beyond, modal) = match end {
+        End::M99 => (
+            run.last_point
+                .map_or(Point::default(), |point| cnc.position_absolute() - point),
+            run.last_modal.unwrap_or(*cnc.modal()),
+        ),
+        _ => (Point::default(), *cnc.modal()),
+    };
     let report = Report {
         file: name.to_owned(),
         end: match end {
@@ -123,11 +136,11 @@ pub fn execute(
         parts: run.parts,
         stops: run.stops,
         position: Final::new(
-            cnc.position_absolute(),
-            cnc.position_machine(),
-            cnc.position_relative(),
+            cnc.position_absolute() - beyond,
+            cnc.position_machine() - beyond,
+            cnc.position_relative() - beyond,
         ),
-        modal: report::modal_codes(modal),
+        modal: report::modal_codes(&modal),
         f: modal.feed,
         s: modal.spindle,
         t: report::tool_word(cnc.tool()),
@@ -239,12 +252,17 @@ impl Run<'_> {
             // the last one wanted does not count.
             let enough = self.parts >= self.wanted_parts;
             match event {
-                Event::BlockBegan(..) | Event::BlockEnded(_) | Event::PartFinished if enough => {}
+                Event::BlockBegan(..)
+                | Event::BlockEnded(_)
+                | Event::PartFinished
+                | Event::Moved(_)
+                    if enough => {}
                 Event::Moved(executed) => {
+                    self.last_point = Some(executed.to);
                     let mut executed = *executed;
                     executed.start_s = (executed.start_s - start_s).max(0.0);
                     if crate::moves::counts(&executed) {
-                        self.moves += u64::from(executed.kind != MoveKind::Dwell);
+                        self.moves += 1;
                         if !matches!(executed.kind, MoveKind::Rapid | MoveKind::Dwell) {
                             self.cutting_s += executed.duration_s;
                         }
@@ -254,6 +272,7 @@ impl Run<'_> {
                 Event::BlockEnded(_) => self.blocks += 1,
                 Event::Explained(explanation) => self.watcher.pass(explanation)?,
                 Event::BlockBegan(source, modal) => {
+                    self.last_modal = Some(*modal);
                     let program = cnc.programs().get(source.program);
                     let text = program.map_or("", |program| program.line(source.line));
                     self.watcher.block(source.line, text.trim(), modal)?;

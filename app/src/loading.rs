@@ -8,7 +8,7 @@ use std::sync::Arc;
 use gsk_core::command::ProgramId;
 use gsk_core::machine::LatheConfig;
 use gsk_core::plc::Ladder;
-use gsk_core::plc::address::BitAddress;
+use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
@@ -51,6 +51,12 @@ pub fn apply(setup: &mut Setup, args: &SetupArgs) -> Result<(), String> {
     }
     for input in &args.inputs {
         let address = address(&input.address)?;
+        if address.area != Area::X {
+            return Err(format!(
+                "--input {}: only inputs X0.0 to X29.7 can be held",
+                input.address
+            ));
+        }
         setup.forced_inputs.push((address, input.state));
     }
     Ok(())

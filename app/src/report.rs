@@ -210,7 +210,10 @@ impl Report {
         let mut out = String::new();
         let end = match self.end {
             "alarm" => "ALARM".to_owned(),
-            "limit" => "stopped: the time limit was reached".to_owned(),
+            "limit" => {
+                "stopped: no end within the limit of time, or of a million blocks without motion"
+                    .to_owned()
+            }
             end => format!("ended normally ({end})"),
         };
         out.push_str(&format!("{}: {end}\n", self.file));

@@ -86,6 +86,18 @@ fn the_tool_in_position_is_known_before_any_t() {
 }
 
 #[test]
+fn an_endless_program_ends_with_its_part() {
+    let fields = |command: &str| -> serde_json::Value {
+        let (_, out, _) = said(&[command, "O1031.CNC", "--json"]);
+        serde_json::from_str(out.lines().last().unwrap()).unwrap()
+    };
+    let (run, check) = (fields("run"), fields("check"));
+    for field in ["end", "blocks", "moves", "parts", "final", "modal"] {
+        assert_eq!(run[field], check[field], "{field}");
+    }
+}
+
+#[test]
 fn an_alarm_names_line_and_rule_and_ends_with_1() {
     let (code, out, _) = said(&["check", "faulty/01-arc-too-small.CNC"]);
     assert_eq!(code, 1);

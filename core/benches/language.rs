@@ -78,7 +78,7 @@ fn bench(criterion: &mut Criterion) {
     group
         .sample_size(10)
         .warm_up_time(Duration::from_millis(500))
-        .measurement_time(Duration::from_secs(2));
+        .measurement_time(Duration::from_secs(4));
     for (name, text) in shapes::all() {
         let seen = check(&setup, &text);
         assert_eq!(seen.end, End::M30, "{name}: {:?}", seen.alarm);

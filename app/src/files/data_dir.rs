@@ -30,7 +30,7 @@ pub struct DataDir {
 #[derive(Debug, thiserror::Error)]
 pub enum DataError {
     /// It cannot be made, read or written.
-    #[error("the data directory {} cannot be used: {source}", .path.display())]
+    #[error("the data directory {} cannot be used: {source}; choose another with --data DIR", .path.display())]
     Unusable {
         /// The directory.
         path: PathBuf,

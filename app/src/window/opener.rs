@@ -34,8 +34,13 @@ impl Opener {
                 )
                 .add_filter(Text::AllFiles.of(language), &["*"])
                 .pick_file();
-            if let Some(path) = chosen {
-                opener.read(&path);
+            match chosen {
+                Some(path) => opener.read(&path),
+                // A desktop without a file dialog answers as a cancelled one.
+                None => {
+                    let said = Text::NothingChosen.of(language).to_owned();
+                    let _ = opener.console.say.try_send(Notice::Said(said));
+                }
             }
         });
     }

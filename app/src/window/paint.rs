@@ -201,8 +201,6 @@ impl<'a> Faceplate<'a> {
         let Some(lamp) = STRIP.get(index) else { return };
         let (x, middle) = (part.rect.x + 13.0, part.rect.center().1);
         if !lamp.fitted {
-            let blind = self.view.rect(faceplate::Rect::around(x, middle, 8.0));
-            self.frame(blind, Outline::Round, faint(255, 0.2));
             return;
         }
         let bulb = self.view.rect(faceplate::Rect::around(x, middle, 11.0));

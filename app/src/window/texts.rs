@@ -46,6 +46,8 @@ pub enum Text {
     KernelGone,
     /// A program was opened.
     Opened,
+    /// No file was chosen.
+    NothingChosen,
     /// Hint on an empty status line.
     Hint,
     /// Lamp lit, for screen readers.
@@ -98,6 +100,10 @@ impl Text {
                 "The control has stopped: restart the program",
             ),
             Self::Opened => ("已打开", "Opened"),
+            Self::NothingChosen => (
+                "没有选择文件;也可以把文件拖进窗口",
+                "no file was chosen; a file can also be dropped on the window",
+            ),
             Self::Hint => (
                 "打开程序, 按 [自动] 再按 [运行]",
                 "Open a program, press [自动] AUTO, then [运行] START",

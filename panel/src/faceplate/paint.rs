@@ -170,10 +170,6 @@ impl Painter {
         };
         let (x, middle) = (part.rect.x + 13.0, part.rect.center().1);
         if !lamp.fitted {
-            // A blind plug: this machine has no Y axis.
-            if let Some(path) = circle(x, middle, 4.0) {
-                self.line(&path, faint(255, 0.18), 1.0);
-            }
             return;
         }
         let bulb = Rect::around(x, middle, 10.0);
