@@ -216,7 +216,7 @@ impl Run {
                     self.moves.push(move_json(executed));
                 }
                 Event::BlockEnded(_) => self.blocks += 1,
-                Event::Moved(_) => {}
+                Event::Moved(_) | Event::BlockBegan(..) | Event::Explained(_) => {}
                 Event::AlarmRaised(alarm) => {
                     self.end.get_or_insert("alarm");
                     self.alarm.get_or_insert_with(|| alarm.clone());
