@@ -6,6 +6,7 @@
 pub mod case;
 pub mod compare;
 pub mod execute;
+pub mod fuzz;
 pub mod setup;
 
 mod operate;

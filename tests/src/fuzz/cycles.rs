@@ -1,0 +1,21 @@
+//! Cycles and compensated contours: an input is the body of a program that is
+//! set up to cut, so that its first words already count.
+
+use super::{dry_run, settings};
+
+/// Steps of the interpreter: cycles with fine cuts make many.
+const STEPS: u32 = 100_000;
+
+pub(super) fn run(input: &[u8]) {
+    let body = String::from_utf8_lossy(input);
+    let head = body
+        .lines()
+        .next()
+        .filter(|line| line.starts_with("(SET "))
+        .unwrap_or("(SET T1=0.4/3)");
+    let text = format!("{head}\nO0001\nT0101 M03 S500\nG98 G00 X100 Z10 F300\n{body}\nM30\n");
+    let setup = settings::setup(&text);
+    if dry_run::step_through(&setup, STEPS) {
+        dry_run::preview_all(&setup);
+    }
+}

@@ -1,0 +1,164 @@
+//! The interpreter alone, one timed step after another, and the preview.
+
+use core::mem::discriminant;
+
+use gsk_core::alarm::Alarm;
+use gsk_core::command::{Action, Command};
+use gsk_core::interpreter::{Host, Interpreter, Step};
+use gsk_core::memory::{Offsets, Parameters, Variables};
+use gsk_core::preview::{End, preview};
+use gsk_core::program::ProgramMemory;
+use gsk_core::setup::Setup;
+use gsk_core::units::{PerAxis, Point};
+
+use super::watch;
+
+/// A machine on which everything is done at once.
+struct Immediate<'a> {
+    setup: &'a Setup,
+    parameters: Parameters,
+    variables: Variables,
+    outputs: u64,
+}
+
+impl Host for Immediate<'_> {
+    fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+    fn parameters_mut(&mut self) -> &mut Parameters {
+        &mut self.parameters
+    }
+    fn offsets(&self) -> &Offsets {
+        &self.setup.offsets
+    }
+    fn variables(&self) -> &Variables {
+        &self.variables
+    }
+    fn variables_mut(&mut self) -> &mut Variables {
+        &mut self.variables
+    }
+    fn interface_inputs(&self) -> u16 {
+        0b1010
+    }
+    fn interface_outputs(&self) -> u64 {
+        self.outputs
+    }
+    fn set_interface_outputs(&mut self, outputs: u64) {
+        self.outputs = outputs;
+    }
+    fn programs(&self) -> &ProgramMemory {
+        &self.setup.programs
+    }
+    fn machine_position(&self) -> Point {
+        self.setup.start.unwrap_or_default()
+    }
+    fn referenced(&self) -> PerAxis<bool> {
+        PerAxis::new(true, true)
+    }
+    fn block_skip(&self) -> bool {
+        true
+    }
+    fn settled(&self) -> bool {
+        true
+    }
+}
+
+/// Steps through the selected program, at most so many steps. Whether it ended
+/// within them.
+pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
+    let Some(program) = setup.programs.current() else {
+        return true;
+    };
+    let mut host = Immediate {
+        setup,
+        parameters: setup.parameters.clone(),
+        variables: setup.variables.clone(),
+        outputs: 0,
+    };
+    let mut interpreter = Interpreter::new(&host.parameters);
+    interpreter.start(program, 1, &host);
+    for taken in 0..limit {
+        match watch::unit(|| interpreter.next(&mut host)) {
+            Ok(Step::Command(command)) => {
+                look_at(&command);
+                if matches!(command.action, Action::End { .. } | Action::Repeat) {
+                    watch::seen("steps", watch::roughly(taken.into()));
+                    return true;
+                }
+            }
+            Ok(Step::Wait) => assert!(taken > 0, "it waits for a machine that stands"),
+            Ok(Step::Ended) => return true,
+            Err(alarm) => {
+                look_at_alarm(&alarm);
+                interpreter.reset(&host);
+                return true;
+            }
+        }
+        if taken % 64 == 0 {
+            watch::seen("explained", interpreter.explanation().is_some());
+        }
+    }
+    false
+}
+
+fn look_at(command: &Command) {
+    let end = match &command.action {
+        Action::Rapid { to } | Action::Line { to, .. } | Action::Thread { to, .. } => Some(*to),
+        Action::Arc { to, center, .. } => {
+            assert_finite(*center);
+            Some(*to)
+        }
+        _ => None,
+    };
+    if let Some(to) = end {
+        assert_finite(to);
+    }
+    let modal = &command.modal;
+    watch::seen(
+        "action",
+        (
+            discriminant(&command.action),
+            modal.motion,
+            modal.nose_compensation,
+            modal.feed_per_revolution,
+            command.block_end,
+        ),
+    );
+}
+
+fn look_at_alarm(alarm: &Alarm) {
+    let rule = watch::rule(alarm.detail.as_deref().unwrap_or(""));
+    watch::seen("alarm", (alarm.number, rule));
+}
+
+fn assert_finite(point: Point) {
+    assert!(
+        point.x.is_finite() && point.z.is_finite(),
+        "a point is {point:?}"
+    );
+}
+
+/// Previews the selected program.
+pub(super) fn preview_all(setup: &Setup) {
+    let mut moves = 0_u64;
+    let seen = preview(setup, &setup.programs, &mut |executed| {
+        moves += 1;
+        assert_finite(executed.from);
+        assert_finite(executed.to);
+        if let Some(center) = executed.center {
+            assert_finite(center);
+        }
+        assert!(
+            executed.duration_s.is_finite() && executed.duration_s >= 0.0,
+            "a move takes {} s",
+            executed.duration_s
+        );
+    });
+    assert_eq!(seen.moves, moves, "moves are counted as they are reported");
+    assert_eq!(seen.end == End::Alarm, seen.alarm.is_some());
+    assert!(seen.time_s.is_finite() && seen.time_s >= seen.cutting_s);
+    if let Some(alarm) = &seen.alarm {
+        look_at_alarm(alarm);
+    }
+    watch::seen("moves", watch::roughly(moves));
+}

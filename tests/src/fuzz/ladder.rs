@@ -1,0 +1,52 @@
+//! Any text as a ladder; if it compiles, it is listed, compiled again and run.
+
+use std::sync::Arc;
+
+use gsk_core::plc::{Ladder, Plc};
+
+use super::watch;
+
+/// Slots a ladder runs.
+const SLOTS: u32 = 64;
+
+pub(super) fn run(input: &[u8]) {
+    let text = String::from_utf8_lossy(input);
+    let ladder = match watch::unit(|| Ladder::compile(&text)) {
+        Ok(ladder) => ladder,
+        Err(errors) => {
+            assert!(!errors.errors.is_empty(), "a refusal says why");
+            for error in errors.errors.iter().chain(&errors.warnings) {
+                watch::seen("error", (error.code, watch::rule(&error.message)));
+            }
+            return;
+        }
+    };
+    for statement in ladder.statements() {
+        watch::seen("statement", statement.mnemonic);
+    }
+    let listed = ladder.to_source();
+    match Ladder::compile(&listed) {
+        Ok(again) => {
+            assert_eq!(again.steps(), ladder.steps(), "of\n{listed}");
+            assert_eq!(again.to_source(), listed, "a listing lists itself");
+        }
+        Err(errors) => assert!(
+            listed.is_empty(),
+            "its listing has errors: {errors}\n{listed}"
+        ),
+    }
+    watch::seen("steps", watch::roughly(ladder.steps().into()));
+    let mut plc = Plc::new(Arc::new(ladder));
+    for slot in 0..SLOTS {
+        // Inputs that change, each at its own pace.
+        for byte in 0..4 {
+            plc.memory_mut().set_x(byte, (slot >> byte) as u8);
+        }
+        watch::unit(|| plc.slot());
+    }
+    watch::seen("fault", plc.fault().is_some());
+    let retained = plc.memory().retained();
+    plc.memory_mut().restore_retained(&retained);
+    plc.power_on();
+    plc.slot();
+}

@@ -1,0 +1,77 @@
+//! Fuzz targets: plain functions from bytes, for the driver `fuzz` or any other
+//! engine.
+//!
+//! A target panics when the program breaks a promise. What a target does in one
+//! go (a block read, a tick, a slot of the ladder) it wraps in [`watch::unit`],
+//! so that a driver sees how long the longest took; what an input led to it
+//! tells with [`watch::seen`], so that a driver keeps inputs that are new.
+//!
+//! Targets that take a program read settings from a comment in its first line:
+//! `(SET 13=1 1.4=0 T1=0.4/3)` sets a parameter, one of its bits, and the nose
+//! radius and tip of an offset.
+
+mod cycles;
+mod dry_run;
+mod interpreter;
+mod ladder;
+mod minimize;
+pub mod mutate;
+mod program;
+mod script;
+mod settings;
+mod simulation;
+pub mod watch;
+
+pub use minimize::minimize;
+
+/// A function that takes any bytes.
+pub struct Target {
+    /// Its name, also that of its corpus folder.
+    pub name: &'static str,
+    /// What it does with an input.
+    pub run: fn(&[u8]),
+    /// Words that mean something to it.
+    pub words: &'static str,
+}
+
+/// Words of programs.
+const PROGRAM_WORDS: &str = include_str!("words-program.txt");
+
+/// Every target.
+pub const TARGETS: [Target; 6] = [
+    Target {
+        name: "program",
+        run: program::run,
+        words: PROGRAM_WORDS,
+    },
+    Target {
+        name: "interpreter",
+        run: interpreter::run,
+        words: PROGRAM_WORDS,
+    },
+    Target {
+        name: "cycles",
+        run: cycles::run,
+        words: include_str!("words-cycles.txt"),
+    },
+    Target {
+        name: "simulation",
+        run: simulation::run,
+        words: PROGRAM_WORDS,
+    },
+    Target {
+        name: "script",
+        run: script::run,
+        words: include_str!("words-script.txt"),
+    },
+    Target {
+        name: "ladder",
+        run: ladder::run,
+        words: include_str!("words-ladder.txt"),
+    },
+];
+
+/// The target of a name.
+pub fn target(name: &str) -> Option<&'static Target> {
+    TARGETS.iter().find(|target| target.name == name)
+}

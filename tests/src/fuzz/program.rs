@@ -1,0 +1,72 @@
+//! Any text as a program: index, words, search.
+
+use gsk_core::program::{Program, Syntax, split, with_points};
+
+use super::watch;
+
+pub(super) fn run(input: &[u8]) {
+    let text = String::from_utf8_lossy(input);
+    let program = watch::unit(|| Program::new(text.as_ref()));
+    assert_eq!(program.text(), text);
+    assert_eq!(program.characters(), text.chars().count());
+    let mut line_before = 0;
+    for index in 0..program.block_count() {
+        let line = program.block_line(index);
+        assert!(line >= line_before, "blocks come in the order of lines");
+        assert!(line <= program.line_count().max(1));
+        line_before = line;
+        assert!(program.block_from_line(line) <= index);
+        for syntax in syntaxes() {
+            watch::unit(|| parse(&program, index, syntax));
+        }
+        if let Some(number) = program.sequence(index) {
+            assert!(program.find_sequence(number, 1).is_some());
+        }
+        let _ = program.has_skip_mark(index);
+    }
+    for line in 0..=program.line_count() + 1 {
+        let _ = program.line(line);
+    }
+    let renumbered = watch::unit(|| program.renumbered(1234));
+    if program.number().is_some() {
+        assert_eq!(renumbered.number(), Some(1234));
+    }
+    let pointed = watch::unit(|| with_points(&text));
+    assert_eq!(pointed.lines().count(), text.lines().count());
+    let parts = watch::unit(|| split(&text));
+    watch::seen("parts", parts.len());
+}
+
+fn syntaxes() -> impl Iterator<Item = Syntax> {
+    (0..4).map(|bits| Syntax {
+        point_required: bits & 1 != 0,
+        inch: bits & 2 != 0,
+    })
+}
+
+fn parse(program: &Program, index: u32, syntax: Syntax) {
+    match program.parse(index, syntax) {
+        Ok(block) => {
+            let addresses: Vec<u8> = block.words().iter().map(|word| word.address).collect();
+            watch::seen("block", addresses.len());
+            for code in block.g_codes() {
+                watch::seen("code", code);
+            }
+            for address in addresses {
+                watch::seen("address", address);
+                let finite = block.number(address).is_none_or(|n| n.value().is_finite());
+                assert!(finite, "a value of {}", char::from(address));
+            }
+        }
+        Err(error) => {
+            watch::seen("error", (error.alarm, watch::rule(&error.detail)));
+            let length = program.block(index).chars().count();
+            assert!(
+                error.column >= 1 && error.column as usize <= length + 1,
+                "column {} of {length}",
+                error.column
+            );
+        }
+    }
+    let _ = program.parse_with_variables(index, syntax);
+}

@@ -1,0 +1,69 @@
+//! Any text as an operator script; its lines without errors are carried out.
+
+use core::mem::discriminant;
+use std::cell::OnceCell;
+
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::script::{Effect, Progress, Runner, Script, ScriptError};
+
+use super::watch;
+
+/// Machine time a script gets, ticks.
+const TICKS: u32 = 4000;
+/// What `load` finds, whatever its name.
+const FILE: &str = "O0077\nG00 X50 Z20\nG01 X40 Z-5 F300\nM30\n";
+
+pub(super) fn run(input: &[u8]) {
+    thread_local! {
+        static READY: OnceCell<Emulator> = const { OnceCell::new() };
+    }
+    let text = String::from_utf8_lossy(input);
+    let script = match watch::unit(|| Script::parse(&text)) {
+        Ok(script) => script,
+        Err(errors) => match Script::parse(&without_errors(&text, &errors)) {
+            Ok(script) => script,
+            Err(again) => unreachable!("the lines without errors have errors: {again:?}"),
+        },
+    };
+    for line in &script.lines {
+        watch::seen("line", discriminant(&line.action));
+    }
+    let mut emulator = READY.with(|ready| ready.get_or_init(ready_emulator).clone());
+    let mut runner = Runner::new(script);
+    for _ in 0..TICKS {
+        match watch::unit(|| runner.advance(&mut emulator, 1)) {
+            Progress::Effect(Effect::Load(name)) => {
+                let _ = emulator.load_program(&name, FILE);
+            }
+            Progress::Running | Progress::Effect(_) => {}
+            Progress::Failed(_) | Progress::Finished => break,
+        }
+    }
+    let screen = watch::unit(|| emulator.screen().text());
+    assert_eq!(screen.lines().count(), 15, "the LCD has 15 rows");
+    watch::seen("mode", format!("{:?}", emulator.simulation.cnc.mode()));
+    for alarm in emulator.simulation.cnc.alarms() {
+        watch::seen("alarm", alarm.number);
+    }
+}
+
+/// The text without the lines that cannot be read.
+fn without_errors(text: &str, errors: &[ScriptError]) -> String {
+    let mut lines: Vec<&str> = text.lines().collect();
+    for error in errors {
+        watch::seen("error", watch::rule(&error.message));
+        let line = (error.line as usize).checked_sub(1);
+        match line.and_then(|line| lines.get_mut(line)) {
+            Some(line) => *line = "",
+            None => unreachable!("{error} of {} lines", lines.len()),
+        }
+    }
+    lines.join("\n")
+}
+
+fn ready_emulator() -> Emulator {
+    let mut emulator = Emulator::new(Setup::default());
+    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator
+}

@@ -1,0 +1,62 @@
+//! The settings in the first line of an input, and the setup they give.
+
+use gsk_core::command::ProgramId;
+use gsk_core::memory::ToolOffset;
+use gsk_core::program::split;
+use gsk_core::setup::Setup;
+
+/// A setup with the program of an input selected and its settings in force.
+/// Its further O numbers are stored as subprograms.
+pub(super) fn setup(text: &str) -> Setup {
+    let mut setup = Setup {
+        spindle_rpm: Some(500.0),
+        ..Setup::default()
+    };
+    for setting in settings(text) {
+        // A setting that is refused is a setting that is not made.
+        let _ = apply(&mut setup, setting);
+    }
+    let mut programs = split(text).into_iter();
+    let Some(first) = programs.next() else {
+        return setup;
+    };
+    for program in programs {
+        let _ = setup.programs.store(program.text());
+    }
+    setup.programs.open_external(first);
+    setup.programs.select(ProgramId::External);
+    setup
+}
+
+fn settings(text: &str) -> impl Iterator<Item = &str> {
+    text.lines()
+        .next()
+        .and_then(|line| line.strip_prefix("(SET "))
+        .and_then(|line| line.split(')').next())
+        .unwrap_or("")
+        .split_whitespace()
+}
+
+fn apply(setup: &mut Setup, setting: &str) -> Option<()> {
+    let (what, value) = setting.split_once('=')?;
+    if let Some(offset) = what.strip_prefix('T') {
+        let number: u8 = offset.parse().ok()?;
+        let (r, t) = value.split_once('/')?;
+        let offset = ToolOffset {
+            r: r.parse().ok()?,
+            t: t.parse().ok()?,
+            ..setup.offsets.get(number)
+        };
+        return setup.offsets.set(number, offset).ok();
+    }
+    match what.split_once('.') {
+        Some((number, bit)) => {
+            let (number, bit) = (number.parse().ok()?, bit.parse().ok()?);
+            setup.parameters.set_bit(number, bit, value == "1").ok()
+        }
+        None => {
+            let number = what.parse().ok()?;
+            setup.parameters.set(number, value.parse().ok()?).ok()
+        }
+    }
+}
