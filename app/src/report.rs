@@ -211,7 +211,7 @@ impl Report {
         let end = match self.end {
             "alarm" => "ALARM".to_owned(),
             "limit" => {
-                "stopped: no end within the limit of time, or of ten million blocks without motion"
+                "stopped: no end within the limit of time, or of 1.5 million blocks without motion"
                     .to_owned()
             }
             end => format!("ended normally ({end})"),

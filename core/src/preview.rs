@@ -25,7 +25,7 @@ use spindle::Spindle;
 pub use spindle::Turning;
 
 /// Blocks without motion after which a preview gives up.
-const MOTIONLESS_BLOCKS: u32 = 10_000_000;
+const MOTIONLESS_BLOCKS: u32 = 1_500_000;
 
 /// Machine time after which a preview gives up, s: 1000 hours.
 const LONGEST_S: f64 = 3.6e6;
@@ -41,7 +41,7 @@ pub enum End {
     Text,
     /// An alarm.
     Alarm,
-    /// No end within 1000 hours of machine time or 10^7 blocks without motion.
+    /// No end within 1000 hours of machine time or 1.5 million blocks without motion.
     Limit,
 }
 
