@@ -105,10 +105,15 @@ pub(crate) fn plan(
     let (thread, tail) = leaving
         .cut(b, c, lead)
         .actions(shift, ThreadStart::AtIndex { degrees: 0.0 });
+    // Move 3 goes along X alone, from where the tool has left the thread.
+    let mut d = shift.machine(d);
+    if let Some(Action::Thread { to, .. }) = tail.as_ref().or(thread.as_ref()) {
+        d.z = to.z;
+    }
     let cycle = ThreadCycle {
         a: shift.machine(a),
         b: shift.machine(b),
-        d: shift.machine(d),
+        d,
         thread,
         tail,
         start: 0,
