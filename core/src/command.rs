@@ -231,6 +231,15 @@ pub enum MoveKind {
 }
 
 impl MoveKind {
+    /// The kind of an arc, seen with +Z to the right and +X up.
+    pub const fn arc(clockwise: bool) -> Self {
+        if clockwise {
+            Self::Clockwise
+        } else {
+            Self::CounterClockwise
+        }
+    }
+
     /// Its name in `--moves` and in the cases.
     pub const fn name(self) -> &'static str {
         match self {

@@ -303,11 +303,7 @@ impl<'a> Walk<'a> {
                 clockwise,
                 feed,
             } => {
-                let kind = if *clockwise {
-                    MoveKind::Clockwise
-                } else {
-                    MoveKind::CounterClockwise
-                };
+                let kind = MoveKind::arc(*clockwise);
                 self.travel(command, kind, *to, Some(*center), Some(*feed))?;
             }
             Action::Thread {

@@ -307,11 +307,7 @@ impl Cnc {
                 feed,
                 ..
             } => {
-                let kind = if clockwise {
-                    MoveKind::Clockwise
-                } else {
-                    MoveKind::CounterClockwise
-                };
+                let kind = MoveKind::arc(clockwise);
                 (kind, Some(self.frame.program(center)), Some(feed))
             }
             Action::Thread { lead, run_out, .. } => {
