@@ -38,7 +38,7 @@ pub struct AlarmRow {
     pub class: AlarmClass,
     /// Number; the first one of a range.
     pub number: u16,
-    /// The last number of the range (501–599); otherwise equal to `number`.
+    /// The last number of the range (500–599); otherwise equal to `number`.
     pub last: u16,
     /// The text of the screen; empty for the user alarms, which show a number only.
     pub text_zh: &'static str,

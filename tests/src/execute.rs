@@ -103,6 +103,7 @@ fn alarm_json(alarm: Option<&Alarm>) -> Value {
         "number": alarm.number,
         "text": alarm.text(),
         "line": alarm.source.map(|source| source.line),
+        "n": alarm.source.and_then(|source| source.sequence),
         "program": program,
         "detail": alarm.detail,
     })

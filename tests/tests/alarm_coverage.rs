@@ -1,0 +1,167 @@
+//! Every alarm of the control has a case that raises it, or a line in
+//! `alarm-coverage.tsv` that says why none can.
+//!
+//! `never` is for alarms that a simulated machine cannot have, `open` for those
+//! without a case so far. An alarm of a program may be open only while a case
+//! marked as a known failure waits for it.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gsk_core::alarm::{self, AlarmRow};
+use gsk_tests::{Case, cases_dir, repository};
+use serde_json::Value;
+
+/// The cases of an alarm.
+#[derive(Default)]
+struct Cases {
+    pass: Vec<String>,
+    known_failures: Vec<String>,
+}
+
+/// Cases by the first number of the table row they raise.
+type Covered = BTreeMap<u16, Cases>;
+
+fn folders() -> Vec<PathBuf> {
+    let entries = fs::read_dir(cases_dir()).expect("cases");
+    let mut folders: Vec<PathBuf> = entries
+        .map(|entry| entry.expect("entry").path())
+        .filter(|path| path.is_dir())
+        .collect();
+    folders.sort();
+    folders
+}
+
+fn name(folder: &Path) -> String {
+    let name = folder.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+/// The alarm that the result of a program case expects.
+fn expected_alarm(folder: &Path) -> Option<Value> {
+    let text = fs::read_to_string(folder.join("result.json")).ok()?;
+    let result: Value = serde_json::from_str(&text).expect("result.json");
+    result
+        .get("alarm")
+        .filter(|alarm| !alarm.is_null())
+        .cloned()
+}
+
+/// The alarms that an operator script waits to see.
+fn alarms_of_script(text: &str) -> Vec<u16> {
+    text.lines()
+        .filter_map(|line| line.trim().strip_prefix("expect alarm "))
+        .filter_map(|rest| rest.split_whitespace().next()?.parse().ok())
+        .collect()
+}
+
+fn covered() -> Covered {
+    let mut covered = Covered::new();
+    for folder in folders() {
+        let case = Case::read(&folder).expect("case.ron");
+        let numbers = match &case.script {
+            Some(script) => {
+                alarms_of_script(&fs::read_to_string(folder.join(script)).expect("script"))
+            }
+            None => expected_alarm(&folder)
+                .and_then(|alarm| alarm["number"].as_u64())
+                .and_then(|number| u16::try_from(number).ok())
+                .into_iter()
+                .collect(),
+        };
+        for number in numbers {
+            let row = alarm::row(number)
+                .unwrap_or_else(|| panic!("{}: there is no alarm {number}", name(&folder)));
+            let cases = covered.entry(row.number).or_default();
+            match case.known_failure {
+                Some(_) => cases.known_failures.push(name(&folder)),
+                None => cases.pass.push(name(&folder)),
+            }
+        }
+    }
+    covered
+}
+
+/// Why an alarm has no case.
+struct Reason {
+    open: bool,
+    why: String,
+}
+
+fn reasons() -> BTreeMap<u16, Reason> {
+    let path = repository().join("tests/alarm-coverage.tsv");
+    let text = fs::read_to_string(path).expect("alarm-coverage.tsv");
+    let mut reasons = BTreeMap::new();
+    for line in text.lines().skip(1) {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let [number, kind, why] = fields[..] else {
+            panic!("alarm-coverage.tsv: three columns are needed: {line}");
+        };
+        let open = match kind {
+            "never" => false,
+            "open" => true,
+            other => panic!("alarm-coverage.tsv: {other} is neither never nor open"),
+        };
+        let reason = Reason {
+            open,
+            why: why.to_owned(),
+        };
+        let number = number.parse().expect("an alarm number");
+        assert!(!reason.why.is_empty(), "{number}: without a reason");
+        assert!(reasons.insert(number, reason).is_none(), "{number} twice");
+    }
+    reasons
+}
+
+/// What is wrong with one row of the alarm table.
+fn fault(row: &AlarmRow, cases: &Cases, reason: Option<&Reason>) -> Option<String> {
+    let of_program = row.advice.is_some();
+    let text = match (cases.pass.first(), reason) {
+        (None, None) => "neither a case nor a line in alarm-coverage.tsv".to_owned(),
+        (Some(case), Some(_)) => format!("has a line, although {case} raises it"),
+        (None, Some(reason)) if reason.open && of_program && cases.known_failures.is_empty() => {
+            format!(
+                "a program raises it, so it cannot stay open ({})",
+                reason.why
+            )
+        }
+        _ => return None,
+    };
+    Some(format!("{:03} {}: {text}", row.number, row.meaning_en))
+}
+
+#[test]
+fn every_alarm_has_a_case_or_a_reason() {
+    let (mut covered, reasons) = (covered(), reasons());
+    let mut faults: Vec<String> = alarm::rows()
+        .iter()
+        .filter_map(|row| {
+            let cases = covered.remove(&row.number).unwrap_or_default();
+            fault(row, &cases, reasons.get(&row.number))
+        })
+        .collect();
+    let unknown = reasons
+        .keys()
+        .filter(|number| alarm::row(**number).is_none_or(|row| row.number != **number));
+    faults.extend(unknown.map(|number| format!("{number:03}: not in the alarm table")));
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn every_alarm_of_a_program_case_is_expected_at_a_line() {
+    let without: Vec<String> = folders()
+        .iter()
+        .filter(|folder| expected_alarm(folder).is_some_and(|alarm| alarm["line"].is_null()))
+        .map(|folder| name(folder))
+        .collect();
+    assert!(without.is_empty(), "no line: {}", without.join(", "));
+}
+
+#[test]
+fn a_script_names_its_alarms() {
+    let script = "press CS\nwait alarm 5s\nexpect alarm 011   # no F\nexpect alarm none\n";
+    assert_eq!(alarms_of_script(script), [11]);
+}
