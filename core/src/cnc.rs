@@ -474,6 +474,7 @@ impl Cnc {
             spindle_rpm: self.spindle.actual_rpm(),
             spindle: self.angle.turn(),
             thread_continues: self.automatic.thread_continues(),
+            cut_continues: self.cut_continues(),
             hold: held || locked,
             dry_run: self.dry_run(),
         };
@@ -483,6 +484,7 @@ impl Cnc {
                 break;
             }
             inputs.thread_continues = self.automatic.thread_continues();
+            inputs.cut_continues = self.cut_continues();
             self.interpolator.continue_tick(&self.limits, &inputs);
         }
         self.axes

@@ -5,19 +5,19 @@ mod bounds;
 mod clock;
 mod spindle;
 mod thread;
+mod travel;
 
 use core::cell::OnceCell;
 
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, Source, ThreadStart};
+use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, ThreadStart};
 use crate::interpreter::{Advance, Host, Interpreter, Modal};
 use crate::memory::{Offsets, Parameters, Variables};
-use crate::motion::{MotionLimits, ThreadMove, duration, path_length};
-use crate::operation::check_encoder;
+use crate::motion::{MotionLimits, Sequel, ThreadMove};
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
 use crate::simulation::Simulation;
-use crate::units::{Feed, PerAxis, Point, TICK_S};
+use crate::units::{PerAxis, Point, TICK_S};
 
 pub use bounds::Bounds;
 use clock::Clock;
@@ -214,6 +214,10 @@ struct Walk<'a> {
     motionless: u32,
     /// Slowing down at the end of the last thread, s.
     owed: f64,
+    /// Cuts that go over into each other (007.3 = 0), and the last of them, whose
+    /// time is known when the next command is.
+    sequel: Sequel,
+    unsettled: Option<ExecutedMove>,
     /// Time the spindle needs for a new speed, s.
     settle_s: f64,
     so_far: Preview,
@@ -230,6 +234,8 @@ impl<'a> Walk<'a> {
             relative_zero: Point::default(),
             motionless: 0,
             owed: 0.0,
+            sequel: Sequel::default(),
+            unsettled: None,
             settle_s: f64::from(setup.lathe.spindle.settle_ms) / 1000.0,
             so_far: Preview {
                 end: End::Limit,
@@ -278,10 +284,11 @@ impl<'a> Walk<'a> {
         self.so_far.alarm = Some(alarm);
     }
 
-    fn finish(self) -> Preview {
+    fn finish(mut self) -> Preview {
+        self.settle(false);
+        self.so_far.time_s = self.clock.now() + self.owed;
+        self.so_far.spindle = self.spindle.turning();
         let mut preview = self.so_far;
-        preview.time_s = self.clock.now() + self.owed;
-        preview.spindle = self.spindle.turning();
         preview.absolute = snapped(preview.frame.program(preview.machine));
         preview.relative = snapped(preview.absolute - self.relative_zero);
         preview
@@ -291,6 +298,9 @@ impl<'a> Walk<'a> {
         self.motionless += 1;
         if self.owed > 0.0 {
             self.pay(&command.action);
+        }
+        if !matches!(&command.action, Action::Line { .. } | Action::Arc { .. }) {
+            self.settle(false);
         }
         match &command.action {
             Action::Rapid { to } => self.travel(command, MoveKind::Rapid, *to, None, None)?,
@@ -386,80 +396,6 @@ impl<'a> Walk<'a> {
         if !in_phase {
             self.clock.advance(owed);
         }
-    }
-
-    fn travel(
-        &mut self,
-        command: &Command,
-        kind: MoveKind,
-        to: Point,
-        center: Option<Point>,
-        feed: Option<Feed>,
-    ) -> Result<(), Alarm> {
-        let from = self.so_far.machine;
-        let frame = self.so_far.frame;
-        let per_minute = match feed {
-            None => 0.0,
-            Some(Feed::PerMinute(rate)) => rate,
-            Some(Feed::PerRevolution(rate)) => {
-                check_encoder(&self.so_far.parameters)?;
-                let middle = (frame.program(from).x + frame.program(to).x) / 2.0;
-                rate * self.spindle.rpm_for_feed(middle)?
-            }
-        };
-        self.so_far.machine = to;
-        if from == to && center.is_none() {
-            return Ok(());
-        }
-        self.motionless = 0;
-        let took = duration(kind, from, to, center, per_minute, &self.limits);
-        let length = path_length(kind, from, to, center);
-        let lengths = &mut self.so_far.lengths;
-        match kind {
-            MoveKind::Rapid => lengths.rapid += length,
-            MoveKind::Clockwise => lengths.clockwise += length,
-            MoveKind::CounterClockwise => lengths.counter_clockwise += length,
-            _ => lengths.feed += length,
-        }
-        if kind != MoveKind::Rapid {
-            self.so_far.cutting_s += took;
-        }
-        let executed = ExecutedMove {
-            source: command.source,
-            kind,
-            from: snapped(frame.program(from)),
-            to: snapped(frame.program(to)),
-            center: center.map(|center| snapped(frame.program(center))),
-            feed,
-            start_s: self.clock.now(),
-            duration_s: took,
-        };
-        bounds::include(&mut self.so_far.bounds, &executed);
-        self.clock.advance(took);
-        self.so_far.moves += 1;
-        (self.on_move)(&executed);
-        Ok(())
-    }
-
-    fn dwell(&mut self, source: Source, ms: u32) {
-        if ms == 0 {
-            return;
-        }
-        let at = snapped(self.so_far.frame.program(self.so_far.machine));
-        let took = f64::from(ms) / 1000.0;
-        let executed = ExecutedMove {
-            source,
-            kind: MoveKind::Dwell,
-            from: at,
-            to: at,
-            center: None,
-            feed: None,
-            start_s: self.clock.now(),
-            duration_s: took,
-        };
-        self.clock.advance(took);
-        self.so_far.moves += 1;
-        (self.on_move)(&executed);
     }
 
     /// The relative coordinates stay at a change of the work zero, unless they

@@ -152,6 +152,12 @@ impl Parameters {
         self.per_axis(axis, 24, 25).into()
     }
 
+    /// 007.3 SMZ: cuts come down to the speed 030 at their end points; otherwise one
+    /// goes over into the next.
+    pub fn exact_corners(&self) -> bool {
+        self.bit(7, 3)
+    }
+
     /// 027: highest cutting feed, mm/min.
     pub fn feed_limit(&self) -> f64 {
         self.value(27).into()

@@ -1,16 +1,110 @@
 //! How long a move takes, without ticks: the same laws in closed form.
 
+use std::collections::VecDeque;
+
+use super::lag::Lag;
 use super::limits::MotionLimits;
 use super::path::Path;
 use crate::command::MoveKind;
-use crate::units::{Axis, Point};
+use crate::units::{Axis, Point, TICK_S};
 
 /// Length of the path of a move, mm (radius); a rapid counts as its chord.
 pub fn path_length(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> f64 {
     match (kind, center) {
-        (MoveKind::Clockwise, Some(center)) => Path::arc(from, to, center, true).length(),
-        (MoveKind::CounterClockwise, Some(center)) => Path::arc(from, to, center, false).length(),
+        (MoveKind::Clockwise | MoveKind::CounterClockwise, Some(_)) => {
+            path(kind, from, to, center).length()
+        }
         _ => (to - from).length(),
+    }
+}
+
+fn path(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> Path {
+    match (kind, center) {
+        (MoveKind::Clockwise, Some(center)) => Path::arc(from, to, center, true),
+        (MoveKind::CounterClockwise, Some(center)) => Path::arc(from, to, center, false),
+        _ => Path::line(from, to),
+    }
+}
+
+/// After so many time constants the tool has forgotten what came before.
+const MEMORY: f64 = 6.0;
+
+/// Cuts one after the other without exact corners (007.3 = 0), as far back as the
+/// lag of the tool remembers them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sequel {
+    cuts: VecDeque<Made>,
+    /// Time of all of them, s.
+    spent: f64,
+}
+
+/// A cut, its speed in mm/s and its time in s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Made {
+    path: Path,
+    rate: f64,
+    time: f64,
+}
+
+impl Sequel {
+    /// Seconds until the command of a cut is at its end, at `feed` mm/min.
+    pub fn cut(
+        &mut self,
+        kind: MoveKind,
+        from: Point,
+        to: Point,
+        center: Option<Point>,
+        feed: f64,
+        limits: &MotionLimits,
+    ) -> f64 {
+        let path = path(kind, from, to, center);
+        let rate = (feed / 60.0).min(limits.cutting());
+        if path.length() <= 0.0 {
+            return 0.0;
+        }
+        if rate <= 0.0 {
+            return f64::INFINITY;
+        }
+        let time = path.length() / rate;
+        self.cuts.push_back(Made { path, rate, time });
+        self.spent += time;
+        let memory = MEMORY * limits.cutting_law().time_constant();
+        while let Some(oldest) = self.cuts.front().map(|made| made.time)
+            && self.spent - oldest > memory
+        {
+            self.cuts.pop_front();
+            self.spent -= oldest;
+        }
+        time
+    }
+
+    /// Seconds that the tool needs to close up after the last cut; the next one
+    /// begins at rest.
+    pub fn close(&mut self, limits: &MotionLimits) -> f64 {
+        let law = limits.cutting_law();
+        let constant = law.time_constant();
+        let mut lag = Lag::default();
+        let mut before = (self.spent - MEMORY * constant).max(0.0);
+        for made in self.cuts.drain(..) {
+            let from = before.min(made.time);
+            before -= from;
+            // From rest a line is exact in one step; else the directions turn.
+            let steps = if lag.is_none() && made.path.is_straight() {
+                1.0
+            } else {
+                ((made.time - from) / TICK_S).ceil().max(1.0)
+            };
+            let step = (made.time - from) / steps;
+            let mut at = made.path.at((made.time - from) * made.rate);
+            for number in 1..=steps as u32 {
+                let left = (steps - f64::from(number)) * step;
+                let next = made.path.at(left * made.rate);
+                lag.follow(law, next - at, step);
+                at = next;
+            }
+        }
+        self.spent = 0.0;
+        lag.time_to_close(law)
     }
 }
 

@@ -2,85 +2,33 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::inputs::{MotionInputs, cutting_target, rapid_rate, rapid_target};
 use super::jog::{JogRate, ManualAxis};
+use super::lag::Lag;
 use super::limits::MotionLimits;
 use super::path::Path;
 use super::ramp::Ramp;
 use super::rapid::Rapid;
 use super::tap::Tap;
 use super::thread::{Handover, SpindleTick, Thread, ThreadMove};
-use crate::spindle::SpindleTurn;
 use crate::units::{Axis, Feed, PerAxis, Point, TICK_S};
-
-/// Rapid override.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RapidOverride {
-    /// The lowest rate itself (032).
-    F0,
-    /// Per cent of the rapid rates.
-    Percent(u8),
-}
-
-impl RapidOverride {
-    /// From per cent, where 0 stands for F0.
-    pub const fn from_percent(percent: u8) -> Self {
-        if percent == 0 {
-            Self::F0
-        } else {
-            Self::Percent(percent)
-        }
-    }
-}
-
-/// The rates of dry run (manual III-5.3.2).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DryRun {
-    /// Rate of cuts, mm/min.
-    pub cutting: f64,
-    /// Rate of rapids, mm/min; `None`: the rapid rates.
-    pub rapid: Option<f64>,
-}
-
-/// What motion depends on besides its command.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MotionInputs {
-    /// Feed override, 0.0…1.5.
-    pub feed_override: f64,
-    /// Rapid override.
-    pub rapid_override: RapidOverride,
-    /// Measured spindle speed, r/min, either sign.
-    pub spindle_rpm: f64,
-    /// Measured spindle angle.
-    pub spindle: SpindleTurn,
-    /// A thread that goes on in phase follows the one under way.
-    pub thread_continues: bool,
-    /// Feed hold or interlock: programmed motion decelerates to standstill.
-    pub hold: bool,
-    /// Dry run; switching it goes through standstill.
-    pub dry_run: Option<DryRun>,
-}
-
-impl Default for MotionInputs {
-    /// Overrides at 100 %, spindle standing.
-    fn default() -> Self {
-        Self {
-            feed_override: 1.0,
-            rapid_override: RapidOverride::Percent(100),
-            spindle_rpm: 0.0,
-            spindle: SpindleTurn::default(),
-            thread_continues: false,
-            hold: false,
-            dry_run: None,
-        }
-    }
-}
 
 /// Programmed motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Motion {
     None,
     Rapid(Rapid),
-    Cut { path: Path, ramp: Ramp, feed: Feed },
+    Cut {
+        path: Path,
+        ramp: Ramp,
+        feed: Feed,
+    },
+    /// A cut whose command runs ahead of the tool, and the way it has still to go.
+    Led {
+        path: Path,
+        rest: f64,
+        feed: Feed,
+    },
     Thread(Thread),
     Tap(Tap),
 }
@@ -97,6 +45,8 @@ pub struct Interpolator {
     /// Where this tick began.
     tick_start: Point,
     motion: Motion,
+    /// How far the tool is behind the command while cuts go over into each other.
+    lag: Lag,
     manual: PerAxis<ManualAxis>,
     /// Time left of the tick in which the last block ended, s.
     carry: f64,
@@ -113,6 +63,7 @@ impl Interpolator {
             position,
             tick_start: position,
             motion: Motion::None,
+            lag: Lag::default(),
             manual: PerAxis::default(),
             carry: 0.0,
             handover: None,
@@ -124,6 +75,12 @@ impl Interpolator {
     /// Position after the last tick.
     pub const fn position(&self) -> Point {
         self.position
+    }
+
+    /// Where the command stands: ahead of the position while cuts go over into each
+    /// other.
+    pub fn commanded(&self) -> Point {
+        self.position + self.lag.behind
     }
 
     /// Mean velocity of the last tick, mm/s.
@@ -144,8 +101,9 @@ impl Interpolator {
     /// Whether an axis has speed.
     pub fn is_moving(&self) -> bool {
         let programmed = match &self.motion {
-            Motion::None => false,
+            Motion::None => !self.lag.is_none(),
             Motion::Rapid(rapid) => rapid.is_moving(),
+            Motion::Led { .. } => !self.lag.is_none() || self.position != self.tick_start,
             Motion::Cut { ramp, .. } => ramp.speed > 0.0,
             Motion::Thread(thread) => thread.running() && self.position != self.tick_start,
             Motion::Tap(tap) => tap.running() && self.position != self.tick_start,
@@ -163,7 +121,7 @@ impl Interpolator {
         match &self.motion {
             Motion::None => Point::default(),
             Motion::Rapid(rapid) => rapid.to() - self.position,
-            Motion::Cut { path, .. } => path.to() - self.position,
+            Motion::Cut { path, .. } | Motion::Led { path, .. } => path.to() - self.position,
             Motion::Thread(thread) => thread.to() - self.position,
             Motion::Tap(tap) => tap.to() - self.position,
         }
@@ -174,8 +132,9 @@ impl Interpolator {
         match &self.motion {
             Motion::None => {
                 let way = |axis| self.manual.get(axis).braking_way(axis, limits);
-                self.position + Point::new(way(Axis::X), way(Axis::Z))
+                self.commanded() + Point::new(way(Axis::X), way(Axis::Z))
             }
+            Motion::Led { .. } => self.commanded(),
             Motion::Rapid(rapid) => rapid.stopping_point(limits),
             Motion::Cut { path, ramp, .. } => {
                 path.at(ramp.remaining - limits.cutting_law().braking_distance(ramp.speed))
@@ -199,13 +158,13 @@ impl Interpolator {
 
     /// Begins a straight cut.
     pub fn start_line(&mut self, to: Point, feed: Feed) {
-        self.start_cut(Path::line(self.position, to), feed);
+        self.start_cut(Path::line(self.commanded(), to), feed);
     }
 
     /// Begins a circular cut, clockwise as seen with +Z to the right and +X up;
     /// a full circle when it ends where it starts.
     pub fn start_arc(&mut self, to: Point, center: Point, clockwise: bool, feed: Feed) {
-        self.start_cut(Path::arc(self.position, to, center, clockwise), feed);
+        self.start_cut(Path::arc(self.commanded(), to, center, clockwise), feed);
     }
 
     /// Begins a thread: it waits for its angle of the spindle, or goes on from the
@@ -239,16 +198,21 @@ impl Interpolator {
         }
     }
 
+    /// A cut goes on from the command of the one before; which law it follows is
+    /// known at its first tick.
     fn start_cut(&mut self, path: Path, feed: Feed) {
+        let lag = self.lag;
         self.begin(Motion::Cut {
             path,
             ramp: Ramp::new(path.length()),
             feed,
         });
+        self.lag = lag;
     }
 
     fn begin(&mut self, motion: Motion) {
         self.motion = motion;
+        self.lag = Lag::default();
         self.manual = PerAxis::default();
         self.stopping = false;
         self.handover = None;
@@ -303,6 +267,11 @@ impl Interpolator {
                 ramp,
                 feed,
             },
+            Motion::Led { path, rest, feed } => Motion::Led {
+                path: path.translated(by),
+                rest,
+                feed,
+            },
             Motion::Thread(thread) => Motion::Thread(thread.translated(by)),
             Motion::Tap(tap) => Motion::Tap(tap.translated(by)),
         };
@@ -315,6 +284,11 @@ impl Interpolator {
         if self.finished() {
             if let Some(handover) = &mut self.handover {
                 handover.stand_still();
+            }
+            if !self.lag.is_none() {
+                let command = self.commanded();
+                self.lag.close_up(limits.cutting_law(), TICK_S);
+                self.position = command - self.lag.behind;
             }
             self.manual_motion(limits, inputs);
         } else {
@@ -376,6 +350,19 @@ impl Interpolator {
         };
     }
 
+    /// Without exact corners (007.3 = 0) the command of a cut that begins runs ahead
+    /// of the tool.
+    fn lead(&mut self, limits: &MotionLimits) {
+        let Motion::Cut { path, ramp, feed } = self.motion else {
+            return;
+        };
+        let begins = ramp == Ramp::new(path.length());
+        if begins && !(limits.exact_corners() && self.lag.is_none()) {
+            let rest = path.length();
+            self.motion = Motion::Led { path, rest, feed };
+        }
+    }
+
     fn programmed_motion(&mut self, limits: &MotionLimits, inputs: &MotionInputs, time: f64) {
         if self.stopping {
             self.leave_spindle(limits);
@@ -392,6 +379,7 @@ impl Interpolator {
         if !stop {
             self.dry = inputs.dry_run.is_some();
         }
+        self.lead(limits);
         let used = match &mut self.motion {
             Motion::None => return,
             Motion::Rapid(rapid) => {
@@ -417,6 +405,29 @@ impl Interpolator {
                 self.position = path.at(ramp.remaining);
                 ramp.finished().then_some(used)
             }
+            Motion::Led { path, rest, feed } => {
+                let law = limits.cutting_law();
+                let before = path.at(*rest);
+                let mut used = 0.0;
+                if *rest > 0.0 {
+                    let rate = if stop {
+                        0.0
+                    } else {
+                        cutting_target(limits, inputs, *feed)
+                    };
+                    let arrives = rate * time >= *rest;
+                    used = if arrives { *rest / rate } else { time };
+                    *rest = if arrives { 0.0 } else { *rest - rate * time };
+                    self.lag.follow(law, path.at(*rest) - before, used);
+                }
+                let mut finished = *rest <= 0.0;
+                if finished && (stop || !inputs.cut_continues) {
+                    used += self.lag.close_up(law, time - used);
+                    finished = self.lag.is_none();
+                }
+                self.position = path.at(*rest) - self.lag.behind;
+                finished.then_some(used)
+            }
             Motion::Thread(thread) => {
                 let used = thread.advance(&tick, time);
                 self.position = thread.position();
@@ -439,32 +450,4 @@ impl Interpolator {
             self.stopping = false;
         }
     }
-}
-
-/// Rapid rate of an axis with its override, mm/s.
-fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, axis: Axis) -> f64 {
-    let rate = limits.rapid(axis);
-    match rapid_override {
-        RapidOverride::F0 => limits.lowest_rapid().min(rate),
-        RapidOverride::Percent(percent) => rate * f64::from(percent.min(100)) / 100.0,
-    }
-}
-
-fn rapid_target(limits: &MotionLimits, inputs: &MotionInputs, axis: Axis) -> f64 {
-    match inputs.dry_run {
-        Some(DryRun {
-            rapid: Some(rate), ..
-        }) => (rate / 60.0).min(limits.rapid(axis)),
-        _ => rapid_rate(limits, inputs.rapid_override, axis),
-    }
-}
-
-/// Speed of a cut after override and clamp, mm/s.
-fn cutting_target(limits: &MotionLimits, inputs: &MotionInputs, feed: Feed) -> f64 {
-    let per_minute = match (inputs.dry_run, feed) {
-        (Some(dry_run), _) => dry_run.cutting,
-        (None, Feed::PerMinute(rate)) => rate * inputs.feed_override,
-        (None, Feed::PerRevolution(way)) => way * inputs.spindle_rpm.abs() * inputs.feed_override,
-    };
-    (per_minute / 60.0).min(limits.cutting())
 }

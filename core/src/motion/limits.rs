@@ -20,6 +20,7 @@ pub struct MotionLimits {
     lowest_rapid: f64,
     cutting: f64,
     cutting_law: Law,
+    exact_corners: bool,
     jog_law: Law,
     gear_law: GearLaw,
     tail_rate: f64,
@@ -39,6 +40,7 @@ impl From<&Parameters> for MotionLimits {
             lowest_rapid: per_second(parameters.rapid_lowest()),
             cutting: per_second(parameters.feed_limit()),
             cutting_law: Law::exponential(time, lowest(parameters.feed_floor())),
+            exact_corners: parameters.exact_corners(),
             jog_law: Law::exponential(time, lowest(parameters.jog_floor())),
             gear_law: gear_law(parameters),
             tail_rate: parameters.run_out_rate() / 60.0,
@@ -83,6 +85,11 @@ impl MotionLimits {
 
     pub(super) const fn cutting_law(&self) -> &Law {
         &self.cutting_law
+    }
+
+    /// Whether every cut ends on its end point before the next begins (007.3).
+    pub const fn exact_corners(&self) -> bool {
+        self.exact_corners
     }
 
     /// Lead-in and tail of threads (028, 029, 175.4).

@@ -30,6 +30,10 @@
 //!        0              length/F       end
 //! ```
 //!
+//! With 007.3 SMZ = 1 every cut does so. With 007.3 = 0 a cut that follows another
+//! begins when the command of the one before has come to its end, while the tool
+//! still follows: the corner is rounded, the speed kept (see `lag`).
+//!
 //! Jog (029, 041 as lowest speed): the cutting law on one axis without an end
 //! point. Manual rapid: the rapid law on one axis. Changing between the two, or
 //! the direction, goes through standstill (manual PLC «manual rapid selection»).
@@ -51,8 +55,10 @@
 
 mod duration;
 mod gear;
+mod inputs;
 mod interpolator;
 mod jog;
+mod lag;
 mod limits;
 mod path;
 mod ramp;
@@ -61,12 +67,15 @@ mod tap;
 mod thread;
 
 #[cfg(test)]
+mod lag_tests;
+#[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod thread_tests;
 
-pub use duration::{duration, path_length};
-pub use interpolator::{DryRun, Interpolator, MotionInputs, RapidOverride};
+pub use duration::{Sequel, duration, path_length};
+pub use inputs::{DryRun, MotionInputs, RapidOverride};
+pub use interpolator::Interpolator;
 pub use jog::JogRate;
 pub use limits::MotionLimits;
 pub use thread::ThreadMove;

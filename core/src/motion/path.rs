@@ -81,6 +81,11 @@ impl Path {
         self.length
     }
 
+    /// Whether it is a line.
+    pub const fn is_straight(&self) -> bool {
+        self.bend.is_none()
+    }
+
     /// End point.
     pub const fn to(&self) -> Point {
         self.to

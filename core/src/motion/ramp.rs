@@ -45,6 +45,24 @@ impl Law {
         }
     }
 
+    /// Time constant of the exponential law, s.
+    pub const fn time_constant(&self) -> f64 {
+        match *self {
+            Self::Exponential { time, .. } => time,
+            Self::Linear { .. } => 0.0,
+        }
+    }
+
+    /// What is left of a difference after `span` seconds: e^(-span / time constant).
+    pub fn decay(&self, span: f64) -> f64 {
+        match *self {
+            Self::Exponential {
+                time, tick_decay, ..
+            } => decay(span, time, tick_decay),
+            Self::Linear { .. } => 0.0,
+        }
+    }
+
     /// The way from `speed` to standstill, mm.
     pub fn braking_distance(&self, speed: f64) -> f64 {
         match *self {

@@ -156,10 +156,15 @@ fn check_speed(interpolator: &Interpolator, begun: &Begun, limits: &MotionLimits
     }
 }
 
-fn check_circle(position: Point, begun: &Begun) {
+/// The commanded path is the programmed one, far below 0.001 mm.
+fn check_path(position: Point, begun: &Begun) {
     if let Some(center) = begun.center {
         let off = (position - center).length() - (begun.from - center).length();
         assert!(off.abs() < 1e-6, "{off} mm off the circle");
+    } else if begun.kind != MoveKind::Rapid {
+        let (way, made) = (begun.to - begun.from, position - begun.from);
+        let off = (way.x * made.z - way.z * made.x) / way.length().max(1e-9);
+        assert!(off.abs() < 1e-6, "{off} mm off the line");
     }
 }
 
@@ -175,7 +180,7 @@ proptest! {
         while !interpolator.finished() && ticks < TICKS_MAX {
             let position = interpolator.tick(&limits, &inputs);
             check_speed(&interpolator, &begun, &limits);
-            check_circle(position, &begun);
+            check_path(position, &begun);
             ticks += 1;
         }
         prop_assert_eq!(interpolator.position(), begun.to);
@@ -242,7 +247,7 @@ proptest! {
             let position = interpolator.tick(&limits, inputs);
             assert!(position.x.is_finite() && position.z.is_finite());
             travelled += (position - before).length();
-            check_circle(position, &begun);
+            check_path(position, &begun);
             if begun.kind != MoveKind::Rapid {
                 assert!(interpolator.speed() <= limits.cutting_rate() + 1e-6);
             }

@@ -4,8 +4,8 @@
 //! ```text
 //!            cycle start                 *SP, manual mode
 //!  RESET ───────────────► RUN ◄──────────────────────────► HOLD
-//!    ▲    ▲                │ block end with single block,   │ block done
-//!    │    └── STOP ◄───────┘ M00, mode change               │ (M/S/T, dwell)
+//!    ▲    ▲                │ block end with single block,   │ block without motion
+//!    │    └── STOP ◄───────┘ M00, mode change               │ done (M/S/T, dwell)
 //!    │          ▲───────────────────────────────────────────┘
 //!    └─ RESET key, M30, emergency stop: from every state
 //! ```
@@ -136,6 +136,14 @@ impl Automatic {
         self.current.as_ref().map(|current| &current.command.action)
     }
 
+    /// Whether the cut under way goes over into the command read ahead: it is a cut
+    /// too, and nothing stops the run in between.
+    pub(crate) fn cut_continues(&self) -> bool {
+        self.state == RunState::Run
+            && !self.stop_requested
+            && self.ahead.as_ref().is_some_and(|next| is_cut(&next.action))
+    }
+
     /// Drops everything that was read.
     pub(crate) fn clear(&mut self) {
         *self = Self {
@@ -157,10 +165,27 @@ impl Automatic {
     }
 }
 
+/// Whether an action is a cut whose speed is its own (no thread).
+pub(super) const fn is_cut(action: &Action) -> bool {
+    matches!(action, Action::Line { .. } | Action::Arc { .. })
+}
+
 impl Cnc {
+    /// Whether the next cut follows the one under way without a stop (007.3 = 0):
+    /// neither single block nor an M, S or T function ends the block first.
+    pub(crate) fn cut_continues(&self) -> bool {
+        let stops = |current: &Current| current.command.stop_point && self.from_plc.single_block;
+        !self.limits.exact_corners()
+            && self.automatic.cut_continues()
+            && !self.automatic.current.as_ref().is_some_and(stops)
+            && !self.handshake.busy()
+    }
+
     /// The cycle-start signal fell from 1 to 0.
     pub(crate) fn cycle_start(&mut self) {
-        let moving = self.automatic.state != RunState::Hold && self.interpolator.is_moving();
+        let interrupted =
+            self.automatic.state == RunState::Hold && self.automatic.current.is_some();
+        let moving = !interrupted && self.interpolator.is_moving();
         let refused = moving
             || !self.mode.runs_programs()
             || self.from_plc.feed_hold
@@ -243,8 +268,10 @@ impl Cnc {
         let between_blocks = self.automatic.current.is_none()
             && !self.automatic.within_block
             && !self.automatic.protected();
-        if self.automatic.state == RunState::Hold && between_blocks {
-            self.automatic.state = RunState::Stop;
+        // Held at a block end; another automatic mode or EDIT makes a stop of it.
+        if self.automatic.state == RunState::Hold && between_blocks && self.automatic.stop_requested
+        {
+            self.automatic.stop();
         }
         self.read_ahead();
     }

@@ -5,9 +5,9 @@
 
 use std::collections::VecDeque;
 
-use super::automatic::{Current, RunState, Stage};
+use super::automatic::{Current, RunState, Stage, is_cut};
 use super::handshake::Strobe;
-use super::thread::TapStage;
+use super::thread::{Protection, TapStage};
 use crate::alarm::Alarm;
 use crate::cnc::{Cnc, Event};
 use crate::command::{Action, Command, ExecutedMove, MoveKind, SpindleCommand, Timing};
@@ -30,7 +30,7 @@ impl Cnc {
         self.events.extend(explanation.map(Event::Explained));
         self.automatic.protect(&command.action);
         self.automatic.last = Some(command.source);
-        let from = self.interpolator.position();
+        let from = self.interpolator.commanded();
         let started = self.now();
         let stage = match self.act(&command) {
             Ok(stage) => stage,
@@ -43,7 +43,8 @@ impl Cnc {
             from,
             started,
         });
-        if self.automatic.threading() {
+        let over = !self.limits.exact_corners() && self.automatic.action().is_some_and(is_cut);
+        if self.automatic.threading() || over {
             // Whether it slows down at its end depends on what follows.
             self.read_ahead();
         }
@@ -267,7 +268,12 @@ impl Cnc {
             }
             return;
         }
-        let stops = self.automatic.state == RunState::Hold
+        // A hold in a motion stands, also when the motion came to its end meanwhile;
+        // one in a block without motion ends with it (manual PLC-I «feed hold»).
+        let moved = !command.whole
+            && self.automatic.protection == Protection::None
+            && (is_cut(&command.action) || matches!(command.action, Action::Rapid { .. }));
+        let stops = (self.automatic.state == RunState::Hold && !moved)
             || (command.block_end && self.automatic.stop_requested)
             || (command.stop_point && self.from_plc.single_block);
         if stops && (command.stop_point || command.block_end) {
@@ -326,7 +332,7 @@ impl Cnc {
             source: current.command.source,
             kind,
             from: self.frame.program(current.from),
-            to: self.frame.program(self.interpolator.position()),
+            to: self.frame.program(self.interpolator.commanded()),
             center,
             feed,
             start_s: current.started,

@@ -1,0 +1,101 @@
+//! What motion depends on besides its command, and the speeds that follow from it.
+
+use serde::{Deserialize, Serialize};
+
+use super::limits::MotionLimits;
+use crate::spindle::SpindleTurn;
+use crate::units::{Axis, Feed};
+
+/// Rapid override.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum RapidOverride {
+    /// The lowest rate itself (032).
+    F0,
+    /// Per cent of the rapid rates.
+    Percent(u8),
+}
+
+impl RapidOverride {
+    /// From per cent, where 0 stands for F0.
+    pub const fn from_percent(percent: u8) -> Self {
+        if percent == 0 {
+            Self::F0
+        } else {
+            Self::Percent(percent)
+        }
+    }
+}
+
+/// The rates of dry run (manual III-5.3.2).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DryRun {
+    /// Rate of cuts, mm/min.
+    pub cutting: f64,
+    /// Rate of rapids, mm/min; `None`: the rapid rates.
+    pub rapid: Option<f64>,
+}
+
+/// What motion depends on besides its command.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MotionInputs {
+    /// Feed override, 0.0…1.5.
+    pub feed_override: f64,
+    /// Rapid override.
+    pub rapid_override: RapidOverride,
+    /// Measured spindle speed, r/min, either sign.
+    pub spindle_rpm: f64,
+    /// Measured spindle angle.
+    pub spindle: SpindleTurn,
+    /// A thread that goes on in phase follows the one under way.
+    pub thread_continues: bool,
+    /// A cut follows the one under way without a stop in between (007.3 = 0).
+    pub cut_continues: bool,
+    /// Feed hold or interlock: programmed motion decelerates to standstill.
+    pub hold: bool,
+    /// Dry run; switching it goes through standstill.
+    pub dry_run: Option<DryRun>,
+}
+
+impl Default for MotionInputs {
+    /// Overrides at 100 %, spindle standing.
+    fn default() -> Self {
+        Self {
+            feed_override: 1.0,
+            rapid_override: RapidOverride::Percent(100),
+            spindle_rpm: 0.0,
+            spindle: SpindleTurn::default(),
+            thread_continues: false,
+            cut_continues: false,
+            hold: false,
+            dry_run: None,
+        }
+    }
+}
+
+/// Rapid rate of an axis with its override, mm/s.
+pub(super) fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, axis: Axis) -> f64 {
+    let rate = limits.rapid(axis);
+    match rapid_override {
+        RapidOverride::F0 => limits.lowest_rapid().min(rate),
+        RapidOverride::Percent(percent) => rate * f64::from(percent.min(100)) / 100.0,
+    }
+}
+
+pub(super) fn rapid_target(limits: &MotionLimits, inputs: &MotionInputs, axis: Axis) -> f64 {
+    match inputs.dry_run {
+        Some(DryRun {
+            rapid: Some(rate), ..
+        }) => (rate / 60.0).min(limits.rapid(axis)),
+        _ => rapid_rate(limits, inputs.rapid_override, axis),
+    }
+}
+
+/// Speed of a cut after override and clamp, mm/s.
+pub(super) fn cutting_target(limits: &MotionLimits, inputs: &MotionInputs, feed: Feed) -> f64 {
+    let per_minute = match (inputs.dry_run, feed) {
+        (Some(dry_run), _) => dry_run.cutting,
+        (None, Feed::PerMinute(rate)) => rate * inputs.feed_override,
+        (None, Feed::PerRevolution(way)) => way * inputs.spindle_rpm.abs() * inputs.feed_override,
+    };
+    (per_minute / 60.0).min(limits.cutting())
+}

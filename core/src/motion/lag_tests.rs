@@ -1,0 +1,295 @@
+//! Cuts that go over into each other (007.3 = 0) against the theory of the lag.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::command::MoveKind;
+use crate::memory::Parameters;
+use crate::units::{Axis, Feed, Point, TICK_S};
+
+/// 029 in ms, 030 in mm/min.
+fn limits(exact: bool, time: i32, lowest: i32) -> MotionLimits {
+    let mut parameters = Parameters::default();
+    parameters.set_bit(7, 3, exact).unwrap();
+    parameters.set(29, time).unwrap();
+    parameters.set(30, lowest).unwrap();
+    MotionLimits::from(&parameters)
+}
+
+const FEED: f64 = 3000.0;
+/// The same in mm/s.
+const RATE: f64 = 50.0;
+
+fn goes_on() -> MotionInputs {
+    MotionInputs {
+        cut_continues: true,
+        ..MotionInputs::default()
+    }
+}
+
+/// Lets a cut run to the end of its command, then starts the next with the rest of
+/// the tick.
+fn over(interpolator: &mut Interpolator, limits: &MotionLimits, start: impl Fn(&mut Interpolator)) {
+    while !interpolator.finished() {
+        interpolator.tick(limits, &goes_on());
+    }
+    start(interpolator);
+}
+
+#[test]
+fn one_straight_cut_is_the_same_with_and_without_exact_corners() {
+    let run = |exact| {
+        let limits = limits(exact, 100, 40);
+        let mut interpolator = Interpolator::new(Point::new(1.0, 2.0));
+        interpolator.start_line(Point::new(9.0, -4.0), Feed::PerMinute(FEED));
+        let mut places = Vec::new();
+        while !interpolator.finished() {
+            places.push(interpolator.tick(&limits, &MotionInputs::default()));
+        }
+        places
+    };
+    let (exact, over) = (run(true), run(false));
+    assert_eq!(exact.len(), over.len());
+    for (a, b) in exact.iter().zip(&over) {
+        assert!((*a - *b).length() < 1e-8, "{a:?} {b:?}");
+    }
+    assert_eq!(exact.last(), over.last());
+}
+
+/// A right-angled corner at full speed, without 030: with L = F T and s = t / T after
+/// the command turned, the tool is at (L e^-s) before the corner on the old leg and
+/// L (s - 1 + e^-s) past it on the new one.
+#[test]
+fn a_corner_is_rounded_as_the_exponential_law_says() {
+    let limits = limits(false, 50, 0);
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_line(Point::new(0.0, 100.0), Feed::PerMinute(FEED));
+    over(&mut interpolator, &limits, |interpolator| {
+        interpolator.start_line(Point::new(60.0, 100.0), Feed::PerMinute(FEED));
+    });
+    let since = interpolator.time_left();
+    interpolator.continue_tick(&limits, &MotionInputs::default());
+    let (constant, lag) = (0.05, RATE * 0.05);
+    let theory = |time: f64| {
+        let rest = libm::exp(-time / constant);
+        Point::new(lag * (time / constant - 1.0 + rest), 100.0 - lag * rest)
+    };
+    let corner = Point::new(0.0, 100.0);
+    let mut nearest = f64::INFINITY;
+    for tick in 0..600 {
+        let time = since + f64::from(tick) * TICK_S;
+        let off = (interpolator.position() - theory(time)).length();
+        assert!(off <= 0.001, "{off} mm off after {time} s");
+        nearest = nearest.min((interpolator.position() - corner).length());
+        interpolator.tick(&limits, &MotionInputs::default());
+    }
+    let rounding = (0..2000)
+        .map(|step| (theory(f64::from(step) * 1e-4) - corner).length())
+        .fold(f64::INFINITY, f64::min);
+    assert!((nearest - rounding).abs() < 0.01 && rounding > 1.0);
+}
+
+/// On a circle the tool settles on a smaller one: `R² = r² + lag²` with
+/// `ω r = FL + lag / T`; without FL `r = R / √(1 + (F T / R)²)`.
+#[test]
+fn a_circle_shrinks_as_the_exponential_law_says() {
+    for (lowest, expected) in [(0, 10.0 / (1.0f64 + 0.0625).sqrt()), (500, 0.0)] {
+        let limits = limits(false, 50, lowest);
+        let mut interpolator = Interpolator::new(Point::new(0.0, 10.0));
+        interpolator.start_arc(
+            Point::new(0.0, 10.0),
+            Point::default(),
+            false,
+            Feed::PerMinute(FEED),
+        );
+        for _ in 0..800 {
+            interpolator.tick(&limits, &goes_on());
+        }
+        let (spin, floor) = (RATE / 10.0, f64::from(lowest).max(1.0) / 60.0);
+        // (FL + e/T)² / ω² + e² = R²
+        let (a, b) = (1.0 / 0.05 / spin, floor / spin);
+        let lag =
+            (-a * b + (a * a * b * b - (a * a + 1.0) * (b * b - 100.0)).sqrt()) / (a * a + 1.0);
+        let radius = (100.0 - lag * lag).sqrt();
+        let made = interpolator.position().length();
+        assert!(
+            (made - radius).abs() < 0.001,
+            "{made} mm, {radius} by theory"
+        );
+        if expected > 0.0 {
+            assert!((radius - expected).abs() < 0.001);
+        }
+        assert!(!interpolator.finished());
+    }
+}
+
+#[test]
+fn hold_brings_the_tool_to_rest_where_the_command_stopped() {
+    let limits = limits(false, 100, 30);
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_line(Point::new(0.0, 50.0), Feed::PerMinute(FEED));
+    over(&mut interpolator, &limits, |interpolator| {
+        interpolator.start_line(Point::new(30.0, 50.0), Feed::PerMinute(FEED));
+    });
+    for _ in 0..30 {
+        interpolator.tick(&limits, &goes_on());
+    }
+    let command = interpolator.stopping_point(&limits);
+    assert!(command.z == 50.0 && interpolator.position().z < 49.0);
+    let way = (command - interpolator.position()).length();
+    let time = 0.1 * libm::log1p(way / (0.1 * 0.5));
+    let hold = MotionInputs {
+        hold: true,
+        ..goes_on()
+    };
+    let mut ticks = 0;
+    while interpolator.is_moving() {
+        interpolator.tick(&limits, &hold);
+        ticks += 1;
+    }
+    assert_eq!(interpolator.position(), command);
+    assert!((f64::from(ticks) * TICK_S - time).abs() < 0.003, "{ticks}");
+    while !interpolator.finished() {
+        interpolator.tick(&limits, &MotionInputs::default());
+    }
+    assert_eq!(interpolator.position(), Point::new(30.0, 50.0));
+}
+
+#[test]
+fn a_reset_in_a_corner_drops_the_rest_and_comes_to_rest() {
+    let limits = limits(false, 100, 30);
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_line(Point::new(0.0, 50.0), Feed::PerMinute(FEED));
+    over(&mut interpolator, &limits, |interpolator| {
+        interpolator.start_line(Point::new(30.0, 50.0), Feed::PerMinute(FEED));
+    });
+    interpolator.tick(&limits, &goes_on());
+    let command = interpolator.commanded();
+    interpolator.decelerate();
+    for _ in 0..1000 {
+        interpolator.tick(&limits, &goes_on());
+    }
+    assert!(interpolator.finished() && !interpolator.is_moving());
+    assert_eq!(interpolator.position(), command);
+}
+
+/// Speed one tick after the feed override changed, for both laws of corners: the mean
+/// of `F₂ + (F₁ - F₂) e^(-t/T)` over the tick.
+#[test]
+fn the_feed_override_acts_within_a_tick() {
+    for exact in [true, false] {
+        let limits = limits(exact, 100, 10);
+        let mut interpolator = Interpolator::new(Point::default());
+        interpolator.start_line(Point::new(0.0, 500.0), Feed::PerMinute(FEED));
+        let mut inputs = MotionInputs::default();
+        for _ in 0..2500 {
+            interpolator.tick(&limits, &inputs);
+        }
+        for factor in [0.5, 1.5, 0.0] {
+            let before = interpolator.speed();
+            inputs.feed_override = factor;
+            interpolator.tick(&limits, &inputs);
+            let target = FEED * factor;
+            let half = libm::exp(-0.0005 / 0.1);
+            let expected = target + (before - target) * half;
+            // Before, the speed stood; the first tick is half a tick later.
+            let made = interpolator.speed();
+            assert!((made - expected).abs() < 0.001 * FEED, "{made} {expected}");
+            for _ in 0..2500 {
+                interpolator.tick(&limits, &inputs);
+            }
+            assert!((interpolator.speed() - target).abs() < 0.01, "{exact}");
+        }
+    }
+}
+
+/// Rapid and its override: constant acceleration from the first tick on.
+#[test]
+fn the_rapid_override_acts_within_a_tick() {
+    let limits = limits(true, 100, 10);
+    let mut interpolator = Interpolator::new(Point::default());
+    interpolator.start_rapid(Point::new(0.0, 900.0));
+    let mut inputs = MotionInputs::default();
+    for _ in 0..1000 {
+        interpolator.tick(&limits, &inputs);
+    }
+    let rate = limits.rapid_rate(Axis::Z);
+    let tick = rate / 300.0;
+    assert!((interpolator.speed() - rate).abs() < 1e-6);
+    inputs.rapid_override = RapidOverride::Percent(25);
+    for step in 1..=225 {
+        interpolator.tick(&limits, &inputs);
+        let expected = rate - (f64::from(step) - 0.5) * tick;
+        assert!((interpolator.speed() - expected).abs() < 1e-6);
+    }
+    interpolator.tick(&limits, &inputs);
+    assert!((interpolator.speed() - rate / 4.0).abs() < 1e-6);
+}
+
+/// A cut from the end of the last one.
+#[derive(Clone, Copy, Debug)]
+enum Cut {
+    Line(Point, f64),
+    Arc(f64, f64, f64, f64),
+}
+
+fn cut() -> impl Strategy<Value = Cut> {
+    prop_oneof![
+        (-8000i32..8000, -8000i32..8000, 20.0..9000.0f64).prop_map(|(x, z, feed)| {
+            Cut::Line(Point::new(f64::from(x), f64::from(z)) * 0.001, feed)
+        }),
+        (0.0..6.2f64, 0.1..20.0f64, -6.2..6.2f64, 50.0..9000.0f64)
+            .prop_map(|(angle, radius, sweep, feed)| Cut::Arc(angle, radius, sweep, feed)),
+    ]
+}
+
+proptest! {
+    /// No end is missed, no speed passed, and the time is the one known beforehand.
+    #[test]
+    fn chains_of_cuts_keep_end_speed_and_time(
+        cuts in prop::collection::vec(cut(), 1..12),
+        scale in prop_oneof![Just(1.0), Just(0.1), Just(0.002)],
+        time in 0i32..400,
+        lowest in prop_oneof![Just(0), 1i32..2000],
+    ) {
+        let limits = limits(false, time, lowest);
+        let mut interpolator = Interpolator::new(Point::default());
+        let mut sequel = Sequel::default();
+        let (mut expected, mut top, mut ticks) = (0.0, 0.0f64, 0u32);
+        let count = cuts.len();
+        for (index, cut) in cuts.into_iter().enumerate() {
+            let from = interpolator.commanded();
+            let (kind, to, center, feed) = match cut {
+                Cut::Line(way, feed) => {
+                    let to = from + way * scale;
+                    interpolator.start_line(to, Feed::PerMinute(feed));
+                    (MoveKind::Feed, to, None, feed)
+                }
+                Cut::Arc(angle, radius, sweep, feed) => {
+                    let sweep = if sweep.abs() < 0.01 { 0.01 } else { sweep };
+                    let arm = |angle: f64| Point::new(libm::sin(angle), libm::cos(angle)) * (radius * scale);
+                    let center = from - arm(angle);
+                    let to = center + arm(angle + sweep);
+                    interpolator.start_arc(to, center, sweep < 0.0, Feed::PerMinute(feed));
+                    (MoveKind::arc(sweep < 0.0), to, Some(center), feed)
+                }
+            };
+            expected += sequel.cut(kind, from, to, center, feed, &limits);
+            top = top.max(feed.min(limits.cutting_rate()));
+            let inputs = MotionInputs { cut_continues: index + 1 < count, ..MotionInputs::default() };
+            interpolator.continue_tick(&limits, &inputs);
+            while !interpolator.finished() {
+                interpolator.tick(&limits, &inputs);
+                ticks += 1;
+                prop_assert!(ticks < 4_000_000);
+                prop_assert!(interpolator.speed() <= top * 1.0001, "{} of {}", interpolator.speed(), top);
+            }
+            prop_assert!((interpolator.commanded() - to).length() < 1e-9);
+        }
+        prop_assert!(!interpolator.is_moving());
+        expected += sequel.close(&limits);
+        let ticked = f64::from(ticks) * TICK_S;
+        let tolerance = 0.004 + 0.005 * expected;
+        prop_assert!((ticked - expected).abs() < tolerance, "{} s instead of {}", ticked, expected);
+    }
+}

@@ -1,0 +1,111 @@
+//! Rapids, cuts and dwells without ticks.
+
+use super::{Walk, bounds, snapped};
+use crate::alarm::Alarm;
+use crate::command::{Command, ExecutedMove, MoveKind, Source};
+use crate::motion::{duration, path_length};
+use crate::operation::check_encoder;
+use crate::units::{Feed, Point};
+
+impl Walk<'_> {
+    /// A rapid, or a cut.
+    pub(super) fn travel(
+        &mut self,
+        command: &Command,
+        kind: MoveKind,
+        to: Point,
+        center: Option<Point>,
+        feed: Option<Feed>,
+    ) -> Result<(), Alarm> {
+        let from = self.so_far.machine;
+        let frame = self.so_far.frame;
+        let per_minute = match feed {
+            None => 0.0,
+            Some(Feed::PerMinute(rate)) => rate,
+            Some(Feed::PerRevolution(rate)) => {
+                check_encoder(&self.so_far.parameters)?;
+                let middle = (frame.program(from).x + frame.program(to).x) / 2.0;
+                rate * self.spindle.rpm_for_feed(middle)?
+            }
+        };
+        self.so_far.machine = to;
+        if from == to && center.is_none() {
+            return Ok(());
+        }
+        self.settle(true);
+        self.motionless = 0;
+        let over = kind != MoveKind::Rapid && !self.limits.exact_corners();
+        let took = if over {
+            self.sequel
+                .cut(kind, from, to, center, per_minute, &self.limits)
+        } else {
+            duration(kind, from, to, center, per_minute, &self.limits)
+        };
+        let length = path_length(kind, from, to, center);
+        let lengths = &mut self.so_far.lengths;
+        match kind {
+            MoveKind::Rapid => lengths.rapid += length,
+            MoveKind::Clockwise => lengths.clockwise += length,
+            MoveKind::CounterClockwise => lengths.counter_clockwise += length,
+            _ => lengths.feed += length,
+        }
+        if kind != MoveKind::Rapid {
+            self.so_far.cutting_s += took;
+        }
+        let executed = ExecutedMove {
+            source: command.source,
+            kind,
+            from: snapped(frame.program(from)),
+            to: snapped(frame.program(to)),
+            center: center.map(|center| snapped(frame.program(center))),
+            feed,
+            start_s: self.clock.now(),
+            duration_s: took,
+        };
+        bounds::include(&mut self.so_far.bounds, &executed);
+        self.clock.advance(took);
+        self.so_far.moves += 1;
+        if over {
+            self.unsettled = Some(executed);
+        } else {
+            (self.on_move)(&executed);
+        }
+        Ok(())
+    }
+
+    /// The cut that waits for what follows it: unless that is a cut too, the tool
+    /// closes up first.
+    pub(super) fn settle(&mut self, goes_on: bool) {
+        let Some(mut executed) = self.unsettled.take() else {
+            return;
+        };
+        if !goes_on {
+            let closing = self.sequel.close(&self.limits);
+            executed.duration_s += closing;
+            self.so_far.cutting_s += closing;
+            self.clock.advance(closing);
+        }
+        (self.on_move)(&executed);
+    }
+
+    pub(super) fn dwell(&mut self, source: Source, ms: u32) {
+        if ms == 0 {
+            return;
+        }
+        let at = snapped(self.so_far.frame.program(self.so_far.machine));
+        let took = f64::from(ms) / 1000.0;
+        let executed = ExecutedMove {
+            source,
+            kind: MoveKind::Dwell,
+            from: at,
+            to: at,
+            center: None,
+            feed: None,
+            start_s: self.clock.now(),
+            duration_s: took,
+        };
+        self.clock.advance(took);
+        self.so_far.moves += 1;
+        (self.on_move)(&executed);
+    }
+}
