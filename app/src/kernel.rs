@@ -1,6 +1,7 @@
 //! The kernel: owns the emulator, carries out what the window asks for, hands
 //! out pictures. The same code runs in its thread and, step by step, in a test.
 
+pub mod probe;
 mod thread;
 
 use std::collections::BTreeMap;
@@ -18,6 +19,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use gsk_panel::screen::Screen;
 
+use probe::{Probe, Probing};
 pub use thread::{KernelThread, Outside, start};
 
 /// A key stays down at least so long, ticks: a click between two pictures is
@@ -55,6 +57,8 @@ pub enum Command {
         /// Greatest point.
         greatest: Point,
     },
+    /// Take samples for the scope from now on, or no more.
+    Probe(Option<Probe>),
     /// The window is alive; held keys may stay down.
     Alive,
     /// Let go of every key.
@@ -136,6 +140,8 @@ pub struct Kernel {
     tick: u64,
     last: Option<Snapshot>,
     speed_percent: u32,
+    /// Only while a scope is open.
+    probing: Option<Probing>,
     quit: bool,
 }
 
@@ -155,6 +161,7 @@ impl Kernel {
             tick: 0,
             last: None,
             speed_percent: 100,
+            probing: None,
             quit: false,
         };
         (
@@ -182,6 +189,9 @@ impl Kernel {
             self.release_due();
             self.emulator.tick();
             self.tick += 1;
+            if let Some(probing) = &mut self.probing {
+                probing.take(self.tick, &self.emulator);
+            }
         }
     }
 
@@ -221,6 +231,11 @@ impl Kernel {
             Command::Turn(detents) => self.emulator.turn(detents),
             Command::Open(opened) => self.open(*opened),
             Command::Fit { least, greatest } => self.emulator.fit_graphic(least, greatest),
+            Command::Probe(None) => self.probing = None,
+            Command::Probe(Some(probe)) => match &mut self.probing {
+                Some(probing) => probing.exchange(probe),
+                None => self.probing = Some(Probing::new(probe)),
+            },
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}
             Command::Quit => self.quit = true,

@@ -1,98 +1,11 @@
 //! The window without a display, driven through its accessible names as a screen
 //! reader or a tester does: names, mouse, PC keys, and what the LCD says.
 
-use std::path::Path;
-use std::time::Duration;
+mod common;
 
-use egui_kittest::Harness;
+use common::Bench;
 use egui_kittest::kittest::Queryable;
-use gsk_app::cli::Language;
-use gsk_app::kernel::Kernel;
-use gsk_app::window::{Settings, Window, fonts};
-use gsk_core::command::ProgramId;
-use gsk_core::setup::Setup;
-use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::{KEYS, Key, Role};
-
-/// A window with its kernel, which runs only when it is told to.
-struct Bench {
-    kernel: Kernel,
-    harness: Harness<'static, Window>,
-}
-
-impl Bench {
-    /// Switched on, the self-test over.
-    fn new() -> Self {
-        let (kernel, console) = Kernel::new(Emulator::new(Setup::default()));
-        let settings = Settings {
-            language: Language::En,
-            ..Settings::default()
-        };
-        let harness = Harness::builder()
-            .with_size(egui::vec2(1280.0, 806.0))
-            .with_context_setup(fonts::set_up)
-            .build_ui_state(
-                |ui, window: &mut Window| window.ui(ui),
-                Window::new(console, settings),
-            );
-        let mut bench = Self { kernel, harness };
-        bench.run(4000);
-        bench
-    }
-
-    /// Lets the control run so many milliseconds and draws what there is to see.
-    fn run(&mut self, ms: u64) {
-        self.harness.step();
-        self.kernel.run(ms);
-        self.kernel.show();
-        self.harness.step();
-    }
-
-    /// Clicks a key of the panel with the mouse.
-    #[track_caller]
-    fn click(&mut self, name: &str) {
-        self.harness.get_by_label(name).click();
-        self.run(200);
-    }
-
-    fn lcd(&self) -> String {
-        self.harness.get_by_label("LCD").value().unwrap_or_default()
-    }
-
-    #[track_caller]
-    fn lcd_shows(&self, text: &str) {
-        let lcd = self.lcd();
-        assert!(lcd.contains(text), "no `{text}` on the LCD:\n{lcd}");
-    }
-
-    /// The figure behind U on the relative position page.
-    fn shown_u(&self) -> f64 {
-        let lcd = self.lcd();
-        let row = lcd.lines().nth(3).unwrap_or_default();
-        let figure = row
-            .split_whitespace()
-            .last()
-            .and_then(|figure| figure.parse().ok());
-        assert!(figure.is_some(), "no coordinate in row 3:\n{lcd}");
-        figure.unwrap_or_default()
-    }
-
-    /// Opens a program as the dialog, a dropped file and `--program` do.
-    fn open(&mut self, file: &str) {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../assets/programs")
-            .join(file);
-        let context = self.harness.ctx.clone();
-        self.harness.state_mut().open(&context, path);
-        let opened = (0..1000).any(|_| {
-            std::thread::sleep(Duration::from_millis(10));
-            self.run(1);
-            let programs = self.kernel.emulator().simulation.cnc.programs();
-            programs.current() == Some(ProgramId::External)
-        });
-        assert!(opened, "{file} is not opened");
-    }
-}
 
 #[test]
 fn a_program_is_opened_started_and_stopped_by_the_emergency_stop() {

@@ -17,6 +17,7 @@ mod pointing;
 mod settings;
 mod texts;
 mod top_bar;
+mod views;
 
 use std::path::PathBuf;
 
@@ -31,6 +32,7 @@ use opener::Opener;
 use pointing::Pointing;
 pub use settings::Settings;
 use texts::Text;
+use views::Views;
 
 pub use help::pc_name;
 
@@ -50,6 +52,7 @@ pub struct Window {
     pointing: Pointing,
     opener: Opener,
     help: bool,
+    views: Views,
     lcd: lcd::Lcd,
     shade: paint::Shade,
     backdrop: backdrop::Backdrop,
@@ -66,6 +69,7 @@ impl Window {
     /// A window on a console.
     pub fn new(console: Console, settings: Settings) -> Self {
         let opener = Opener::new(console.clone());
+        let views = Views::new(&console);
         Self {
             console,
             picture: None,
@@ -76,6 +80,7 @@ impl Window {
             pointing: Pointing::default(),
             opener,
             help: false,
+            views,
             lcd: lcd::Lcd::default(),
             shade: paint::Shade::default(),
             backdrop: backdrop::Backdrop::default(),
@@ -136,7 +141,9 @@ impl Window {
             .show_separator_line(false);
         let asked = bar
             .show(ui, |ui| {
-                top_bar::show(ui, language, &self.settings.recent, self.opened.as_ref())
+                let is_open = |view| self.views.is_open(view);
+                let recent = &self.settings.recent;
+                top_bar::show(ui, language, recent, self.opened.as_ref(), is_open)
             })
             .inner;
         let line = Panel::bottom("status")
@@ -155,7 +162,9 @@ impl Window {
             self.help = help::show(ui.ctx(), language);
         }
         self.keyboard(ui);
-        let focused = ui.input(|input| input.focused);
+        let typed = self.views.show(ui.ctx(), language);
+        self.typed(&typed.events);
+        let focused = typed.focused || ui.input(|input| input.focused);
         if !focused {
             self.let_go();
         }
@@ -226,6 +235,7 @@ impl Window {
                 self.opener.choose(self.settings.language, ui.ctx().clone());
             }
             top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
+            top_bar::Asked::View(view) => self.views.toggle(view),
             top_bar::Asked::Keys => self.help = !self.help,
             top_bar::Asked::Language => {
                 self.settings.language = match self.settings.language {
@@ -267,7 +277,14 @@ impl Window {
             return;
         }
         let events: Vec<Event> = ui.input(|input| input.events.clone());
-        for event in &events {
+        if let Some(view) = views::toggled(&events) {
+            self.views.toggle(view);
+        }
+        self.typed(&events);
+    }
+
+    fn typed(&mut self, events: &[Event]) {
+        for event in events {
             match keyboard::action(event) {
                 Some(PcAction::Help) => self.help = !self.help,
                 Some(PcAction::Type(character)) => self.console.send(Command::Type(character)),

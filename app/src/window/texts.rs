@@ -14,6 +14,10 @@ pub enum Text {
     RecentEmpty,
     /// Reload the opened program.
     Reload,
+    /// Menu of the views.
+    Views,
+    /// The scope.
+    Scope,
     /// PC keys.
     Keys,
     /// The other language.
@@ -74,6 +78,8 @@ impl Text {
             Self::Recent => ("最近文件", "Recent"),
             Self::RecentEmpty => ("(无)", "(none)"),
             Self::Reload => ("重新读入", "Reload"),
+            Self::Views => ("视图", "Views"),
+            Self::Scope => ("示波器", "Scope"),
             Self::Keys => ("键盘 F1", "Keys F1"),
             Self::Language => ("English", "中文"),
             Self::Lcd => ("显示屏", "LCD"),
@@ -115,5 +121,13 @@ impl Text {
                 "Emergency stop is pressed; press it again to release",
             ),
         }
+    }
+}
+
+/// One of two sentences, for words that a view alone needs.
+pub const fn say(language: Language, zh: &'static str, en: &'static str) -> &'static str {
+    match language {
+        Language::Zh => zh,
+        Language::En => en,
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use egui::{Color32, RichText, Ui};
 
 use super::texts::Text;
+use super::views::{VIEWS, View, key_name};
 use crate::cli::Language;
 
 /// What was asked for in the bar.
@@ -14,6 +15,8 @@ pub enum Asked {
     Choose,
     /// Open this program.
     Open(PathBuf),
+    /// Open a view, or close it.
+    View(View),
     /// Show the key map.
     Keys,
     /// The other language.
@@ -26,6 +29,7 @@ pub fn show(
     language: Language,
     recent: &[PathBuf],
     opened: Option<&PathBuf>,
+    is_open: impl Fn(View) -> bool,
 ) -> Option<Asked> {
     let mut asked = None;
     ui.horizontal_centered(|ui| {
@@ -51,6 +55,16 @@ pub fn show(
         if ui.add_enabled(opened.is_some(), reload).clicked() {
             asked = opened.cloned().map(Asked::Open);
         }
+        ui.menu_button(Text::Views.of(language), |ui| {
+            for row in &VIEWS {
+                let entry = egui::Button::selectable(is_open(row.view), row.name.of(language))
+                    .shortcut_text(key_name(row));
+                if ui.add(entry).clicked() {
+                    asked = Some(Asked::View(row.view));
+                    ui.close();
+                }
+            }
+        });
         if let Some(opened) = opened {
             let name = opened.file_name().unwrap_or_default().to_string_lossy();
             ui.label(RichText::new(name.as_ref()).color(Color32::from_gray(170)))

@@ -10,6 +10,7 @@ struct Row {
     address: BitAddress,
     symbol: &'static str,
     text_zh: &'static str,
+    text_en: &'static str,
 }
 
 static TABLE: &str = include_str!("../../../assets/tables/plc-signals.tsv");
@@ -25,10 +26,12 @@ fn parse(line: &'static str) -> Option<Row> {
     let address = fields.next()?.parse().ok()?;
     let symbol = fields.next()?;
     let text_zh = fields.nth(1)?;
+    let text_en = fields.next()?;
     Some(Row {
         address,
         symbol: if symbol == "-" { "" } else { symbol },
         text_zh,
+        text_en,
     })
 }
 
@@ -56,6 +59,12 @@ pub fn meaning(ladder: &Ladder, address: BitAddress) -> String {
         (_, Some(row)) => row.text_zh.to_owned(),
         _ => String::new(),
     }
+}
+
+/// What the table of signals says of a bit, in Chinese or English; nothing of a bit
+/// that is none of its signals.
+pub fn signal_meaning(address: BitAddress, english: bool) -> &'static str {
+    row(address).map_or("", |row| if english { row.text_en } else { row.text_zh })
 }
 
 #[cfg(test)]

@@ -1,0 +1,208 @@
+//! Views beside the panel, each in a window of its own: scope, … They are closed at
+//! the start, and closed they cost nothing.
+
+mod aside;
+mod scope;
+
+use egui::{Color32, Context, Event, Frame, Key, Margin, Ui, ViewportBuilder, ViewportId};
+
+use super::texts::Text;
+use crate::cli::Language;
+use crate::kernel::Console;
+use scope::Scope;
+
+/// A view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// The scope.
+    Scope,
+}
+
+/// A row of the table of views.
+pub struct ViewRow {
+    /// The view.
+    pub view: View,
+    /// Its name.
+    pub name: Text,
+    /// The key that opens and closes it, with Shift.
+    pub key: Key,
+    /// Size of its window, points.
+    size: [f32; 2],
+    /// Least size of its window, points.
+    least: [f32; 2],
+}
+
+/// The views in the order of the menu.
+pub static VIEWS: [ViewRow; 1] = [ViewRow {
+    view: View::Scope,
+    name: Text::Scope,
+    key: Key::F2,
+    size: [1120.0, 720.0],
+    least: [760.0, 360.0],
+}];
+
+/// The views and which of them are open.
+pub struct Views {
+    open: [bool; VIEWS.len()],
+    scope: Scope,
+}
+
+impl Views {
+    /// All closed.
+    pub fn new(console: &Console) -> Self {
+        Self {
+            open: [false; VIEWS.len()],
+            scope: Scope::new(console.clone()),
+        }
+    }
+
+    /// Whether a view is open.
+    pub fn is_open(&self, view: View) -> bool {
+        VIEWS
+            .iter()
+            .zip(self.open)
+            .any(|(row, open)| open && row.view == view)
+    }
+
+    /// Opens a view, or closes it.
+    pub fn toggle(&mut self, view: View) {
+        let Some(index) = VIEWS.iter().position(|row| row.view == view) else {
+            return;
+        };
+        self.open[index] = !self.open[index];
+        match (view, self.open[index]) {
+            (View::Scope, true) => self.scope.open(),
+            (View::Scope, false) => self.scope.close(),
+        }
+    }
+
+    /// Draws the open views. What their windows leave to the panel of the keyboard
+    /// comes back, and whether one of them has the focus.
+    pub fn show(&mut self, context: &Context, language: Language) -> Typed {
+        let mut typed = Typed::default();
+        for (index, row) in VIEWS.iter().enumerate() {
+            if !self.open[index] {
+                continue;
+            }
+            let stays = window(context, row, language, &mut typed, |ui, native| {
+                match row.view {
+                    View::Scope => self.scope.show(ui, language, native),
+                }
+            });
+            if !stays {
+                self.toggle(row.view);
+            }
+        }
+        typed
+    }
+}
+
+/// What was typed into the windows of views and is meant for the panel.
+#[derive(Debug, Default)]
+pub struct Typed {
+    /// A window of a view has the focus.
+    pub focused: bool,
+    /// Keys of the PC.
+    pub events: Vec<Event>,
+}
+
+/// Draws a view in a window of its own, or inside the window where the system has
+/// one window only; tells whether it stays open.
+fn window(
+    context: &Context,
+    row: &ViewRow,
+    language: Language,
+    typed: &mut Typed,
+    mut add: impl FnMut(&mut Ui, bool),
+) -> bool {
+    let title = row.name.of(language);
+    let id = format!("{:?}", row.view);
+    if context.embed_viewports() {
+        let mut open = true;
+        egui::Window::new(title)
+            .id(egui::Id::unique(&id))
+            .open(&mut open)
+            .default_size(row.size)
+            .min_size(row.least)
+            .collapsible(false)
+            .show(context, |ui| add(ui, false));
+        return open;
+    }
+    let builder = ViewportBuilder::default()
+        .with_title(format!("{title} - GSK980TD"))
+        .with_app_id("gsk980td")
+        .with_inner_size(row.size)
+        .with_min_inner_size(row.least);
+    let id = ViewportId::from_hash_of(&id);
+    context.show_viewport_immediate(id, builder, |ui, _| {
+        add(ui, true);
+        let wanted = ui.ctx().egui_wants_keyboard_input();
+        ui.input(|input| {
+            typed.focused |= input.focused;
+            let events = input.events.iter().filter(|event| for_panel(event, wanted));
+            typed.events.extend(events.cloned());
+            let closing = input.viewport().close_requested();
+            let again = toggled(&input.events) == Some(row.view);
+            !closing && !again
+        })
+    })
+}
+
+/// Whether a key typed into a view's window is meant for the panel: the function keys
+/// (cycle start, feed hold and emergency stop among them) and what is held with Ctrl
+/// or Alt, unless a field is being filled. A release always is.
+fn for_panel(event: &Event, wanted: bool) -> bool {
+    let Event::Key {
+        key,
+        pressed,
+        modifiers,
+        ..
+    } = event
+    else {
+        return false;
+    };
+    let stop = matches!(key, Key::F9 | Key::F10 | Key::F12);
+    let function = matches!(key.name().strip_prefix('F'), Some(number) if !number.is_empty());
+    let combined = modifiers.ctrl || modifiers.alt;
+    !pressed
+        || (stop && !modifiers.any())
+        || (!wanted && !modifiers.shift && (function || combined))
+}
+
+/// The view that a key opens or closes.
+pub fn toggled(events: &[Event]) -> Option<View> {
+    let pressed = |wanted: Key| {
+        events.iter().any(|event| {
+            matches!(
+                event,
+                Event::Key { key, pressed: true, repeat: false, modifiers, .. }
+                    if *key == wanted && modifiers.shift && !modifiers.ctrl && !modifiers.alt
+            )
+        })
+    };
+    VIEWS
+        .iter()
+        .find(|row| pressed(row.key))
+        .map(|row| row.view)
+}
+
+fn bar_frame() -> Frame {
+    Frame::new()
+        .fill(Color32::from_gray(34))
+        .inner_margin(Margin::symmetric(8, 5))
+}
+
+fn side_frame() -> Frame {
+    Frame::new()
+        .fill(Color32::from_gray(28))
+        .inner_margin(Margin::symmetric(8, 6))
+}
+
+fn plain_frame() -> Frame {
+    Frame::new().fill(Color32::from_gray(18))
+}
+
+/// The name of a view's key.
+pub fn key_name(row: &ViewRow) -> String {
+    format!("Shift+{}", row.key.name())
+}

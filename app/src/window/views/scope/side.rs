@@ -1,0 +1,269 @@
+//! The list beside the plot: which traces are drawn, what they read.
+
+use egui::{Align, Color32, Label, Layout, RichText, ScrollArea, Ui, UiBuilder, vec2};
+use gsk_panel::pages::signal_meaning;
+
+use super::trace::{Quantity, TRACES};
+use super::{BitChannel, Cursors, Scope};
+use crate::cli::Language;
+use crate::window::texts::say;
+
+/// Width of the list, points.
+pub const WIDTH: f32 = 366.0;
+/// Height of a line, points.
+const LINE: f32 = 21.0;
+/// Width of a reading, points.
+const READING: f32 = 80.0;
+/// Colour of PLC bits.
+pub const BIT_COLOUR: Color32 = Color32::from_rgb(150, 214, 190);
+/// Colours of the cursors.
+pub const CURSOR_COLOURS: [Color32; 2] = [
+    Color32::from_rgb(255, 226, 90),
+    Color32::from_rgb(120, 226, 226),
+];
+
+impl Scope {
+    pub(super) fn side(&mut self, ui: &mut Ui, language: Language) {
+        self.head(ui, language);
+        ui.separator();
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                for quantity in Quantity::ALL {
+                    self.traces(ui, language, quantity);
+                }
+                ui.add_space(6.0);
+                self.bits(ui, language);
+            });
+    }
+
+    /// Times of the cursors, or the heading of what is read now.
+    fn head(&mut self, ui: &mut Ui, language: Language) {
+        let Some(cursors) = self.cursors else {
+            line(
+                ui,
+                LINE,
+                |ui| {
+                    ui.label(RichText::new(say(language, "显示", "Shown")).weak());
+                },
+                |ui| {
+                    let words = say(language, "右边缘的值", "at the right edge");
+                    ui.label(RichText::new(words).weak());
+                },
+            );
+            return;
+        };
+        let [a, b] = cursors.at;
+        let origin = self.origin;
+        let seconds = |tick: u64| (tick as f64 - origin as f64) / 1000.0;
+        line(
+            ui,
+            LINE,
+            |ui| {
+                ui.label(RichText::new(say(language, "游标", "Cursors")).weak());
+            },
+            |ui| {
+                reading(ui, RichText::new("B - A").weak());
+                for (name, place) in [("B", 1), ("A", 0)] {
+                    let colour = CURSOR_COLOURS[place];
+                    reading(ui, RichText::new(name).color(colour).strong());
+                }
+            },
+        );
+        line(
+            ui,
+            LINE,
+            |ui| {
+                ui.label(say(language, "时间 s", "Time s"));
+            },
+            |ui| {
+                reading(ui, figure(Some((b as f64 - a as f64) / 1000.0), 3));
+                let mut at = [a, b];
+                for place in [1, 0] {
+                    let mut time = seconds(at[place]);
+                    let entry = egui::DragValue::new(&mut time)
+                        .speed(self.span as f64 / 400_000.0)
+                        .fixed_decimals(3);
+                    let response = ui.add_sized([READING, LINE], entry);
+                    let name = ["A", "B"][place];
+                    response.widget_info(|| {
+                        let words = say(language, "游标时间", "Time of cursor");
+                        egui::WidgetInfo::labeled(
+                            egui::Role::SpinButton,
+                            true,
+                            format!("{words} {name}"),
+                        )
+                    });
+                    if response.changed() {
+                        at[place] = (origin as f64 + time * 1000.0).round().max(0.0) as u64;
+                    }
+                }
+                self.cursors = Some(Cursors { at, ..cursors });
+            },
+        );
+    }
+
+    fn traces(&mut self, ui: &mut Ui, language: Language, quantity: Quantity) {
+        ui.add_space(4.0);
+        let radius = match quantity {
+            Quantity::Position => say(language, ", X 为半径", ", X as radius"),
+            _ => "",
+        };
+        let heading = format!("{}  {}{radius}", quantity.name(language), quantity.unit());
+        ui.label(RichText::new(heading).weak());
+        for (index, trace) in TRACES.iter().enumerate() {
+            if trace.quantity != quantity {
+                continue;
+            }
+            let readings =
+                self.readings(|scope, tick| scope.record.as_ref()?.value(trace, tick, scope.over));
+            let shown = self.on[index];
+            let on = &mut self.on[index];
+            line(
+                ui,
+                LINE,
+                |ui| {
+                    let name = RichText::new(trace.name(language)).color(trace.colour());
+                    let response = ui.checkbox(on, name);
+                    let on = *on;
+                    response.widget_info(|| {
+                        let name = trace.full_name(language);
+                        egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, name)
+                    });
+                },
+                |ui| {
+                    for value in readings.iter().rev() {
+                        let text = figure(*value, quantity.decimals());
+                        reading(ui, if shown { text } else { text.weak() });
+                    }
+                },
+            );
+        }
+    }
+
+    fn bits(&mut self, ui: &mut Ui, language: Language) {
+        ui.label(RichText::new(say(language, "PLC 位", "PLC bits")).weak());
+        let mut gone = None;
+        for (index, channel) in self.bits.iter().enumerate() {
+            let state = |scope: &Self, tick| {
+                let sample = scope.record.as_ref()?.at(tick)?;
+                Some(f64::from(sample.bits >> channel.place & 1))
+            };
+            let readings = self.readings(state);
+            let readings = readings.get(..readings.len().min(2)).unwrap_or_default();
+            line(
+                ui,
+                LINE,
+                |ui| {
+                    let words = say(language, "移去", "Remove");
+                    let button = ui.small_button("×").on_hover_text(words);
+                    let name = format!("{words} {}", channel.address);
+                    button
+                        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                    if button.clicked() {
+                        gone = Some(index);
+                    }
+                    let name = RichText::new(channel.address.to_string())
+                        .color(BIT_COLOUR)
+                        .monospace();
+                    ui.label(name);
+                    let meaning = meaning(channel, language);
+                    ui.add(Label::new(RichText::new(&meaning).weak()).truncate())
+                        .on_hover_text(&meaning);
+                },
+                |ui| {
+                    for value in readings.iter().rev() {
+                        let text = figure(*value, 0);
+                        cell(ui, 26.0, text);
+                    }
+                },
+            );
+        }
+        if let Some(index) = gone {
+            self.bits.remove(index);
+            self.watch();
+        }
+        ui.horizontal(|ui| {
+            let entry = egui::TextEdit::singleline(&mut self.entry)
+                .desired_width(110.0)
+                .hint_text("X0.5  F1.0  G8.4");
+            let response = ui.add(entry);
+            let name = say(language, "位地址", "Bit address");
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+            let entered =
+                response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+            let button = ui.button(say(language, "添加", "Add"));
+            if (button.clicked() || entered) && !self.entry.trim().is_empty() {
+                self.add_bit(language);
+                if entered {
+                    response.request_focus();
+                }
+            }
+        });
+        if let Some(complaint) = &self.complaint {
+            ui.label(RichText::new(complaint).color(Color32::from_rgb(255, 150, 120)));
+        }
+    }
+
+    /// What stands at the cursors and their difference; without cursors, at the
+    /// right edge.
+    fn readings(&self, value: impl Fn(&Self, u64) -> Option<f64>) -> Vec<Option<f64>> {
+        let Some((_, end)) = self.shown() else {
+            return vec![None];
+        };
+        let Some(cursors) = self.cursors else {
+            return vec![value(self, end)];
+        };
+        let [a, b] = cursors.at.map(|tick| value(self, tick));
+        let difference = a.zip(b).map(|(a, b)| b - a);
+        vec![a, b, difference]
+    }
+}
+
+/// What a bit means, in the words of the signal table.
+pub fn meaning(channel: &BitChannel, language: Language) -> String {
+    signal_meaning(channel.address, language == Language::En).to_owned()
+}
+
+/// A line with something on the left and something on the right.
+fn line(ui: &mut Ui, height: f32, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), height);
+    let (rect, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
+    let content = UiBuilder::new()
+        .max_rect(rect)
+        .layout(Layout::right_to_left(Align::Center));
+    ui.scope_builder(content, |ui| {
+        right(ui);
+        ui.with_layout(Layout::left_to_right(Align::Center), left);
+    });
+}
+
+fn reading(ui: &mut Ui, text: RichText) {
+    cell(ui, READING, text);
+}
+
+/// A text at the right edge of a column.
+fn cell(ui: &mut Ui, width: f32, text: RichText) {
+    let layout = Layout::right_to_left(Align::Center);
+    ui.allocate_ui_with_layout(vec2(width, LINE), layout, |ui| {
+        ui.set_min_width(width);
+        ui.label(text);
+    });
+}
+
+fn figure(value: Option<f64>, decimals: usize) -> RichText {
+    let text = value.map_or_else(
+        || "-".to_owned(),
+        |value| {
+            let text = format!("{value:.decimals$}");
+            // A rounded zero has no sign.
+            match text.strip_prefix('-') {
+                Some(rest) if rest.bytes().all(|byte| matches!(byte, b'0' | b'.')) => {
+                    rest.to_owned()
+                }
+                _ => text,
+            }
+        },
+    );
+    RichText::new(text).monospace()
+}
