@@ -51,6 +51,23 @@ impl Fault {
         ("door-open", Self::DoorOpen),
     ];
 
+    /// What is wrong, in Chinese and English.
+    pub const fn text(self) -> (&'static str, &'static str) {
+        match self {
+            Self::TurretBlocked => ("刀架不转", "the tool post does not turn"),
+            Self::TurretUnclamped => (
+                "刀架锁紧信号不来",
+                "the tool post's clamp switch never answers",
+            ),
+            Self::SpindleBlocked => ("主轴不转", "the spindle does not turn"),
+            Self::EncoderLost => ("编码器无信号", "the encoder gives no counts"),
+            Self::DriveX => ("X 轴驱动器报警", "alarm of the X drive"),
+            Self::DriveZ => ("Z 轴驱动器报警", "alarm of the Z drive"),
+            Self::PressureLow => ("液压或气压低", "hydraulic or air pressure is low"),
+            Self::DoorOpen => ("防护门打开", "the guard door is open"),
+        }
+    }
+
     /// The fault of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL
@@ -272,6 +289,32 @@ impl Lathe {
             Fault::PressureLow => self.pressure_low = on,
             Fault::DoorOpen => self.door_open = on,
         }
+    }
+
+    /// Whether something is broken.
+    pub const fn has_fault(&self, fault: Fault) -> bool {
+        match fault {
+            Fault::TurretBlocked => self.turret.blocked,
+            Fault::TurretUnclamped => self.turret_unclamped,
+            Fault::SpindleBlocked => self.spindle.blocked,
+            Fault::EncoderLost => self.spindle.encoder_lost,
+            Fault::DriveX => self.drive_alarm.x,
+            Fault::DriveZ => self.drive_alarm.z,
+            Fault::PressureLow => self.pressure_low,
+            Fault::DoorOpen => self.door_open,
+        }
+    }
+
+    /// The value a machine input is held at; `None` while its sensor has it.
+    pub fn forced_input(&self, address: BitAddress) -> Option<bool> {
+        let byte = usize::from(address.byte);
+        let bit = |bytes: &[u8]| {
+            bytes
+                .get(byte)
+                .is_some_and(|byte| byte >> (address.bit & 7) & 1 == 1)
+        };
+        let held = address.area == Area::X && bit(&self.forced);
+        held.then(|| bit(&self.forced_to))
     }
 
     /// The emergency button: pressed it stays in (the panel latches it).

@@ -303,3 +303,32 @@ fn a_saved_lathe_goes_on_as_it_was() {
         assert_eq!(restored.tick(&run), lathe.tick(&run));
     }
 }
+
+#[test]
+fn every_fault_can_be_made_seen_and_mended() {
+    let mut lathe = lathe(&[]);
+    for (name, fault) in Fault::ALL {
+        assert!(!lathe.has_fault(fault), "{name}");
+        lathe.set_fault(fault, true);
+        let found: Vec<&str> = Fault::ALL
+            .iter()
+            .filter(|(_, fault)| lathe.has_fault(*fault))
+            .map(|(name, _)| *name)
+            .collect();
+        assert_eq!(found, [name]);
+        lathe.set_fault(fault, false);
+    }
+}
+
+#[test]
+fn a_forced_input_says_so() {
+    let mut lathe = lathe(&[]);
+    let address = "X0.5".parse().unwrap();
+    assert_eq!(lathe.forced_input(address), None);
+    for state in [Some(false), Some(true), None] {
+        lathe.force_input(address, state);
+        assert_eq!(lathe.forced_input(address), state);
+        assert_eq!(lathe.forced_input("X0.4".parse().unwrap()), None);
+        assert_eq!(lathe.forced_input("Y0.5".parse().unwrap()), None);
+    }
+}
