@@ -1,6 +1,7 @@
 //! The kernel: owns the emulator, carries out what the window asks for, hands
 //! out pictures. The same code runs in its thread and, step by step, in a test.
 
+pub mod monitor;
 pub mod probe;
 mod thread;
 
@@ -11,7 +12,9 @@ use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::cnc::Request;
 use gsk_core::command::ProgramId;
+use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
+use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::units::Point;
 use gsk_panel::emulator::Emulator;
@@ -19,6 +22,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use gsk_panel::screen::Screen;
 
+use monitor::MachineView;
 use probe::{Probe, Probing};
 pub use thread::{KernelThread, Outside, start};
 
@@ -59,6 +63,12 @@ pub enum Command {
     },
     /// Take samples for the scope from now on, or no more.
     Probe(Option<Probe>),
+    /// Hand out the machine and the PLC with the pictures, or no more.
+    Monitor(bool),
+    /// Break something, or mend it.
+    Fault(Fault, bool),
+    /// Hold a machine input at a value, or give it back to its sensor.
+    ForceInput(BitAddress, Option<bool>),
     /// The window is alive; held keys may stay down.
     Alive,
     /// Let go of every key.
@@ -111,6 +121,8 @@ pub struct Console {
     pub commands: Sender<Command>,
     /// The newest picture.
     pub pictures: Arc<ArrayQueue<Snapshot>>,
+    /// The newest state of machine and PLC, while it is asked for.
+    pub machine: Arc<ArrayQueue<MachineView>>,
     /// Messages.
     pub notices: Receiver<Notice>,
     /// For helpers that read files: their messages come out of `notices`.
@@ -132,6 +144,9 @@ pub struct Kernel {
     emulator: Emulator,
     commands: Receiver<Command>,
     pictures: Arc<ArrayQueue<Snapshot>>,
+    machine: Arc<ArrayQueue<MachineView>>,
+    /// What was handed out last; only while somebody asks for it.
+    monitored: Option<Option<MachineView>>,
     notices: Sender<Notice>,
     /// Keys that are down, with the tick they went down at.
     down: BTreeMap<Key, u64>,
@@ -151,10 +166,13 @@ impl Kernel {
         let (commands, from_window) = bounded(QUEUE);
         let (notices, from_kernel) = bounded(QUEUE);
         let pictures = Arc::new(ArrayQueue::new(1));
+        let machine = Arc::new(ArrayQueue::new(1));
         let kernel = Self {
             emulator,
             commands: from_window,
             pictures: Arc::clone(&pictures),
+            machine: Arc::clone(&machine),
+            monitored: None,
             notices: notices.clone(),
             down: BTreeMap::new(),
             releases: Vec::new(),
@@ -169,6 +187,7 @@ impl Kernel {
             Console {
                 commands,
                 pictures,
+                machine,
                 notices: from_kernel,
                 say: notices,
             },
@@ -197,12 +216,27 @@ impl Kernel {
 
     /// Puts out a picture if anything has changed since the last one.
     pub fn show(&mut self) -> bool {
+        let monitored = self.show_machine();
         let snapshot = self.snapshot();
         if self.last.as_ref() == Some(&snapshot) {
-            return false;
+            return monitored;
         }
         self.pictures.force_push(snapshot.clone());
         self.last = Some(snapshot);
+        true
+    }
+
+    /// Puts out machine and PLC if somebody asks for them and they have changed.
+    fn show_machine(&mut self) -> bool {
+        let Some(last) = &mut self.monitored else {
+            return false;
+        };
+        let now = MachineView::of(&self.emulator);
+        if last.as_ref() == Some(&now) {
+            return false;
+        }
+        self.machine.force_push(now.clone());
+        *last = Some(now);
         true
     }
 
@@ -236,6 +270,11 @@ impl Kernel {
                 Some(probing) => probing.exchange(probe),
                 None => self.probing = Some(Probing::new(probe)),
             },
+            Command::Monitor(on) => self.monitored = on.then_some(None),
+            Command::Fault(fault, on) => self.emulator.simulation.lathe.set_fault(fault, on),
+            Command::ForceInput(address, state) => {
+                self.emulator.simulation.lathe.force_input(address, state);
+            }
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}
             Command::Quit => self.quit = true,

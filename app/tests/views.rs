@@ -4,6 +4,7 @@ mod common;
 
 use common::Bench;
 use egui_kittest::kittest::Queryable;
+use gsk_core::machine::Fault;
 
 /// Opens a view by its entry in the menu.
 fn open(bench: &mut Bench, name: &str) {
@@ -73,4 +74,31 @@ fn a_bit_is_watched_and_a_wrong_address_is_refused_with_its_reason() {
     bench.run(1);
     bench.run(1);
     assert!(bench.harness.query_by_label("X0020.5").is_none());
+}
+
+#[test]
+fn the_fault_bench_breaks_and_mends_the_lathe() {
+    let mut bench = Bench::new();
+    open(&mut bench, "Fault bench");
+    bench.run(100);
+    bench.run(100);
+    let name = "alarm of the Z drive";
+    bench.harness.get_by_label(name).click();
+    bench.run(100);
+    bench.run(100);
+    let lathe = |bench: &Bench| bench.kernel.emulator().simulation.lathe.clone();
+    assert!(lathe(&bench).has_fault(Fault::DriveZ));
+    assert!(bench.kernel.emulator().simulation.cnc.in_alarm());
+
+    bench.harness.get_by_label("X0000.5 0").click();
+    bench.run(100);
+    bench.run(100);
+    let address = "X0.5".parse().unwrap();
+    assert_eq!(lathe(&bench).forced_input(address), Some(false));
+
+    bench.harness.get_by_label("Mend all").click();
+    bench.run(100);
+    bench.run(100);
+    assert!(!lathe(&bench).has_fault(Fault::DriveZ));
+    assert_eq!(lathe(&bench).forced_input(address), None);
 }

@@ -18,6 +18,8 @@ pub enum Text {
     Views,
     /// The scope.
     Scope,
+    /// The fault bench.
+    Bench,
     /// PC keys.
     Keys,
     /// The other language.
@@ -80,6 +82,7 @@ impl Text {
             Self::Reload => ("重新读入", "Reload"),
             Self::Views => ("视图", "Views"),
             Self::Scope => ("示波器", "Scope"),
+            Self::Bench => ("故障台", "Fault bench"),
             Self::Keys => ("键盘 F1", "Keys F1"),
             Self::Language => ("English", "中文"),
             Self::Lcd => ("显示屏", "LCD"),

@@ -55,10 +55,7 @@ impl Fault {
     pub const fn text(self) -> (&'static str, &'static str) {
         match self {
             Self::TurretBlocked => ("刀架不转", "the tool post does not turn"),
-            Self::TurretUnclamped => (
-                "刀架锁紧信号不来",
-                "the tool post's clamp switch never answers",
-            ),
+            Self::TurretUnclamped => ("刀架锁紧信号不来", "no clamp signal of the tool post"),
             Self::SpindleBlocked => ("主轴不转", "the spindle does not turn"),
             Self::EncoderLost => ("编码器无信号", "the encoder gives no counts"),
             Self::DriveX => ("X 轴驱动器报警", "alarm of the X drive"),

@@ -25,7 +25,7 @@ use gsk_core::cnc::Cnc;
 pub use graphic_settings::GraphicSettings;
 pub use parameters::{PITCH_POINTS, data_numbers, state_numbers};
 pub use plc::{bit_item, bit_item_of, bit_items, value_item, value_item_of, value_items};
-pub use plc_names::signal_meaning;
+pub use plc_names::{short as signal_name, signal_meaning};
 pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub use program::directory_screens;
 pub use program_text::{PAGE_ROWS, first_line, last_line};

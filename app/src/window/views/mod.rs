@@ -1,14 +1,19 @@
-//! Views beside the panel, each in a window of its own: scope, … They are closed at
+//! Views beside the panel, each in a window of its own: scope, fault bench. They are closed at
 //! the start, and closed they cost nothing.
 
 mod aside;
+mod bench;
 mod scope;
 
 use egui::{Color32, Context, Event, Frame, Key, Margin, Ui, ViewportBuilder, ViewportId};
 
+use std::sync::Arc;
+
 use super::texts::Text;
 use crate::cli::Language;
-use crate::kernel::Console;
+use crate::kernel::monitor::MachineView;
+use crate::kernel::{Command, Console};
+use bench::Bench;
 use scope::Scope;
 
 /// A view.
@@ -16,6 +21,15 @@ use scope::Scope;
 pub enum View {
     /// The scope.
     Scope,
+    /// The fault bench.
+    Bench,
+}
+
+impl View {
+    /// Whether it shows the machine and the PLC as they are.
+    const fn monitors(self) -> bool {
+        matches!(self, Self::Bench)
+    }
 }
 
 /// A row of the table of views.
@@ -33,18 +47,30 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 1] = [ViewRow {
-    view: View::Scope,
-    name: Text::Scope,
-    key: Key::F2,
-    size: [1120.0, 720.0],
-    least: [760.0, 360.0],
-}];
+pub static VIEWS: [ViewRow; 2] = [
+    ViewRow {
+        view: View::Scope,
+        name: Text::Scope,
+        key: Key::F2,
+        size: [1120.0, 720.0],
+        least: [760.0, 360.0],
+    },
+    ViewRow {
+        view: View::Bench,
+        name: Text::Bench,
+        key: Key::F3,
+        size: [1000.0, 640.0],
+        least: [760.0, 320.0],
+    },
+];
 
 /// The views and which of them are open.
 pub struct Views {
     open: [bool; VIEWS.len()],
     scope: Scope,
+    bench: Bench,
+    console: Console,
+    machine: Option<Arc<MachineView>>,
 }
 
 impl Views {
@@ -53,6 +79,9 @@ impl Views {
         Self {
             open: [false; VIEWS.len()],
             scope: Scope::new(console.clone()),
+            bench: Bench::new(console.clone()),
+            console: console.clone(),
+            machine: None,
         }
     }
 
@@ -69,17 +98,32 @@ impl Views {
         let Some(index) = VIEWS.iter().position(|row| row.view == view) else {
             return;
         };
+        let was = self.monitors();
         self.open[index] = !self.open[index];
         match (view, self.open[index]) {
             (View::Scope, true) => self.scope.open(),
             (View::Scope, false) => self.scope.close(),
+            (View::Bench, _) => {}
         }
+        if self.monitors() != was {
+            self.machine = None;
+            self.console.send(Command::Monitor(!was));
+        }
+    }
+
+    /// Whether an open view shows the machine and the PLC.
+    fn monitors(&self) -> bool {
+        let shown = |(row, open): (&ViewRow, bool)| open && row.view.monitors();
+        VIEWS.iter().zip(self.open).any(shown)
     }
 
     /// Draws the open views. What their windows leave to the panel of the keyboard
     /// comes back, and whether one of them has the focus.
     pub fn show(&mut self, context: &Context, language: Language) -> Typed {
         let mut typed = Typed::default();
+        if let Some(machine) = self.console.machine.pop() {
+            self.machine = Some(Arc::new(machine));
+        }
         for (index, row) in VIEWS.iter().enumerate() {
             if !self.open[index] {
                 continue;
@@ -87,6 +131,7 @@ impl Views {
             let stays = window(context, row, language, &mut typed, |ui, native| {
                 match row.view {
                     View::Scope => self.scope.show(ui, language, native),
+                    View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
                 }
             });
             if !stays {

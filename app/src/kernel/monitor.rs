@@ -1,0 +1,38 @@
+//! What the fault bench and the ladder view see: the machine and the PLC as they are.
+
+use gsk_core::alarm::Alarm;
+use gsk_core::machine::{Inputs, Lathe};
+use gsk_core::plc::Plc;
+use gsk_panel::emulator::Emulator;
+
+/// The machine and the PLC at one moment. Taken only while a view is open that
+/// shows them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineView {
+    /// The lathe.
+    pub lathe: Lathe,
+    /// What its contacts and sensors say.
+    pub inputs: Inputs,
+    /// The PLC with its memory.
+    pub plc: Plc,
+    /// Alarms and messages that stand, the newest first.
+    pub alarms: Vec<String>,
+}
+
+impl MachineView {
+    /// As it is now.
+    pub fn of(emulator: &Emulator) -> Self {
+        let simulation = &emulator.simulation;
+        let cnc = &simulation.cnc;
+        let alarms = cnc.alarms().iter().map(Alarm::line_text);
+        let messages = cnc
+            .plc_messages()
+            .map(|(number, text)| format!("{number:04} {text}"));
+        Self {
+            lathe: simulation.lathe.clone(),
+            inputs: simulation.lathe.inputs(),
+            plc: cnc.plc().clone(),
+            alarms: alarms.chain(messages).collect(),
+        }
+    }
+}

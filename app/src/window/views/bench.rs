@@ -1,0 +1,323 @@
+//! The fault bench: what a real machine does wrong, at a switch; inputs held at a
+//! value against their sensors.
+
+use std::sync::Arc;
+
+use egui::{
+    Align, Align2, Color32, FontId, Label, Layout, Panel, RichText, ScrollArea, Sense, Ui,
+    UiBuilder, vec2,
+};
+use gsk_core::machine::Fault;
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_panel::pages::{signal_meaning, signal_name};
+
+use crate::cli::Language;
+use crate::kernel::monitor::MachineView;
+use crate::kernel::{Command, Console};
+use crate::window::texts::say;
+
+/// Height of a line, points.
+const LINE: f32 = 24.0;
+/// Bytes of X that machine contacts have plugs for.
+const PLUGGED: std::ops::Range<u16> = 0..4;
+
+const LIT: Color32 = Color32::from_rgb(110, 230, 120);
+const DARK: Color32 = Color32::from_gray(62);
+const BROKEN: Color32 = Color32::from_rgb(255, 120, 96);
+const HELD: Color32 = Color32::from_rgb(255, 196, 90);
+
+/// The bench's state.
+pub struct Bench {
+    console: Console,
+    entry: String,
+    complaint: Option<String>,
+    /// Inputs beyond the plugs that were asked for.
+    others: Vec<BitAddress>,
+}
+
+impl Bench {
+    /// With nothing broken.
+    pub fn new(console: Console) -> Self {
+        Self {
+            console,
+            entry: String::new(),
+            complaint: None,
+            others: Vec::new(),
+        }
+    }
+
+    /// Draws the bench and takes its input.
+    pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
+        let Some(machine) = machine else {
+            ui.centered_and_justified(|ui| ui.label(say(language, "请稍候…", "One moment …")));
+            return;
+        };
+        let state = Panel::bottom("machine state").frame(super::bar_frame());
+        state.show(ui, |ui| state_line(ui, language, machine));
+        let faults = Panel::left("faults")
+            .exact_size(420.0)
+            .resizable(false)
+            .frame(super::side_frame());
+        faults.show(ui, |ui| self.faults(ui, language, machine));
+        egui::CentralPanel::default()
+            .frame(super::side_frame())
+            .show(ui, |ui| self.inputs(ui, language, machine));
+    }
+
+    fn faults(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        ui.horizontal(|ui| {
+            ui.heading(say(language, "故障", "Faults"));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let words = say(language, "全部恢复", "Mend all");
+                let hint = say(
+                    language,
+                    "取消全部故障和强制输入",
+                    "Ends all faults and lets go of all inputs",
+                );
+                if ui.button(words).on_hover_text(hint).clicked() {
+                    self.mend(machine);
+                }
+            });
+        });
+        let hint = say(
+            language,
+            "右边是脚本中的名称: fault 名称 on|off",
+            "On the right the name for scripts: fault NAME on|off",
+        );
+        ui.label(RichText::new(hint).weak());
+        ui.add_space(4.0);
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                for (name, fault) in Fault::ALL {
+                    let (zh, en) = fault.text();
+                    let text = say(language, zh, en);
+                    let mut on = machine.lathe.has_fault(fault);
+                    let colour = if on { BROKEN } else { Color32::from_gray(215) };
+                    line(ui, |ui| {
+                        let script = RichText::new(name).monospace().weak();
+                        ui.label(script);
+                        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                            let check = ui.checkbox(&mut on, RichText::new(text).color(colour));
+                            check.widget_info(|| {
+                                egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, text)
+                            });
+                            if check.changed() {
+                                self.console.send(Command::Fault(fault, on));
+                            }
+                        });
+                    });
+                }
+            });
+    }
+
+    fn mend(&self, machine: &MachineView) {
+        for (_, fault) in Fault::ALL {
+            if machine.lathe.has_fault(fault) {
+                self.console.send(Command::Fault(fault, false));
+            }
+        }
+        let all = (0..Area::X.count())
+            .flat_map(|byte| (0..8).map(move |bit| BitAddress::new(Area::X, byte, bit)));
+        for address in all {
+            if machine.lathe.forced_input(address).is_some() {
+                self.console.send(Command::ForceInput(address, None));
+            }
+        }
+    }
+
+    fn inputs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        ui.horizontal(|ui| {
+            ui.heading(say(language, "机床输入", "Machine inputs"));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let words = say(language, "添加", "Add");
+                let added = ui.button(words).clicked();
+                let entry = egui::TextEdit::singleline(&mut self.entry)
+                    .desired_width(70.0)
+                    .hint_text("X20.5");
+                let response = ui.add(entry);
+                let name = say(language, "输入地址", "Input address");
+                response
+                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+                let entered =
+                    response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+                if (added || entered) && !self.entry.trim().is_empty() {
+                    self.add(language);
+                }
+            });
+        });
+        if let Some(complaint) = &self.complaint {
+            ui.label(RichText::new(complaint).color(BROKEN));
+        }
+        line(ui, |ui| {
+            ui.label(RichText::new(say(language, "强制", "held at")).weak());
+            ui.add_space(56.0);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let words = say(language, "触点  PLC  地址", "contact  PLC  address");
+                ui.label(RichText::new(words).weak());
+            });
+        });
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                let plugged = PLUGGED
+                    .flat_map(|byte| (0..8).map(move |bit| BitAddress::new(Area::X, byte, bit)));
+                for address in self.others.iter().copied().chain(plugged) {
+                    self.input(ui, language, machine, address);
+                }
+            });
+    }
+
+    fn input(&self, ui: &mut Ui, language: Language, machine: &MachineView, address: BitAddress) {
+        let held = machine.lathe.forced_input(address);
+        let contact = machine
+            .inputs
+            .contact(usize::from(address.byte), address.bit);
+        let accepted = machine.plc.memory().bit(address);
+        line(ui, |ui| {
+            for (value, word) in [
+                (Some(true), "1"),
+                (Some(false), "0"),
+                (None, say(language, "传感器", "sensor")),
+            ] {
+                let chosen = held == value;
+                let (fill, ink) = match (chosen, value) {
+                    (true, Some(_)) => (HELD, Color32::BLACK),
+                    (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
+                    (false, _) => (Color32::TRANSPARENT, Color32::from_gray(150)),
+                };
+                let button = egui::Button::new(RichText::new(word).color(ink))
+                    .fill(fill)
+                    .min_size(vec2(28.0, 0.0));
+                let response = ui.add(button);
+                response.widget_info(|| {
+                    let name = format!("{address} {word}");
+                    egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, name)
+                });
+                if response.clicked() {
+                    self.console.send(Command::ForceInput(address, value));
+                }
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                lamp(ui, contact, say(language, "触点", "contact"), 44.0);
+                lamp(ui, accepted, "PLC", 30.0);
+                ui.label(RichText::new(format!("X{}.{}", address.byte, address.bit)).monospace());
+                let symbol = signal_name(address);
+                let meaning = signal_meaning(address, language == Language::En);
+                let words = if symbol == "-" {
+                    meaning.to_owned()
+                } else {
+                    format!("{symbol}  {meaning}")
+                };
+                ui.add(Label::new(RichText::new(&words).weak()).truncate())
+                    .on_hover_text(&words);
+            });
+        });
+    }
+
+    fn add(&mut self, language: Language) {
+        let entry = self.entry.trim().to_ascii_uppercase();
+        let address: Result<BitAddress, _> = entry.parse();
+        self.complaint = match address {
+            Ok(address) if address.area == Area::X => {
+                let known = PLUGGED.contains(&address.byte) || self.others.contains(&address);
+                if !known {
+                    self.others.push(address);
+                }
+                self.entry.clear();
+                None
+            }
+            Ok(_) => {
+                let words = say(
+                    language,
+                    "这里只有输入 X0.0 至 X29.7",
+                    "there are inputs X0.0 to X29.7 here",
+                );
+                Some(format!("{entry}: {words}"))
+            }
+            Err(error) => Some(error.to_string()),
+        };
+    }
+}
+
+/// A line with its content from the right.
+fn line(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), LINE);
+    let (rect, _) = ui.allocate_exact_size(size, Sense::HOVER);
+    let place = UiBuilder::new()
+        .max_rect(rect)
+        .layout(Layout::right_to_left(Align::Center));
+    ui.scope_builder(place, content);
+}
+
+/// A lamp in a column of its own.
+fn lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
+    let (rect, response) = ui.allocate_exact_size(vec2(width, LINE), Sense::HOVER);
+    let colour = if lit { LIT } else { DARK };
+    ui.painter().circle_filled(rect.center(), 5.5, colour);
+    let text = if lit { "1" } else { "0" };
+    let ink = if lit {
+        Color32::BLACK
+    } else {
+        Color32::from_gray(170)
+    };
+    let font = FontId::proportional(10.0);
+    ui.painter()
+        .text(rect.center(), Align2::CENTER_CENTER, text, font, ink);
+    response.widget_info(|| egui::WidgetInfo {
+        current_text_value: Some(text.to_owned()),
+        ..egui::WidgetInfo::labeled(egui::Role::Status, true, name)
+    });
+}
+
+/// What the machine does and what the control says to it.
+fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
+    let lathe = &machine.lathe;
+    let yes =
+        |on: bool, zh: &'static str, en: &'static str| on.then(|| say(language, zh, en).to_owned());
+    let station = lathe.station().map_or_else(
+        || say(language, "刀架在两刀位之间", "tool post between stations").to_owned(),
+        |station| format!("{} {station}", say(language, "刀位", "station")),
+    );
+    let slides = lathe.slides();
+    let facts = [
+        Some(format!(
+            "X {:.3} mm ({})",
+            slides.x,
+            say(language, "半径", "radius")
+        )),
+        Some(format!("Z {:.3} mm", slides.z)),
+        Some(format!("S {:.0} r/min", lathe.spindle_rpm())),
+        Some(station),
+        yes(
+            !lathe.tool_post_clamped(),
+            "刀架未锁紧",
+            "tool post not clamped",
+        ),
+        yes(lathe.chuck_clamped(), "卡盘夹紧", "chuck clamped"),
+        yes(lathe.tailstock_forward(), "尾座进", "tailstock forward"),
+        yes(lathe.coolant(), "冷却开", "coolant"),
+        yes(lathe.lubrication(), "润滑开", "lubrication"),
+        yes(lathe.over_limit(), "行程开关压下", "limit switch tripped"),
+        yes(
+            !lathe.emergency_loop_closed(),
+            "急停回路断开",
+            "emergency loop open",
+        ),
+    ];
+    ui.horizontal_wrapped(|ui| {
+        let words = say(language, "机床", "Machine");
+        ui.label(RichText::new(words).weak());
+        let facts: Vec<String> = facts.into_iter().flatten().collect();
+        ui.label(facts.join("   "));
+    });
+    ui.horizontal_wrapped(|ui| {
+        let words = say(language, "报警", "Alarms");
+        ui.label(RichText::new(words).weak());
+        if machine.alarms.is_empty() {
+            ui.label(say(language, "无", "none"));
+        } else {
+            ui.label(RichText::new(machine.alarms.join("   ")).color(BROKEN));
+        }
+    });
+}
