@@ -174,7 +174,7 @@ impl Ladder {
     }
 
     /// Title given at the statement with index `first`; of several the last one counts.
-    fn title_at(&self, first: usize) -> Option<&str> {
+    pub(crate) fn title_at(&self, first: usize) -> Option<&str> {
         let networks = &self.directives.networks;
         let end = networks.partition_point(|network| network.statement <= first);
         let network = networks.get(end.checked_sub(1)?)?;

@@ -235,6 +235,14 @@ impl Memory {
         &mut self.bytes
     }
 
+    /// One bit as level 2 sees it: X and F as its cycle began.
+    pub(crate) fn bit_in_level2(&self, address: BitAddress) -> bool {
+        match offset(address.byte_address()) {
+            Some(at) if at < LATCH => self.bytes[at + LATCH] >> (address.bit & 7) & 1 == 1,
+            _ => self.bit(address),
+        }
+    }
+
     /// Copies X and F to the latch that level 2 reads.
     pub(crate) fn latch_inputs(&mut self) {
         self.bytes.copy_within(..LATCH, LATCH);

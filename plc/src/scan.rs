@@ -11,6 +11,7 @@ use crate::code::{Bit, Code, Op};
 use crate::function::{Remembered, execute};
 use crate::ladder::Ladder;
 use crate::memory::{Memory, SIZE, offset};
+use crate::step::{Forces, Place, Stop};
 use crate::timer::{SLOT_MS, Timers};
 
 /// Operations of one slot after which the program is taken to hang.
@@ -32,14 +33,14 @@ pub enum Fault {
 /// The CNC writes X and F, calls [`Plc::slot`] every 8 ms, and reads G and Y.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plc {
-    ladder: Arc<Ladder>,
-    memory: Memory,
-    state: State,
+    pub(crate) ladder: Arc<Ladder>,
+    pub(crate) memory: Memory,
+    pub(crate) state: State,
 }
 
 /// What the scan remembers beside memory.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-struct State {
+pub(crate) struct State {
     /// Part of level 2 that is next, from 0.
     part: usize,
     /// A jump went beyond its part: operation that level 2 goes on with.
@@ -47,7 +48,13 @@ struct State {
     timers: Timers,
     /// Last ACT of each CTRC.
     edges: Vec<bool>,
-    fault: Option<Fault>,
+    pub fault: Option<Fault>,
+    /// Bits held at a value by hand.
+    #[serde(default)]
+    pub forces: Forces,
+    /// Where a slot that is stepped through goes on.
+    #[serde(default)]
+    pub place: Option<Place>,
 }
 
 impl State {
@@ -127,40 +134,90 @@ impl Plc {
     }
 
     /// One slot of 8 ms: input latch when a level-2 cycle begins, level 1,
-    /// one part of level 2. After a fault nothing happens.
+    /// one part of level 2. A slot that was begun in steps is finished. After
+    /// a fault nothing happens.
     pub fn slot(&mut self) {
+        self.advance(Stop::AtEnd);
+    }
+
+    pub(crate) fn advance(&mut self, stop: Stop) {
         if self.state.fault.is_some() {
             return;
         }
-        if let Err(fault) = self.run_slot() {
+        if let Err(fault) = self.run_slot(stop) {
             self.state.fault = Some(fault);
         }
     }
 
-    fn run_slot(&mut self) -> Result<(), Fault> {
-        let ladder = Arc::clone(&self.ladder);
-        let code = ladder.code();
+    /// Before the first rung of a slot.
+    fn begin_slot(&mut self, code: &Code) -> Place {
         // A restored state may come from elsewhere.
         self.state.part %= code.part_ends.len().max(1);
         self.advance_timers(code);
+        self.state.forces.apply(self.memory.bytes_mut());
         if self.state.part == 0 {
             self.memory.latch_inputs();
             self.state.resume = code.end1 + 1;
         }
-        let mut executed = 0;
-        self.run(&ladder, 0, code.end1, &mut executed)?;
+        Place::first(code.end1)
+    }
 
+    /// Where level 2 begins in this slot, and where its part ends.
+    pub(crate) fn part_bounds(&self, code: &Code) -> (usize, usize) {
         let first = match self.state.part.checked_sub(1) {
             None => code.end1 + 1,
             Some(before) => code.part_ends.get(before).copied().unwrap_or(0),
         };
-        let first = first.max(self.state.resume);
         let end = code.part_ends.get(self.state.part).copied().unwrap_or(0);
-        if first < end {
-            self.state.resume = self.run(&ladder, first, end, &mut executed)?;
+        (first.max(self.state.resume), end)
+    }
+
+    fn run_slot(&mut self, stop: Stop) -> Result<(), Fault> {
+        let ladder = Arc::clone(&self.ladder);
+        let code = ladder.code();
+        let mut place = match self.state.place.take() {
+            Some(place) => place,
+            None => self.begin_slot(code),
+        };
+        if place.level1 {
+            place.at = self.run_rungs(&ladder, code.end1, &mut place, stop)?;
+            let over = place.at >= code.end1;
+            if over {
+                place.level1 = false;
+                place.at = self.part_bounds(code).0;
+            }
+            if stop == Stop::AfterRung && (!over || place.at < self.part_bounds(code).1) {
+                self.state.place = Some(place);
+                return Ok(());
+            }
+        }
+        let (first, end) = self.part_bounds(code);
+        place.at = place.at.max(first);
+        if place.at < end {
+            place.at = self.run_rungs(&ladder, end, &mut place, stop)?;
+            if stop == Stop::AfterRung && place.at < end {
+                self.state.place = Some(place);
+                return Ok(());
+            }
+            self.state.resume = place.at;
         }
         self.state.part = (self.state.part + 1) % code.part_ends.len().max(1);
         Ok(())
+    }
+
+    fn run_rungs(
+        &mut self,
+        ladder: &Ladder,
+        end: usize,
+        place: &mut Place,
+        stop: Stop,
+    ) -> Result<usize, Fault> {
+        let (first, executed) = (place.at, &mut place.executed);
+        if stop == Stop::AtEnd && self.state.forces.is_empty() {
+            self.run::<false>(ladder, first, end, executed, stop)
+        } else {
+            self.run::<true>(ladder, first, end, executed, stop)
+        }
     }
 
     /// The timers that ran during the last 8 ms are 8 ms older.
@@ -178,18 +235,23 @@ impl Plc {
         }
     }
 
-    /// Runs operations from `first` until `end` is reached or jumped over;
-    /// returns where it stopped.
-    fn run(
+    /// Runs operations from `first` until `end` is reached or jumped over, or
+    /// `stop` asks to stop; returns where it stopped. Only the `WATCHED` form
+    /// looks after forced bits and the end of each rung.
+    fn run<const WATCHED: bool>(
         &mut self,
         ladder: &Ladder,
         first: usize,
         end: usize,
         executed: &mut usize,
+        stop: Stop,
     ) -> Result<usize, Fault> {
         let code = ladder.code();
         let ops = code.ops.as_slice();
         let bytes = self.memory.bytes_mut();
+        let forces = &self.state.forces;
+        let rung_of = |at: usize| ladder.statements().get(at).map(|statement| statement.rung);
+        let rung = rung_of(first);
         let mut remembered = Remembered {
             timers: &mut self.state.timers,
             edges: &mut self.state.edges,
@@ -248,6 +310,12 @@ impl Plc {
                     }
                 }
                 Op::Set(_) | Op::Rst(_) | Op::Jump(_) | Op::Call(_) | Op::Mark => {}
+            }
+            if WATCHED {
+                forces.apply(bytes);
+                if stop == Stop::AfterRung && depth == 0 && rung_of(next) != rung {
+                    return Ok(next);
+                }
             }
             if next != at + 1 {
                 *executed += at + 1 - from;

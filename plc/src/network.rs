@@ -1,0 +1,361 @@
+//! A rung as a drawing has it: contacts in series and parallel, then outputs.
+//!
+//! ```text
+//!  LD a          a     c
+//!  OR b       ─┬─┤├─┬──┤├──( y )     Series [ Parallel [a, b], c ]
+//!  AND c       └─┤├─┘
+//!  OUT y         b
+//! ```
+//!
+//! The drawing keeps whether a contact was written as one (`AND c`) or as a
+//! block of its own (`LD c`, `ANB`), so that it leads back to the same list.
+
+use crate::address::BitAddress;
+use crate::instruction::{Mnemonic, Operand, Role, Statement};
+use crate::ladder::{Ladder, Rung};
+
+/// One contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Contact {
+    /// The bit it looks at.
+    pub bit: BitAddress,
+    /// Normally closed: conducts while the bit is 0.
+    pub normally_closed: bool,
+    /// Index of its statement in the rung.
+    pub at: usize,
+}
+
+/// Contacts and how they are joined.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// A single contact.
+    Contact(Contact),
+    /// One behind the other, from the left.
+    Series(Vec<Branch>),
+    /// One below the other, from the top.
+    Parallel(Vec<Branch>),
+}
+
+/// A member of a series or of parallel branches.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Branch {
+    /// What is joined.
+    pub element: Element,
+    /// Written as a block, with LD and ANB or ORB. A member of several
+    /// contacts always is; a single contact need not be.
+    pub block: bool,
+    /// Index of the statement that joins it to those before it.
+    pub at: usize,
+}
+
+/// One rung as a drawing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Network {
+    /// Number, from 1.
+    pub number: u32,
+    /// Title (`.NET`) that begins here.
+    pub title: Option<String>,
+    /// Index of its first statement in the program.
+    pub first: usize,
+    /// What it is.
+    pub body: Body,
+}
+
+/// The two kinds of rungs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Body {
+    /// END1, END2, LBL, SP, SPE.
+    Mark(Statement),
+    /// Contacts and outputs.
+    Rung {
+        /// The contacts. One element; several only in a rung without output,
+        /// of which the compiler says that it has no effect.
+        contacts: Vec<Element>,
+        /// Coils and function instructions, all fed by the same contacts.
+        outputs: Vec<Statement>,
+    },
+}
+
+/// The state of one statement of a rung, for the live view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Power {
+    /// A contact conducts; a coil's bit is 1.
+    pub closed: bool,
+    /// Power reaches its right side; an output's input is on.
+    pub live: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Way {
+    Series,
+    Parallel,
+}
+
+impl Element {
+    /// Appends a member; a series of a series stays one series.
+    fn join(self, way: Way, member: Branch) -> Element {
+        let first = |element| Branch {
+            element,
+            block: false,
+            at: member.at,
+        };
+        match (way, self) {
+            (Way::Series, Element::Series(mut members)) => {
+                members.push(member);
+                Element::Series(members)
+            }
+            (Way::Parallel, Element::Parallel(mut members)) => {
+                members.push(member);
+                Element::Parallel(members)
+            }
+            (Way::Series, element) => Element::Series(vec![first(element), member]),
+            (Way::Parallel, element) => Element::Parallel(vec![first(element), member]),
+        }
+    }
+
+    fn write(&self, list: &mut Vec<(Mnemonic, Option<BitAddress>)>) {
+        let (way, members) = match self {
+            Element::Contact(contact) => {
+                list.push((name(None, contact), Some(contact.bit)));
+                return;
+            }
+            Element::Series(members) => (Way::Series, members),
+            Element::Parallel(members) => (Way::Parallel, members),
+        };
+        for (index, member) in members.iter().enumerate() {
+            match &member.element {
+                element if index == 0 => element.write(list),
+                Element::Contact(contact) if !member.block => {
+                    list.push((name(Some(way), contact), Some(contact.bit)));
+                }
+                element => {
+                    element.write(list);
+                    let joint = match way {
+                        Way::Series => Mnemonic::Anb,
+                        Way::Parallel => Mnemonic::Orb,
+                    };
+                    list.push((joint, None));
+                }
+            }
+        }
+    }
+
+    /// Lets power in from the left and notes what comes of it; gives what
+    /// leaves on the right.
+    fn feed(
+        &self,
+        live: bool,
+        closed: &impl Fn(&Contact) -> bool,
+        states: &mut [Power],
+    ) -> bool {
+        match self {
+            Element::Contact(contact) => {
+                let closed = closed(contact);
+                let state = Power {
+                    closed,
+                    live: live && closed,
+                };
+                if let Some(place) = states.get_mut(contact.at) {
+                    *place = state;
+                }
+                state.live
+            }
+            Element::Series(members) => members.iter().fold(live, |live, member| {
+                let out = member.element.feed(live, closed, states);
+                note_joint(member, out, states);
+                out
+            }),
+            Element::Parallel(members) => members.iter().fold(false, |out, member| {
+                let out = member.element.feed(live, closed, states) || out;
+                note_joint(member, out, states);
+                out
+            }),
+        }
+    }
+}
+
+/// ORB and ANB have a state too: that of the blocks they join.
+fn note_joint(member: &Branch, live: bool, states: &mut [Power]) {
+    let is_joint = member.block || !matches!(member.element, Element::Contact(_));
+    if is_joint && let Some(place) = states.get_mut(member.at) {
+        *place = Power { closed: live, live };
+    }
+}
+
+fn name(way: Option<Way>, contact: &Contact) -> Mnemonic {
+    match (way, contact.normally_closed) {
+        (None, false) => Mnemonic::Ld,
+        (None, true) => Mnemonic::Ldi,
+        (Some(Way::Series), false) => Mnemonic::And,
+        (Some(Way::Series), true) => Mnemonic::Ani,
+        (Some(Way::Parallel), false) => Mnemonic::Or,
+        (Some(Way::Parallel), true) => Mnemonic::Ori,
+    }
+}
+
+impl Network {
+    fn new(rung: &Rung<'_>, first: usize) -> Network {
+        let body = match rung.statements {
+            [mark] if mark.mnemonic.row().role == Role::Structure => Body::Mark(mark.clone()),
+            statements => drawing(statements),
+        };
+        Network {
+            number: rung.number,
+            title: rung.title.map(str::to_owned),
+            first,
+            body,
+        }
+    }
+
+    /// The instruction list of the drawing. Lines are those of the outputs'
+    /// first statement, or 0.
+    #[must_use]
+    pub fn statements(&self) -> Vec<Statement> {
+        let (contacts, outputs) = match &self.body {
+            Body::Mark(mark) => return vec![mark.clone()],
+            Body::Rung { contacts, outputs } => (contacts, outputs),
+        };
+        let mut list = Vec::new();
+        for element in contacts {
+            element.write(&mut list);
+        }
+        let line = outputs.first().map_or(0, |output| output.line);
+        list.into_iter()
+            .map(|(mnemonic, bit)| Statement {
+                mnemonic,
+                operands: bit.map(Operand::Bit).into_iter().collect(),
+                table: Vec::new(),
+                line,
+                rung: self.number,
+            })
+            .chain(outputs.iter().cloned())
+            .collect()
+    }
+
+    /// Where power flows: one state for each statement of the rung.
+    pub fn power(&self, bit: impl Fn(BitAddress) -> bool) -> Vec<Power> {
+        let Body::Rung { contacts, outputs } = &self.body else {
+            return vec![Power::default()];
+        };
+        let of_outputs = self.statements().len() - outputs.len();
+        let mut states = vec![Power::default(); of_outputs];
+        let closed = |contact: &Contact| bit(contact.bit) != contact.normally_closed;
+        let live = contacts.iter().fold(false, |_, element| {
+            element.feed(true, &closed, &mut states)
+        });
+        states.extend(outputs.iter().map(|output| Power {
+            closed: coil(output).is_some_and(&bit),
+            live,
+        }));
+        states
+    }
+}
+
+/// The bit that an output statement writes, if it is one bit.
+fn coil(output: &Statement) -> Option<BitAddress> {
+    let kinds = output.mnemonic.row().operands.iter();
+    kinds
+        .zip(&output.operands)
+        .find_map(|(kind, operand)| match operand {
+            Operand::Bit(bit) if kind.is_written() => Some(*bit),
+            _ => None,
+        })
+}
+
+fn drawing(statements: &[Statement]) -> Body {
+    let mut contacts: Vec<Element> = Vec::new();
+    let mut outputs = Vec::new();
+    for (at, statement) in statements.iter().enumerate() {
+        let contact = |normally_closed| match statement.operands.first() {
+            Some(Operand::Bit(bit)) => Some(Element::Contact(Contact {
+                bit: *bit,
+                normally_closed,
+                at,
+            })),
+            _ => None,
+        };
+        let (way, member) = match statement.mnemonic {
+            Mnemonic::Ld => (None, contact(false)),
+            Mnemonic::Ldi => (None, contact(true)),
+            Mnemonic::And => (Some(Way::Series), contact(false)),
+            Mnemonic::Ani => (Some(Way::Series), contact(true)),
+            Mnemonic::Or => (Some(Way::Parallel), contact(false)),
+            Mnemonic::Ori => (Some(Way::Parallel), contact(true)),
+            Mnemonic::Anb => (Some(Way::Series), contacts.pop()),
+            Mnemonic::Orb => (Some(Way::Parallel), contacts.pop()),
+            _ => {
+                outputs.push(statement.clone());
+                continue;
+            }
+        };
+        let Some(element) = member else { continue };
+        let joined = match (way, contacts.pop()) {
+            (Some(way), Some(before)) => before.join(
+                way,
+                Branch {
+                    element,
+                    block: matches!(statement.mnemonic, Mnemonic::Anb | Mnemonic::Orb),
+                    at,
+                },
+            ),
+            (_, before) => {
+                contacts.extend(before);
+                element
+            }
+        };
+        contacts.push(joined);
+    }
+    Body::Rung { contacts, outputs }
+}
+
+impl Ladder {
+    /// The rungs as drawings, in program order.
+    pub fn networks(&self) -> impl Iterator<Item = Network> + '_ {
+        let mut first = 0;
+        self.rungs().map(move |rung| {
+            let network = Network::new(&rung, first);
+            first += rung.statements.len();
+            network
+        })
+    }
+
+    /// One rung as a drawing; numbers begin with 1.
+    #[must_use]
+    pub fn network(&self, number: u32) -> Option<Network> {
+        let statements = self.statements();
+        let first = statements.partition_point(|statement| statement.rung < number);
+        let end = statements.partition_point(|statement| statement.rung <= number);
+        let rung = Rung {
+            number,
+            title: self.title_at(first),
+            step: 0,
+            statements: statements.get(first..end).filter(|rung| !rung.is_empty())?,
+        };
+        Some(Network::new(&rung, first))
+    }
+
+    /// The text with a rung's lines replaced by others; empty ones delete it.
+    /// Comments and everything outside the rung stay as they are. Compile the
+    /// result: nothing is checked here.
+    #[must_use]
+    pub fn with_rung(&self, number: u32, lines: &str) -> String {
+        let statements = self.statements().iter();
+        let mut of_rung = statements.filter(|statement| statement.rung == number);
+        let Some(first) = of_rung.next().map(|statement| statement.line) else {
+            return self.source().to_owned();
+        };
+        let last = of_rung.next_back().map_or(first, |statement| statement.line);
+        let mut text = String::with_capacity(self.source().len() + lines.len());
+        for (line, number) in self.source().lines().zip(1..) {
+            if number == first && !lines.is_empty() {
+                text.push_str(lines.trim_end_matches('\n'));
+                text.push('\n');
+            }
+            if !(first..=last).contains(&number) {
+                text.push_str(line);
+                text.push('\n');
+            }
+        }
+        text
+    }
+}
