@@ -1,5 +1,6 @@
 //! The control: owns the program, the motion and the PLC; one millisecond a tick.
 
+mod ladder;
 mod request;
 mod view;
 mod world;
@@ -8,9 +9,10 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use gsk_plc::address::{Area, BitAddress};
-use gsk_plc::{Memory, Plc};
+use gsk_plc::{Ladder, Memory, Plc};
 use serde::{Deserialize, Serialize};
 
+pub use ladder::LadderStep;
 pub use request::Request;
 pub use view::Cursor;
 pub(crate) use world::World;
@@ -23,8 +25,8 @@ use crate::machine::{Inputs, Outputs};
 use crate::memory::{Counters, Offsets, Parameters, Variables};
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
-    ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, RunState, Strobe,
-    ToPlc, X_BYTES, jog_rate,
+    ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, RunState,
+    SpeedCheck, Strobe, ToPlc, X_BYTES, jog_rate,
 };
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::setup::Setup;
@@ -42,6 +44,9 @@ const ESP_BYTE: usize = 0;
 const ESP_MASK: u8 = 1 << 5;
 /// Y1.2, M03: the spindle turns forward.
 const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
+
+/// Y0.7, SPZD: spindle brake.
+const BRAKE_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 7);
 
 /// Data parameters that are timer presets of the ladder: (DT entry, parameter).
 const TIMER_PRESETS: [(u16, u16); 14] = [
@@ -123,11 +128,18 @@ pub struct Cnc {
     pub(crate) filter: InputFilter,
     panel_keys: [u8; X_BYTES],
     output_key: bool,
+    /// The soft machine panel, as F75 has it.
+    pub(crate) soft_switches: u8,
+    /// The ladder stands still, for stepping.
+    plc_halted: bool,
+    /// The ladder that the next power-on loads.
+    next_ladder: Option<Arc<Ladder>>,
     pub(crate) plc_message: bool,
 
     pub(crate) mode: Mode,
     pub(crate) automatic: Automatic,
     pub(crate) handshake: Handshake,
+    pub(crate) speed_check: SpeedCheck,
     pub(crate) alarms: ActiveAlarms,
     pub(crate) emergency_stop: bool,
     pub(crate) reset_left: u32,
@@ -216,10 +228,14 @@ impl Cnc {
             filter: InputFilter::default(),
             panel_keys: [0; X_BYTES],
             output_key: false,
+            soft_switches: 0,
+            plc_halted: false,
+            next_ladder: None,
             plc_message: false,
             mode: Mode::Mdi,
             automatic: Automatic::default(),
             handshake: Handshake::default(),
+            speed_check: SpeedCheck::default(),
             alarms: ActiveAlarms::default(),
             emergency_stop: false,
             reset_left: 0,
@@ -257,7 +273,7 @@ impl Cnc {
             offsets: self.offsets.clone(),
             variables: self.variables.clone(),
             inch_input: self.inch_input,
-            ladder: Arc::clone(self.plc.ladder()),
+            ladder: self.ladder_at_power_on(),
             plc_retained: Some(self.plc.memory().retained()),
             programs: self.programs.clone(),
             counters: self.counters,
@@ -290,10 +306,12 @@ impl Cnc {
         self.watch_reset(closed || masked);
         self.watch_drives(inputs.drive_alarm);
         self.automatic_tick();
+        self.check_speed_arrival();
         self.manual_tick();
         self.spindle_tick(inputs);
         self.motion_tick();
         self.watch_travel();
+        self.watch_limit_signals();
         self.watch_reference();
         if self.automatic.state == RunState::Run {
             self.counters.count_cutting_ms(1);
@@ -321,7 +339,14 @@ impl Cnc {
     fn plc_slot(&mut self) {
         let was = self.from_plc.clone();
         self.tell_plc(&was);
-        self.plc.slot();
+        if !self.plc_halted {
+            self.plc.slot();
+            self.hear_plc(&was);
+        }
+    }
+
+    /// What the ladder has decided acts.
+    fn hear_plc(&mut self, was: &FromPlc) {
         self.from_plc = FromPlc::read(self.plc.memory());
         self.plc_message = self.plc.active_messages().next().is_some();
         if let Some(fault) = self.plc.fault() {
@@ -390,6 +415,9 @@ impl Cnc {
             moving,
             negative: self.negative,
             output_key: self.output_key,
+            soft_switches: self.soft_switches,
+            ready: !self.alarms.contains(0),
+            spindle_jog: self.spindle_jog(),
             parameters: &self.parameters,
         };
         message.write(self.plc.memory_mut(), g);
@@ -445,7 +473,7 @@ impl Cnc {
             Some(Action::Rapid { to }) => *to,
             _ => self.position(),
         };
-        self.spindle.set_jog(self.from_plc.spindle_jog);
+        self.spindle.set_jog(self.spindle_jog());
         self.spindle.set_gear_change(self.changing_gear());
         if !self.automatic.threading() {
             self.spindle_override = self.from_plc.spindle_override;
@@ -458,6 +486,17 @@ impl Cnc {
         self.angle.tick(inputs.encoder, inputs.encoder_index);
     }
 
+    /// SPHD counts with an analog spindle and in the modes of manual motion
+    /// (manual PLC-II 9.2).
+    fn spindle_jog(&self) -> bool {
+        self.from_plc.spindle_jog && self.mode.is_manual() && self.parameters.analog_spindle()
+    }
+
+    /// SPZD: the ladder brakes the spindle.
+    pub(crate) fn brake_output(&self) -> bool {
+        self.plc.memory().bit(BRAKE_OUTPUT)
+    }
+
     fn changing_gear(&self) -> bool {
         (41..=44).contains(&self.handshake.m) && self.handshake.busy()
     }
@@ -466,8 +505,7 @@ impl Cnc {
         let held = self.automatic.state == RunState::Hold
             && self.held.is_none()
             && !self.automatic.protected();
-        let locked = self.automatic.state == RunState::Run
-            && (self.from_plc.start_lock || self.from_plc.interlock);
+        let locked = self.run_interlocked();
         let mut inputs = MotionInputs {
             feed_override: self.feed_override_factor(),
             rapid_override: RapidOverride::from_percent(self.from_plc.rapid_override),

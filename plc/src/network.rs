@@ -142,12 +142,7 @@ impl Element {
 
     /// Lets power in from the left and notes what comes of it; gives what
     /// leaves on the right.
-    fn feed(
-        &self,
-        live: bool,
-        closed: &impl Fn(&Contact) -> bool,
-        states: &mut [Power],
-    ) -> bool {
+    fn feed(&self, live: bool, closed: &impl Fn(&Contact) -> bool, states: &mut [Power]) -> bool {
         match self {
             Element::Contact(contact) => {
                 let closed = closed(contact);
@@ -240,9 +235,9 @@ impl Network {
         let of_outputs = self.statements().len() - outputs.len();
         let mut states = vec![Power::default(); of_outputs];
         let closed = |contact: &Contact| bit(contact.bit) != contact.normally_closed;
-        let live = contacts.iter().fold(false, |_, element| {
-            element.feed(true, &closed, &mut states)
-        });
+        let live = contacts
+            .iter()
+            .fold(false, |_, element| element.feed(true, &closed, &mut states));
         states.extend(outputs.iter().map(|output| Power {
             closed: coil(output).is_some_and(&bit),
             live,
@@ -344,7 +339,9 @@ impl Ladder {
         let Some(first) = of_rung.next().map(|statement| statement.line) else {
             return self.source().to_owned();
         };
-        let last = of_rung.next_back().map_or(first, |statement| statement.line);
+        let last = of_rung
+            .next_back()
+            .map_or(first, |statement| statement.line);
         let mut text = String::with_capacity(self.source().len() + lines.len());
         for (line, number) in self.source().lines().zip(1..) {
             if number == first && !lines.is_empty() {

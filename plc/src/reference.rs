@@ -122,9 +122,9 @@ impl Ladder {
         let mut found: Vec<Reference> = Vec::new();
         for (at, statement) in self.statements().iter().enumerate() {
             let touching = extents(statement).filter(|extent| extent.touches(subject));
-            let access = touching.map(|extent| extent.access).reduce(|a, b| {
-                if a == b { a } else { Access::ReadWrite }
-            });
+            let access = touching
+                .map(|extent| extent.access)
+                .reduce(|a, b| if a == b { a } else { Access::ReadWrite });
             if let Some(access) = access {
                 found.push(Reference {
                     statement: at,

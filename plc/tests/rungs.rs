@@ -140,7 +140,10 @@ fn contacts() -> impl Strategy<Value = Vec<String>> {
     leaf.prop_recursive(6, 24, 2, move |inner| {
         prop_oneof![
             (inner.clone(), contact.clone()).prop_map(|(mut list, (closed, bit))| {
-                list.push(format!("AN{} {bit}", if closed.is_empty() { "D" } else { "I" }));
+                list.push(format!(
+                    "AN{} {bit}",
+                    if closed.is_empty() { "D" } else { "I" }
+                ));
                 list
             }),
             (inner.clone(), contact.clone()).prop_map(|(mut list, (closed, bit))| {
@@ -360,7 +363,11 @@ fn the_cross_reference_finds_bits_in_bytes_and_bytes_in_longer_values() {
     assert_eq!(found("C7"), [(7, ReadWrite)]);
     assert_eq!(found("R11"), [(9, Write)]);
     assert_eq!(found("R12"), []);
-    assert!(ladder.addresses().contains(&Subject::Byte("DC8".parse().unwrap())));
+    assert!(
+        ladder
+            .addresses()
+            .contains(&Subject::Byte("DC8".parse().unwrap()))
+    );
 }
 
 #[test]
@@ -426,7 +433,11 @@ fn steps_go_from_rung_to_rung() {
             }
         }
     };
-    assert_eq!(visited(&mut plc), [1, 3, 4, 6], "the jump leaves rung 5 out");
+    assert_eq!(
+        visited(&mut plc),
+        [1, 3, 4, 6],
+        "the jump leaves rung 5 out"
+    );
     assert_eq!(plc.memory().r(1), 0);
     plc.memory_mut().set_r(0, 1);
     assert_eq!(visited(&mut plc), [1, 3, 4, 5, 6]);

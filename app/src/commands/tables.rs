@@ -191,16 +191,25 @@ pub fn alarms(args: &TableArgs) -> Result<u8, String> {
 
 /// The signals of the PLC.
 pub fn signals(args: &TableArgs) -> Result<u8, String> {
-    let mut table = Table::new(&["ADDRESS", "SYMBOL", "DIRECTION", "中文", "ENGLISH"]);
+    let mut table = Table::new(&[
+        "ADDRESS",
+        "SYMBOL",
+        "DIRECTION",
+        "ACTS IN",
+        "中文",
+        "ENGLISH",
+    ]);
     for line in SIGNALS.lines().skip(1) {
-        let cells: Vec<String> = line.split('\t').take(5).map(str::to_owned).collect();
-        let [address, symbol, direction, zh, en] = &cells[..] else {
+        let cells: Vec<&str> = line.split('\t').collect();
+        let [address, symbol, direction, zh, en, manual, acts] = cells[..] else {
             continue;
         };
         let json = json!({
             "address": address, "symbol": symbol, "direction": direction, "zh": zh, "en": en,
+            "manual": manual, "acts": acts,
         });
-        table.push(cells, json);
+        let row = [address, symbol, direction, acts, zh, en];
+        table.push(row.map(str::to_owned).to_vec(), json);
     }
     table.print(args)
 }

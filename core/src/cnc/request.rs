@@ -1,11 +1,14 @@
 //! What the panel may ask of the control; the control decides.
 
+use std::sync::Arc;
+
+use gsk_plc::Ladder;
 use gsk_plc::address::{Area, BitAddress};
 
-use super::{Cnc, X_BYTES};
+use super::{Cnc, LadderStep, X_BYTES};
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
-use crate::operation::Mode;
+use crate::operation::{Mode, SoftSwitch};
 use crate::program::Program;
 use crate::units::Axis;
 
@@ -41,6 +44,16 @@ pub enum Request {
     SetInchInput(bool),
     /// The OUTPUT key went down or up.
     OutputKey(bool),
+    /// A switch of the page 机床面板: the request goes to the ladder as F75.
+    SoftSwitch(SoftSwitch, bool),
+    /// Holds a bit of PLC memory at a value; `None` lets it go.
+    ForceBit(BitAddress, Option<bool>),
+    /// Halts the ladder, or lets it run on.
+    HaltLadder(bool),
+    /// The halted ladder goes on by a step.
+    StepLadder(LadderStep),
+    /// A ladder for the next power-on, as a download does.
+    LoadLadder(Arc<Ladder>),
 }
 
 impl Cnc {
@@ -75,6 +88,7 @@ impl Cnc {
                 }
             }
             Request::SearchSequence(number) => self.search_sequence(number)?,
+            Request::StoreProgram(_) if self.memory_protected() => {}
             Request::StoreProgram(text) => {
                 let number = self.programs.store(text)?;
                 if !self.automatic.operating() {
@@ -102,6 +116,12 @@ impl Cnc {
                 }
             }
             Request::OutputKey(down) => self.output_key = down,
+            Request::SoftSwitch(switch, true) => self.soft_switches |= switch.mask(),
+            Request::SoftSwitch(switch, false) => self.soft_switches &= !switch.mask(),
+            Request::ForceBit(bit, value) => self.plc.force(bit, value),
+            Request::HaltLadder(halt) => self.plc_halted = halt,
+            Request::StepLadder(step) => self.step_ladder(step),
+            Request::LoadLadder(ladder) => self.next_ladder = Some(ladder),
         }
         Ok(())
     }

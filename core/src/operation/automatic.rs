@@ -293,7 +293,8 @@ impl Cnc {
     pub(crate) fn begin_within_tick(&mut self) -> bool {
         let ended = self.automatic.operating()
             && self.interpolator.finished()
-            && self.interpolator.time_left() > 0.0;
+            && self.interpolator.time_left() > 0.0
+            && !self.checks_speed_arrival();
         if ended {
             self.carry_out();
         }

@@ -195,7 +195,13 @@ impl Cnc {
                 self.handshake.start(Strobe::S, step);
             }
             SpindleCommand::Step(_) => {}
-            analog => self.spindle.command(analog),
+            analog => {
+                // An analog speed stands in F22–F25 without a strobe.
+                if let SpindleCommand::Speed(value) | SpindleCommand::Surface(value) = analog {
+                    self.handshake.s = value as u32;
+                }
+                self.spindle.command(analog);
+            }
         }
     }
 

@@ -103,19 +103,6 @@ impl Cnc {
         }
     }
 
-    fn interlocked(&self, axis: Axis) -> bool {
-        self.from_plc.interlock || *self.from_plc.axis_interlock.get(axis)
-    }
-
-    /// A limit leaves only the way back.
-    fn direction_locked(&self, axis: Axis, way: Way) -> bool {
-        let from_plc = match way {
-            Way::Plus => *self.from_plc.limit_plus.get(axis),
-            Way::Minus => *self.from_plc.limit_minus.get(axis),
-        };
-        from_plc || self.alarms.contains(travel_alarm(axis, way))
-    }
-
     /// Software travel limits 045–048 (manual III-2.5.2): effective with 172.4
     /// MOT = 0 and for axes with a reference.
     pub(crate) fn watch_travel(&mut self) {
@@ -156,7 +143,8 @@ impl Cnc {
     }
 }
 
-const fn travel_alarm(axis: Axis, way: Way) -> u16 {
+/// The overtravel alarm of an axis and a direction.
+pub(crate) const fn travel_alarm(axis: Axis, way: Way) -> u16 {
     match (axis, way) {
         (Axis::X, Way::Plus) => 201,
         (Axis::X, Way::Minus) => 202,

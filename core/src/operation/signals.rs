@@ -30,7 +30,7 @@ pub struct FromPlc {
     pub feed_hold: bool,
     /// ERS, G8.7.
     pub external_reset: bool,
-    /// Jog rate code, G10 (0 = 150 % … 15 = 0 %).
+    /// Jog rate code, G10 and G11 (0 = 150 % … 15 = 0 %).
     pub jog_code: u8,
     /// Feed override, %, from G12.
     pub feed_override: u8,
@@ -52,6 +52,8 @@ pub struct FromPlc {
     pub next_tool: bool,
     /// SBK, G46.1.
     pub single_block: bool,
+    /// KEY1, G46.3: programs, offsets and parameters are protected.
+    pub memory_protect: bool,
     /// DRN, G46.7.
     pub dry_run: bool,
     /// SRVB, G74.4: spindle turns forward.
@@ -68,9 +70,13 @@ pub struct FromPlc {
     pub limit_minus: PerAxis<bool>,
     /// IT1, IT2, G130: axis locked.
     pub axis_interlock: PerAxis<bool>,
+    /// +MIT1, +MIT2, G132: axis locked in its positive direction.
+    pub plus_interlock: PerAxis<bool>,
+    /// -MIT1, -MIT2, G134: axis locked in its negative direction.
+    pub minus_interlock: PerAxis<bool>,
     /// SPHD, G200.0: spindle jog.
     pub spindle_jog: bool,
-    /// NOWT, G201: tool in position.
+    /// NOWT, G201–G204: tool in position; a number beyond 255 counts as 255.
     pub current_tool: u8,
 }
 
@@ -112,6 +118,11 @@ const fn spindle_override(g30: u8) -> u8 {
     }
 }
 
+/// The tool in position is a binary number of 32 bits.
+fn current_tool(nowt: [u8; 4]) -> u8 {
+    u8::try_from(u32::from_le_bytes(nowt)).unwrap_or(u8::MAX)
+}
+
 impl FromPlc {
     /// Decodes the G area.
     pub fn read(memory: &Memory) -> Self {
@@ -128,7 +139,7 @@ impl FromPlc {
             emergency_stop: !bit(g(8), 4),
             feed_hold: !bit(g(8), 5),
             external_reset: bit(g(8), 7),
-            jog_code: g(10).min(15),
+            jog_code: if g(11) == 0 { g(10).min(15) } else { 15 },
             feed_override: (15 - g(12).min(15)) * 10,
             rapid_override: rapid_override(g(14), g(96)),
             rapid: bit(g(19), 7),
@@ -139,6 +150,7 @@ impl FromPlc {
             machine_lock: PerAxis::new(all_locked || locked.x, all_locked || locked.z),
             next_tool: bit(g(44), 7),
             single_block: bit(g(46), 1),
+            memory_protect: bit(g(46), 3),
             dry_run: bit(g(46), 7),
             spindle_forward: bit(g(74), 4),
             spindle_reverse: bit(g(74), 5),
@@ -147,8 +159,10 @@ impl FromPlc {
             limit_plus: low_axes(g(114)),
             limit_minus: low_axes(g(116)),
             axis_interlock: axes(g(130)),
+            plus_interlock: axes(g(132)),
+            minus_interlock: axes(g(134)),
             spindle_jog: bit(g(200), 0),
-            current_tool: g(201),
+            current_tool: current_tool([g(201), g(202), g(203), g(204)]),
         }
     }
 }
@@ -199,6 +213,12 @@ pub struct ToPlc<'a> {
     pub negative: PerAxis<bool>,
     /// OUTO: the OUTPUT key is down.
     pub output_key: bool,
+    /// Switches of the soft machine panel, as the bits of F75.
+    pub soft_switches: u8,
+    /// MA: the control is ready; not with a system alarm.
+    pub ready: bool,
+    /// MSPHD: the spindle is jogged.
+    pub spindle_jog: bool,
     /// Parameters, mirrored in F200–F214.
     pub parameters: &'a Parameters,
 }
@@ -251,7 +271,7 @@ impl ToPlc<'_> {
                 (0, self.alarm),
                 (1, self.reset),
                 (3, self.distribution_end),
-                (7, true),
+                (7, self.ready),
             ]),
         );
         set(
@@ -296,6 +316,7 @@ impl ToPlc<'_> {
         }
         set(26, self.handshake.t);
         set(34, 1 << (self.gear.clamp(1, 4) - 1));
+        set(75, self.soft_switches);
         set(76, pack(&[(3, self.tapping)]));
         set(94, pack_axes(self.at_reference));
         set(102, pack_axes(self.moving));
@@ -303,7 +324,7 @@ impl ToPlc<'_> {
         set(120, pack_axes(self.referenced));
         set(197, pack(&[(1, self.output_key)]));
         set(198, pack_axes(self.at_program_zero));
-        set(199, u8::from(g.spindle_jog));
+        set(199, u8::from(self.spindle_jog));
         set(212, pack(&[(2, self.dwelling), (4, g.feed_override == 0)]));
         set(207, self.parameters.value(84) as u8);
         for (f, parameter) in MIRRORED {
