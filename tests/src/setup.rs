@@ -25,6 +25,8 @@ pub struct SetupWords {
     pub inputs: Vec<String>,
     /// Whether the axes have their reference.
     pub referenced: Option<bool>,
+    /// Whether programs are in inches.
+    pub inch: bool,
 }
 
 impl SetupWords {
@@ -43,6 +45,7 @@ impl SetupWords {
         }
         setup.spindle_rpm = self.spindle;
         setup.referenced = self.referenced.unwrap_or(setup.referenced);
+        setup.inch_input = self.inch;
         for word in &self.params {
             parameter(&mut setup, word).map_err(|error| format!("parameter {word}: {error}"))?;
         }
