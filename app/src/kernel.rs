@@ -67,6 +67,8 @@ pub enum Command {
     Monitor(bool),
     /// Break something, or mend it.
     Fault(Fault, bool),
+    /// Ask the control for something; a refusal is said.
+    Ask(Box<Request>),
     /// Hold a machine input at a value, or give it back to its sensor.
     ForceInput(BitAddress, Option<bool>),
     /// The window is alive; held keys may stay down.
@@ -272,6 +274,11 @@ impl Kernel {
             },
             Command::Monitor(on) => self.monitored = on.then_some(None),
             Command::Fault(fault, on) => self.emulator.simulation.lathe.set_fault(fault, on),
+            Command::Ask(request) => {
+                if let Err(alarm) = self.emulator.simulation.cnc.request(*request) {
+                    self.say(Notice::Said(alarm.line_text()));
+                }
+            }
             Command::ForceInput(address, state) => {
                 self.emulator.simulation.lathe.force_input(address, state);
             }

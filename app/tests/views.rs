@@ -102,3 +102,75 @@ fn the_fault_bench_breaks_and_mends_the_lathe() {
     assert!(!lathe(&bench).has_fault(Fault::DriveZ));
     assert_eq!(lathe(&bench).forced_input(address), None);
 }
+
+/// Presses a key of a view and lets its window answer.
+fn click(bench: &mut Bench, name: &str) {
+    bench.harness.get_by_label(name).click();
+    bench.run(100);
+    bench.run(100);
+}
+
+#[test]
+fn the_ladder_is_searched_forced_halted_and_stepped() {
+    let mut bench = Bench::new();
+    open(&mut bench, "Ladder");
+    bench.run(100);
+    bench.run(100);
+    // The emergency stop: X0.5 lets G8.4 (*ESP) be 1.
+    click(&mut bench, "X0000.5 normally open");
+    assert!(bench.harness.query_by_label("LD X0000.5").is_some());
+    click(&mut bench, "Force X0000.5 0");
+    let plc = |bench: &Bench| bench.kernel.emulator().simulation.cnc.plc().clone();
+    assert_eq!(plc(&bench).forces().len(), 1);
+    assert!(bench.kernel.emulator().simulation.cnc.not_ready());
+    click(&mut bench, "Release X0000.5");
+    assert!(plc(&bench).forces().is_empty());
+
+    let field = egui::accesskit::Role::TextInput;
+    let find = |bench: &Bench| bench.harness.get_by_role_and_label(field, "Find").rect();
+    assert!(find(&bench).width() > 50.0);
+    bench.harness.get_by_role_and_label(field, "Find").focus();
+    bench.run(1);
+    bench
+        .harness
+        .get_by_role_and_label(field, "Find")
+        .type_text("DT10");
+    bench.run(1);
+    bench.harness.key_press(egui::Key::Enter);
+    bench.run(1);
+    bench.run(1);
+    assert!(bench.harness.query_by_label("1 / 1").is_some());
+    let timer = "TMRB T0010 DT0010 R0040.5";
+    assert!(bench.harness.query_all_by_label(timer).count() > 0);
+
+    click(&mut bench, "Halt");
+    assert!(bench.kernel.emulator().simulation.cnc.ladder_halted());
+    let before = plc(&bench).next_rung();
+    click(&mut bench, "One rung");
+    assert_ne!(plc(&bench).next_rung(), before);
+    let shift = egui::Modifiers::SHIFT;
+    bench.harness.key_press_modifiers(shift, egui::Key::F4);
+    bench.run(100);
+    bench.run(100);
+    assert!(!bench.kernel.emulator().simulation.cnc.ladder_halted());
+}
+
+#[test]
+fn the_tables_of_the_ladder_lead_to_the_rungs() {
+    let mut bench = Bench::new();
+    open(&mut bench, "Ladder");
+    bench.run(100);
+    bench.run(100);
+    click(&mut bench, "Messages");
+    let rows = |bench: &Bench, text: &str| bench.harness.query_all_by_label_contains(text).count();
+    assert!(rows(&bench, "防护门未关") > 0);
+    click(&mut bench, "Initial data");
+    assert!(rows(&bench, "DT0004  15000") > 0);
+    click(&mut bench, "Messages");
+    let first = "A0000.0  1000  0  换刀时间过长";
+    bench.harness.get_by_label(first).click();
+    bench.run(1);
+    bench.run(1);
+    // The first place that uses A0.0.
+    assert!(bench.harness.query_by_label_contains("1 / ").is_some());
+}

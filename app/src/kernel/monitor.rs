@@ -1,8 +1,10 @@
 //! What the fault bench and the ladder view see: the machine and the PLC as they are.
 
+use std::sync::Arc;
+
 use gsk_core::alarm::Alarm;
 use gsk_core::machine::{Inputs, Lathe};
-use gsk_core::plc::Plc;
+use gsk_core::plc::{Ladder, Plc};
 use gsk_panel::emulator::Emulator;
 
 /// The machine and the PLC at one moment. Taken only while a view is open that
@@ -15,6 +17,10 @@ pub struct MachineView {
     pub inputs: Inputs,
     /// The PLC with its memory.
     pub plc: Plc,
+    /// The scan stands still for stepping.
+    pub halted: bool,
+    /// The ladder that runs at the next power-on, if it is another one.
+    pub next_ladder: Option<Arc<Ladder>>,
     /// Alarms and messages that stand, the newest first.
     pub alarms: Vec<String>,
 }
@@ -32,6 +38,8 @@ impl MachineView {
             lathe: simulation.lathe.clone(),
             inputs: simulation.lathe.inputs(),
             plc: cnc.plc().clone(),
+            halted: cnc.ladder_halted(),
+            next_ladder: cnc.next_ladder().cloned(),
             alarms: alarms.chain(messages).collect(),
         }
     }

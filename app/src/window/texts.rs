@@ -20,6 +20,8 @@ pub enum Text {
     Scope,
     /// The fault bench.
     Bench,
+    /// The ladder.
+    Ladder,
     /// PC keys.
     Keys,
     /// The other language.
@@ -83,6 +85,7 @@ impl Text {
             Self::Views => ("视图", "Views"),
             Self::Scope => ("示波器", "Scope"),
             Self::Bench => ("故障台", "Fault bench"),
+            Self::Ladder => ("梯形图", "Ladder"),
             Self::Keys => ("键盘 F1", "Keys F1"),
             Self::Language => ("English", "中文"),
             Self::Lcd => ("显示屏", "LCD"),

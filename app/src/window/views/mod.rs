@@ -1,8 +1,10 @@
-//! Views beside the panel, each in a window of its own: scope, fault bench. They are closed at
+//! Views beside the panel, each in a window of its own: scope, fault bench, ladder.
+//! They are closed at
 //! the start, and closed they cost nothing.
 
 mod aside;
 mod bench;
+mod ladder;
 mod scope;
 
 use egui::{Color32, Context, Event, Frame, Key, Margin, Ui, ViewportBuilder, ViewportId};
@@ -14,6 +16,7 @@ use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use bench::Bench;
+use ladder::LadderView;
 use scope::Scope;
 
 /// A view.
@@ -23,12 +26,14 @@ pub enum View {
     Scope,
     /// The fault bench.
     Bench,
+    /// The ladder.
+    Ladder,
 }
 
 impl View {
     /// Whether it shows the machine and the PLC as they are.
     const fn monitors(self) -> bool {
-        matches!(self, Self::Bench)
+        matches!(self, Self::Bench | Self::Ladder)
     }
 }
 
@@ -47,7 +52,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 2] = [
+pub static VIEWS: [ViewRow; 3] = [
     ViewRow {
         view: View::Scope,
         name: Text::Scope,
@@ -62,6 +67,13 @@ pub static VIEWS: [ViewRow; 2] = [
         size: [1000.0, 640.0],
         least: [760.0, 320.0],
     },
+    ViewRow {
+        view: View::Ladder,
+        name: Text::Ladder,
+        key: Key::F4,
+        size: [1240.0, 780.0],
+        least: [820.0, 360.0],
+    },
 ];
 
 /// The views and which of them are open.
@@ -69,6 +81,7 @@ pub struct Views {
     open: [bool; VIEWS.len()],
     scope: Scope,
     bench: Bench,
+    ladder: LadderView,
     console: Console,
     machine: Option<Arc<MachineView>>,
 }
@@ -80,6 +93,7 @@ impl Views {
             open: [false; VIEWS.len()],
             scope: Scope::new(console.clone()),
             bench: Bench::new(console.clone()),
+            ladder: LadderView::new(console.clone()),
             console: console.clone(),
             machine: None,
         }
@@ -103,7 +117,8 @@ impl Views {
         match (view, self.open[index]) {
             (View::Scope, true) => self.scope.open(),
             (View::Scope, false) => self.scope.close(),
-            (View::Bench, _) => {}
+            (View::Ladder, false) => self.ladder.close(),
+            (View::Bench | View::Ladder, _) => {}
         }
         if self.monitors() != was {
             self.machine = None;
@@ -132,6 +147,7 @@ impl Views {
                 match row.view {
                     View::Scope => self.scope.show(ui, language, native),
                     View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
+                    View::Ladder => self.ladder.show(ui, language, self.machine.as_ref()),
                 }
             });
             if !stays {

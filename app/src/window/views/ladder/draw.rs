@@ -1,0 +1,534 @@
+//! Draws a rung: power rails, contacts, coils, boxes, and where power flows.
+
+use egui::{
+    Align2, Color32, FontId, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
+    vec2,
+};
+use gsk_core::plc::address::BitAddress;
+use gsk_core::plc::{
+    Body, Contact, Element, Ladder, Memory, Mnemonic, Operand, Power, Statement, Subject,
+};
+use gsk_panel::pages::signal_meaning;
+
+use super::layout::{self, HEADING, LINE, OUTPUT_COLUMNS, Placed, TITLE, cells};
+use super::value;
+use crate::cli::Language;
+use crate::window::texts::say;
+
+/// Room for the number of a rung, points.
+pub const GUTTER: f32 = 62.0;
+/// The wire's height in a cell, points from its top.
+const WIRE: f32 = 30.0;
+/// From the last contact to the outputs, points.
+const LEAD: f32 = 22.0;
+
+pub const LIVE: Color32 = Color32::from_rgb(96, 226, 118);
+const DEAD: Color32 = Color32::from_gray(112);
+const RAIL: Color32 = Color32::from_gray(150);
+const ADDRESS: Color32 = Color32::from_gray(225);
+const COMMENT: Color32 = Color32::from_gray(146);
+pub const HELD: Color32 = Color32::from_rgb(255, 196, 90);
+const CHOSEN: Color32 = Color32::from_rgb(92, 190, 255);
+const FOUND: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
+
+/// What a drawing needs to know beside the rung.
+pub struct Sheet<'a> {
+    pub ladder: &'a Ladder,
+    /// Memory, if the ladder is the one that runs.
+    pub memory: Option<&'a Memory>,
+    pub language: Language,
+    pub comments: bool,
+    /// The statement that is chosen, as an index in the program.
+    pub chosen: Option<usize>,
+    /// Whether a bit is forced, and to what.
+    pub forced: &'a dyn Fn(BitAddress) -> Option<bool>,
+    /// The address that is looked for.
+    pub sought: Option<Subject>,
+    /// The rung that a halted scan runs next.
+    pub next: Option<u32>,
+    /// Errors and warnings of the compiler: rung and words.
+    pub complaints: &'a [(u32, bool, String)],
+    /// Right rail of a rung that fits, points from the left edge.
+    pub width: f32,
+}
+
+/// Least width of a rung with so many columns of contacts, points.
+pub fn width(columns: usize, comments: bool) -> f32 {
+    let cells = (columns + OUTPUT_COLUMNS) as f32 * layout::cell(comments).x;
+    GUTTER + cells + 2.0 * LEAD
+}
+
+/// A rung being drawn.
+struct Pen<'a> {
+    ui: &'a Ui,
+    sheet: &'a Sheet<'a>,
+    power: &'a [Power],
+    /// Index of the rung's first statement.
+    first: usize,
+    /// Left rail and upper edge of the first row.
+    origin: Pos2,
+    clicked: Option<usize>,
+}
+
+/// Draws a rung whose upper left corner is given; tells which statement was clicked.
+pub fn rung(
+    ui: &Ui,
+    sheet: &Sheet<'_>,
+    placed: &Placed,
+    corner: Pos2,
+    power: &[Power],
+) -> Option<usize> {
+    let network = &placed.network;
+    let painter = ui.painter();
+    let left = corner.x + GUTTER;
+    let mut top = corner.y;
+    if let Some(title) = &network.title {
+        let at = pos2(left + 8.0, top + TITLE / 2.0);
+        let font = FontId::proportional(14.0);
+        let colour = Color32::from_rgb(150, 190, 230);
+        painter.text(at, Align2::LEFT_CENTER, title, font, colour);
+        top += TITLE;
+    }
+    let right = corner.x + sheet.width.max(width(placed.columns, sheet.comments));
+    let body = Rect::from_min_max(pos2(corner.x, top), pos2(right, corner.y + placed.height));
+    if sheet.next == Some(network.number) {
+        let mark = Rect::from_min_size(body.min, vec2(5.0, body.height() - layout::BETWEEN));
+        painter.rect_filled(mark, 1.0, HELD);
+    }
+    let number = format!("{:04}", network.number);
+    let at = pos2(corner.x + 12.0, top + 8.0);
+    painter.text(
+        at,
+        Align2::LEFT_TOP,
+        number,
+        FontId::monospace(13.0),
+        COMMENT,
+    );
+    let rails = egui::Rangef::new(corner.y, corner.y + placed.height);
+    for x in [left, right] {
+        painter.vline(x, rails, Stroke::new(2.0, RAIL));
+    }
+    let complaint = sheet
+        .complaints
+        .iter()
+        .find(|(rung, ..)| *rung == network.number);
+    if let Some((_, error, words)) = complaint {
+        let colour = if *error {
+            Color32::from_rgb(255, 110, 90)
+        } else {
+            HELD
+        };
+        painter.rect_stroke(
+            body.shrink(2.0),
+            2.0,
+            Stroke::new(1.0, colour),
+            StrokeKind::Inside,
+        );
+        let at = pos2(left + 8.0, corner.y + placed.height - 2.0);
+        painter.text(
+            at,
+            Align2::LEFT_BOTTOM,
+            words,
+            FontId::proportional(12.0),
+            colour,
+        );
+    }
+    let mut pen = Pen {
+        ui,
+        sheet,
+        power,
+        first: network.first,
+        origin: pos2(left, top),
+        clicked: None,
+    };
+    match &network.body {
+        Body::Mark(mark) => pen.mark(mark, right),
+        Body::Rung { contacts, outputs } => pen.body(contacts, outputs, right),
+    }
+    pen.clicked
+}
+
+impl Pen<'_> {
+    fn mark(&mut self, mark: &Statement, right: f32) {
+        let place = Rect::from_min_max(self.origin, pos2(right, self.origin.y + TITLE));
+        let middle = place.center();
+        let stroke = Stroke::new(1.0, DEAD);
+        self.ui.painter().hline(place.x_range(), middle.y, stroke);
+        let words = mark.to_string();
+        let font = FontId::monospace(13.0);
+        let words = self.ui.painter().layout_no_wrap(words, font, ADDRESS);
+        let back = Rect::from_center_size(middle, words.size() + vec2(20.0, 4.0));
+        self.ui
+            .painter()
+            .rect_filled(back, 3.0, Color32::from_gray(40));
+        let corner = back.center() - words.size() / 2.0;
+        self.ui.painter().galley(corner, words, ADDRESS);
+        self.choose(0, back, &mark.to_string());
+    }
+
+    fn body(&mut self, contacts: &[Element], outputs: &[Statement], right: f32) {
+        let mut column = 0;
+        let mut live = true;
+        for element in contacts {
+            let (wide, _) = cells(element);
+            live = self.element(element, column, 0, wide, true);
+            column += wide;
+        }
+        let known = self.sheet.memory.is_some();
+        let live = live && known;
+        if outputs.is_empty() {
+            return;
+        }
+        let cell = layout::cell(self.sheet.comments);
+        let from = self.corner(column, 0).x;
+        let bus = right - OUTPUT_COLUMNS as f32 * cell.x - LEAD;
+        self.wire(pos2(from, self.wire_y(0)), pos2(bus, self.wire_y(0)), live);
+        let statements = self.power.len();
+        let of_outputs = statements.saturating_sub(outputs.len());
+        let mut row = 0;
+        let mut last = 0;
+        for (index, output) in outputs.iter().enumerate() {
+            let power = self
+                .power
+                .get(of_outputs + index)
+                .copied()
+                .unwrap_or_default();
+            self.output(output, of_outputs + index, row, (bus, right), power);
+            last = row;
+            row += layout::output_rows(output, self.sheet.comments);
+        }
+        self.wire(
+            pos2(bus, self.wire_y(0)),
+            pos2(bus, self.wire_y(last)),
+            live,
+        );
+    }
+
+    /// Draws contacts in so many columns; gives the power that leaves on the right.
+    fn element(
+        &mut self,
+        element: &Element,
+        column: usize,
+        row: usize,
+        wide: usize,
+        live: bool,
+    ) -> bool {
+        match element {
+            Element::Contact(contact) => {
+                let out = self.contact(contact, column, row, live);
+                self.reach(column + 1, column + wide, row, out);
+                out
+            }
+            Element::Series(members) => {
+                let mut at = column;
+                let mut live = live;
+                for member in members {
+                    let (own, _) = cells(&member.element);
+                    live = self.element(&member.element, at, row, own, live);
+                    at += own;
+                }
+                self.reach(at, column + wide, row, live);
+                live
+            }
+            Element::Parallel(members) => {
+                let mut at = row;
+                let mut last = row;
+                let mut out = false;
+                for member in members {
+                    out |= self.element(&member.element, column, at, wide, live);
+                    last = at;
+                    at += cells(&member.element).1;
+                }
+                for (column, live) in [(column, live), (column + wide, out)] {
+                    let x = self.corner(column, 0).x;
+                    self.wire(pos2(x, self.wire_y(row)), pos2(x, self.wire_y(last)), live);
+                }
+                out
+            }
+        }
+    }
+
+    fn contact(&mut self, contact: &Contact, column: usize, row: usize, live: bool) -> bool {
+        let cell = layout::cell(self.sheet.comments);
+        let corner = self.corner(column, row);
+        let y = self.wire_y(row);
+        let middle = corner.x + cell.x / 2.0;
+        let power = self.power.get(contact.at).copied().unwrap_or_default();
+        let out = live && power.closed;
+        let place = Rect::from_min_size(corner, cell);
+        let symbol = Rect::from_center_size(pos2(middle, y), vec2(18.0, 22.0));
+        self.back(place, Subject::Bit(contact.bit));
+        self.wire(pos2(corner.x, y), pos2(symbol.left(), y), live);
+        self.wire(pos2(symbol.right(), y), pos2(place.right(), y), out);
+        let known = self.sheet.memory.is_some();
+        let closed = known && power.closed;
+        let painter = self.ui.painter();
+        if closed {
+            painter.rect_filled(
+                symbol.shrink2(vec2(2.0, 3.0)),
+                0.0,
+                LIVE.gamma_multiply(0.35),
+            );
+        }
+        let colour = if closed { LIVE } else { RAIL };
+        let stroke = Stroke::new(2.0, colour);
+        for x in [symbol.left(), symbol.right()] {
+            painter.vline(x, symbol.y_range(), stroke);
+        }
+        if contact.normally_closed {
+            let line = [
+                symbol.left_bottom() + vec2(1.0, 0.0),
+                symbol.right_top() - vec2(1.0, 0.0),
+            ];
+            painter.line_segment(line, Stroke::new(1.6, colour));
+        }
+        self.names(contact.bit, corner, cell);
+        let kind = if contact.normally_closed {
+            say(self.sheet.language, "常闭触点", "normally closed")
+        } else {
+            say(self.sheet.language, "常开触点", "normally open")
+        };
+        self.choose(contact.at, place, &format!("{} {kind}", contact.bit));
+        out
+    }
+
+    /// The address above the wire and the comment below it.
+    fn names(&self, bit: BitAddress, corner: Pos2, cell: egui::Vec2) {
+        let painter = self.ui.painter();
+        let forced = (self.sheet.forced)(bit);
+        let colour = if forced.is_some() { HELD } else { ADDRESS };
+        let text = match forced {
+            Some(state) => format!("{bit}={}", u8::from(state)),
+            None => bit.to_string(),
+        };
+        let at = pos2(corner.x + cell.x / 2.0, corner.y + 3.0);
+        painter.text(
+            at,
+            Align2::CENTER_TOP,
+            text,
+            FontId::monospace(13.0),
+            colour,
+        );
+        if self.sheet.comments {
+            let words = comment(self.sheet.ladder, Subject::Bit(bit), self.sheet.language);
+            let at = pos2(corner.x + cell.x / 2.0, corner.y + WIRE + 14.0);
+            self.two_lines(&words, at, cell.x - 8.0);
+        }
+    }
+
+    fn two_lines(&self, words: &str, at: Pos2, width: f32) {
+        let font = FontId::proportional(12.0);
+        let mut job = egui::text::LayoutJob::simple(words.to_owned(), font, COMMENT, width);
+        job.wrap.max_rows = 2;
+        job.wrap.break_anywhere = self.sheet.language == Language::Zh;
+        job.halign = egui::Align::Center;
+        let galley = self.ui.painter().layout_job(job);
+        self.ui.painter().galley(at, galley, COMMENT);
+    }
+
+    fn output(
+        &mut self,
+        output: &Statement,
+        at: usize,
+        row: usize,
+        (bus, right): (f32, f32),
+        power: Power,
+    ) {
+        let y = self.wire_y(row);
+        let live = power.live && self.sheet.memory.is_some();
+        let sign = match output.mnemonic {
+            Mnemonic::Out => "",
+            Mnemonic::Set => "S",
+            Mnemonic::Rst => "R",
+            _ => return self.function(output, at, row, (bus, right), live),
+        };
+        let Some(Operand::Bit(bit)) = output.operands.first().copied() else {
+            return;
+        };
+        let cell = layout::cell(self.sheet.comments);
+        let middle = right - cell.x / 2.0 - 6.0;
+        let corner = pos2(middle - cell.x / 2.0, y - WIRE);
+        let place = Rect::from_min_size(corner, cell);
+        self.back(place, Subject::Bit(bit));
+        self.wire(pos2(bus, y), pos2(middle - 11.0, y), live);
+        self.wire(pos2(middle + 11.0, y), pos2(right, y), live);
+        let on = self.sheet.memory.is_some() && power.closed;
+        let colour = if on { LIVE } else { RAIL };
+        let painter = self.ui.painter();
+        if on {
+            painter.circle_filled(pos2(middle, y), 10.0, LIVE.gamma_multiply(0.35));
+        }
+        painter.circle_stroke(pos2(middle, y), 11.0, Stroke::new(2.0, colour));
+        painter.text(
+            pos2(middle, y),
+            Align2::CENTER_CENTER,
+            sign,
+            FontId::proportional(13.0),
+            colour,
+        );
+        self.names(bit, corner, cell);
+        let kind = output.mnemonic.row().name;
+        self.choose(at, place, &format!("{bit} {kind}"));
+    }
+
+    fn function(
+        &mut self,
+        output: &Statement,
+        at: usize,
+        row: usize,
+        (bus, right): (f32, f32),
+        live: bool,
+    ) {
+        let y = self.wire_y(row);
+        let lines = value::operand_count(output);
+        let corner = pos2(bus + LEAD, y - WIRE + 8.0);
+        let size = vec2(right - 10.0 - corner.x, HEADING + lines as f32 * LINE + 2.0);
+        let place = Rect::from_min_size(corner, size);
+        self.wire(pos2(bus, y), pos2(place.left(), y), live);
+        self.wire(pos2(place.right(), y), pos2(right, y), live);
+        let painter = self.ui.painter().with_clip_rect(place.expand(1.0));
+        let colour = if live { LIVE } else { RAIL };
+        painter.rect_filled(place, 3.0, Color32::from_gray(30));
+        painter.rect_stroke(place, 3.0, Stroke::new(1.4, colour), StrokeKind::Inside);
+        let head = pos2(place.left() + 8.0, place.top() + 3.0);
+        let name = output.mnemonic.row().name;
+        painter.text(
+            head,
+            Align2::LEFT_TOP,
+            name,
+            FontId::monospace(13.0),
+            colour,
+        );
+        let kinds = output.mnemonic.row().operands;
+        let mut top = place.top() + HEADING;
+        for (kind, operand) in kinds.iter().zip(&output.operands) {
+            let role = value::role(*kind, self.sheet.language);
+            let font = FontId::proportional(12.0);
+            painter.text(
+                pos2(place.left() + 8.0, top),
+                Align2::LEFT_TOP,
+                role,
+                font,
+                COMMENT,
+            );
+            let text = operand.to_string();
+            let forced = match operand {
+                Operand::Bit(bit) => (self.sheet.forced)(*bit).is_some(),
+                _ => false,
+            };
+            let ink = if forced { HELD } else { ADDRESS };
+            let x = place.left() + 74.0;
+            painter.text(
+                pos2(x, top),
+                Align2::LEFT_TOP,
+                text,
+                FontId::monospace(13.0),
+                ink,
+            );
+            let held = self
+                .sheet
+                .memory
+                .and_then(|memory| value::held(output, *kind, operand, memory));
+            if let Some(held) = held {
+                let at = pos2(place.right() - 8.0, top);
+                painter.text(at, Align2::RIGHT_TOP, held, FontId::monospace(13.0), LIVE);
+            }
+            top += LINE;
+        }
+        if !output.table.is_empty() {
+            let words = say(self.sheet.language, "表", "table");
+            let font = FontId::proportional(12.0);
+            painter.text(
+                pos2(place.left() + 8.0, top),
+                Align2::LEFT_TOP,
+                words,
+                font,
+                COMMENT,
+            );
+            let entries: Vec<String> = output.table.iter().map(ToString::to_string).collect();
+            let at = pos2(place.left() + 74.0, top);
+            painter.text(
+                at,
+                Align2::LEFT_TOP,
+                entries.join(" "),
+                FontId::monospace(12.0),
+                ADDRESS,
+            );
+        }
+        self.choose(at, place, &output.to_string());
+    }
+
+    /// Marks what is looked for.
+    fn back(&self, place: Rect, subject: Subject) {
+        let place = place.shrink2(vec2(3.0, 1.0));
+        if self.sheet.sought == Some(subject) {
+            self.ui.painter().rect_filled(place, 3.0, FOUND);
+        }
+    }
+
+    /// Makes a place answer to the pointer and the keyboard, under a name.
+    fn choose(&mut self, at: usize, place: Rect, name: &str) {
+        let index = self.first + at;
+        let id = self.ui.scope_id().with(("statement", index));
+        let response = self.ui.interact(place, id, Sense::click());
+        let chosen = self.sheet.chosen == Some(index);
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, name));
+        if response.has_focus() || chosen {
+            let stroke = Stroke::new(1.4, CHOSEN);
+            self.ui
+                .painter()
+                .rect_stroke(place, 3.0, stroke, StrokeKind::Inside);
+        } else if response.hovered() {
+            let stroke = Stroke::new(1.0, CHOSEN.gamma_multiply(0.5));
+            self.ui
+                .painter()
+                .rect_stroke(place, 3.0, stroke, StrokeKind::Inside);
+        }
+        if response.clicked() {
+            self.clicked = Some(index);
+        }
+    }
+
+    /// A wire from one column to another.
+    fn reach(&self, from: usize, to: usize, row: usize, live: bool) {
+        if from < to {
+            let y = self.wire_y(row);
+            self.wire(
+                pos2(self.corner(from, row).x, y),
+                pos2(self.corner(to, row).x, y),
+                live,
+            );
+        }
+    }
+
+    fn wire(&self, from: Pos2, to: Pos2, live: bool) {
+        let stroke = if live && self.sheet.memory.is_some() {
+            Stroke::new(2.4, LIVE)
+        } else {
+            Stroke::new(1.4, DEAD)
+        };
+        self.ui.painter().line_segment([from, to], stroke);
+    }
+
+    fn corner(&self, column: usize, row: usize) -> Pos2 {
+        let cell = layout::cell(self.sheet.comments);
+        self.origin + vec2(column as f32 * cell.x, row as f32 * cell.y)
+    }
+
+    fn wire_y(&self, row: usize) -> f32 {
+        self.corner(0, row).y + WIRE
+    }
+}
+
+/// What an address is called: the ladder's comment, else the table of signals.
+pub fn comment(ladder: &Ladder, subject: Subject, language: Language) -> String {
+    let own = ladder.comment(subject).map(|comment| match language {
+        Language::Zh => comment.chinese.as_str(),
+        Language::En => comment.english.as_str(),
+    });
+    match (own, subject) {
+        (Some(own), _) if !own.is_empty() => own.to_owned(),
+        (_, Subject::Bit(bit)) => signal_meaning(bit, language == Language::En).to_owned(),
+        _ => String::new(),
+    }
+}

@@ -1,0 +1,303 @@
+//! The ladder view: rungs with live power flow, search, cross reference, forced bits,
+//! halt and step; messages, comments and initial data as tables.
+
+mod draw;
+mod layout;
+mod search;
+mod side;
+mod tables;
+mod value;
+
+use std::sync::Arc;
+
+use egui::{Panel, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
+use gsk_core::cnc::{LadderStep, Request};
+use gsk_core::plc::address::BitAddress;
+use gsk_core::plc::{Ladder, Statement, Subject};
+
+use crate::cli::Language;
+use crate::kernel::monitor::MachineView;
+use crate::kernel::{Command, Console};
+use crate::window::texts::say;
+use draw::Sheet;
+use layout::Drawing;
+use search::Search;
+
+/// What the view shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tab {
+    Rungs,
+    Messages,
+    Comments,
+    StartValues,
+}
+
+impl Tab {
+    const ALL: [Self; 4] = [
+        Self::Rungs,
+        Self::Messages,
+        Self::Comments,
+        Self::StartValues,
+    ];
+
+    const fn name(self, language: Language) -> &'static str {
+        match self {
+            Self::Rungs => say(language, "梯形图", "Ladder"),
+            Self::Messages => say(language, "显示信息表", "Messages"),
+            Self::Comments => say(language, "注释表", "Comments"),
+            Self::StartValues => say(language, "初始化数据表", "Initial data"),
+        }
+    }
+}
+
+/// The ladder view's state.
+pub struct LadderView {
+    console: Console,
+    tab: Tab,
+    comments: bool,
+    drawing: Option<Drawing>,
+    /// How often each address is used; of the drawn ladder.
+    uses: Vec<(Subject, usize)>,
+    /// The statement that is chosen, as an index in the program.
+    chosen: Option<usize>,
+    /// A height that comes into view with the next picture.
+    scroll_to: Option<f32>,
+    search: Search,
+}
+
+impl LadderView {
+    /// At the first rung.
+    pub fn new(console: Console) -> Self {
+        Self {
+            console,
+            tab: Tab::Rungs,
+            comments: true,
+            drawing: None,
+            uses: Vec::new(),
+            chosen: None,
+            scroll_to: None,
+            search: Search::default(),
+        }
+    }
+
+    /// The view is closed: a halted ladder runs on.
+    pub fn close(&mut self) {
+        self.ask(Request::HaltLadder(false));
+    }
+
+    fn ask(&self, request: Request) {
+        self.console.send(Command::Ask(Box::new(request)));
+    }
+
+    /// Draws the view and takes its input.
+    pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
+        let Some(machine) = machine else {
+            ui.centered_and_justified(|ui| ui.label(say(language, "请稍候…", "One moment …")));
+            return;
+        };
+        let ladder = Arc::clone(machine.plc.ladder());
+        self.draw_anew(&ladder);
+        let bar = Panel::top("ladder bar").frame(super::bar_frame());
+        bar.show(ui, |ui| self.toolbar(ui, language, machine));
+        let line = Panel::bottom("ladder state").frame(super::bar_frame());
+        line.show(ui, |ui| state_line(ui, language, machine));
+        if self.tab == Tab::Rungs {
+            let side = Panel::right("ladder side")
+                .exact_size(side::WIDTH)
+                .resizable(false)
+                .frame(super::side_frame());
+            side.show(ui, |ui| self.side(ui, language, machine));
+        }
+        egui::CentralPanel::default()
+            .frame(super::plain_frame())
+            .show(ui, |ui| match self.tab {
+                Tab::Rungs => self.rungs(ui, language, machine),
+                Tab::Messages => self.messages(ui, language, machine),
+                Tab::Comments => self.comment_table(ui, language, machine),
+                Tab::StartValues => self.start_values(ui, language, machine),
+            });
+    }
+
+    /// Places the rungs when the ladder is another one.
+    fn draw_anew(&mut self, ladder: &Arc<Ladder>) {
+        let known = self.drawing.as_ref();
+        if known.is_some_and(|drawing| drawing.is_of(ladder, self.comments)) {
+            return;
+        }
+        let same = known.is_some_and(|drawing| Arc::ptr_eq(&drawing.ladder, ladder));
+        if !same {
+            self.chosen = None;
+            self.search.clear();
+            let uses = |subject: Subject| (subject, ladder.references(subject).len());
+            self.uses = ladder.addresses().into_iter().map(uses).collect();
+        }
+        let drawing = Drawing::new(ladder, self.comments);
+        // The chosen rung stays in view.
+        let rung = self.chosen.and_then(|at| ladder.statements().get(at));
+        let place = rung.and_then(|statement| drawing.rung(statement.rung));
+        self.scroll_to = place.map(|placed| placed.top);
+        self.drawing = Some(drawing);
+    }
+
+    fn toolbar(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        ui.horizontal_wrapped(|ui| {
+            for tab in Tab::ALL {
+                ui.selectable_value(&mut self.tab, tab, tab.name(language));
+            }
+            ui.separator();
+            let halted = machine.halted;
+            let word = if halted {
+                say(language, "运行", "Run")
+            } else {
+                say(language, "停止", "Halt")
+            };
+            let hint = say(
+                language,
+                "停止或继续扫描; 停止后可逐扫描或逐梯级执行",
+                "Halts the scan or lets it run on; halted it can be stepped",
+            );
+            let button = egui::Button::new(word).min_size(vec2(52.0, 0.0));
+            if ui.add(button).on_hover_text(hint).clicked() {
+                self.ask(Request::HaltLadder(!halted));
+            }
+            for (word, step) in [
+                (say(language, "单扫描", "One scan"), LadderStep::Slot),
+                (say(language, "单梯级", "One rung"), LadderStep::Rung),
+            ] {
+                if ui.add_enabled(halted, egui::Button::new(word)).clicked() {
+                    self.ask(Request::StepLadder(step));
+                    if let Some(next) = machine.plc.next_rung() {
+                        self.jump(next);
+                    }
+                }
+            }
+            if self.tab == Tab::Rungs {
+                ui.separator();
+                ui.checkbox(&mut self.comments, say(language, "注释", "Comments"));
+                ui.separator();
+                self.search_field(ui, language, machine.plc.ladder());
+            }
+        });
+    }
+
+    /// Brings a rung into view.
+    fn jump(&mut self, rung: u32) {
+        self.tab = Tab::Rungs;
+        let placed = self.drawing.as_ref().and_then(|drawing| drawing.rung(rung));
+        self.scroll_to = placed.map(|placed| placed.top);
+    }
+
+    /// Chooses a statement and brings it into view.
+    fn go_to(&mut self, ladder: &Ladder, at: usize) {
+        self.chosen = Some(at);
+        if let Some(statement) = ladder.statements().get(at) {
+            self.jump(statement.rung);
+        }
+    }
+
+    fn rungs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let Some(drawing) = self.drawing.take() else {
+            return;
+        };
+        let width = ui.available_width() - 14.0;
+        let plc = &machine.plc;
+        let forced = |bit: BitAddress| {
+            let found = plc.forces().iter().find(|force| force.bit == bit);
+            found.map(|force| force.value)
+        };
+        let sheet = Sheet {
+            ladder: plc.ladder(),
+            memory: Some(plc.memory()),
+            language,
+            comments: self.comments,
+            chosen: self.chosen,
+            forced: &forced,
+            sought: self.search.subject(),
+            next: if machine.halted {
+                plc.next_rung()
+            } else {
+                None
+            },
+            complaints: &[],
+            width,
+        };
+        let mut area = ScrollArea::both().auto_shrink([false, false]);
+        let room = ui.available_height();
+        if let Some(top) = self.scroll_to.take() {
+            let offset = (top - room * 0.25).clamp(0.0, (drawing.height - room).max(0.0));
+            area = area.vertical_scroll_offset(offset);
+        }
+        let mut clicked = None;
+        area.show_viewport(ui, |ui, seen| {
+            let wide = width.max(draw::width(drawing.columns, self.comments));
+            let size = vec2(wide, drawing.height + 8.0);
+            let (place, _) = ui.allocate_exact_size(size, Sense::HOVER);
+            for placed in drawing.between(seen.top() - 8.0, seen.bottom()) {
+                let corner = Pos2::new(place.left(), place.top() + 8.0 + placed.top);
+                let power = plc.power(&placed.network);
+                clicked = draw::rung(ui, &sheet, placed, corner, &power).or(clicked);
+            }
+        });
+        if let Some(at) = clicked {
+            self.chosen = Some(at);
+        }
+        self.drawing = Some(drawing);
+    }
+}
+
+/// The statement and what it is about.
+fn subjects(statement: &Statement) -> Vec<Subject> {
+    use gsk_core::plc::Operand;
+    let named = |operand: &Operand| match operand {
+        Operand::Bit(bit) => Some(Subject::Bit(*bit)),
+        Operand::Byte(byte) => Some(Subject::Byte(*byte)),
+        _ => None,
+    };
+    statement.operands.iter().filter_map(named).collect()
+}
+
+fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
+    let plc = &machine.plc;
+    let ladder = plc.ladder();
+    ui.horizontal(|ui| {
+        let (words, colour) = match (plc.fault(), machine.halted) {
+            (Some(fault), _) => (fault.to_string(), egui::Color32::from_rgb(255, 120, 96)),
+            (None, true) => {
+                let rung = plc.next_rung().unwrap_or(0);
+                let words = say(language, "已停止, 下一梯级", "halted, next rung");
+                (format!("{words} {rung:04}"), draw::HELD)
+            }
+            (None, false) => (say(language, "运行", "running").to_owned(), draw::LIVE),
+        };
+        ui.label(RichText::new(words).color(colour));
+        ui.separator();
+        let header = ladder.header();
+        let about = [&header.remark, &header.version, &header.unit];
+        let about: Vec<&str> = about
+            .iter()
+            .map(|text| text.as_str())
+            .filter(|text| !text.is_empty())
+            .collect();
+        ui.label(RichText::new(about.join("  ")).weak());
+        ui.separator();
+        let steps = say(language, "步", "steps");
+        let rungs = say(language, "梯级", "rungs");
+        let parts = say(language, "二级分段", "parts of level 2");
+        let figures = format!(
+            "{} {steps}   {} {rungs}   {parts} {}",
+            ladder.steps(),
+            ladder.rung_count(),
+            ladder.parts()
+        );
+        ui.label(RichText::new(figures).weak());
+        if machine.next_ladder.is_some() {
+            ui.separator();
+            let words = say(
+                language,
+                "新梯形图待重新上电后运行",
+                "a new ladder runs at the next power-on",
+            );
+            ui.label(RichText::new(words).color(draw::HELD));
+        }
+    });
+}

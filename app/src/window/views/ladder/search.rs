@@ -1,0 +1,172 @@
+//! Search as in the manufacturer's tool: an address, an instruction or a comment.
+
+use egui::{RichText, Ui};
+use gsk_core::plc::address::{BitAddress, ByteAddress};
+use gsk_core::plc::{Ladder, Subject};
+
+use super::draw::comment;
+use super::{LadderView, subjects};
+use crate::cli::Language;
+use crate::window::texts::say;
+
+/// What is looked for, and where it was found.
+#[derive(Clone, Debug, Default)]
+pub struct Search {
+    text: String,
+    subject: Option<Subject>,
+    /// Statements, as indices in the program.
+    found: Vec<usize>,
+    /// Which of them is shown.
+    at: usize,
+    done: bool,
+}
+
+impl Search {
+    /// Forgets what was found; the text stays.
+    pub fn clear(&mut self) {
+        self.found.clear();
+        self.subject = None;
+        self.done = false;
+    }
+
+    /// The address that is looked for.
+    pub const fn subject(&self) -> Option<Subject> {
+        self.subject
+    }
+
+    /// Looks through a ladder.
+    fn run(&mut self, ladder: &Ladder) {
+        let text = self.text.trim().to_uppercase();
+        self.subject = subject(&text);
+        self.at = 0;
+        self.done = true;
+        self.found = match self.subject {
+            Some(subject) => {
+                let references = ladder.references(subject);
+                references
+                    .iter()
+                    .map(|reference| reference.statement)
+                    .collect()
+            }
+            None => by_words(ladder, &text),
+        };
+    }
+}
+
+/// The address that a text names.
+fn subject(text: &str) -> Option<Subject> {
+    let bit = text.parse::<BitAddress>().ok().map(Subject::Bit);
+    bit.or_else(|| text.parse::<ByteAddress>().ok().map(Subject::Byte))
+}
+
+/// Statements of this name, or about an address whose comment has the words.
+fn by_words(ladder: &Ladder, text: &str) -> Vec<usize> {
+    let about = |subject: &Subject| {
+        [Language::Zh, Language::En].into_iter().any(|language| {
+            comment(ladder, *subject, language)
+                .to_uppercase()
+                .contains(text)
+        })
+    };
+    let statements = ladder.statements().iter().enumerate();
+    statements
+        .filter(|(_, statement)| {
+            statement.mnemonic.row().name == text || subjects(statement).iter().any(about)
+        })
+        .map(|(at, _)| at)
+        .collect()
+}
+
+impl LadderView {
+    pub(super) fn search_field(&mut self, ui: &mut Ui, language: Language, ladder: &Ladder) {
+        let name = say(language, "查找", "Find");
+        let field = egui::TextEdit::singleline(&mut self.search.text)
+            .desired_width(150.0)
+            .hint_text(say(
+                language,
+                "地址, 指令或注释",
+                "address, instruction, comment",
+            ));
+        let response = ui.add(field);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+        if response.changed() {
+            self.search.done = false;
+        }
+        let entered =
+            response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        if (ui.button(name).clicked() || entered) && !self.search.text.trim().is_empty() {
+            if self.search.done {
+                self.next_found(ladder, 1);
+            } else {
+                self.search.run(ladder);
+                self.next_found(ladder, 0);
+            }
+            if entered {
+                response.request_focus();
+            }
+        }
+        let count = self.search.found.len();
+        for (sign, words, way) in [
+            ("◀", say(language, "上一个", "Previous"), -1),
+            ("▶", say(language, "下一个", "Next"), 1),
+        ] {
+            let button = ui.add_enabled(count > 0, egui::Button::new(sign));
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, count > 0, words));
+            if button.on_hover_text(words).clicked() {
+                self.next_found(ladder, way);
+            }
+        }
+        if self.search.done {
+            let words = if count == 0 {
+                say(language, "没有找到", "not found").to_owned()
+            } else {
+                format!("{} / {count}", self.search.at + 1)
+            };
+            ui.label(RichText::new(words).weak());
+        }
+    }
+
+    /// Looks for an address, as if it had been keyed in.
+    pub(super) fn look_for(&mut self, ladder: &Ladder, subject: Subject) {
+        self.search.text = subject.to_string();
+        self.search.run(ladder);
+    }
+
+    fn next_found(&mut self, ladder: &Ladder, way: i64) {
+        let count = self.search.found.len() as i64;
+        if count == 0 {
+            return;
+        }
+        let at = (self.search.at as i64 + way).rem_euclid(count);
+        self.search.at = usize::try_from(at).unwrap_or(0);
+        if let Some(statement) = self.search.found.get(self.search.at) {
+            self.go_to(ladder, *statement);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(text: &str) -> Vec<usize> {
+        let source = ".CMT X0.5 \"急停\" \"Emergency stop\"\nEND1\nLDI X0.5\nOUT R2.0\nLD R2.0\nOUT Y1.0\nEND2";
+        let ladder = Ladder::compile(source).unwrap();
+        let mut search = Search {
+            text: text.to_owned(),
+            ..Search::default()
+        };
+        search.run(&ladder);
+        search.found
+    }
+
+    #[test]
+    fn addresses_instructions_and_comments_are_found() {
+        assert_eq!(found("r2.0"), [2, 3]);
+        assert_eq!(found("R2"), [2, 3]);
+        assert_eq!(found("out"), [2, 4]);
+        assert_eq!(found("急停"), [1]);
+        assert_eq!(found("emergency"), [1]);
+        assert_eq!(found("K7.7"), [0; 0]);
+    }
+}

@@ -1,0 +1,182 @@
+//! Beside the rungs: the chosen element, what uses its address, forced bits.
+
+use egui::{Color32, RichText, ScrollArea, Ui, vec2};
+use gsk_core::cnc::Request;
+use gsk_core::plc::address::BitAddress;
+use gsk_core::plc::{Access, Ladder, Subject};
+use gsk_panel::pages::signal_name;
+
+use super::draw::{self, comment};
+use super::{LadderView, subjects, value};
+use crate::cli::Language;
+use crate::kernel::monitor::MachineView;
+use crate::window::texts::say;
+
+/// Width of the list, points.
+pub const WIDTH: f32 = 304.0;
+
+impl LadderView {
+    pub(super) fn side(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let ladder = machine.plc.ladder().clone();
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                let chosen = self.chosen.and_then(|at| ladder.statements().get(at));
+                match chosen {
+                    Some(statement) => {
+                        let words = say(language, "梯级", "Rung");
+                        ui.label(RichText::new(format!("{words} {:04}", statement.rung)).weak());
+                        ui.label(RichText::new(statement.to_string()).monospace().strong());
+                        for subject in subjects(statement) {
+                            self.subject(ui, language, machine, &ladder, subject);
+                        }
+                    }
+                    None => {
+                        let words = say(
+                            language,
+                            "点击触点、线圈或功能指令, 查看其状态和使用处",
+                            "Click a contact, a coil or a box for its state and its uses",
+                        );
+                        ui.label(RichText::new(words).weak());
+                    }
+                }
+                self.forces(ui, language, machine);
+            });
+    }
+
+    /// One address: name, state, force, uses.
+    fn subject(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        machine: &MachineView,
+        ladder: &Ladder,
+        subject: Subject,
+    ) {
+        ui.add_space(4.0);
+        ui.separator();
+        let memory = machine.plc.memory();
+        let held = match subject {
+            Subject::Bit(bit) => u8::from(memory.bit(bit)).to_string(),
+            Subject::Byte(byte) => value::number(byte, 1, memory),
+        };
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(subject.to_string()).monospace().strong());
+            ui.label(
+                RichText::new(format!("= {held}"))
+                    .monospace()
+                    .color(draw::LIVE),
+            );
+            if let Subject::Bit(bit) = subject {
+                let symbol = signal_name(bit);
+                if symbol != "-" {
+                    ui.label(RichText::new(symbol).weak());
+                }
+            }
+        });
+        let words = comment(ladder, subject, language);
+        if !words.is_empty() {
+            ui.label(words);
+        }
+        if let Subject::Bit(bit) = subject {
+            self.force(ui, language, machine, bit);
+        }
+        let references = ladder.references(subject);
+        for (access, words) in [
+            (Access::Write, say(language, "写入", "written")),
+            (Access::Read, say(language, "读出", "read")),
+        ] {
+            let mut listed = references
+                .iter()
+                .filter(|reference| match access {
+                    Access::Read => reference.access.reads(),
+                    _ => reference.access.writes(),
+                })
+                .peekable();
+            if listed.peek().is_none() {
+                continue;
+            }
+            ui.horizontal_wrapped(|ui| {
+                ui.spacing_mut().item_spacing = vec2(4.0, 3.0);
+                ui.label(RichText::new(words).weak());
+                for reference in listed {
+                    let name = reference.mnemonic.row().name;
+                    let text = format!("{:04} {name}", reference.rung);
+                    let here = self.chosen == Some(reference.statement);
+                    let text = RichText::new(text).monospace();
+                    let text = if here { text.strong() } else { text };
+                    if ui.add(egui::Button::new(text).small()).clicked() {
+                        self.look_for(ladder, subject);
+                        self.go_to(ladder, reference.statement);
+                    }
+                }
+            });
+        }
+    }
+
+    /// Three buttons: held at 1, at 0, free.
+    fn force(&self, ui: &mut Ui, language: Language, machine: &MachineView, bit: BitAddress) {
+        let forces = machine.plc.forces().iter();
+        let held = forces
+            .clone()
+            .find(|force| force.bit == bit)
+            .map(|force| force.value);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(say(language, "强制", "Force")).weak());
+            for (value, word) in [
+                (Some(true), "1"),
+                (Some(false), "0"),
+                (None, say(language, "取消", "free")),
+            ] {
+                let chosen = held == value;
+                let (fill, ink) = match (chosen, value) {
+                    (true, Some(_)) => (draw::HELD, Color32::BLACK),
+                    (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
+                    (false, _) => (Color32::from_gray(42), Color32::from_gray(190)),
+                };
+                let button = egui::Button::new(RichText::new(word).color(ink))
+                    .fill(fill)
+                    .min_size(vec2(30.0, 0.0));
+                let response = ui.add(button);
+                response.widget_info(|| {
+                    let name = format!("{} {bit} {word}", say(language, "强制", "Force"));
+                    egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, name)
+                });
+                if response.clicked() {
+                    self.ask(Request::ForceBit(bit, value));
+                }
+            }
+        });
+    }
+
+    fn forces(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let forces = machine.plc.forces();
+        if forces.is_empty() {
+            return;
+        }
+        ui.add_space(10.0);
+        ui.separator();
+        let words = say(language, "已强制的位", "Forced bits");
+        ui.label(RichText::new(words).color(draw::HELD));
+        for force in forces {
+            ui.horizontal(|ui| {
+                let text = format!("{} = {}", force.bit, u8::from(force.value));
+                ui.label(RichText::new(text).monospace());
+                let name = format!("{} {}", say(language, "取消强制", "Release"), force.bit);
+                let button = ui.small_button("×");
+                button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                if button.on_hover_text(&name).clicked() {
+                    self.ask(Request::ForceBit(force.bit, None));
+                }
+            });
+        }
+        if ui
+            .button(say(language, "全部取消", "Release all"))
+            .clicked()
+        {
+            for force in forces {
+                self.ask(Request::ForceBit(force.bit, None));
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! The tables that belong to a ladder: messages, comments, initial data (manual
+//! PLC-III 4 and 5).
+
+use egui::{Align, Color32, Label, Layout, RichText, ScrollArea, Sense, Ui, UiBuilder, vec2};
+use gsk_core::plc::Subject;
+
+use super::{LadderView, draw, value};
+use crate::cli::Language;
+use crate::kernel::monitor::MachineView;
+use crate::window::texts::say;
+
+/// Height of a row, points.
+const ROW: f32 = 22.0;
+
+/// A column: heading and width; the last one takes what is left.
+type Column = (&'static str, f32);
+
+impl LadderView {
+    pub(super) fn messages(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let ladder = machine.plc.ladder().clone();
+        let columns = [
+            (say(language, "A 地址", "A address"), 110.0),
+            (say(language, "信息号", "Number"), 90.0),
+            (say(language, "状态", "State"), 70.0),
+            (say(language, "显示信息", "Text"), 0.0),
+        ];
+        let messages = ladder.messages();
+        let clicked = table(ui, &columns, messages.len(), |index| {
+            let Some(message) = messages.get(index) else {
+                return Vec::new();
+            };
+            let on = machine.plc.memory().bit(message.bit);
+            let colour = if on {
+                draw::HELD
+            } else {
+                Color32::from_gray(215)
+            };
+            [
+                message.bit.to_string(),
+                format!("{:04}", message.number),
+                u8::from(on).to_string(),
+                message.text.clone(),
+            ]
+            .into_iter()
+            .map(|text| RichText::new(text).color(colour))
+            .collect()
+        });
+        if let Some(message) = clicked.and_then(|index| messages.get(index)) {
+            self.show_uses(&ladder, Subject::Bit(message.bit));
+        }
+    }
+
+    pub(super) fn comment_table(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let ladder = machine.plc.ladder().clone();
+        let columns = [
+            (say(language, "地址", "Address"), 110.0),
+            (say(language, "使用", "Uses"), 60.0),
+            (say(language, "中文注释", "Chinese comment"), 260.0),
+            (say(language, "英文注释", "English comment"), 0.0),
+        ];
+        let comments = ladder.comments();
+        let clicked = table(ui, &columns, comments.len(), |index| {
+            let Some(comment) = comments.get(index) else {
+                return Vec::new();
+            };
+            let uses = self
+                .uses
+                .binary_search_by_key(&comment.subject, |(subject, _)| *subject);
+            let uses = uses
+                .ok()
+                .and_then(|at| self.uses.get(at))
+                .map_or(0, |(_, count)| *count);
+            vec![
+                RichText::new(comment.subject.to_string()).monospace(),
+                RichText::new(uses.to_string()).weak(),
+                RichText::new(&comment.chinese),
+                RichText::new(&comment.english),
+            ]
+        });
+        if let Some(comment) = clicked.and_then(|index| comments.get(index)) {
+            self.show_uses(&ladder, comment.subject);
+        }
+    }
+
+    pub(super) fn start_values(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let ladder = machine.plc.ladder().clone();
+        let columns = [
+            (say(language, "地址", "Address"), 110.0),
+            (say(language, "初始值", "Initial"), 120.0),
+            (say(language, "当前值", "Now"), 140.0),
+            (say(language, "注释", "Comment"), 0.0),
+        ];
+        let values = ladder.start_values();
+        let clicked = table(ui, &columns, values.len(), |index| {
+            let Some(start) = values.get(index) else {
+                return Vec::new();
+            };
+            let now = value::number(start.address, 1, machine.plc.memory());
+            let words = draw::comment(&ladder, Subject::Byte(start.address), language);
+            vec![
+                RichText::new(start.address.to_string()).monospace(),
+                RichText::new(start.value.to_string()).monospace(),
+                RichText::new(now).monospace().color(draw::LIVE),
+                RichText::new(words),
+            ]
+        });
+        if let Some(start) = clicked.and_then(|index| values.get(index)) {
+            self.show_uses(&ladder, Subject::Byte(start.address));
+        }
+    }
+
+    /// Goes to the first place that uses an address.
+    fn show_uses(&mut self, ladder: &gsk_core::plc::Ladder, subject: Subject) {
+        self.look_for(ladder, subject);
+        if let Some(first) = ladder.references(subject).first() {
+            self.go_to(ladder, first.statement);
+        }
+    }
+}
+
+/// Draws a table; tells which row was clicked.
+fn table(
+    ui: &mut Ui,
+    columns: &[Column],
+    count: usize,
+    row: impl Fn(usize) -> Vec<RichText>,
+) -> Option<usize> {
+    let mut clicked = None;
+    ui.add_space(6.0);
+    let heads = columns.iter().map(|(head, _)| RichText::new(*head).weak());
+    cells(ui, columns, heads.collect());
+    ui.separator();
+    ScrollArea::vertical()
+        .auto_shrink([false, false])
+        .show_rows(ui, ROW, count, |ui, rows| {
+            for index in rows {
+                let texts = row(index);
+                let name = texts
+                    .iter()
+                    .map(RichText::text)
+                    .collect::<Vec<_>>()
+                    .join("  ");
+                let place = cells(ui, columns, texts);
+                let id = ui.scope_id().with(("row", index));
+                let response = ui.interact(place, id, Sense::click());
+                response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+                if response.hovered() || response.has_focus() {
+                    let shade = Color32::from_white_alpha(10);
+                    ui.painter().rect_filled(place, 2.0, shade);
+                }
+                if response.clicked() {
+                    clicked = Some(index);
+                }
+            }
+        });
+    clicked
+}
+
+/// One row of texts; gives its place.
+fn cells(ui: &mut Ui, columns: &[Column], texts: Vec<RichText>) -> egui::Rect {
+    let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::HOVER);
+    let mut left = place.left() + 10.0;
+    for ((_, width), text) in columns.iter().zip(texts) {
+        let right = if *width > 0.0 {
+            left + width
+        } else {
+            place.right()
+        };
+        let cell = egui::Rect::from_x_y_ranges(left..=right - 6.0, place.y_range());
+        let content = UiBuilder::new()
+            .max_rect(cell)
+            .layout(Layout::left_to_right(Align::Center));
+        ui.scope_builder(content, |ui| {
+            ui.add(Label::new(text).truncate().selectable(false))
+        });
+        left = right;
+    }
+    place
+}

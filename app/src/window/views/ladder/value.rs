@@ -1,0 +1,98 @@
+//! What the operands of an instruction are called, and what they hold.
+
+use gsk_core::plc::{Area, ByteAddress, Kind, Memory, Mnemonic, Operand, Statement};
+
+use crate::cli::Language;
+use crate::window::texts::say;
+
+/// Lines that a function instruction's box has for its operands; none for a coil.
+pub fn operand_count(output: &Statement) -> usize {
+    match output.mnemonic {
+        Mnemonic::Out | Mnemonic::Set | Mnemonic::Rst => 0,
+        _ => output.operands.len() + usize::from(!output.table.is_empty()),
+    }
+}
+
+/// What an operand is for.
+pub const fn role(kind: Kind, language: Language) -> &'static str {
+    match kind {
+        Kind::Contact => say(language, "复位", "reset"),
+        Kind::Coil => say(language, "输出", "output"),
+        Kind::ThreeCoils => say(language, "> = <", "> = <"),
+        Kind::Length => say(language, "字节", "bytes"),
+        Kind::Value | Kind::Source => say(language, "输入", "input"),
+        Kind::Target | Kind::DecodeTarget | Kind::TableTarget | Kind::RotationTarget => {
+            say(language, "结果", "result")
+        }
+        Kind::Index => say(language, "表号", "index"),
+        Kind::Position => say(language, "位置", "position"),
+        Kind::Timer => say(language, "定时器", "timer"),
+        Kind::Counter => say(language, "计数器", "counter"),
+        Kind::Time | Kind::Count => say(language, "设定", "preset"),
+        Kind::Number => say(language, "基准", "base"),
+        Kind::Stations => say(language, "工位数", "stations"),
+        Kind::TableSize => say(language, "表大小", "table size"),
+        Kind::CounterFormat | Kind::RotationFormat => say(language, "格式", "format"),
+        Kind::Label => say(language, "标号", "label"),
+        Kind::Subprogram => say(language, "子程序", "subprogram"),
+    }
+}
+
+/// What an operand holds now; nothing for a number.
+pub fn held(
+    statement: &Statement,
+    kind: Kind,
+    operand: &Operand,
+    memory: &Memory,
+) -> Option<String> {
+    match operand {
+        Operand::Bit(bit) => {
+            let state = |bit| u8::from(memory.bit(bit));
+            if kind != Kind::ThreeCoils {
+                return Some(state(*bit).to_string());
+            }
+            let mut three = String::new();
+            for offset in 0..3 {
+                let mut bit = *bit;
+                bit.bit = (bit.bit + offset).min(7);
+                three.push_str(&state(bit).to_string());
+            }
+            Some(three)
+        }
+        Operand::Byte(address) => Some(number(*address, width(statement, kind), memory)),
+        _ => None,
+    }
+}
+
+/// Bytes that an operand of a statement covers.
+fn width(statement: &Statement, kind: Kind) -> usize {
+    if !kind.is_wide() {
+        return 1;
+    }
+    let kinds = statement.mnemonic.row().operands;
+    let lengths = kinds.iter().zip(&statement.operands);
+    let length = lengths
+        .filter(|(kind, _)| **kind == Kind::Length)
+        .find_map(|(_, operand)| match operand {
+            Operand::Number(length) => usize::try_from(*length).ok(),
+            _ => None,
+        });
+    length.unwrap_or(1)
+}
+
+/// A byte, a value of several bytes, or an entry.
+pub fn number(address: ByteAddress, width: usize, memory: &Memory) -> String {
+    let entry = matches!(address.area, Area::T | Area::C | Area::Dc | Area::Dt);
+    let value = match width {
+        _ if entry => memory.long(address),
+        4 => memory.long(address),
+        2 => i32::from(memory.word(address)),
+        _ => i32::from(memory.byte(address)),
+    };
+    let unit = if matches!(address.area, Area::T | Area::Dt) && value != i32::MAX {
+        " ms"
+    } else {
+        ""
+    };
+    format!("{value}{unit}")
+}
