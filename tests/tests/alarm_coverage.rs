@@ -121,7 +121,9 @@ fn fault(row: &AlarmRow, cases: &Cases, reason: Option<&Reason>) -> Option<Strin
     let of_program = row.advice.is_some();
     let text = match (cases.pass.first(), reason) {
         (None, None) => "neither a case nor a line in alarm-coverage.tsv".to_owned(),
-        (Some(case), Some(_)) => format!("has a line, although {case} raises it"),
+        (Some(case), Some(_)) => {
+            format!("{case} raises it: take its line out of alarm-coverage.tsv")
+        }
         (None, Some(reason)) if reason.open && of_program && cases.known_failures.is_empty() => {
             format!(
                 "a program raises it, so it cannot stay open ({})",
