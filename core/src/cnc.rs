@@ -160,6 +160,8 @@ pub struct Cnc {
     pub(crate) angle: SpindleAngle,
     /// Spindle override in force, %; a change waits for the end of a thread.
     spindle_override: u8,
+    /// Programmed X minus that of the tip, at the end of the last move.
+    pub(crate) programmed_ahead: f64,
 
     pub(crate) frame: Frame,
     /// Absolute coordinate at which the relative display shows zero.
@@ -215,6 +217,7 @@ impl Cnc {
             spindle,
             angle: SpindleAngle::new(&parameters),
             spindle_override: 100,
+            programmed_ahead: 0.0,
             parameters,
             offsets: setup.offsets,
             variables: setup.variables,
@@ -468,11 +471,7 @@ impl Cnc {
     }
 
     fn spindle_tick(&mut self, inputs: &Inputs) {
-        // In a rapid the surface speed is worked out for its end point.
-        let at = match self.automatic.action() {
-            Some(Action::Rapid { to }) => *to,
-            _ => self.position(),
-        };
+        let at = Point::new(self.surface_x(), 0.0);
         self.spindle.set_jog(self.spindle_jog());
         self.spindle.set_gear_change(self.changing_gear());
         if !self.automatic.threading() {
@@ -495,6 +494,29 @@ impl Cnc {
     /// SPZD: the ladder brakes the spindle.
     pub(crate) fn brake_output(&self) -> bool {
         self.plc.memory().bit(BRAKE_OUTPUT)
+    }
+
+    /// The X that the surface speed counts on, machine coordinate: the programmed
+    /// one, and in a rapid that of its end (manual I-2.6.2).
+    fn surface_x(&mut self) -> f64 {
+        let position = self.position();
+        let Some(current) = &self.automatic.current else {
+            return position.x + self.programmed_ahead;
+        };
+        let programmed = current.command.programmed_x.as_deref();
+        let (x, tip) = match (&current.command.action, programmed) {
+            (Action::Rapid { to }, None) => (to.x, to.x),
+            (Action::Rapid { to }, Some(programmed)) => (programmed.end(), to.x),
+            (Action::Line { to, .. } | Action::Arc { to, .. }, Some(programmed)) => {
+                (programmed.at(position, current.from, *to), position.x)
+            }
+            (Action::Line { .. } | Action::Arc { .. } | Action::Thread { .. }, None) => {
+                (position.x, position.x)
+            }
+            _ => return position.x + self.programmed_ahead,
+        };
+        self.programmed_ahead = x - tip;
+        x
     }
 
     fn changing_gear(&self) -> bool {

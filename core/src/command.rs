@@ -65,6 +65,63 @@ pub struct Command {
     pub stop_point: bool,
     /// Whether feed hold waits for its end: the moves of G70 to G75.
     pub whole: bool,
+    /// The programmed X of a move that nose radius compensation has changed;
+    /// only under G96, whose speed follows it.
+    pub programmed_x: Option<Box<ProgrammedX>>,
+}
+
+/// The programmed X while the tip goes along its compensated path, machine
+/// coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ProgrammedX {
+    /// It changes evenly along a straight move.
+    Even {
+        /// At the start.
+        from: f64,
+        /// At the end.
+        to: f64,
+    },
+    /// Tip and programmed point go round their centres together.
+    Round {
+        /// X of the centre of the tip's arc.
+        tip_center: f64,
+        /// X of the programmed centre.
+        center: f64,
+        /// Programmed radius over that of the tip's arc.
+        ratio: f64,
+        /// At the end.
+        to: f64,
+    },
+}
+
+impl ProgrammedX {
+    /// When the tip has got so far on its way from one point to another.
+    pub fn at(&self, tip: Point, from: Point, target: Point) -> f64 {
+        match *self {
+            Self::Even { from: first, to } => {
+                let whole = (target - from).length();
+                let part = if whole > 0.0 {
+                    ((tip - from).length() / whole).min(1.0)
+                } else {
+                    1.0
+                };
+                first + (to - first) * part
+            }
+            Self::Round {
+                tip_center,
+                center,
+                ratio,
+                ..
+            } => center + (tip.x - tip_center) * ratio,
+        }
+    }
+
+    /// At the end of the move.
+    pub const fn end(&self) -> f64 {
+        match *self {
+            Self::Even { to, .. } | Self::Round { to, .. } => to,
+        }
+    }
 }
 
 /// What a command does. Positions are machine coordinates.
@@ -107,6 +164,12 @@ pub enum Action {
         start: ThreadStart,
         /// Whether it is the tail that leaves the thread.
         run_out: bool,
+    },
+    /// A cycle of threads begins (G92, G76): before its infeed the spindle must
+    /// turn, and no faster than the axes can follow.
+    ThreadCycle {
+        /// How far each axis goes a revolution in its cuts, mm.
+        per_revolution: Point,
     },
     /// Tapping in Z (G33): in, spindle stop, reverse, out. It ends where it began,
     /// with the spindle stopped.

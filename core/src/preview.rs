@@ -334,7 +334,17 @@ impl<'a> Walk<'a> {
                 };
                 self.thread(command, &thread)?;
             }
-            Action::Tap { to, lead, .. } => self.tap(command, *to, *lead)?,
+            Action::ThreadCycle { per_revolution } => self.check_thread_cycle(*per_revolution)?,
+            Action::Tap {
+                to,
+                lead,
+                start_degrees,
+            } => {
+                if *start_degrees > 0.0 {
+                    self.restart_spindle();
+                }
+                self.tap(command, *to, *lead)?;
+            }
             Action::Dwell { ms } => self.dwell(command.source, *ms),
             Action::Frame {
                 frame, relative, ..

@@ -156,3 +156,62 @@ fn reset_leaves_the_tool_where_it_stands() {
     assert_eq!(simulation.cnc.position_machine(), machine);
     assert_eq!(simulation.cnc.position_absolute(), machine);
 }
+
+/// Under G96 along a cylinder of 40 and an arc about (60, -60): the nose centre is
+/// the tip (T0), so the path of the tip lies 1 mm beside the programmed one.
+const SURFACE: &str = "T0202 F600;
+M03 G96 S100;
+G42 G00 X40 Z2;
+G01 Z-30;
+Z-60;
+G02 X60 Z-70 R10;
+G04 P600;
+G40 G00 X80;
+M30;
+";
+
+#[test]
+fn the_surface_speed_follows_the_programmed_x() {
+    let mut setup = setup().unwrap_or_default();
+    assert!(setup.parameters.set_bit(1, 4, true).is_ok());
+    let nose = ToolOffset {
+        r: 1.0,
+        ..ToolOffset::default()
+    };
+    assert!(setup.offsets.set(2, nose).is_ok());
+    let mut simulation = Simulation::new(setup);
+    ticks(&mut simulation, 100);
+    let opened = simulation
+        .cnc
+        .request(Request::OpenExternal(Program::new(SURFACE)));
+    assert_eq!(opened, Ok(()));
+    simulation.start_automatic();
+    let (mut straight, mut round, mut waiting) = (0, 0, 0);
+    for _ in 0..60_000 {
+        simulation.tick();
+        let tip = simulation.cnc.position_absolute();
+        let programmed = match simulation.cnc.cursor().line {
+            5 => {
+                straight += 1;
+                assert!((tip.x - 21.0).abs() < 1e-9);
+                20.0
+            }
+            6 if tip.z < -60.0 => {
+                round += 1;
+                let across = (-60.0 - tip.z) / 9.0;
+                30.0 - 10.0 * (1.0 - across * across).max(0.0).sqrt()
+            }
+            7 => {
+                waiting += 1;
+                30.0
+            }
+            _ => continue,
+        };
+        let expected = 100_000.0 / (core::f64::consts::TAU * programmed);
+        let commanded = simulation.cnc.spindle_commanded();
+        // The speed is set before the tick's motion: one tick behind.
+        assert!((commanded - expected).abs() < 6.0, "{commanded} {expected}");
+    }
+    assert!(straight > 1000 && round > 1000 && waiting > 500);
+    assert_eq!(simulation.cnc.alarms(), []);
+}

@@ -9,7 +9,7 @@ use super::nose::Nose;
 use super::piece::Piece;
 use super::plane::sweep;
 use super::rounded;
-use crate::command::{Action, Command, Source};
+use crate::command::{Action, Command, ProgrammedX, Source};
 use crate::interpreter::Modal;
 use crate::units::{Feed, Point};
 
@@ -76,11 +76,38 @@ impl Moving {
         self.piece.end + self.offset + self.nose.tip()
     }
 
+    /// Its command with another action: straight, or an arc about the centre of
+    /// its own.
     pub(super) fn command(&self, action: Action) -> Command {
-        Command {
-            action,
-            ..self.command.clone()
-        }
+        let to = self.piece.end.x + self.offset.x;
+        let from = self.piece.start.x + self.offset.x;
+        let programmed_x = match (&action, &self.piece.circle) {
+            (
+                Action::Arc {
+                    to: tip, center, ..
+                },
+                Some(circle),
+            ) => ProgrammedX::Round {
+                tip_center: center.x,
+                center: circle.center.x + self.offset.x,
+                ratio: circle.radius / (*tip - *center).length(),
+                to,
+            },
+            _ => ProgrammedX::Even { from, to },
+        };
+        with_programmed_x(
+            Command {
+                action,
+                ..self.command.clone()
+            },
+            programmed_x,
+        )
+    }
+
+    /// A corner move at its head, on which the programmed point stands.
+    pub(super) fn corner_command(&self, to: Point) -> Command {
+        let stands = self.piece.start.x + self.offset.x;
+        corner_move(&self.command, to, stands)
     }
 }
 
@@ -169,14 +196,27 @@ pub(super) const fn feed(action: &Action) -> Option<Feed> {
     }
 }
 
-/// A corner move: at the head of the block that follows the corner.
-pub(super) fn corner_move(command: &Command, to: Point) -> Command {
-    Command {
-        action: straight_action(&command.action, to),
-        block_end: false,
-        stop_point: false,
-        ..command.clone()
-    }
+/// A corner move: at the head of the block that follows the corner, while the
+/// programmed X stands.
+pub(super) fn corner_move(command: &Command, to: Point, stands: f64) -> Command {
+    with_programmed_x(
+        Command {
+            action: straight_action(&command.action, to),
+            block_end: false,
+            stop_point: false,
+            ..command.clone()
+        },
+        ProgrammedX::Even {
+            from: stands,
+            to: stands,
+        },
+    )
+}
+
+/// Under G96 a command tells the programmed X, which the speed follows.
+pub(super) fn with_programmed_x(mut command: Command, x: ProgrammedX) -> Command {
+    command.programmed_x = command.modal.surface_speed.then(|| Box::new(x));
+    command
 }
 
 /// The arc of the tip: that of the nose centre, moved. `None` for a line, and

@@ -5,11 +5,12 @@ use super::fault::Fault;
 use super::interference::{self, Trail, Way};
 use super::moves::{
     End, Held, Moving, Next, Stand, corner_move, destination, shifted_arc, straight_action,
+    with_programmed_x,
 };
 use super::piece::{Piece, SAME};
 use super::rounded;
 use super::stream::Compensation;
-use crate::command::{Command, Source};
+use crate::command::{Command, ProgrammedX, Source};
 use crate::units::Point;
 
 /// Moves that the interference check looks back on.
@@ -76,9 +77,9 @@ impl Compensation {
         }
     }
 
-    /// The move that cancels: to its programmed end; with `None` it has no
-    /// direction.
-    pub(super) fn cancel(&mut self, command: Command, piece: Option<&Piece>) {
+    /// The move that cancels: from one X to its programmed end; with `None` it has
+    /// no direction.
+    pub(super) fn cancel(&mut self, command: Command, from_x: f64, piece: Option<&Piece>) {
         let corner = match (&self.moving, piece) {
             (Some(moving), Some(piece)) => {
                 let role = if moving.starts {
@@ -107,11 +108,15 @@ impl Compensation {
         }
         for vector in self.stand.vectors.all().iter().skip(1) {
             let to = rounded(self.stand.base + *vector);
-            self.ready.push_back(corner_move(&command, to));
+            self.ready.push_back(corner_move(&command, to, from_x));
         }
         self.on = false;
         self.before.clear();
-        self.ready.push_back(command);
+        let way = ProgrammedX::Even {
+            from: from_x,
+            to: self.machine.x,
+        };
+        self.ready.push_back(with_programmed_x(command, way));
     }
 
     /// A T without axis words: the tool travels the change of the offset.
@@ -232,7 +237,7 @@ impl Compensation {
     pub(super) fn corner_moves(&mut self, moving: &Moving, vectors: Vectors) {
         for vector in vectors.all().iter().skip(1) {
             let to = rounded(self.stand.base + *vector);
-            self.ready.push_back(corner_move(&moving.command, to));
+            self.ready.push_back(moving.corner_command(to));
         }
     }
 

@@ -35,7 +35,7 @@ pub(crate) struct Compensation {
     pub(super) on: bool,
     /// Programmed end of what was pushed, machine coordinates and without the
     /// tool offset.
-    machine: Point,
+    pub(super) machine: Point,
     at: Point,
     offset: Point,
     pub(super) stand: Stand,
@@ -221,7 +221,7 @@ impl Compensation {
         if self.on && side == 0.0 && (arc || rests) {
             return match arc {
                 true => self.stop_before(Fault::CancelOnArc, command.source),
-                false => self.cancel(command, None),
+                false => self.cancel(command, from.x, None),
             };
         }
         let piece = match piece(&command.action, start, end, self.offset) {
@@ -232,7 +232,7 @@ impl Compensation {
             Err(fault) => return self.stop_before(fault, command.source),
         };
         if self.on && side == 0.0 {
-            return self.cancel(command, Some(&piece));
+            return self.cancel(command, from.x, Some(&piece));
         }
         let starts = !self.on;
         if starts {

@@ -117,6 +117,12 @@ pub(crate) fn evaluate(
         }
         _ => plan.motion = motion(state, context, words, kind, &axes, base)?,
     }
+    if let Motion::Cycle(cycle) = &plan.motion
+        && let Some(per_revolution) = cycle.thread_per_revolution()
+    {
+        plan.before
+            .push_front(Action::ThreadCycle { per_revolution });
+    }
     state.threading = kind == Kind::Thread && plan.motion.moves();
     if travels && kind == Kind::Nothing {
         plan.motion = Motion::One(positioning::rapid(state, state.position));

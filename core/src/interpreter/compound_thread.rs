@@ -25,6 +25,7 @@ use crate::interpreter::thread_cycle::{Leaving, run_out_width};
 use crate::interpreter::words::{AxisWords, Words};
 use crate::interpreter::{numbers, thread};
 use crate::memory::Parameters;
+use crate::units::Point;
 
 /// Units of [`Exact`] in a thousandth of a millimetre.
 const PER_MICRON: i64 = PER_MM / 1000;
@@ -242,6 +243,14 @@ impl CompoundThread {
         }
         pass.along = self.shape.along(mm(pass.depth));
         true
+    }
+
+    /// How far each axis goes a revolution in its cuts, mm.
+    pub(crate) fn per_revolution(&self) -> Point {
+        let begin = self.shape.begin(&self.pass);
+        let (cut, tail) = self.shape.thread(begin, &self.pass);
+        let from = self.shape.shift.machine(begin);
+        thread::per_revolution(from, [cut.as_ref(), tail.as_ref()])
     }
 
     pub(crate) fn make(&mut self) -> Option<Move> {

@@ -184,6 +184,15 @@ impl Cycle {
         self.ahead.is_none()
     }
 
+    /// Of a cycle of threads: how far each axis goes a revolution in its cuts, mm.
+    pub(crate) fn thread_per_revolution(&self) -> Option<Point> {
+        match &self.maker {
+            Maker::Thread(cycle) => Some(cycle.per_revolution()),
+            Maker::CompoundThread(cycle) => Some(cycle.per_revolution()),
+            _ => None,
+        }
+    }
+
     /// Why the move taken last is where it is.
     pub(crate) fn explanation(&self) -> Option<Explanation> {
         self.taken.and_then(Note::explanation)

@@ -234,6 +234,7 @@ impl Plan {
             block_end,
             stop_point: emission.stops || (block_end && self.stops),
             whole: self.whole,
+            programmed_x: None,
         })
     }
 }

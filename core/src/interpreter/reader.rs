@@ -257,6 +257,7 @@ impl Interpreter {
             block_end: false,
             stop_point: false,
             whole: false,
+            programmed_x: None,
         }))
     }
 

@@ -19,7 +19,7 @@ use crate::interpreter::plan::{Motion, Two};
 use crate::interpreter::positioning::within_stroke;
 use crate::interpreter::state::State;
 use crate::interpreter::words::{AxisWords, OneShot, Words};
-use crate::units::Axis;
+use crate::units::{Axis, Point};
 
 /// Leads of threads, mm a revolution.
 const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
@@ -181,6 +181,24 @@ fn lead_after(lead: f64, increase: f64, travel: f64) -> f64 {
         return lead;
     }
     (lead * lead + 2.0 * increase * travel).sqrt()
+}
+
+/// How far each axis goes a revolution at its fastest, mm, in a cut from a point.
+pub(crate) fn per_revolution(from: Point, cuts: [Option<&Action>; 2]) -> Point {
+    let (mut at, mut fastest) = (from, Point::default());
+    for cut in cuts.into_iter().flatten() {
+        let Action::Thread { to, long, lead, .. } = cut else {
+            continue;
+        };
+        let way = *to - at;
+        let turns = (way.get(*long) / lead).abs();
+        if turns > 0.0 {
+            fastest.x = fastest.x.max(way.x.abs() / turns);
+            fastest.z = fastest.z.max(way.z.abs() / turns);
+        }
+        at = *to;
+    }
+    fastest
 }
 
 /// A G32 or G34 block; leaves the position at its end.

@@ -89,6 +89,10 @@ impl Cnc {
                 })?;
                 Ok(Stage::Acting)
             }
+            Action::ThreadCycle { per_revolution } => {
+                self.check_thread_cycle(*per_revolution)?;
+                Ok(Stage::Acting)
+            }
             Action::Tap { to, lead, .. } => {
                 self.begin_tap(*to, *lead)?;
                 Ok(Stage::Acting)

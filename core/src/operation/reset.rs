@@ -54,6 +54,7 @@ impl Cnc {
         self.handshake.reset();
         self.alarms.reset();
         self.mdi.clear();
+        self.programmed_ahead = 0.0;
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
         self.frame = self.interpreter.frame();

@@ -179,6 +179,18 @@ impl Cnc {
         Ok(())
     }
 
+    /// At the start of a cycle of threads: nothing is fed in toward a cut that the
+    /// spindle does not allow (092, 094).
+    pub(super) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
+        if self.dry_run().is_some() {
+            return Ok(());
+        }
+        self.check_encoder()?;
+        let rpm = self.spindle.actual_rpm();
+        let top = per_revolution * rpm.abs();
+        check_thread_speed(top, rpm, self.limits.axis_limits())
+    }
+
     /// Begins tapping. Without control of the spindle (dry run, M locked) it is two
     /// cuts.
     pub(super) fn begin_tap(&mut self, to: Point, lead: f64) -> Result<(), Alarm> {

@@ -26,6 +26,8 @@ enum Speed {
 /// The commanded state of the spindle.
 pub(super) struct Spindle {
     turning: Turning,
+    /// How it turned before the last tap.
+    before_tap: Turning,
     speed: Speed,
     /// What the lathe's steps S1 to S4 turn at, r/min.
     steps: [f64; 4],
@@ -42,6 +44,7 @@ impl Spindle {
             } else {
                 Turning::Stopped
             },
+            before_tap: Turning::Stopped,
             speed: Speed::Fixed(given),
             steps: setup.lathe.spindle.steps,
             limit: None,
@@ -60,6 +63,17 @@ impl Spindle {
             5 => self.turning = Turning::Stopped,
             _ => {}
         }
+    }
+
+    /// It stands after a tap.
+    pub(super) const fn stop_for_tap(&mut self) {
+        self.before_tap = self.turning;
+        self.turning = Turning::Stopped;
+    }
+
+    /// It turns as before the tap.
+    pub(super) const fn turn_again(&mut self) {
+        self.turning = self.before_tap;
     }
 
     pub(super) fn command(&mut self, command: SpindleCommand) {

@@ -33,6 +33,19 @@ impl Walk<'_> {
         Ok(())
     }
 
+    /// At the start of a cycle of threads (alarms 092 and 094).
+    pub(super) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
+        check_encoder(&self.so_far.parameters)?;
+        let rpm = self.rpm_here();
+        check_thread_speed(per_revolution * rpm, rpm, self.limits.axis_limits())
+    }
+
+    /// Before a further start of G33: the spindle turns again as it did.
+    pub(super) fn restart_spindle(&mut self) {
+        self.spindle.turn_again();
+        self.clock.advance(self.clock.m_time().max(self.settle_s));
+    }
+
     /// A tap: in, the spindle stops and turns back, out, it stops again.
     pub(super) fn tap(&mut self, command: &Command, to: Point, lead: f64) -> Result<(), Alarm> {
         let start = self.so_far.machine;
@@ -56,15 +69,20 @@ impl Walk<'_> {
         self.tied_move(command, MoveKind::Thread, to, lead, down + stop);
         self.tied_move(command, MoveKind::Thread, start, lead, up.max(m_s));
         self.clock.advance(stop);
-        self.spindle.output_m(5);
+        self.spindle.stop_for_tap();
         Ok(())
+    }
+
+    fn rpm_here(&self) -> f64 {
+        let at = self.so_far.frame.program(self.so_far.machine);
+        self.spindle.rpm(at.x)
     }
 
     /// The spindle speed of a thread, r/min (alarms 092 and 094).
     fn thread_speed(&self, thread: &ThreadMove) -> Result<f64, Alarm> {
         check_encoder(&self.so_far.parameters)?;
         let from = self.so_far.machine;
-        let rpm = self.spindle.rpm(self.so_far.frame.program(from).x);
+        let rpm = self.rpm_here();
         let top = thread.top_speed(from, rpm);
         check_thread_speed(top, rpm, self.limits.axis_limits())?;
         Ok(rpm)

@@ -24,7 +24,11 @@ impl Walk<'_> {
             Some(Feed::PerMinute(rate)) => rate,
             Some(Feed::PerRevolution(rate)) => {
                 check_encoder(&self.so_far.parameters)?;
-                let middle = (frame.program(from).x + frame.program(to).x) / 2.0;
+                let middle = match command.programmed_x.as_deref() {
+                    Some(programmed) => programmed.at((from + to) * 0.5, from, to),
+                    None => (from.x + to.x) / 2.0,
+                };
+                let middle = middle - frame.zero.x - frame.offset.x;
                 rate * self.spindle.rpm_for_feed(middle)?
             }
         };

@@ -206,12 +206,14 @@ impl Bench {
         (commands, None)
     }
 
-    /// Runs a text to its end and writes down what happens.
+    /// Runs a text to its end and writes down what happens, without the checks
+    /// before cycles of threads.
     pub(super) fn trace(&mut self, text: &str) -> Vec<String> {
         self.open(text);
         let (commands, alarm) = self.rest();
         let mut lines: Vec<_> = commands
             .iter()
+            .filter(|command| !matches!(command.action, Action::ThreadCycle { .. }))
             .map(|command| self.describe(command))
             .collect();
         if let Some(alarm) = alarm {
@@ -298,6 +300,7 @@ impl Bench {
                 short(*lead),
                 short(*start_degrees)
             ),
+            Action::ThreadCycle { .. } => "thread cycle".into(),
             Action::Dwell { ms } => format!("dwell {ms}"),
             Action::Referenced { x, z } => format!("referenced {x} {z}"),
             Action::Frame {

@@ -1,6 +1,9 @@
 //! G32, G33, G34, G92.
 
 use super::Bench;
+use crate::command::Action;
+use crate::interpreter::Step;
+use crate::units::Point;
 
 #[test]
 fn a_straight_thread_waits_for_the_index() {
@@ -343,4 +346,38 @@ fn f_of_a_thread_cycle_alone_does_not_repeat_it() {
 fn ten_threads_an_inch() {
     let trace = Bench::at(50.0, 0.0).trace("G92 X40 Z-30 I10 J0;");
     assert_eq!(trace[1], "1: thread X40 Z-30 Z lead 2.54 at 0 |");
+}
+
+/// The first command of a text, which must be the check of a thread cycle: how
+/// far the axes go a revolution.
+fn per_revolution(bench: &mut Bench, text: &str) -> Point {
+    bench.open(text);
+    match bench.next() {
+        Ok(Step::Command(command)) => match command.action {
+            Action::ThreadCycle { per_revolution } => per_revolution,
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_cycle_of_threads_is_checked_before_its_infeed() {
+    // The cone rises by 4 mm of radius in 32 mm of Z: 0.25 mm a revolution.
+    let mut bench = Bench::at(60.0, 3.0);
+    bench.parameters.set(19, 0).unwrap();
+    let way = per_revolution(&mut bench, "G92 X50 Z-29 R-4 F2;\n");
+    assert_eq!((way.x, way.z), (0.25, 2.0));
+    // The run-out leaves at 45 degrees: X goes the lead too.
+    bench.parameters.set(19, 5).unwrap();
+    let way = per_revolution(&mut bench, "G92 X50 Z-29 R0 F2;\n");
+    assert_eq!((way.x, way.z), (2.0, 2.0));
+}
+
+#[test]
+fn a_compound_thread_is_checked_before_its_infeed() {
+    let mut bench = Bench::at(60.0, 3.0);
+    bench.parameters.set(19, 0).unwrap();
+    let way = per_revolution(&mut bench, "G76 X50 Z-30 P1300 Q500 F1.5;\n");
+    assert_eq!((way.x, way.z), (0.0, 1.5));
 }
