@@ -170,7 +170,8 @@ impl Cnc {
     /// Where the program stands.
     pub fn cursor(&self) -> Cursor {
         let running = self.automatic.state != RunState::Reset;
-        let last = self.automatic.last.filter(|_| running);
+        let aside = self.automatic.source_aside();
+        let last = aside.or(self.automatic.last).filter(|_| running);
         match last {
             Some(Source {
                 program,

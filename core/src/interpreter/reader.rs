@@ -54,6 +54,10 @@ pub(super) struct Mdi {
     run: Run,
 }
 
+/// Where a run has been read to, while the tool stands elsewhere.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ReadTo(State);
+
 /// What reading one block led to.
 enum Read {
     /// Its plan stands in the run.
@@ -154,6 +158,30 @@ impl Interpreter {
         });
         self.mdi = Some(Mdi { program, run });
         self.resync(host);
+    }
+
+    /// The run over the MDI block is over.
+    pub(crate) fn leave_mdi(&mut self) {
+        self.mdi = None;
+    }
+
+    /// Where the automatic run has been read to.
+    pub(crate) const fn read_to(&self) -> ReadTo {
+        ReadTo(self.state)
+    }
+
+    /// After MDI blocks the automatic run counts on from where it was read to. The
+    /// modal codes that they left are in force, and so is a frame that they changed.
+    pub(crate) fn stand_where_read(&mut self, read_to: &ReadTo, same_frame: bool) {
+        let ReadTo(before) = read_to;
+        if same_frame {
+            self.state.zero = before.zero;
+            self.state.offset = before.offset;
+            self.state.untravelled = before.untravelled;
+        }
+        self.state.stand_at(before.machine(before.position));
+        self.state.ahead = before.ahead;
+        self.state.threading = before.threading;
     }
 
     /// Takes the position from the host again (after manual motion).

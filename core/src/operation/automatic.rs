@@ -16,8 +16,9 @@ use super::mode::Mode;
 use super::thread::{Protection, SpindleWatch, TapStage};
 use crate::alarm::Alarm;
 use crate::cnc::{Cnc, World};
-use crate::command::{Action, Command, Source};
-use crate::interpreter::Step;
+use crate::command::{Action, Command, Frame, Source};
+use crate::interpreter::{ReadTo, Step};
+use crate::motion::Interpolator;
 use crate::units::{Point, TICK_S};
 
 /// States of automatic operation (STL, SPL, OP).
@@ -85,6 +86,20 @@ pub struct Automatic {
     /// M function that leads the tap out.
     pub(super) tap_reverse: u8,
     pub(super) watch: SpindleWatch,
+    /// The stopped AUTO run that MDI blocks are keyed in between.
+    aside: Option<Box<Aside>>,
+}
+
+/// A stopped AUTO run while MDI blocks are carried out (manual II, MDI; III-6).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Aside {
+    automatic: Automatic,
+    /// The rest of its block, if it was held in one.
+    held: Option<Interpolator>,
+    /// Where its program has been read to, if that is not where the tool stands.
+    read_to: Option<ReadTo>,
+    /// The frame it was read in.
+    frame: Frame,
 }
 
 /// Commands without duration carried out in one tick at most, so that no loop
@@ -111,6 +126,7 @@ impl Default for Automatic {
             tap: None,
             tap_reverse: 0,
             watch: SpindleWatch::default(),
+            aside: None,
         }
     }
 }
@@ -150,6 +166,31 @@ impl Automatic {
             last: self.last,
             ..Self::default()
         };
+    }
+
+    /// Whether a run stands that can be gone on with.
+    const fn goes_on(&self) -> bool {
+        self.started && !self.ended
+    }
+
+    const fn begin_run(&mut self, mdi: bool) {
+        self.mdi = mdi;
+        self.started = true;
+        self.state = RunState::Run;
+    }
+
+    /// Where the stopped AUTO run stands that MDI blocks are keyed in between.
+    pub(crate) fn source_aside(&self) -> Option<Source> {
+        self.aside.as_ref().and_then(|aside| aside.automatic.last)
+    }
+
+    /// The block of the program that a stop breaks off.
+    pub(super) fn broken_off(&self) -> Option<Source> {
+        let run = match &self.aside {
+            Some(aside) => &aside.automatic,
+            None => self,
+        };
+        run.last.filter(|_| run.operating() && !run.mdi)
     }
 
     /// Stops at the end of a block.
@@ -195,50 +236,96 @@ impl Cnc {
         if refused {
             return;
         }
+        let mdi = self.mode == Mode::Mdi;
+        if !mdi && self.automatic.state == RunState::Stop {
+            self.take_up_aside();
+        }
         match self.automatic.state {
+            RunState::Hold if mdi && !self.automatic.mdi => self.start_mdi(),
             RunState::Hold => self.resume_from_hold(),
             RunState::Stop if self.continues_program() => {
                 self.automatic.state = RunState::Run;
                 self.automatic.stop_requested = false;
             }
+            _ if mdi => self.start_mdi(),
             _ => self.start_program(),
         }
     }
 
     /// Whether a stopped run goes on with its next block in this mode.
     fn continues_program(&self) -> bool {
-        self.automatic.started
-            && !self.automatic.ended
-            && self.automatic.mdi == (self.mode == Mode::Mdi)
+        self.automatic.goes_on() && self.automatic.mdi == (self.mode == Mode::Mdi)
     }
 
     fn start_program(&mut self) {
-        let mdi = self.mode == Mode::Mdi;
-        if mdi && self.mdi.is_empty() {
-            return;
-        }
         if core::mem::take(&mut self.rewind_at_start) {
             self.cursor_line = 1;
         }
         self.settle_coordinates();
+        let (interpreter, world) = self.interpreter_and_world(true);
+        let Some(program) = world.programs.current() else {
+            return self.raise(Alarm::new(31));
+        };
+        interpreter.start(program, world.cursor_line, &world);
+        self.automatic.clear();
+        self.automatic.begin_run(false);
+    }
+
+    /// The block keyed in. A stopped AUTO run waits until it is gone on with.
+    fn start_mdi(&mut self) {
+        if self.mdi.is_empty() || self.handshake.busy() {
+            return;
+        }
+        if self.automatic.state == RunState::Hold {
+            self.set_aside_held_motion();
+            if self.held.is_none() {
+                return;
+            }
+        }
+        let aside = self.lay_run_aside();
+        self.settle_coordinates();
         let block = self.mdi.program();
         let (interpreter, world) = self.interpreter_and_world(true);
-        if mdi {
-            interpreter.start_mdi(block, &world);
-        } else {
-            let Some(program) = world.programs.current() else {
-                return self.raise(Alarm::new(31));
-            };
-            interpreter.start(program, world.cursor_line, &world);
-        }
+        interpreter.start_mdi(block, &world);
         self.automatic.clear();
-        self.automatic.mdi = mdi;
-        self.automatic.started = true;
-        self.automatic.state = RunState::Run;
+        self.automatic.aside = aside;
+        self.automatic.begin_run(true);
+    }
+
+    /// The AUTO run that stands, with what was read of it and not carried out.
+    fn lay_run_aside(&mut self) -> Option<Box<Aside>> {
+        if self.automatic.mdi || !self.automatic.goes_on() {
+            return self.automatic.aside.take();
+        }
+        let automatic = core::mem::take(&mut self.automatic);
+        let pending = automatic.current.is_some()
+            || automatic.ahead.is_some()
+            || self.interpreter.in_block();
+        Some(Box::new(Aside {
+            automatic,
+            held: self.held.take(),
+            read_to: pending.then(|| self.interpreter.read_to()),
+            frame: self.frame,
+        }))
+    }
+
+    /// The AUTO run stands again as it did before the MDI blocks.
+    fn take_up_aside(&mut self) {
+        let Some(aside) = self.automatic.aside.take() else {
+            return;
+        };
+        self.interpreter.leave_mdi();
+        self.automatic = aside.automatic;
+        self.held = aside.held;
+        if let Some(read_to) = aside.read_to {
+            let same_frame = self.frame == aside.frame;
+            self.interpreter.stand_where_read(&read_to, same_frame);
+        }
     }
 
     fn resume_from_hold(&mut self) {
         self.absorb_manual_motion();
+        self.automatic.stop_requested = false;
         self.automatic.state = RunState::Run;
     }
 
@@ -380,11 +467,13 @@ impl Cnc {
     }
 
     /// The end of an MDI block, or of a program whose end came without M30.
-    fn end_of_program(&mut self) {
+    pub(super) fn end_of_program(&mut self) {
         let mdi = self.automatic.mdi;
+        let aside = self.automatic.aside.take();
         self.automatic.clear();
         if mdi {
             self.mdi.clear();
+            self.automatic.aside = aside;
             self.automatic.state = RunState::Stop;
         } else {
             self.automatic.state = RunState::Reset;

@@ -274,7 +274,7 @@ impl Cnc {
             .stop_after(command, self.from_plc.single_block);
         if let Some(stops) = by_thread {
             if stops {
-                self.automatic.stop();
+                self.stop_after_command(command);
             }
             return;
         }
@@ -287,8 +287,17 @@ impl Cnc {
             || (command.block_end && self.automatic.stop_requested)
             || (command.stop_point && self.from_plc.single_block);
         if stops && (command.stop_point || command.block_end) {
-            self.automatic.stop();
+            self.stop_after_command(command);
         }
+    }
+
+    /// An MDI block is over with its last command, a program stands at its next.
+    fn stop_after_command(&mut self, command: &Command) {
+        if self.automatic.mdi && command.block_end {
+            self.interpreter.leave_mdi();
+            return self.end_of_program();
+        }
+        self.automatic.stop();
     }
 
     fn count_part(&mut self) {

@@ -71,7 +71,7 @@ impl Cnc {
 
     /// Lays the rest of a held block aside, once the axes stand, so that they can
     /// be moved by hand.
-    fn set_aside_held_motion(&mut self) {
+    pub(super) fn set_aside_held_motion(&mut self) {
         let at_rest = self.automatic.state == RunState::Hold
             && self.held.is_none()
             && !self.automatic.protected()

@@ -4,7 +4,6 @@ use super::active_alarms::EMERGENCY_STOP;
 use super::automatic::RunState;
 use crate::alarm::{Alarm, AlarmClass};
 use crate::cnc::{Cnc, Event};
-use crate::command::ProgramId;
 use crate::units::{Axis, PerAxis};
 
 /// RST stands at least this long, so that a whole cycle of level 2 sees it.
@@ -39,10 +38,8 @@ impl Cnc {
         self.interpolator.decelerate();
         self.held = None;
         // The next start begins at the block where this run broke off.
-        if let Some(last) = self.automatic.last.filter(|_| self.automatic.operating())
-            && last.program != ProgramId::Mdi
-        {
-            self.cursor_line = last.line;
+        if let Some(source) = self.automatic.broken_off() {
+            self.cursor_line = source.line;
         }
         self.automatic.clear();
         self.automatic.state = state;
