@@ -161,7 +161,7 @@ pub(super) fn vectors(
     if finite {
         Ok(vectors)
     } else {
-        Err(Fault::DivisionByZero)
+        Err(Fault::NoResult)
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) enum Fault {
     Call,
     DivisionByZero,
     ArcEnd,
+    NoResult,
     SamePoint,
     CenterAtStart,
     CenterAtEnd,
@@ -29,6 +30,7 @@ impl Fault {
             Self::Call => 36,
             Self::DivisionByZero => 46,
             Self::ArcEnd => 48,
+            Self::NoResult => 49,
             Self::SamePoint => 50,
             Self::CenterAtStart => 51,
             Self::CenterAtEnd => 52,
@@ -52,6 +54,7 @@ impl Fault {
             Self::ArcEnd => {
                 "the end point lies more than 0.010 mm off the circle about the programmed centre"
             }
+            Self::NoResult => "the calculation of this corner gives no number",
             Self::SamePoint => "a move without length while the compensation is on",
             Self::CenterAtStart => "the centre of the arc is its start point",
             Self::CenterAtEnd => "the centre of the arc is its end point",

@@ -62,6 +62,6 @@ mod tests;
 pub use explanation::Explanation;
 pub use host::{Host, Step};
 pub use modal::Modal;
-pub(crate) use reader::{Advance, ReadTo};
 pub use reader::Interpreter;
+pub(crate) use reader::{Advance, ReadTo};
 pub(crate) use spindle_speed::speed_at as surface_rpm;

@@ -44,32 +44,31 @@ impl ToolWord {
     /// Splits and checks a T word.
     pub(crate) fn read(value: i64, stations: i32) -> Result<Self, Alarm> {
         let (tool, offset) = (value / 100, value % 100);
-        let offset = match u8::try_from(offset) {
-            Ok(offset) if offset <= LAST_OFFSET => offset,
-            _ => {
-                return Err(Alarm::new(numbers::BAD_OFFSET).because(format!(
-                    "T{value:04}: offset number {offset} is above {LAST_OFFSET}"
-                )));
-            }
-        };
-        if tool == 0 {
-            return Ok(Self { tool: None, offset });
-        }
         let gang = stations == 0;
         let last = if gang {
             i64::from(LAST_TOOL)
         } else {
             i64::from(stations)
         };
-        match u8::try_from(tool) {
-            Ok(number) if tool <= last => Ok(Self {
-                tool: Some(number),
+        let tool = match u8::try_from(tool) {
+            Ok(number) if tool <= last => number,
+            _ if gang => {
+                return Err(Alarm::new(numbers::TOOL_TOO_GREAT)
+                    .because(format!("T{value:04}: tool {tool} is above {LAST_TOOL}")));
+            }
+            _ => {
+                return Err(Alarm::new(numbers::BAD_TOOL).because(format!(
+                    "T{value:04}: tool {tool} of {stations} (parameter 084)"
+                )));
+            }
+        };
+        match u8::try_from(offset) {
+            Ok(offset) if offset <= LAST_OFFSET => Ok(Self {
+                tool: (tool != 0).then_some(tool),
                 offset,
             }),
-            _ if gang => Err(Alarm::new(numbers::TOOL_TOO_GREAT)
-                .because(format!("T{value:04}: tool {tool} is above {LAST_TOOL}"))),
-            _ => Err(Alarm::new(numbers::BAD_TOOL).because(format!(
-                "T{value:04}: tool {tool} of {stations} (parameter 084)"
+            _ => Err(Alarm::new(numbers::BAD_OFFSET).because(format!(
+                "T{value:04}: offset number {offset} is above {LAST_OFFSET}"
             ))),
         }
     }

@@ -298,9 +298,8 @@ impl Cnc {
             return self.automatic.aside.take();
         }
         let automatic = core::mem::take(&mut self.automatic);
-        let pending = automatic.current.is_some()
-            || automatic.ahead.is_some()
-            || self.interpreter.in_block();
+        let pending =
+            automatic.current.is_some() || automatic.ahead.is_some() || self.interpreter.in_block();
         Some(Box::new(Aside {
             automatic,
             held: self.held.take(),

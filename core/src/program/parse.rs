@@ -92,7 +92,7 @@ impl From<BlockError> for Alarm {
 /// comments. Does not allocate unless it fails.
 ///
 /// # Errors
-/// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 030, 032, 043, 125.
+/// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 043, 125.
 pub fn parse_block(text: &str, syntax: Syntax) -> Result<Block, BlockError> {
     let mut block = Block::default();
     read_block(text, syntax, &mut block)?;
@@ -404,9 +404,6 @@ pub(super) fn check_values(block: &Block) -> Result<(), BlockError> {
         if value < low || value > high {
             return Err(out_of_range(word, low, high));
         }
-        if word.address == b'T' {
-            check_tool(word)?;
-        }
     }
     Ok(())
 }
@@ -436,31 +433,6 @@ fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
         b'Q' => (-9_999_999 * ONE, 9_999_999 * ONE),
         _ => (-LENGTH, LENGTH),
     }
-}
-
-/// `T○○□□`: tools and offsets go to 32 (manual I-3.5).
-fn check_tool(word: &Word) -> Result<(), BlockError> {
-    let value = word.value.integer();
-    if value < 100 && word.value.digits() <= 2 {
-        return Ok(());
-    }
-    let (tool, offset) = (value / 100, value % 100);
-    let at = usize::from(word.span.0);
-    if tool > 32 {
-        return Err(BlockError::at(
-            32,
-            at,
-            format!("tool number {tool} is outside 0 to 32"),
-        ));
-    }
-    if offset > 32 {
-        return Err(BlockError::at(
-            30,
-            at,
-            format!("offset number {offset} is outside 0 to 32"),
-        ));
-    }
-    Ok(())
 }
 
 #[cold]

@@ -153,3 +153,15 @@ fn several_blocks_in_a_line() {
         ]
     );
 }
+
+#[test]
+fn an_alarm_of_the_syntax_names_the_number_of_its_block() {
+    let mut bench = Bench::new();
+    bench.open("N10 G00 X10;\nN20 X1 X2;\n");
+    let (_, alarm) = bench.rest();
+    let source = alarm.and_then(|alarm| alarm.source);
+    assert_eq!(
+        source.map(|source| (source.line, source.sequence)),
+        Some((2, Some(20)))
+    );
+}

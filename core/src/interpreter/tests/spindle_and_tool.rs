@@ -171,3 +171,21 @@ fn reset_drops_the_offset_only_without_004_3() {
     bench.reset();
     assert_eq!(bench.shown(), (100.0, 50.0));
 }
+
+#[test]
+fn numbers_of_tools_and_offsets() {
+    // 084 = 4 at the factory; without a turret 32 tools are allowed.
+    for (text, number) in [
+        ("T0501;", 32),
+        ("T0133;", 30),
+        ("T3301;", 32),
+        ("T3333;", 32),
+    ] {
+        assert_eq!(Bench::new().fault(text), (number, 1), "{text}");
+    }
+    for (text, number) in [("T3301;", 29), ("T9900;", 29), ("T3233;", 30)] {
+        let mut bench = Bench::new();
+        bench.parameters.set(84, 0).unwrap();
+        assert_eq!(bench.fault(text), (number, 1), "{text}");
+    }
+}
