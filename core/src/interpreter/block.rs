@@ -317,7 +317,7 @@ fn motion(
                 cycle.follow_nose(start, state.nose);
             }
             state.return_here();
-            Ok(Motion::Box(cycle))
+            Ok(Motion::Box(Box::new(cycle)))
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::alarm::Alarm;
 use crate::command::Action;
 use crate::compensation::{Nose, box_corners};
 use crate::interpreter::exact::{Exact, mm};
+use crate::interpreter::explanation::Note;
 use crate::interpreter::plan::Emission;
 use crate::interpreter::state::State;
 use crate::interpreter::{numbers, positioning};
@@ -19,11 +20,17 @@ pub(crate) struct BoxCycle {
     corners: [Point; 4],
     feed: Feed,
     step: u8,
+    note: Note,
 }
 
 impl BoxCycle {
     /// The box over the programmed corners B, C, D and the start A.
-    pub(crate) fn over(state: &State, corners: [Exact; 4], x_factor: i64) -> Result<Self, Alarm> {
+    pub(crate) fn over(
+        state: &State,
+        corners: [Exact; 4],
+        x_factor: i64,
+        note: Note,
+    ) -> Result<Self, Alarm> {
         for corner in corners {
             positioning::within_stroke(corner, x_factor)?;
         }
@@ -31,6 +38,7 @@ impl BoxCycle {
             corners: corners.map(|corner| state.machine(corner).point()),
             feed: positioning::feed(&state.modal)?,
             step: 0,
+            note,
         })
     }
 
@@ -57,6 +65,11 @@ impl BoxCycle {
 
     pub(crate) const fn is_done(&self) -> bool {
         self.step >= 4
+    }
+
+    /// Why the move taken last is where it is.
+    pub(crate) fn note(&self) -> Option<Note> {
+        (self.step > 0).then_some(self.note)
     }
 }
 

@@ -14,7 +14,7 @@ use crate::alarm::Alarm;
 use crate::command::Action;
 use crate::interpreter::compound_thread::CompoundThread;
 use crate::interpreter::exact::Exact;
-use crate::interpreter::explanation::{Explanation, Note};
+use crate::interpreter::explanation::Note;
 use crate::interpreter::numbers;
 use crate::interpreter::pattern::Pattern;
 use crate::interpreter::pecking::Pecking;
@@ -194,7 +194,7 @@ impl Cycle {
     }
 
     /// Why the move taken last is where it is.
-    pub(crate) fn explanation(&self) -> Option<Explanation> {
-        self.taken.and_then(Note::explanation)
+    pub(crate) const fn note(&self) -> Option<Note> {
+        self.taken
     }
 }

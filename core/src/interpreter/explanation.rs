@@ -45,8 +45,31 @@ pub(crate) enum DepthRule {
 pub(crate) enum Note {
     /// Nothing to say.
     None,
-    /// A start of a multi-start thread (G33, G92).
-    Start { code: u8, start: u32, starts: u32 },
+    /// A box of G90 (levels in X) or G94 (levels in Z), from A round B and C.
+    Box {
+        axis: Axis,
+        a: Exact,
+        c: Exact,
+        /// R, a radius in X.
+        taper: i64,
+    },
+    /// A start of G92, from A by B and C.
+    Thread {
+        start: u32,
+        starts: u32,
+        a: Exact,
+        c: Exact,
+        taper: i64,
+        /// Height (a radius) and length of the run-out.
+        run_out: (i64, i64),
+    },
+    /// A start of G33.
+    Tap {
+        start: u32,
+        starts: u32,
+        a: i64,
+        bottom: i64,
+    },
     /// A pass of G76; depths are radii.
     ThreadPass {
         number: u64,
@@ -121,19 +144,49 @@ impl Note {
     pub(crate) fn explanation(self) -> Option<Explanation> {
         match self {
             Self::None => None,
-            Self::Start {
-                code,
+            Self::Box { axis, a, c, taper } => Some(box_of(axis, a, c, taper)),
+            Self::Thread {
                 start,
                 starts,
+                a,
+                c,
+                taper,
+                run_out: (height, length),
             } => Some(Explanation {
-                code,
+                code: 92,
+                pass: start.into(),
+                passes: Some(starts.into()),
+                level: Some(mm(c.x)),
+                depth: depth_on(Axis::X, c.x - a.x).abs(),
+                remaining: 0.0,
+                formula: format!(
+                    "{}; run-out J = {:.3}, K = {:.3}{}",
+                    corner_b(Axis::X, c, taper),
+                    mm(height),
+                    mm(length),
+                    start_angle(start, starts)
+                ),
+                words: "X(U), Z(W), R, J, K, 019, L",
+            }),
+            Self::Tap {
+                start,
+                starts,
+                a,
+                bottom,
+            } => Some(Explanation {
+                code: 33,
                 pass: start.into(),
                 passes: Some(starts.into()),
                 level: None,
-                depth: 0.0,
+                depth: mm(bottom - a).abs(),
                 remaining: 0.0,
-                formula: format!("start angle = 360°·{}/{starts}", start.saturating_sub(1)),
-                words: "L",
+                formula: format!(
+                    "Z{:.3} -> Z{:.3} and back, a lead a revolution{}",
+                    mm(a),
+                    mm(bottom),
+                    start_angle(start, starts)
+                ),
+                words: "Z(W), F(I), L",
             }),
             Self::ThreadPass {
                 number,
@@ -293,6 +346,47 @@ impl Note {
             }
         }
     }
+}
+
+/// The box of G90 or G94.
+fn box_of(axis: Axis, a: Exact, c: Exact, taper: i64) -> Explanation {
+    let (code, words) = match axis {
+        Axis::X => (90, "X(U), Z(W), R: a radius"),
+        Axis::Z => (94, "X(U), Z(W), R"),
+    };
+    Explanation {
+        code,
+        pass: 1,
+        passes: Some(1),
+        level: Some(mm(c.get(axis))),
+        depth: depth_on(axis, c.get(axis) - a.get(axis)).abs(),
+        remaining: 0.0,
+        formula: corner_b(axis, c, taper),
+        words,
+    }
+}
+
+/// Where a single cycle begins to cut: `X_B = X_C + 2R` or `Z_B = Z_C + R`.
+fn corner_b(axis: Axis, c: Exact, taper: i64) -> String {
+    let (c, factor, by) = match axis {
+        Axis::X => (c.x, "2·", 2 * taper),
+        Axis::Z => (c.z, "", taper),
+    };
+    let name = name(axis);
+    format!(
+        "{name}_B = {name}_C + {factor}R = {:.3} {:+.3} = {:.3}",
+        mm(c),
+        mm(by),
+        mm(c + by)
+    )
+}
+
+/// What sets the starts of a multi-start thread apart.
+fn start_angle(start: u32, starts: u32) -> String {
+    if starts <= 1 {
+        return String::new();
+    }
+    format!("; start angle = 360°·{}/{starts}", start.saturating_sub(1))
 }
 
 const fn rough_code(axis: Axis) -> u8 {

@@ -12,7 +12,8 @@ use crate::command::{Action, Source};
 use crate::interpreter::Modal;
 use crate::interpreter::block::Context;
 use crate::interpreter::cycle::Shift;
-use crate::interpreter::exact::Exact;
+use crate::interpreter::exact::{Exact, mm};
+use crate::interpreter::explanation::Explanation;
 use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::profile::{self, Range};
 use crate::interpreter::state::State;
@@ -32,12 +33,15 @@ pub(crate) struct Finishing {
     start: Exact,
     /// The block of the cycle.
     source: Source,
+    /// Lines of its first and its last block.
+    lines: (u32, u32),
 }
 
 /// A G70 block: the run goes on in the profile.
 pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> {
     let range: Range = profile::locate(context, words)?;
     profile::check(state, context, range)?;
+    let program = profile::program(context)?;
     Ok(Flow::Finish(Finishing {
         first: Place {
             block: range.first,
@@ -50,6 +54,10 @@ pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Resul
         },
         start: state.position,
         source: context.source,
+        lines: (
+            program.block_line(range.first),
+            program.block_line(range.last),
+        ),
     }))
 }
 
@@ -57,6 +65,28 @@ impl Finishing {
     /// Whether a run at this place has left the profile at its end.
     pub(crate) fn is_over(&self, place: Place) -> bool {
         place.program == self.first.program && place.block > self.last
+    }
+
+    /// What is said of the profile, with its first block.
+    pub(crate) fn explanation(&self, block: Source) -> Option<Explanation> {
+        if block.line != self.lines.0 || block.program != self.first.program {
+            return None;
+        }
+        let (first, last) = self.lines;
+        Some(Explanation {
+            code: 70,
+            pass: 1,
+            passes: Some(1),
+            level: None,
+            depth: 0.0,
+            remaining: 0.0,
+            formula: format!(
+                "lines {first} to {last} as programmed, with their own F, S, T; then rapid to X{:.3} Z{:.3}",
+                mm(self.start.x),
+                mm(self.start.z)
+            ),
+            words: "P(ns), Q(nf)",
+        })
     }
 
     /// The way back to the start, as the end of the cycle's block.

@@ -10,7 +10,7 @@ use crate::interpreter::Modal;
 use crate::interpreter::box_cycle::BoxCycle;
 use crate::interpreter::cycle::Cycle;
 use crate::interpreter::exact::scaled;
-use crate::interpreter::explanation::Explanation;
+use crate::interpreter::explanation::Note;
 use crate::interpreter::reference::Reference;
 use crate::interpreter::subprogram::Flow;
 use crate::memory::{ParameterError, Parameters};
@@ -104,7 +104,7 @@ pub(crate) enum Motion {
     /// A single move, dwell or change of coordinates.
     One(Action),
     /// G90, G94.
-    Box(BoxCycle),
+    Box(Box<BoxCycle>),
     /// G28.
     Reference(Reference),
     /// A cut with a chamfer, corner arc or run-out.
@@ -205,9 +205,10 @@ impl Plan {
     }
 
     /// Why the move of a cycle taken last is where it is.
-    pub(crate) fn explanation(&self) -> Option<Explanation> {
+    pub(crate) fn note(&self) -> Option<Note> {
         match &self.motion {
-            Motion::Cycle(cycle) => cycle.explanation(),
+            Motion::Cycle(cycle) => cycle.note(),
+            Motion::Box(cycle) => cycle.note(),
             _ => None,
         }
     }

@@ -8,7 +8,7 @@ use crate::command::{Action, Command, Frame, ProgramId, Source};
 use crate::compensation::Compensation;
 use crate::interpreter::block::{self, Context};
 use crate::interpreter::exact::Exact;
-use crate::interpreter::explanation::Explanation;
+use crate::interpreter::explanation::{Explanation, Note};
 use crate::interpreter::host::{Host, Step};
 use crate::interpreter::jump::Jumps;
 use crate::interpreter::lookahead::Reading;
@@ -122,7 +122,15 @@ impl Interpreter {
     /// Why the move of a cycle taken last is where it is: its pass, level, depth
     /// and formula. `None` outside cycles. Worked out when asked.
     pub fn explanation(&self) -> Option<Explanation> {
-        self.run().plan.as_ref().and_then(Plan::explanation)
+        let run = self.run();
+        if let (Some(finishing), Some(source)) = (&run.finishing, run.source) {
+            return finishing.explanation(source);
+        }
+        let note = match &run.plan {
+            Some(plan) => plan.note(),
+            None => run.note,
+        };
+        note.and_then(Note::explanation)
     }
 
     /// How many subprogram calls are under way.

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::command::{Command, ProgramId, Source};
+use crate::interpreter::explanation::Note;
 use crate::interpreter::finishing::Finishing;
 use crate::interpreter::plan::Plan;
 use crate::interpreter::subprogram::{Call, Flow, Place};
@@ -21,6 +22,8 @@ pub(crate) struct Run {
     pub(crate) source: Option<Source>,
     /// Its commands not taken yet.
     pub(crate) plan: Option<Plan>,
+    /// What the last move of a finished plan belongs to.
+    pub(crate) note: Option<Note>,
     /// The command taken last came from a block along a contour.
     pub(crate) contour: bool,
     /// The profile that a G70 runs through.
@@ -39,6 +42,7 @@ impl Run {
             sequence: None,
             source: None,
             plan: None,
+            note: None,
             contour: false,
             finishing: None,
             paused: false,
@@ -64,6 +68,7 @@ impl Run {
         let command = plan.take();
         if plan.is_done() {
             let flow = plan.flow;
+            self.note = plan.note();
             self.plan = None;
             self.follow(flow);
         }

@@ -24,6 +24,8 @@ use crate::units::Point;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Tapping {
     bottom: Point,
+    /// Programmed Z where it begins and of the bottom.
+    way: (i64, i64),
     lead: f64,
     start: u32,
     starts: u32,
@@ -49,14 +51,12 @@ pub(crate) fn plan(
     let starts = u32::try_from(words.l.unwrap_or(1)).unwrap_or(1);
     let tapping = Tapping {
         bottom: Shift::of(state).machine(to),
+        way: (state.position.z, to.z),
         lead,
         start: 0,
         starts,
     };
     state.arrive(axes, state.position);
-    if starts == 1 {
-        return Ok(Motion::One(tapping.tap()));
-    }
     let cycle = Cycle::begin(state, Maker::Tapping(tapping))?;
     Ok(Motion::Cycle(Box::new(cycle)))
 }
@@ -74,10 +74,11 @@ impl Tapping {
         if self.start >= self.starts {
             return None;
         }
-        let note = Note::Start {
-            code: 33,
+        let note = Note::Tap {
             start: self.start + 1,
             starts: self.starts,
+            a: self.way.0,
+            bottom: self.way.1,
         };
         let action = self.tap();
         self.start += 1;

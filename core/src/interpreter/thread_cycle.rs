@@ -70,6 +70,8 @@ pub(crate) struct ThreadCycle {
     d: Point,
     thread: Option<Action>,
     tail: Option<Action>,
+    /// The programmed A and C, R, and the run-out, as they are explained.
+    words: (Exact, Exact, i64, (i64, i64)),
     start: u32,
     starts: u32,
     step: u8,
@@ -116,6 +118,7 @@ pub(crate) fn plan(
         d,
         thread,
         tail,
+        words: (a, c, data.r, (leaving.height, leaving.length)),
         start: 0,
         starts: u32::try_from(data.starts).unwrap_or(1),
         step: 0,
@@ -138,10 +141,14 @@ impl ThreadCycle {
         if self.start >= self.starts {
             return None;
         }
-        let note = Note::Start {
-            code: 92,
+        let (a, c, taper, run_out) = self.words;
+        let note = Note::Thread {
             start: self.start + 1,
             starts: self.starts,
+            a,
+            c,
+            taper,
+            run_out,
         };
         let degrees = phase(self.start, self.starts);
         let step = self.step;

@@ -13,7 +13,9 @@ use crate::alarm::Alarm;
 use crate::interpreter::box_cycle::{BoxCycle, check_taper};
 use crate::interpreter::cycle_words::CycleData;
 use crate::interpreter::exact::Exact;
+use crate::interpreter::explanation::Note;
 use crate::interpreter::state::State;
+use crate::units::Axis;
 
 /// The cycle from the programmed position to the data's end point and back.
 pub(crate) fn plan(state: &State, data: CycleData, x_factor: i64) -> Result<BoxCycle, Alarm> {
@@ -22,5 +24,11 @@ pub(crate) fn plan(state: &State, data: CycleData, x_factor: i64) -> Result<BoxC
     check_taper(data.r, (end.x - start.x) / 2, ("G90", "U/2"))?;
     let b = Exact::new(end.x + 2 * data.r, start.z);
     let d = Exact::new(start.x, end.z);
-    BoxCycle::over(state, [b, end, d, start], x_factor)
+    let note = Note::Box {
+        axis: Axis::X,
+        a: start,
+        c: end,
+        taper: data.r,
+    };
+    BoxCycle::over(state, [b, end, d, start], x_factor, note)
 }
