@@ -11,6 +11,7 @@ use gsk_core::memory::{Counters, Offsets, Parameters, Variables};
 use gsk_core::plc::Retained as PlcRetained;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use serde::{Deserialize, Serialize};
 
 use crate::files::data_dir::{DataDir, Loaded, StoredProgram};
 use crate::files::decode::Encoding;
@@ -18,9 +19,17 @@ use crate::files::decode::Encoding;
 /// Looks between two savings of the counters alone, which change all the time.
 const COUNTER_LOOKS: u32 = 20;
 
+/// What the setting page keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Settings {
+    /// 英制编程.
+    inch_input: bool,
+}
+
 /// Everything that survives power-off.
 #[derive(Clone, Debug, PartialEq)]
 struct Memory {
+    settings: Settings,
     parameters: Parameters,
     offsets: Offsets,
     counters: Counters,
@@ -32,6 +41,9 @@ struct Memory {
 impl Memory {
     fn of(cnc: &Cnc) -> Self {
         Self {
+            settings: Settings {
+                inch_input: cnc.inch_input(),
+            },
             parameters: cnc.parameters().clone(),
             offsets: cnc.offsets().clone(),
             counters: cnc.counters(),
@@ -70,6 +82,11 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
         &mut setup.variables,
         &mut complaints,
     );
+    let mut settings = Settings {
+        inch_input: setup.inch_input,
+    };
+    take(data.load("settings"), &mut settings, &mut complaints);
+    setup.inch_input = settings.inch_input;
     match data.load("plc") {
         Loaded::Value(plc) => setup.plc_retained = Some(plc),
         Loaded::Missing => {}
@@ -109,6 +126,7 @@ fn take<T>(loaded: Loaded<T>, place: &mut T, complaints: &mut Vec<String>) {
 pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), String> {
     let now = Memory::of(cnc);
     let nothing = Memory {
+        settings: Settings::default(),
         parameters: Parameters::default(),
         offsets: Offsets::default(),
         counters: Counters::default(),
@@ -229,6 +247,10 @@ impl Writer {
         if now.variables != self.written.variables {
             self.data.store("variables", &now.variables)?;
             self.written.variables = now.variables;
+        }
+        if now.settings != self.written.settings {
+            self.data.store("settings", &now.settings)?;
+            self.written.settings = now.settings;
         }
         if now.plc != self.written.plc {
             self.data.store("plc", &now.plc)?;

@@ -15,17 +15,20 @@ pub(crate) fn to_metric(block: &mut Block, motion: u8) {
     });
     let counted = block.has_g(76) && block.number(b'R').is_some_and(|r| !r.has_point());
     let thread = block.has_g(76) || matches!(motion, 32..=34 | 92);
-    // The first G73 block has the number of passes in R.
-    let passes = block.has_g(73) && !block.has(b'P');
-    let cycle = block.has_g(74) || block.has_g(75) || block.has_g(76);
-    let steps = cycle && (block.has(b'X') || block.has(b'U') || block.has(b'Z') || block.has(b'W'));
+    // R of G73 is the number of passes, in whichever of its blocks it stands.
+    let passes = block.has_g(73);
+    let ends = block.has(b'X') || block.has(b'U') || block.has(b'Z') || block.has(b'W');
+    let steps = (block.has_g(74) || block.has_g(75) || block.has_g(76)) && ends;
+    // The first block of G76: P is no length, Q is the least infeed.
+    let least = block.has_g(76);
     block.change(|address, number| match address {
         b'X' | b'U' if dwell => number,
         b'R' if passes => number,
         b'R' if counted => increments(number),
         b'I' if thread => number,
         b'X' | b'U' | b'Z' | b'W' | b'R' | b'I' | b'J' | b'K' | b'F' => number.inches_to_mm(),
-        b'P' | b'Q' if steps => increments(number),
+        b'P' if steps => increments(number),
+        b'Q' if steps || least => increments(number),
         _ => number,
     });
 }

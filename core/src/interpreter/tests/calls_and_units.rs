@@ -127,6 +127,30 @@ fn inch_input() {
 }
 
 #[test]
+fn counts_of_cycles_are_no_lengths_in_inches() {
+    // Q 100 and R 50 count 0.0001 inch; P is passes, run-out and angle.
+    let mut bench = Bench::at(0.0, 0.0);
+    bench.interpreter.set_inch_input(true);
+    trace(&mut bench, "G76 P021060 Q100 R50;");
+    let stored = |bench: &Bench| [57, 19, 58, 59, 60].map(|number| bench.parameters.value(number));
+    assert_eq!(stored(&bench), [2, 10, 60, 254, 127]);
+    // R of G73 is a count, with P and Q in the block too.
+    for cycle in [
+        "G73 U.1 W.2 R3;\nG73 P10 Q20 U.01 F5;\n",
+        "G73 U.1 W.2;\nG73 P10 Q20 R3 U.01 F5;\n",
+    ] {
+        let mut bench = Bench::at(100.0, 0.0);
+        bench.interpreter.set_inch_input(true);
+        trace(
+            &mut bench,
+            &format!("{cycle}N10 G00 X1;\nG01 Z-1;\nN20 X2;\n"),
+        );
+        let stored = [53, 54, 55].map(|number| bench.parameters.value(number));
+        assert_eq!(stored, [2540, 5080, 3], "{cycle}");
+    }
+}
+
+#[test]
 fn reference_return_details() {
     // Without axis words: the next block.
     assert_eq!(trace(&mut Bench::new(), "G28;")[0], "1: nothing |");

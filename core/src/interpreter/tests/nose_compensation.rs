@@ -403,3 +403,49 @@ fn a_saved_interpreter_goes_on_with_it() {
         assert_eq!(bench.rest(), rest);
     }
 }
+
+/// What a program does, without the lines it comes from.
+fn path(blocks: &str) -> Vec<String> {
+    trace(&mut bench(40.0, 10.0), blocks)
+        .iter()
+        .filter_map(|line| line.split_once(": "))
+        .map(|(_, step)| step.trim_end_matches(" |").to_owned())
+        .collect()
+}
+
+#[test]
+fn chamfers_and_corner_arcs_are_two_moves() {
+    for (short, long) in [
+        (
+            "G42 G00 X40 Z2\nG01 Z-20 I5\nX60 K-3\nZ-40\nG40 G00 X80",
+            "G42 G00 X40 Z2\nG01 Z-15\nX50 Z-20\nX54\nX60 Z-23\nZ-40\nG40 G00 X80",
+        ),
+        (
+            "G42 G00 X40 Z2\nG01 Z-20 R5\nX60 R-3\nZ-40\nG40 G00 X80",
+            "G42 G00 X40 Z2\nG01 Z-15\nG02 X50 Z-20 R5\nG01 X54\nG03 X60 Z-23 R3\n\
+             G01 Z-40\nG40 G00 X80",
+        ),
+        // In the move that starts the compensation and in the one that cancels it.
+        (
+            "G42 G01 Z-20 I5\nX60\nZ-40 I4\nG40 X80",
+            "G42 G01 Z-15\nX50 Z-20\nX60\nZ-36\nX68 Z-40\nG40 X80",
+        ),
+        (
+            "G42 G01 Z-20\nG40 X60 R-3\nZ-40",
+            "G42 G01 Z-20\nG40 X54\nG03 X60 Z-23 R3\nG01 Z-40",
+        ),
+    ] {
+        assert_eq!(path(short), path(long), "{short}");
+    }
+}
+
+#[test]
+fn a_corner_arc_without_a_straight_part_starts_nothing() {
+    assert_eq!(fault("G42 G01 Z5 R5\nX60"), (34, 2));
+}
+
+#[test]
+fn a_corner_arc_smaller_than_the_nose_is_an_alarm() {
+    // Inside the corner the nose does not fit: from the face down to the cylinder.
+    assert_eq!(fault("G41 G00 X60 Z2\nG01 Z-20 R-0.5\nX20\nG40 X10").0, 53);
+}
