@@ -134,6 +134,10 @@ pub fn preview(
     }
     let mut preview = walk.finish();
     preview.modal = *interpreter.modal();
+    if matches!(preview.end, End::M30 | End::Text) {
+        // The end of a program is a reset.
+        preview.modal.nose_compensation = 40;
+    }
     preview.parameters = host.parameters;
     preview
 }

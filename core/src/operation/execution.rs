@@ -313,6 +313,7 @@ impl Cnc {
         self.automatic.clear();
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
+        self.modal = *self.interpreter.modal();
         if rewind {
             self.cursor_line = 1;
         } else {
