@@ -1,0 +1,627 @@
+//! Boards of the Grbl family: Grbl 1.1h on an 8 bit processor, and grblHAL.
+//!
+//! What hosts trip over is modelled on purpose: a receive buffer that drops what
+//! does not fit, characters that act at once wherever they stand, a carriage
+//! return that ends a line of its own, silence after a hard limit, answers that
+//! say "read", not "done", and a reset whenever the port is opened.
+
+mod block;
+mod planner;
+mod report;
+mod settings;
+
+use std::collections::VecDeque;
+
+use crate::wire::Wire;
+use block::{Asked, Modal, Pace};
+use planner::{Block, Planner};
+pub use settings::Settings;
+
+/// One step of virtual time, ns.
+const STEP_NS: u64 = 100_000;
+/// Time a line takes besides its bytes: 447 lines a second, ns.
+const LINE_NS: u64 = 2_237_000;
+/// Motion already handed to the pulse timer when a hold comes, ns.
+const PREPARED_NS: u64 = 45_000_000;
+/// From standstill until the board calls the hold complete, ns.
+const HOLD_SETTLES_NS: u64 = 35_000_000;
+/// From power or reset line to the banner, ns.
+const BOOT_NS: u64 = 1_500_000_000;
+/// Writing a setting stops the interrupts so long, ns.
+const SETTING_WRITE_NS: u64 = 14_000_000;
+/// The longest line.
+const LINE_BYTES: usize = 80;
+/// The slowest cut the planner makes, mm/s (1 mm/min).
+const LEAST_CUT: f64 = 1.0 / 60.0;
+/// Reports between two that name the work offset.
+const OFFSET_EVERY: u32 = 10;
+
+/// Which firmware.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variant {
+    /// Grbl 1.1h: 15 blocks, 128 bytes.
+    Grbl,
+    /// grblHAL: 100 blocks, 1024 bytes; after an error every line is refused
+    /// until an empty one comes.
+    GrblHal,
+}
+
+impl Variant {
+    const fn blocks(self) -> usize {
+        match self {
+            Self::Grbl => 15,
+            Self::GrblHal => 100,
+        }
+    }
+
+    const fn receive_bytes(self) -> usize {
+        match self {
+            Self::Grbl => 128,
+            Self::GrblHal => 1024,
+        }
+    }
+
+    const fn banner(self) -> &'static str {
+        match self {
+            Self::Grbl => "\r\nGrbl 1.1h ['$' for help]\r\n",
+            Self::GrblHal => "\r\nGrblHAL 1.1f ['$' or '$HELP' for help]\r\n",
+        }
+    }
+}
+
+/// What the board is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Nothing.
+    Idle,
+    /// Moving.
+    Run,
+    /// Braking to a hold, or held.
+    Hold {
+        /// It stands.
+        complete: bool,
+    },
+    /// Seeking the switches.
+    Home,
+    /// Locked.
+    Alarm,
+    /// Reads programs without moving.
+    Check,
+}
+
+/// The input pins; true is "switch operated".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pins {
+    /// Limit of X.
+    pub limit_x: bool,
+    /// Limit of Z.
+    pub limit_z: bool,
+    /// Door.
+    pub door: bool,
+}
+
+/// A board, its two wires and its pins, in virtual time.
+#[derive(Clone, Debug)]
+pub struct GrblTwin {
+    variant: Variant,
+    now: u64,
+    /// Host to board.
+    pub to_board: Wire,
+    /// Board to host.
+    pub to_host: Wire,
+    /// The input pins.
+    pub pins: Pins,
+    settings: Settings,
+    received: VecDeque<u8>,
+    line: Vec<u8>,
+    in_comment: bool,
+    too_long: bool,
+    /// The firmware is busy until then.
+    busy_until: u64,
+    /// The receive interrupt is off until then.
+    deaf_until: u64,
+    boots_at: Option<u64>,
+    /// A block that waits for a place in the queue, or for the queue to be empty.
+    waiting: Option<Asked>,
+    dwell_until: Option<u64>,
+    modal: Modal,
+    planner: Planner,
+    /// Pulses made since power-on, X, Y, Z: what a counter at the pins reads.
+    pulses: [i64; 3],
+    /// What the firmware believes, pulses.
+    position: [i64; 3],
+    state: State,
+    /// After a hard limit: nothing but a reset is heard.
+    silent: bool,
+    hold_from: Option<u64>,
+    stands_since: Option<u64>,
+    report_due: bool,
+    reports: u32,
+    error_latch: bool,
+    spindle: u8,
+    coolant: bool,
+}
+
+impl GrblTwin {
+    /// A board that has just got power, with the settings it holds.
+    pub fn new(variant: Variant, settings: Settings) -> Self {
+        let mut twin = Self {
+            variant,
+            now: 0,
+            to_board: Wire::new(115_200),
+            to_host: Wire::new(115_200),
+            pins: Pins::default(),
+            settings,
+            received: VecDeque::new(),
+            line: Vec::new(),
+            in_comment: false,
+            too_long: false,
+            busy_until: 0,
+            deaf_until: 0,
+            boots_at: None,
+            waiting: None,
+            dwell_until: None,
+            modal: Modal::default(),
+            planner: Planner::new(variant.blocks()),
+            pulses: [0; 3],
+            position: [0; 3],
+            state: State::Idle,
+            silent: false,
+            hold_from: None,
+            stands_since: None,
+            report_due: false,
+            reports: 0,
+            error_latch: false,
+            spindle: 5,
+            coolant: false,
+        };
+        twin.press_reset();
+        twin
+    }
+
+    /// The reset line: opening the port does this to boards with the usual USB
+    /// chip. Everything but the settings is gone, the position too.
+    pub fn press_reset(&mut self) {
+        self.boots_at = Some(self.now + BOOT_NS);
+        self.received.clear();
+        self.planner.clear();
+        self.waiting = None;
+    }
+
+    /// What the board is doing.
+    pub const fn state(&self) -> State {
+        self.state
+    }
+
+    /// Pulses made since power-on, X and Z: what a counter at the pins reads.
+    pub const fn pulses(&self) -> [i64; 2] {
+        [self.pulses[0], self.pulses[2]]
+    }
+
+    /// Its settings.
+    pub const fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The spindle word in force (3, 4, 5), its speed, and coolant.
+    pub const fn outputs(&self) -> (u8, f64, bool) {
+        (self.spindle, self.modal.speed, self.coolant)
+    }
+
+    /// Virtual time, ns.
+    pub const fn now(&self) -> u64 {
+        self.now
+    }
+
+    /// The host writes bytes.
+    pub fn write(&mut self, bytes: &[u8]) {
+        self.to_board.give(bytes, self.now);
+    }
+
+    /// What has arrived at the host.
+    pub fn read(&mut self) -> Vec<u8> {
+        let now = self.now;
+        core::iter::from_fn(|| self.to_host.take(now)).collect()
+    }
+
+    /// Lets time pass, ns.
+    pub fn advance(&mut self, ns: u64) {
+        let end = self.now + ns;
+        while self.now < end {
+            let step = STEP_NS.min(end - self.now);
+            self.now += step;
+            self.receive();
+            if let Some(at) = self.boots_at {
+                if self.now < at {
+                    continue;
+                }
+                self.power_on();
+            }
+            self.watch_pins();
+            self.move_axes(step);
+            self.send_report();
+            self.work();
+        }
+    }
+
+    fn say(&mut self, text: &str) {
+        self.to_host.give(text.as_bytes(), self.now);
+    }
+
+    fn answer(&mut self, result: Result<(), u8>) {
+        match result {
+            Ok(()) => self.say("ok\r\n"),
+            Err(number) => {
+                self.error_latch = self.variant == Variant::GrblHal;
+                self.say(&format!("error:{number}\r\n"));
+            }
+        }
+    }
+
+    fn power_on(&mut self) {
+        self.boots_at = None;
+        self.position = [0; 3];
+        self.modal = Modal::default();
+        self.state = if self.settings.is_on(22) {
+            State::Alarm
+        } else {
+            State::Idle
+        };
+        self.start_firmware();
+    }
+
+    /// What power-on and a soft reset have in common.
+    fn start_firmware(&mut self) {
+        self.received.clear();
+        self.line.clear();
+        self.in_comment = false;
+        self.too_long = false;
+        self.waiting = None;
+        self.dwell_until = None;
+        self.planner.clear();
+        self.hold_from = None;
+        self.stands_since = None;
+        self.silent = false;
+        self.error_latch = false;
+        self.spindle = 5;
+        self.coolant = false;
+        self.modal = Modal {
+            position: self.millimetres(),
+            ..Modal::default()
+        };
+        self.say(self.variant.banner());
+        if self.state == State::Alarm {
+            self.say("[MSG:'$H'|'$X' to unlock]\r\n");
+        } else {
+            self.state = State::Idle;
+        }
+    }
+
+    fn millimetres(&self) -> [f64; 3] {
+        let scale = self.settings.axes(100);
+        [0, 1, 2].map(|axis| self.position[axis] as f64 / scale[axis].max(1e-9))
+    }
+
+    /// The receive interrupt: some characters act at once, the others go into
+    /// the buffer, or nowhere when it is full.
+    fn receive(&mut self) {
+        while let Some(byte) = self.to_board.take(self.now) {
+            if self.now < self.deaf_until || self.boots_at.is_some() {
+                continue;
+            }
+            match byte {
+                b'?' => self.report_due = true,
+                b'!' => self.hold(),
+                b'~' => self.resume(),
+                0x18 => self.soft_reset(),
+                0x80.. => {}
+                _ if self.received.len() + 1 < self.variant.receive_bytes() => {
+                    self.received.push_back(byte);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn hold(&mut self) {
+        if self.state == State::Run {
+            self.state = State::Hold { complete: false };
+            self.hold_from = Some(self.now + PREPARED_NS);
+            self.stands_since = None;
+        } else if self.state == State::Idle {
+            self.state = State::Hold { complete: true };
+        }
+    }
+
+    fn resume(&mut self) {
+        if self.state == (State::Hold { complete: true }) {
+            self.hold_from = None;
+            self.state = if self.planner.is_empty() {
+                State::Idle
+            } else {
+                State::Run
+            };
+        }
+    }
+
+    fn soft_reset(&mut self) {
+        let moving = matches!(
+            self.state,
+            State::Run | State::Home | State::Hold { complete: false }
+        );
+        if moving {
+            let alarm = if self.state == State::Home { 6 } else { 3 };
+            self.state = State::Alarm;
+            self.say(&format!("ALARM:{alarm}\r\n"));
+        } else if self.state == (State::Hold { complete: true }) || self.state == State::Check {
+            self.state = State::Idle;
+        }
+        self.start_firmware();
+    }
+
+    fn watch_pins(&mut self) {
+        let limit = self.pins.limit_x || self.pins.limit_z;
+        let moving = matches!(self.state, State::Run | State::Hold { .. });
+        if limit && self.settings.is_on(21) && moving && !self.silent {
+            self.planner.clear();
+            self.waiting = None;
+            self.state = State::Alarm;
+            self.say("ALARM:1\r\n[MSG:Reset to continue]\r\n");
+            self.silent = true;
+        }
+    }
+
+    fn move_axes(&mut self, step: u64) {
+        let seconds = step as f64 * 1e-9;
+        let holding = self.hold_from.is_some_and(|from| self.now >= from);
+        match self.state {
+            State::Run => self.make_pulses(seconds, false),
+            State::Hold { complete: false } => {
+                self.make_pulses(seconds, holding);
+                if self.planner.speed() > 0.0 && !self.planner.is_empty() {
+                    return;
+                }
+                let since = *self.stands_since.get_or_insert(self.now);
+                if self.now >= since + HOLD_SETTLES_NS {
+                    self.state = State::Hold { complete: true };
+                }
+            }
+            _ => {}
+        }
+        if self.state == State::Run && self.planner.is_empty() {
+            self.state = State::Idle;
+        }
+    }
+
+    fn make_pulses(&mut self, seconds: f64, hold: bool) {
+        let made = self.planner.advance(seconds, hold);
+        for (axis, count) in made.into_iter().enumerate() {
+            self.pulses[axis] += count;
+            self.position[axis] += count;
+        }
+    }
+
+    fn send_report(&mut self) {
+        if !core::mem::take(&mut self.report_due) || self.silent {
+            return;
+        }
+        let text = self.report();
+        self.reports = self.reports.wrapping_add(1);
+        self.say(&text);
+    }
+
+    /// The firmware's main loop: one line after the other.
+    fn work(&mut self) {
+        while self.now >= self.busy_until && !self.silent {
+            if let Some(until) = self.dwell_until {
+                if self.now < until {
+                    return;
+                }
+                self.dwell_until = None;
+                self.answer(Ok(()));
+            }
+            if let Some(asked) = self.waiting.take() {
+                if !self.carry_out(asked) {
+                    self.waiting = Some(asked);
+                    return;
+                }
+                continue;
+            }
+            let Some(byte) = self.received.pop_front() else {
+                return;
+            };
+            self.collect(byte);
+        }
+    }
+
+    /// Takes a character into the line; CR and LF each end one.
+    fn collect(&mut self, byte: u8) {
+        match byte {
+            b'\n' | b'\r' => {
+                let line = core::mem::take(&mut self.line);
+                let too_long = core::mem::take(&mut self.too_long);
+                self.in_comment = false;
+                self.busy_until = self.now + if line.is_empty() { 0 } else { LINE_NS };
+                if too_long {
+                    self.answer(Err(11));
+                    return;
+                }
+                self.execute(&line);
+            }
+            b'(' => self.in_comment = true,
+            b')' => self.in_comment = false,
+            _ if self.in_comment || byte <= b' ' || byte == b'/' => {}
+            b';' => self.in_comment = true,
+            _ if self.line.len() + 1 >= LINE_BYTES => self.too_long = true,
+            _ => self.line.push(byte.to_ascii_uppercase()),
+        }
+    }
+
+    fn execute(&mut self, line: &[u8]) {
+        if line.is_empty() {
+            self.error_latch = false;
+            self.answer(Ok(()));
+            return;
+        }
+        let text = String::from_utf8_lossy(line).into_owned();
+        if let Some(command) = text.strip_prefix('$') {
+            let result = self.command(command);
+            if let Some(result) = result {
+                self.answer(result);
+            }
+            return;
+        }
+        if self.error_latch {
+            self.answer(Err(9));
+            return;
+        }
+        if self.state == State::Alarm {
+            self.answer(Err(9));
+            return;
+        }
+        match self.modal.read(&text) {
+            Ok(_) if self.state == State::Check => self.answer(Ok(())),
+            Ok(asked) => self.waiting = Some(asked),
+            Err(number) => self.answer(Err(number)),
+        }
+    }
+
+    /// Tries to carry a block out; false while it must wait.
+    fn carry_out(&mut self, asked: Asked) -> bool {
+        if asked.drains && !(self.planner.is_empty() && self.state != State::Run) {
+            return false;
+        }
+        if let Some(seconds) = asked.dwell {
+            if !self.planner.is_empty() {
+                return false;
+            }
+            self.dwell_until = Some(self.now + (seconds.max(0.0) * 1e9) as u64);
+            return true;
+        }
+        self.spindle = self.modal.spindle;
+        self.coolant = self.modal.coolant;
+        if let Some(target) = asked.target {
+            if self.planner.is_full() {
+                return false;
+            }
+            self.plan(target, asked);
+        }
+        self.answer(Ok(()));
+        if asked.ends {
+            self.say("[MSG:Pgm End]\r\n");
+        }
+        true
+    }
+
+    fn plan(&mut self, target: [f64; 3], asked: Asked) {
+        let scale = self.settings.axes(100);
+        let from = self.planned_position();
+        let wanted = [0, 1, 2].map(|axis| (target[axis] * scale[axis]).round() as i64);
+        let steps = [0, 1, 2].map(|axis| wanted[axis] - from[axis]);
+        if steps == [0; 3] {
+            return;
+        }
+        let way = [0, 1, 2].map(|axis| steps[axis] as f64 / scale[axis]);
+        let length = way.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let direction = way.map(|part| part / length);
+        // No axis faster, nor sooner faster, than its own setting.
+        let within = |limits: [f64; 3]| {
+            (0..3)
+                .filter(|&axis| direction[axis] != 0.0)
+                .map(|axis| limits[axis] / direction[axis].abs())
+                .fold(f64::INFINITY, f64::min)
+        };
+        let fastest = within(self.settings.axes(110)) / 60.0;
+        let nominal = match asked.pace {
+            _ if asked.rapid => fastest,
+            Pace::Speed(speed) => speed.min(fastest),
+            Pace::Time(seconds) => (length / seconds).min(fastest),
+        };
+        let block = Block::new(
+            steps,
+            direction,
+            length,
+            nominal.max(LEAST_CUT),
+            within(self.settings.axes(120)),
+        );
+        self.planner.push(block, self.settings.value(11));
+        if self.state == State::Idle {
+            self.state = State::Run;
+        }
+    }
+
+    /// Where the queue ends, pulses.
+    fn planned_position(&self) -> [i64; 3] {
+        let ahead = self.planner.pulses_ahead();
+        [0, 1, 2].map(|axis| self.position[axis] + ahead[axis])
+    }
+
+    /// A `$` line; None where the answer comes later or never.
+    fn command(&mut self, command: &str) -> Option<Result<(), u8>> {
+        match command {
+            "$" => {
+                let lines: String = self.settings.lines().collect();
+                self.say(&lines);
+            }
+            "#" => {
+                for system in 54..=59 {
+                    self.say(&format!("[G{system}:0.000,0.000,0.000]\r\n"));
+                }
+                self.say("[G28:0.000,0.000,0.000]\r\n[G30:0.000,0.000,0.000]\r\n");
+                self.say("[G92:0.000,0.000,0.000]\r\n[TLO:0.000]\r\n");
+            }
+            "G" => {
+                let text = self.modal.text();
+                self.say(&format!("[{text}]\r\n"));
+            }
+            "I" => {
+                let text = self.identity();
+                self.say(&text);
+            }
+            "X" if self.state == State::Alarm => {
+                self.state = State::Idle;
+                self.say("[MSG:Caution: Unlocked]\r\n");
+            }
+            "X" => {}
+            "C" if self.state == State::Check => {
+                self.state = State::Idle;
+                self.answer(Ok(()));
+                self.start_firmware();
+                return None;
+            }
+            "C" if self.state == State::Idle => {
+                self.state = State::Check;
+                self.say("[MSG:Enabled]\r\n");
+            }
+            "H" if !self.settings.is_on(22) => return Some(Err(5)),
+            "H" => self.home(),
+            _ => return Some(self.write_setting(command)),
+        }
+        Some(Ok(()))
+    }
+
+    /// Homing is not travelled: the axes stand at their switches when it ends.
+    fn home(&mut self) {
+        self.state = State::Idle;
+        self.position = [0; 3];
+        self.modal.position = [0.0; 3];
+    }
+
+    fn write_setting(&mut self, command: &str) -> Result<(), u8> {
+        let (number, value) = command.split_once('=').ok_or(3_u8)?;
+        if !matches!(self.state, State::Idle | State::Alarm) {
+            return Err(8);
+        }
+        let number = number.parse().map_err(|_| 3_u8)?;
+        let value: f64 = value.parse().map_err(|_| 2_u8)?;
+        self.settings.set(number, value)?;
+        if self.variant == Variant::Grbl {
+            self.deaf_until = self.now + SETTING_WRITE_NS;
+            self.busy_until = self.busy_until.max(self.deaf_until);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

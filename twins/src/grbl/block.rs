@@ -1,0 +1,245 @@
+//! A block of G code as the board reads it: straight moves only.
+
+/// What a block asks for.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Asked {
+    /// Where to, mm, machine axes X, Y, Z; None where the block does not move.
+    pub(super) target: Option<[f64; 3]>,
+    /// As a rapid.
+    pub(super) rapid: bool,
+    /// Speed of a cut, mm/s, or seconds for the whole move.
+    pub(super) pace: Pace,
+    /// Dwell, s.
+    pub(super) dwell: Option<f64>,
+    /// Waits until the queue is empty (spindle, coolant, program end).
+    pub(super) drains: bool,
+    /// M02 or M30.
+    pub(super) ends: bool,
+}
+
+/// How fast a cut is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Pace {
+    /// mm/s.
+    Speed(f64),
+    /// The whole move in so many seconds.
+    Time(f64),
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self::Speed(0.0)
+    }
+}
+
+/// What stays in force from block to block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Modal {
+    /// 0 or 1; 80 for none.
+    pub(super) motion: u8,
+    /// G91.
+    pub(super) incremental: bool,
+    /// G93.
+    pub(super) inverse_time: bool,
+    /// G20.
+    pub(super) inches: bool,
+    /// F of G94, mm/min.
+    pub(super) feed: f64,
+    /// S.
+    pub(super) speed: f64,
+    /// 3, 4, 5.
+    pub(super) spindle: u8,
+    /// M08.
+    pub(super) coolant: bool,
+    /// 17, 18, 19.
+    pub(super) plane: u8,
+    /// G54 … G59.
+    pub(super) system: u8,
+    /// Where the last block ends, mm.
+    pub(super) position: [f64; 3],
+}
+
+impl Default for Modal {
+    fn default() -> Self {
+        Self {
+            motion: 0,
+            incremental: false,
+            inverse_time: false,
+            inches: false,
+            feed: 0.0,
+            speed: 0.0,
+            spindle: 5,
+            coolant: false,
+            plane: 17,
+            system: 54,
+            position: [0.0; 3],
+        }
+    }
+}
+
+impl Modal {
+    /// As `$G` shows it, without brackets.
+    pub(super) fn text(&self) -> String {
+        format!(
+            "GC:G{} G{} G{} G{} G{} G{} M{} M{} T0 F{:.0} S{:.0}",
+            self.motion,
+            self.system,
+            self.plane,
+            if self.inches { 20 } else { 21 },
+            if self.incremental { 91 } else { 90 },
+            if self.inverse_time { 93 } else { 94 },
+            self.spindle,
+            if self.coolant { 8 } else { 9 },
+            if self.inverse_time { 0.0 } else { self.feed },
+            self.speed,
+        )
+    }
+
+    /// Reads a block (blanks and comments are gone, letters are capital) and
+    /// takes its modal words over; the number of the error otherwise.
+    pub(super) fn read(&mut self, text: &str) -> Result<Asked, u8> {
+        let mut next = *self;
+        let mut asked = Asked::default();
+        let mut axes: [Option<f64>; 3] = [None; 3];
+        let (mut feed, mut wait, mut dwells, mut machine) = (None, None, false, false);
+        let mut rest = text;
+        while let Some(letter) = rest.chars().next() {
+            if !letter.is_ascii_uppercase() {
+                return Err(1);
+            }
+            let (value, behind) = number(&rest[1..]).ok_or(2_u8)?;
+            rest = behind;
+            match letter {
+                'G' => match (value * 10.0).round() as i32 {
+                    0 => next.motion = 0,
+                    10 => next.motion = 1,
+                    40 => dwells = true,
+                    170 => next.plane = 17,
+                    180 => next.plane = 18,
+                    190 => next.plane = 19,
+                    200 => next.inches = true,
+                    210 => next.inches = false,
+                    400 | 490 | 610 | 911 => {}
+                    530 => machine = true,
+                    540 | 550 | 560 | 570 | 580 | 590 => next.system = value as u8,
+                    800 => next.motion = 80,
+                    900 => next.incremental = false,
+                    910 => next.incremental = true,
+                    930 => next.inverse_time = true,
+                    940 => next.inverse_time = false,
+                    _ => return Err(20),
+                },
+                'M' => match value as i32 {
+                    0 | 1 => asked.drains = true,
+                    2 | 30 => {
+                        asked.drains = true;
+                        asked.ends = true;
+                    }
+                    3..=5 => {
+                        next.spindle = value as u8;
+                        asked.drains = true;
+                    }
+                    7..=9 => {
+                        next.coolant = value < 9.0;
+                        asked.drains = true;
+                    }
+                    _ => return Err(20),
+                },
+                'X' => axes[0] = Some(value),
+                'Y' => axes[1] = Some(value),
+                'Z' => axes[2] = Some(value),
+                'F' | 'S' if value < 0.0 => return Err(4),
+                'F' => feed = Some(value),
+                'S' => {
+                    asked.drains |= next.speed.to_bits() != value.to_bits();
+                    next.speed = value;
+                }
+                'P' => wait = Some(value),
+                'N' | 'T' => {}
+                _ => return Err(36),
+            }
+        }
+        let scale = if next.inches { 25.4 } else { 1.0 };
+        if let (Some(feed), false) = (feed, next.inverse_time) {
+            next.feed = feed * scale;
+        }
+        if dwells {
+            asked.dwell = Some(wait.ok_or(28_u8)?);
+        }
+        if axes.iter().any(Option::is_some) {
+            if next.motion == 80 {
+                return Err(31);
+            }
+            let mut target = next.position;
+            for (place, value) in target.iter_mut().zip(axes) {
+                if let Some(value) = value {
+                    let way = value * scale;
+                    *place = if next.incremental && !machine {
+                        *place + way
+                    } else {
+                        way
+                    };
+                }
+            }
+            asked.rapid = next.motion == 0;
+            asked.pace = match (next.inverse_time, feed) {
+                (true, Some(minutes)) if minutes > 0.0 => Pace::Time(60.0 / minutes),
+                (false, _) if next.feed > 0.0 => Pace::Speed(next.feed / 60.0),
+                _ if asked.rapid => Pace::Speed(0.0),
+                _ => return Err(22),
+            };
+            asked.target = Some(target);
+            next.position = target;
+        }
+        if asked.ends {
+            let Modal {
+                position, inches, ..
+            } = next;
+            next = Self {
+                motion: 1,
+                position,
+                inches,
+                ..Self::default()
+            };
+        }
+        *self = next;
+        Ok(asked)
+    }
+}
+
+/// A number at the start of the text, and what stands behind it.
+fn number(text: &str) -> Option<(f64, &str)> {
+    let end = text
+        .find(|character: char| !matches!(character, '0'..='9' | '.' | '-' | '+'))
+        .unwrap_or(text.len());
+    Some((text[..end].parse().ok()?, &text[end..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_time_needs_its_word_in_every_block() {
+        let mut modal = Modal::default();
+        let asked = modal.read("G93G1X1.5Z-2F6000").unwrap();
+        assert_eq!(asked.target, Some([1.5, 0.0, -2.0]));
+        assert_eq!(asked.pace, Pace::Time(0.01));
+        assert_eq!(modal.read("X2"), Err(22));
+        assert_eq!(
+            modal.position,
+            [1.5, 0.0, -2.0],
+            "a refused block changes nothing"
+        );
+    }
+
+    #[test]
+    fn errors_have_the_numbers_of_the_firmware() {
+        let mut modal = Modal::default();
+        assert_eq!(modal.read("1X"), Err(1));
+        assert_eq!(modal.read("GX"), Err(2));
+        assert_eq!(modal.read("G2X1"), Err(20));
+        assert_eq!(modal.read("G1X1"), Err(22));
+        assert_eq!(modal.read("G4"), Err(28));
+    }
+}

@@ -1,0 +1,295 @@
+//! The board's own planner: straight moves in a short queue, accelerated as its
+//! settings say, seen ahead as far as the queue reaches.
+//!
+//! ```text
+//!   speed
+//!     |      ______________
+//!     |     /|            |\______          entry speed of the next block:
+//!     |    / |            | |     \         junction, or what can still be
+//!     |___/__|____________|_|______\___     braked within the queue
+//!        block 1           2       way
+//! ```
+
+use std::collections::VecDeque;
+
+/// The lowest speed the firmware plans with, mm/s.
+const LEAST_SPEED: f64 = 0.05;
+
+/// One straight move.
+#[derive(Clone, Debug)]
+pub(super) struct Block {
+    /// Pulses of X, Y, Z.
+    pub(super) steps: [i64; 3],
+    /// Unit vector.
+    pub(super) direction: [f64; 3],
+    /// Length, mm.
+    pub(super) length: f64,
+    /// Wanted speed, mm/s.
+    pub(super) nominal: f64,
+    /// Acceleration along the move, mm/s².
+    pub(super) acceleration: f64,
+    /// Highest speed over the corner before it, mm/s.
+    pub(super) junction: f64,
+    entry: f64,
+}
+
+impl Block {
+    /// A move that has not been planned yet.
+    pub(super) const fn new(
+        steps: [i64; 3],
+        direction: [f64; 3],
+        length: f64,
+        nominal: f64,
+        acceleration: f64,
+    ) -> Self {
+        Self {
+            steps,
+            direction,
+            length,
+            nominal,
+            acceleration,
+            junction: 0.0,
+            entry: 0.0,
+        }
+    }
+}
+
+/// The queue, and the move under way.
+#[derive(Clone, Debug)]
+pub(super) struct Planner {
+    blocks: VecDeque<Block>,
+    capacity: usize,
+    /// Way done in the first block, mm.
+    done: f64,
+    /// Pulses of the first block already made.
+    made: [i64; 3],
+    speed: f64,
+    last: Option<([f64; 3], f64)>,
+}
+
+impl Planner {
+    pub(super) const fn new(capacity: usize) -> Self {
+        Self {
+            blocks: VecDeque::new(),
+            capacity,
+            done: 0.0,
+            made: [0; 3],
+            speed: 0.0,
+            last: None,
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        *self = Self::new(self.capacity);
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
+    }
+
+    pub(super) fn is_full(&self) -> bool {
+        self.blocks.len() >= self.capacity
+    }
+
+    pub(super) fn free(&self) -> usize {
+        self.capacity.saturating_sub(self.blocks.len())
+    }
+
+    /// Pulses still to be made.
+    pub(super) fn pulses_ahead(&self) -> [i64; 3] {
+        let mut ahead = self.made.map(|made| -made);
+        for block in &self.blocks {
+            for (sum, steps) in ahead.iter_mut().zip(block.steps) {
+                *sum += steps;
+            }
+        }
+        ahead
+    }
+
+    /// Speed along the path, mm/s.
+    pub(super) const fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Puts a move behind the others; `deviation` is the setting $11, mm.
+    pub(super) fn push(&mut self, mut block: Block, deviation: f64) {
+        block.junction = match self.last {
+            Some((before, nominal)) if !self.blocks.is_empty() => {
+                junction_speed(before, block.direction, block.acceleration, deviation)
+                    .min(nominal)
+                    .min(block.nominal)
+            }
+            _ => 0.0,
+        };
+        self.last = Some((block.direction, block.nominal));
+        self.blocks.push_back(block);
+        self.plan();
+    }
+
+    /// From the end, where everything must be able to stand, back to the front,
+    /// then forward: what acceleration can reach.
+    fn plan(&mut self) {
+        let mut exit = 0.0_f64;
+        for block in self.blocks.iter_mut().skip(1).rev() {
+            let braking = (exit * exit + 2.0 * block.acceleration * block.length).sqrt();
+            block.entry = block.junction.min(braking);
+            exit = block.entry;
+        }
+        let mut reach = f64::INFINITY;
+        for (index, block) in self.blocks.iter_mut().enumerate() {
+            let (entry, length) = if index == 0 {
+                (self.speed, block.length - self.done)
+            } else {
+                block.entry = block.entry.min(reach);
+                (block.entry, block.length)
+            };
+            reach = (entry * entry + 2.0 * block.acceleration * length).sqrt();
+        }
+    }
+
+    /// Lets time pass, s; `hold` brakes to a standstill. Gives the pulses made.
+    pub(super) fn advance(&mut self, mut seconds: f64, hold: bool) -> [i64; 3] {
+        let mut pulses = [0; 3];
+        while seconds > 1e-12 {
+            let exit = self.blocks.get(1).map_or(0.0, |next| next.entry);
+            let Some(block) = self.blocks.front() else {
+                self.speed = 0.0;
+                break;
+            };
+            let left = block.length - self.done;
+            let braking = (exit * exit + 2.0 * block.acceleration * left).sqrt();
+            let change = block.acceleration * seconds;
+            let wanted = if hold {
+                0.0
+            } else {
+                block.nominal.min(braking)
+            };
+            let next = if wanted > self.speed {
+                wanted.min(self.speed + change)
+            } else if hold {
+                (self.speed - change).max(0.0)
+            } else {
+                wanted
+            };
+            if hold && next <= 0.0 {
+                self.speed = 0.0;
+                break;
+            }
+            let mean = (f64::midpoint(self.speed, next)).max(LEAST_SPEED);
+            let needed = left / mean;
+            self.speed = next;
+            if needed > seconds {
+                self.done += mean * seconds;
+                seconds = 0.0;
+            } else {
+                self.done = block.length;
+                seconds -= needed;
+            }
+            let finished = self.done >= block.length;
+            let share = if block.length > 0.0 {
+                self.done / block.length
+            } else {
+                1.0
+            };
+            for (axis, sum) in pulses.iter_mut().enumerate() {
+                let due = if finished {
+                    block.steps[axis]
+                } else {
+                    (block.steps[axis] as f64 * share) as i64
+                };
+                *sum += due - self.made[axis];
+                self.made[axis] = due;
+            }
+            if finished {
+                self.blocks.pop_front();
+                self.done = 0.0;
+                self.made = [0; 3];
+            }
+        }
+        pulses
+    }
+}
+
+/// How fast a corner may be taken when the path may leave it by the deviation.
+fn junction_speed(before: [f64; 3], after: [f64; 3], acceleration: f64, deviation: f64) -> f64 {
+    let cosine: f64 = -(0..3).map(|axis| before[axis] * after[axis]).sum::<f64>();
+    if cosine > 0.999_999 {
+        return 0.0;
+    }
+    let half_sine = ((1.0 - cosine.max(-1.0)) / 2.0).sqrt();
+    if half_sine > 0.999_999 {
+        return f64::INFINITY;
+    }
+    (acceleration * deviation * half_sine / (1.0 - half_sine)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn along_x(steps: i64, nominal: f64, acceleration: f64) -> Block {
+        Block::new(
+            [steps, 0, 0],
+            [1.0, 0.0, 0.0],
+            steps as f64 / 100.0,
+            nominal,
+            acceleration,
+        )
+    }
+
+    /// Seconds until the queue is empty, and the pulses made.
+    fn drain(planner: &mut Planner) -> (f64, i64) {
+        let (mut ticks, mut x) = (0, 0);
+        while !planner.is_empty() {
+            x += planner.advance(1e-4, false)[0];
+            ticks += 1;
+            assert!(ticks < 1_000_000);
+        }
+        (f64::from(ticks) * 1e-4, x)
+    }
+
+    #[test]
+    fn a_single_move_is_a_trapezoid() {
+        let mut planner = Planner::new(15);
+        // 10 mm at 20 mm/s and 200 mm/s²: 0.1 s up, 0.1 s down, 8 mm between.
+        planner.push(along_x(1000, 20.0, 200.0), 0.02);
+        let (seconds, pulses) = drain(&mut planner);
+        assert_eq!(pulses, 1000);
+        assert!((seconds - 0.6).abs() < 0.005, "{seconds}");
+    }
+
+    #[test]
+    fn short_moves_in_a_row_run_through() {
+        let mut planner = Planner::new(15);
+        for _ in 0..10 {
+            planner.push(along_x(100, 20.0, 4000.0), 0.02);
+        }
+        assert_eq!(planner.free(), 5);
+        let (seconds, pulses) = drain(&mut planner);
+        assert_eq!(pulses, 1000);
+        assert!((seconds - 0.505).abs() < 0.01, "{seconds}");
+    }
+
+    #[test]
+    fn a_reversal_stands_between() {
+        assert!(junction_speed([1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], 200.0, 0.02) == 0.0);
+        assert!(junction_speed([1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 200.0, 0.02) > 1e6);
+        let square = junction_speed([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 200.0, 0.02);
+        assert!((square - 3.108).abs() < 0.01, "{square}");
+    }
+
+    #[test]
+    fn a_hold_brakes_and_goes_on_without_a_lost_pulse() {
+        let mut planner = Planner::new(15);
+        planner.push(along_x(1000, 20.0, 200.0), 0.02);
+        let mut x = 0;
+        for _ in 0..2000 {
+            x += planner.advance(1e-4, false)[0];
+        }
+        for _ in 0..2000 {
+            x += planner.advance(1e-4, true)[0];
+        }
+        assert!(planner.speed() == 0.0 && x > 300 && x < 500, "{x}");
+        assert_eq!(x + drain(&mut planner).1, 1000);
+    }
+}

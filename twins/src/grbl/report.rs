@@ -1,0 +1,70 @@
+//! What a board says about itself: `?` and `$I`.
+
+use core::fmt::Write;
+
+use super::{GrblTwin, OFFSET_EVERY, State, Variant};
+
+impl GrblTwin {
+    /// The answer to `?`.
+    pub(super) fn report(&self) -> String {
+        let state = match self.state {
+            State::Idle => "Idle",
+            State::Run => "Run",
+            State::Hold { complete: true } => "Hold:0",
+            State::Hold { complete: false } => "Hold:1",
+            State::Home => "Home",
+            State::Alarm => "Alarm",
+            State::Check => "Check",
+        };
+        let [x, y, z] = self.millimetres();
+        let mut text = format!("<{state}|MPos:{x:.3},{y:.3},{z:.3}");
+        // A `String` takes everything that is written to it.
+        if self.settings.value(10) as i32 & 2 != 0 {
+            let free = self.variant.receive_bytes() - self.received.len();
+            let _ = write!(text, "|Bf:{},{free}", self.planner.free());
+        }
+        let feed = self.planner.speed() * 60.0;
+        let speed = if self.spindle == 5 {
+            0.0
+        } else {
+            self.modal.speed
+        };
+        let _ = write!(text, "|FS:{feed:.0},{speed:.0}");
+        let mut pins = String::new();
+        for (operated, letter) in [
+            (self.pins.limit_x, 'X'),
+            (self.pins.limit_z, 'Z'),
+            (self.pins.door, 'D'),
+        ] {
+            if operated {
+                pins.push(letter);
+            }
+        }
+        if !pins.is_empty() {
+            let _ = write!(text, "|Pn:{pins}");
+        }
+        match self.reports % OFFSET_EVERY {
+            0 => text.push_str("|WCO:0.000,0.000,0.000"),
+            1 => text.push_str("|Ov:100,100,100"),
+            _ => {}
+        }
+        text.push_str(">\r\n");
+        text
+    }
+
+    /// The answer to `$I`, without its `ok`.
+    pub(super) fn identity(&self) -> String {
+        match self.variant {
+            Variant::Grbl => "[VER:1.1h.20190825:]\r\n[OPT:V,15,128]\r\n".into(),
+            Variant::GrblHal => concat!(
+                "[VER:1.1f.20260815:]\r\n",
+                "[OPT:VNMSL,100,1024,3,0]\r\n",
+                "[AXS:3:XYZ]\r\n",
+                "[NEWOPT:ENUMS,RT+,SED]\r\n",
+                "[FIRMWARE:grblHAL]\r\n",
+                "[DRIVER:Twin]\r\n",
+            )
+            .into(),
+        }
+    }
+}

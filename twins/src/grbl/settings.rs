@@ -1,0 +1,102 @@
+//! The `$` settings of a board: number, how they are written, value.
+
+use std::collections::BTreeMap;
+
+/// Settings whole numbers; all others are written with three decimals.
+const WHOLE: [u16; 18] = [
+    0, 1, 2, 3, 4, 5, 6, 10, 13, 20, 21, 22, 23, 26, 30, 31, 32, 33,
+];
+
+/// What a board comes with.
+const DELIVERED: [(u16, f64); 34] = [
+    (0, 10.0),
+    (1, 25.0),
+    (2, 0.0),
+    (3, 0.0),
+    (4, 0.0),
+    (5, 0.0),
+    (6, 0.0),
+    (10, 1.0),
+    (11, 0.010),
+    (12, 0.002),
+    (13, 0.0),
+    (20, 0.0),
+    (21, 0.0),
+    (22, 0.0),
+    (23, 0.0),
+    (24, 25.0),
+    (25, 500.0),
+    (26, 250.0),
+    (27, 1.0),
+    (30, 1000.0),
+    (31, 0.0),
+    (32, 0.0),
+    (100, 250.0),
+    (101, 250.0),
+    (102, 250.0),
+    (110, 500.0),
+    (111, 500.0),
+    (112, 500.0),
+    (120, 10.0),
+    (121, 10.0),
+    (122, 10.0),
+    (130, 200.0),
+    (131, 200.0),
+    (132, 200.0),
+];
+
+/// The settings of a board; they outlive its reset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings(BTreeMap<u16, f64>);
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self(DELIVERED.into_iter().collect())
+    }
+}
+
+impl Settings {
+    /// The value of a setting; 0 where there is none.
+    pub fn value(&self, number: u16) -> f64 {
+        self.0.get(&number).copied().unwrap_or(0.0)
+    }
+
+    /// Whether a switch is on.
+    pub fn is_on(&self, number: u16) -> bool {
+        self.value(number) != 0.0
+    }
+
+    /// Sets a value; the number of the error otherwise: 3 no such setting,
+    /// 4 a negative value, 6 pulses shorter than 3 µs.
+    pub fn set(&mut self, number: u16, value: f64) -> Result<(), u8> {
+        let place = self.0.get_mut(&number).ok_or(3_u8)?;
+        if value < 0.0 {
+            return Err(4);
+        }
+        if number == 0 && value < 3.0 {
+            return Err(6);
+        }
+        *place = if WHOLE.contains(&number) {
+            value.trunc()
+        } else {
+            value
+        };
+        Ok(())
+    }
+
+    /// Three values of a group: 100 pulses/mm, 110 mm/min, 120 mm/s², 130 mm.
+    pub fn axes(&self, group: u16) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.value(group + axis))
+    }
+
+    /// All of them as `$$` shows them.
+    pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
+        self.0.iter().map(|(number, value)| {
+            if WHOLE.contains(number) {
+                format!("${number}={value:.0}\r\n")
+            } else {
+                format!("${number}={value:.3}\r\n")
+            }
+        })
+    }
+}

@@ -1,0 +1,162 @@
+//! What a host meets at the wire and at the pins.
+
+use super::*;
+
+/// A Grbl board set up for a lathe, its banner read.
+fn board(variant: Variant) -> GrblTwin {
+    let mut settings = Settings::default();
+    for (number, value) in [
+        (10, 3.0),
+        (110, 9000.0),
+        (112, 9000.0),
+        (120, 4000.0),
+        (122, 4000.0),
+        (11, 0.02),
+    ] {
+        settings.set(number, value).unwrap();
+    }
+    let mut twin = GrblTwin::new(variant, settings);
+    twin.advance(2_000_000_000);
+    assert!(said(&mut twin).starts_with("\r\nGrbl"));
+    twin
+}
+
+fn said(twin: &mut GrblTwin) -> String {
+    String::from_utf8(twin.read()).unwrap()
+}
+
+/// Writes, lets time pass, reads.
+fn talk(twin: &mut GrblTwin, bytes: &[u8], ms: u64) -> String {
+    twin.write(bytes);
+    twin.advance(ms * 1_000_000);
+    said(twin)
+}
+
+#[test]
+fn a_line_is_answered_when_it_is_read_not_when_it_is_done() {
+    let mut twin = board(Variant::Grbl);
+    assert_eq!(talk(&mut twin, b"G21G90G1X10F600\n", 20), "ok\r\n");
+    assert_eq!(twin.state(), State::Run);
+    twin.advance(1_100_000_000);
+    assert_eq!(twin.state(), State::Idle);
+    assert_eq!(twin.pulses(), [2500, 0]);
+}
+
+#[test]
+fn a_carriage_return_is_a_line_of_its_own() {
+    let mut twin = board(Variant::Grbl);
+    assert_eq!(talk(&mut twin, b"G21\r\n", 20), "ok\r\nok\r\n");
+}
+
+#[test]
+fn what_does_not_fit_the_buffer_is_lost_in_silence() {
+    let mut twin = board(Variant::Grbl);
+    let mut text = String::from("G21G90G1F1000\n");
+    for k in 1..=60 {
+        text.push_str(&format!("X{k}Z-{k}\n"));
+    }
+    let answers = talk(&mut twin, text.as_bytes(), 8000);
+    assert!(answers.matches("ok").count() < 55, "{answers}");
+    assert_ne!(twin.pulses(), [60 * 250, -60 * 250]);
+}
+
+#[test]
+fn characters_that_act_at_once_act_inside_a_comment_too() {
+    let mut twin = board(Variant::Grbl);
+    talk(&mut twin, b"G90G1X10F600\n", 100);
+    talk(&mut twin, b"(hold! it)\n", 300);
+    assert_eq!(twin.state(), State::Hold { complete: true });
+}
+
+#[test]
+fn a_hold_takes_its_time_and_a_reset_then_keeps_the_position() {
+    let mut twin = board(Variant::Grbl);
+    twin.settings.set(120, 200.0).unwrap();
+    talk(&mut twin, b"G90G1X40F1200\n", 800);
+    let before = twin.pulses()[0];
+    let at = twin.now();
+    twin.write(b"!");
+    while twin.state() != (State::Hold { complete: true }) {
+        twin.advance(1_000_000);
+    }
+    let seconds = (twin.now() - at) as f64 * 1e-9;
+    let way = (twin.pulses()[0] - before) as f64 / 250.0;
+    assert!(
+        (seconds - 0.18).abs() < 0.01 && (way - 1.9).abs() < 0.1,
+        "{seconds} {way}"
+    );
+    let stood = twin.pulses();
+    let answer = talk(&mut twin, &[0x18], 50);
+    assert!(
+        answer.contains("Grbl 1.1h") && !answer.contains("ALARM"),
+        "{answer}"
+    );
+    assert_eq!((twin.state(), twin.pulses()), (State::Idle, stood));
+}
+
+#[test]
+fn a_reset_in_motion_is_alarm_3_and_locks() {
+    let mut twin = board(Variant::Grbl);
+    talk(&mut twin, b"G90G1X40F1200\n", 300);
+    let answer = talk(&mut twin, &[0x18], 50);
+    assert!(answer.starts_with("ALARM:3\r\n"), "{answer}");
+    assert_eq!(talk(&mut twin, b"G1X0F100\n", 20), "error:9\r\n");
+    assert!(talk(&mut twin, b"$X\n", 20).ends_with("ok\r\n"));
+    assert_eq!(talk(&mut twin, b"G1X0F100\n", 20), "ok\r\n");
+}
+
+#[test]
+fn after_a_hard_limit_there_is_silence_until_a_reset() {
+    let mut twin = board(Variant::Grbl);
+    twin.settings.set(21, 1.0).unwrap();
+    talk(&mut twin, b"G90G1X40F1200\n", 300);
+    twin.pins.limit_x = true;
+    assert!(talk(&mut twin, b"", 20).starts_with("ALARM:1"));
+    assert_eq!(talk(&mut twin, b"?\n$I\n", 200), "");
+    assert!(talk(&mut twin, &[0x18], 50).contains("to unlock"));
+}
+
+#[test]
+fn errors_latch_on_the_larger_board_only() {
+    for (variant, then) in [(Variant::Grbl, "ok\r\n"), (Variant::GrblHal, "error:9\r\n")] {
+        let mut twin = board(variant);
+        assert_eq!(talk(&mut twin, b"G99\n", 20), "error:20\r\n");
+        assert_eq!(talk(&mut twin, b"G1X1F100\n", 20), then);
+        assert_eq!(talk(&mut twin, b"\n", 20), "ok\r\n");
+        assert_eq!(talk(&mut twin, b"G1X2F100\n", 20), "ok\r\n");
+    }
+}
+
+#[test]
+fn a_board_with_homing_wakes_up_locked() {
+    let mut twin = board(Variant::Grbl);
+    assert_eq!(talk(&mut twin, b"$22=1\n", 40), "ok\r\n");
+    twin.press_reset();
+    twin.advance(2_000_000_000);
+    assert!(said(&mut twin).contains("to unlock"));
+    assert!(
+        talk(&mut twin, b"?", 20).starts_with("<Alarm|MPos:0.000,0.000,0.000|Bf:15,128|FS:0,0")
+    );
+}
+
+#[test]
+fn lines_have_a_ceiling() {
+    let mut twin = board(Variant::Grbl);
+    talk(&mut twin, b"G90G93\n", 20);
+    // Keep the buffer filled for two seconds, as a host that counts characters does.
+    let (mut sent, mut answered, mut x) = (Vec::new(), 0, 0.0);
+    for _ in 0..2000 {
+        while sent.iter().sum::<usize>() < 100 {
+            x += 0.004;
+            let line = format!("X{x:.3}F60000\n");
+            sent.push(line.len());
+            twin.write(line.as_bytes());
+        }
+        twin.advance(1_000_000);
+        for _ in 0..said(&mut twin).matches('k').count() {
+            sent.remove(0);
+            answered += 1;
+        }
+    }
+    assert!((850..=900).contains(&answered), "{answered}");
+}
