@@ -100,6 +100,9 @@ pub enum Command {
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
+    /// Find, try, watch or play a pulse board
+    #[command(subcommand)]
+    Link(LinkCommand),
 }
 
 /// `run`.
@@ -250,6 +253,87 @@ pub struct LadderRunArgs {
     /// Hold a bit, for instance X20.1=1
     #[arg(long = "set", value_name = "ADDRESS=0|1", value_parser = crate::setup_args::input_bit)]
     pub bits: Vec<crate::setup_args::InputBit>,
+}
+
+/// `link`.
+#[derive(Debug, Subcommand)]
+pub enum LinkCommand {
+    /// List the serial ports
+    List,
+    /// Identify a board, check its settings, measure its answers
+    ///
+    /// Nothing moves unless --travel is given. The settings come from the machine
+    /// file (--machine, section `link`) and the parameters (--data, --param).
+    Test(LinkTestArgs),
+    /// Open a board and print everything said, with the time in seconds
+    Monitor(LinkMonitorArgs),
+    /// Play a board behind a pseudo terminal; its name is printed first
+    Twin(LinkTwinArgs),
+}
+
+/// Which board.
+#[derive(Args, Debug)]
+pub struct LinkBoardArgs {
+    /// The port [default: the one of the machine file]
+    #[arg(value_name = "PORT")]
+    pub port: Option<String>,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+}
+
+/// `link test`.
+#[derive(Args, Debug)]
+pub struct LinkTestArgs {
+    /// Which board.
+    #[command(flatten)]
+    pub board: LinkBoardArgs,
+    /// Write settings that differ into the board
+    #[arg(long)]
+    pub write_settings: bool,
+    /// MOVES Z there and back by so many mm, with ten holds; drives unpowered, or the way clear
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    pub travel: Option<f64>,
+    /// Feed of that move, mm/min
+    #[arg(long, default_value_t = 600.0, value_name = "F", requires = "travel")]
+    pub feed: f64,
+}
+
+/// `link monitor`.
+#[derive(Args, Debug)]
+pub struct LinkMonitorArgs {
+    /// Which board.
+    #[command(flatten)]
+    pub board: LinkBoardArgs,
+    /// Stop after so many seconds
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<u64>,
+}
+
+/// `link twin`.
+#[derive(Args, Debug)]
+pub struct LinkTwinArgs {
+    /// Firmware of the board
+    #[arg(long, value_enum, default_value_t = TwinBoard::Grbl)]
+    pub firmware: TwinBoard,
+    /// Lose every Nth byte from the PC to the board
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub lose_every: Option<u64>,
+    /// Hold all bytes to the board up by so many ms
+    #[arg(long, default_value_t = 0, value_name = "MS")]
+    pub delay_ms: u64,
+    /// Stop after so many seconds
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<u64>,
+}
+
+/// Firmware of a twin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TwinBoard {
+    /// Grbl 1.1h
+    Grbl,
+    /// grblHAL
+    Grblhal,
 }
 
 #[cfg(test)]

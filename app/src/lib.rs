@@ -1,5 +1,6 @@
 //! The edge of the program: window, kernel thread, command line, files.
 
+pub mod board;
 pub mod cli;
 pub mod commands;
 pub mod execution;
@@ -9,6 +10,7 @@ pub mod loading;
 pub mod moves;
 pub mod pace;
 pub mod picture;
+pub mod ports;
 pub mod report;
 pub mod retained;
 pub mod setup_args;

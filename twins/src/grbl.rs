@@ -123,7 +123,8 @@ pub struct GrblTwin {
     boots_at: Option<u64>,
     /// A block that waits for a place in the queue, or for the queue to be empty.
     waiting: Option<Asked>,
-    dwell_until: Option<u64>,
+    /// The line under way is answered then: a dwell, a setting being written.
+    answers_at: Option<u64>,
     modal: Modal,
     planner: Planner,
     /// Pulses made since power-on, X, Y, Z: what a counter at the pins reads.
@@ -160,7 +161,7 @@ impl GrblTwin {
             deaf_until: 0,
             boots_at: None,
             waiting: None,
-            dwell_until: None,
+            answers_at: None,
             modal: Modal::default(),
             planner: Planner::new(variant.blocks()),
             pulses: [0; 3],
@@ -277,7 +278,7 @@ impl GrblTwin {
         self.in_comment = false;
         self.too_long = false;
         self.waiting = None;
-        self.dwell_until = None;
+        self.answers_at = None;
         self.planner.clear();
         self.hold_from = None;
         self.stands_since = None;
@@ -413,11 +414,11 @@ impl GrblTwin {
     /// The firmware's main loop: one line after the other.
     fn work(&mut self) {
         while self.now >= self.busy_until && !self.silent {
-            if let Some(until) = self.dwell_until {
+            if let Some(until) = self.answers_at {
                 if self.now < until {
                     return;
                 }
-                self.dwell_until = None;
+                self.answers_at = None;
                 self.answer(Ok(()));
             }
             if let Some(asked) = self.waiting.take() {
@@ -495,7 +496,7 @@ impl GrblTwin {
             if !self.planner.is_empty() {
                 return false;
             }
-            self.dwell_until = Some(self.now + (seconds.max(0.0) * 1e9) as u64);
+            self.answers_at = Some(self.now + (seconds.max(0.0) * 1e9) as u64);
             return true;
         }
         self.spindle = self.modal.spindle;
@@ -595,7 +596,7 @@ impl GrblTwin {
             }
             "H" if !self.settings.is_on(22) => return Some(Err(5)),
             "H" => self.home(),
-            _ => return Some(self.write_setting(command)),
+            _ => return self.write_setting(command).err().map(Err),
         }
         Some(Ok(()))
     }
@@ -615,9 +616,11 @@ impl GrblTwin {
         let number = number.parse().map_err(|_| 3_u8)?;
         let value: f64 = value.parse().map_err(|_| 2_u8)?;
         self.settings.set(number, value)?;
+        // The answer comes when the memory is written; until then nothing is heard.
+        self.answers_at = Some(self.now);
         if self.variant == Variant::Grbl {
             self.deaf_until = self.now + SETTING_WRITE_NS;
-            self.busy_until = self.busy_until.max(self.deaf_until);
+            self.answers_at = Some(self.deaf_until);
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 mod check;
 mod ladder;
+mod link;
 mod operate;
 mod output;
 mod plot;
@@ -35,6 +36,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Alarms(args)) => tables::alarms(&args),
         Some(Command::Signals(args)) => tables::signals(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
+        Some(Command::Link(command)) => link::link(&command),
     };
     match result {
         Ok(code) => ExitCode::from(code),

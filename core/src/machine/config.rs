@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::link::LinkConfig;
+
 /// Description of a simulated lathe.
 ///
 /// Lengths of X are slide travel on the *diameter* scale of the displays, as they
@@ -24,6 +26,8 @@ pub struct LatheConfig {
     pub spindle: SpindleConfig,
     /// Chuck and tailstock.
     pub chuck: ChuckConfig,
+    /// The pulse board of a real lathe.
+    pub link: Option<LinkConfig>,
 }
 
 impl Default for LatheConfig {
@@ -49,6 +53,7 @@ impl Default for LatheConfig {
             turret: TurretConfig::default(),
             spindle: SpindleConfig::default(),
             chuck: ChuckConfig::default(),
+            link: None,
         }
     }
 }

@@ -13,6 +13,7 @@ mod chuck;
 mod config;
 mod io;
 mod lathe;
+pub mod link;
 mod pins;
 mod spindle_drive;
 mod turret;

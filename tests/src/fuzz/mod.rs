@@ -14,6 +14,7 @@ mod cycles;
 mod dry_run;
 mod interpreter;
 mod ladder;
+mod link;
 mod minimize;
 pub mod mutate;
 mod program;
@@ -38,7 +39,7 @@ pub struct Target {
 const PROGRAM_WORDS: &str = include_str!("words-program.txt");
 
 /// Every target.
-pub const TARGETS: [Target; 6] = [
+pub const TARGETS: [Target; 7] = [
     Target {
         name: "program",
         run: program::run,
@@ -68,6 +69,11 @@ pub const TARGETS: [Target; 6] = [
         name: "ladder",
         run: ladder::run,
         words: include_str!("words-ladder.txt"),
+    },
+    Target {
+        name: "link",
+        run: link::run,
+        words: include_str!("words-link.txt"),
     },
 ];
 

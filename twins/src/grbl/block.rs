@@ -103,12 +103,19 @@ impl Modal {
         let mut axes: [Option<f64>; 3] = [None; 3];
         let (mut feed, mut wait, mut dwells, mut machine) = (None, None, false, false);
         let mut rest = text;
+        let mut seen = 0_u32;
         while let Some(letter) = rest.chars().next() {
             if !letter.is_ascii_uppercase() {
                 return Err(1);
             }
             let (value, behind) = number(&rest[1..]).ok_or(2_u8)?;
             rest = behind;
+            // One word of a letter in a block, G and M excepted.
+            let bit = 1_u32 << (letter as u8 - b'A');
+            if seen & bit != 0 && !matches!(letter, 'G' | 'M') {
+                return Err(25);
+            }
+            seen |= bit;
             match letter {
                 'G' => match (value * 10.0).round() as i32 {
                     0 => next.motion = 0,
@@ -241,5 +248,10 @@ mod tests {
         assert_eq!(modal.read("G2X1"), Err(20));
         assert_eq!(modal.read("G1X1"), Err(22));
         assert_eq!(modal.read("G4"), Err(28));
+        assert_eq!(
+            modal.read("X1F100X2"),
+            Err(25),
+            "two lines that ran together"
+        );
     }
 }

@@ -1,0 +1,163 @@
+//! `link`: pulse boards, found, tried, watched, played.
+
+mod drill;
+mod twin;
+
+use std::time::Duration;
+
+use gsk_core::machine::link::{Event, LinkConfig, LinkState};
+use gsk_core::setup::Setup;
+
+use super::{ALARM, FINE, output};
+use crate::board::Board;
+use crate::cli::{LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs};
+use crate::{loading, ports, retained};
+
+/// Carries out a link command.
+pub fn link(command: &LinkCommand) -> Result<u8, String> {
+    match command {
+        LinkCommand::List => list(),
+        LinkCommand::Test(args) => test(args),
+        LinkCommand::Monitor(args) => monitor(args),
+        LinkCommand::Twin(args) => twin::twin(args),
+    }
+}
+
+fn list() -> Result<u8, String> {
+    let found = ports::list()?;
+    if found.is_empty() {
+        output::print("no serial port; `gsk980td link twin` plays a board without hardware\n")?;
+        return Ok(FINE);
+    }
+    let mut out = String::new();
+    for port in found {
+        out.push_str(&port.path);
+        if let Some(name) = port.by_id {
+            out.push_str(&format!("  {}", name.display()));
+        }
+        out.push('\n');
+    }
+    output::print(&out)?;
+    Ok(FINE)
+}
+
+/// The board that is meant, with the settings of the machine file and the
+/// parameters of the control.
+fn open(args: &LinkBoardArgs) -> Result<Board, String> {
+    let mut setup = Setup::default();
+    if let Some(path) = &args.setup.data {
+        let data =
+            crate::files::data_dir::DataDir::open(path).map_err(|error| error.to_string())?;
+        for complaint in retained::load(&data, &mut setup).complaints {
+            eprintln!("gsk980td: {complaint}");
+        }
+    }
+    loading::apply(&mut setup, &args.setup)?;
+    let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();
+    if let Some(port) = &args.port {
+        config.port.clone_from(port);
+    }
+    if config.port.is_empty() {
+        return Err(
+            "no port: name one, or the section `link` in the file given with --machine".to_owned(),
+        );
+    }
+    config.check().map_err(|error| error.to_string())?;
+    Board::open(config, &setup.parameters)
+}
+
+/// Prints alarms; whether there was one besides differing settings.
+fn report(events: &[Event]) -> bool {
+    let mut failed = false;
+    for event in events {
+        if let Event::Alarm { number, detail } = event {
+            eprintln!("gsk980td: {number}: {detail}");
+            failed |= *number != 603;
+        }
+    }
+    failed
+}
+
+fn test(args: &LinkTestArgs) -> Result<u8, String> {
+    let mut board = open(&args.board)?;
+    let mut events = board.get_known();
+    let failed = report(&events);
+    let info = board.link.board().clone();
+    if !info.firmware.is_empty() {
+        output::print(&format!(
+            "board     {}, queue of {} blocks, {} bytes\n",
+            info.firmware, info.blocks, info.receive_bytes
+        ))?;
+    }
+    if failed || matches!(board.link.state(), LinkState::Fault | LinkState::Lost) {
+        return Ok(ALARM);
+    }
+    let differ = differences(&events);
+    if !differ.is_empty() {
+        output::print(&format!("settings  differ:\n{}", differ.join("")))?;
+        if !args.write_settings {
+            output::print("          --write-settings writes them into the board\n")?;
+            return Ok(ALARM);
+        }
+        board.link.write_settings();
+        events = board.wait(Duration::from_secs(10), |link, _| {
+            matches!(
+                link.state(),
+                LinkState::Locked | LinkState::Fault | LinkState::Lost
+            )
+        });
+        report(&events);
+        if board.link.state() != LinkState::Locked {
+            return Ok(ALARM);
+        }
+        output::print("          written and read back\n")?;
+    } else {
+        output::print("settings  as they must be\n")?;
+    }
+    drill::idle(&mut board)?;
+    match args.travel {
+        Some(millimetres) => drill::motion(&mut board, millimetres, args.feed),
+        None => Ok(FINE),
+    }
+}
+
+fn differences(events: &[Event]) -> Vec<String> {
+    let line = |event: &Event| match event {
+        Event::Differs {
+            setting,
+            board,
+            wanted,
+        } => {
+            let board = board.map_or("missing".to_owned(), |value| value.to_string());
+            Some(format!(
+                "          ${setting} is {board}, must be {wanted}\n"
+            ))
+        }
+        _ => None,
+    };
+    events.iter().filter_map(line).collect()
+}
+
+fn monitor(args: &LinkMonitorArgs) -> Result<u8, String> {
+    let mut board = open(&args.board)?;
+    board.watch();
+    let mut events = Vec::new();
+    while args
+        .seconds
+        .is_none_or(|seconds| board.now() < Duration::from_secs(seconds))
+    {
+        events.extend(board.pump());
+        for line in board.traffic() {
+            let arrow = if line.outward { '>' } else { '<' };
+            output::print(&format!(
+                "{:9.3} {arrow} {}\n",
+                line.at.as_secs_f64(),
+                line.text
+            ))?;
+        }
+        if board.link.state() == LinkState::Lost {
+            break;
+        }
+    }
+    Ok(if report(&events) { ALARM } else { FINE })
+}

@@ -1,0 +1,179 @@
+//! What `link test` measures at a board: round trips, and, when the owner asks
+//! for it, moves of Z with holds in them.
+
+use std::time::Duration;
+
+use gsk_core::machine::link::{Event, LinkState, RunTime, Sample};
+use gsk_core::units::{PerAxis, Pulses};
+
+use super::super::{ALARM, FINE, output};
+use crate::board::Board;
+
+/// How long the idle board is listened to.
+const IDLE: Duration = Duration::from_secs(3);
+/// Holds that are measured.
+const HOLDS: u32 = 10;
+/// Time the drill accelerates and brakes in, ms.
+const RAMP_MS: f64 = 100.0;
+
+/// Median and worst of some times, ms.
+fn figures(times: &mut [Duration]) -> Option<(f64, f64)> {
+    times.sort_unstable();
+    let worst = times.last()?;
+    let ms = |time: &Duration| time.as_secs_f64() * 1000.0;
+    Some((ms(&times[times.len() / 2]), ms(worst)))
+}
+
+/// Round trips of an idle board.
+pub fn idle(board: &mut Board) -> Result<(), String> {
+    let end = board.now() + IDLE;
+    let mut trips = Vec::new();
+    let mut reports = board.link.traffic().reports;
+    while board.now() < end && board.link.state() != LinkState::Lost {
+        board.pump();
+        let traffic = board.link.traffic();
+        if traffic.reports != reports {
+            reports = traffic.reports;
+            trips.extend(traffic.round_trip);
+        }
+    }
+    match figures(&mut trips) {
+        Some((median, worst)) => output::print(&format!(
+            "answers   {} reports, round trip {median:.1} ms, worst {worst:.1} ms\n",
+            trips.len()
+        )),
+        None => output::print("answers   none\n"),
+    }
+}
+
+/// A move of Z under way: speed in pulses a tick.
+struct Drill<'a> {
+    board: &'a mut Board,
+    events: Vec<Event>,
+    run: RunTime,
+    z: f64,
+    speed: f64,
+    pulses: i64,
+}
+
+impl Drill<'_> {
+    /// One tick at a speed that goes toward `target`; false when the link broke off.
+    fn tick(&mut self, target: f64, top: f64) -> bool {
+        let step = top / RAMP_MS;
+        self.speed += (target - self.speed).clamp(-step, step);
+        self.z += self.speed;
+        self.run += Duration::from_millis(1);
+        self.pulses = self.z.round() as i64;
+        let sample = Sample {
+            end: self.run,
+            pulses: PerAxis::new(Pulses(0), Pulses(self.pulses)),
+        };
+        while self.board.link.room() == Duration::ZERO {
+            let events = self.board.pump();
+            self.events.extend(events);
+            if !self.board.link.state().takes_motion() {
+                return false;
+            }
+        }
+        self.board.link.push(sample).is_ok()
+    }
+
+    /// Brakes to rest and waits until the board has made it all.
+    fn stop(&mut self, top: f64) -> bool {
+        while self.speed != 0.0 {
+            if !self.tick(0.0, top) {
+                return false;
+            }
+        }
+        if self.board.link.finish().is_err() {
+            return false;
+        }
+        let events = self.board.wait(Duration::from_secs(5), |link, _| {
+            link.state() != LinkState::Moving
+        });
+        self.events.extend(events);
+        self.board.link.state() == LinkState::Ready
+    }
+}
+
+/// Moves Z there and back with holds, and compares the counts.
+pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, String> {
+    let per_mm = board.link.required().pulses_per_mm[1];
+    let top = feed / 60_000.0 * per_mm;
+    // A board with homing wakes up locked.
+    board.wait(Duration::from_millis(500), |_, _| false);
+    board.link.reset();
+    board.wait(Duration::from_millis(500), |_, _| false);
+    if board
+        .link
+        .set_position(PerAxis::default(), RunTime::ZERO)
+        .is_err()
+    {
+        return Err("the board does not stand still, or stays locked".to_owned());
+    }
+    let from = board.now();
+    let mut drill = Drill {
+        board,
+        events: Vec::new(),
+        run: RunTime::ZERO,
+        z: 0.0,
+        speed: 0.0,
+        pulses: 0,
+    };
+    let leg = millimetres * per_mm;
+    let mut holds = Vec::new();
+    let mut whole = true;
+    'legs: for target in [leg, 0.0] {
+        let from = drill.z;
+        let way = (target - from).signum();
+        for hold in 1..=HOLDS / 2 {
+            let place = from + (target - from) * f64::from(hold) / f64::from(HOLDS / 2);
+            while (place - drill.z) * way > 0.0 {
+                if !drill.tick(way * top, top) {
+                    whole = false;
+                    break 'legs;
+                }
+            }
+            // The operator presses hold now.
+            let pressed = drill.board.now();
+            if !drill.stop(top) {
+                whole = false;
+                break 'legs;
+            }
+            let stood = drill.board.link.standing_since();
+            holds.extend(stood.map(|at| at.saturating_sub(pressed)));
+        }
+    }
+    let traffic = drill.board.link.traffic();
+    let seconds = drill.board.now().saturating_sub(from).as_secs_f64();
+    let (commanded, events) = (drill.pulses, drill.events);
+    output::print(&format!(
+        "motion    {} segments, {:.0} a second; {:.0} bytes a second\n",
+        traffic.segments,
+        traffic.segments as f64 / seconds,
+        traffic.sent as f64 / seconds
+    ))?;
+    if let Some((median, worst)) = figures(&mut holds) {
+        output::print(&format!(
+            "hold      key to standstill {median:.0} ms, worst {worst:.0} ms ({} holds)\n",
+            holds.len()
+        ))?;
+    }
+    let failed = super::report(&events);
+    let position = events.iter().rev().find_map(|event| match event {
+        Event::Position(pulses) => Some(pulses.z.0),
+        _ => None,
+    });
+    match position {
+        Some(counted) if whole && !failed => {
+            output::print(&format!(
+                "pulses    Z commanded {commanded}, counted {counted}\n"
+            ))?;
+            Ok(if counted == commanded { FINE } else { ALARM })
+        }
+        _ => {
+            output::print("pulses    the run broke off; where Z stands is not certain\n")?;
+            Ok(ALARM)
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! What a board says, line by line.
+
+/// One line from the board.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answer {
+    /// The oldest unanswered line was read.
+    Ok,
+    /// The oldest unanswered line was refused.
+    Error(u16),
+    /// The board stopped by itself.
+    Alarm(u16),
+    /// Answer to `?`.
+    Status(Status),
+    /// The board has just started.
+    Banner(String),
+    /// A line of `$$`.
+    Setting(u16, f64),
+    /// `[VER:…]`
+    Version(String),
+    /// `[OPT:…]`: places in the queue, receive buffer.
+    Options(u16, u16),
+    /// `[AXS:…]`: letters of the axes.
+    Axes(String),
+    /// `[FIRMWARE:…]`
+    Firmware(String),
+    /// `[NEWOPT:…]`
+    NewOptions(String),
+    /// Anything else in brackets, and empty lines.
+    Information,
+    /// Not a line any board of the family says.
+    Garbage,
+}
+
+/// What a board is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoardState {
+    /// Nothing.
+    Idle,
+    /// Moving.
+    Run,
+    /// Braking.
+    Braking,
+    /// Held.
+    Held,
+    /// Homing.
+    Home,
+    /// Locked.
+    Alarm,
+    /// Door, Tool, Sleep, Check, Jog: never asked for by us.
+    Other,
+}
+
+/// Switches that a report names as operated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pins {
+    /// Limit of X.
+    pub x: bool,
+    /// Limit of Z.
+    pub z: bool,
+    /// Emergency stop or reset input.
+    pub emergency: bool,
+    /// Door.
+    pub door: bool,
+}
+
+/// A report.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Status {
+    /// What the board is doing.
+    pub state: BoardState,
+    /// Machine position X and Z, mm.
+    pub position: Option<[f64; 2]>,
+    /// Free places in the motion queue.
+    pub free_blocks: Option<u16>,
+    /// Switches operated.
+    pub pins: Pins,
+}
+
+impl Answer {
+    /// Reads a line without its end.
+    pub fn read(line: &str) -> Self {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('>') {
+            return Self::Information;
+        }
+        if line == "ok" {
+            return Self::Ok;
+        }
+        if let Some(number) = line.strip_prefix("error:") {
+            return number.parse().map_or(Self::Garbage, Self::Error);
+        }
+        if let Some(number) = line.strip_prefix("ALARM:") {
+            return number.parse().map_or(Self::Garbage, Self::Alarm);
+        }
+        if let Some(report) = line
+            .strip_prefix('<')
+            .and_then(|rest| rest.strip_suffix('>'))
+        {
+            return status(report).map_or(Self::Garbage, Self::Status);
+        }
+        if let Some(text) = line
+            .strip_prefix('[')
+            .and_then(|rest| rest.strip_suffix(']'))
+        {
+            return information(text);
+        }
+        if let Some(setting) = line.strip_prefix('$') {
+            return setting
+                .split_once('=')
+                .and_then(|(number, value)| {
+                    // FluidNC and grblHAL write a remark behind the value.
+                    let value = value.split_whitespace().next()?;
+                    Some(Self::Setting(number.parse().ok()?, value.parse().ok()?))
+                })
+                .unwrap_or(Self::Garbage);
+        }
+        let family = ["Grbl ", "GrblHAL "];
+        if family.iter().any(|name| line.starts_with(name)) {
+            return Self::Banner(line.to_owned());
+        }
+        Self::Garbage
+    }
+}
+
+fn information(text: &str) -> Answer {
+    let Some((name, value)) = text.split_once(':') else {
+        return Answer::Information;
+    };
+    match name {
+        "VER" => Answer::Version(value.trim_end_matches(':').to_owned()),
+        "OPT" => {
+            let mut fields = value.split(',').skip(1);
+            let mut next = || fields.next().and_then(|field| field.parse().ok());
+            match (next(), next()) {
+                (Some(blocks), Some(bytes)) => Answer::Options(blocks, bytes),
+                _ => Answer::Garbage,
+            }
+        }
+        "AXS" => Answer::Axes(value.rsplit(':').next().unwrap_or_default().to_owned()),
+        "FIRMWARE" => Answer::Firmware(value.to_owned()),
+        "NEWOPT" => Answer::NewOptions(value.to_owned()),
+        _ => Answer::Information,
+    }
+}
+
+fn status(report: &str) -> Option<Status> {
+    let mut fields = report.split('|');
+    let state = match fields.next()? {
+        "Idle" => BoardState::Idle,
+        "Run" => BoardState::Run,
+        "Hold:0" => BoardState::Held,
+        "Hold:1" => BoardState::Braking,
+        "Home" => BoardState::Home,
+        state if state == "Alarm" || state.starts_with("Alarm:") => BoardState::Alarm,
+        state if state.starts_with(|letter: char| letter.is_ascii_uppercase()) => BoardState::Other,
+        _ => return None,
+    };
+    let mut status = Status {
+        state,
+        position: None,
+        free_blocks: None,
+        pins: Pins::default(),
+    };
+    for field in fields {
+        let (name, value) = field.split_once(':')?;
+        match name {
+            "MPos" => {
+                let mut numbers = value.split(',').map(|number| number.parse::<f64>().ok());
+                let (x, z) = (numbers.next()??, numbers.nth(1)??);
+                if !(x.is_finite() && z.is_finite()) {
+                    return None;
+                }
+                status.position = Some([x, z]);
+            }
+            "Bf" => status.free_blocks = Some(value.split(',').next()?.parse().ok()?),
+            "Pn" => {
+                for letter in value.chars() {
+                    match letter {
+                        'X' => status.pins.x = true,
+                        'Z' => status.pins.z = true,
+                        'E' | 'R' => status.pins.emergency = true,
+                        'D' => status.pins.door = true,
+                        _ => {}
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    Some(status)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reports_are_read() {
+        let line = "<Run|MPos:-1.005,0.000,12.340|Bf:3,101|FS:600,0|Pn:XZ|WCO:0.000,0.000,0.000>";
+        let Answer::Status(status) = Answer::read(line) else {
+            panic!("{line}")
+        };
+        assert_eq!(status.state, BoardState::Run);
+        assert_eq!(status.position, Some([-1.005, 12.34]));
+        assert_eq!(status.free_blocks, Some(3));
+        assert!(status.pins.x && status.pins.z && !status.pins.door);
+    }
+
+    #[test]
+    fn identity_of_either_firmware_is_read() {
+        assert_eq!(
+            Answer::read("[VER:1.1h.20190825:]"),
+            Answer::Version("1.1h.20190825".into())
+        );
+        assert_eq!(Answer::read("[OPT:V,15,128]"), Answer::Options(15, 128));
+        assert_eq!(
+            Answer::read("[OPT:VNMSL,100,1024,3,0]"),
+            Answer::Options(100, 1024)
+        );
+        assert_eq!(Answer::read("[AXS:3:XYZ]"), Answer::Axes("XYZ".into()));
+        assert_eq!(Answer::read("$110=500.000"), Answer::Setting(110, 500.0));
+    }
+
+    #[test]
+    fn broken_lines_are_garbage_not_a_guess() {
+        for line in [
+            "o",
+            "okok",
+            "error:",
+            "error:x",
+            "<Run|MPos:1,2",
+            "<run>",
+            "<Run|MPos:1>",
+            "<Idle|MPos:1,0,NaN>",
+            "$1=",
+            "\u{fffd}",
+        ] {
+            assert_eq!(Answer::read(line), Answer::Garbage, "{line}");
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Boards that read lines: Grbl 1.1, grblHAL, FluidNC.
+//!
+//! Motion goes out as straight segments of fixed duration (G93); the board's own
+//! planner is set so that it never limits. Characters of unanswered lines never
+//! exceed the board's receive buffer, motion not yet made never exceeds the
+//! lookahead.
+
+mod answers;
+mod opening;
+mod required;
+mod segments;
+mod session;
+
+pub use answers::{Answer, BoardState, Pins, Status};
+pub use required::{Required, Setting};
+pub use session::{LineLink, Traffic};

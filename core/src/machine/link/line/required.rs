@@ -1,0 +1,103 @@
+//! What the settings of the board have to be for the kernel's motion to come out
+//! as it was made.
+
+use crate::machine::link::LinkConfig;
+use crate::memory::Parameters;
+use crate::units::Axis;
+
+/// The board's rates stand so far above the kernel's that they never limit.
+const RATE_MARGIN: f64 = 1.2;
+/// Likewise the acceleration, and not less than this, mm/s².
+const LEAST_ACCELERATION: f64 = 2000.0;
+const ACCELERATION_MARGIN: f64 = 10.0;
+/// A value differs when it is off by more than the board's rounding.
+const ROUNDING: f64 = 0.000_6;
+
+/// A setting and the value it must have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// Number behind the `$`.
+    pub number: u16,
+    /// Value.
+    pub value: f64,
+}
+
+impl Setting {
+    /// Whether the board's value is the wanted one.
+    pub fn is_met_by(self, board: f64) -> bool {
+        (board - self.value).abs() <= ROUNDING
+    }
+
+    /// The line that writes it.
+    pub fn line(self) -> String {
+        if self.value.fract() == 0.0 {
+            format!("${}={:.0}", self.number, self.value)
+        } else {
+            format!("${}={:.3}", self.number, self.value)
+        }
+    }
+}
+
+/// Everything the board must be set to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Required {
+    /// The settings, by number.
+    pub settings: Vec<Setting>,
+    /// Pulses per mm of slide travel, X and Z.
+    pub pulses_per_mm: [f64; 2],
+}
+
+impl Required {
+    /// From the parameters of the control (015–018, 022–025, 027) and the machine
+    /// file.
+    pub fn new(parameters: &Parameters, config: &LinkConfig) -> Self {
+        let axes = [Axis::X, Axis::Z];
+        let pulses_per_mm = axes.map(|axis| {
+            let (multiplier, divisor) = parameters.gear(axis);
+            // The least command increment of X is half a micrometre of travel.
+            let per_mm = if axis == Axis::X { 2000.0 } else { 1000.0 };
+            per_mm * f64::from(multiplier) / f64::from(divisor.max(1))
+        });
+        let rates = axes.map(|axis| {
+            let rapid = parameters.rapid_rate(axis);
+            (RATE_MARGIN * rapid.max(parameters.feed_limit())).ceil()
+        });
+        let accelerations = axes.map(|axis| {
+            let time = parameters.rapid_time(axis).max(1.0) / 1000.0;
+            let kernel = parameters.rapid_rate(axis) / 60.0 / time;
+            (ACCELERATION_MARGIN * kernel)
+                .max(LEAST_ACCELERATION)
+                .ceil()
+        });
+        let directions =
+            u8::from(config.x.invert_direction) | u8::from(config.z.invert_direction) << 2;
+        let mut settings: Vec<Setting> = [
+            (0, f64::from(config.line.step_pulse_us)),
+            (1, 255.0),
+            (2, 0.0),
+            (3, f64::from(directions)),
+            (4, 0.0),
+            (5, f64::from(u8::from(config.line.invert_limits))),
+            (10, 3.0),
+            (11, 0.02),
+            (13, 0.0),
+            (20, 0.0),
+            (21, 1.0),
+            (22, 1.0),
+            (32, 0.0),
+            (100, pulses_per_mm[0]),
+            (102, pulses_per_mm[1]),
+            (110, rates[0]),
+            (112, rates[1]),
+            (120, accelerations[0]),
+            (122, accelerations[1]),
+        ]
+        .map(|(number, value)| Setting { number, value })
+        .into();
+        settings.sort_by_key(|setting| setting.number);
+        Self {
+            settings,
+            pulses_per_mm,
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Samples of a millisecond become segments of the board's period.
+
+use core::fmt::Write;
+
+use super::super::{Refused, RunTime, Sample};
+use crate::units::{PerAxis, Pulses};
+
+/// Standstill longer than this is not carried into the next segment.
+const LONGEST: RunTime = RunTime::from_millis(500);
+
+/// A straight piece of motion for the board.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Segment {
+    /// Its line, with the line end.
+    pub(super) line: String,
+    /// How long it lasts.
+    pub(super) duration: RunTime,
+    /// When it is to end.
+    pub(super) end: RunTime,
+    /// Where it ends.
+    pub(super) pulses: PerAxis<Pulses>,
+}
+
+/// Collects samples until a segment is due.
+#[derive(Clone, Debug)]
+pub(super) struct Segments {
+    period: RunTime,
+    max_rate: f64,
+    pulses_per_mm: [f64; 2],
+    /// End of the last segment.
+    from: RunTime,
+    at: PerAxis<Pulses>,
+    /// The newest sample behind it.
+    newest: Option<Sample>,
+}
+
+impl Segments {
+    pub(super) fn new(period: RunTime, max_rate: u32, pulses_per_mm: [f64; 2]) -> Self {
+        Self {
+            period,
+            max_rate: max_rate.into(),
+            pulses_per_mm,
+            from: RunTime::ZERO,
+            at: PerAxis::default(),
+            newest: None,
+        }
+    }
+
+    /// Begins anew at a place and time.
+    pub(super) fn begin(&mut self, at: PerAxis<Pulses>, from: RunTime) {
+        self.at = at;
+        self.from = from;
+        self.newest = None;
+    }
+
+    /// Motion taken that is not in a segment yet.
+    pub(super) fn pending(&self) -> RunTime {
+        self.newest
+            .filter(|sample| sample.pulses != self.at)
+            .map_or(RunTime::ZERO, |sample| sample.end.saturating_sub(self.from))
+    }
+
+    /// Takes a sample; a segment when one is due.
+    pub(super) fn push(
+        &mut self,
+        sample: Sample,
+        offset: PerAxis<Pulses>,
+    ) -> Result<Option<Segment>, Refused> {
+        self.newest = Some(sample);
+        let duration = sample.end.saturating_sub(self.from);
+        if duration < self.period {
+            return Ok(None);
+        }
+        if sample.pulses == self.at {
+            if duration >= LONGEST {
+                self.from = sample.end - self.period;
+            }
+            return Ok(None);
+        }
+        self.cut(offset)
+    }
+
+    /// The rest, however short: the kernel stands.
+    pub(super) fn finish(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
+        match self.newest {
+            Some(sample) if sample.pulses != self.at => self.cut(offset),
+            _ => Ok(None),
+        }
+    }
+
+    fn cut(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
+        let Some(sample) = self.newest.take() else {
+            return Ok(None);
+        };
+        let duration = sample.end.saturating_sub(self.from);
+        let seconds = duration.as_secs_f64().max(1e-3);
+        let steps = [
+            sample.pulses.x.0 - self.at.x.0,
+            sample.pulses.z.0 - self.at.z.0,
+        ];
+        if steps
+            .iter()
+            .any(|count| count.unsigned_abs() as f64 / seconds > self.max_rate)
+        {
+            return Err(Refused::TooFast);
+        }
+        let mut line = String::with_capacity(32);
+        let places = [
+            (
+                'X',
+                steps[0],
+                sample.pulses.x.0 + offset.x.0,
+                self.pulses_per_mm[0],
+            ),
+            (
+                'Z',
+                steps[1],
+                sample.pulses.z.0 + offset.z.0,
+                self.pulses_per_mm[1],
+            ),
+        ];
+        // A `String` takes everything that is written to it.
+        for (letter, steps, place, per_mm) in places {
+            if steps != 0 {
+                let _ = write!(line, "{letter}{:.4}", place as f64 / per_mm);
+            }
+        }
+        let _ = writeln!(line, "F{:.1}", 60.0 / seconds);
+        self.from = sample.end;
+        self.at = sample.pulses;
+        Ok(Some(Segment {
+            line,
+            duration,
+            end: sample.end,
+            pulses: sample.pulses,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(ms: u64, x: i64, z: i64) -> Sample {
+        Sample {
+            end: RunTime::from_millis(ms),
+            pulses: PerAxis::new(Pulses(x), Pulses(z)),
+        }
+    }
+
+    #[test]
+    fn ten_samples_make_a_segment() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::new(Pulses(0), Pulses(0));
+        for ms in 1..10 {
+            assert_eq!(segments.push(sample(ms, 0, -(ms as i64)), offset), Ok(None));
+        }
+        let segment = segments.push(sample(10, 0, -10), offset).unwrap().unwrap();
+        assert_eq!(segment.line, "Z-0.0500F6000.0\n");
+        assert_eq!(segments.pending(), RunTime::ZERO);
+    }
+
+    #[test]
+    fn a_rate_the_board_cannot_make_is_refused() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::default();
+        assert_eq!(
+            segments.push(sample(10, 301, 0), offset),
+            Err(Refused::TooFast)
+        );
+    }
+
+    #[test]
+    fn standstill_is_not_hoarded() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::default();
+        for ms in 1..=5000 {
+            assert_eq!(segments.push(sample(ms, 0, 0), offset), Ok(None));
+        }
+        let segment = segments.push(sample(5001, 5, 0), offset).unwrap().unwrap();
+        assert!(segment.duration <= LONGEST, "{:?}", segment.duration);
+    }
+}

@@ -1,0 +1,852 @@
+//! The link with a board that reads lines, from the first byte to the last.
+
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use super::super::{
+    BoardInfo, Event, HostTime, LinkConfig, LinkState, Refused, RunTime, Sample, Stop,
+};
+use super::answers::{Answer, BoardState, Status};
+use super::opening::{Opening, Outcome};
+use super::required::Required;
+use super::segments::{Segment, Segments};
+use crate::memory::Parameters;
+use crate::units::{PerAxis, Point, Pulses};
+
+/// Between two reports: standing, moving, waiting for a standstill.
+const STATUS_IDLE: Duration = Duration::from_millis(200);
+const STATUS_MOVING: Duration = Duration::from_millis(100);
+const STATUS_URGENT: Duration = Duration::from_millis(20);
+/// A board that was asked and is silent for so long is lost.
+const SILENCE: Duration = Duration::from_millis(500);
+/// A line that is not answered by then was lost on the way.
+const ANSWER_WAIT: Duration = Duration::from_secs(2);
+/// A segment takes no longer than its duration and this.
+const LATE: Duration = Duration::from_secs(1);
+/// A hold stands within this, or the board is given up.
+const HOLD_WAIT: Duration = Duration::from_secs(1);
+/// Standing so long before the count is compared.
+const SETTLED: Duration = Duration::from_millis(50);
+/// No line of a board is longer.
+const LINE_BYTES: usize = 512;
+/// Modal words of all motion.
+const MODES: [&str; 2] = ["G21G18G90", "G1G93"];
+const RESET: u8 = 0x18;
+
+/// Figures of the wire for the link page.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Lines sent.
+    pub lines: u64,
+    /// Bytes sent and received.
+    pub sent: u64,
+    /// Bytes received.
+    pub received: u64,
+    /// Reports received.
+    pub reports: u64,
+    /// Lines that made no sense.
+    pub garbage: u64,
+    /// Segments sent.
+    pub segments: u64,
+    /// Time from the last `?` to its report.
+    pub round_trip: Option<Duration>,
+}
+
+/// A line that the board has not answered.
+#[derive(Clone, Debug)]
+struct Unanswered {
+    bytes: usize,
+    is_segment: bool,
+    sent: HostTime,
+}
+
+/// Motion in the board that has not been made.
+#[derive(Clone, Debug)]
+struct Queued {
+    duration: RunTime,
+    end: RunTime,
+    pulses: PerAxis<Pulses>,
+    answered: bool,
+}
+
+/// How far a flush or an unlock has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Halt {
+    None,
+    /// `!` was sent; waits for the standstill.
+    Braking(HostTime),
+    /// Ctrl-X was sent; waits for the banner.
+    Restarting(HostTime),
+}
+
+/// A link to one board.
+#[derive(Clone, Debug)]
+pub struct LineLink {
+    config: LinkConfig,
+    required: Required,
+    state: LinkState,
+    now: HostTime,
+    opening: Opening,
+    outgoing: Vec<u8>,
+    line: Vec<u8>,
+    unanswered: VecDeque<Unanswered>,
+    backlog: VecDeque<Segment>,
+    queued: VecDeque<Queued>,
+    segments: Segments,
+    /// Kernel pulses of the last sample taken.
+    commanded: PerAxis<Pulses>,
+    /// Board pulses minus kernel pulses.
+    offset: PerAxis<Pulses>,
+    /// Time of commanded motion the board has certainly made.
+    executed: RunTime,
+    /// Where that ends.
+    made: PerAxis<Pulses>,
+    /// When the oldest queued segment became the oldest.
+    progressed: HostTime,
+    asked: Option<HostTime>,
+    last_asked: HostTime,
+    status: Option<Status>,
+    still_since: Option<HostTime>,
+    halt: Halt,
+    /// The alarm that stopped the run stays to be cleared by RESET.
+    position_known: bool,
+    events: Vec<Event>,
+    traffic: Traffic,
+}
+
+impl LineLink {
+    /// A link whose port has just been opened.
+    pub fn open(config: LinkConfig, parameters: &Parameters, now: HostTime) -> Self {
+        let required = Required::new(parameters, &config);
+        let period = Duration::from_millis(config.line.period_ms.into());
+        let segments = Segments::new(period, config.line.max_rate, required.pulses_per_mm);
+        Self {
+            config,
+            required,
+            state: LinkState::Opening,
+            now,
+            opening: Opening::new(now),
+            outgoing: Vec::new(),
+            line: Vec::new(),
+            unanswered: VecDeque::new(),
+            backlog: VecDeque::new(),
+            queued: VecDeque::new(),
+            segments,
+            commanded: PerAxis::default(),
+            offset: PerAxis::default(),
+            executed: RunTime::ZERO,
+            made: PerAxis::default(),
+            progressed: now,
+            asked: None,
+            last_asked: now,
+            status: None,
+            still_since: None,
+            halt: Halt::None,
+            position_known: false,
+            events: Vec::new(),
+            traffic: Traffic::default(),
+        }
+    }
+
+    /// Where the link stands.
+    pub const fn state(&self) -> LinkState {
+        self.state
+    }
+
+    /// What the board said it is.
+    pub const fn board(&self) -> &BoardInfo {
+        &self.opening.board
+    }
+
+    /// What the board has to be set to.
+    pub const fn required(&self) -> &Required {
+        &self.required
+    }
+
+    /// The newest report.
+    pub const fn status(&self) -> Option<Status> {
+        self.status
+    }
+
+    /// Since when the board has reported itself standing.
+    pub const fn standing_since(&self) -> Option<HostTime> {
+        self.still_since
+    }
+
+    /// Figures of the wire.
+    pub const fn traffic(&self) -> Traffic {
+        self.traffic
+    }
+
+    /// Motion the board has certainly made, as time since the opening.
+    pub const fn executed(&self) -> RunTime {
+        self.executed
+    }
+
+    /// Motion handed over that may not have been made yet.
+    pub fn outstanding(&self) -> Duration {
+        let queued: Duration = self.queued.iter().map(|segment| segment.duration).sum();
+        let waiting: Duration = self.backlog.iter().map(|segment| segment.duration).sum();
+        queued + waiting + self.segments.pending()
+    }
+
+    /// How much more motion may be handed over now.
+    pub fn room(&self) -> Duration {
+        if !self.is_prepared() || !self.backlog.is_empty() {
+            return Duration::ZERO;
+        }
+        Duration::from_millis(self.config.lookahead_ms.into()).saturating_sub(self.outstanding())
+    }
+
+    /// Whether motion is taken: the modal words of all motion are confirmed.
+    fn is_prepared(&self) -> bool {
+        self.state.takes_motion()
+            && self.halt == Halt::None
+            && self.unanswered.iter().all(|line| line.is_segment)
+    }
+
+    /// What happened since the last call.
+    pub fn events(&mut self) -> Vec<Event> {
+        core::mem::take(&mut self.events)
+    }
+
+    /// Bytes to be written to the port.
+    pub fn tx(&self) -> &[u8] {
+        &self.outgoing
+    }
+
+    /// So many of them were written.
+    pub fn consumed(&mut self, count: usize) {
+        let count = count.min(self.outgoing.len());
+        self.outgoing.drain(..count);
+        self.traffic.sent += count as u64;
+    }
+
+    /// Time passes; at least every 5 ms.
+    pub fn tick(&mut self, now: HostTime) {
+        self.now = self.now.max(now);
+        if matches!(self.state, LinkState::Off | LinkState::Lost) {
+            return;
+        }
+        if !self.opening.is_done() {
+            if self.state == LinkState::Fault {
+                return;
+            }
+            let outcome = self.opening.tick(self.now);
+            self.open_further(outcome);
+            return;
+        }
+        self.watch_silence();
+        self.watch_halt();
+        self.ask();
+        self.verify();
+    }
+
+    /// Bytes came from the port.
+    pub fn rx(&mut self, bytes: &[u8], now: HostTime) {
+        self.now = self.now.max(now);
+        self.traffic.received += bytes.len() as u64;
+        if !bytes.is_empty() {
+            self.opening.hears(self.now);
+        }
+        for &byte in bytes {
+            match byte {
+                b'\n' | b'\r' => {
+                    let line = core::mem::take(&mut self.line);
+                    if !line.is_empty() {
+                        let text = String::from_utf8_lossy(&line).into_owned();
+                        self.take(&Answer::read(&text));
+                    }
+                }
+                _ if self.line.len() < LINE_BYTES => self.line.push(byte),
+                _ => {}
+            }
+        }
+    }
+
+    /// The port failed: unplugged, or taken away.
+    pub fn lost(&mut self, cause: &str) {
+        if matches!(self.state, LinkState::Off | LinkState::Lost) {
+            return;
+        }
+        self.forget_motion();
+        self.position_known = false;
+        self.alarm(605, cause);
+        self.enter(LinkState::Lost);
+    }
+
+    /// Writes the settings that differ; the operator was asked.
+    pub fn write_settings(&mut self) {
+        let outcome = self.opening.write_settings(self.now);
+        self.open_further(outcome);
+    }
+
+    /// The slides stand where the kernel says: it has made its reference return, or
+    /// the operator has confirmed it. From here on motion is taken.
+    ///
+    /// # Errors
+    /// The board moves, is locked, or has not said where it stands.
+    pub fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        let standing = self
+            .status
+            .filter(|status| status.state == BoardState::Idle);
+        let (LinkState::Locked | LinkState::Ready, Some(board)) =
+            (self.state, standing.and_then(|status| self.pulses(status)))
+        else {
+            return Err(Refused::NotReady);
+        };
+        self.offset = PerAxis::new(
+            Pulses(board.x.0 - kernel.x.0),
+            Pulses(board.z.0 - kernel.z.0),
+        );
+        self.commanded = kernel;
+        self.executed = at;
+        self.made = kernel;
+        self.segments.begin(kernel, at);
+        self.position_known = true;
+        for modes in MODES {
+            self.send(modes, false);
+        }
+        self.enter(LinkState::Ready);
+        Ok(())
+    }
+
+    /// Hands over where the axes are to be at the end of a tick.
+    ///
+    /// # Errors
+    /// The state takes no motion, or the board could not follow; nothing was sent.
+    pub fn push(&mut self, sample: Sample) -> Result<(), Refused> {
+        if !self.is_prepared() {
+            return Err(Refused::NotReady);
+        }
+        let moved = sample.pulses != self.commanded;
+        let segment = self.segments.push(sample, self.offset)?;
+        self.commanded = sample.pulses;
+        if moved && self.state == LinkState::Ready {
+            self.enter(LinkState::Moving);
+        }
+        self.backlog.extend(segment);
+        self.feed();
+        Ok(())
+    }
+
+    /// The kernel stands: what is left of the last segment goes out.
+    ///
+    /// # Errors
+    /// The board could not follow the rest.
+    pub fn finish(&mut self) -> Result<(), Refused> {
+        if self.state != LinkState::Moving || self.halt != Halt::None {
+            return Ok(());
+        }
+        let rest = self.segments.finish(self.offset)?;
+        self.backlog.extend(rest);
+        self.feed();
+        Ok(())
+    }
+
+    /// Stops the board at once.
+    pub fn stop(&mut self, stop: Stop) {
+        if !self.opening.is_done() || matches!(self.state, LinkState::Off | LinkState::Lost) {
+            return;
+        }
+        match stop {
+            Stop::Flush => self.flush(),
+            Stop::Kill => {
+                self.position_known = false;
+                self.forget_motion();
+                self.restart();
+                self.enter(LinkState::Locked);
+            }
+        }
+    }
+
+    /// The operator pressed RESET: faults whose cause is gone are cleared, the board
+    /// is unlocked; without a position nothing moves yet.
+    pub fn reset(&mut self) {
+        match self.state {
+            LinkState::Tripped | LinkState::Fault if self.opening.is_done() => {
+                self.forget_motion();
+                self.send("$X", false);
+                self.enter(LinkState::Locked);
+            }
+            LinkState::Locked if self.board_is_locked() => self.send("$X", false),
+            LinkState::Moving => self.flush(),
+            _ => {}
+        }
+    }
+
+    fn board_is_locked(&self) -> bool {
+        self.status
+            .is_some_and(|status| status.state == BoardState::Alarm)
+    }
+
+    fn enter(&mut self, state: LinkState) {
+        if self.state != state {
+            self.state = state;
+            if state == LinkState::Moving {
+                // What was reported before says nothing about this motion.
+                self.still_since = None;
+            }
+            self.events.push(Event::State(state));
+        }
+    }
+
+    fn alarm(&mut self, number: u16, detail: &str) {
+        let detail = detail.to_owned();
+        self.events.push(Event::Alarm { number, detail });
+    }
+
+    fn open_further(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Waits => {}
+            Outcome::Send(line) => {
+                if line == "$I" {
+                    self.enter(LinkState::Identify);
+                }
+                self.send(&line, false);
+            }
+            Outcome::Configures(line) => {
+                self.enter(LinkState::Configure);
+                self.send(&line, false);
+            }
+            Outcome::Done => {
+                self.unanswered.clear();
+                self.enter(LinkState::Locked);
+            }
+            Outcome::Differs(differences) => {
+                for (setting, board) in &differences {
+                    self.events.push(Event::Differs {
+                        setting: setting.number,
+                        board: *board,
+                        wanted: setting.value,
+                    });
+                }
+                let text = format!("{} settings of the board differ", differences.len());
+                self.alarm(603, &text);
+            }
+            Outcome::Fails(number, text) => {
+                self.alarm(number, &text);
+                self.enter(if number == 601 {
+                    LinkState::Lost
+                } else {
+                    LinkState::Fault
+                });
+            }
+        }
+    }
+
+    fn send(&mut self, line: &str, is_segment: bool) {
+        self.outgoing.extend_from_slice(line.as_bytes());
+        if !line.ends_with('\n') {
+            self.outgoing.push(b'\n');
+        }
+        self.traffic.lines += 1;
+        self.traffic.segments += u64::from(is_segment);
+        self.unanswered.push_back(Unanswered {
+            bytes: line.len() + usize::from(!line.ends_with('\n')),
+            is_segment,
+            sent: self.now,
+        });
+    }
+
+    /// Sends what waits, as far as the board's buffer and queue reach.
+    fn feed(&mut self) {
+        let space = usize::from(self.board().receive_bytes).saturating_sub(1);
+        while let Some(segment) = self.backlog.front() {
+            let under_way: usize = self.unanswered.iter().map(|line| line.bytes).sum();
+            if under_way + segment.line.len() > space {
+                return;
+            }
+            let Some(segment) = self.backlog.pop_front() else {
+                return;
+            };
+            self.send(&segment.line, true);
+            if self.queued.is_empty() {
+                self.progressed = self.now;
+            }
+            self.queued.push_back(Queued {
+                duration: segment.duration,
+                end: segment.end,
+                pulses: segment.pulses,
+                answered: false,
+            });
+        }
+    }
+
+    fn take(&mut self, answer: &Answer) {
+        if !self.opening.is_done() {
+            let expected = self.opening.expects_banner();
+            if matches!(answer, Answer::Banner(_)) && !expected {
+                self.board_restarted();
+                return;
+            }
+            if matches!(answer, Answer::Ok | Answer::Error(_)) {
+                self.unanswered.pop_front();
+            }
+            let outcome = self.opening.take(answer, &self.required, self.now);
+            self.open_further(outcome);
+            return;
+        }
+        match answer {
+            Answer::Ok => self.line_done(None),
+            Answer::Error(number) => self.line_done(Some(*number)),
+            Answer::Alarm(number) => self.board_alarm(*number),
+            Answer::Status(status) => self.report(*status),
+            Answer::Banner(_) if matches!(self.halt, Halt::Restarting(_)) => self.restarted(),
+            Answer::Banner(_) => self.board_restarted(),
+            Answer::Garbage => {
+                self.traffic.garbage += 1;
+                if self.state == LinkState::Moving {
+                    self.protocol_error("a line that made no sense");
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn line_done(&mut self, error: Option<u16>) {
+        let Some(line) = self.unanswered.pop_front() else {
+            if self.halt == Halt::None && self.state.takes_motion() {
+                self.protocol_error("an answer to nothing");
+            }
+            return;
+        };
+        if let Some(number) = error {
+            if self.halt == Halt::None && self.state != LinkState::Locked {
+                self.protocol_error(&format!("a line was refused with error:{number}"));
+            }
+            return;
+        }
+        if line.is_segment
+            && let Some(segment) = self.queued.iter_mut().find(|segment| !segment.answered)
+        {
+            segment.answered = true;
+        }
+        // The board cannot hold more than its queue: what is beyond was made.
+        self.retire(usize::from(self.board().blocks));
+        self.feed();
+    }
+
+    /// Counts as made all answered segments but the newest `held`.
+    fn retire(&mut self, held: usize) {
+        let answered = self
+            .queued
+            .iter()
+            .take_while(|segment| segment.answered)
+            .count();
+        for _ in held..answered {
+            if let Some(segment) = self.queued.pop_front() {
+                self.executed = segment.end;
+                self.made = segment.pulses;
+                self.progressed = self.now;
+            }
+        }
+    }
+
+    /// Distance of the board from the path it has been given, mm.
+    fn off_path(&self, board: PerAxis<Pulses>) -> f64 {
+        let [per_x, per_z] = self.required.pulses_per_mm;
+        let millimetres = |pulses: PerAxis<Pulses>| {
+            Point::new(pulses.x.0 as f64 / per_x, pulses.z.0 as f64 / per_z)
+        };
+        let at = millimetres(self.to_kernel(board));
+        let mut from = millimetres(self.made);
+        let mut nearest = (at - from).length();
+        for segment in &self.queued {
+            let to = millimetres(segment.pulses);
+            nearest = nearest.min(distance_to_line(at, from, to));
+            from = to;
+        }
+        nearest
+    }
+
+    fn to_kernel(&self, board: PerAxis<Pulses>) -> PerAxis<Pulses> {
+        PerAxis::new(
+            Pulses(board.x.0 - self.offset.x.0),
+            Pulses(board.z.0 - self.offset.z.0),
+        )
+    }
+
+    fn report(&mut self, status: Status) {
+        if let Some(asked) = self.asked.take() {
+            self.traffic.round_trip = Some(self.now.saturating_sub(asked));
+        }
+        self.traffic.reports += 1;
+        self.status = Some(status);
+        if self.state == LinkState::Moving
+            && self.halt == Halt::None
+            && let Some(board) = self.pulses(status)
+        {
+            // Pulses are made one at a time, and reports have three decimals.
+            let [x, z] = self.required.pulses_per_mm;
+            let off = self.off_path(board);
+            if off > 0.002 + 2.0 / x + 2.0 / z {
+                self.position_known = false;
+                self.alarm(
+                    611,
+                    &format!("the board is {off:.3} mm off the commanded path"),
+                );
+                self.flush();
+                self.enter(LinkState::Fault);
+                return;
+            }
+        }
+        if let Some(free) = status.free_blocks {
+            let held = self.board().blocks.saturating_sub(free);
+            self.retire(usize::from(held));
+        }
+        if status.state != BoardState::Idle {
+            self.still_since = None;
+        } else if self.still_since.is_none() {
+            self.still_since = Some(self.now);
+        }
+        match status.state {
+            BoardState::Held if matches!(self.halt, Halt::Braking(_)) => {
+                self.restart();
+            }
+            BoardState::Alarm if self.state.takes_motion() => {
+                self.board_alarm(0);
+            }
+            BoardState::Other if self.state.takes_motion() => {
+                self.alarm(607, "the board reports a state nobody asked for");
+                self.flush();
+                self.enter(LinkState::Fault);
+            }
+            _ => {}
+        }
+    }
+
+    /// Asks for a report when one is due.
+    fn ask(&mut self) {
+        if matches!(self.halt, Halt::Restarting(_)) || self.asked.is_some() {
+            return;
+        }
+        let interval = match self.state {
+            _ if self.halt != Halt::None => STATUS_URGENT,
+            LinkState::Moving if self.queued.is_empty() => STATUS_URGENT,
+            LinkState::Moving => STATUS_MOVING,
+            _ => STATUS_IDLE,
+        };
+        if self.now.saturating_sub(self.last_asked) >= interval {
+            self.outgoing.push(b'?');
+            self.asked = Some(self.now);
+            self.last_asked = self.now;
+        }
+    }
+
+    fn watch_silence(&mut self) {
+        let silent = self
+            .asked
+            .is_some_and(|asked| self.now.saturating_sub(asked) >= SILENCE);
+        let unanswered = self
+            .unanswered
+            .front()
+            .is_some_and(|line| self.now.saturating_sub(line.sent) >= ANSWER_WAIT);
+        if silent {
+            self.lost("the board has not answered for 500 ms");
+        } else if unanswered && self.halt == Halt::None && self.state.takes_motion() {
+            self.protocol_error("a line was never answered");
+        } else if self.halt == Halt::None
+            && self.queued.front().is_some_and(|segment| {
+                self.now.saturating_sub(self.progressed) >= segment.duration + LATE
+            })
+        {
+            self.protocol_error("a segment takes much longer than it was given");
+        }
+    }
+
+    fn watch_halt(&mut self) {
+        match self.halt {
+            Halt::Braking(since) if self.now.saturating_sub(since) >= HOLD_WAIT => {
+                self.position_known = false;
+                self.alarm(607, "the board did not stand within 1 s");
+                self.restart();
+                self.enter(LinkState::Fault);
+            }
+            Halt::Restarting(since) if self.now.saturating_sub(since) >= ANSWER_WAIT => {
+                self.lost("the board did not come back after a reset");
+            }
+            _ => {}
+        }
+    }
+
+    /// `!`, standstill, Ctrl-X: nothing queued is left, the position is kept.
+    fn flush(&mut self) {
+        if self.halt == Halt::None {
+            self.outgoing.push(b'!');
+            self.halt = Halt::Braking(self.now);
+            self.asked = None;
+            self.last_asked = HostTime::ZERO;
+        }
+        self.forget_motion();
+    }
+
+    fn restart(&mut self) {
+        self.outgoing.push(RESET);
+        self.halt = Halt::Restarting(self.now);
+        self.asked = None;
+        self.line.clear();
+    }
+
+    /// The banner that was asked for.
+    fn restarted(&mut self) {
+        self.halt = Halt::None;
+        self.forget_motion();
+        self.asked = None;
+        self.last_asked = HostTime::ZERO;
+        self.still_since = None;
+        if self.position_known && self.state == LinkState::Moving {
+            for modes in MODES {
+                self.send(modes, false);
+            }
+            self.enter(LinkState::Verify);
+        }
+    }
+
+    fn forget_motion(&mut self) {
+        self.unanswered.clear();
+        self.backlog.clear();
+        self.queued.clear();
+        self.segments.begin(self.commanded, self.executed);
+    }
+
+    /// When the board stands and nothing is queued, its count is compared.
+    fn verify(&mut self) {
+        let flushed = self.state == LinkState::Verify;
+        if !(flushed || self.state == LinkState::Moving) || self.halt != Halt::None {
+            return;
+        }
+        let idle = self.unanswered.is_empty()
+            && self.backlog.is_empty()
+            && self.queued.is_empty()
+            && self.segments.pending() == RunTime::ZERO;
+        let settled = self
+            .still_since
+            .is_some_and(|since| self.now.saturating_sub(since) >= SETTLED);
+        let Some(board) = self.status.and_then(|status| self.pulses(status)) else {
+            return;
+        };
+        if !(idle && settled) {
+            return;
+        }
+        let kernel = self.to_kernel(board);
+        if flushed {
+            // The kernel takes over where the board came to stand.
+            self.commanded = kernel;
+            self.made = kernel;
+            self.segments.begin(kernel, self.executed);
+            self.events.push(Event::Position(kernel));
+            self.enter(LinkState::Ready);
+            return;
+        }
+        if self.agrees(kernel) {
+            self.events.push(Event::Position(kernel));
+            self.events.push(Event::Drained);
+            self.enter(LinkState::Ready);
+            return;
+        }
+        self.position_known = false;
+        let text = format!(
+            "commanded X {} Z {} pulses, the board counts X {} Z {}",
+            self.commanded.x.0, self.commanded.z.0, kernel.x.0, kernel.z.0
+        );
+        self.alarm(611, &text);
+        self.enter(LinkState::Locked);
+    }
+
+    /// Equal, or as near as the three decimals of a report can tell.
+    fn agrees(&self, kernel: PerAxis<Pulses>) -> bool {
+        let near = |a: Pulses, b: Pulses, per_mm: f64| {
+            let rounding = if per_mm > 500.0 {
+                (per_mm * 0.000_5).ceil() as u64
+            } else {
+                0
+            };
+            (a.0 - b.0).unsigned_abs() <= rounding
+        };
+        let [x, z] = self.required.pulses_per_mm;
+        near(kernel.x, self.commanded.x, x) && near(kernel.z, self.commanded.z, z)
+    }
+
+    fn pulses(&self, status: Status) -> Option<PerAxis<Pulses>> {
+        let [x, z] = status.position?;
+        let [per_x, per_z] = self.required.pulses_per_mm;
+        Some(PerAxis::new(
+            Pulses((x * per_x).round() as i64),
+            Pulses((z * per_z).round() as i64),
+        ))
+    }
+
+    /// The board started by itself: power or its reset line.
+    fn board_restarted(&mut self) {
+        self.forget_motion();
+        self.position_known = false;
+        self.halt = Halt::None;
+        self.alarm(
+            606,
+            "the board was reset; the position of the slides is unknown",
+        );
+        self.enter(LinkState::Fault);
+    }
+
+    fn protocol_error(&mut self, cause: &str) {
+        self.alarm(608, cause);
+        self.position_known = false;
+        self.flush();
+        self.enter(LinkState::Fault);
+    }
+
+    fn board_alarm(&mut self, number: u16) {
+        if matches!(self.halt, Halt::Restarting(_)) && number == 3 {
+            // Our own reset while it moved.
+            return;
+        }
+        self.forget_motion();
+        self.position_known = false;
+        let pins = self.status.map(|status| status.pins).unwrap_or_default();
+        match number {
+            1 => {
+                for (operated, number, axis) in [(pins.x, 621, 'X'), (pins.z, 622, 'Z')] {
+                    if operated || !(pins.x || pins.z) {
+                        self.alarm(number, &format!("limit input of {axis} at the board"));
+                    }
+                }
+                // Nothing but a reset is heard by the board now.
+                self.restart();
+                self.enter(LinkState::Tripped);
+            }
+            3 => {
+                self.alarm(606, "the board was reset while it moved");
+                self.enter(LinkState::Fault);
+            }
+            6..=9 | 11 | 15 | 18 => {
+                self.alarm(609, &format!("ALARM:{number} of the board"));
+                self.enter(LinkState::Locked);
+            }
+            10 => {
+                self.alarm(207, "emergency stop input of the board");
+                self.enter(LinkState::Tripped);
+            }
+            2 | 4 | 5 | 12 | 13 | 22 => {
+                self.alarm(608, &format!("ALARM:{number} of the board"));
+                self.enter(LinkState::Fault);
+            }
+            _ => {
+                self.alarm(607, "the board is locked");
+                self.enter(LinkState::Fault);
+            }
+        }
+    }
+}
+
+/// Distance of a point from the stretch between two others.
+fn distance_to_line(at: Point, from: Point, to: Point) -> f64 {
+    let along = to - from;
+    let square = along.x * along.x + along.z * along.z;
+    if square == 0.0 {
+        return (at - from).length();
+    }
+    let way = at - from;
+    let share = ((way.x * along.x + way.z * along.z) / square).clamp(0.0, 1.0);
+    (way - along * share).length()
+}

@@ -1,0 +1,146 @@
+//! Real drives behind a pulse board on a serial line.
+//!
+//! ```text
+//!   kernel ──samples──► link ──bytes──► board ──pulses──► drives
+//!   kernel ◄──events─── link ◄──bytes── board ◄─switches─
+//! ```
+//!
+//! The link reads no clock and opens no port: bytes and the host's time are handed
+//! in, bytes and events come out. The kernel's interpolator makes all motion; the
+//! board only repeats it a little later, and is never given more than the lookahead,
+//! so that every stop has a bound. What the board *has done* is asked, not assumed.
+
+mod config;
+pub mod line;
+
+use core::time::Duration;
+
+use crate::units::{PerAxis, Pulses};
+
+pub use config::{LineConfig, LinkAxis, LinkConfig, LinkConfigError};
+
+/// Monotonic time of the host.
+pub type HostTime = Duration;
+
+/// Time of commanded motion since the link was opened: the kernel's time axis.
+pub type RunTime = Duration;
+
+/// Where the link stands with its board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkState {
+    /// No port.
+    Off,
+    /// The port is open, nothing was heard yet.
+    Opening,
+    /// The board is asked who it is.
+    Identify,
+    /// Its settings are read and compared.
+    Configure,
+    /// All is well but nobody knows where the slides stand.
+    Locked,
+    /// Position known, nothing queued.
+    Ready,
+    /// Motion is queued or being made.
+    Moving,
+    /// The board stands; its count is compared.
+    Verify,
+    /// A limit or the emergency stop stopped the board.
+    Tripped,
+    /// The board or the protocol failed.
+    Fault,
+    /// The board does not answer any more.
+    Lost,
+}
+
+impl LinkState {
+    /// Whether motion may be handed over.
+    pub const fn takes_motion(self) -> bool {
+        matches!(self, Self::Ready | Self::Moving)
+    }
+
+    /// Name on the link page, in English.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Opening => "opening",
+            Self::Identify => "identify",
+            Self::Configure => "configure",
+            Self::Locked => "locked",
+            Self::Ready => "ready",
+            Self::Moving => "moving",
+            Self::Verify => "verify",
+            Self::Tripped => "tripped",
+            Self::Fault => "fault",
+            Self::Lost => "lost",
+        }
+    }
+}
+
+/// The position the axes were commanded to at the end of a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sample {
+    /// When the axes are to be there.
+    pub end: RunTime,
+    /// Command pulses, absolute.
+    pub pulses: PerAxis<Pulses>,
+}
+
+/// How a board is stopped at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// Brake, drop what is queued, keep the position.
+    Flush,
+    /// Stop dead; the position is lost.
+    Kill,
+}
+
+/// What the board is, as far as it said.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BoardInfo {
+    /// Firmware and version.
+    pub firmware: String,
+    /// Places in its motion queue.
+    pub blocks: u16,
+    /// Size of its receive buffer, bytes.
+    pub receive_bytes: u16,
+    /// It can cut threads behind its spindle.
+    pub spindle_sync: bool,
+}
+
+/// Something the kernel must hear about.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// The state changed.
+    State(LinkState),
+    /// All motion handed over has been made, and the board's count agrees.
+    Drained,
+    /// The board's count at a standstill.
+    Position(PerAxis<Pulses>),
+    /// An alarm, with what happened in words.
+    Alarm {
+        /// Number in the alarm table, 601–622.
+        number: u16,
+        /// The cause.
+        detail: String,
+    },
+    /// A setting of the board is not what it has to be.
+    Differs {
+        /// Number of the setting.
+        setting: u16,
+        /// What the board says, if it has it at all.
+        board: Option<f64>,
+        /// What it has to be.
+        wanted: f64,
+    },
+}
+
+/// Why motion was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// The state does not allow it.
+    NotReady,
+    /// The axis would need more pulses a second than the board makes.
+    TooFast,
+    /// Slower than the board's slowest feed.
+    TooSlow,
+}

@@ -1,0 +1,127 @@
+//! Any bytes from a pulse board, at any time, between any acts of the operator:
+//! motion goes out only where the state allows it, and never more than the
+//! lookahead.
+//!
+//! Bytes below F0 come from the board; the others are acts and time.
+
+use core::mem::discriminant;
+use core::time::Duration;
+use std::cell::OnceCell;
+
+use gsk_core::machine::link::line::LineLink;
+use gsk_core::machine::link::{LinkConfig, LinkState, RunTime, Sample, Stop};
+use gsk_core::memory::Parameters;
+use gsk_core::units::{PerAxis, Pulses};
+use gsk_twins::grbl::{GrblTwin, Settings, Variant};
+
+use super::watch;
+
+/// The longest line a board reads.
+const LINE: usize = 70;
+
+#[derive(Clone)]
+struct Desk {
+    link: LineLink,
+    now: Duration,
+    run: RunTime,
+    z: i64,
+}
+
+pub(super) fn run(input: &[u8]) {
+    thread_local! {
+        static READY: OnceCell<Desk> = const { OnceCell::new() };
+    }
+    let mut desk = READY.with(|ready| ready.get_or_init(ready_desk).clone());
+    for &byte in input {
+        let before = desk.link.state();
+        watch::unit(|| act(&mut desk, byte));
+        watch::seen("state", discriminant(&desk.link.state()));
+        let lines = String::from_utf8_lossy(desk.link.tx()).into_owned();
+        for line in lines.lines() {
+            assert!(line.len() <= LINE, "a line of {} bytes", line.len());
+            let moves = line.contains(['X', 'Z']) && !line.starts_with('$');
+            assert!(
+                !moves || before.takes_motion(),
+                "motion in {before:?}: {line}"
+            );
+        }
+        let sent = desk.link.tx().len();
+        desk.link.consumed(sent);
+        let most = Duration::from_millis(150) + Duration::from_millis(500);
+        assert!(desk.link.outstanding() <= most);
+        desk.link.events();
+    }
+}
+
+fn act(desk: &mut Desk, byte: u8) {
+    match byte {
+        0xF0 => {
+            desk.run += Duration::from_millis(1);
+            desk.z -= 2;
+            let pulses = PerAxis::new(Pulses(0), Pulses(desk.z));
+            if desk.link.room() > Duration::ZERO {
+                let _ = desk.link.push(Sample {
+                    end: desk.run,
+                    pulses,
+                });
+            }
+        }
+        0xF1 => desk.now += Duration::from_millis(5),
+        0xF2 => desk.now += Duration::from_millis(300),
+        0xF3 => desk.link.stop(Stop::Flush),
+        0xF4 => desk.link.stop(Stop::Kill),
+        0xF5 => desk.link.reset(),
+        0xF6 => {
+            let at = PerAxis::new(Pulses(0), Pulses(desk.z));
+            let _ = desk.link.set_position(at, desk.run);
+        }
+        0xF7 => {
+            let _ = desk.link.finish();
+        }
+        0xF8 => desk.link.write_settings(),
+        0xF9 => desk.link = LineLink::open(LinkConfig::default(), &Parameters::default(), desk.now),
+        0xFA.. => {}
+        _ => desk.link.rx(&[byte], desk.now),
+    }
+    desk.link.tick(desk.now);
+}
+
+/// A link that has come to know its board and may move it.
+fn ready_desk() -> Desk {
+    let mut settings = Settings::default();
+    let mut link = LineLink::open(
+        LinkConfig::default(),
+        &Parameters::default(),
+        Duration::ZERO,
+    );
+    for setting in &link.required().settings {
+        let _ = settings.set(setting.number, setting.value);
+    }
+    let mut twin = GrblTwin::new(Variant::Grbl, settings);
+    for ms in 1..=6000 {
+        twin.advance(1_000_000);
+        let now = Duration::from_millis(ms);
+        link.rx(&twin.read(), now);
+        link.tick(now);
+        twin.write(link.tx());
+        let sent = link.tx().len();
+        link.consumed(sent);
+        if ms == 4000 {
+            link.reset();
+        } else if ms == 5000 {
+            let _ = link.set_position(PerAxis::default(), RunTime::ZERO);
+        }
+    }
+    link.events();
+    assert_eq!(
+        link.state(),
+        LinkState::Ready,
+        "the twin agrees with the link"
+    );
+    Desk {
+        link,
+        now: Duration::from_secs(6),
+        run: RunTime::ZERO,
+        z: 0,
+    }
+}
