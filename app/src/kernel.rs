@@ -69,6 +69,8 @@ pub enum Command {
     Fault(Fault, bool),
     /// Ask the control for something; a refusal is said.
     Ask(Box<Request>),
+    /// Switch the control off and on again.
+    PowerCycle,
     /// Hold a machine input at a value, or give it back to its sensor.
     ForceInput(BitAddress, Option<bool>),
     /// The window is alive; held keys may stay down.
@@ -279,6 +281,7 @@ impl Kernel {
                     self.say(Notice::Said(alarm.line_text()));
                 }
             }
+            Command::PowerCycle => self.emulator.power_cycle(),
             Command::ForceInput(address, state) => {
                 self.emulator.simulation.lathe.force_input(address, state);
             }

@@ -8,7 +8,7 @@ use std::thread::{self, JoinHandle};
 use crossbeam::channel::{Receiver, Sender, bounded};
 use gsk_core::cnc::Cnc;
 use gsk_core::memory::{Counters, Offsets, Parameters, Variables};
-use gsk_core::plc::Retained as PlcRetained;
+use gsk_core::plc::{Ladder, Retained as PlcRetained};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use serde::{Deserialize, Serialize};
@@ -36,6 +36,8 @@ struct Memory {
     variables: Variables,
     plc: PlcRetained,
     programs: BTreeMap<u16, Program>,
+    /// The ladder that was loaded for the next power-on.
+    ladder: Option<Arc<Ladder>>,
 }
 
 impl Memory {
@@ -54,6 +56,7 @@ impl Memory {
                 .iter()
                 .map(|(number, program)| (number, program.clone()))
                 .collect(),
+            ladder: cnc.next_ladder().cloned(),
         }
     }
 }
@@ -89,6 +92,11 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
     setup.inch_input = settings.inch_input;
     match data.load("plc") {
         Loaded::Value(plc) => setup.plc_retained = Some(plc),
+        Loaded::Missing => {}
+        Loaded::Damaged(said) => complaints.push(said),
+    }
+    match data.ladder() {
+        Loaded::Value(ladder) => setup.ladder = Arc::new(ladder),
         Loaded::Missing => {}
         Loaded::Damaged(said) => complaints.push(said),
     }
@@ -133,6 +141,7 @@ pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), String>
         variables: Variables::default(),
         plc: PlcRetained::default(),
         programs: BTreeMap::new(),
+        ladder: None,
     };
     Writer {
         data: Arc::new(data),
@@ -255,6 +264,12 @@ impl Writer {
         if now.plc != self.written.plc {
             self.data.store("plc", &now.plc)?;
             self.written.plc = now.plc;
+        }
+        if let Some(ladder) = now.ladder
+            && self.written.ladder.as_ref() != Some(&ladder)
+        {
+            self.data.store_ladder(&ladder)?;
+            self.written.ladder = Some(ladder);
         }
         let gone: Vec<u16> = self
             .written

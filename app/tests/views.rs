@@ -174,3 +174,58 @@ fn the_tables_of_the_ladder_lead_to_the_rungs() {
     // The first place that uses A0.0.
     assert!(bench.harness.query_by_label_contains("1 / ").is_some());
 }
+
+#[test]
+fn a_rung_is_edited_taken_back_saved_and_runs_at_the_next_power_on() {
+    let mut bench = Bench::new();
+    open(&mut bench, "Ladder");
+    bench.run(100);
+    bench.run(100);
+    click(&mut bench, "Edit");
+    click(&mut bench, "X0000.5 normally open");
+    click(&mut bench, "Open/closed");
+    assert!(
+        bench
+            .harness
+            .query_by_label("X0000.5 normally closed")
+            .is_some()
+    );
+    click(&mut bench, "Undo");
+    click(&mut bench, "X0000.5 normally open");
+    let kept = |bench: &Bench| {
+        let plc = bench.kernel.emulator().simulation.cnc.plc();
+        plc.ladder().source().to_owned()
+    };
+    let standard = kept(&bench);
+
+    // Typed instructions: an error stands with its line, the right text is taken.
+    let field = "Instructions of the rung";
+    bench.harness.get_by_label(field).focus();
+    bench.run(1);
+    bench
+        .harness
+        .key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::End);
+    bench.run(1);
+    bench.harness.get_by_label(field).type_text("\nSET R99");
+    bench.run(1);
+    bench.run(1);
+    assert!(
+        bench
+            .harness
+            .query_by_label_contains("line 4: E03")
+            .is_some()
+    );
+    bench.harness.get_by_label(field).type_text(".7");
+    bench.run(1);
+    bench.run(1);
+    assert!(bench.harness.query_by_label_contains("E03").is_none());
+    assert!(bench.harness.query_by_label("R0099.7 SET").is_some());
+
+    click(&mut bench, "Save");
+    assert_eq!(kept(&bench), standard, "not before power-on");
+    click(&mut bench, "Power off and on");
+    bench.run(4000);
+    assert!(kept(&bench).contains("SET R99.7"));
+    let memory = bench.kernel.emulator().simulation.cnc.plc().memory();
+    assert!(memory.bit("R99.7".parse().unwrap()), "and it runs");
+}

@@ -3,6 +3,7 @@
 //! ```text
 //! lock                one process at a time
 //! programs/O0001.CNC  one program a file, as plain text
+//! ladder.il           the ladder in place of the standard one, once one was saved
 //! NAME.ron            parameters, offsets, counters, PLC memory, …
 //! ```
 //!
@@ -13,6 +14,7 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use gsk_core::plc::Ladder;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -143,6 +145,35 @@ impl DataDir {
         self.write(&self.file(name), text.as_bytes())
     }
 
+    /// Reads the ladder that was saved in place of the standard one.
+    pub fn ladder(&self) -> Loaded<Ladder> {
+        let path = self.ladder_file();
+        let text = match fs::read(&path) {
+            Ok(bytes) => String::from_utf8(bytes).map_err(|error| error.to_string()),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Loaded::Missing,
+            Err(error) => Err(error.to_string()),
+        };
+        let compiled = text.and_then(|text| {
+            Ladder::compile(&text).map_err(|errors| {
+                let first = errors.errors.first().map(ToString::to_string);
+                first.unwrap_or_default()
+            })
+        });
+        match compiled {
+            Ok(ladder) => Loaded::Value(ladder),
+            Err(reason) => Loaded::Damaged(keep_aside(&path, &reason)),
+        }
+    }
+
+    /// Writes the ladder that runs in place of the standard one.
+    pub fn store_ladder(&self, ladder: &Ladder) -> Result<(), String> {
+        self.write(&self.ladder_file(), ladder.source().as_bytes())
+    }
+
+    fn ladder_file(&self) -> PathBuf {
+        self.path.join("ladder.il")
+    }
+
     /// Reads every program; the sentences name those that were damaged.
     pub fn programs(&self) -> (Vec<StoredProgram>, Vec<String>) {
         let mut programs = Vec::new();
@@ -246,6 +277,26 @@ mod tests {
         data.remove_program(7).expect("remove");
         data.remove_program(7).expect("already gone");
         assert_eq!(data.programs().0, []);
+        fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn a_ladder_survives_as_instruction_list() {
+        let folder = crate::files::test_folder("ladder");
+        let data = DataDir::open(&folder).expect("open");
+        assert_eq!(data.ladder(), Loaded::Missing);
+        let text = "END1\nLD R1.0 ; 注释\nOUT R2.0\nEND2\n";
+        let ladder = Ladder::compile(text).expect("compiles");
+        data.store_ladder(&ladder).expect("store");
+        let stored = fs::read_to_string(folder.join("ladder.il")).expect("read");
+        assert_eq!(stored, text);
+        assert_eq!(data.ladder(), Loaded::Value(ladder));
+        fs::write(folder.join("ladder.il"), "LD").expect("write");
+        let Loaded::Damaged(said) = data.ladder() else {
+            panic!("damaged")
+        };
+        assert!(said.contains("ladder.il.damaged"), "{said}");
+        assert_eq!(data.ladder(), Loaded::Missing);
         fs::remove_dir_all(folder).expect("clean");
     }
 

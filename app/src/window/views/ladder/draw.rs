@@ -63,6 +63,8 @@ struct Pen<'a> {
     ui: &'a Ui,
     sheet: &'a Sheet<'a>,
     power: &'a [Power],
+    /// Statements of its contacts.
+    of_contacts: usize,
     /// Index of the rung's first statement.
     first: usize,
     /// Left rail and upper edge of the first row.
@@ -133,10 +135,15 @@ pub fn rung(
             colour,
         );
     }
+    let of_outputs = match &network.body {
+        Body::Mark(_) => 0,
+        Body::Rung { outputs, .. } => outputs.len(),
+    };
     let mut pen = Pen {
         ui,
         sheet,
         power,
+        of_contacts: network.statements().len().saturating_sub(of_outputs),
         first: network.first,
         origin: pos2(left, top),
         clicked: None,
@@ -183,17 +190,16 @@ impl Pen<'_> {
         let from = self.corner(column, 0).x;
         let bus = right - OUTPUT_COLUMNS as f32 * cell.x - LEAD;
         self.wire(pos2(from, self.wire_y(0)), pos2(bus, self.wire_y(0)), live);
-        let statements = self.power.len();
-        let of_outputs = statements.saturating_sub(outputs.len());
+        let of_contacts = self.of_contacts;
         let mut row = 0;
         let mut last = 0;
         for (index, output) in outputs.iter().enumerate() {
             let power = self
                 .power
-                .get(of_outputs + index)
+                .get(of_contacts + index)
                 .copied()
                 .unwrap_or_default();
-            self.output(output, of_outputs + index, row, (bus, right), power);
+            self.output(output, of_contacts + index, row, (bus, right), power);
             last = row;
             row += layout::output_rows(output, self.sheet.comments);
         }

@@ -1,7 +1,10 @@
 //! The ladder view: rungs with live power flow, search, cross reference, forced bits,
-//! halt and step; messages, comments and initial data as tables.
+//! halt and step; messages, comments and initial data as tables; editing.
 
+mod change;
+mod draft;
 mod draw;
+mod edit;
 mod layout;
 mod search;
 mod side;
@@ -19,7 +22,9 @@ use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::window::texts::say;
+use draft::Draft;
 use draw::Sheet;
+use edit::Editor;
 use layout::Drawing;
 use search::Search;
 
@@ -27,14 +32,16 @@ use search::Search;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tab {
     Rungs,
+    List,
     Messages,
     Comments,
     StartValues,
 }
 
 impl Tab {
-    const ALL: [Self; 4] = [
+    const ALL: [Self; 5] = [
         Self::Rungs,
+        Self::List,
         Self::Messages,
         Self::Comments,
         Self::StartValues,
@@ -43,6 +50,7 @@ impl Tab {
     const fn name(self, language: Language) -> &'static str {
         match self {
             Self::Rungs => say(language, "梯形图", "Ladder"),
+            Self::List => say(language, "指令表", "List"),
             Self::Messages => say(language, "显示信息表", "Messages"),
             Self::Comments => say(language, "注释表", "Comments"),
             Self::StartValues => say(language, "初始化数据表", "Initial data"),
@@ -63,6 +71,15 @@ pub struct LadderView {
     /// A height that comes into view with the next picture.
     scroll_to: Option<f32>,
     search: Search,
+    editing: bool,
+    draft: Option<Draft>,
+    editor: Option<Editor>,
+    /// Address for the tools of editing.
+    address: String,
+    /// A rung that comes into view once it is drawn.
+    show_rung: Option<u32>,
+    /// A line that comes into view in the list.
+    list_line: Option<u32>,
 }
 
 impl LadderView {
@@ -77,6 +94,12 @@ impl LadderView {
             chosen: None,
             scroll_to: None,
             search: Search::default(),
+            editing: false,
+            draft: None,
+            editor: None,
+            address: String::new(),
+            show_rung: None,
+            list_line: None,
         }
     }
 
@@ -95,12 +118,24 @@ impl LadderView {
             ui.centered_and_justified(|ui| ui.label(say(language, "请稍候…", "One moment …")));
             return;
         };
-        let ladder = Arc::clone(machine.plc.ladder());
-        self.draw_anew(&ladder);
+        self.editing_keys(ui);
+        self.draw_anew(&self.shown(machine));
         let bar = Panel::top("ladder bar").frame(super::bar_frame());
         bar.show(ui, |ui| self.toolbar(ui, language, machine));
+        if self.editing {
+            let tools = Panel::top("ladder tools").frame(super::bar_frame());
+            tools.show(ui, |ui| self.edit_bar(ui, language));
+        }
         let line = Panel::bottom("ladder state").frame(super::bar_frame());
-        line.show(ui, |ui| state_line(ui, language, machine));
+        line.show(ui, |ui| self.state_line(ui, language, machine));
+        if self.tab == Tab::Rungs && self.editing {
+            let editor = Panel::bottom("rung editor")
+                .default_size(132.0)
+                .size_range(80.0..=400.0)
+                .resizable(true)
+                .frame(super::side_frame());
+            editor.show(ui, |ui| self.rung_editor(ui, language));
+        }
         if self.tab == Tab::Rungs {
             let side = Panel::right("ladder side")
                 .exact_size(side::WIDTH)
@@ -112,6 +147,7 @@ impl LadderView {
             .frame(super::plain_frame())
             .show(ui, |ui| match self.tab {
                 Tab::Rungs => self.rungs(ui, language, machine),
+                Tab::List => self.list(ui, language, machine),
                 Tab::Messages => self.messages(ui, language, machine),
                 Tab::Comments => self.comment_table(ui, language, machine),
                 Tab::StartValues => self.start_values(ui, language, machine),
@@ -126,16 +162,17 @@ impl LadderView {
         }
         let same = known.is_some_and(|drawing| Arc::ptr_eq(&drawing.ladder, ladder));
         if !same {
-            self.chosen = None;
+            let last = ladder.statements().len().saturating_sub(1);
+            self.chosen = self.chosen.filter(|_| self.editing).map(|at| at.min(last));
             self.search.clear();
             let uses = |subject: Subject| (subject, ladder.references(subject).len());
             self.uses = ladder.addresses().into_iter().map(uses).collect();
         }
         let drawing = Drawing::new(ladder, self.comments);
-        // The chosen rung stays in view.
+        // With comments or without, the chosen rung stays in view.
         let rung = self.chosen.and_then(|at| ladder.statements().get(at));
         let place = rung.and_then(|statement| drawing.rung(statement.rung));
-        self.scroll_to = place.map(|placed| placed.top);
+        self.scroll_to = place.filter(|_| same).map(|placed| placed.top);
         self.drawing = Some(drawing);
     }
 
@@ -171,11 +208,17 @@ impl LadderView {
                     }
                 }
             }
+            ui.separator();
+            let edit = egui::Button::selectable(self.editing, say(language, "编辑", "Edit"));
+            if ui.add(edit).clicked() {
+                self.toggle_editing(machine);
+            }
             if self.tab == Tab::Rungs {
                 ui.separator();
                 ui.checkbox(&mut self.comments, say(language, "注释", "Comments"));
                 ui.separator();
-                self.search_field(ui, language, machine.plc.ladder());
+                let ladder = self.shown(machine);
+                self.search_field(ui, language, &ladder);
             }
         });
     }
@@ -200,25 +243,30 @@ impl LadderView {
             return;
         };
         let width = ui.available_width() - 14.0;
+        if let Some(rung) = self.show_rung.take() {
+            self.scroll_to = drawing.rung(rung).map(|placed| placed.top);
+        }
         let plc = &machine.plc;
+        let runs = Arc::ptr_eq(&drawing.ladder, plc.ladder());
         let forced = |bit: BitAddress| {
             let found = plc.forces().iter().find(|force| force.bit == bit);
             found.map(|force| force.value)
         };
+        let complaints = self.complaints(&drawing.ladder);
         let sheet = Sheet {
-            ladder: plc.ladder(),
-            memory: Some(plc.memory()),
+            ladder: &drawing.ladder,
+            memory: runs.then(|| plc.memory()),
             language,
             comments: self.comments,
             chosen: self.chosen,
             forced: &forced,
             sought: self.search.subject(),
-            next: if machine.halted {
+            next: if machine.halted && runs {
                 plc.next_rung()
             } else {
                 None
             },
-            complaints: &[],
+            complaints: &complaints,
             width,
         };
         let mut area = ScrollArea::both().auto_shrink([false, false]);
@@ -234,7 +282,11 @@ impl LadderView {
             let (place, _) = ui.allocate_exact_size(size, Sense::HOVER);
             for placed in drawing.between(seen.top() - 8.0, seen.bottom()) {
                 let corner = Pos2::new(place.left(), place.top() + 8.0 + placed.top);
-                let power = plc.power(&placed.network);
+                let power = if runs {
+                    plc.power(&placed.network)
+                } else {
+                    Vec::new()
+                };
                 clicked = draw::rung(ui, &sheet, placed, corner, &power).or(clicked);
             }
         });
@@ -242,6 +294,79 @@ impl LadderView {
             self.chosen = Some(at);
         }
         self.drawing = Some(drawing);
+    }
+
+    /// What the compiler says of rungs: rung, error or warning, words.
+    fn complaints(&self, ladder: &Ladder) -> Vec<(u32, bool, String)> {
+        let errors = self.draft.as_ref().filter(|_| self.editing);
+        let errors = errors.map_or(&[][..], Draft::errors).iter();
+        let errors = errors.map(|error| (true, error));
+        let warnings = ladder.warnings().iter().map(|warning| (false, warning));
+        errors
+            .chain(warnings)
+            .map(|(error, found)| {
+                (
+                    found.rung,
+                    error,
+                    format!("{} {}", found.code, found.message),
+                )
+            })
+            .collect()
+    }
+
+    fn state_line(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let plc = &machine.plc;
+        let ladder = plc.ladder();
+        ui.horizontal(|ui| {
+            let (words, colour) = match (plc.fault(), machine.halted) {
+                (Some(fault), _) => (fault.to_string(), egui::Color32::from_rgb(255, 120, 96)),
+                (None, true) => {
+                    let rung = plc.next_rung().unwrap_or(0);
+                    let words = say(language, "已停止, 下一梯级", "halted, next rung");
+                    (format!("{words} {rung:04}"), draw::HELD)
+                }
+                (None, false) => (say(language, "运行", "running").to_owned(), draw::LIVE),
+            };
+            ui.label(RichText::new(words).color(colour));
+            ui.separator();
+            let header = ladder.header();
+            let about = [&header.remark, &header.version, &header.unit];
+            let about: Vec<&str> = about
+                .iter()
+                .map(|text| text.as_str())
+                .filter(|text| !text.is_empty())
+                .collect();
+            ui.label(RichText::new(about.join("  ")).weak());
+            ui.separator();
+            let steps = say(language, "步", "steps");
+            let rungs = say(language, "梯级", "rungs");
+            let parts = say(language, "二级分段", "parts of level 2");
+            let figures = format!(
+                "{} {steps}   {} {rungs}   {parts} {}",
+                ladder.steps(),
+                ladder.rung_count(),
+                ladder.parts()
+            );
+            ui.label(RichText::new(figures).weak());
+            if machine.next_ladder.is_some() {
+                ui.separator();
+                let words = say(
+                    language,
+                    "新梯形图待重新上电后运行",
+                    "a new ladder runs at the next power-on",
+                );
+                ui.label(RichText::new(words).color(draw::HELD));
+                let words = say(language, "重新上电", "Power off and on");
+                let hint = say(
+                    language,
+                    "控制断电再上电, 程序停止",
+                    "The control goes off and on again; a program stops",
+                );
+                if ui.button(words).on_hover_text(hint).clicked() {
+                    self.console.send(Command::PowerCycle);
+                }
+            }
+        });
     }
 }
 
@@ -254,50 +379,4 @@ fn subjects(statement: &Statement) -> Vec<Subject> {
         _ => None,
     };
     statement.operands.iter().filter_map(named).collect()
-}
-
-fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
-    let plc = &machine.plc;
-    let ladder = plc.ladder();
-    ui.horizontal(|ui| {
-        let (words, colour) = match (plc.fault(), machine.halted) {
-            (Some(fault), _) => (fault.to_string(), egui::Color32::from_rgb(255, 120, 96)),
-            (None, true) => {
-                let rung = plc.next_rung().unwrap_or(0);
-                let words = say(language, "已停止, 下一梯级", "halted, next rung");
-                (format!("{words} {rung:04}"), draw::HELD)
-            }
-            (None, false) => (say(language, "运行", "running").to_owned(), draw::LIVE),
-        };
-        ui.label(RichText::new(words).color(colour));
-        ui.separator();
-        let header = ladder.header();
-        let about = [&header.remark, &header.version, &header.unit];
-        let about: Vec<&str> = about
-            .iter()
-            .map(|text| text.as_str())
-            .filter(|text| !text.is_empty())
-            .collect();
-        ui.label(RichText::new(about.join("  ")).weak());
-        ui.separator();
-        let steps = say(language, "步", "steps");
-        let rungs = say(language, "梯级", "rungs");
-        let parts = say(language, "二级分段", "parts of level 2");
-        let figures = format!(
-            "{} {steps}   {} {rungs}   {parts} {}",
-            ladder.steps(),
-            ladder.rung_count(),
-            ladder.parts()
-        );
-        ui.label(RichText::new(figures).weak());
-        if machine.next_ladder.is_some() {
-            ui.separator();
-            let words = say(
-                language,
-                "新梯形图待重新上电后运行",
-                "a new ladder runs at the next power-on",
-            );
-            ui.label(RichText::new(words).color(draw::HELD));
-        }
-    });
 }

@@ -17,7 +17,7 @@ pub const WIDTH: f32 = 304.0;
 
 impl LadderView {
     pub(super) fn side(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
-        let ladder = machine.plc.ladder().clone();
+        let ladder = self.shown(machine);
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {

@@ -17,7 +17,7 @@ type Column = (&'static str, f32);
 
 impl LadderView {
     pub(super) fn messages(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
-        let ladder = machine.plc.ladder().clone();
+        let ladder = self.shown(machine);
         let columns = [
             (say(language, "A 地址", "A address"), 110.0),
             (say(language, "信息号", "Number"), 90.0),
@@ -51,7 +51,7 @@ impl LadderView {
     }
 
     pub(super) fn comment_table(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
-        let ladder = machine.plc.ladder().clone();
+        let ladder = self.shown(machine);
         let columns = [
             (say(language, "地址", "Address"), 110.0),
             (say(language, "使用", "Uses"), 60.0),
@@ -83,7 +83,7 @@ impl LadderView {
     }
 
     pub(super) fn start_values(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
-        let ladder = machine.plc.ladder().clone();
+        let ladder = self.shown(machine);
         let columns = [
             (say(language, "地址", "Address"), 110.0),
             (say(language, "初始值", "Initial"), 120.0),

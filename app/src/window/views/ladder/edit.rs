@@ -1,0 +1,473 @@
+//! Editing in the ladder view: a rung as instructions or element by element, the
+//! whole list, undo; saved for the next power-on.
+
+use std::sync::Arc;
+
+use egui::{Button, Color32, Panel, RichText, ScrollArea, TextEdit, Ui, vec2};
+use gsk_core::cnc::Request;
+use gsk_core::plc::address::BitAddress;
+use gsk_core::plc::{CompileError, Ladder, Network};
+use gsk_core::setup::standard_ladder;
+
+use super::change::{Change, changed, lines};
+use super::draft::Draft;
+use super::{LadderView, Tab};
+use crate::cli::Language;
+use crate::kernel::monitor::MachineView;
+use crate::window::texts::say;
+use crate::window::views::aside;
+
+const WRONG: Color32 = Color32::from_rgb(255, 130, 104);
+/// What a typed change to the whole list counts as; rungs begin with 1.
+const WHOLE: u32 = 0;
+/// What a new rung begins with.
+const NEW_RUNG: &str = "LD X0.0\nOUT R0.0";
+
+/// The rung whose instructions are being typed.
+#[derive(Clone, Debug)]
+pub struct Editor {
+    /// Its number.
+    rung: u32,
+    /// Its first line in the text of the ladder.
+    line: u32,
+    text: String,
+    /// The ladder it began with.
+    base: Arc<Ladder>,
+    /// The list that came of it; another one makes the editor begin anew.
+    source: String,
+}
+
+impl LadderView {
+    /// The ladder that is drawn: the one being edited, or the one that runs.
+    pub(super) fn shown(&self, machine: &MachineView) -> Arc<Ladder> {
+        let draft = self.draft.as_ref().filter(|_| self.editing);
+        let ladder = draft.map_or(machine.plc.ladder(), Draft::ladder);
+        Arc::clone(ladder)
+    }
+
+    pub(super) fn toggle_editing(&mut self, machine: &MachineView) {
+        self.editing = !self.editing;
+        if self.editing && self.draft.is_none() {
+            let newest = machine.next_ladder.as_ref();
+            self.draft = Some(Draft::new(newest.unwrap_or(machine.plc.ladder())));
+        }
+    }
+
+    /// Keys of editing: undo, redo, compile and save.
+    pub(super) fn editing_keys(&mut self, ui: &Ui) {
+        if !self.editing {
+            return;
+        }
+        let typing = ui.ctx().egui_wants_keyboard_input();
+        let pressed = |ctrl: bool, key| {
+            ui.input(|input| input.key_pressed(key) && input.modifiers.ctrl == ctrl)
+        };
+        if pressed(false, egui::Key::F9) {
+            self.save();
+        } else if !typing && pressed(true, egui::Key::Z) {
+            self.step(false);
+        } else if !typing && pressed(true, egui::Key::Y) {
+            self.step(true);
+        } else if !typing && pressed(false, egui::Key::Delete) {
+            self.change(Change::Delete);
+        }
+    }
+
+    fn step(&mut self, again: bool) {
+        if let Some(draft) = &mut self.draft {
+            if again {
+                draft.redo();
+            } else {
+                draft.undo();
+            }
+        }
+    }
+
+    fn save(&mut self) {
+        let Some(draft) = self
+            .draft
+            .as_mut()
+            .filter(|draft| draft.errors().is_empty())
+        else {
+            return;
+        };
+        draft.saved();
+        let ladder = Arc::clone(draft.ladder());
+        self.ask(Request::LoadLadder(ladder));
+    }
+
+    /// The bar with the tools of editing.
+    pub(super) fn edit_bar(&mut self, ui: &mut Ui, language: Language) {
+        let Some(draft) = &self.draft else { return };
+        let (back, again) = draft.steps();
+        let right = draft.errors().is_empty();
+        let is_changed = draft.is_changed();
+        ui.horizontal_wrapped(|ui| {
+            for (word, hint, on, redo) in [
+                (say(language, "撤消", "Undo"), "Ctrl+Z", back, false),
+                (say(language, "重做", "Redo"), "Ctrl+Y", again, true),
+            ] {
+                if ui
+                    .add_enabled(on, Button::new(word))
+                    .on_hover_text(hint)
+                    .clicked()
+                {
+                    self.step(redo);
+                }
+            }
+            if self.tab == Tab::Rungs {
+                ui.separator();
+                self.element_tools(ui, language, right);
+                ui.separator();
+                self.rung_tools(ui, language, right);
+            }
+            ui.separator();
+            let hint = say(
+                language,
+                "F9: 保存为指令表, 下次上电运行",
+                "F9: saved as instruction list, runs at the next power-on",
+            );
+            let save = Button::new(say(language, "保存", "Save"));
+            if ui
+                .add_enabled(right && is_changed, save)
+                .on_hover_text(hint)
+                .clicked()
+            {
+                self.save();
+            }
+            let discard = Button::new(say(language, "放弃修改", "Discard"));
+            if ui.add_enabled(is_changed, discard).clicked() {
+                self.draft = None;
+                self.editing = false;
+            }
+            ui.menu_button(say(language, "文件", "File"), |ui| {
+                self.files(ui, language);
+            });
+        });
+    }
+
+    fn files(&mut self, ui: &mut Ui, language: Language) {
+        if ui
+            .button(say(language, "导出指令表…", "Export list…"))
+            .clicked()
+        {
+            if let Some(draft) = &self.draft {
+                let text = draft.text().to_owned();
+                let context = ui.ctx().clone();
+                aside::save(
+                    &self.console,
+                    &context,
+                    language,
+                    ("ladder.il", "IL"),
+                    move || text,
+                );
+            }
+            ui.close();
+        }
+        let words = say(language, "换成标准梯形图", "Replace by the standard ladder");
+        if ui.button(words).clicked() {
+            if let Some(draft) = &mut self.draft {
+                draft.set(standard_ladder().source().to_owned(), None);
+            }
+            ui.close();
+        }
+    }
+
+    /// What is done to the chosen contact or coil.
+    fn element_tools(&mut self, ui: &mut Ui, language: Language, right: bool) {
+        let on = right && self.chosen.is_some();
+        if ui
+            .add_enabled(on, Button::new(say(language, "开/闭", "Open/closed")))
+            .on_hover_text(say(
+                language,
+                "常开与常闭互换; 线圈: OUT、SET、RST",
+                "Normally open or closed; a coil: OUT, SET, RST",
+            ))
+            .clicked()
+        {
+            self.change(Change::Kind);
+        }
+        let field = TextEdit::singleline(&mut self.address)
+            .desired_width(70.0)
+            .hint_text("R30.5");
+        let response = ui.add(field);
+        let name = say(language, "元件地址", "Element address");
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+        let bit: Option<BitAddress> = self.address.trim().to_ascii_uppercase().parse().ok();
+        type Make = fn(BitAddress) -> Change;
+        let tools: [(&str, &str, Make); 3] = [
+            (
+                say(language, "改地址", "Address"),
+                say(
+                    language,
+                    "所选元件改用此地址",
+                    "The chosen element takes this address",
+                ),
+                Change::Address,
+            ),
+            (
+                say(language, "串联", "Series"),
+                say(
+                    language,
+                    "在所选触点后串联一触点",
+                    "A contact behind the chosen one",
+                ),
+                Change::Series,
+            ),
+            (
+                say(language, "并联", "Parallel"),
+                say(
+                    language,
+                    "在所选触点或线圈下并联一个",
+                    "A contact or coil below the chosen one",
+                ),
+                Change::Parallel,
+            ),
+        ];
+        for (word, hint, make) in tools {
+            let button = Button::new(word);
+            let clicked = ui
+                .add_enabled(on && bit.is_some(), button)
+                .on_hover_text(hint)
+                .clicked();
+            if let Some(bit) = bit.filter(|_| clicked) {
+                self.change(make(bit));
+            }
+        }
+        let delete = Button::new(say(language, "删除", "Delete"));
+        if ui.add_enabled(on, delete).on_hover_text("Delete").clicked() {
+            self.change(Change::Delete);
+        }
+    }
+
+    fn rung_tools(&mut self, ui: &mut Ui, language: Language, right: bool) {
+        let on = right && self.chosen.is_some();
+        let insert = Button::new(say(language, "插入梯级", "Insert rung"));
+        if ui.add_enabled(on, insert).clicked() {
+            self.replace_rung(|network| {
+                let mut rung = lines(network);
+                rung.push(NEW_RUNG.to_owned());
+                Some(rung)
+            });
+            // The new rung is chosen.
+            let rung = self.chosen_network().map(|network| network.number + 1);
+            let next = rung.and_then(|rung| self.draft.as_ref()?.ladder().network(rung));
+            if let Some(next) = next {
+                self.chosen = Some(next.first);
+                self.show_rung = Some(next.number);
+            }
+        }
+        let delete = Button::new(say(language, "删除梯级", "Delete rung"));
+        if ui.add_enabled(on, delete).clicked() {
+            self.replace_rung(|_| Some(Vec::new()));
+        }
+    }
+
+    /// The rung of the chosen statement, as it is being edited.
+    fn chosen_network(&self) -> Option<Network> {
+        let ladder = self.draft.as_ref()?.ladder();
+        let statement = ladder.statements().get(self.chosen?)?;
+        ladder.network(statement.rung)
+    }
+
+    fn change(&mut self, change: Change) {
+        let Some(at) = self.chosen else { return };
+        self.replace_rung(|network| changed(network, at.checked_sub(network.first)?, change));
+    }
+
+    /// Puts other instructions in the place of the chosen rung.
+    fn replace_rung(&mut self, lines: impl Fn(&Network) -> Option<Vec<String>>) {
+        let Some(network) = self.chosen_network() else {
+            return;
+        };
+        let Some(draft) = self
+            .draft
+            .as_mut()
+            .filter(|draft| draft.errors().is_empty())
+        else {
+            return;
+        };
+        if let Some(lines) = lines(&network) {
+            let text = draft.ladder().with_rung(network.number, &lines.join("\n"));
+            draft.set(text, None);
+        }
+    }
+
+    /// The instructions of the chosen rung, to be typed, and what the compiler says.
+    pub(super) fn rung_editor(&mut self, ui: &mut Ui, language: Language) {
+        let Some(draft) = &self.draft else { return };
+        let network = self.chosen_network();
+        let begun = self.editor.as_ref();
+        let stale = begun.is_none_or(|editor| {
+            editor.source != draft.text()
+                || (draft.errors().is_empty()
+                    && network
+                        .as_ref()
+                        .is_none_or(|network| network.number != editor.rung))
+        });
+        if stale {
+            let line = |network: &Network| {
+                let first = draft.ladder().statements().get(network.first);
+                first.map_or(0, |statement| statement.line)
+            };
+            self.editor = network.as_ref().map(|network| Editor {
+                rung: network.number,
+                line: line(network),
+                text: lines(network).join("\n"),
+                base: Arc::clone(draft.ladder()),
+                source: draft.text().to_owned(),
+            });
+        }
+        let Some(mut editor) = self.editor.take() else {
+            let words = say(
+                language,
+                "点击要编辑的梯级中的元件",
+                "Click an element of the rung to be edited",
+            );
+            ui.label(RichText::new(words).weak());
+            return;
+        };
+        let panel = Panel::right("rung errors")
+            .exact_size((ui.available_width() * 0.5).max(200.0))
+            .resizable(false)
+            .show_separator_line(false)
+            .frame(egui::Frame::new().inner_margin(egui::Margin::symmetric(10, 0)));
+        let mut chosen = None;
+        panel.show(ui, |ui| {
+            let errors = self.draft.as_ref().map_or(&[][..], Draft::errors);
+            chosen = complaints(ui, language, errors, editor.line, editor.rung);
+        });
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                let field = TextEdit::multiline(&mut editor.text)
+                    .font(egui::TextStyle::Monospace)
+                    .desired_rows(5)
+                    .desired_width(f32::INFINITY);
+                let response = ui.add(field);
+                response.widget_info(|| {
+                    let name = say(language, "梯级指令", "Instructions of the rung");
+                    egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, true, name)
+                });
+                if response.changed()
+                    && let Some(draft) = &mut self.draft
+                {
+                    let text = editor.base.with_rung(editor.rung, &editor.text);
+                    draft.set(text, Some(editor.rung));
+                    draft.text().clone_into(&mut editor.source);
+                }
+            });
+        self.editor = Some(editor);
+        if let Some(line) = chosen {
+            self.choose_line(line);
+        }
+    }
+
+    /// The whole list.
+    pub(super) fn list(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        let mut chosen = None;
+        let editing = self.editing;
+        if let Some(draft) = self.draft.as_ref().filter(|_| editing)
+            && !draft.errors().is_empty()
+        {
+            let panel = Panel::bottom("list errors")
+                .default_size(110.0)
+                .frame(crate::window::views::side_frame());
+            panel.show(ui, |ui| {
+                chosen = complaints(ui, language, draft.errors(), 1, WHOLE);
+            });
+        }
+        if chosen.is_some() {
+            self.list_line = chosen;
+        }
+        let mut text = match self.draft.as_ref().filter(|_| editing) {
+            Some(draft) => draft.text().to_owned(),
+            None => machine.plc.ladder().source().to_owned(),
+        };
+        let mut area = ScrollArea::both().auto_shrink([false, false]);
+        let height = ui.text_style_height(&egui::TextStyle::Monospace);
+        if let Some(line) = self.list_line.take() {
+            let offset = (f64::from(line) * f64::from(height)) as f32 - ui.available_height() * 0.4;
+            area = area.vertical_scroll_offset(offset.max(0.0));
+        }
+        area.show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                ui.spacing_mut().item_spacing = vec2(4.0, 0.0);
+                let numbers: Vec<String> = (1..=text.lines().count().max(1))
+                    .map(|line| format!("{line:4}"))
+                    .collect();
+                let numbers = RichText::new(numbers.join("\n")).monospace().weak();
+                // The field has a margin of its own.
+                ui.vertical(|ui| {
+                    ui.add_space(2.0);
+                    ui.label(numbers);
+                });
+                let field = TextEdit::multiline(&mut text)
+                    .font(egui::TextStyle::Monospace)
+                    .desired_width(f32::INFINITY)
+                    .interactive(editing);
+                let response = ui.add(field);
+                response.widget_info(|| {
+                    let name = say(language, "指令表", "Instruction list");
+                    egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, editing, name)
+                });
+                if response.changed()
+                    && let Some(draft) = self.draft.as_mut().filter(|_| editing)
+                {
+                    draft.set(text, Some(WHOLE));
+                }
+            });
+        });
+    }
+
+    /// Chooses the first statement of a line.
+    fn choose_line(&mut self, line: u32) {
+        let Some(draft) = &self.draft else { return };
+        let ladder = draft.ladder();
+        let at = ladder
+            .statements()
+            .partition_point(|statement| statement.line < line);
+        if let Some(statement) = ladder.statements().get(at) {
+            self.chosen = Some(at);
+            self.show_rung = Some(statement.rung);
+        }
+    }
+}
+
+/// Draws what the compiler says; tells the line of one that was clicked. Lines of
+/// the edited rung count from its first.
+fn complaints(
+    ui: &mut Ui,
+    language: Language,
+    errors: &[CompileError],
+    first: u32,
+    rung: u32,
+) -> Option<u32> {
+    let mut chosen = None;
+    ScrollArea::vertical()
+        .id_salt("complaints")
+        .auto_shrink([false, false])
+        .show(ui, |ui| {
+            if errors.is_empty() {
+                let words = gsk_core::plc::summary(0, 0);
+                ui.label(RichText::new(words).color(super::draw::LIVE));
+            }
+            for error in errors {
+                let own = rung == WHOLE || error.rung == rung;
+                let place = if own {
+                    let line = error.line.saturating_sub(first) + 1;
+                    format!("{} {line}", say(language, "行", "line"))
+                } else {
+                    format!("{} {:04}", say(language, "梯级", "rung"), error.rung)
+                };
+                let text = format!("{place}: {} {}", error.code, error.message);
+                let label = egui::Label::new(RichText::new(text).color(WRONG))
+                    .wrap()
+                    .sense(egui::Sense::click());
+                if ui.add(label).clicked() {
+                    chosen = Some(error.line);
+                }
+            }
+        });
+    chosen
+}
