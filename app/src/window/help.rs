@@ -4,6 +4,7 @@ use egui::{Color32, Context, RichText};
 use gsk_panel::keys::{KEYS, KeyRow, Role};
 
 use super::texts::Text;
+use super::views::{VIEWS, key_name};
 use crate::cli::Language;
 
 /// Draws the map; returns whether it stays open.
@@ -22,6 +23,11 @@ pub fn show(context: &Context, language: Language) -> bool {
         for text in [Text::KeysCharacters, Text::KeysClose] {
             ui.label(RichText::new(text.of(language)).color(Color32::from_gray(150)));
         }
+        let views = VIEWS
+            .iter()
+            .map(|row| format!("{}  {}", key_name(row), row.name.of(language)));
+        let views = views.collect::<Vec<_>>().join("     ");
+        ui.label(RichText::new(views).color(Color32::from_gray(190)));
         egui::ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {

@@ -147,7 +147,10 @@ impl Views {
                 match row.view {
                     View::Scope => self.scope.show(ui, language, native),
                     View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
-                    View::Ladder => self.ladder.show(ui, language, self.machine.as_ref()),
+                    View::Ladder => {
+                        let machine = self.machine.as_ref();
+                        self.ladder.show(ui, language, machine, native);
+                    }
                 }
             });
             if !stays {
@@ -197,10 +200,13 @@ fn window(
     let id = ViewportId::from_hash_of(&id);
     context.show_viewport_immediate(id, builder, |ui, _| {
         add(ui, true);
-        let wanted = ui.ctx().egui_wants_keyboard_input();
+        let typing = ui.ctx().egui_wants_keyboard_input();
         ui.input(|input| {
             typed.focused |= input.focused;
-            let events = input.events.iter().filter(|event| for_panel(event, wanted));
+            let events = input
+                .events
+                .iter()
+                .filter(|event| for_panel(event, row.view, typing));
             typed.events.extend(events.cloned());
             let closing = input.viewport().close_requested();
             let again = toggled(&input.events) == Some(row.view);
@@ -209,10 +215,11 @@ fn window(
     })
 }
 
-/// Whether a key typed into a view's window is meant for the panel: the function keys
-/// (cycle start, feed hold and emergency stop among them) and what is held with Ctrl
-/// or Alt, unless a field is being filled. A release always is.
-fn for_panel(event: &Event, wanted: bool) -> bool {
+/// Whether a key typed into a view's window is meant for the panel. Feed hold and
+/// emergency stop always are, and every release; of a view without keys of its own
+/// for them the function keys and what is held with Ctrl or Alt, unless a field is
+/// being filled.
+fn for_panel(event: &Event, view: View, typing: bool) -> bool {
     let Event::Key {
         key,
         pressed,
@@ -222,12 +229,16 @@ fn for_panel(event: &Event, wanted: bool) -> bool {
     else {
         return false;
     };
-    let stop = matches!(key, Key::F9 | Key::F10 | Key::F12);
-    let function = matches!(key.name().strip_prefix('F'), Some(number) if !number.is_empty());
+    if !pressed {
+        return true;
+    }
+    if matches!(key, Key::F10 | Key::F12) && !modifiers.any() {
+        return true;
+    }
+    let number = key.name().strip_prefix('F');
+    let function = number.is_some_and(|number| !number.is_empty());
     let combined = modifiers.ctrl || modifiers.alt;
-    !pressed
-        || (stop && !modifiers.any())
-        || (!wanted && !modifiers.shift && (function || combined))
+    view != View::Ladder && !typing && !modifiers.shift && (function || combined)
 }
 
 /// The view that a key opens or closes.
@@ -266,4 +277,47 @@ fn plain_frame() -> Frame {
 /// The name of a view's key.
 pub fn key_name(row: &ViewRow) -> String {
     format!("Shift+{}", row.key.name())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::Modifiers;
+
+    fn press(key: Key, modifiers: Modifiers) -> Event {
+        Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers,
+        }
+    }
+
+    #[test]
+    fn stops_reach_the_panel_from_everywhere_and_a_start_never_by_mistake() {
+        let plain = Modifiers::NONE;
+        for view in [View::Scope, View::Bench, View::Ladder] {
+            for typing in [false, true] {
+                for key in [Key::F10, Key::F12] {
+                    assert!(for_panel(&press(key, plain), view, typing));
+                }
+                assert!(!for_panel(&press(Key::X, plain), view, typing));
+            }
+            assert!(!for_panel(&press(Key::F9, plain), view, true));
+        }
+        // F9 saves in the ladder view, Ctrl+Z takes back.
+        assert!(!for_panel(&press(Key::F9, plain), View::Ladder, false));
+        assert!(!for_panel(
+            &press(Key::Z, Modifiers::CTRL),
+            View::Ladder,
+            false
+        ));
+        assert!(for_panel(&press(Key::F9, plain), View::Scope, false));
+        assert!(for_panel(
+            &press(Key::ArrowLeft, Modifiers::CTRL),
+            View::Scope,
+            false
+        ));
+    }
 }

@@ -112,13 +112,21 @@ impl LadderView {
         self.console.send(Command::Ask(Box::new(request)));
     }
 
-    /// Draws the view and takes its input.
-    pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
+    /// Draws the view and takes its input; `own_keys`: in a window of its own.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        machine: Option<&Arc<MachineView>>,
+        own_keys: bool,
+    ) {
         let Some(machine) = machine else {
             ui.centered_and_justified(|ui| ui.label(say(language, "请稍候…", "One moment …")));
             return;
         };
-        self.editing_keys(ui);
+        if own_keys {
+            self.editing_keys(ui);
+        }
         self.draw_anew(&self.shown(machine));
         let bar = Panel::top("ladder bar").frame(super::bar_frame());
         bar.show(ui, |ui| self.toolbar(ui, language, machine));
