@@ -229,3 +229,44 @@ fn a_rung_is_edited_taken_back_saved_and_runs_at_the_next_power_on() {
     let memory = bench.kernel.emulator().simulation.cnc.plc().memory();
     assert!(memory.bit("R99.7".parse().unwrap()), "and it runs");
 }
+
+#[test]
+fn a_row_of_a_table_is_edited_and_a_wrong_one_refused() {
+    let mut bench = Bench::new();
+    open(&mut bench, "Ladder");
+    bench.run(100);
+    bench.run(100);
+    click(&mut bench, "Edit");
+    click(&mut bench, "Messages");
+    let write = |bench: &mut Bench, fields: &[(&str, &str)]| {
+        for (name, text) in fields {
+            let role = egui::accesskit::Role::TextInput;
+            bench.harness.get_by_role_and_label(role, name).focus();
+            bench.run(1);
+            let select = (egui::Modifiers::COMMAND, egui::Key::A);
+            bench.harness.key_press_modifiers(select.0, select.1);
+            bench.run(1);
+            let field = bench.harness.get_by_role_and_label(role, name);
+            field.type_text(text);
+            bench.run(1);
+        }
+        click(bench, "Write");
+    };
+    let rows = |bench: &Bench, text: &str| bench.harness.query_all_by_label(text).count();
+    write(
+        &mut bench,
+        &[("A address", "A5.0"), ("Number", "999"), ("Text", "oil")],
+    );
+    assert!(
+        bench
+            .harness
+            .query_by_label_contains("1000 to 9999")
+            .is_some()
+    );
+    write(&mut bench, &[("Number", "1050")]);
+    assert_eq!(rows(&bench, "A0005.0  1050  0  oil"), 1);
+    click(&mut bench, "Delete row");
+    assert_eq!(rows(&bench, "A0005.0  1050  0  oil"), 0);
+    click(&mut bench, "Undo");
+    assert_eq!(rows(&bench, "A0005.0  1050  0  oil"), 1);
+}

@@ -17,7 +17,8 @@ use crate::kernel::monitor::MachineView;
 use crate::window::texts::say;
 use crate::window::views::aside;
 
-const WRONG: Color32 = Color32::from_rgb(255, 130, 104);
+/// Colour of what the compiler finds wrong.
+pub const WRONG: Color32 = Color32::from_rgb(255, 130, 104);
 /// What a typed change to the whole list counts as; rungs begin with 1.
 const WHOLE: u32 = 0;
 /// What a new rung begins with.

@@ -2,6 +2,7 @@
 //! halt and step; messages, comments and initial data as tables; editing.
 
 mod change;
+mod directive;
 mod draft;
 mod draw;
 mod edit;
@@ -74,6 +75,10 @@ pub struct LadderView {
     editing: bool,
     draft: Option<Draft>,
     editor: Option<Editor>,
+    /// Fields of the row of a table.
+    row: Vec<String>,
+    /// Why the row was not taken.
+    complaint: Option<String>,
     /// Address for the tools of editing.
     address: String,
     /// A rung that comes into view once it is drawn.
@@ -97,6 +102,8 @@ impl LadderView {
             editing: false,
             draft: None,
             editor: None,
+            row: Vec::new(),
+            complaint: None,
             address: String::new(),
             show_rung: None,
             list_line: None,
@@ -187,7 +194,14 @@ impl LadderView {
     fn toolbar(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         ui.horizontal_wrapped(|ui| {
             for tab in Tab::ALL {
-                ui.selectable_value(&mut self.tab, tab, tab.name(language));
+                if ui
+                    .selectable_label(self.tab == tab, tab.name(language))
+                    .clicked()
+                {
+                    self.tab = tab;
+                    self.row.clear();
+                    self.complaint = None;
+                }
             }
             ui.separator();
             let halted = machine.halted;

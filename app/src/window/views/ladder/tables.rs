@@ -1,9 +1,14 @@
 //! The tables that belong to a ladder: messages, comments, initial data (manual
 //! PLC-III 4 and 5).
 
-use egui::{Align, Color32, Label, Layout, RichText, ScrollArea, Sense, Ui, UiBuilder, vec2};
-use gsk_core::plc::Subject;
+use egui::{
+    Align, Color32, Label, Layout, Panel, RichText, ScrollArea, Sense, TextEdit, Ui, UiBuilder,
+    vec2,
+};
+use gsk_core::plc::{Ladder, Subject};
 
+use super::directive::Table;
+use super::draft::Draft;
 use super::{LadderView, draw, value};
 use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
@@ -17,6 +22,7 @@ type Column = (&'static str, f32);
 
 impl LadderView {
     pub(super) fn messages(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        self.row_editor(ui, language, Table::Messages);
         let ladder = self.shown(machine);
         let columns = [
             (say(language, "A 地址", "A address"), 110.0),
@@ -46,11 +52,14 @@ impl LadderView {
             .collect()
         });
         if let Some(message) = clicked.and_then(|index| messages.get(index)) {
+            let number = message.number.to_string();
+            self.row = vec![message.bit.to_string(), number, message.text.clone()];
             self.show_uses(&ladder, Subject::Bit(message.bit));
         }
     }
 
     pub(super) fn comment_table(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        self.row_editor(ui, language, Table::Comments);
         let ladder = self.shown(machine);
         let columns = [
             (say(language, "地址", "Address"), 110.0),
@@ -78,11 +87,14 @@ impl LadderView {
             ]
         });
         if let Some(comment) = clicked.and_then(|index| comments.get(index)) {
+            let (zh, en) = (comment.chinese.clone(), comment.english.clone());
+            self.row = vec![comment.subject.to_string(), zh, en];
             self.show_uses(&ladder, comment.subject);
         }
     }
 
     pub(super) fn start_values(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+        self.row_editor(ui, language, Table::StartValues);
         let ladder = self.shown(machine);
         let columns = [
             (say(language, "地址", "Address"), 110.0),
@@ -105,16 +117,80 @@ impl LadderView {
             ]
         });
         if let Some(start) = clicked.and_then(|index| values.get(index)) {
+            self.row = vec![start.address.to_string(), start.value.to_string()];
             self.show_uses(&ladder, Subject::Byte(start.address));
         }
     }
 
-    /// Goes to the first place that uses an address.
-    fn show_uses(&mut self, ladder: &gsk_core::plc::Ladder, subject: Subject) {
+    /// Goes to the first place that uses an address; while editing the row stays.
+    fn show_uses(&mut self, ladder: &Ladder, subject: Subject) {
+        if self.editing {
+            return;
+        }
         self.look_for(ladder, subject);
         if let Some(first) = ladder.references(subject).first() {
             self.go_to(ladder, first.statement);
         }
+    }
+
+    /// The fields of the row that was clicked, or of a new one.
+    fn row_editor(&mut self, ui: &mut Ui, language: Language, kind: Table) {
+        let names = kind.fields(language);
+        self.row.resize(names.len(), String::new());
+        if !self.editing {
+            return;
+        }
+        let mut list = None;
+        let panel = Panel::bottom("row editor").frame(crate::window::views::side_frame());
+        panel.show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                for (at, (name, text)) in names.iter().zip(&mut self.row).enumerate() {
+                    ui.label(RichText::new(*name).weak());
+                    let texts = at > 0 && kind != Table::StartValues && names.len() - at < 3;
+                    let long = texts && !(kind == Table::Messages && at == 1);
+                    let width = if long { 260.0 } else { 90.0 };
+                    let response = ui.add(TextEdit::singleline(text).desired_width(width));
+                    response.widget_info(|| {
+                        egui::WidgetInfo::labeled(egui::Role::TextInput, true, *name)
+                    });
+                }
+                let source = self.draft.as_ref().map_or("", Draft::text);
+                let write = say(language, "写入", "Write");
+                let hint = say(
+                    language,
+                    "写入此行; 同一地址的旧行被替换",
+                    "Puts the row in; one with the same address is replaced",
+                );
+                if ui.button(write).on_hover_text(hint).clicked() {
+                    list = Some(kind.with(source, &self.row, language));
+                }
+                if ui.button(say(language, "删除此行", "Delete row")).clicked() {
+                    let address = self.row.first().map_or("", String::as_str);
+                    list = Some(Ok(kind.without(source, address)));
+                }
+            });
+            if let Some(complaint) = &self.complaint {
+                ui.label(RichText::new(complaint).color(super::edit::WRONG));
+            }
+        });
+        if let Some(list) = list {
+            self.complaint = self.take_list(list).err();
+        }
+    }
+
+    /// Takes a changed list if it compiles.
+    fn take_list(&mut self, list: Result<String, String>) -> Result<(), String> {
+        let list = list?;
+        if let Err(errors) = Ladder::compile(&list) {
+            let first = errors.errors.first();
+            return Err(first.map_or_else(String::new, |error| {
+                format!("{} {}", error.code, error.message)
+            }));
+        }
+        if let Some(draft) = &mut self.draft {
+            draft.set(list, None);
+        }
+        Ok(())
     }
 }
 

@@ -1,0 +1,168 @@
+//! Rows of the tables as lines of the instruction list: `.MSG`, `.CMT`, `.INIT`.
+
+use gsk_core::plc::Subject;
+use gsk_core::plc::address::{BitAddress, ByteAddress};
+
+use crate::cli::Language;
+use crate::window::texts::say;
+
+/// A table that belongs to a ladder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Table {
+    /// `.MSG`.
+    Messages,
+    /// `.CMT`.
+    Comments,
+    /// `.INIT`.
+    StartValues,
+}
+
+impl Table {
+    const fn directive(self) -> &'static str {
+        match self {
+            Self::Messages => ".MSG",
+            Self::Comments => ".CMT",
+            Self::StartValues => ".INIT",
+        }
+    }
+
+    /// Names of the fields of a row, the address first.
+    pub const fn fields(self, language: Language) -> &'static [&'static str] {
+        match (self, language) {
+            (Self::Messages, Language::Zh) => &["A 地址", "信息号", "显示信息"],
+            (Self::Messages, Language::En) => &["A address", "Number", "Text"],
+            (Self::Comments, Language::Zh) => &["地址", "中文注释", "英文注释"],
+            (Self::Comments, Language::En) => &["Address", "Chinese comment", "English comment"],
+            (Self::StartValues, Language::Zh) => &["地址", "初始值"],
+            (Self::StartValues, Language::En) => &["Address", "Initial"],
+        }
+    }
+
+    /// The line of a row; why there is none.
+    fn line(self, fields: &[String], language: Language) -> Result<String, String> {
+        let quoted = |text: &str| format!("\"{}\"", text.trim());
+        if fields.iter().any(|field| field.contains(['"', '\n'])) {
+            let words = say(
+                language,
+                "文字中不能有引号",
+                "a text has no quotation mark in it",
+            );
+            return Err(words.to_owned());
+        }
+        let directive = self.directive();
+        Ok(match (self, fields) {
+            (Self::Messages, [address, number, text]) => {
+                format!(
+                    "{directive} {} {} {}",
+                    address.trim(),
+                    number.trim(),
+                    quoted(text)
+                )
+            }
+            (Self::Comments, [address, zh, en]) => {
+                format!(
+                    "{directive} {} {} {}",
+                    address.trim(),
+                    quoted(zh),
+                    quoted(en)
+                )
+            }
+            (_, [address, value, ..]) => format!("{directive} {} {}", address.trim(), value.trim()),
+            _ => String::new(),
+        })
+    }
+
+    /// The list with a row put in, in the place of the one with its address.
+    pub fn with(self, list: &str, fields: &[String], language: Language) -> Result<String, String> {
+        let line = self.line(fields, language)?;
+        let subject = fields.first().and_then(|address| subject(address));
+        Ok(self.replaced(list, subject, Some(&line)))
+    }
+
+    /// The list without the row of an address.
+    pub fn without(self, list: &str, address: &str) -> String {
+        self.replaced(list, subject(address), None)
+    }
+
+    fn replaced(self, list: &str, wanted: Option<Subject>, line: Option<&str>) -> String {
+        let row = |text: &str| self.subject_of(text);
+        let known = wanted.and_then(|wanted| {
+            list.lines()
+                .position(|text| row(text) == Some(Some(wanted)))
+        });
+        // A new row stands behind the last of its kind, else in front of everything.
+        let behind = list
+            .lines()
+            .enumerate()
+            .filter(|(_, text)| row(text).is_some());
+        let behind = behind.map(|(at, _)| at).last();
+        let mut changed: Vec<&str> = list.lines().collect();
+        match (known, line) {
+            (Some(at), Some(line)) => changed[at] = line,
+            (Some(at), None) => {
+                changed.remove(at);
+            }
+            (None, Some(line)) => changed.insert(behind.map_or(0, |at| at + 1), line),
+            (None, None) => {}
+        }
+        let mut text = changed.join("\n");
+        text.push('\n');
+        text
+    }
+
+    /// The address of a line of this kind; nothing of other lines.
+    fn subject_of(self, line: &str) -> Option<Option<Subject>> {
+        let mut words = line.split_whitespace();
+        let name = words.next()?;
+        name.eq_ignore_ascii_case(self.directive())
+            .then(|| words.next().and_then(subject))
+    }
+}
+
+fn subject(address: &str) -> Option<Subject> {
+    let address = address.trim().to_ascii_uppercase();
+    let bit = address.parse::<BitAddress>().ok().map(Subject::Bit);
+    bit.or_else(|| address.parse::<ByteAddress>().ok().map(Subject::Byte))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::plc::Ladder;
+
+    const LIST: &str = "; head\n.MSG A0.0 1000 \"一\"\n.msg A0.1 1001 \"二\"\n.CMT X0.5 \"急停\" \"stop\"\nEND1\nEND2\n";
+
+    fn fields(texts: &[&str]) -> Vec<String> {
+        texts.iter().map(|text| (*text).to_owned()).collect()
+    }
+
+    #[test]
+    fn a_row_is_replaced_added_and_deleted_and_nothing_else_changes() {
+        let with = |table: Table, texts: &[&str]| {
+            let text = table.with(LIST, &fields(texts), Language::En).unwrap();
+            Ladder::compile(&text).unwrap();
+            text
+        };
+        let text = with(Table::Messages, &["a0.1", "1005", " five "]);
+        assert_eq!(
+            text,
+            LIST.replace(".msg A0.1 1001 \"二\"", ".MSG a0.1 1005 \"five\"")
+        );
+        let text = with(Table::Messages, &["A3.0", "1030", "three"]);
+        assert!(
+            text.contains("\"二\"\n.MSG A3.0 1030 \"three\"\n.CMT"),
+            "{text}"
+        );
+        let text = with(Table::StartValues, &["D300", "7"]);
+        assert!(text.starts_with(".INIT D300 7\n; head\n"), "{text}");
+        let text = Table::Comments.without(LIST, "X000.5");
+        assert_eq!(text, LIST.replace(".CMT X0.5 \"急停\" \"stop\"\n", ""));
+        assert_eq!(Table::Comments.without(LIST, "X7.7"), LIST);
+    }
+
+    #[test]
+    fn quotation_marks_are_refused() {
+        let row = fields(&["A0.0", "1000", "a \"b\""]);
+        assert!(Table::Messages.with(LIST, &row, Language::Zh).is_err());
+    }
+}
