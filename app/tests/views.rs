@@ -63,6 +63,18 @@ fn a_bit_is_watched_and_a_wrong_address_is_refused_with_its_reason() {
     };
     enter(&mut bench, "x20.5");
     assert!(bench.harness.query_by_label("X0020.5").is_some());
+    // With Enter the field is ready for the next one.
+    bench.harness.get_by_label("Bit address").focus();
+    bench.run(1);
+    for text in ["F0.5", "Y1.2"] {
+        bench.harness.event(egui::Event::Text(text.to_owned()));
+        bench.run(1);
+        bench.harness.key_press(egui::Key::Enter);
+        bench.run(1);
+        bench.run(1);
+    }
+    assert!(bench.harness.query_by_label("F0000.5").is_some());
+    assert!(bench.harness.query_by_label("Y0001.2").is_some());
     enter(&mut bench, "Q7.9");
     assert!(
         bench

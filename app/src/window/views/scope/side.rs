@@ -184,7 +184,9 @@ impl Scope {
             self.watch();
         }
         ui.horizontal(|ui| {
+            // A name of its own: it moves when a bit is added.
             let entry = egui::TextEdit::singleline(&mut self.entry)
+                .id_salt("bit address")
                 .desired_width(110.0)
                 .hint_text("X0.5  F1.0  G8.4");
             let response = ui.add(entry);
@@ -227,7 +229,8 @@ pub fn meaning(channel: &BitChannel, language: Language) -> String {
 
 /// A line with something on the left and something on the right.
 fn line(ui: &mut Ui, height: f32, left: impl FnOnce(&mut Ui), right: impl FnOnce(&mut Ui)) {
-    let size = vec2(ui.available_width(), height);
+    // The rest is for the scroll bar.
+    let size = vec2(ui.available_width() - 9.0, height);
     let (rect, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
     let content = UiBuilder::new()
         .max_rect(rect)
