@@ -50,6 +50,41 @@ fn the_scope_is_opened_by_its_key_and_sees_an_axis_move() {
 }
 
 #[test]
+fn the_trigger_stops_the_picture_at_the_start_of_a_motion() {
+    let mut bench = Bench::new();
+    open(&mut bench, "Scope");
+    let choose = |bench: &mut Bench, name: &str, entry: &str| {
+        let role = egui::accesskit::Role::ComboBox;
+        bench.harness.get_by_role_and_label(role, name).click();
+        bench.run(1);
+        bench.run(1);
+        bench.harness.get_by_label(entry).click();
+        bench.run(1);
+        bench.run(1);
+    };
+    choose(&mut bench, "Span", "500 ms");
+    choose(&mut bench, "Trigger", "once");
+    bench.run(1000);
+    bench.run(1);
+    assert!(bench.harness.query_by_label("waiting").is_some());
+    let control = egui::Modifiers::CTRL;
+    bench.harness.key_press_modifiers(control, egui::Key::Num6);
+    bench.run(500);
+    bench
+        .harness
+        .key_down_modifiers(control, egui::Key::ArrowLeft);
+    for _ in 0..30 {
+        bench.run(50);
+    }
+    bench
+        .harness
+        .key_up_modifiers(control, egui::Key::ArrowLeft);
+    bench.run(300);
+    assert!(bench.harness.query_by_label("stopped").is_some());
+    assert!(bench.harness.query_by_label("Run").is_some());
+}
+
+#[test]
 fn a_bit_is_watched_and_a_wrong_address_is_refused_with_its_reason() {
     let mut bench = Bench::new();
     open(&mut bench, "Scope");
