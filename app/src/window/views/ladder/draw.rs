@@ -10,23 +10,22 @@ use gsk_core::plc::{
 };
 use gsk_panel::pages::signal_meaning;
 
-use super::layout::{self, HEADING, LINE, OUTPUT_COLUMNS, Placed, TITLE, cells};
-use super::value;
+use super::layout::{self, OUTPUT_COLUMNS, Placed, TITLE, cells};
 use crate::cli::Language;
 use crate::window::texts::say;
 
 /// Room for the number of a rung, points.
 pub const GUTTER: f32 = 62.0;
 /// The wire's height in a cell, points from its top.
-const WIRE: f32 = 30.0;
+pub(super) const WIRE: f32 = 30.0;
 /// From the last contact to the outputs, points.
-const LEAD: f32 = 22.0;
+pub(super) const LEAD: f32 = 22.0;
 
 pub const LIVE: Color32 = Color32::from_rgb(96, 226, 118);
 const DEAD: Color32 = Color32::from_gray(112);
-const RAIL: Color32 = Color32::from_gray(150);
-const ADDRESS: Color32 = Color32::from_gray(225);
-const COMMENT: Color32 = Color32::from_gray(146);
+pub(super) const RAIL: Color32 = Color32::from_gray(150);
+pub(super) const ADDRESS: Color32 = Color32::from_gray(225);
+pub(super) const COMMENT: Color32 = Color32::from_gray(146);
 pub const HELD: Color32 = Color32::from_rgb(255, 196, 90);
 const CHOSEN: Color32 = Color32::from_rgb(92, 190, 255);
 const FOUND: Color32 = Color32::from_rgba_unmultiplied_const(255, 214, 90, 38);
@@ -59,9 +58,9 @@ pub fn width(columns: usize, comments: bool) -> f32 {
 }
 
 /// A rung being drawn.
-struct Pen<'a> {
-    ui: &'a Ui,
-    sheet: &'a Sheet<'a>,
+pub(super) struct Pen<'a> {
+    pub(super) ui: &'a Ui,
+    pub(super) sheet: &'a Sheet<'a>,
     power: &'a [Power],
     /// Statements of its contacts.
     of_contacts: usize,
@@ -377,93 +376,6 @@ impl Pen<'_> {
         self.choose(at, place, &format!("{bit} {kind}"));
     }
 
-    fn function(
-        &mut self,
-        output: &Statement,
-        at: usize,
-        row: usize,
-        (bus, right): (f32, f32),
-        live: bool,
-    ) {
-        let y = self.wire_y(row);
-        let lines = value::operand_count(output);
-        let corner = pos2(bus + LEAD, y - WIRE + 8.0);
-        let size = vec2(right - 10.0 - corner.x, HEADING + lines as f32 * LINE + 2.0);
-        let place = Rect::from_min_size(corner, size);
-        self.wire(pos2(bus, y), pos2(place.left(), y), live);
-        self.wire(pos2(place.right(), y), pos2(right, y), live);
-        let painter = self.ui.painter().with_clip_rect(place.expand(1.0));
-        let colour = if live { LIVE } else { RAIL };
-        painter.rect_filled(place, 3.0, Color32::from_gray(30));
-        painter.rect_stroke(place, 3.0, Stroke::new(1.4, colour), StrokeKind::Inside);
-        let head = pos2(place.left() + 8.0, place.top() + 3.0);
-        let name = output.mnemonic.row().name;
-        painter.text(
-            head,
-            Align2::LEFT_TOP,
-            name,
-            FontId::monospace(13.0),
-            colour,
-        );
-        let kinds = output.mnemonic.row().operands;
-        let mut top = place.top() + HEADING;
-        for (kind, operand) in kinds.iter().zip(&output.operands) {
-            let role = value::role(*kind, self.sheet.language);
-            let font = FontId::proportional(12.0);
-            painter.text(
-                pos2(place.left() + 8.0, top),
-                Align2::LEFT_TOP,
-                role,
-                font,
-                COMMENT,
-            );
-            let text = operand.to_string();
-            let forced = match operand {
-                Operand::Bit(bit) => (self.sheet.forced)(*bit).is_some(),
-                _ => false,
-            };
-            let ink = if forced { HELD } else { ADDRESS };
-            let x = place.left() + 74.0;
-            painter.text(
-                pos2(x, top),
-                Align2::LEFT_TOP,
-                text,
-                FontId::monospace(13.0),
-                ink,
-            );
-            let held = self
-                .sheet
-                .memory
-                .and_then(|memory| value::held(output, *kind, operand, memory));
-            if let Some(held) = held {
-                let at = pos2(place.right() - 8.0, top);
-                painter.text(at, Align2::RIGHT_TOP, held, FontId::monospace(13.0), LIVE);
-            }
-            top += LINE;
-        }
-        if !output.table.is_empty() {
-            let words = say(self.sheet.language, "表", "table");
-            let font = FontId::proportional(12.0);
-            painter.text(
-                pos2(place.left() + 8.0, top),
-                Align2::LEFT_TOP,
-                words,
-                font,
-                COMMENT,
-            );
-            let entries: Vec<String> = output.table.iter().map(ToString::to_string).collect();
-            let at = pos2(place.left() + 74.0, top);
-            painter.text(
-                at,
-                Align2::LEFT_TOP,
-                entries.join(" "),
-                FontId::monospace(12.0),
-                ADDRESS,
-            );
-        }
-        self.choose(at, place, &output.to_string());
-    }
-
     /// Marks what is looked for.
     fn back(&self, place: Rect, subject: Subject) {
         let place = place.shrink2(vec2(3.0, 1.0));
@@ -473,7 +385,7 @@ impl Pen<'_> {
     }
 
     /// Makes a place answer to the pointer and the keyboard, under a name.
-    fn choose(&mut self, at: usize, place: Rect, name: &str) {
+    pub(super) fn choose(&mut self, at: usize, place: Rect, name: &str) {
         let index = self.first + at;
         let id = self.ui.scope_id().with(("statement", index));
         let response = self.ui.interact(place, id, Sense::click());
@@ -507,7 +419,7 @@ impl Pen<'_> {
         }
     }
 
-    fn wire(&self, from: Pos2, to: Pos2, live: bool) {
+    pub(super) fn wire(&self, from: Pos2, to: Pos2, live: bool) {
         let stroke = if live && self.sheet.memory.is_some() {
             Stroke::new(2.4, LIVE)
         } else {
@@ -521,7 +433,7 @@ impl Pen<'_> {
         self.origin + vec2(column as f32 * cell.x, row as f32 * cell.y)
     }
 
-    fn wire_y(&self, row: usize) -> f32 {
+    pub(super) fn wire_y(&self, row: usize) -> f32 {
         self.corner(0, row).y + WIRE
     }
 }

@@ -1,6 +1,7 @@
 //! The ladder view: rungs with live power flow, search, cross reference, forced bits,
 //! halt and step; messages, comments and initial data as tables; editing.
 
+mod block;
 mod change;
 mod directive;
 mod draft;

@@ -3,7 +3,9 @@
 
 mod csv;
 mod plot;
+mod pointer;
 mod record;
+mod scale;
 mod side;
 mod toolbar;
 mod trace;
@@ -19,8 +21,9 @@ use crate::cli::Language;
 use crate::kernel::probe::{BITS, Probe};
 use crate::kernel::{Command, Console};
 use crate::window::texts::say;
-use plot::Range;
+use pointer::Drag;
 use record::Record;
+use scale::Range;
 use trace::{Quantity, TRACES};
 use trigger::{Mode, Trigger};
 
@@ -68,7 +71,7 @@ pub struct Scope {
     cursors: Option<Cursors>,
     autoscale: bool,
     ranges: [Range; Quantity::ALL.len()],
-    drag: plot::Drag,
+    drag: Drag,
     entry: String,
     complaint: Option<String>,
 }
@@ -91,7 +94,7 @@ impl Scope {
             cursors: None,
             autoscale: true,
             ranges: Quantity::ALL.map(|quantity| Range::around(0.0, quantity)),
-            drag: plot::Drag::Nothing,
+            drag: Drag::Nothing,
             entry: String::new(),
             complaint: None,
         }

@@ -8,6 +8,7 @@ use egui::{
     Align2, Color32, FontId, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
 
+use super::scale::{Range, decimals_of, nice_step};
 use super::side::{BIT_COLOUR, CURSOR_COLOURS};
 use super::trace::{Quantity, TRACES, Trace};
 use super::{BitChannel, Scope};
@@ -20,107 +21,32 @@ const GUTTER: f32 = 74.0;
 const FOOT: f32 = 24.0;
 /// Height of a bit, points.
 const BIT: f32 = 24.0;
-/// How near the pointer must be to a cursor, points.
-const GRIP: f32 = 6.0;
 
 const GRID: Color32 = Color32::from_gray(46);
 const ZERO: Color32 = Color32::from_gray(74);
 const FRAME: Color32 = Color32::from_gray(84);
 const FIGURES: Color32 = Color32::from_gray(160);
 
-/// What a lane shows from bottom to top.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    low: f64,
-    high: f64,
-}
-
-/// What the pointer has taken hold of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Drag {
-    /// Nothing.
-    Nothing,
-    /// The picture.
-    Time,
-    /// A cursor.
-    Cursor(usize),
-    /// A scale.
-    Scale(usize),
-}
-
-impl Range {
-    /// The least range of a quantity around a value.
-    pub fn around(value: f64, quantity: Quantity) -> Self {
-        let half = quantity.least_range() / 2.0;
-        Self {
-            low: value - half,
-            high: value + half,
-        }
-    }
-
-    fn span(self) -> f64 {
-        self.high - self.low
-    }
-
-    /// The range for values from `low` to `high`: the present one while it fits, so
-    /// that the picture stands still.
-    fn follow(self, low: f64, high: f64, quantity: Quantity) -> Self {
-        let needed = (high - low).max(quantity.least_range());
-        let edge = self.span() * 0.04;
-        let inside = self.low + edge <= low && self.high - edge >= high;
-        let fits = inside && self.span() <= 2.5 * needed;
-        if fits {
-            return self;
-        }
-        let middle = f64::midpoint(low, high);
-        let half = needed * 0.6;
-        let step = nice_step(needed, 4.0);
-        Self {
-            low: ((middle - half) / step).floor() * step,
-            high: ((middle + half) / step).ceil() * step,
-        }
-    }
-
-    fn zoom(&mut self, factor: f64, at: f64) {
-        let fixed = self.low + at * self.span();
-        self.low = fixed - (fixed - self.low) * factor;
-        self.high = fixed + (self.high - fixed) * factor;
-    }
-
-    fn shift(&mut self, share: f64) {
-        let way = self.span() * share;
-        self.low += way;
-        self.high += way;
-    }
-}
-
-/// A step of 1, 2 or 5 that divides a range into about `parts`.
-fn nice_step(range: f64, parts: f64) -> f64 {
-    let rough = (range / parts).max(1e-9);
-    let ten = 10f64.powf(rough.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0]
-        .into_iter()
-        .find(|step| step * ten >= rough * 0.999)
-        .unwrap_or(10.0);
-    step * ten
-}
-
 /// From ticks to dots.
 #[derive(Clone, Copy)]
-struct Time {
+pub struct Time {
     left: f32,
     right: f32,
-    first: u64,
-    last: u64,
+    /// First tick of the picture.
+    pub first: u64,
+    /// Last tick of the picture.
+    pub last: u64,
 }
 
 impl Time {
-    fn x(self, tick: f64) -> f32 {
+    /// Where a tick is.
+    pub fn x(self, tick: f64) -> f32 {
         let share = (tick - self.first as f64) / (self.last - self.first).max(1) as f64;
         self.left + (share as f32) * (self.right - self.left)
     }
 
-    fn tick(self, x: f32) -> f64 {
+    /// The tick at a place.
+    pub fn tick(self, x: f32) -> f64 {
         let share = f64::from((x - self.left) / (self.right - self.left).max(1.0));
         self.first as f64 + share * (self.last - self.first) as f64
     }
@@ -440,103 +366,6 @@ impl Scope {
                 .text(flag.center(), Align2::CENTER_CENTER, name, font, black);
         }
     }
-
-    /// What mouse and fingers do.
-    fn point(
-        &mut self,
-        ui: &Ui,
-        response: &egui::Response,
-        area: Rect,
-        lanes: &[(Lane, Rect)],
-        time: Time,
-    ) {
-        let scale_at = |at: Pos2| {
-            lanes.iter().find_map(|(lane, place)| match lane {
-                Lane::Quantity(index) if place.y_range().contains(at.y) => {
-                    Some((*index, *place)).filter(|_| at.x < area.left())
-                }
-                _ => None,
-            })
-        };
-        let cursor_at = |scope: &Self, at: Pos2| {
-            let cursors = scope.cursors?;
-            let near = |tick: &u64| (time.x(*tick as f64) - at.x).abs() <= GRIP;
-            cursors.at.iter().position(near)
-        };
-        if let Some(at) = response.hover_pos() {
-            let icon = if cursor_at(self, at).is_some() {
-                Some(egui::CursorIcon::ResizeHorizontal)
-            } else if !self.autoscale && scale_at(at).is_some() {
-                Some(egui::CursorIcon::ResizeVertical)
-            } else {
-                None
-            };
-            if let Some(icon) = icon {
-                ui.ctx().set_cursor_icon(icon);
-            }
-            let scrolled = ui.input(|input| input.smooth_scroll_delta().y);
-            let notch = ui.input(|input| wheel_notches(&input.events));
-            match scale_at(at) {
-                Some((index, place)) if !self.autoscale && scrolled != 0.0 => {
-                    let share = f64::from((place.bottom() - at.y) / place.height());
-                    let factor = f64::from(scrolled * -0.005).exp();
-                    self.ranges[index].zoom(factor, share);
-                }
-                _ if notch != 0 => {
-                    let share = f64::from((at.x - area.left()) / area.width());
-                    self.zoom(-notch, share.clamp(0.0, 1.0));
-                }
-                _ => {}
-            }
-        }
-        let Some(at) = response.interact_pointer_pos() else {
-            return;
-        };
-        if response.drag_started() {
-            let from = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
-            self.drag = match (cursor_at(self, from), scale_at(from)) {
-                (Some(cursor), _) => Drag::Cursor(cursor),
-                (None, Some((index, _))) if !self.autoscale => Drag::Scale(index),
-                _ if area.contains(from) => Drag::Time,
-                _ => Drag::Nothing,
-            };
-        }
-        let tick = time.tick(at.x).clamp(time.first as f64, time.last as f64);
-        if response.clicked() && area.contains(at) {
-            self.put_cursor(None, tick.round() as u64);
-        }
-        if !response.dragged() {
-            return;
-        }
-        let way = response.drag_delta();
-        match self.drag {
-            Drag::Cursor(cursor) => self.put_cursor(Some(cursor), tick.round() as u64),
-            Drag::Time => {
-                let ticks = time.tick(area.left() + way.x) - time.first as f64;
-                self.pan(ticks.round() as i64);
-            }
-            Drag::Scale(index) => {
-                let lane =
-                    |(lane, _): &&(Lane, Rect)| matches!(lane, Lane::Quantity(at) if *at == index);
-                let height = lanes
-                    .iter()
-                    .find(lane)
-                    .map_or(100.0, |(_, place)| place.height());
-                self.ranges[index].shift(f64::from(way.y / height));
-            }
-            Drag::Nothing => {}
-        }
-    }
-
-    /// Puts a cursor, or the active one, on a tick.
-    fn put_cursor(&mut self, cursor: Option<usize>, tick: u64) {
-        if let Some(cursors) = &mut self.cursors {
-            cursors.active = cursor.unwrap_or(cursors.active);
-            if let Some(at) = cursors.at.get_mut(cursors.active) {
-                *at = tick;
-            }
-        }
-    }
 }
 
 /// Lines of ticks and values; one ends where nothing can be said.
@@ -544,64 +373,9 @@ type Pieces = Vec<Vec<(f64, f64)>>;
 
 /// Part of the plot.
 #[derive(Clone, Copy, Debug)]
-enum Lane {
+pub enum Lane {
     /// Index in [`Quantity::ALL`].
     Quantity(usize),
+    /// A PLC bit.
     Bit(BitChannel),
-}
-
-/// Whole notches of the wheel, so that a span is one notch from the next.
-fn wheel_notches(events: &[egui::Event]) -> i32 {
-    let way: f32 = events
-        .iter()
-        .map(|event| match event {
-            egui::Event::MouseWheel { delta, .. } => delta.y,
-            _ => 0.0,
-        })
-        .sum();
-    if way > 0.0 {
-        1
-    } else if way < 0.0 {
-        -1
-    } else {
-        0
-    }
-}
-
-/// Decimals that a step needs.
-fn decimals_of(step: f64) -> usize {
-    (-step.log10().floor()).clamp(0.0, 6.0) as usize
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn steps_are_round() {
-        for (range, parts, step) in [
-            (10.0, 5.0, 2.0),
-            (1.0, 4.0, 0.5),
-            (7.0, 7.0, 1.0),
-            (0.03, 3.0, 0.01),
-        ] {
-            assert!(
-                (nice_step(range, parts) - step).abs() < 1e-12,
-                "{range} in {parts}"
-            );
-        }
-        assert_eq!(
-            (decimals_of(0.05), decimals_of(1.0), decimals_of(200.0)),
-            (2, 0, 0)
-        );
-    }
-
-    #[test]
-    fn a_range_stands_still_while_it_fits() {
-        let range = Range::around(0.0, Quantity::Speed).follow(-3000.0, 3000.0, Quantity::Speed);
-        assert!(range.low <= -3000.0 && range.high >= 3000.0);
-        assert_eq!(range.follow(-2800.0, 2900.0, Quantity::Speed), range);
-        assert_ne!(range.follow(0.0, 10.0, Quantity::Speed), range);
-        assert!(range.follow(0.0, 9000.0, Quantity::Speed).high >= 9000.0);
-    }
 }

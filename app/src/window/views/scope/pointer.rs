@@ -1,0 +1,139 @@
+//! Mouse and fingers on the plot: cursors, time, scales.
+
+use egui::{Pos2, Rect, Ui};
+
+use super::Scope;
+use super::plot::{Lane, Time};
+
+/// How near the pointer must be to a cursor, points.
+const GRIP: f32 = 6.0;
+
+/// What the pointer has taken hold of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drag {
+    /// Nothing.
+    Nothing,
+    /// The picture.
+    Time,
+    /// A cursor.
+    Cursor(usize),
+    /// A scale.
+    Scale(usize),
+}
+
+impl Scope {
+    /// What mouse and fingers do.
+    pub(super) fn point(
+        &mut self,
+        ui: &Ui,
+        response: &egui::Response,
+        area: Rect,
+        lanes: &[(Lane, Rect)],
+        time: Time,
+    ) {
+        let scale_at = |at: Pos2| {
+            lanes.iter().find_map(|(lane, place)| match lane {
+                Lane::Quantity(index) if place.y_range().contains(at.y) => {
+                    Some((*index, *place)).filter(|_| at.x < area.left())
+                }
+                _ => None,
+            })
+        };
+        let cursor_at = |scope: &Self, at: Pos2| {
+            let cursors = scope.cursors?;
+            let near = |tick: &u64| (time.x(*tick as f64) - at.x).abs() <= GRIP;
+            cursors.at.iter().position(near)
+        };
+        if let Some(at) = response.hover_pos() {
+            let icon = if cursor_at(self, at).is_some() {
+                Some(egui::CursorIcon::ResizeHorizontal)
+            } else if !self.autoscale && scale_at(at).is_some() {
+                Some(egui::CursorIcon::ResizeVertical)
+            } else {
+                None
+            };
+            if let Some(icon) = icon {
+                ui.ctx().set_cursor_icon(icon);
+            }
+            let scrolled = ui.input(|input| input.smooth_scroll_delta().y);
+            let notch = ui.input(|input| wheel_notches(&input.events));
+            match scale_at(at) {
+                Some((index, place)) if !self.autoscale && scrolled != 0.0 => {
+                    let share = f64::from((place.bottom() - at.y) / place.height());
+                    let factor = f64::from(scrolled * -0.005).exp();
+                    self.ranges[index].zoom(factor, share);
+                }
+                _ if notch != 0 => {
+                    let share = f64::from((at.x - area.left()) / area.width());
+                    self.zoom(-notch, share.clamp(0.0, 1.0));
+                }
+                _ => {}
+            }
+        }
+        let Some(at) = response.interact_pointer_pos() else {
+            return;
+        };
+        if response.drag_started() {
+            let from = ui.input(|input| input.pointer.press_origin()).unwrap_or(at);
+            self.drag = match (cursor_at(self, from), scale_at(from)) {
+                (Some(cursor), _) => Drag::Cursor(cursor),
+                (None, Some((index, _))) if !self.autoscale => Drag::Scale(index),
+                _ if area.contains(from) => Drag::Time,
+                _ => Drag::Nothing,
+            };
+        }
+        let tick = time.tick(at.x).clamp(time.first as f64, time.last as f64);
+        if response.clicked() && area.contains(at) {
+            self.put_cursor(None, tick.round() as u64);
+        }
+        if !response.dragged() {
+            return;
+        }
+        let way = response.drag_delta();
+        match self.drag {
+            Drag::Cursor(cursor) => self.put_cursor(Some(cursor), tick.round() as u64),
+            Drag::Time => {
+                let ticks = time.tick(area.left() + way.x) - time.first as f64;
+                self.pan(ticks.round() as i64);
+            }
+            Drag::Scale(index) => {
+                let lane =
+                    |(lane, _): &&(Lane, Rect)| matches!(lane, Lane::Quantity(at) if *at == index);
+                let height = lanes
+                    .iter()
+                    .find(lane)
+                    .map_or(100.0, |(_, place)| place.height());
+                self.ranges[index].shift(f64::from(way.y / height));
+            }
+            Drag::Nothing => {}
+        }
+    }
+
+    /// Puts a cursor, or the active one, on a tick.
+    fn put_cursor(&mut self, cursor: Option<usize>, tick: u64) {
+        if let Some(cursors) = &mut self.cursors {
+            cursors.active = cursor.unwrap_or(cursors.active);
+            if let Some(at) = cursors.at.get_mut(cursors.active) {
+                *at = tick;
+            }
+        }
+    }
+}
+
+/// Whole notches of the wheel, so that a span is one notch from the next.
+fn wheel_notches(events: &[egui::Event]) -> i32 {
+    let way: f32 = events
+        .iter()
+        .map(|event| match event {
+            egui::Event::MouseWheel { delta, .. } => delta.y,
+            _ => 0.0,
+        })
+        .sum();
+    if way > 0.0 {
+        1
+    } else if way < 0.0 {
+        -1
+    } else {
+        0
+    }
+}

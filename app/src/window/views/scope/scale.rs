@@ -1,0 +1,110 @@
+//! What a lane shows, in round steps.
+
+use super::trace::Quantity;
+
+/// What a lane shows from bottom to top.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// At the bottom.
+    pub low: f64,
+    /// At the top.
+    pub high: f64,
+}
+
+impl Range {
+    /// The least range of a quantity around a value.
+    pub fn around(value: f64, quantity: Quantity) -> Self {
+        let half = quantity.least_range() / 2.0;
+        Self {
+            low: value - half,
+            high: value + half,
+        }
+    }
+
+    /// How much it covers.
+    pub fn span(self) -> f64 {
+        self.high - self.low
+    }
+
+    /// The range for values from `low` to `high`: the present one while it fits, so
+    /// that the picture stands still.
+    pub fn follow(self, low: f64, high: f64, quantity: Quantity) -> Self {
+        let needed = (high - low).max(quantity.least_range());
+        let edge = self.span() * 0.04;
+        let inside = self.low + edge <= low && self.high - edge >= high;
+        let fits = inside && self.span() <= 2.5 * needed;
+        if fits {
+            return self;
+        }
+        let middle = f64::midpoint(low, high);
+        let half = needed * 0.6;
+        let step = nice_step(needed, 4.0);
+        Self {
+            low: ((middle - half) / step).floor() * step,
+            high: ((middle + half) / step).ceil() * step,
+        }
+    }
+
+    /// A larger or smaller range; the value at `at` (0…1 from the bottom) stays.
+    pub fn zoom(&mut self, factor: f64, at: f64) {
+        let fixed = self.low + at * self.span();
+        self.low = fixed - (fixed - self.low) * factor;
+        self.high = fixed + (self.high - fixed) * factor;
+    }
+
+    /// Moves it by a share of itself.
+    pub fn shift(&mut self, share: f64) {
+        let way = self.span() * share;
+        self.low += way;
+        self.high += way;
+    }
+}
+
+/// A step of 1, 2 or 5 that divides a range into about `parts`.
+pub fn nice_step(range: f64, parts: f64) -> f64 {
+    let rough = (range / parts).max(1e-9);
+    let ten = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0]
+        .into_iter()
+        .find(|step| step * ten >= rough * 0.999)
+        .unwrap_or(10.0);
+    step * ten
+}
+
+/// Decimals that a step needs.
+pub fn decimals_of(step: f64) -> usize {
+    (-step.log10().floor()).clamp(0.0, 6.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_round() {
+        for (range, parts, step) in [
+            (10.0, 5.0, 2.0),
+            (1.0, 4.0, 0.5),
+            (7.0, 7.0, 1.0),
+            (0.03, 3.0, 0.01),
+        ] {
+            assert!(
+                (nice_step(range, parts) - step).abs() < 1e-12,
+                "{range} in {parts}"
+            );
+        }
+        assert_eq!(
+            (decimals_of(0.05), decimals_of(1.0), decimals_of(200.0)),
+            (2, 0, 0)
+        );
+    }
+
+    #[test]
+    fn a_range_stands_still_while_it_fits() {
+        let range = Range::around(0.0, Quantity::Speed).follow(-3000.0, 3000.0, Quantity::Speed);
+        assert!(range.low <= -3000.0 && range.high >= 3000.0);
+        assert_eq!(range.follow(-2800.0, 2900.0, Quantity::Speed), range);
+        assert_ne!(range.follow(0.0, 10.0, Quantity::Speed), range);
+        assert!(range.follow(0.0, 9000.0, Quantity::Speed).high >= 9000.0);
+    }
+}
