@@ -36,8 +36,8 @@ struct Memory {
     variables: Variables,
     plc: PlcRetained,
     programs: BTreeMap<u16, Program>,
-    /// The ladder that was loaded for the next power-on.
-    ladder: Option<Arc<Ladder>>,
+    /// The ladder that the next power-on runs.
+    ladder: Arc<Ladder>,
 }
 
 impl Memory {
@@ -56,7 +56,7 @@ impl Memory {
                 .iter()
                 .map(|(number, program)| (number, program.clone()))
                 .collect(),
-            ladder: cnc.next_ladder().cloned(),
+            ladder: Arc::clone(cnc.next_ladder().unwrap_or(cnc.plc().ladder())),
         }
     }
 }
@@ -141,7 +141,8 @@ pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), String>
         variables: Variables::default(),
         plc: PlcRetained::default(),
         programs: BTreeMap::new(),
-        ladder: None,
+        // Only the window loads another one.
+        ladder: Arc::clone(&now.ladder),
     };
     Writer {
         data: Arc::new(data),
@@ -265,11 +266,9 @@ impl Writer {
             self.data.store("plc", &now.plc)?;
             self.written.plc = now.plc;
         }
-        if let Some(ladder) = now.ladder
-            && self.written.ladder.as_ref() != Some(&ladder)
-        {
-            self.data.store_ladder(&ladder)?;
-            self.written.ladder = Some(ladder);
+        if now.ladder != self.written.ladder {
+            self.data.store_ladder(&now.ladder)?;
+            self.written.ladder = now.ladder;
         }
         let gone: Vec<u16> = self
             .written
@@ -296,5 +295,42 @@ impl Writer {
             self.written.programs.insert(number, program);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::cnc::Request;
+
+    #[test]
+    fn a_loaded_ladder_is_kept_even_if_power_goes_at_once() {
+        let folder = crate::files::test_folder("kept-ladder");
+        let data = Arc::new(DataDir::open(&folder).expect("open"));
+        let mut setup = Setup::default();
+        let restored = load(&data, &mut setup);
+        let mut cnc = Cnc::new(setup);
+        let keeper = Keeper::start(Arc::clone(&data), &restored, &cnc).expect("thread");
+        let ladder = Ladder::compile("END1\nLD R1.0\nOUT R2.0\nEND2\n").expect("compiles");
+        cnc.request(Request::LoadLadder(Arc::new(ladder.clone())))
+            .expect("taken");
+        cnc.power_cycle();
+        keeper.finish(&cnc);
+        let mut next = Setup::default();
+        assert!(load(&data, &mut next).complaints.is_empty());
+        assert_eq!(*next.ladder, ladder);
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn without_another_ladder_none_is_written() {
+        let folder = crate::files::test_folder("own-ladder");
+        let data = Arc::new(DataDir::open(&folder).expect("open"));
+        let restored = load(&data, &mut Setup::default());
+        let cnc = Cnc::new(Setup::default());
+        let keeper = Keeper::start(Arc::clone(&data), &restored, &cnc).expect("thread");
+        keeper.finish(&cnc);
+        assert_eq!(data.ladder(), Loaded::Missing);
+        std::fs::remove_dir_all(folder).expect("clean");
     }
 }
