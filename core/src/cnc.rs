@@ -25,8 +25,8 @@ use crate::machine::{Inputs, Outputs};
 use crate::memory::{Counters, Offsets, Parameters, Variables};
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
-    ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, RunState,
-    SpeedCheck, Strobe, ToPlc, X_BYTES, jog_rate,
+    ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, Return, RunState,
+    SpeedCheck, Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
 };
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::setup::Setup;
@@ -154,7 +154,12 @@ pub struct Cnc {
     pub(crate) held: Option<Interpolator>,
     pub(crate) jog_blocked: PerAxis<bool>,
     pub(crate) jog_command: PerAxis<Option<(bool, JogRate)>>,
-    axes: AxisChain,
+    /// Axis keys that were down at the last tick.
+    pub(crate) axis_keys: PerAxis<bool>,
+    pub(crate) wheel: WheelCounter,
+    /// Returns to a zero under way.
+    pub(crate) returns: PerAxis<Option<Return>>,
+    pub(crate) axes: AxisChain,
     pub(crate) soft_limits: SoftLimits,
     pub(crate) spindle: SpindleControl,
     pub(crate) angle: SpindleAngle,
@@ -249,6 +254,9 @@ impl Cnc {
             held: None,
             jog_blocked: PerAxis::default(),
             jog_command: PerAxis::default(),
+            axis_keys: PerAxis::default(),
+            wheel: WheelCounter::default(),
+            returns: PerAxis::default(),
             axes,
             frame: Frame::default(),
             relative_zero: Point::default(),
@@ -284,10 +292,13 @@ impl Cnc {
             ..Setup::default()
         };
         let shown = self.frame.program(position);
+        // A zero that no switch tells is remembered.
+        let referenced = self.reference_without_switch();
         *self = Self::new(Setup {
             referenced: false,
             ..setup
         });
+        self.referenced = referenced;
         if keeps_position {
             self.frame.zero = position - shown;
             self.settle_coordinates();
@@ -310,7 +321,8 @@ impl Cnc {
         self.watch_drives(inputs.drive_alarm);
         self.automatic_tick();
         self.check_speed_arrival();
-        self.manual_tick();
+        self.manual_tick(inputs);
+        self.return_tick(inputs);
         self.spindle_tick(inputs);
         self.motion_tick();
         self.watch_travel();

@@ -186,6 +186,14 @@ pub enum Action {
         /// Milliseconds.
         ms: u32,
     },
+    /// The reference point of axes that have none yet is sought as by hand (G28):
+    /// switch, zero signal; the others of these axes stand on theirs already.
+    ZeroReturn {
+        /// X takes part.
+        x: bool,
+        /// Z takes part.
+        z: bool,
+    },
     /// The axes have come back to the reference point (after the rapid of G28):
     /// the zero lamps light.
     Referenced {

@@ -119,7 +119,6 @@ pub fn preview(
         setup,
         programs,
         machine: setup.start.unwrap_or_default(),
-        referenced: PerAxis::new(setup.referenced, setup.referenced),
     };
     let mut interpreter = Interpreter::new(&host.parameters);
     interpreter.set_inch_input(setup.inch_input);
@@ -153,7 +152,6 @@ struct DryRun<'a> {
     setup: &'a Setup,
     programs: &'a ProgramMemory,
     machine: Point,
-    referenced: PerAxis<bool>,
 }
 
 impl Host for DryRun<'_> {
@@ -187,8 +185,10 @@ impl Host for DryRun<'_> {
     fn machine_position(&self) -> Point {
         self.machine
     }
+    /// The work is drawn where the machine coordinates put it, whether the real
+    /// reference point has been sought or not.
     fn referenced(&self) -> PerAxis<bool> {
-        self.referenced
+        PerAxis::new(true, true)
     }
     fn block_skip(&self) -> bool {
         false
@@ -388,7 +388,7 @@ impl<'a> Walk<'a> {
                 return Ok(Some(if *m30 { End::M30 } else { End::Text }));
             }
             Action::Macro => self.clock.advance(TICK_S),
-            Action::Referenced { .. } | Action::Nothing => {}
+            Action::ZeroReturn { .. } | Action::Referenced { .. } | Action::Nothing => {}
         }
         if command.block_end {
             self.so_far.blocks += 1;

@@ -31,7 +31,7 @@ pub const FORMS: [(&str, &str); 15] = [
     ("load", "load FILE"),
     ("power", "power off | power on"),
     ("fault", "fault NAME on | off"),
-    ("turn", "turn 10"),
+    ("turn", "turn 10 | turn 300 1s"),
     (
         "wait",
         "wait 500ms | wait idle 60s | wait alarm 5s | wait \"text on the LCD\" 5s",
@@ -86,8 +86,9 @@ pub enum Action {
     Power(bool),
     /// Breaks or mends something of the lathe.
     Fault(Fault, bool),
-    /// Turns the handwheel.
-    Turn(i32),
+    /// Turns the handwheel by so many graduations in so many milliseconds; by
+    /// itself two turns a second. After `@tick` without a time: at once.
+    Turn(i32, Option<u64>),
     /// Lets time pass, milliseconds.
     Wait(u64),
     /// Waits for something, at most so many milliseconds.

@@ -93,6 +93,19 @@ impl Chain {
         self.commanded = commanded;
     }
 
+    /// Makes the place of a pulse count the coordinate zero; the coordinate of the
+    /// place where the axis stands now.
+    fn zero_at(&mut self, count: i64) -> f64 {
+        let from_base = count - self.base;
+        let from_base = if self.reversed { -from_base } else { from_base };
+        let increments = from_base as f64 * self.divide as f64 / self.multiply as f64;
+        self.commanded = self.slide() - (self.origin + increments / self.per_mm);
+        self.origin = 0.0;
+        self.base = count;
+        self.locked_away = 0.0;
+        self.commanded
+    }
+
     fn preset(&mut self, commanded: f64) {
         // The origin moves along, so that the part of a pulse left over is kept.
         self.origin += commanded - self.slide();
@@ -148,6 +161,12 @@ impl AxisChain {
     /// radius), without a pulse: reference point, power-on, end of machine lock.
     pub fn preset(&mut self, axis: Axis, coordinate: f64) {
         self.chains.get_mut(axis).preset(coordinate);
+    }
+
+    /// Makes the place of a pulse count the machine zero of an axis (the zero signal
+    /// came there); the machine coordinate, mm, of the place where it stands now.
+    pub fn zero_at(&mut self, axis: Axis, count: Pulses) -> f64 {
+        self.chains.get_mut(axis).zero_at(count.0)
     }
 
     /// Takes over changed parameters 001.2, 008, 015–018 at standstill, without a
@@ -212,6 +231,29 @@ mod tests {
         assert_eq!(chain.pulses(), 12345);
         chain.advance(-0.345, false);
         assert_eq!(chain.pulses(), 12000);
+    }
+
+    #[test]
+    fn the_zero_is_the_pulse_of_the_signal_whatever_the_gear() {
+        for (multiply, divide) in [(1, 1), (3, 7), (1, 5), (127, 1)] {
+            for reversed in [false, true] {
+                let mut chain = Chain {
+                    reversed,
+                    ..geared(multiply, divide)
+                };
+                chain.advance(12.3456, false);
+                let count = chain.pulses() - 3;
+                let here = chain.zero_at(count);
+                let sign = if reversed { -1.0 } else { 1.0 };
+                let weight = 0.001 * divide as f64 / multiply as f64;
+                assert!(
+                    (here - sign * 3.0 * weight).abs() < 1.001 * weight + 0.001,
+                    "{here}"
+                );
+                chain.advance(0.0, false);
+                assert_eq!(chain.pulses(), count);
+            }
+        }
     }
 
     #[test]

@@ -27,25 +27,32 @@ impl SoftLimits {
         }
     }
 
-    /// The alarm, if an axis that is watched is beyond a limit, or would come to
-    /// rest further beyond it than the tolerance: 201 X+, 202 X-, 203 Z+, 204 Z-.
-    pub fn overrun(&self, position: Point, stop: Point, watched: PerAxis<bool>) -> Option<u16> {
+    /// Whether a coordinate of an axis lies beyond its positive or negative limit. A
+    /// coordinate equal to its limit is allowed, whatever its last bit.
+    pub fn is_beyond(&self, axis: Axis, plus: bool, coordinate: f64) -> bool {
+        if plus {
+            coordinate - self.plus.get(axis) > 1e-6
+        } else {
+            self.minus.get(axis) - coordinate > 1e-6
+        }
+    }
+
+    /// The limits X+, X-, Z+, Z- that an axis that is watched is beyond while it goes
+    /// on outwards, or would come to rest further beyond than the tolerance.
+    pub fn overrun(&self, position: Point, stop: Point, watched: PerAxis<bool>) -> [bool; 4] {
         let beyond = |axis: Axis, sign: f64, limit: Point| {
             let excess = |point: Point| (point.get(axis) - limit.get(axis)) * sign;
-            // A coordinate equal to its limit is allowed, whatever its last bit.
+            let outwards = excess(stop) > excess(position);
             *watched.get(axis)
-                && (excess(position) > 1e-6 || excess(stop) > self.tolerance.get(axis) + 1e-6)
+                && (outwards && excess(position) > 1e-6
+                    || excess(stop) > self.tolerance.get(axis) + 1e-6)
         };
-        let sides = [
-            (201, Axis::X, 1.0, self.plus),
-            (202, Axis::X, -1.0, self.minus),
-            (203, Axis::Z, 1.0, self.plus),
-            (204, Axis::Z, -1.0, self.minus),
-        ];
-        sides
-            .into_iter()
-            .find(|(_, axis, sign, limit)| beyond(*axis, *sign, *limit))
-            .map(|(number, ..)| number)
+        [
+            beyond(Axis::X, 1.0, self.plus),
+            beyond(Axis::X, -1.0, self.minus),
+            beyond(Axis::Z, 1.0, self.plus),
+            beyond(Axis::Z, -1.0, self.minus),
+        ]
     }
 }
 
@@ -59,23 +66,31 @@ mod tests {
         tolerance: Point::new(0.76, 1.52),
     };
     const BOTH: PerAxis<bool> = PerAxis::new(true, true);
+    const NONE: [bool; 4] = [false; 4];
 
     #[test]
     fn a_stop_that_cannot_keep_the_tolerance_alarms_early() {
         let at = Point::new(0.0, 15.0);
-        assert_eq!(LIMITS.overrun(at, Point::new(0.0, 21.0), BOTH), None);
-        assert_eq!(LIMITS.overrun(at, Point::new(0.0, 22.0), BOTH), Some(203));
+        assert_eq!(LIMITS.overrun(at, Point::new(0.0, 21.0), BOTH), NONE);
+        assert_eq!(
+            LIMITS.overrun(at, Point::new(0.0, 22.0), BOTH),
+            [false, false, true, false]
+        );
         assert_eq!(
             LIMITS.overrun(at, Point::new(0.0, 22.0), PerAxis::new(true, false)),
-            None
+            NONE
         );
     }
 
     #[test]
     fn beyond_a_limit_is_an_alarm_on_it_is_not() {
         let edge = Point::new(-10.0, -20.0);
-        assert_eq!(LIMITS.overrun(edge, edge, BOTH), None);
+        assert_eq!(LIMITS.overrun(edge, edge, BOTH), NONE);
         let beyond = Point::new(-10.001, 0.0);
-        assert_eq!(LIMITS.overrun(beyond, beyond, BOTH), Some(202));
+        let further = Point::new(-10.002, 0.0);
+        let alarm = [false, true, false, false];
+        assert_eq!(LIMITS.overrun(beyond, further, BOTH), alarm);
+        // The way back is free.
+        assert_eq!(LIMITS.overrun(further, beyond, BOTH), NONE);
     }
 }

@@ -17,6 +17,9 @@ use crate::units::Axis;
 pub enum Request {
     /// Relative coordinate of one axis to zero.
     ZeroRelative(Axis),
+    /// The place where one axis stands becomes its machine zero; for axes without a
+    /// zero switch.
+    SetMachineZero(Axis),
     /// Part counter to zero.
     ClearParts,
     /// Cutting time to zero.
@@ -77,6 +80,7 @@ impl Cnc {
             Request::ZeroRelative(axis) if !self.is_moving() => {
                 *self.relative_zero.get_mut(axis) = self.position_absolute().get(axis);
             }
+            Request::SetMachineZero(axis) => self.set_machine_zero(axis),
             Request::ClearParts if !self.is_moving() => self.counters.clear_parts(),
             Request::ClearCuttingTime if !self.is_moving() => self.counters.clear_cutting_time(),
             Request::ZeroRelative(_) | Request::ClearParts | Request::ClearCuttingTime => {}

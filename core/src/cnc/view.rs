@@ -10,7 +10,7 @@ use crate::command::{Action, Frame, ProgramId, Source};
 use crate::interpreter::Modal;
 use crate::memory::{Counters, Offsets, Parameters, Variables};
 use crate::motion::JogRate;
-use crate::operation::{Mode, RunState, jog_rate};
+use crate::operation::{Mode, Return, RunState, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
 use crate::units::{Axis, PerAxis, Point};
@@ -69,9 +69,14 @@ impl Cnc {
 
     /// Whether the motion under way is a rapid, programmed or by hand.
     pub fn moves_at_rapid(&self) -> bool {
-        let by_hand = |axis| matches!(self.jog_command.get(axis), Some((_, JogRate::Rapid)));
+        let by_hand = |axis| {
+            matches!(
+                self.jog_command.get(axis),
+                Some((_, JogRate::Rapid | JogRate::Approach(_)))
+            ) || *self.returns.get(axis) == Some(Return::Straight)
+        };
         match self.automatic.action() {
-            Some(Action::Rapid { .. }) => true,
+            Some(Action::Rapid { .. } | Action::ZeroReturn { .. }) => true,
             Some(_) if self.held.is_none() => false,
             _ => by_hand(Axis::X) || by_hand(Axis::Z),
         }

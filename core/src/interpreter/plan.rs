@@ -154,6 +154,11 @@ impl Motion {
         )
     }
 
+    /// Whether where it ends is known only when it is finished.
+    pub(crate) const fn ends_unknown(&self) -> bool {
+        matches!(self, Self::Reference(reference) if reference.seeks())
+    }
+
     fn is_done(&self) -> bool {
         match self {
             Self::None => true,

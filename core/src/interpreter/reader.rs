@@ -470,11 +470,13 @@ impl Interpreter {
         Ok(self.planned(plan))
     }
 
-    /// After M00 and M30 nothing is read before they are finished.
+    /// After M00, M30 and a G28 that seeks the reference point nothing is read
+    /// before they are finished.
     fn planned(&mut self, mut plan: Plan) -> Read {
         let run = self.run_mut();
         plan.whole |= run.finishing.is_some();
-        run.paused = matches!(plan.after, Some(Action::ProgramStop | Action::End { .. }));
+        run.paused = plan.motion.ends_unknown()
+            || matches!(plan.after, Some(Action::ProgramStop | Action::End { .. }));
         run.plan = Some(plan);
         Read::Planned
     }

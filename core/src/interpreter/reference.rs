@@ -5,6 +5,10 @@
 //!                    ^                ^     in the programmed axes only
 //!          single block stops         lamps light, tool offset cancelled
 //! ```
+//!
+//! An axis that has no reference point yet seeks it from I on as by hand (switch
+//! and zero signal); where it is, and with it the coordinates, is known only then:
+//! nothing is read until the return is finished.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +29,8 @@ pub(crate) struct Reference {
     intermediate: Point,
     reference: Point,
     axes: PerAxis<bool>,
+    /// An axis has no reference point yet.
+    seeks: bool,
     frame: Option<Action>,
     step: u8,
 }
@@ -41,10 +47,12 @@ impl Reference {
             return Ok(None);
         }
         let moved = PerAxis::new(axes.x != Target::None, axes.z != Target::None);
+        let referenced = context.referenced;
+        let sought = PerAxis::new(moved.x && !referenced.x, moved.z && !referenced.z);
         for (axis, name) in [(Axis::X, "X"), (Axis::Z, "Z")] {
-            if *moved.get(axis) && !*context.referenced.get(axis) {
-                return Err(Alarm::new(numbers::NOT_REFERENCED).because(format!(
-                    "{name} has no reference point yet: return it by hand first"
+            if *sought.get(axis) && !context.parameters.has_zero_switch(axis) {
+                return Err(Alarm::new(numbers::ZERO_UNDEFINED).because(format!(
+                    "{name} has no zero switch (014) and no machine zero has been set for it"
                 )));
             }
         }
@@ -57,7 +65,9 @@ impl Reference {
             if !*moved.get(axis) {
                 continue;
             }
-            reference.set(axis, 0);
+            if !*sought.get(axis) {
+                reference.set(axis, 0);
+            }
             state.offset.set(axis, 0);
             *state.untravelled.get_mut(axis) = false;
             if context.parameters.reference_sets_coordinates() {
@@ -77,7 +87,9 @@ impl Reference {
             state.modal.offset = 0;
         }
         state.stand_at(reference);
-        let frame = (before != (state.zero, state.offset)).then(|| Action::Frame {
+        let seeks = sought.x || sought.z;
+        let changes = !seeks && before != (state.zero, state.offset);
+        let frame = changes.then(|| Action::Frame {
             frame: state.frame(),
             program_zero: None,
             relative: context.parameters.reference_sets_coordinates()
@@ -87,6 +99,7 @@ impl Reference {
             intermediate: intermediate.point(),
             reference: reference.point(),
             axes: moved,
+            seeks,
             frame,
             step: 0,
         }))
@@ -100,12 +113,21 @@ impl Reference {
                 to: self.intermediate,
             })),
             1 => Some(Emission::passing(Action::Rapid { to: self.reference })),
-            2 => Some(Emission::passing(Action::Referenced {
-                x: self.axes.x,
-                z: self.axes.z,
-            })),
+            2 => {
+                let PerAxis { x, z } = self.axes;
+                Some(Emission::passing(if self.seeks {
+                    Action::ZeroReturn { x, z }
+                } else {
+                    Action::Referenced { x, z }
+                }))
+            }
             _ => self.frame.take().map(Emission::passing),
         }
+    }
+
+    /// Whether the coordinates are known only when it is finished.
+    pub(crate) const fn seeks(&self) -> bool {
+        self.seeks
     }
 
     pub(crate) fn is_done(&self) -> bool {

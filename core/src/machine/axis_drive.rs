@@ -23,6 +23,8 @@ pub(super) struct AxisDrive {
     turn: i64,
     limits: Option<(i64, i64)>,
     dog: Option<(i64, i64)>,
+    /// Place and count before the last tick.
+    before: (i64, i64),
 }
 
 impl AxisDrive {
@@ -50,6 +52,7 @@ impl AxisDrive {
                 .limits
                 .map(|limits| (place(limits.minus), place(limits.plus))),
             dog: config.dog.map(|dog| (place(dog.from), place(dog.to))),
+            before: (place(config.start), 0),
         }
     }
 
@@ -60,6 +63,7 @@ impl AxisDrive {
 
     /// Follows the command count.
     pub const fn follow(&mut self, command: Pulses) {
+        self.before = (self.place, self.last);
         self.place += self.towards_plus(command.0 - self.last);
         self.last = command.0;
     }
@@ -67,11 +71,13 @@ impl AxisDrive {
     /// Takes a count for the place where the slide stands, without moving.
     pub const fn stand_at(&mut self, command: Pulses) {
         self.last = command.0;
+        self.before = (self.place, self.last);
     }
 
     /// Puts the slide elsewhere, mm from the reference point (X in radius).
     pub fn put(&mut self, place: f64) {
         self.place = (place / self.pulse.abs()).round() as i64;
+        self.before = (self.place, self.last);
     }
 
     /// Where the slide stands, mm from the reference point (X in radius).
@@ -94,5 +100,44 @@ impl AxisDrive {
     /// The one-turn signal: its rising edge is at zero going positive.
     pub const fn index(&self) -> bool {
         self.place.rem_euclid(self.turn) * INDEX_PART < self.turn
+    }
+
+    /// The command count at which the one-turn signal changed in the last tick.
+    pub fn index_latch(&self) -> Option<Pulses> {
+        // The signal stands on the first `width` pulses of a turn.
+        let width = (self.turn + INDEX_PART - 1) / INDEX_PART;
+        let starts = [0, width];
+        self.first_change(|place| {
+            let on_turn = |start: &i64| place - (place - start).rem_euclid(self.turn);
+            starts.iter().map(on_turn).max()
+        })
+    }
+
+    /// The command count at which the switch changed in the last tick.
+    pub fn dog_latch(&self) -> Option<Pulses> {
+        let (from, to) = self.dog?;
+        self.first_change(|place| [from, to + 1].into_iter().filter(|at| *at <= place).max())
+    }
+
+    /// The command count at the first change of a signal in the last tick.
+    /// `below(place)`: the last boundary at or before a place; a boundary is the
+    /// first place of its stretch.
+    fn first_change(&self, below: impl Fn(i64) -> Option<i64>) -> Option<Pulses> {
+        let (from, count) = self.before;
+        if self.place == from {
+            return None;
+        }
+        let place = if self.place > from {
+            // The first boundary ahead of where it was.
+            let mut first = below(self.place).filter(|at| *at > from)?;
+            while let Some(earlier) = below(first - 1).filter(|at| *at > from) {
+                first = earlier;
+            }
+            first
+        } else {
+            // Going back, the place before a boundary is the first beyond it.
+            below(from).filter(|at| *at > self.place)? - 1
+        };
+        Some(Pulses(count + self.towards_plus(place - from)))
     }
 }

@@ -13,6 +13,9 @@ pub struct Inputs {
     /// Zero signal nPC of each axis: the one-turn pulse of its motor, or the
     /// proximity switch; either edge counts.
     pub index_pulse: PerAxis<bool>,
+    /// Command count at which the zero signal changed during this tick: what the
+    /// zero input latches.
+    pub index_latch: PerAxis<Option<Pulses>>,
     /// Drive alarm, after the polarity of 009.
     pub drive_alarm: PerAxis<bool>,
     /// Drive ready.

@@ -175,9 +175,18 @@ impl Lathe {
                 drive.index()
             }
         };
+        let latch = |axis: Axis| {
+            let drive = self.axes.get(axis);
+            if *self.wiring.one_switch.get(axis) {
+                drive.dog_latch()
+            } else {
+                drive.index_latch()
+            }
+        };
         Inputs {
             x: self.contacts(),
             index_pulse: PerAxis::new(index(Axis::X), index(Axis::Z)),
+            index_latch: PerAxis::new(latch(Axis::X), latch(Axis::Z)),
             drive_alarm: self.drive_alarm,
             drive_ready: PerAxis::new(
                 self.enable.x && !self.drive_alarm.x,

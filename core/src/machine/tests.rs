@@ -229,6 +229,45 @@ fn dogs_index_pulse_and_limit_switches() {
 }
 
 #[test]
+fn the_zero_signal_latches_the_count_of_its_first_change() {
+    let mut lathe = lathe(&[]);
+    // Z from -150, one turn 10 mm, the signal stands for a fiftieth: 0.2 mm.
+    let mut latch = |z| {
+        drive_to(&mut lathe, 0, z)
+            .index_latch
+            .z
+            .map(|count| count.0)
+    };
+    assert_eq!(latch(9_990), Some(200));
+    assert_eq!(latch(9_995), None);
+    assert_eq!(latch(10_004), Some(10_000));
+    assert_eq!(latch(10_150), None);
+    assert_eq!(latch(10_230), Some(10_200));
+    // Going back, the first place that reads otherwise lies below the edge.
+    assert_eq!(latch(10_190), Some(10_199));
+    assert_eq!(latch(9_990), Some(9_999));
+    // More than one change in a tick: the first counts.
+    assert_eq!(latch(20_300), Some(10_000));
+}
+
+#[test]
+fn one_switch_latches_at_its_ends() {
+    let mut lathe = lathe(&[(7, 1 << 1)]);
+    // Z from -150, dog from -30 to -5.
+    let mut latch = |z| {
+        drive_to(&mut lathe, 0, z)
+            .index_latch
+            .z
+            .map(|count| count.0)
+    };
+    assert_eq!(latch(119_990), None);
+    assert_eq!(latch(120_010), Some(120_000));
+    assert_eq!(latch(145_004), Some(145_001));
+    assert_eq!(latch(144_990), Some(145_000));
+    assert_eq!(latch(119_990), Some(119_999));
+}
+
+#[test]
 fn the_free_lathe_has_neither_dogs_nor_limits() {
     let mut lathe = Lathe::new(LatheConfig::free(), &Parameters::default());
     for place in [-9_999_000, -20_000, 9_999_000] {

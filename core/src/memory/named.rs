@@ -11,6 +11,17 @@ impl Parameters {
         })
     }
 
+    /// A bit that stands in place 0 for X and in place 1 for Z.
+    fn axis_bit(&self, number: u16, axis: Axis) -> bool {
+        self.bit(
+            number,
+            match axis {
+                Axis::X => 0,
+                Axis::Z => 1,
+            },
+        )
+    }
+
     /// 001.4: the spindle speed is an analog voltage; otherwise outputs S1–S4.
     pub fn analog_spindle(&self) -> bool {
         self.bit(1, 4)
@@ -109,13 +120,62 @@ impl Parameters {
 
     /// 014.0, 014.1: the axis has a zero switch (methods B and C).
     pub fn has_zero_switch(&self, axis: Axis) -> bool {
-        self.bit(
-            14,
-            match axis {
-                Axis::X => 0,
-                Axis::Z => 1,
-            },
-        )
+        self.axis_bit(14, axis)
+    }
+
+    /// 007.0, 007.1 ZC: one switch serves for deceleration and zero (method C);
+    /// otherwise the zero signal is apart (method B).
+    pub fn one_zero_switch(&self, axis: Axis) -> bool {
+        self.axis_bit(7, axis)
+    }
+
+    /// 006.0, 006.1 ZM: the zero is approached in the negative direction.
+    pub fn zero_is_negative(&self, axis: Axis) -> bool {
+        self.axis_bit(6, axis)
+    }
+
+    /// 004.5 DECI: a closed deceleration contact means that the switch is pressed;
+    /// otherwise an open one.
+    pub fn closed_means_deceleration(&self) -> bool {
+        self.bit(4, 5)
+    }
+
+    /// 113: rate of the approach to the reference point, mm/min; X at half of it.
+    pub fn zero_approach_rate(&self, axis: Axis) -> f64 {
+        let rate = f64::from(self.value(113));
+        match axis {
+            Axis::X => rate / 2.0,
+            Axis::Z => rate,
+        }
+    }
+
+    /// 033: low rate FL of the reference return, mm/min.
+    pub fn zero_low_rate(&self) -> f64 {
+        self.value(33).into()
+    }
+
+    /// 049, 050: absolute coordinate of the reference point of the slide (X as a
+    /// radius), mm.
+    pub fn reference_coordinate(&self, axis: Axis) -> f64 {
+        self.slide_length(axis, self.per_axis(axis, 49, 50))
+    }
+
+    /// A coordinate among the parameters as one of the slide (X as a radius), mm.
+    fn slide_length(&self, axis: Axis, value: i32) -> f64 {
+        let scale = match axis {
+            Axis::X if !self.radius_programming() => 2.0,
+            Axis::X | Axis::Z => 1.0,
+        };
+        if self.inch_machine() {
+            f64::from(value) * self.least_increment() / scale
+        } else {
+            f64::from(value) / (1000.0 * scale)
+        }
+    }
+
+    /// 173.1 SINC: no steps of 0.1 mm and more.
+    pub fn small_steps_only(&self) -> bool {
+        self.bit(173, 1)
     }
 
     /// 164.7 AGER with an analog spindle: M41–M44 change gears.
@@ -228,20 +288,12 @@ impl Parameters {
     /// 045–048: soft limits as machine coordinates of the slide (X as a radius),
     /// mm: positive and negative end.
     pub fn soft_limits(&self, axis: Axis) -> (f64, f64) {
-        let scale = match axis {
-            Axis::X if !self.radius_programming() => 2.0,
-            Axis::X | Axis::Z => 1.0,
-        };
         let positive = self.per_axis(axis, 45, 46);
         let negative = self.per_axis(axis, 47, 48);
-        let mm = |value: i32| {
-            if self.inch_machine() {
-                f64::from(value) * self.least_increment() / scale
-            } else {
-                f64::from(value) / (1000.0 * scale)
-            }
-        };
-        (mm(positive), mm(negative))
+        (
+            self.slide_length(axis, positive),
+            self.slide_length(axis, negative),
+        )
     }
 
     /// 070: lines of the spindle encoder.

@@ -231,6 +231,38 @@ impl Interpolator {
         self.manual.get_mut(axis).step(position, distance, rate);
     }
 
+    /// Sends an axis to a coordinate, at a rate of its own.
+    pub const fn go_to(&mut self, axis: Axis, coordinate: f64, rate: JogRate) {
+        self.manual.get_mut(axis).go_to(coordinate, rate);
+    }
+
+    /// Changes the rate of a step under way.
+    pub const fn set_step_rate(&mut self, axis: Axis, rate: JogRate) {
+        self.manual.get_mut(axis).set_rate(rate);
+    }
+
+    /// What a step has still to go, mm.
+    pub fn step_rest(&self, axis: Axis) -> Option<f64> {
+        let goal = self.manual.get(axis).goal()?;
+        Some(goal - self.position.get(axis))
+    }
+
+    /// Speed of an axis moved by hand, mm/min.
+    pub const fn manual_speed(&self, axis: Axis) -> f64 {
+        self.manual.get(axis).speed() * 60.0
+    }
+
+    /// Lets an axis moved by hand decelerate, and drops what it was asked for.
+    pub const fn release(&mut self, axis: Axis) {
+        self.manual.get_mut(axis).release();
+    }
+
+    /// Stops an axis moved by hand on a place that it has reached or just passed.
+    pub fn stop_on(&mut self, axis: Axis, coordinate: f64) {
+        *self.manual.get_mut(axis) = ManualAxis::default();
+        *self.position.get_mut(axis) = coordinate;
+    }
+
     /// Whether an axis has a step still to go.
     pub const fn stepping(&self, axis: Axis) -> bool {
         self.manual.get(axis).stepping()

@@ -50,6 +50,28 @@ impl ManualAxis {
         self.goal = Some((base + distance, rate));
     }
 
+    /// Sends the axis to a place, mm.
+    pub const fn go_to(&mut self, goal: f64, rate: JogRate) {
+        self.goal = Some((goal, rate));
+    }
+
+    /// Changes the rate of a step that is under way.
+    pub const fn set_rate(&mut self, rate: JogRate) {
+        if let Some((_, goal_rate)) = &mut self.goal {
+            *goal_rate = rate;
+        }
+    }
+
+    /// Where a step is going, mm.
+    pub fn goal(&self) -> Option<f64> {
+        self.goal.map(|(goal, _)| goal)
+    }
+
+    /// Speed, mm/s.
+    pub const fn speed(&self) -> f64 {
+        self.speed
+    }
+
     /// Whether a step is under way.
     pub const fn stepping(&self) -> bool {
         self.goal.is_some()

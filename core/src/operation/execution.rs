@@ -101,6 +101,10 @@ impl Cnc {
                 self.automatic.dwell_left = *ms;
                 Ok(Stage::Acting)
             }
+            Action::ZeroReturn { x, z } => {
+                self.begin_zero_return(*x, *z)?;
+                Ok(Stage::Acting)
+            }
             Action::Referenced { x, z } => {
                 // Under machine lock the slides are not there (manual I-3.2.7).
                 let locked = self.from_plc.machine_lock;
@@ -234,6 +238,7 @@ impl Cnc {
                 | Action::Arc { .. }
                 | Action::Thread { .. } => moving,
                 Action::Tap { .. } => self.automatic.tap != Some(TapStage::Done) || moving,
+                Action::ZeroReturn { .. } => self.returns.x.is_some() || self.returns.z.is_some(),
                 _ => false,
             };
             if self.automatic.dwell_left > 0 || motion {
@@ -325,7 +330,7 @@ impl Cnc {
     /// Reports an executed (or interrupted) piece of motion.
     fn report(&mut self, current: &Current) {
         let (kind, center, feed) = match current.command.action {
-            Action::Rapid { .. } => (MoveKind::Rapid, None, None),
+            Action::Rapid { .. } | Action::ZeroReturn { .. } => (MoveKind::Rapid, None, None),
             Action::Line { feed, .. } => (MoveKind::Feed, None, Some(feed)),
             Action::Arc {
                 center,

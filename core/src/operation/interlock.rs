@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::automatic::RunState;
-use super::manual::{Way, travel_alarm};
-use crate::alarm::Alarm;
+use super::limits::travel_alarm;
+use super::manual::Way;
 use crate::cnc::Cnc;
 use crate::command::Action;
 use crate::units::{Axis, Point};
@@ -106,9 +106,7 @@ impl Cnc {
             if speed == 0.0 || !*reached.get(axis) {
                 continue;
             }
-            let alarm = Alarm::new(travel_alarm(axis, way));
-            let source = self.automatic.current.as_ref().map(|c| c.command.source);
-            self.raise(source.map_or(alarm.clone(), |source| alarm.at(source)));
+            self.raise_travel(axis, way);
         }
     }
 }

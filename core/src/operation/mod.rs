@@ -1,22 +1,26 @@
 //! Operating modes and run states, the M/S/T handshake, reset, emergency stop,
-//! manual motion, and the list of active alarms.
+//! manual motion, zero return, travel limits, and the list of active alarms.
 
 mod active_alarms;
 mod automatic;
 mod execution;
 mod handshake;
+mod handwheel;
 mod input_filter;
 mod interlock;
+mod limits;
 mod manual;
 mod mode;
 mod reset;
 mod signals;
 mod soft_switch;
 mod thread;
+mod zero_return;
 
 pub use active_alarms::ActiveAlarms;
 pub use automatic::{Automatic, RunState};
 pub use handshake::{Handshake, Phase, Strobe};
+pub(crate) use handwheel::WheelCounter;
 pub use input_filter::{InputFilter, X_BYTES};
 pub use interlock::SpeedCheck;
 pub(crate) use manual::JOG_RATE_MAX;
@@ -25,3 +29,4 @@ pub use mode::Mode;
 pub use signals::{FromPlc, ToPlc};
 pub use soft_switch::SoftSwitch;
 pub(crate) use thread::{check_encoder, check_thread_speed};
+pub(crate) use zero_return::Return;

@@ -4,6 +4,7 @@ use super::active_alarms::EMERGENCY_STOP;
 use super::automatic::RunState;
 use crate::alarm::{Alarm, AlarmClass};
 use crate::cnc::{Cnc, Event};
+use crate::command::ProgramId;
 use crate::units::{Axis, PerAxis};
 
 /// RST stands at least this long, so that a whole cycle of level 2 sees it.
@@ -35,6 +36,7 @@ impl Cnc {
     /// Ends the run: the axes decelerate, nothing that was read is carried out.
     pub(crate) fn stop_run(&mut self, state: RunState) {
         self.abandon_current();
+        self.abandon_returns();
         self.interpolator.decelerate();
         self.held = None;
         // The next start begins at the block where this run broke off.
@@ -71,10 +73,7 @@ impl Cnc {
                 self.reset();
                 self.raise(Alarm::new(EMERGENCY_STOP));
                 // Methods B and C lose their reference with the pulses.
-                self.referenced = PerAxis::new(
-                    self.referenced.x && !self.parameters.has_zero_switch(Axis::X),
-                    self.referenced.z && !self.parameters.has_zero_switch(Axis::Z),
-                );
+                self.referenced = self.reference_without_switch();
                 self.at_reference = PerAxis::default();
             }
         } else if self.emergency_stop {

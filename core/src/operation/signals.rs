@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::handshake::{Handshake, Strobe};
 use super::mode::Mode;
 use crate::memory::Parameters;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// The G signals, decoded once after every PLC slot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +44,10 @@ pub struct FromPlc {
     pub spindle_override: u8,
     /// Mode code, G43.
     pub mode_code: u8,
+    /// HS1A, HS1B, G18: the axis that the handwheel moves.
+    pub wheel_axis: Option<Axis>,
+    /// MP1, MP2, G19.4 and G19.5: least increments of one graduation or step.
+    pub step_increments: u16,
     /// BDT, G44.0.
     pub block_skip: bool,
     /// MLK, G44.1 and G108.
@@ -146,6 +150,17 @@ impl FromPlc {
             speed_arrival: bit(g(29), 4),
             spindle_override: spindle_override(g(30)),
             mode_code: g(43),
+            wheel_axis: match g(18) & 0b11 {
+                1 => Some(Axis::X),
+                2 => Some(Axis::Z),
+                _ => None,
+            },
+            step_increments: match g(19) >> 4 & 0b11 {
+                0 => 1,
+                1 => 10,
+                2 => 100,
+                _ => 1000,
+            },
             block_skip: bit(g(44), 0),
             machine_lock: PerAxis::new(all_locked || locked.x, all_locked || locked.z),
             next_tool: bit(g(44), 7),

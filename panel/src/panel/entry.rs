@@ -89,6 +89,8 @@ impl Panel {
         match character {
             'U' if relative => requests.push(Request::ZeroRelative(Axis::X)),
             'W' if relative => requests.push(Request::ZeroRelative(Axis::Z)),
+            'X' if self.page == PageId::PosAll => requests.push(Request::SetMachineZero(Axis::X)),
+            'Z' if self.page == PageId::PosAll => requests.push(Request::SetMachineZero(Axis::Z)),
             'N' if counters => requests.push(Request::ClearParts),
             'T' if counters => requests.push(Request::ClearCuttingTime),
             _ => {}

@@ -140,10 +140,8 @@ fn action(verb: &str, rest: &str) -> Result<Action, String> {
         ("power", ["off"]) => Ok(Action::Power(false)),
         ("power", ["on"]) => Ok(Action::Power(true)),
         ("fault", [name, state]) => Ok(Action::Fault(fault(name)?, on_off(state)?)),
-        ("turn", [count]) => count
-            .parse()
-            .map(Action::Turn)
-            .map_err(|_| format!("\"{count}\" is no whole number; {}", wrong(verb))),
+        ("turn", [count]) => Ok(Action::Turn(graduations(count)?, None)),
+        ("turn", [count, time]) => Ok(Action::Turn(graduations(count)?, Some(duration(time)?))),
         ("wait", [_, ..]) => wait(&words),
         ("set", [address, state]) => Ok(Action::Set(input(address)?, zero_one(state)?)),
         ("free", [address]) => Ok(Action::Free(input(address)?)),
@@ -211,6 +209,11 @@ fn typed(rest: &str, words: &[Word<'_>]) -> Result<Action, String> {
 }
 
 /// A time in milliseconds: `500ms`, `2s`, `1.5s`, `10min`.
+fn graduations(text: &str) -> Result<i32, String> {
+    text.parse()
+        .map_err(|_| format!("\"{text}\" is no whole number; {}", wrong("turn")))
+}
+
 fn duration(text: &str) -> Result<u64, String> {
     let end = text
         .find(|c: char| c.is_ascii_alphabetic())

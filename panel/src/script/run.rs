@@ -11,6 +11,9 @@ use crate::panel::KeyEvent;
 /// Ticks that [`run`] lets pass between two looks at the effects.
 const SLICE: u64 = 100_000;
 
+/// A handwheel turned at two turns a second.
+const TICKS_A_GRADUATION: u64 = 5;
+
 /// What a script asks of whoever runs it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Effect {
@@ -82,6 +85,14 @@ enum Stage {
     Resting(u64),
     /// The next character is typed at this tick.
     Typing(u64, Vec<char>, u64),
+    /// The handwheel is turned evenly from one tick on, for so many ticks; so many
+    /// graduations are done.
+    Turning {
+        graduations: i32,
+        from: u64,
+        ticks: u64,
+        done: i32,
+    },
     /// Something is waited for until this tick.
     Waiting(Box<Watch>, u64),
     /// Failed or finished.
@@ -180,6 +191,25 @@ impl Runner {
                     return Next::Look;
                 }
             }
+            Stage::Turning {
+                graduations,
+                from,
+                ticks,
+                done,
+            } => {
+                let elapsed = (now - *from).min(*ticks);
+                let due = i128::from(*graduations) * i128::from(elapsed) / i128::from(*ticks);
+                let more = due as i32 - *done;
+                if more != 0 {
+                    *done += more;
+                    emulator.turn(more);
+                }
+                if elapsed < *ticks {
+                    return Next::Tick;
+                }
+                self.stage = Stage::Resting(now + PRESS_TICKS);
+                return Next::Look;
+            }
             Stage::Waiting(watch, until) => {
                 if !watch.reached(emulator) {
                     if now < *until {
@@ -230,7 +260,16 @@ impl Runner {
             Action::Power(true) => emulator.power_on(),
             Action::Power(false) => emulator.power_off(),
             Action::Fault(fault, on) => emulator.simulation.lathe.set_fault(fault, on),
-            Action::Turn(graduations) => emulator.turn(graduations),
+            Action::Turn(graduations, None) if timed.is_some() => emulator.turn(graduations),
+            Action::Turn(graduations, time) => {
+                let own = u64::from(graduations.unsigned_abs()) * TICKS_A_GRADUATION;
+                self.stage = Stage::Turning {
+                    graduations,
+                    from: now,
+                    ticks: time.unwrap_or(own).max(1),
+                    done: 0,
+                };
+            }
             Action::Wait(ticks) => self.stage = Stage::Resting(now + ticks),
             Action::WaitFor(condition, limit) => {
                 self.stage = Stage::Waiting(Box::new(Watch::new(condition, emulator)), now + limit);

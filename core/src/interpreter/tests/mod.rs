@@ -303,6 +303,7 @@ impl Bench {
             ),
             Action::ThreadCycle { .. } => "thread cycle".into(),
             Action::Dwell { ms } => format!("dwell {ms}"),
+            Action::ZeroReturn { x, z } => format!("zero return {x} {z}"),
             Action::Referenced { x, z } => format!("referenced {x} {z}"),
             Action::Frame {
                 frame,

@@ -218,10 +218,24 @@ fn reference_return_cancels_the_offset_and_may_set_coordinates() {
 }
 
 #[test]
-fn no_return_without_a_reference() {
-    let mut bench = Bench::new();
+fn an_axis_without_a_reference_seeks_it_from_the_intermediate_point() {
+    let mut bench = Bench::at(50.0, -30.0);
     bench.referenced.z = false;
-    assert_eq!(bench.fault("G28 U0;\nG28 W0;"), (90, 2));
+    assert_eq!(
+        bench.trace("G28 U10 W5;")[..3],
+        [
+            "1: rapid X60 Z-25 |",
+            "1: rapid X0 Z-25",
+            "1: zero return true true |",
+        ]
+    );
+}
+
+#[test]
+fn an_axis_without_a_zero_switch_needs_its_zero_set_by_hand() {
+    let mut bench = Bench::new().with_bit(14, 1, false);
+    bench.referenced.z = false;
+    assert_eq!(bench.fault("G28 U0;\nG28 W0;"), (93, 2));
 }
 
 #[test]

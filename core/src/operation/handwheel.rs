@@ -1,0 +1,110 @@
+//! The handwheel (manual III-6.2): 100 graduations a turn, one increment each.
+
+use serde::{Deserialize, Serialize};
+
+use super::manual::Way;
+use crate::cnc::Cnc;
+use crate::motion::JogRate;
+use crate::units::Axis;
+
+/// Half graduations that the counter takes in a tick: 500 a second, five turns of
+/// a wheel of 100 graduations. What comes faster is lost.
+const HALVES_A_TICK: i32 = 1;
+/// Half graduations that may come at once: a tenth of a second's worth.
+const HALVES_AT_ONCE: i32 = 100;
+/// The axis follows the wheel by at most the way of so many seconds at rapid.
+const LAG_S: f64 = 0.5;
+
+/// The counter of the handwheel's pulses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct WheelCounter {
+    /// Graduation at the last tick; none before the first.
+    last: Option<i32>,
+    /// Half graduations that may still come.
+    room: i32,
+}
+
+impl Default for WheelCounter {
+    fn default() -> Self {
+        Self {
+            last: None,
+            room: HALVES_AT_ONCE,
+        }
+    }
+}
+
+impl WheelCounter {
+    /// The graduations that count this tick.
+    pub(super) const fn counts(&mut self, wheel: i32) -> i32 {
+        let turned = match self.last {
+            Some(last) => wheel.wrapping_sub(last),
+            None => 0,
+        };
+        self.last = Some(wheel);
+        self.room += HALVES_A_TICK;
+        if self.room > HALVES_AT_ONCE {
+            self.room = HALVES_AT_ONCE;
+        }
+        let most = self.room / 2;
+        let counted = if turned > most {
+            most
+        } else if turned < -most {
+            -most
+        } else {
+            turned
+        };
+        self.room -= 2 * counted.abs();
+        counted
+    }
+}
+
+impl Cnc {
+    /// The selected axis follows the wheel, at no more than its rapid rate.
+    pub(super) fn follow_wheel(&mut self, axis: Axis, counts: i32) {
+        let rate = JogRate::Feed(self.limits.rapid_rate(axis));
+        self.guide_step(axis, rate);
+        if self.from_plc.wheel_axis != Some(axis) || self.interlocked(axis) {
+            return;
+        }
+        let distance = f64::from(counts) * self.step_distance(axis);
+        let Some(way) = Way::of(distance) else {
+            return;
+        };
+        let rest = self.interpolator.step_rest(axis).unwrap_or(0.0);
+        let too_far = (rest + distance).abs() > self.limits.rapid_rate(axis) / 60.0 * LAG_S;
+        if self.may_go(axis, way) && !(too_far && Way::of(rest) == Some(way)) {
+            self.interpolator.start_step(axis, distance, rate);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn five_turns_a_second_count_and_no_more() {
+        let counted = |a_tick: i32| {
+            let mut counter = WheelCounter::default();
+            counter.counts(0);
+            let mut sum = 0;
+            // Every tenth tick, for ten seconds.
+            for tick in 1..=1000 {
+                for _ in 0..9 {
+                    counter.counts((tick - 1) * a_tick);
+                }
+                sum += counter.counts(tick * a_tick);
+            }
+            sum
+        };
+        assert_eq!(counted(5), 5000);
+        assert_eq!(counted(-5), -5000);
+        // Twice as fast: half is lost, but for the first tenth of a second.
+        assert!((5000..=5050).contains(&counted(10)), "{}", counted(10));
+    }
+
+    #[test]
+    fn the_place_of_the_wheel_at_power_on_is_no_turning() {
+        assert_eq!(WheelCounter::default().counts(1234), 0);
+    }
+}

@@ -1,0 +1,329 @@
+//! Return to the machine zero and to the program zero point (manual III-7, II-2.8.3).
+//!
+//! ```text
+//!  A  (014 ZRS = 0)         ───────── rapid ─────────────────► coordinate 0
+//!
+//!  B  (ZRS = 1, 007 ZC = 0)
+//!     speed  113 ───────────╮
+//!            033            ╰────────────┬───┐
+//!     switch ___________/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾\____
+//!     zero signal                            ▲  stop: machine zero
+//!
+//!  C  (ZRS = 1, ZC = 1)
+//!     speed  113 ───────────╮
+//!            033            ╰────────────╮
+//!              0                         │   back at 033
+//!     switch ___________/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾\__/  stop: machine zero
+//! ```
+//!
+//! X approaches at half of 113; the rapid override acts on the approach alone. The
+//! zero input latches the pulse count at which its signal changes, and the axis
+//! stops on that pulse: what the tick went too far is taken back.
+
+use serde::{Deserialize, Serialize};
+
+use super::automatic::RunState;
+use super::mode::Mode;
+use crate::alarm::Alarm;
+use crate::cnc::Cnc;
+use crate::command::Action;
+use crate::machine::Inputs;
+use crate::motion::{JogRate, RapidOverride};
+use crate::units::{Axis, PerAxis, Point, Pulses};
+
+/// How far the return of one axis has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum Return {
+    /// At rapid to a known place: method A, program zero.
+    Straight,
+    /// Towards the zero, until the deceleration switch.
+    Approach,
+    /// On the switch at the low rate, until it is released.
+    OnSwitch,
+    /// Method B: at the low rate until the zero signal.
+    Search,
+    /// Method C: past the switch, coming to rest.
+    Turning,
+    /// Method C: back at the low rate, until the switch is met again.
+    Back,
+}
+
+/// Deceleration switches, X0.3 and X1.3.
+const SWITCH_MASK: u8 = 1 << 3;
+
+impl Cnc {
+    /// The keys of one axis in the zero modes: either starts the return; letting go
+    /// stops it (011.2 ZNIK, with which one press is enough, is the ladder's).
+    pub(super) fn return_keys(&mut self, axis: Axis, held: bool, pressed: bool) {
+        if pressed && self.returns.get(axis).is_none() {
+            if let Err(alarm) = self.begin_return(axis) {
+                self.raise(alarm);
+            }
+        } else if !held && self.returns.get(axis).is_some() {
+            *self.returns.get_mut(axis) = None;
+            self.command_axis(axis, None);
+            self.interpolator.release(axis);
+        }
+    }
+
+    fn begin_return(&mut self, axis: Axis) -> Result<(), Alarm> {
+        if self.mode == Mode::ProgramZero {
+            let zero = self.program_zero.ok_or_else(|| {
+                Alarm::new(93).because("no G50 has set a program zero point since power-on")
+            })?;
+            self.interpolator
+                .go_to(axis, zero.get(axis), JogRate::Rapid);
+            *self.returns.get_mut(axis) = Some(Return::Straight);
+            return Ok(());
+        }
+        self.seek_reference(axis)
+    }
+
+    /// Begins the return of an axis to its machine zero.
+    fn seek_reference(&mut self, axis: Axis) -> Result<(), Alarm> {
+        let stage = if !self.parameters.has_zero_switch(axis) {
+            if !*self.referenced.get(axis) {
+                return Err(Alarm::new(93)
+                    .because("014 says no zero switch, and no machine zero has been set"));
+            }
+            self.interpolator.go_to(axis, 0.0, JogRate::Rapid);
+            Return::Straight
+        } else if self.at_reference.get(axis).is_some() || *self.from_plc.machine_lock.get(axis) {
+            return Ok(());
+        } else if self.on_zero_switch(axis) {
+            return Err(Alarm::new(90)
+                .because("the return begins on the deceleration switch: move off it first"));
+        } else {
+            Return::Approach
+        };
+        *self.returns.get_mut(axis) = Some(stage);
+        Ok(())
+    }
+
+    /// G28: seeks the reference points of axes that have none; those that have one
+    /// stand on it already.
+    pub(super) fn begin_zero_return(&mut self, x: bool, z: bool) -> Result<(), Alarm> {
+        for (axis, taken) in [(Axis::X, x), (Axis::Z, z)] {
+            if taken && *self.referenced.get(axis) {
+                self.stand_on_reference(axis);
+            } else if taken {
+                self.seek_reference(axis)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an axis is on its way to a zero.
+    pub(crate) const fn returning(&self) -> bool {
+        self.returns.x.is_some() || self.returns.z.is_some()
+    }
+
+    /// Forgets the returns under way; what moves is stopped elsewhere.
+    pub(crate) fn abandon_returns(&mut self) {
+        for axis in [Axis::X, Axis::Z] {
+            if self.returns.get_mut(axis).take().is_some() {
+                *self.jog_command.get_mut(axis) = None;
+                self.interpolator.release(axis);
+            }
+        }
+    }
+
+    /// One tick of the returns under way.
+    pub(crate) fn return_tick(&mut self, inputs: &Inputs) {
+        if !self.returning() {
+            return;
+        }
+        if self.emergency_stop || self.resetting() || self.is_not_ready() {
+            return self.abandon_returns();
+        }
+        for axis in [Axis::X, Axis::Z] {
+            if let Some(stage) = *self.returns.get(axis) {
+                self.go_on(axis, stage, *inputs.index_latch.get(axis));
+            }
+        }
+    }
+
+    fn go_on(&mut self, axis: Axis, stage: Return, latch: Option<Pulses>) {
+        let low = self.parameters.zero_low_rate();
+        // A dog too short to brake on: the signal counts only at the low rate.
+        let slow = self.interpolator.manual_speed(axis) <= low * 1.001;
+        let next = match stage {
+            Return::Straight => return self.go_straight(axis),
+            Return::Approach if self.on_zero_switch(axis) => Return::OnSwitch,
+            Return::OnSwitch if !self.on_zero_switch(axis) => {
+                if self.parameters.one_zero_switch(axis) {
+                    Return::Turning
+                } else {
+                    Return::Search
+                }
+            }
+            Return::Turning if self.interpolator.manual_speed(axis) <= 0.0 => Return::Back,
+            Return::Search | Return::Back if slow && latch.is_some() => {
+                return self.meet_zero(axis, latch);
+            }
+            stage => stage,
+        };
+        *self.returns.get_mut(axis) = Some(next);
+        self.drive_return(axis, next);
+    }
+
+    fn go_straight(&mut self, axis: Axis) {
+        if self.interpolator.stepping(axis) {
+            return self.guide_step(axis, JogRate::Rapid);
+        }
+        let zero = match self.mode {
+            Mode::ProgramZero => self.program_zero.map(|zero| zero.get(axis)),
+            _ => Some(0.0),
+        };
+        if zero == Some(self.position().get(axis)) {
+            self.arrive(axis, false);
+        } else {
+            // A limit has stopped it on the way.
+            *self.returns.get_mut(axis) = None;
+        }
+    }
+
+    /// Speed and direction of a return, as the locks allow.
+    fn drive_return(&mut self, axis: Axis, stage: Return) {
+        let negative = self.parameters.zero_is_negative(axis) != (stage == Return::Back);
+        let way = if negative {
+            super::manual::Way::Minus
+        } else {
+            super::manual::Way::Plus
+        };
+        let by_program = self.automatic.state == RunState::Run && self.from_plc.start_lock;
+        let held = by_program || self.automatic.state == RunState::Hold || self.interlocked(axis);
+        let rate = match stage {
+            Return::Approach => self.approach_rate(axis),
+            _ => self.parameters.zero_low_rate(),
+        };
+        let stands = stage == Return::Turning || held || !self.may_go(axis, way);
+        let command = (!stands).then_some((!negative, JogRate::Approach(rate)));
+        self.command_axis(axis, command);
+    }
+
+    fn approach_rate(&self, axis: Axis) -> f64 {
+        let rate = self.parameters.zero_approach_rate(axis);
+        match RapidOverride::from_percent(self.from_plc.rapid_override) {
+            RapidOverride::F0 => self.parameters.rapid_lowest().min(rate),
+            RapidOverride::Percent(percent) => rate * f64::from(percent.min(100)) / 100.0,
+        }
+    }
+
+    /// Whether the deceleration switch is pressed (004.5 DECI).
+    fn on_zero_switch(&self, axis: Axis) -> bool {
+        let byte = match axis {
+            Axis::X => 0,
+            Axis::Z => 1,
+        };
+        let closed = self.filter.accepted()[byte] & SWITCH_MASK != 0;
+        closed == self.parameters.closed_means_deceleration()
+    }
+
+    /// The zero signal came: the place of its pulse is the machine zero.
+    fn meet_zero(&mut self, axis: Axis, latch: Option<Pulses>) {
+        let Some(count) = latch else { return };
+        let here = self.axes.zero_at(axis, count);
+        let mut shift = Point::default();
+        *shift.get_mut(axis) = here - self.position().get(axis);
+        self.interpolator.translate(shift);
+        self.interpolator.stop_on(axis, 0.0);
+        self.command_axis(axis, None);
+        self.shift_frame(shift);
+        let shifted = shift.get(axis).abs() > 1e-9;
+        self.arrive(axis, shifted);
+    }
+
+    /// The end of a return; `shifted`: the machine coordinates are others now.
+    fn arrive(&mut self, axis: Axis, shifted: bool) {
+        *self.returns.get_mut(axis) = None;
+        let before = self.frame;
+        if self.mode == Mode::ProgramZero {
+            *self.frame.offset.get_mut(axis) = 0.0;
+            self.tell_frame();
+        } else {
+            self.stand_on_reference(axis);
+        }
+        let by_program = matches!(self.automatic.action(), Some(Action::ZeroReturn { .. }));
+        if !by_program && (shifted || before != self.frame) {
+            // The rest of a stopped program was read for other coordinates.
+            self.forget_stopped_program();
+        }
+        if !by_program {
+            let (interpreter, world) = self.interpreter_and_world(true);
+            interpreter.cancel_offset(axis, &world);
+        }
+    }
+
+    /// An axis stands on its reference point: lamp, coordinates of 049 and 050
+    /// (012.7 APRS), end of the tool offset.
+    fn stand_on_reference(&mut self, axis: Axis) {
+        let at = self.position().get(axis);
+        *self.referenced.get_mut(axis) = true;
+        *self.at_reference.get_mut(axis) = Some(at);
+        *self.frame.offset.get_mut(axis) = 0.0;
+        if self.parameters.reference_sets_coordinates() {
+            let shown = self.frame.program(self.position()).get(axis);
+            let coordinate = self.parameters.reference_coordinate(axis);
+            *self.frame.zero.get_mut(axis) = at - coordinate;
+            let relative = self.relative_zero.get_mut(axis);
+            if self.parameters.g50_sets_relative() {
+                *relative = 0.0;
+            } else {
+                *relative += coordinate - shown;
+            }
+        }
+        self.tell_frame();
+    }
+
+    /// Method A: the place where an axis stands becomes its machine zero (取消 and
+    /// the letter of the axis on the page of all positions). Axes with a zero switch
+    /// have theirs.
+    pub(crate) fn set_machine_zero(&mut self, axis: Axis) {
+        let at_rest = !self.is_moving() && !self.automatic.operating();
+        if self.parameters.has_zero_switch(axis) || !at_rest {
+            return;
+        }
+        self.forget_stopped_program();
+        self.settle_coordinates();
+        let mut shift = Point::default();
+        *shift.get_mut(axis) = -self.position().get(axis);
+        self.interpolator.translate(shift);
+        self.axes.preset(axis, 0.0);
+        self.shift_frame(shift);
+        *self.referenced.get_mut(axis) = true;
+        self.tell_frame();
+    }
+
+    /// What is left of the reference when the pulses were lost: method A's.
+    pub(crate) fn reference_without_switch(&self) -> PerAxis<bool> {
+        let kept = |axis| *self.referenced.get(axis) && !self.parameters.has_zero_switch(axis);
+        PerAxis::new(kept(Axis::X), kept(Axis::Z))
+    }
+
+    /// The machine coordinates begin elsewhere; the program's go on.
+    fn shift_frame(&mut self, shift: Point) {
+        self.frame.zero = self.frame.zero + shift;
+        if let Some(zero) = &mut self.program_zero {
+            *zero = *zero + shift;
+        }
+    }
+
+    fn tell_frame(&mut self) {
+        let frame = self.frame;
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.set_frame(frame, &world);
+    }
+
+    fn forget_stopped_program(&mut self) {
+        if self.automatic.state == RunState::Reset {
+            return;
+        }
+        self.abandon_current();
+        self.held = None;
+        if let Some(last) = self.automatic.last {
+            self.cursor_line = last.line;
+        }
+        self.automatic.clear();
+    }
+}
