@@ -14,6 +14,8 @@ pub enum PcAction {
     Release(Holder),
     /// Enter a character that has no key of its own.
     Type(char),
+    /// Turn the handwheel by so many graduations.
+    Turn(i32),
     /// Show or hide the key map.
     Help,
 }
@@ -34,6 +36,10 @@ pub fn action(event: &Event) -> Option<PcAction> {
     else {
         return None;
     };
+    if let Some(graduations) = wheel(*key, *modifiers) {
+        // A held key goes on turning.
+        return pressed.then_some(PcAction::Turn(graduations));
+    }
     let holder = Holder::Keyboard(*key);
     if !pressed {
         return Some(PcAction::Release(holder));
@@ -47,13 +53,25 @@ pub fn action(event: &Event) -> Option<PcAction> {
     panel_key(*key, *modifiers).map(|panel| PcAction::Press(holder, panel))
 }
 
+/// The keys that turn the handwheel: `]` clockwise, `[` back, ten with Shift.
+fn wheel(key: PcKey, modifiers: Modifiers) -> Option<i32> {
+    let graduations = if modifiers.shift { 10 } else { 1 };
+    match key {
+        _ if modifiers.ctrl || modifiers.alt => None,
+        PcKey::CloseBracket | PcKey::CloseCurlyBracket => Some(graduations),
+        PcKey::OpenBracket | PcKey::OpenCurlyBracket => Some(-graduations),
+        _ => None,
+    }
+}
+
 /// A character that no key of the table stands for: `D`, `Q`, `#`, … The others
 /// come as keys.
 fn typed(text: &str) -> Option<PcAction> {
     let mut characters = text.chars();
     let character = characters.next()?.to_ascii_uppercase();
     let printable = character.is_ascii_graphic() && characters.next().is_none();
-    let has_key = Key::of_pc(character.encode_utf8(&mut [0; 4])).is_some();
+    let turns_wheel = "[]{}".contains(character);
+    let has_key = turns_wheel || Key::of_pc(character.encode_utf8(&mut [0; 4])).is_some();
     (printable && !has_key).then_some(PcAction::Type(character))
 }
 
@@ -114,6 +132,30 @@ mod tests {
             repeat,
             modifiers,
         }
+    }
+
+    #[test]
+    fn brackets_turn_the_handwheel_and_go_on_while_held() {
+        let plain = Modifiers::default();
+        let shift = Modifiers::SHIFT;
+        let turned = |key, modifiers, repeat| action(&event(key, modifiers, true, repeat));
+        assert_eq!(
+            turned(PcKey::CloseBracket, plain, false),
+            Some(PcAction::Turn(1))
+        );
+        assert_eq!(
+            turned(PcKey::OpenBracket, plain, true),
+            Some(PcAction::Turn(-1))
+        );
+        assert_eq!(
+            turned(PcKey::CloseCurlyBracket, shift, false),
+            Some(PcAction::Turn(10))
+        );
+        assert_eq!(
+            action(&event(PcKey::CloseBracket, plain, false, false)),
+            None
+        );
+        assert_eq!(action(&Event::Text("]".to_owned())), None);
     }
 
     /// Every PC key of the table is a key that egui knows, with modifiers.

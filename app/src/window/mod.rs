@@ -287,6 +287,7 @@ impl Window {
         for event in events {
             match keyboard::action(event) {
                 Some(PcAction::Help) => self.help = !self.help,
+                Some(PcAction::Turn(graduations)) => self.console.send(Command::Turn(graduations)),
                 Some(PcAction::Type(character)) => self.console.send(Command::Type(character)),
                 Some(PcAction::Press(holder, key)) => {
                     let changes = self.held.set(holder, Some(key));

@@ -155,7 +155,7 @@ impl Pointing {
     }
 
     fn scroll(&mut self, unit: MouseWheelUnit, delta: Vec2, done: &mut Done) {
-        // Down and right are clockwise, as the finger would push the front.
+        // Up and right are clockwise.
         let amount = if delta.y == 0.0 { delta.x } else { delta.y };
         self.turn_by(
             match unit {

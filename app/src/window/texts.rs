@@ -36,6 +36,8 @@ pub enum Text {
     KeysTitle,
     /// Letters, digits and signs of the PC.
     KeysCharacters,
+    /// The keys that turn the handwheel.
+    KeysWheel,
     /// How to leave the key map.
     KeysClose,
     /// Heading: key of the panel.
@@ -90,12 +92,19 @@ impl Text {
             Self::Language => ("English", "中文"),
             Self::Lcd => ("显示屏", "LCD"),
             Self::Handwheel => ("手轮", "Handwheel"),
-            Self::HandwheelHint => ("滚动或拖动转动手轮", "Scroll or drag to turn the handwheel"),
+            Self::HandwheelHint => (
+                "滚动、拖动或按 [ ] 键转动手轮;Shift 加 [ ] 一次十格",
+                "Scroll, drag or press [ ] to turn the handwheel; ten with Shift",
+            ),
             Self::KeysTitle => ("电脑键盘与面板按键", "PC keyboard and panel keys"),
             Self::KeysCharacters => (
                 "字母、数字和符号: 按面板所印; 复合键的第二个字符 (D Q C Y #) 直接键入",
                 "Letters, digits and signs: as printed on the panel; the second character of a \
                  compound key (D Q C Y #) is typed directly",
+            ),
+            Self::KeysWheel => (
+                "[ 和 ]: 手轮一格; 加 Shift 十格",
+                "[ and ]: the handwheel by one graduation; with Shift by ten",
             ),
             Self::KeysClose => ("再按 F1 关闭", "F1 closes this"),
             Self::PanelKey => ("面板按键", "Panel key"),
