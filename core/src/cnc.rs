@@ -22,7 +22,7 @@ use crate::axis::{AxisChain, SoftLimits};
 use crate::command::{Action, ExecutedMove, Frame, Source, SpindleCommand};
 use crate::interpreter::{Explanation, Interpreter, Modal};
 use crate::machine::{Inputs, Outputs};
-use crate::memory::{Counters, Offsets, Parameters, Variables};
+use crate::memory::{Counters, Offsets, Parameters, PitchTable, Variables};
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
     ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, Return, RunState,
@@ -117,6 +117,7 @@ pub enum Event {
 pub struct Cnc {
     pub(crate) parameters: Parameters,
     pub(crate) offsets: Offsets,
+    pub(crate) pitch: PitchTable,
     pub(crate) variables: Variables,
     pub(crate) inch_input: bool,
     pub(crate) programs: ProgramMemory,
@@ -207,7 +208,7 @@ impl Cnc {
         interpreter.set_tool(tool);
         let modal = *interpreter.modal();
         let start = setup.start.unwrap_or_default();
-        let mut axes = AxisChain::new(&parameters);
+        let mut axes = AxisChain::new(&parameters, &setup.pitch);
         axes.preset(Axis::X, start.x);
         axes.preset(Axis::Z, start.z);
         let mut spindle = SpindleControl::new(&parameters);
@@ -225,6 +226,7 @@ impl Cnc {
             programmed_ahead: 0.0,
             parameters,
             offsets: setup.offsets,
+            pitch: setup.pitch,
             variables: setup.variables,
             inch_input: setup.inch_input,
             programs: setup.programs,
@@ -282,6 +284,7 @@ impl Cnc {
         let setup = Setup {
             parameters: self.parameters.clone(),
             offsets: self.offsets.clone(),
+            pitch: self.pitch.clone(),
             variables: self.variables.clone(),
             inch_input: self.inch_input,
             ladder: self.ladder_at_power_on(),

@@ -6,7 +6,7 @@ use gsk_plc::address::BitAddress;
 use gsk_plc::{Ladder, Plc, Retained};
 
 use crate::machine::LatheConfig;
-use crate::memory::{Counters, Offsets, Parameters, Variables};
+use crate::memory::{Counters, Offsets, Parameters, PitchTable, Variables};
 use crate::program::ProgramMemory;
 use crate::units::Point;
 
@@ -23,6 +23,8 @@ pub struct Setup {
     pub parameters: Parameters,
     /// Tool offsets.
     pub offsets: Offsets,
+    /// Pitch error table.
+    pub pitch: PitchTable,
     /// Macro variables.
     pub variables: Variables,
     /// Whether programs are in inches (英制编程 of the setting page).
@@ -90,6 +92,7 @@ impl Default for Setup {
         Self {
             parameters,
             offsets: Offsets::default(),
+            pitch: PitchTable::default(),
             variables: Variables::default(),
             inch_input: false,
             programs: ProgramMemory::default(),

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::memory::Parameters;
+use super::backlash::Backlash;
+use super::pitch::PitchCurve;
+use crate::memory::{Parameters, PitchTable};
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
 /// The least output increment of an axis, mm of slide travel: X 0.0005 with
@@ -42,48 +44,81 @@ pub fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
 }
 
 /// One axis.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Chain {
     /// Least output increments per mm.
     per_mm: f64,
     multiply: i64,
     divide: i64,
     reversed: bool,
+    backlash: Backlash,
+    pitch: PitchCurve,
     /// Machine coordinate, mm, of the place where the increments are counted from.
     origin: f64,
     /// Pulse count there.
     base: i64,
+    /// Corrections that were in force there, increments.
+    without: i64,
     /// Distance that machine lock has kept from the slide, mm.
     locked_away: f64,
     /// Commanded coordinate of the last tick, mm.
     commanded: f64,
+    /// Increments from the origin at the last tick.
+    increments: i64,
+    /// Pitch error correction at the last tick, increments.
+    correction: i64,
 }
 
 impl Chain {
-    fn new(axis: Axis, parameters: &Parameters) -> Self {
+    fn new(axis: Axis, parameters: &Parameters, table: &PitchTable) -> Self {
         let (multiply, divide) = parameters.gear(axis);
-        Self {
-            per_mm: 1.0 / least_increment(axis, parameters),
+        let least = least_increment(axis, parameters);
+        let per_pulse = f64::from(divide) / f64::from(multiply);
+        let per_thousandth = match axis {
+            Axis::X if !parameters.radius_programming() => 2,
+            Axis::X | Axis::Z => 1,
+        };
+        let mut new = Self {
+            per_mm: 1.0 / least,
             multiply: multiply.into(),
             divide: divide.into(),
             reversed: motor_reversed(axis, parameters),
+            backlash: Backlash::new(axis, parameters, 1.0 / least, per_pulse),
+            pitch: PitchCurve::new(axis, parameters, table, per_thousandth),
             origin: 0.0,
             base: 0,
+            without: 0,
             locked_away: 0.0,
             commanded: 0.0,
-        }
+            increments: 0,
+            correction: 0,
+        };
+        new.correction = new.pitch_here();
+        new.without = new.correction;
+        new
     }
 
     fn slide(&self) -> f64 {
         self.commanded - self.locked_away
     }
 
-    /// The position in whole increments, then geared; the part of a pulse that is
-    /// left over counts again with the next increment.
+    fn pitch_here(&self) -> i64 {
+        if self.pitch.is_off() {
+            return 0;
+        }
+        self.pitch.at((self.slide() * self.per_mm).round() as i64)
+    }
+
+    /// The position in whole increments with its corrections, then geared; the part
+    /// of a pulse that is left over counts again with the next increment.
     fn pulses(&self) -> i64 {
-        let increments = ((self.slide() - self.origin) * self.per_mm).round() as i64;
+        let increments = self.increments + self.corrections() - self.without;
         let geared = increments * self.multiply / self.divide;
         self.base + if self.reversed { -geared } else { geared }
+    }
+
+    fn corrections(&self) -> i64 {
+        self.correction + self.backlash.given()
     }
 
     fn advance(&mut self, commanded: f64, locked: bool) {
@@ -91,6 +126,10 @@ impl Chain {
             self.locked_away += commanded - self.commanded;
         }
         self.commanded = commanded;
+        let increments = ((self.slide() - self.origin) * self.per_mm).round() as i64;
+        self.backlash.tick(increments - self.increments);
+        self.increments = increments;
+        self.correction = self.pitch_here();
     }
 
     /// Makes the place of a pulse count the coordinate zero; the coordinate of the
@@ -98,11 +137,17 @@ impl Chain {
     fn zero_at(&mut self, count: i64) -> f64 {
         let from_base = count - self.base;
         let from_base = if self.reversed { -from_base } else { from_base };
-        let increments = from_base as f64 * self.divide as f64 / self.multiply as f64;
+        let geared = from_base as f64 * self.divide as f64 / self.multiply as f64;
+        // The same corrections were in force when the signal came.
+        let increments = geared - (self.corrections() - self.without) as f64;
         self.commanded = self.slide() - (self.origin + increments / self.per_mm);
         self.origin = 0.0;
         self.base = count;
         self.locked_away = 0.0;
+        self.increments = (self.commanded * self.per_mm).round() as i64;
+        self.correction = self.pitch_here();
+        // At zero no pitch error is made up for.
+        self.without = self.backlash.given();
         self.commanded
     }
 
@@ -111,32 +156,51 @@ impl Chain {
         self.origin += commanded - self.slide();
         self.commanded = commanded;
         self.locked_away = 0.0;
+        let correction = self.pitch_here();
+        self.without += correction - self.correction;
+        self.correction = correction;
+    }
+
+    fn reconfigure(&mut self, changed: Self) {
+        let mut new = Self {
+            backlash: self.backlash.reconfigured(changed.backlash),
+            base: self.pulses(),
+            origin: self.slide(),
+            commanded: self.commanded,
+            locked_away: self.locked_away,
+            increments: 0,
+            ..changed
+        };
+        new.correction = new.pitch_here();
+        new.without = new.corrections();
+        *self = new;
     }
 }
 
 /// Positions to pulses for both axes. The pulse count follows from the absolute
-/// position, never from a sum of steps: there is no drift.
+/// position and the direction of the last motion, never from a sum of steps: there
+/// is no drift.
 ///
 /// ```text
-///  position ─► increments ─► · CMR / CMD ─► direction 008 ─► pulses
-///    mm        0.0005/0.001    015–018
+///  position ─► increments ─► + pitch error ─► + backlash ─► · CMR / CMD ─► direction ─► pulses
+///    mm        0.0005/0.001  098–103, 013    034, 035      015–018        008
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisChain {
     chains: PerAxis<Chain>,
 }
 
 impl AxisChain {
     /// At machine coordinate zero and pulse count zero.
-    pub fn new(parameters: &Parameters) -> Self {
-        let chain = |axis| Chain::new(axis, parameters);
+    pub fn new(parameters: &Parameters, table: &PitchTable) -> Self {
+        let chain = |axis| Chain::new(axis, parameters, table);
         Self {
             chains: PerAxis::new(chain(Axis::X), chain(Axis::Z)),
         }
     }
 
     /// The slides follow the commanded position, except locked axes (machine
-    /// lock), which get no pulses; the count after it.
+    /// lock), which get no pulses; the count after it. To be called once a tick.
     pub fn advance(&mut self, commanded: Point, locked: PerAxis<bool>) -> PerAxis<Pulses> {
         self.chains.x.advance(commanded.x, locked.x);
         self.chains.z.advance(commanded.z, locked.z);
@@ -157,6 +221,11 @@ impl AxisChain {
         Point::new(self.chains.x.slide(), self.chains.z.slide())
     }
 
+    /// Whether a backlash is still being given out.
+    pub fn is_settling(&self) -> bool {
+        !(self.chains.x.backlash.is_settled() && self.chains.z.backlash.is_settled())
+    }
+
     /// Gives the place where an axis stands another machine coordinate, mm (X in
     /// radius), without a pulse: reference point, power-on, end of machine lock.
     pub fn preset(&mut self, axis: Axis, coordinate: f64) {
@@ -169,17 +238,12 @@ impl AxisChain {
         self.chains.get_mut(axis).zero_at(count.0)
     }
 
-    /// Takes over changed parameters 001.2, 008, 015–018 at standstill, without a
-    /// pulse.
-    pub fn reconfigure(&mut self, parameters: &Parameters) {
+    /// Takes over changed parameters (001.2, 003.5, 006, 008, 010, 011, 013,
+    /// 015–018, 034, 035, 098–103) and pitch errors at standstill, without a pulse.
+    pub fn reconfigure(&mut self, parameters: &Parameters, table: &PitchTable) {
         for axis in [Axis::X, Axis::Z] {
-            let chain = self.chains.get_mut(axis);
-            let mut changed = Chain::new(axis, parameters);
-            changed.base = chain.pulses();
-            changed.origin = chain.slide();
-            changed.commanded = chain.commanded;
-            changed.locked_away = chain.locked_away;
-            *chain = changed;
+            let changed = Chain::new(axis, parameters, table);
+            self.chains.get_mut(axis).reconfigure(changed);
         }
     }
 }
@@ -189,17 +253,77 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn geared(multiply: i64, divide: i64) -> Chain {
-        Chain {
-            per_mm: 1000.0,
-            multiply,
-            divide,
-            reversed: false,
-            origin: 0.0,
-            base: 0,
-            locked_away: 0.0,
-            commanded: 0.0,
+    fn geared(multiply: i32, divide: i32) -> Chain {
+        let mut parameters = Parameters::default();
+        parameters.set(16, multiply).unwrap();
+        parameters.set(18, divide).unwrap();
+        Chain::new(Axis::Z, &parameters, &PitchTable::default())
+    }
+
+    /// Backlash 0.1 mm, points 1 and 2 of the table +7 and -6 µm every 10 mm.
+    fn corrected() -> (Parameters, PitchTable) {
+        let mut parameters = Parameters::default();
+        parameters.set(35, 100).unwrap();
+        let mut table = PitchTable::default();
+        table.set(Axis::Z, 1, 7).unwrap();
+        table.set(Axis::Z, 2, -6).unwrap();
+        (parameters, table)
+    }
+
+    fn rest(chain: &mut Chain, at: f64) -> i64 {
+        for _ in 0..100 {
+            chain.advance(at, false);
         }
+        chain.pulses()
+    }
+
+    #[test]
+    fn backlash_and_pitch_errors_add_up() {
+        let (parameters, table) = corrected();
+        let mut chain = Chain::new(Axis::Z, &parameters, &table);
+        assert_eq!(rest(&mut chain, 5.0), 5000);
+        assert_eq!(rest(&mut chain, 15.0), 15_007);
+        assert_eq!(rest(&mut chain, 25.0), 25_001);
+        assert_eq!(rest(&mut chain, 15.0), 14_907);
+        assert_eq!(rest(&mut chain, -5.0), -5100);
+        assert_eq!(rest(&mut chain, 15.0), 15_007);
+    }
+
+    #[test]
+    fn a_preset_keeps_corrections_out_of_the_pulses() {
+        let (parameters, table) = corrected();
+        let mut chain = Chain::new(Axis::Z, &parameters, &table);
+        rest(&mut chain, 15.0);
+        chain.preset(-3.0);
+        assert_eq!(chain.pulses(), 15_007);
+        assert_eq!(rest(&mut chain, 12.0), 30_014);
+    }
+
+    #[test]
+    fn changed_parameters_give_no_pulse_and_act_from_there() {
+        let (mut parameters, table) = corrected();
+        let mut chain = Chain::new(Axis::Z, &parameters, &table);
+        rest(&mut chain, 15.0);
+        let before = rest(&mut chain, 12.0);
+        assert_eq!(before, 11_907);
+        parameters.set(35, 40).unwrap();
+        parameters.set(16, 2).unwrap();
+        chain.reconfigure(Chain::new(Axis::Z, &parameters, &table));
+        assert_eq!(rest(&mut chain, 12.0), before);
+        assert_eq!(rest(&mut chain, 11.0), before - 2000);
+        // 1 mm back and 0.04 mm of backlash, two pulses each.
+        assert_eq!(rest(&mut chain, 12.0), before + 80);
+    }
+
+    #[test]
+    fn machine_lock_gives_no_backlash() {
+        let (parameters, table) = corrected();
+        let mut chain = Chain::new(Axis::Z, &parameters, &table);
+        rest(&mut chain, 15.0);
+        for step in 1..100 {
+            chain.advance(15.0 - f64::from(step) * 0.1, true);
+        }
+        assert_eq!(chain.pulses(), 15_007);
     }
 
     #[test]

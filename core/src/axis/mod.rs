@@ -1,6 +1,9 @@
-//! From machine positions to drive pulses, and the software travel limits.
+//! From machine positions to drive pulses: backlash, pitch errors, electronic gear;
+//! and the software travel limits.
 
+mod backlash;
 mod chain;
+mod pitch;
 mod soft_limits;
 
 pub(crate) use chain::motor_reversed;

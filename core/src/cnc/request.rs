@@ -43,6 +43,15 @@ pub enum Request {
         /// −2³² to 2³² − 1.
         value: i64,
     },
+    /// A point of the pitch error table.
+    SetPitch {
+        /// Axis.
+        axis: Axis,
+        /// Point, 0–255.
+        point: u8,
+        /// −255 to 255, in 0.001 mm.
+        value: i16,
+    },
     /// 英制编程: programs are in inches from now on.
     SetInchInput(bool),
     /// The OUTPUT key went down or up.
@@ -110,6 +119,13 @@ impl Cnc {
             Request::SetVariable { number, value } => {
                 if self.mode == Mode::Mdi && !self.automatic.operating() {
                     self.variables.set(number, value)?;
+                }
+            }
+            Request::SetPitch { axis, point, value } => {
+                let allowed = self.mode == Mode::Mdi || self.emergency_stop;
+                if allowed && !self.automatic.operating() && !self.is_moving() {
+                    self.pitch.set(axis, point, value)?;
+                    self.axes.reconfigure(&self.parameters, &self.pitch);
                 }
             }
             Request::SetInchInput(inch) => {

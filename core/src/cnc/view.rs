@@ -8,7 +8,7 @@ use super::{Cnc, Event};
 use crate::alarm::Alarm;
 use crate::command::{Action, Frame, ProgramId, Source};
 use crate::interpreter::Modal;
-use crate::memory::{Counters, Offsets, Parameters, Variables};
+use crate::memory::{Counters, Offsets, Parameters, PitchTable, Variables};
 use crate::motion::JogRate;
 use crate::operation::{Mode, Return, RunState, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
@@ -145,6 +145,11 @@ impl Cnc {
     /// Parameters.
     pub const fn parameters(&self) -> &Parameters {
         &self.parameters
+    }
+
+    /// Pitch error table.
+    pub const fn pitch(&self) -> &PitchTable {
+        &self.pitch
     }
 
     /// Tool offsets.

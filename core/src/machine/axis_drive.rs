@@ -1,29 +1,56 @@
-//! One slide: drive, switches, zero signal.
+//! One slide: drive, screw, switches, zero signal.
+//!
+//! ```text
+//!  pulses ─► servo ─► motor ─► screw with its play ─► slide
+//!            v = gain · lag    zero signal            dog, limit switches
+//! ```
 
 use serde::{Deserialize, Serialize};
 
 use super::config::AxisConfig;
 use crate::axis::{motor_reversed, pulse_weight};
 use crate::memory::Parameters;
-use crate::units::{Axis, Pulses};
+use crate::units::{Axis, Pulses, TICK_S};
 
 /// Part of a motor turn for which the zero signal stands.
 const INDEX_PART: i64 = 50;
 
-/// A slide; it follows the command pulses exactly.
+/// The position loop of a drive.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Servo {
+    /// Seconds of way that the motor is behind at a steady speed.
+    lag_s: f64,
+    /// What is left of a deviation after a tick.
+    tick_decay: f64,
+    /// Following error that trips the drive, pulses.
+    largest: f64,
+}
+
+/// A slide with its drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct AxisDrive {
     /// Slide travel of one pulse, mm; negative with a reversed motor.
     pulse: f64,
-    /// Physical place in pulses from the reference point, as the motor counts.
-    place: i64,
+    /// Where the command is, in pulses from the reference point towards plus.
+    commanded: i64,
+    /// How far the motor is behind it, pulses: the following error.
+    behind: f64,
+    /// Physical place of the slide, pulses; it lies between the motor's and that
+    /// plus the play of the screw.
+    slide: i64,
+    play: i64,
     /// Last command count.
     last: i64,
+    servo: Option<Servo>,
+    /// The following error became too large: the drive is off.
+    tripped: bool,
+    /// The slide does not move.
+    pub blocked: bool,
     /// Pulses of one motor turn.
     turn: i64,
     limits: Option<(i64, i64)>,
     dog: Option<(i64, i64)>,
-    /// Place and count before the last tick.
+    /// Places of motor and slide before the last tick.
     before: (i64, i64),
 }
 
@@ -37,22 +64,36 @@ impl AxisDrive {
             Some(pulse) if pulse.is_finite() && pulse != 0.0 => pulse.abs(),
             _ => pulse_weight(axis, parameters),
         };
-        // All switches in pulses, so that a tick compares whole numbers.
+        // All places in pulses, so that a tick compares whole numbers.
         let place = |mm: f64| (mm * scale / weight).round() as i64;
+        let servo = config.servo.as_ref().map(|servo| {
+            let gain = servo.gain.clamp(1.0, 1000.0);
+            Servo {
+                lag_s: 1.0 / gain,
+                tick_decay: libm::exp(-gain * TICK_S),
+                largest: (servo.largest_error.abs() * scale / weight).max(1.0),
+            }
+        });
         Self {
             pulse: if motor_reversed(axis, parameters) {
                 -weight
             } else {
                 weight
             },
-            place: place(config.start),
+            commanded: place(config.start),
+            behind: 0.0,
+            slide: place(config.start),
+            play: place(config.backlash).max(0),
             last: 0,
+            servo,
+            tripped: false,
+            blocked: false,
             turn: place(config.motor_turn).max(1),
             limits: config
                 .limits
                 .map(|limits| (place(limits.minus), place(limits.plus))),
             dog: config.dog.map(|dog| (place(dog.from), place(dog.to))),
-            before: (place(config.start), 0),
+            before: (place(config.start), place(config.start)),
         }
     }
 
@@ -61,45 +102,92 @@ impl AxisDrive {
         if self.pulse < 0.0 { -pulses } else { pulses }
     }
 
-    /// Follows the command count.
-    pub const fn follow(&mut self, command: Pulses) {
-        self.before = (self.place, self.last);
-        self.place += self.towards_plus(command.0 - self.last);
+    /// Where the motor stands.
+    fn motor(&self) -> i64 {
+        self.commanded - self.behind.round() as i64
+    }
+
+    /// Follows the command count for a tick. A drive that is not enabled, or has
+    /// tripped, lets the pulses go by.
+    pub fn follow(&mut self, command: Pulses, enabled: bool) {
+        let way = self.towards_plus(command.0 - self.last);
         self.last = command.0;
+        self.before = (self.motor(), self.slide);
+        if !enabled || self.tripped {
+            self.tripped &= enabled;
+            self.commanded = self.motor();
+            self.behind = 0.0;
+            return;
+        }
+        if way == 0 && self.behind == 0.0 {
+            return;
+        }
+        self.commanded += way;
+        match &self.servo {
+            // A stepper that is blocked loses its steps.
+            None if self.blocked => self.commanded -= way,
+            None => {}
+            Some(servo) => {
+                let settled = way as f64 / TICK_S * servo.lag_s;
+                self.behind = if self.blocked {
+                    self.behind + way as f64
+                } else {
+                    settled + (self.behind - settled) * servo.tick_decay
+                };
+                if way == 0 && self.behind.abs() < 1e-3 {
+                    self.behind = 0.0;
+                }
+                self.tripped = self.behind.abs() > servo.largest;
+            }
+        }
+        let motor = self.motor();
+        self.slide = self.slide.clamp(motor, motor + self.play);
     }
 
     /// Takes a count for the place where the slide stands, without moving.
-    pub const fn stand_at(&mut self, command: Pulses) {
+    pub fn stand_at(&mut self, command: Pulses) {
         self.last = command.0;
-        self.before = (self.place, self.last);
+        self.before = (self.motor(), self.slide);
     }
 
     /// Puts the slide elsewhere, mm from the reference point (X in radius).
     pub fn put(&mut self, place: f64) {
-        self.place = (place / self.pulse.abs()).round() as i64;
-        self.before = (self.place, self.last);
+        self.commanded = (place / self.pulse.abs()).round() as i64;
+        self.behind = 0.0;
+        self.slide = self.commanded;
+        self.before = (self.commanded, self.slide);
     }
 
     /// Where the slide stands, mm from the reference point (X in radius).
     pub fn place(&self) -> f64 {
-        self.place as f64 * self.pulse.abs()
+        self.slide as f64 * self.pulse.abs()
+    }
+
+    /// How far the motor is behind the command, mm (X in radius).
+    pub fn following_error(&self) -> f64 {
+        self.behind * self.pulse.abs()
+    }
+
+    /// The following error has become too large.
+    pub const fn tripped(&self) -> bool {
+        self.tripped
     }
 
     /// Whether a limit switch is tripped.
     pub fn over_limit(&self) -> bool {
         self.limits
-            .is_some_and(|(minus, plus)| self.place < minus || self.place > plus)
+            .is_some_and(|(minus, plus)| self.slide < minus || self.slide > plus)
     }
 
     /// Whether the deceleration switch is pressed.
     pub fn on_dog(&self) -> bool {
         self.dog
-            .is_some_and(|(from, to)| (from..=to).contains(&self.place))
+            .is_some_and(|(from, to)| (from..=to).contains(&self.slide))
     }
 
     /// The one-turn signal: its rising edge is at zero going positive.
-    pub const fn index(&self) -> bool {
-        self.place.rem_euclid(self.turn) * INDEX_PART < self.turn
+    pub fn index(&self) -> bool {
+        self.motor().rem_euclid(self.turn) * INDEX_PART < self.turn
     }
 
     /// The command count at which the one-turn signal changed in the last tick.
@@ -107,7 +195,8 @@ impl AxisDrive {
         // The signal stands on the first `width` pulses of a turn.
         let width = (self.turn + INDEX_PART - 1) / INDEX_PART;
         let starts = [0, width];
-        self.first_change(|place| {
+        let way = (self.before.0, self.motor());
+        self.first_change(way, |place| {
             let on_turn = |start: &i64| place - (place - start).rem_euclid(self.turn);
             starts.iter().map(on_turn).max()
         })
@@ -116,28 +205,35 @@ impl AxisDrive {
     /// The command count at which the switch changed in the last tick.
     pub fn dog_latch(&self) -> Option<Pulses> {
         let (from, to) = self.dog?;
-        self.first_change(|place| [from, to + 1].into_iter().filter(|at| *at <= place).max())
+        let way = (self.before.1, self.slide);
+        self.first_change(way, |place| {
+            [from, to + 1].into_iter().filter(|at| *at <= place).max()
+        })
     }
 
-    /// The command count at the first change of a signal in the last tick.
-    /// `below(place)`: the last boundary at or before a place; a boundary is the
-    /// first place of its stretch.
-    fn first_change(&self, below: impl Fn(i64) -> Option<i64>) -> Option<Pulses> {
-        let (from, count) = self.before;
-        if self.place == from {
+    /// The command count at the first change of a signal in the last tick, on the
+    /// way of motor or slide. `below(place)`: the last boundary at or before a place;
+    /// a boundary is the first place of its stretch.
+    fn first_change(
+        &self,
+        (from, to): (i64, i64),
+        below: impl Fn(i64) -> Option<i64>,
+    ) -> Option<Pulses> {
+        if to == from {
             return None;
         }
-        let place = if self.place > from {
+        let place = if to > from {
             // The first boundary ahead of where it was.
-            let mut first = below(self.place).filter(|at| *at > from)?;
+            let mut first = below(to).filter(|at| *at > from)?;
             while let Some(earlier) = below(first - 1).filter(|at| *at > from) {
                 first = earlier;
             }
             first
         } else {
             // Going back, the place before a boundary is the first beyond it.
-            below(from).filter(|at| *at > self.place)? - 1
+            below(from).filter(|at| *at > to)? - 1
         };
-        Some(Pulses(count + self.towards_plus(place - from)))
+        // Counted from the end: at a steady speed a servo goes as fast as its command.
+        Some(Pulses(self.last - self.towards_plus(to - place)))
     }
 }

@@ -47,7 +47,7 @@ impl Default for LatheConfig {
                     to: -10.0,
                 }),
                 motor_turn: 20.0,
-                pulse: None,
+                ..AxisConfig::default()
             },
             z: AxisConfig::default(),
             turret: TurretConfig::default(),
@@ -93,6 +93,10 @@ pub struct AxisConfig {
     /// Slide travel of one pulse, mm in radius; `None`: set to fit the parameters
     /// (CMR, CMD, direction) found when the lathe is wired.
     pub pulse: Option<f64>,
+    /// Play of the screw, mm: what 034 and 035 make up for.
+    pub backlash: f64,
+    /// The drive's position loop; `None`: a stepper, which follows every pulse.
+    pub servo: Option<ServoConfig>,
 }
 
 impl Default for AxisConfig {
@@ -110,6 +114,27 @@ impl Default for AxisConfig {
             }),
             motor_turn: 10.0,
             pulse: None,
+            backlash: 0.0,
+            servo: None,
+        }
+    }
+}
+
+/// The position loop of a servo drive: the motor follows the pulses at a distance.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ServoConfig {
+    /// Speed for a following error, (mm/s)/mm; 1 to 1000.
+    pub gain: f64,
+    /// Following error that trips the drive, mm.
+    pub largest_error: f64,
+}
+
+impl Default for ServoConfig {
+    fn default() -> Self {
+        Self {
+            gain: 40.0,
+            largest_error: 10.0,
         }
     }
 }

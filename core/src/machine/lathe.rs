@@ -32,6 +32,10 @@ pub enum Fault {
     DriveX,
     /// Alarm of the Z drive.
     DriveZ,
+    /// The X slide is jammed: a servo trips, a stepper loses steps.
+    SlideX,
+    /// The Z slide is jammed.
+    SlideZ,
     /// Hydraulic or air pressure is low.
     PressureLow,
     /// The guard door is open.
@@ -40,13 +44,15 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault with the name scripts use.
-    pub const ALL: [(&'static str, Self); 8] = [
+    pub const ALL: [(&'static str, Self); 10] = [
         ("turret-blocked", Self::TurretBlocked),
         ("turret-unclamped", Self::TurretUnclamped),
         ("spindle-blocked", Self::SpindleBlocked),
         ("encoder-lost", Self::EncoderLost),
         ("drive-x", Self::DriveX),
         ("drive-z", Self::DriveZ),
+        ("slide-x-jammed", Self::SlideX),
+        ("slide-z-jammed", Self::SlideZ),
         ("pressure-low", Self::PressureLow),
         ("door-open", Self::DoorOpen),
     ];
@@ -135,8 +141,8 @@ impl Lathe {
     /// One millisecond.
     pub fn tick(&mut self, outputs: &Outputs) -> Inputs {
         let on = |pin: Pin| outputs.output(usize::from(pin.0), pin.1);
-        self.axes.x.follow(outputs.pulses.x);
-        self.axes.z.follow(outputs.pulses.z);
+        self.axes.x.follow(outputs.pulses.x, outputs.enable.x);
+        self.axes.z.follow(outputs.pulses.z, outputs.enable.z);
         self.enable = outputs.enable;
         self.turret
             .tick(on(pins::TURRET_FORWARD), on(pins::TURRET_REVERSE));
@@ -183,15 +189,16 @@ impl Lathe {
                 drive.index_latch()
             }
         };
+        let alarm = PerAxis::new(
+            self.drive_alarm.x || self.axes.x.tripped(),
+            self.drive_alarm.z || self.axes.z.tripped(),
+        );
         Inputs {
             x: self.contacts(),
             index_pulse: PerAxis::new(index(Axis::X), index(Axis::Z)),
             index_latch: PerAxis::new(latch(Axis::X), latch(Axis::Z)),
-            drive_alarm: self.drive_alarm,
-            drive_ready: PerAxis::new(
-                self.enable.x && !self.drive_alarm.x,
-                self.enable.z && !self.drive_alarm.z,
-            ),
+            drive_alarm: alarm,
+            drive_ready: PerAxis::new(self.enable.x && !alarm.x, self.enable.z && !alarm.z),
             encoder,
             encoder_index,
             spindle_index,
@@ -292,6 +299,8 @@ impl Lathe {
             Fault::EncoderLost => self.spindle.encoder_lost = on,
             Fault::DriveX => self.drive_alarm.x = on,
             Fault::DriveZ => self.drive_alarm.z = on,
+            Fault::SlideX => self.axes.x.blocked = on,
+            Fault::SlideZ => self.axes.z.blocked = on,
             Fault::PressureLow => self.pressure_low = on,
             Fault::DoorOpen => self.door_open = on,
         }
@@ -364,6 +373,14 @@ impl Lathe {
     /// Where the slides stand, mm from the reference point (X in radius).
     pub fn slides(&self) -> Point {
         Point::new(self.axes.x.place(), self.axes.z.place())
+    }
+
+    /// How far the motors are behind their pulses, mm (X in radius).
+    pub fn following_error(&self) -> Point {
+        Point::new(
+            self.axes.x.following_error(),
+            self.axes.z.following_error(),
+        )
     }
 
     /// Spindle speed, r/min; negative in reverse.

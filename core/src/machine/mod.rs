@@ -25,7 +25,8 @@ mod tests;
 use serde::{Deserialize, Serialize};
 
 pub use config::{
-    AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, SpindleConfig, TurretConfig,
+    AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, ServoConfig, SpindleConfig,
+    TurretConfig,
 };
 pub use io::{Inputs, Outputs};
 pub use lathe::{Fault, Lathe};

@@ -193,6 +193,7 @@ fn drive_to(lathe: &mut Lathe, x: i64, z: i64) -> Inputs {
     let pulses = PerAxis::new(Pulses(x), Pulses(z));
     lathe.tick(&Outputs {
         pulses,
+        enable: PerAxis::new(true, true),
         ..Outputs::default()
     })
 }
@@ -207,6 +208,83 @@ fn the_slides_follow_the_pulses() {
     let mut reversed = self::lathe(&[(8, 0)]);
     drive_to(&mut reversed, 2000, -1000);
     assert_eq!(reversed.slides(), Point::new(-51.0, -149.0));
+}
+
+fn with_servo(servo: ServoConfig) -> Lathe {
+    let mut config = LatheConfig::free();
+    config.x.servo = Some(servo);
+    config.z.servo = Some(servo);
+    Lathe::new(config, &Parameters::default())
+}
+
+#[test]
+fn a_servo_is_behind_by_speed_over_gain_and_arrives() {
+    let mut lathe = with_servo(ServoConfig {
+        gain: 25.0,
+        ..ServoConfig::default()
+    });
+    // Z at 60 mm/s, X (0.0005 mm a pulse) at 30 mm/s back: behind by 2.4 and 1.2 mm.
+    for tick in 1..=500 {
+        drive_to(&mut lathe, -60 * tick, 60 * tick);
+    }
+    let behind = lathe.following_error();
+    assert!((behind.z - 2.4).abs() < 1e-3 && (behind.x + 1.2).abs() < 1e-3);
+    assert!((lathe.slides().z - (30.0 - 2.4)).abs() < 0.001);
+    for _ in 0..1000 {
+        drive_to(&mut lathe, -30_000, 30_000);
+    }
+    assert_eq!(lathe.following_error(), Point::default());
+    assert_eq!(lathe.slides(), Point::new(-15.0, 30.0));
+}
+
+#[test]
+fn a_jammed_slide_trips_its_servo_until_the_drive_is_enabled_anew() {
+    let mut lathe = with_servo(ServoConfig {
+        largest_error: 2.0,
+        ..ServoConfig::default()
+    });
+    lathe.set_fault(Fault::SlideZ, true);
+    assert!(!drive_to(&mut lathe, 0, 2000).drive_alarm.z);
+    let inputs = drive_to(&mut lathe, 0, 2001);
+    assert!(inputs.drive_alarm.z && !inputs.drive_alarm.x && !inputs.drive_ready.z);
+    lathe.set_fault(Fault::SlideZ, false);
+    assert!(drive_to(&mut lathe, 0, 2500).drive_alarm.z);
+    // Emergency stop: the drive is switched off, and forgets what it was behind.
+    let off = Outputs {
+        pulses: PerAxis::new(Pulses(0), Pulses(2500)),
+        ..Outputs::default()
+    };
+    assert!(!lathe.tick(&off).drive_alarm.z);
+    for _ in 0..1000 {
+        drive_to(&mut lathe, 0, 3500);
+    }
+    assert_eq!(lathe.slides(), Point::new(0.0, 1.0));
+}
+
+#[test]
+fn a_jammed_stepper_loses_its_steps() {
+    let mut lathe = Lathe::new(LatheConfig::free(), &Parameters::default());
+    lathe.set_fault(Fault::SlideZ, true);
+    assert!(!drive_to(&mut lathe, 0, 5000).drive_alarm.z);
+    lathe.set_fault(Fault::SlideZ, false);
+    drive_to(&mut lathe, 0, 6000);
+    assert_eq!(lathe.slides(), Point::new(0.0, 1.0));
+}
+
+#[test]
+fn the_screw_has_its_play() {
+    let mut config = LatheConfig::free();
+    config.z.backlash = 0.05;
+    let mut lathe = Lathe::new(config, &Parameters::default());
+    let mut to = |pulses| {
+        drive_to(&mut lathe, 0, pulses);
+        (lathe.slides().z * 1000.0).round()
+    };
+    assert_eq!(to(100), 100.0);
+    assert_eq!(to(60), 100.0);
+    assert_eq!(to(40), 90.0);
+    assert_eq!(to(80), 90.0);
+    assert_eq!(to(95), 95.0);
 }
 
 #[test]

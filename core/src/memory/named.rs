@@ -315,4 +315,58 @@ impl Parameters {
     pub fn stations(&self) -> u8 {
         self.value(84).clamp(0, 32) as u8
     }
+
+    /// 034, 035: backlash of the slide, mm.
+    pub fn backlash(&self, axis: Axis) -> f64 {
+        f64::from(self.per_axis(axis, 34, 35)) * self.least_increment()
+    }
+
+    /// 011.7 BDEC: backlash is given out with acceleration (method B); otherwise at
+    /// a steady frequency (A).
+    pub fn backlash_accelerates(&self) -> bool {
+        self.bit(11, 7)
+    }
+
+    /// 010.3–010.0 CPF, 011.6 BD8: pulses a second of backlash by method A.
+    pub fn backlash_frequency(&self) -> f64 {
+        let frequency = f64::from(self.value(10) & 0b1111) + 1.0;
+        let eighth = if self.bit(11, 6) { 8.0 } else { 1.0 };
+        frequency * 1000.0 / eighth
+    }
+
+    /// 006.0 ZMX, 006.1 ZMZ: zero return and first backlash go in the negative
+    /// direction.
+    pub fn reference_is_negative(&self, axis: Axis) -> bool {
+        self.bit(
+            6,
+            match axis {
+                Axis::X => 0,
+                Axis::Z => 1,
+            },
+        )
+    }
+
+    /// 003.5: the control compensates pitch errors (option).
+    pub fn pitch_compensated(&self) -> bool {
+        self.bit(3, 5)
+    }
+
+    /// 013.2–013.0 PML: factor of the pitch error table.
+    pub fn pitch_factor(&self) -> i32 {
+        match self.value(13) & 0b111 {
+            code @ 0..4 => 1 << code,
+            _ => 16,
+        }
+    }
+
+    /// 098, 099: point of the pitch error table at the reference position.
+    pub fn pitch_origin(&self, axis: Axis) -> u8 {
+        self.per_axis(axis, 98, 99).clamp(0, 255) as u8
+    }
+
+    /// 102, 103: slide travel from point to point of the pitch error table, in
+    /// 0.001 mm (0.0001 inch); 0: no compensation.
+    pub fn pitch_interval(&self, axis: Axis) -> i64 {
+        i64::from(self.per_axis(axis, 102, 103)).abs()
+    }
 }

@@ -1,0 +1,139 @@
+//! Pitch error compensation: what the screw is wrong by at a machine position (003.5,
+//! 013, 098, 099, 102, 103; manual III-10).
+//!
+//! ```text
+//!  point    R-2      R-1       R       R+1      R+2
+//!  ──────────┴────────┴────────┴────────┴────────┴────► machine position
+//!             -(v[R])           0       v[R+1]   v[R+1] + v[R+2]
+//!           at and beyond      between  at and   at and beyond
+//!           the point          the two  beyond
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use crate::memory::{Parameters, PitchTable};
+use crate::units::Axis;
+
+const POINTS: usize = 256;
+
+/// Corrections of one axis by position; nothing at all when it is off.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct PitchCurve {
+    /// Correction from each point on, counted from the reference point, increments.
+    sums: Vec<i32>,
+    /// The point at the reference position.
+    origin: i64,
+    /// Increments from point to point.
+    interval: i64,
+}
+
+impl PitchCurve {
+    /// `per_thousandth`: least output increments in 0.001 mm (or 0.0001 inch).
+    pub fn new(
+        axis: Axis,
+        parameters: &Parameters,
+        table: &PitchTable,
+        per_thousandth: i64,
+    ) -> Self {
+        let interval = parameters.pitch_interval(axis) * per_thousandth;
+        if !parameters.pitch_compensated() || interval == 0 || table.is_flat(axis) {
+            return Self::default();
+        }
+        let origin = parameters.pitch_origin(axis);
+        let factor = parameters.pitch_factor() * per_thousandth as i32;
+        let value = |point: usize| i32::from(table.value(axis, point as u8)) * factor;
+        let reference = usize::from(origin);
+        let mut sums = vec![0; POINTS];
+        for point in reference + 1..POINTS {
+            sums[point] = sums[point - 1] + value(point);
+        }
+        for point in (0..reference).rev() {
+            sums[point] = sums[point + 1] - value(point + 1);
+        }
+        Self {
+            sums,
+            origin: origin.into(),
+            interval,
+        }
+    }
+
+    /// Whether it does nothing.
+    pub const fn is_off(&self) -> bool {
+        self.sums.is_empty()
+    }
+
+    /// Correction at a machine position; both in increments. Beyond the table the
+    /// correction of its last point stays.
+    pub fn at(&self, position: i64) -> i64 {
+        if self.interval == 0 {
+            return 0;
+        }
+        let point = (self.origin + position / self.interval).clamp(0, POINTS as i64 - 1);
+        self.sums.get(point as usize).copied().unwrap_or(0).into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Z, interval 10 mm, factor 1: the table from `first` on.
+    fn curve(origin: i32, first: u8, values: &[i16]) -> PitchCurve {
+        let mut parameters = Parameters::default();
+        parameters.set(99, origin).unwrap();
+        let mut table = PitchTable::default();
+        for (point, value) in (first..=255).zip(values) {
+            table.set(Axis::Z, point, *value).unwrap();
+        }
+        PitchCurve::new(Axis::Z, &parameters, &table, 1)
+    }
+
+    fn between(curve: &PitchCurve, from: i64, to: i64) -> i64 {
+        curve.at(to * 1000) - curve.at(from * 1000)
+    }
+
+    /// The three examples of the manual (III-10.4).
+    #[test]
+    fn examples_of_the_manual() {
+        let positive = curve(0, 1, &[7, -6, 4]);
+        assert_eq!(between(&positive, 0, 30), 5);
+        let middle = curve(127, 125, &[-7, -7, 6, 4]);
+        assert_eq!(between(&middle, -30, 10), -4);
+        let negative = curve(255, 252, &[3, -7, 0, 2]);
+        assert_eq!(between(&negative, -40, 0), -2);
+    }
+
+    #[test]
+    fn a_point_acts_when_it_is_reached() {
+        let curve = curve(127, 127, &[6, 4]);
+        assert_eq!(curve.at(9_999), 0);
+        assert_eq!(curve.at(10_000), 4);
+        assert_eq!(curve.at(-9_999), 0);
+        assert_eq!(curve.at(-10_000), -6);
+        assert_eq!((curve.at(9_000_000), curve.at(-9_000_000)), (4, -6));
+    }
+
+    #[test]
+    fn parameters_switch_and_scale_it() {
+        let mut parameters = Parameters::default();
+        let mut table = PitchTable::default();
+        table.set(Axis::X, 1, 10).unwrap();
+        // X counts 0.0005 mm: two increments a µm, 20000 from point to point.
+        let at = |parameters: &Parameters| {
+            PitchCurve::new(Axis::X, parameters, &table, 2).at(20_000)
+        };
+        assert_eq!(at(&parameters), 20);
+        for (bits, factor) in [(1, 2), (2, 4), (3, 8), (4, 16), (7, 16)] {
+            parameters.set(13, bits).unwrap();
+            assert_eq!(at(&parameters), 20 * factor);
+        }
+        parameters.set(13, 0).unwrap();
+        parameters.set(102, 5000).unwrap();
+        assert_eq!(at(&parameters), 20);
+        parameters.set(102, 0).unwrap();
+        assert_eq!(at(&parameters), 0);
+        parameters.set(102, 10_000).unwrap();
+        parameters.set_bit(3, 5, false).unwrap();
+        assert_eq!(at(&parameters), 0);
+    }
+}

@@ -1,0 +1,123 @@
+//! The pitch error table: 256 points an axis (manual III-10).
+
+use core::fmt;
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::units::{Axis, PerAxis};
+
+/// Largest value of a point, µm to either side.
+const LARGEST: i16 = 255;
+
+/// What the screws are wrong by, in 0.001 mm before the factor 013; a point that is
+/// not listed is 0. Point 0 may hold a value, but no interval belongs to it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "PerAxis<BTreeMap<u8, i16>>", into = "PerAxis<BTreeMap<u8, i16>>")]
+pub struct PitchTable {
+    points: PerAxis<BTreeMap<u8, i16>>,
+}
+
+/// A value beyond ±255.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PitchError {
+    /// The point.
+    pub point: u8,
+    /// The value refused.
+    pub value: i16,
+}
+
+impl fmt::Display for PitchError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { point, value } = self;
+        write!(
+            f,
+            "pitch error point {point:03}: {value} is outside -{LARGEST}..{LARGEST}"
+        )
+    }
+}
+
+impl core::error::Error for PitchError {}
+
+impl From<PitchError> for crate::alarm::Alarm {
+    fn from(error: PitchError) -> Self {
+        Self::new(43).because(error.to_string())
+    }
+}
+
+impl PitchTable {
+    /// The value of a point.
+    pub fn value(&self, axis: Axis, point: u8) -> i16 {
+        self.points.get(axis).get(&point).copied().unwrap_or(0)
+    }
+
+    /// Writes a point.
+    ///
+    /// # Errors
+    /// A value beyond ±255 (alarm 043).
+    pub fn set(&mut self, axis: Axis, point: u8, value: i16) -> Result<(), PitchError> {
+        check(point, value)?;
+        let points = self.points.get_mut(axis);
+        if value == 0 {
+            points.remove(&point);
+        } else {
+            points.insert(point, value);
+        }
+        Ok(())
+    }
+
+    /// Whether an axis has no value that acts.
+    pub fn is_flat(&self, axis: Axis) -> bool {
+        self.points.get(axis).range(1..).next().is_none()
+    }
+}
+
+const fn check(point: u8, value: i16) -> Result<(), PitchError> {
+    if value < -LARGEST || value > LARGEST {
+        return Err(PitchError { point, value });
+    }
+    Ok(())
+}
+
+impl TryFrom<PerAxis<BTreeMap<u8, i16>>> for PitchTable {
+    type Error = PitchError;
+
+    fn try_from(points: PerAxis<BTreeMap<u8, i16>>) -> Result<Self, PitchError> {
+        let mut table = Self::default();
+        for (axis, values) in [(Axis::X, points.x), (Axis::Z, points.z)] {
+            for (point, value) in values {
+                table.set(axis, point, value)?;
+            }
+        }
+        Ok(table)
+    }
+}
+
+impl From<PitchTable> for PerAxis<BTreeMap<u8, i16>> {
+    fn from(table: PitchTable) -> Self {
+        table.points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_checked_and_survive_storage() {
+        let mut table = PitchTable::default();
+        table.set(Axis::X, 1, -255).unwrap();
+        table.set(Axis::Z, 255, 7).unwrap();
+        table.set(Axis::Z, 0, 5).unwrap();
+        let error = table.set(Axis::Z, 3, 256).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "pitch error point 003: 256 is outside -255..255"
+        );
+        let text = ron::to_string(&table).unwrap();
+        assert_eq!(ron::from_str::<PitchTable>(&text).unwrap(), table);
+        assert!(ron::from_str::<PitchTable>("(x:{1:300},z:{})").is_err());
+        table.set(Axis::Z, 255, 0).unwrap();
+        assert!(table.is_flat(Axis::Z) && !table.is_flat(Axis::X));
+    }
+}
