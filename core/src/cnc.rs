@@ -564,9 +564,10 @@ impl Cnc {
         }
         self.axes
             .advance(self.position(), self.from_plc.machine_lock);
+        self.watch_gear_speed();
     }
 
-    fn feed_override_factor(&self) -> f64 {
+    pub(crate) fn feed_override_factor(&self) -> f64 {
         if self.from_plc.override_cancel {
             return 1.0;
         }

@@ -119,9 +119,8 @@ mod tests {
         let mut table = PitchTable::default();
         table.set(Axis::X, 1, 10).unwrap();
         // X counts 0.0005 mm: two increments a µm, 20000 from point to point.
-        let at = |parameters: &Parameters| {
-            PitchCurve::new(Axis::X, parameters, &table, 2).at(20_000)
-        };
+        let at =
+            |parameters: &Parameters| PitchCurve::new(Axis::X, parameters, &table, 2).at(20_000);
         assert_eq!(at(&parameters), 20);
         for (bits, factor) in [(1, 2), (2, 4), (3, 8), (4, 16), (7, 16)] {
             parameters.set(13, bits).unwrap();

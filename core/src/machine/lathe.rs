@@ -377,10 +377,7 @@ impl Lathe {
 
     /// How far the motors are behind their pulses, mm (X in radius).
     pub fn following_error(&self) -> Point {
-        Point::new(
-            self.axes.x.following_error(),
-            self.axes.z.following_error(),
-        )
+        Point::new(self.axes.x.following_error(), self.axes.z.following_error())
     }
 
     /// Spindle speed, r/min; negative in reverse.

@@ -13,7 +13,10 @@ const LARGEST: i16 = 255;
 /// What the screws are wrong by, in 0.001 mm before the factor 013; a point that is
 /// not listed is 0. Point 0 may hold a value, but no interval belongs to it.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "PerAxis<BTreeMap<u8, i16>>", into = "PerAxis<BTreeMap<u8, i16>>")]
+#[serde(
+    try_from = "PerAxis<BTreeMap<u8, i16>>",
+    into = "PerAxis<BTreeMap<u8, i16>>"
+)]
 pub struct PitchTable {
     points: PerAxis<BTreeMap<u8, i16>>,
 }

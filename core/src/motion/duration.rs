@@ -138,3 +138,18 @@ pub fn duration(
         }
     }
 }
+
+/// Speed of each axis at its fastest in a rapid or a cut, mm/min (of an arc that of
+/// its path); `feed` as for [`duration`].
+pub fn top_speed(kind: MoveKind, way: Point, feed: f64, limits: &MotionLimits) -> Point {
+    let rate = feed.min(limits.cutting_rate());
+    let axis_speed = |axis| match kind {
+        MoveKind::Rapid => {
+            let reached = limits.rapid_law(axis).reached(way.get(axis).abs());
+            (reached * 60.0).min(limits.rapid_rate(axis))
+        }
+        MoveKind::Feed => rate * way.get(axis).abs() / way.length().max(1e-9),
+        _ => rate,
+    };
+    Point::new(axis_speed(Axis::X), axis_speed(Axis::Z))
+}

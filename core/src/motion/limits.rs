@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::gear::GearLaw;
 use super::ramp::Law;
 use super::thread::gear_law;
+use crate::axis::gear_speed_limit;
 use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis, Point};
 
@@ -25,6 +26,7 @@ pub struct MotionLimits {
     gear_law: GearLaw,
     tail_rate: f64,
     tail_time: f64,
+    pulse_limit: PerAxis<Option<f64>>,
 }
 
 impl From<&Parameters> for MotionLimits {
@@ -45,6 +47,10 @@ impl From<&Parameters> for MotionLimits {
             gear_law: gear_law(parameters),
             tail_rate: parameters.run_out_rate() / 60.0,
             tail_time: parameters.run_out_time() / 1000.0,
+            pulse_limit: PerAxis::new(
+                gear_speed_limit(Axis::X, parameters),
+                gear_speed_limit(Axis::Z, parameters),
+            ),
         }
     }
 }
@@ -58,6 +64,20 @@ impl MotionLimits {
     /// Upper limit of cutting feed (027), mm/min.
     pub const fn cutting_rate(&self) -> f64 {
         self.cutting * 60.0
+    }
+
+    /// Whether an electronic gear multiplies, and so limits the speed.
+    pub const fn gear_limits_speed(&self) -> bool {
+        self.pulse_limit.x.is_some() || self.pulse_limit.z.is_some()
+    }
+
+    /// The axis that is faster than the electronic gear allows (alarm 097), with its
+    /// limit in mm/min; `speed` in mm/min.
+    pub fn too_fast_for_gear(&self, speed: Point) -> Option<(Axis, f64)> {
+        [Axis::X, Axis::Z].into_iter().find_map(|axis| {
+            let limit = (*self.pulse_limit.get(axis))?;
+            (speed.get(axis).abs() > limit + 1e-6).then_some((axis, limit))
+        })
     }
 
     /// Highest speed of each axis in a thread (022, 023, 027), mm/min.

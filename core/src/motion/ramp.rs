@@ -63,6 +63,14 @@ impl Law {
         }
     }
 
+    /// The speed that the way `length` leaves time for, from rest to rest, mm/s.
+    pub fn reached(&self, length: f64) -> f64 {
+        match *self {
+            Self::Linear { acceleration } => (acceleration * length).sqrt(),
+            Self::Exponential { .. } => f64::INFINITY,
+        }
+    }
+
     /// The way from `speed` to standstill, mm.
     pub fn braking_distance(&self, speed: f64) -> f64 {
         match *self {

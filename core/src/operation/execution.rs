@@ -53,11 +53,13 @@ impl Cnc {
     fn act(&mut self, command: &Command) -> Result<Stage, Alarm> {
         match &command.action {
             Action::Rapid { to } => {
+                self.check_gear_before(MoveKind::Rapid, *to, Feed::PerMinute(0.0))?;
                 self.interpolator.start_rapid(*to);
                 Ok(Stage::Acting)
             }
             Action::Line { to, feed } => {
                 self.check_feed(*feed)?;
+                self.check_gear_before(MoveKind::Feed, *to, *feed)?;
                 self.interpolator.start_line(*to, *feed);
                 Ok(Stage::Acting)
             }
@@ -68,6 +70,7 @@ impl Cnc {
                 feed,
             } => {
                 self.check_feed(*feed)?;
+                self.check_gear_before(MoveKind::arc(*clockwise), *to, *feed)?;
                 self.interpolator.start_arc(*to, *center, *clockwise, *feed);
                 Ok(Stage::Acting)
             }

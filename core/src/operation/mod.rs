@@ -4,6 +4,7 @@
 mod active_alarms;
 mod automatic;
 mod execution;
+mod gear_speed;
 mod handshake;
 mod handwheel;
 mod input_filter;
@@ -19,6 +20,7 @@ mod zero_return;
 
 pub use active_alarms::ActiveAlarms;
 pub use automatic::{Automatic, RunState};
+pub(crate) use gear_speed::check_gear_speed;
 pub use handshake::{Handshake, Phase, Strobe};
 pub(crate) use handwheel::WheelCounter;
 pub use input_filter::{InputFilter, X_BYTES};

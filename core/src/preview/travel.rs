@@ -3,8 +3,8 @@
 use super::{Walk, bounds, snapped};
 use crate::alarm::Alarm;
 use crate::command::{Command, ExecutedMove, MoveKind, Source};
-use crate::motion::{duration, path_length};
-use crate::operation::check_encoder;
+use crate::motion::{duration, path_length, top_speed};
+use crate::operation::{check_encoder, check_gear_speed};
 use crate::units::{Feed, Point};
 
 impl Walk<'_> {
@@ -35,6 +35,10 @@ impl Walk<'_> {
         self.so_far.machine = to;
         if from == to && center.is_none() {
             return Ok(());
+        }
+        if self.limits.gear_limits_speed() {
+            let top = top_speed(kind, to - from, per_minute, &self.limits);
+            check_gear_speed(&self.limits, top)?;
         }
         self.settle(true);
         self.motionless = 0;
