@@ -7,7 +7,7 @@ use std::thread::{self, JoinHandle};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use gsk_core::cnc::Cnc;
-use gsk_core::memory::{Counters, Offsets, Parameters, Variables};
+use gsk_core::memory::{Counters, Offsets, Parameters, PitchTable, Variables};
 use gsk_core::plc::{Ladder, Retained as PlcRetained};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
@@ -32,6 +32,7 @@ struct Memory {
     settings: Settings,
     parameters: Parameters,
     offsets: Offsets,
+    pitch: PitchTable,
     counters: Counters,
     variables: Variables,
     plc: PlcRetained,
@@ -48,6 +49,7 @@ impl Memory {
             },
             parameters: cnc.parameters().clone(),
             offsets: cnc.offsets().clone(),
+            pitch: cnc.pitch().clone(),
             counters: cnc.counters(),
             variables: cnc.variables().clone(),
             plc: cnc.plc().memory().retained(),
@@ -79,6 +81,7 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
         &mut complaints,
     );
     take(data.load("offsets"), &mut setup.offsets, &mut complaints);
+    take(data.load("pitch"), &mut setup.pitch, &mut complaints);
     take(data.load("counters"), &mut setup.counters, &mut complaints);
     take(
         data.load("variables"),
@@ -137,6 +140,7 @@ pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), String>
         settings: Settings::default(),
         parameters: Parameters::default(),
         offsets: Offsets::default(),
+        pitch: PitchTable::default(),
         counters: Counters::default(),
         variables: Variables::default(),
         plc: PlcRetained::default(),
@@ -249,6 +253,10 @@ impl Writer {
         if now.offsets != self.written.offsets {
             self.data.store("offsets", &now.offsets)?;
             self.written.offsets = now.offsets;
+        }
+        if now.pitch != self.written.pitch {
+            self.data.store("pitch", &now.pitch)?;
+            self.written.pitch = now.pitch;
         }
         if now.counters != self.written.counters {
             self.data.store("counters", &now.counters)?;

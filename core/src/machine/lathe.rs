@@ -66,6 +66,8 @@ impl Fault {
             Self::EncoderLost => ("编码器无信号", "the encoder gives no counts"),
             Self::DriveX => ("X 轴驱动器报警", "alarm of the X drive"),
             Self::DriveZ => ("Z 轴驱动器报警", "alarm of the Z drive"),
+            Self::SlideX => ("X 轴滑板卡住", "the X slide is jammed"),
+            Self::SlideZ => ("Z 轴滑板卡住", "the Z slide is jammed"),
             Self::PressureLow => ("液压或气压低", "hydraulic or air pressure is low"),
             Self::DoorOpen => ("防护门打开", "the guard door is open"),
         }
@@ -315,6 +317,8 @@ impl Lathe {
             Fault::EncoderLost => self.spindle.encoder_lost,
             Fault::DriveX => self.drive_alarm.x,
             Fault::DriveZ => self.drive_alarm.z,
+            Fault::SlideX => self.axes.x.blocked,
+            Fault::SlideZ => self.axes.z.blocked,
             Fault::PressureLow => self.pressure_low,
             Fault::DoorOpen => self.door_open,
         }

@@ -32,13 +32,13 @@ impl Walk<'_> {
                 rate * self.spindle.rpm_for_feed(middle)?
             }
         };
-        self.so_far.machine = to;
-        if from == to && center.is_none() {
-            return Ok(());
-        }
         if self.limits.gear_limits_speed() {
             let top = top_speed(kind, to - from, per_minute, &self.limits);
             check_gear_speed(&self.limits, top)?;
+        }
+        self.so_far.machine = to;
+        if from == to && center.is_none() {
+            return Ok(());
         }
         self.settle(true);
         self.motionless = 0;
