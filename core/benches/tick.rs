@@ -1,36 +1,94 @@
 //! Cost of one millisecond of control, PLC and lathe.
 //!
 //! `cargo bench -p gsk980td-core --bench tick` prints mean, p99 and worst of a
-//! million ticks while a program cuts, then criterion's figures.
+//! million ticks while a program cuts, plain and with everything that an axis can
+//! have, and how much faster than machine time the samples run; then criterion's
+//! figures.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gsk_core::cnc::Request;
+use gsk_core::machine::ServoConfig;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Simulation, Until};
+use gsk_core::units::Axis;
 
 /// A program that never ends: cuts, an arc, rapids, back to the top.
 const ENDLESS: &str = "O0001\nM03 S800\nG98\nN10 G00 X40 Z2\nG01 X40 Z-30 F300\n\
     G02 X60 Z-40 R10 F200\nG01 X80 Z-50 F400\nG00 X100 Z50\nM99 P10\n";
 
-fn cutting() -> Simulation {
-    let mut simulation = Simulation::new(Setup::default());
+/// Sample parts.
+const SAMPLES: [(&str, &str); 3] = [
+    (
+        "01-stepped-shaft",
+        include_str!("../../assets/programs/01-stepped-shaft.CNC"),
+    ),
+    (
+        "02-bushing",
+        include_str!("../../assets/programs/02-bushing.CNC"),
+    ),
+    (
+        "03-grooved-pin",
+        include_str!("../../assets/programs/03-grooved-pin.CNC"),
+    ),
+];
+/// The subprogram that they call.
+const SUBPROGRAM: &str = include_str!("../../assets/programs/O1031.CNC");
+
+/// Backlash, pitch errors, a gear, corners that go over into each other, servos and
+/// screws with play.
+fn everything() -> Setup {
+    let mut setup = Setup::default();
+    for (number, value) in [
+        (7, 0),
+        (15, 1),
+        (17, 2),
+        (16, 2),
+        (18, 3),
+        (34, 20),
+        (35, 30),
+        (98, 127),
+        (99, 127),
+        (102, 5000),
+        (103, 5000),
+    ] {
+        assert_eq!(setup.parameters.set(number, value), Ok(()));
+    }
+    for point in 1..=255u8 {
+        let value = i16::from(point % 7) - 3;
+        assert_eq!(setup.pitch.set(Axis::X, point, value), Ok(()));
+        assert_eq!(setup.pitch.set(Axis::Z, point, -value), Ok(()));
+    }
+    for axis in [&mut setup.lathe.x, &mut setup.lathe.z] {
+        axis.backlash = 0.02;
+        axis.servo = Some(ServoConfig::default());
+    }
+    setup
+}
+
+fn running(setup: Setup, text: &str) -> Simulation {
+    let mut simulation = Simulation::new(setup);
     let opened = simulation
         .cnc
-        .request(Request::OpenExternal(Program::new(ENDLESS)));
+        .request(Request::OpenExternal(Program::new(text)));
     assert_eq!(opened, Ok(()));
     simulation.start_automatic();
+    simulation
+}
+
+fn cutting(setup: Setup) -> Simulation {
+    let mut simulation = running(setup, ENDLESS);
     simulation.run_until(Until::Stopped, 3000);
     assert_eq!(simulation.cnc.run_state(), RunState::Run);
     simulation
 }
 
-fn distribution() {
-    let mut simulation = cutting();
+fn distribution(name: &str, setup: Setup) {
+    let mut simulation = cutting(setup);
     let mut times: Vec<Duration> = (0..1_000_000)
         .map(|_| {
             let start = Instant::now();
@@ -38,10 +96,11 @@ fn distribution() {
             start.elapsed()
         })
         .collect();
+    assert_eq!(simulation.cnc.run_state(), RunState::Run);
     times.sort_unstable();
     let mean = times.iter().sum::<Duration>() / times.len() as u32;
     println!(
-        "tick with PLC and lathe: mean {mean:?}, median {:?}, p99 {:?}, worst {:?}; {:.0} x machine time",
+        "tick with PLC and lathe, {name}: mean {mean:?}, median {:?}, p99 {:?}, worst {:?}; {:.0} x machine time",
         times[times.len() / 2],
         times[times.len() * 99 / 100],
         times[times.len() - 1],
@@ -49,11 +108,47 @@ fn distribution() {
     );
 }
 
+/// The samples from start to end, as fast as the kernel can.
+fn samples() {
+    for (name, text) in SAMPLES {
+        let mut setup = everything();
+        assert!(setup.programs.store(SUBPROGRAM).is_ok());
+        let mut simulation = running(setup, text);
+        let start = Instant::now();
+        let mut ticks = 0u32;
+        while ticks < 3_600_000 {
+            simulation.tick();
+            ticks += 1;
+            match simulation.cnc.run_state() {
+                RunState::Run => {}
+                // M00: the operator goes on.
+                RunState::Stop if simulation.cnc.alarms().is_empty() => {
+                    simulation.start_automatic();
+                }
+                _ => break,
+            }
+        }
+        let machine = f64::from(ticks) / 1000.0;
+        let took = start.elapsed().as_secs_f64();
+        println!(
+            "sample {name}: {machine:.1} s of machine time in {took:.3} s, {:.0} x; alarms {:?}",
+            machine / took,
+            simulation.cnc.alarms(),
+        );
+    }
+}
+
 fn bench(criterion: &mut Criterion) {
-    distribution();
-    let mut simulation = cutting();
+    distribution("plain", Setup::default());
+    distribution("with everything", everything());
+    samples();
+    let mut simulation = cutting(Setup::default());
     criterion.bench_function("tick", |bencher| {
         bencher.iter(|| black_box(&mut simulation).tick());
+    });
+    let mut full = cutting(everything());
+    criterion.bench_function("tick with everything", |bencher| {
+        bencher.iter(|| black_box(&mut full).tick());
     });
     let mut idle = Simulation::new(Setup::delivered());
     criterion.bench_function("tick idle", |bencher| {

@@ -10,7 +10,7 @@ use gsk_core::command::ExecutedMove;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::preview::preview;
-use gsk_core::program::{Program, ProgramMemory};
+use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
@@ -82,7 +82,7 @@ fn run(text: &str, setup: Setup, single_block: bool) -> Run {
 
 /// Moves of the preview, and the time from the first to the last.
 fn previewed(text: &str, setup: &Setup) -> (Vec<ExecutedMove>, f64) {
-    let mut programs = ProgramMemory::default();
+    let mut programs = setup.programs.clone();
     programs.open_external(Program::new(text));
     programs.select(gsk_core::command::ProgramId::External);
     let mut moves = Vec::new();
@@ -157,6 +157,22 @@ fn cycles_and_words_without_motion_keep_the_transition() {
     let (_, checked) = previewed(text, &with(&[(7, 0)]));
     let made = run(text, with(&[(7, 0)]), false);
     assert!((made.time - checked).abs() <= 0.005 * made.time);
+}
+
+/// A call stands between the cuts of two programs: check and run agree on it.
+#[test]
+fn calls_between_cuts_take_the_same_time_in_check_and_run() {
+    let mut setup = with(&[(7, 0)]);
+    let stored = setup.programs.store("O2;\nG01 U20;\nW-10;\nM99;\n");
+    assert!(stored.is_ok());
+    let text = "O1;\nG98 G01 W-40 F3000;\nM98 P2;\nG01 W-20;\nM98 P2;\nM98 P2;\nU5;\nM30;\n";
+    let (_, checked) = previewed(text, &setup);
+    let made = run(text, setup, false);
+    assert!(
+        (made.time - checked).abs() <= 0.005 * made.time,
+        "{} {checked}",
+        made.time
+    );
 }
 
 #[test]

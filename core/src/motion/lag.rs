@@ -87,10 +87,16 @@ impl Lag {
             span = until.min(left);
         }
         let rest = law.decay(span);
-        let mut behind = limit + (self.behind - limit) * rest;
-        if ends {
-            behind = behind - along * dot(behind, along);
-        }
+        let behind = if ends {
+            let behind = limit + (self.behind - limit) * rest;
+            behind - along * dot(behind, along)
+        } else {
+            // FL along the lag as it will be: its direction cannot swing.
+            let whole = speed * (constant * (1.0 - rest)) + self.behind * rest;
+            let length = whole.length();
+            let left = (length - lowest * constant * (1.0 - rest)).max(0.0);
+            whole * (left / length.max(NOTHING))
+        };
         self.behind = if behind.length() > NOTHING {
             behind
         } else {

@@ -244,6 +244,44 @@ fn cut() -> impl Strategy<Value = Cut> {
 }
 
 proptest! {
+    /// Holds and overrides at any moment leave the end points alone.
+    #[test]
+    fn holds_and_overrides_keep_the_ends(
+        ways in prop::collection::vec((-4000i32..4000, -4000i32..4000), 2..6),
+        events in prop::collection::vec((1u32..200, any::<bool>(), 0u8..=15), 1..30),
+        lowest in 0i32..3000,
+    ) {
+        let limits = limits(false, 80, lowest);
+        let mut interpolator = Interpolator::new(Point::default());
+        let mut events = events.into_iter();
+        let (mut inputs, mut left) = (goes_on(), 0);
+        let (mut end, mut ticks) = (Point::default(), 0u32);
+        for (x, z) in ways {
+            end = end + Point::new(f64::from(x), f64::from(z)) * 0.001;
+            interpolator.start_line(end, Feed::PerMinute(FEED));
+            interpolator.continue_tick(&limits, &inputs);
+            while !interpolator.finished() {
+                if left == 0 {
+                    let next = events.next();
+                    let (time, hold, feed) = next.unwrap_or((u32::MAX, false, 10));
+                    left = time;
+                    inputs.hold = hold;
+                    inputs.feed_override = f64::from(feed) / 10.0;
+                }
+                left -= 1;
+                interpolator.tick(&limits, &inputs);
+                ticks += 1;
+                prop_assert!(ticks < 1_000_000);
+                prop_assert!(interpolator.speed() <= 1.5 * FEED * 1.0001);
+            }
+            prop_assert!((interpolator.commanded() - end).length() < 1e-9);
+        }
+        for _ in 0..5000 {
+            interpolator.tick(&limits, &inputs);
+        }
+        prop_assert!((interpolator.position() - end).length() < 1e-9 && !interpolator.is_moving());
+    }
+
     /// No end is missed, no speed passed, and the time is the one known beforehand.
     #[test]
     fn chains_of_cuts_keep_end_speed_and_time(
