@@ -352,7 +352,7 @@ impl Lathe {
     }
 
     /// Takes the control's pulse count for the place where the slides stand.
-    pub const fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
+    pub fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
         self.axes.x.stand_at(pulses.x);
         self.axes.z.stand_at(pulses.z);
     }
