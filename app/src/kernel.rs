@@ -33,6 +33,8 @@ const SHORTEST_PRESS: u64 = 50;
 const TAP: u64 = 100;
 /// Ticks between two pictures.
 pub const PICTURE_TICKS: u64 = 25;
+/// Ticks between two looks at machine and PLC, for the views that show them.
+const MACHINE_TICKS: u64 = 50;
 /// Commands that wait for the kernel.
 const QUEUE: usize = 1024;
 
@@ -142,6 +144,14 @@ impl Console {
     }
 }
 
+/// What was handed out of machine and PLC.
+#[derive(Debug, Default)]
+struct Monitored {
+    last: Option<MachineView>,
+    /// When to look again, ticks.
+    next: u64,
+}
+
 /// The kernel.
 #[derive(Debug)]
 pub struct Kernel {
@@ -149,8 +159,8 @@ pub struct Kernel {
     commands: Receiver<Command>,
     pictures: Arc<ArrayQueue<Snapshot>>,
     machine: Arc<ArrayQueue<MachineView>>,
-    /// What was handed out last; only while somebody asks for it.
-    monitored: Option<Option<MachineView>>,
+    /// Only while somebody asks for machine and PLC.
+    monitored: Option<Monitored>,
     notices: Sender<Notice>,
     /// Keys that are down, with the tick they went down at.
     down: BTreeMap<Key, u64>,
@@ -232,15 +242,19 @@ impl Kernel {
 
     /// Puts out machine and PLC if somebody asks for them and they have changed.
     fn show_machine(&mut self) -> bool {
-        let Some(last) = &mut self.monitored else {
+        let Some(monitored) = &mut self.monitored else {
             return false;
         };
+        if self.tick < monitored.next {
+            return false;
+        }
+        monitored.next = self.tick + MACHINE_TICKS;
         let now = MachineView::of(&self.emulator);
-        if last.as_ref() == Some(&now) {
+        if monitored.last.as_ref() == Some(&now) {
             return false;
         }
         self.machine.force_push(now.clone());
-        *last = Some(now);
+        monitored.last = Some(now);
         true
     }
 
@@ -274,7 +288,7 @@ impl Kernel {
                 Some(probing) => probing.exchange(probe),
                 None => self.probing = Some(Probing::new(probe)),
             },
-            Command::Monitor(on) => self.monitored = on.then_some(None),
+            Command::Monitor(on) => self.monitored = on.then(Monitored::default),
             Command::Fault(fault, on) => self.emulator.simulation.lathe.set_fault(fault, on),
             Command::Ask(request) => {
                 if let Err(alarm) = self.emulator.simulation.cnc.request(*request) {
