@@ -6,7 +6,7 @@ use crate::interpreter::host::Host;
 use crate::interpreter::variable::{self, NotNow};
 use crate::interpreter::words::Words;
 use crate::interpreter::{inch, numbers};
-use crate::program::{Program, Syntax};
+use crate::program::{Block, Program, Syntax};
 
 /// Blocks that are looked through for one that is not skipped.
 const REACH: u32 = 16;
@@ -35,11 +35,13 @@ impl<H: Host> Reading<'_, H> {
     /// The words of a block; `None` for one that is skipped. `motion` is the code
     /// of group 01 in force before it.
     pub(crate) fn words_at(&self, index: u32, motion: u8) -> Result<Option<Words>, NotNow> {
-        let block = self.program.parse_with_variables(index, self.syntax);
-        if self.skipping && block.is_err() && self.program.has_skip_mark(index) {
-            return Ok(None);
+        let mut block = Block::default();
+        if let Err(error) = self.program.read(index, self.syntax, &mut block) {
+            if self.skipping && self.program.has_skip_mark(index) {
+                return Ok(None);
+            }
+            return Err(NotNow::Fault(error.into()));
         }
-        let mut block = block.map_err(|error| NotNow::Fault(error.into()))?;
         let skipped = self.skipping && block.skip;
         if skipped || (block.is_empty() && block.o.is_some()) {
             return Ok(None);

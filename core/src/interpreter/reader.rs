@@ -329,19 +329,16 @@ impl Interpreter {
             line: program.block_line(place.block),
             sequence: run.sequence,
         };
-        let block = program.parse_with_variables(place.block, syntax);
         let skipping = host.block_skip() && mdi.is_none();
-        let mut block = match block {
-            Ok(block) => block,
-            Err(error) => {
-                source.sequence = program.sequence(place.block).or(source.sequence);
-                if !(skipping && program.has_skip_mark(place.block)) {
-                    return Err(Alarm::from(error).at(source));
-                }
-                self.note(source);
-                return Ok(Read::Skipped);
+        let mut block = Block::default();
+        if let Err(error) = program.read(place.block, syntax, &mut block) {
+            source.sequence = program.sequence(place.block).or(source.sequence);
+            if !(skipping && program.has_skip_mark(place.block)) {
+                return Err(Alarm::from(error).at(source));
             }
-        };
+            self.note(source);
+            return Ok(Read::Skipped);
+        }
         source.sequence = block.n.or(source.sequence);
         let skipped = skipping && block.skip;
         if skipped || (block.is_empty() && block.o.is_some()) {

@@ -157,8 +157,7 @@ impl Program {
     /// As [`super::parse_block`]; 115 where a variable stands for a number.
     pub fn parse(&self, index: u32, syntax: Syntax) -> Result<Block, BlockError> {
         let mut block = Block::default();
-        block.line = self.block_line(index);
-        read_block(self.block(index), syntax, &mut block)?;
+        self.read(index, syntax, &mut block)?;
         if !block.has_variables() {
             return Ok(block);
         }
@@ -179,9 +178,22 @@ impl Program {
     /// As [`super::parse_block`].
     pub fn parse_with_variables(&self, index: u32, syntax: Syntax) -> Result<Block, BlockError> {
         let mut block = Block::default();
-        block.line = self.block_line(index);
-        read_block(self.block(index), syntax, &mut block)?;
+        self.read(index, syntax, &mut block)?;
         Ok(block)
+    }
+
+    /// The same into an empty block, in its place: blocks are large to be moved.
+    ///
+    /// # Errors
+    /// As [`super::parse_block`].
+    pub(crate) fn read(
+        &self,
+        index: u32,
+        syntax: Syntax,
+        block: &mut Block,
+    ) -> Result<(), BlockError> {
+        block.line = self.block_line(index);
+        read_block(self.block(index), syntax, block)
     }
 
     /// The line of the first block with this sequence number, in `from_line` or
