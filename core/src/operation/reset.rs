@@ -4,8 +4,7 @@ use super::active_alarms::EMERGENCY_STOP;
 use super::automatic::RunState;
 use crate::alarm::{Alarm, AlarmClass};
 use crate::cnc::{Cnc, Event};
-use crate::command::ProgramId;
-use crate::units::{Axis, PerAxis};
+use crate::units::PerAxis;
 
 /// RST stands at least this long, so that a whole cycle of level 2 sees it.
 const LEVEL_2_CYCLE_MS: u32 = 32;
