@@ -21,6 +21,8 @@ pub struct Sample {
     pub commanded: Point,
     /// Where the slides are in the same coordinates, mm (X in radius).
     pub actual: Point,
+    /// How far the motors are behind their pulses, mm (X in radius).
+    pub following: Point,
     /// Spindle speed, r/min; negative in reverse.
     pub spindle: f64,
     /// Spindle speed that is commanded, r/min.
@@ -83,6 +85,7 @@ impl Probing {
             tick,
             commanded,
             actual: slides + origin,
+            following: lathe.following_error(),
             spindle: lathe.spindle_rpm(),
             spindle_commanded: cnc.spindle_commanded(),
             bits,

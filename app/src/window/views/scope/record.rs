@@ -91,9 +91,7 @@ impl Record {
         let now = self.at(tick)?;
         match (trace.quantity, trace.of) {
             (Quantity::Position, Of::Axis(axis)) => Some(place(now, trace).get(axis)),
-            (Quantity::Following, Of::Axis(axis)) => {
-                Some(now.commanded.get(axis) - now.actual.get(axis))
-            }
+            (Quantity::Following, Of::Axis(axis)) => Some(now.following.get(axis)),
             (Quantity::Spindle, _) if trace.commanded => Some(now.spindle_commanded),
             (Quantity::Spindle, _) => Some(now.spindle),
             (Quantity::Speed, of) => self.speed(trace, of, tick, over),
@@ -151,6 +149,7 @@ mod tests {
                 tick,
                 commanded: Point::new(0.0, z),
                 actual: Point::new(0.0, z - 0.25),
+                following: Point::new(0.0, 0.25),
                 ..Sample::default()
             });
         }
