@@ -246,6 +246,24 @@ pub enum Action {
     Nothing,
 }
 
+impl Action {
+    /// The same motion at another place; what does not move stays as it is.
+    pub(crate) fn translated(mut self, by: Point) -> Self {
+        match &mut self {
+            Self::Rapid { to }
+            | Self::Line { to, .. }
+            | Self::Thread { to, .. }
+            | Self::Tap { to, .. } => *to = *to + by,
+            Self::Arc { to, center, .. } => {
+                *to = *to + by;
+                *center = *center + by;
+            }
+            _ => {}
+        }
+        self
+    }
+}
+
 /// Where on the turn of the spindle a thread begins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ThreadStart {

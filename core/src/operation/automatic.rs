@@ -12,6 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::intervention::CycleShift;
 use super::mode::Mode;
 use super::thread::{Protection, SpindleWatch, TapStage};
 use crate::alarm::Alarm;
@@ -88,6 +89,7 @@ pub struct Automatic {
     pub(super) watch: SpindleWatch,
     /// The stopped AUTO run that MDI blocks are keyed in between.
     aside: Option<Box<Aside>>,
+    pub(super) cycle_shift: CycleShift,
 }
 
 /// A stopped AUTO run while MDI blocks are carried out (manual II, MDI; III-6).
@@ -127,6 +129,7 @@ impl Default for Automatic {
             tap_reverse: 0,
             watch: SpindleWatch::default(),
             aside: None,
+            cycle_shift: CycleShift::default(),
         }
     }
 }
@@ -226,7 +229,9 @@ impl Cnc {
     pub(crate) fn cycle_start(&mut self) {
         let interrupted =
             self.automatic.state == RunState::Hold && self.automatic.current.is_some();
-        let moving = !interrupted && self.interpolator.is_moving();
+        // Axes moved by hand come to rest before the program takes them over.
+        let by_hand = self.held.is_some();
+        let moving = (!interrupted || by_hand) && self.interpolator.is_moving();
         let refused = moving
             || !self.mode.runs_programs()
             || self.from_plc.feed_hold
@@ -244,6 +249,7 @@ impl Cnc {
             RunState::Hold if mdi && !self.automatic.mdi => self.start_mdi(),
             RunState::Hold => self.resume_from_hold(),
             RunState::Stop if self.continues_program() => {
+                self.shift_cycle();
                 self.automatic.state = RunState::Run;
                 self.automatic.stop_requested = false;
             }
@@ -325,6 +331,7 @@ impl Cnc {
     fn resume_from_hold(&mut self) {
         self.absorb_manual_motion();
         self.automatic.stop_requested = false;
+        self.shift_cycle();
         self.automatic.state = RunState::Run;
     }
 

@@ -17,6 +17,7 @@ use crate::units::{Axis, Feed, Point, TICK_MS};
 impl Cnc {
     /// Starts a command.
     pub(super) fn begin(&mut self, command: Command) {
+        let command = self.automatic.cycle_shift.begin(command);
         self.modal = command.modal;
         if !self.automatic.within_block {
             self.events
@@ -265,6 +266,8 @@ impl Cnc {
         if current.command.block_end && is_block {
             self.events.push(Event::BlockEnded(current.command.source));
         }
+        let at = self.position();
+        self.automatic.cycle_shift.ended(&current.command, at);
         self.after(&current.command);
         true
     }

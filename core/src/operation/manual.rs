@@ -5,7 +5,6 @@ use super::automatic::RunState;
 use super::mode::Mode;
 use crate::axis::least_increment;
 use crate::cnc::Cnc;
-use crate::command::Action;
 use crate::machine::Inputs;
 use crate::motion::JogRate;
 use crate::units::{Axis, PerAxis, Point};
@@ -157,38 +156,8 @@ impl Cnc {
     fn manual_possible(&self) -> bool {
         match self.automatic.state {
             RunState::Run => false,
-            RunState::Hold => self.held.is_some() || self.automatic.current.is_none(),
-            RunState::Reset | RunState::Stop => self.interpolator.finished(),
+            RunState::Hold | RunState::Reset | RunState::Stop => self.interpolator.finished(),
         }
-    }
-
-    /// Lays the rest of a held block aside, once the axes stand, so that they can
-    /// be moved by hand.
-    pub(super) fn set_aside_held_motion(&mut self) {
-        let at_rest = self.automatic.state == RunState::Hold
-            && self.held.is_none()
-            && !self.automatic.protected()
-            && !self.interpolator.is_moving();
-        if !at_rest {
-            return;
-        }
-        if matches!(self.automatic.action(), Some(Action::ZeroReturn { .. })) {
-            // What is left of a search for the reference point cannot be kept.
-            return self.stop_run(RunState::Stop);
-        }
-        self.held = Some(self.interpolator.clone());
-        self.interpolator.cancel();
-    }
-
-    /// Cycle start after manual motion: the interrupted block goes its remaining
-    /// distance from where the axes stand now; the next block goes to the
-    /// programmed coordinates.
-    pub(crate) fn absorb_manual_motion(&mut self) {
-        let Some(mut held) = self.held.take() else {
-            return;
-        };
-        held.translate(self.interpolator.position() - held.position());
-        self.interpolator = held;
     }
 
     /// Jog rate, or rapid with 快速 on; without a reference that needs 012.0 ISOT.

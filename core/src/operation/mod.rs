@@ -9,6 +9,7 @@ mod handshake;
 mod handwheel;
 mod input_filter;
 mod interlock;
+mod intervention;
 mod limits;
 mod manual;
 mod mode;

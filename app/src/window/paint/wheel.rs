@@ -38,8 +38,8 @@ impl Faceplate<'_> {
         let rim = radius - 17.0 * unit;
         self.painter
             .circle_filled(middle, rim, opaque(lighter(base, -0.25)));
-        for step in 1..=8u8 {
-            let share = f32::from(step) / 8.0;
+        for step in 1..=24u8 {
+            let share = f32::from(step) / 24.0;
             let centre = middle - vec2(0.18, 0.24) * rim * share * 0.5;
             let colour = lighter(base, 0.26 * share);
             self.painter

@@ -1,0 +1,143 @@
+//! Moving by hand in the middle of a run (manual III-5.1.5, I-3.2.6).
+
+mod bench;
+
+use bench::{press, ticks};
+use gsk_core::cnc::Request;
+use gsk_core::operation::RunState;
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::simulation::{Outcome, Simulation, Until};
+use gsk_core::units::Point;
+
+const MINUTE: u64 = 60_000;
+
+const fn key(byte: u16, bit: u8) -> BitAddress {
+    BitAddress::new(Area::X, byte, bit)
+}
+
+const AUTO: BitAddress = key(20, 1);
+const JOG: BitAddress = key(20, 5);
+const HOLD: BitAddress = key(24, 7);
+const START: BitAddress = key(25, 0);
+const X_DOWN: BitAddress = key(23, 1);
+
+/// A program that runs; M functions take so many ms.
+fn started(text: &str, m_time: i32) -> Simulation {
+    let mut setup = Setup::default();
+    assert!(setup.parameters.set(80, m_time).is_ok());
+    let mut simulation = Simulation::new(setup);
+    ticks(&mut simulation, 100);
+    let opened = simulation
+        .cnc
+        .request(Request::OpenExternal(Program::new(text)));
+    assert_eq!(opened, Ok(()));
+    simulation.start_automatic();
+    simulation
+}
+
+/// Jogs X for a while and goes back to AUTO; the way moved.
+fn jog_x(simulation: &mut Simulation, time: u32) -> Point {
+    let before = simulation.cnc.position_machine();
+    press(simulation, JOG);
+    simulation.cnc.set_panel_key(X_DOWN, true);
+    ticks(simulation, time);
+    simulation.cnc.set_panel_key(X_DOWN, false);
+    ticks(simulation, 1000);
+    press(simulation, AUTO);
+    let moved = simulation.cnc.position_machine() - before;
+    assert!(moved.x > 0.1 && moved.z == 0.0, "{moved:?}");
+    moved
+}
+
+fn to_the_end(simulation: &mut Simulation) {
+    press(simulation, START);
+    assert_eq!(
+        simulation.run_until(Until::Stopped, 10 * MINUTE),
+        Outcome::Reached
+    );
+    assert!(simulation.cnc.alarms().is_empty());
+}
+
+#[track_caller]
+fn stands_at(simulation: &Simulation, x: f64, z: f64) {
+    let at = simulation.cnc.position_absolute();
+    let near = (at.x - x).abs() < 1e-6 && (at.z - z).abs() < 1e-6;
+    assert!(near, "at radius {} Z{}, not {x} Z{z}", at.x, at.z);
+}
+
+const ROUGHING: &str = "O0001\nG00 X50 Z5\nG71 U2 R1\nG71 P10 Q20 U0 W0 F2000\nN10 G00 X30\n\
+    N20 G01 Z-40\nM00\nG00 X60 Z10\nM30\n";
+
+#[test]
+fn the_rest_of_a_cycle_is_shifted_by_the_way_moved_by_hand() {
+    let mut simulation = started(ROUGHING, 500);
+    // At radius 25 Z5 the cycle begins; its first cut runs along Z at radius 23.
+    for _ in 0..MINUTE {
+        simulation.tick();
+        if simulation.cnc.position_absolute().z < 0.0 {
+            break;
+        }
+    }
+    press(&mut simulation, HOLD);
+    ticks(&mut simulation, 3000);
+    assert_eq!(simulation.cnc.run_state(), RunState::Stop);
+    let moved = jog_x(&mut simulation, 1000);
+    to_the_end(&mut simulation);
+    // The cycle ends at its start point, shifted; the next block goes to its point.
+    stands_at(&simulation, 25.0 + moved.x, 5.0);
+    to_the_end(&mut simulation);
+    stands_at(&simulation, 30.0, 10.0);
+}
+
+#[test]
+fn without_manual_motion_a_stopped_cycle_goes_on_where_it_was() {
+    let mut simulation = started(ROUGHING, 500);
+    ticks(&mut simulation, 5000);
+    press(&mut simulation, HOLD);
+    ticks(&mut simulation, 3000);
+    to_the_end(&mut simulation);
+    stands_at(&simulation, 25.0, 5.0);
+}
+
+#[test]
+fn a_held_block_goes_its_rest_and_the_next_block_to_its_point() {
+    let mut simulation = started("O0001\nG98 G01 Z280 F600\nM00\nG01 X290 Z270\nM30\n", 500);
+    ticks(&mut simulation, 1000);
+    press(&mut simulation, HOLD);
+    ticks(&mut simulation, 1000);
+    assert_eq!(simulation.cnc.run_state(), RunState::Hold);
+    let moved = jog_x(&mut simulation, 2000);
+    to_the_end(&mut simulation);
+    stands_at(&simulation, 150.0 + moved.x, 280.0);
+    to_the_end(&mut simulation);
+    stands_at(&simulation, 145.0, 270.0);
+}
+
+/// A block without motion is held, and ends meanwhile: nothing of it stays behind.
+#[test]
+fn hold_acts_again_after_jogging_in_a_held_m_block() {
+    let mut simulation = started("O0001\nM03 S500\nG98 G01 Z200 F600\nG01 Z300\nM30\n", 5000);
+    ticks(&mut simulation, 300);
+    press(&mut simulation, HOLD);
+    jog_x(&mut simulation, 1000);
+    assert_eq!(simulation.cnc.run_state(), RunState::Hold);
+    ticks(&mut simulation, 5000);
+    assert_eq!(simulation.cnc.run_state(), RunState::Stop);
+    press(&mut simulation, START);
+    for _ in 0..3000 {
+        simulation.tick();
+        if simulation.cnc.position_absolute().z < 290.0 {
+            break;
+        }
+    }
+    press(&mut simulation, HOLD);
+    ticks(&mut simulation, 1000);
+    assert_eq!(simulation.cnc.run_state(), RunState::Hold);
+    let held = simulation.cnc.position_absolute();
+    ticks(&mut simulation, 1000);
+    assert_eq!(simulation.cnc.position_absolute(), held);
+    assert!(held.z > 250.0, "{held:?}");
+    to_the_end(&mut simulation);
+}
