@@ -6,24 +6,38 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
+use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Cnc;
-use gsk_core::memory::{Counters, Offsets, Parameters, PitchTable, Variables};
+use gsk_core::command::ProgramId;
+use gsk_core::memory::{
+    Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
+};
 use gsk_core::plc::{Ladder, Retained as PlcRetained};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use gsk_core::units::Point;
+use gsk_panel::emulator::Emulator;
+use gsk_panel::panel::PanelRetained;
 use serde::{Deserialize, Serialize};
 
 use crate::files::data_dir::{DataDir, Loaded, StoredProgram};
 use crate::files::decode::Encoding;
 
-/// Looks between two savings of the counters alone, which change all the time.
-const COUNTER_LOOKS: u32 = 20;
+/// Looks between two savings of what changes all the time in a run: counters and
+/// position.
+const COUNTER_LOOKS: u32 = 100;
 
-/// What the setting page keeps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Settings {
-    /// 英制编程.
-    inch_input: bool,
+/// Alarm 069: the memory is damaged; 101: power failed while a program was written.
+const DAMAGED: u16 = 69;
+const INTERRUPTED: u16 = 101;
+
+/// Where the slides stand, and what the display says of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Standing {
+    /// Machine coordinates (X as a radius), mm.
+    pub machine: Point,
+    /// Absolute coordinates.
+    pub absolute: Point,
 }
 
 /// Everything that survives power-off.
@@ -35,30 +49,55 @@ struct Memory {
     pitch: PitchTable,
     counters: Counters,
     variables: Variables,
+    authority: Authority,
+    disks: Disks,
     plc: PlcRetained,
     programs: BTreeMap<u16, Program>,
+    selected: Option<u16>,
+    standing: Option<Standing>,
+    panel: Option<PanelRetained>,
     /// The ladder that the next power-on runs.
     ladder: Arc<Ladder>,
 }
 
 impl Memory {
     fn of(cnc: &Cnc) -> Self {
+        let selected = match cnc.programs().current() {
+            Some(ProgramId::Stored(number)) => Some(number),
+            _ => None,
+        };
         Self {
-            settings: Settings {
-                inch_input: cnc.inch_input(),
-            },
             parameters: cnc.parameters().clone(),
             offsets: cnc.offsets().clone(),
             pitch: cnc.pitch().clone(),
             counters: cnc.counters(),
             variables: cnc.variables().clone(),
+            settings: cnc.settings(),
+            authority: cnc.authority().clone(),
+            disks: cnc.disks().clone(),
             plc: cnc.plc().memory().retained(),
             programs: cnc
                 .programs()
                 .iter()
                 .map(|(number, program)| (number, program.clone()))
                 .collect(),
+            selected,
             ladder: Arc::clone(cnc.next_ladder().unwrap_or(cnc.plc().ladder())),
+            standing: None,
+            panel: None,
+        }
+    }
+
+    /// With what the whole emulator keeps besides the control.
+    fn of_emulator(emulator: &Emulator) -> Self {
+        let cnc = &emulator.simulation.cnc;
+        Self {
+            standing: Some(Standing {
+                machine: cnc.position_machine(),
+                absolute: cnc.position_absolute(),
+            }),
+            panel: Some(emulator.panel.retained()),
+            ..Self::of(cnc)
         }
     }
 }
@@ -70,6 +109,27 @@ pub struct Restored {
     encodings: BTreeMap<u16, Encoding>,
     /// Sentences about damaged files.
     pub complaints: Vec<String>,
+    /// Where the slides stood.
+    pub standing: Option<Standing>,
+    /// What the panel kept.
+    pub panel: Option<PanelRetained>,
+}
+
+impl Restored {
+    /// Puts the slides where they stood: for sessions that go on with the machine.
+    pub fn place(&self, setup: &mut Setup) {
+        if let Some(standing) = self.standing {
+            setup.start = Some(standing.machine);
+            setup.absolute = Some(standing.absolute);
+        }
+    }
+
+    /// Gives the panel back what it kept.
+    pub fn restore_panel(&self, emulator: &mut Emulator) {
+        if let Some(panel) = &self.panel {
+            emulator.panel.restore(panel);
+        }
+    }
 }
 
 /// Puts the memory of a data directory into a setup.
@@ -88,11 +148,19 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
         &mut setup.variables,
         &mut complaints,
     );
-    let mut settings = Settings {
-        inch_input: setup.inch_input,
-    };
-    take(data.load("settings"), &mut settings, &mut complaints);
-    setup.inch_input = settings.inch_input;
+    take(data.load("settings"), &mut setup.settings, &mut complaints);
+    take(
+        data.load("authority"),
+        &mut setup.authority,
+        &mut complaints,
+    );
+    take(data.load("disks"), &mut setup.disks, &mut complaints);
+    let mut selected = None;
+    take(data.load("selected"), &mut selected, &mut complaints);
+    let mut standing = None;
+    take(data.load("standing"), &mut standing, &mut complaints);
+    let mut panel = None;
+    take(data.load("panel"), &mut panel, &mut complaints);
     match data.load("plc") {
         Loaded::Value(plc) => setup.plc_retained = Some(plc),
         Loaded::Missing => {}
@@ -119,10 +187,32 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
             Err(alarm) => complaints.push(format!("O{:04}: {}", stored.number, alarm.line_text())),
         }
     }
+    if let Some(number) = selected {
+        setup.programs.select(ProgramId::Stored(number));
+    }
+    if !complaints.is_empty() {
+        let names = damaged_names(&complaints);
+        setup.alarms.push(Alarm::new(DAMAGED).because(names));
+    }
+    if !data.interrupted().is_empty() {
+        let names = data.interrupted().join(", ");
+        setup.alarms.push(Alarm::new(INTERRUPTED).because(names));
+    }
     Restored {
         encodings,
         complaints,
+        standing,
+        panel,
     }
+}
+
+/// The names of the files that the sentences are about.
+fn damaged_names(complaints: &[String]) -> String {
+    let names = complaints.iter().map(|said| {
+        let path = said.split(" is damaged").next().unwrap_or(said);
+        path.rsplit(['/', '\\']).next().unwrap_or(path)
+    });
+    names.collect::<Vec<_>>().join(", ")
 }
 
 fn take<T>(loaded: Loaded<T>, place: &mut T, complaints: &mut Vec<String>) {
@@ -136,53 +226,56 @@ fn take<T>(loaded: Loaded<T>, place: &mut T, complaints: &mut Vec<String>) {
 /// Writes the memory of a control into its directory, once.
 pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), String> {
     let now = Memory::of(cnc);
-    let nothing = Memory {
-        settings: Settings::default(),
-        parameters: Parameters::default(),
-        offsets: Offsets::default(),
-        pitch: PitchTable::default(),
-        counters: Counters::default(),
-        variables: Variables::default(),
-        plc: PlcRetained::default(),
-        programs: BTreeMap::new(),
-        // Only the window loads another one.
-        ladder: Arc::clone(&now.ladder),
-    };
-    Writer {
-        data: Arc::new(data),
-        encodings: restored.encodings.clone(),
-        written: nothing,
-    }
-    .write(now)
+    Writer::new(Arc::new(data), restored, Arc::clone(&now.ladder)).write(now)
 }
+
+/// Writes the memory of a whole emulator into its directory, once.
+pub fn save_emulator(
+    data: DataDir,
+    restored: &Restored,
+    emulator: &Emulator,
+) -> Result<(), String> {
+    let now = Memory::of_emulator(emulator);
+    Writer::new(Arc::new(data), restored, Arc::clone(&now.ladder)).write(now)
+}
+
+/// A memory to be written, and who waits for it.
+type Job = (Memory, Option<Sender<()>>);
 
 /// Watches the memory and saves what has changed, in a thread of its own: a slow
 /// disk never holds up the kernel.
 pub struct Keeper {
     last: Memory,
     looks: u32,
-    to_disk: Option<Sender<Memory>>,
+    to_disk: Option<Sender<Job>>,
     complaints: Receiver<String>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Keeper {
     /// Starts to keep the memory of a control in a directory.
-    pub fn start(data: Arc<DataDir>, restored: &Restored, cnc: &Cnc) -> std::io::Result<Self> {
-        let (to_disk, from_kernel) = bounded::<Memory>(1);
+    pub fn start(
+        data: Arc<DataDir>,
+        restored: &Restored,
+        emulator: &Emulator,
+    ) -> std::io::Result<Self> {
+        let (to_disk, from_kernel) = bounded::<Job>(1);
         let (say, complaints) = bounded(16);
         let mut writer = Writer {
             data,
             encodings: restored.encodings.clone(),
-            written: Memory::of(cnc),
+            written: Memory::of_emulator(emulator),
         };
         let last = writer.written.clone();
         let thread = thread::Builder::new()
             .name("memory".to_owned())
             .spawn(move || {
-                for memory in from_kernel {
+                for (memory, waiting) in from_kernel {
                     if let Err(complaint) = writer.write(memory) {
                         let _ = say.try_send(complaint);
+                    }
+                    if let Some(waiting) = waiting {
+                        let _ = waiting.send(());
                     }
                 }
             })?;
@@ -196,14 +289,15 @@ impl Keeper {
     }
 
     /// Saves the memory if it has changed.
-    pub fn look(&mut self, cnc: &Cnc) {
+    pub fn look(&mut self, emulator: &Emulator) {
         self.looks += 1;
-        let now = Memory::of(cnc);
+        let now = Memory::of_emulator(emulator);
         if now == self.last {
             return;
         }
         let only_counters = Memory {
             counters: self.last.counters,
+            standing: self.last.standing,
             ..now.clone()
         } == self.last;
         if only_counters && self.looks < COUNTER_LOOKS {
@@ -211,7 +305,20 @@ impl Keeper {
         }
         // A disk that still writes the last one gets this one at the next look.
         if let Some(to_disk) = &self.to_disk
-            && to_disk.try_send(now.clone()).is_ok()
+            && to_disk.try_send((now.clone(), None)).is_ok()
+        {
+            self.last = now;
+            self.looks = 0;
+        }
+    }
+
+    /// Saves everything and waits until it is on the disk.
+    pub fn settle(&mut self, emulator: &Emulator) {
+        let (done, written) = bounded(1);
+        let now = Memory::of_emulator(emulator);
+        if let Some(to_disk) = &self.to_disk
+            && to_disk.send((now.clone(), Some(done))).is_ok()
+            && written.recv().is_ok()
         {
             self.last = now;
             self.looks = 0;
@@ -224,9 +331,9 @@ impl Keeper {
     }
 
     /// Saves everything and waits for the disk.
-    pub fn finish(mut self, cnc: &Cnc) {
+    pub fn finish(mut self, emulator: &Emulator) {
         if let Some(to_disk) = self.to_disk.take() {
-            let _ = to_disk.send(Memory::of(cnc));
+            let _ = to_disk.send((Memory::of_emulator(emulator), None));
         }
         if let Some(thread) = self.thread.take() {
             let _ = thread.join();
@@ -245,65 +352,91 @@ struct Writer {
 }
 
 impl Writer {
+    /// A writer that knows nothing of what is on the disk, but for the ladder: only
+    /// the window loads another one.
+    fn new(data: Arc<DataDir>, restored: &Restored, ladder: Arc<Ladder>) -> Self {
+        Self {
+            data,
+            encodings: restored.encodings.clone(),
+            written: Memory {
+                parameters: Parameters::default(),
+                offsets: Offsets::default(),
+                pitch: PitchTable::default(),
+                counters: Counters::default(),
+                variables: Variables::default(),
+                settings: Settings::default(),
+                authority: Authority::default(),
+                disks: Disks::default(),
+                plc: PlcRetained::default(),
+                programs: BTreeMap::new(),
+                selected: None,
+                standing: None,
+                panel: None,
+                ladder,
+            },
+        }
+    }
+
     fn write(&mut self, now: Memory) -> Result<(), String> {
-        if now.parameters != self.written.parameters {
-            self.data.store("parameters", &now.parameters)?;
-            self.written.parameters = now.parameters;
+        let data = &self.data;
+        let was = &mut self.written;
+        store(data, "parameters", &mut was.parameters, now.parameters)?;
+        store(data, "offsets", &mut was.offsets, now.offsets)?;
+        store(data, "pitch", &mut was.pitch, now.pitch)?;
+        store(data, "counters", &mut was.counters, now.counters)?;
+        store(data, "variables", &mut was.variables, now.variables)?;
+        store(data, "settings", &mut was.settings, now.settings)?;
+        store(data, "authority", &mut was.authority, now.authority)?;
+        store(data, "disks", &mut was.disks, now.disks)?;
+        store(data, "plc", &mut was.plc, now.plc)?;
+        if now.standing.is_some() {
+            store(data, "standing", &mut was.standing, now.standing)?;
         }
-        if now.offsets != self.written.offsets {
-            self.data.store("offsets", &now.offsets)?;
-            self.written.offsets = now.offsets;
+        if now.panel.is_some() {
+            store(data, "panel", &mut was.panel, now.panel)?;
         }
-        if now.pitch != self.written.pitch {
-            self.data.store("pitch", &now.pitch)?;
-            self.written.pitch = now.pitch;
+        // New texts first: a program that gets another number is never nowhere.
+        for (number, program) in &now.programs {
+            if was.programs.get(number) == Some(program) {
+                continue;
+            }
+            data.store_program(&StoredProgram {
+                number: *number,
+                text: program.text().to_owned(),
+                encoding: self.encodings.get(number).copied().unwrap_or_default(),
+            })?;
+            was.programs.insert(*number, program.clone());
         }
-        if now.counters != self.written.counters {
-            self.data.store("counters", &now.counters)?;
-            self.written.counters = now.counters;
+        if now.ladder != was.ladder {
+            data.store_ladder(&now.ladder)?;
+            was.ladder = now.ladder;
         }
-        if now.variables != self.written.variables {
-            self.data.store("variables", &now.variables)?;
-            self.written.variables = now.variables;
-        }
-        if now.settings != self.written.settings {
-            self.data.store("settings", &now.settings)?;
-            self.written.settings = now.settings;
-        }
-        if now.plc != self.written.plc {
-            self.data.store("plc", &now.plc)?;
-            self.written.plc = now.plc;
-        }
-        if now.ladder != self.written.ladder {
-            self.data.store_ladder(&now.ladder)?;
-            self.written.ladder = now.ladder;
-        }
-        let gone: Vec<u16> = self
-            .written
+        let gone: Vec<u16> = was
             .programs
             .keys()
             .filter(|number| !now.programs.contains_key(number))
             .copied()
             .collect();
         for number in gone {
-            self.data.remove_program(number)?;
-            self.written.programs.remove(&number);
+            data.remove_program(number)?;
+            was.programs.remove(&number);
         }
-        for (number, program) in now.programs {
-            if self.written.programs.get(&number) == Some(&program) {
-                continue;
-            }
-            let encoding = self.encodings.get(&number).copied().unwrap_or_default();
-            let text = program.text().to_owned();
-            self.data.store_program(&StoredProgram {
-                number,
-                text,
-                encoding,
-            })?;
-            self.written.programs.insert(number, program);
-        }
-        Ok(())
+        store(data, "selected", &mut was.selected, now.selected)
     }
+}
+
+/// Writes a value that differs from what is on the disk.
+fn store<T: Serialize + PartialEq>(
+    data: &DataDir,
+    name: &str,
+    written: &mut T,
+    now: T,
+) -> Result<(), String> {
+    if *written != now {
+        data.store(name, &now)?;
+        *written = now;
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -317,13 +450,14 @@ mod tests {
         let data = Arc::new(DataDir::open(&folder).expect("open"));
         let mut setup = Setup::default();
         let restored = load(&data, &mut setup);
-        let mut cnc = Cnc::new(setup);
-        let keeper = Keeper::start(Arc::clone(&data), &restored, &cnc).expect("thread");
+        let mut emulator = Emulator::new(setup);
+        let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
         let ladder = Ladder::compile("END1\nLD R1.0\nOUT R2.0\nEND2\n").expect("compiles");
+        let cnc = &mut emulator.simulation.cnc;
         cnc.request(Request::LoadLadder(Arc::new(ladder.clone())))
             .expect("taken");
         cnc.power_cycle();
-        keeper.finish(&cnc);
+        keeper.finish(&emulator);
         let mut next = Setup::default();
         assert!(load(&data, &mut next).complaints.is_empty());
         assert_eq!(*next.ladder, ladder);
@@ -335,9 +469,9 @@ mod tests {
         let folder = crate::files::test_folder("own-ladder");
         let data = Arc::new(DataDir::open(&folder).expect("open"));
         let restored = load(&data, &mut Setup::default());
-        let cnc = Cnc::new(Setup::default());
-        let keeper = Keeper::start(Arc::clone(&data), &restored, &cnc).expect("thread");
-        keeper.finish(&cnc);
+        let emulator = Emulator::new(Setup::default());
+        let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
+        keeper.finish(&emulator);
         assert_eq!(data.ladder(), Loaded::Missing);
         std::fs::remove_dir_all(folder).expect("clean");
     }

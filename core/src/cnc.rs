@@ -2,6 +2,7 @@
 
 mod ladder;
 mod request;
+mod soft_panel;
 mod view;
 mod world;
 
@@ -13,7 +14,7 @@ use gsk_plc::{Ladder, Memory, Plc};
 use serde::{Deserialize, Serialize};
 
 pub use ladder::LadderStep;
-pub use request::Request;
+pub use request::{OffsetEntry, Request};
 pub use view::Cursor;
 pub(crate) use world::World;
 
@@ -22,7 +23,9 @@ use crate::axis::{AxisChain, SoftLimits};
 use crate::command::{Action, ExecutedMove, Frame, Source, SpindleCommand};
 use crate::interpreter::{Explanation, Interpreter, Modal};
 use crate::machine::{Inputs, Outputs};
-use crate::memory::{Counters, Offsets, Parameters, PitchTable, Variables};
+use crate::memory::{
+    Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
+};
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
     ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, Return, RunState,
@@ -119,7 +122,15 @@ pub struct Cnc {
     pub(crate) offsets: Offsets,
     pub(crate) pitch: PitchTable,
     pub(crate) variables: Variables,
-    pub(crate) inch_input: bool,
+    pub(crate) settings: Settings,
+    pub(crate) authority: Authority,
+    pub(crate) disks: Disks,
+    /// 参数开关.
+    pub(crate) parameter_switch: bool,
+    /// 程序开关.
+    pub(crate) program_switch: bool,
+    /// The parameters as they were when the power was switched on.
+    at_power_on: Parameters,
     pub(crate) programs: ProgramMemory,
     pub(crate) counters: Counters,
     pub(crate) mdi: MdiBlock,
@@ -128,6 +139,8 @@ pub struct Cnc {
     pub(crate) from_plc: FromPlc,
     pub(crate) filter: InputFilter,
     panel_keys: [u8; X_BYTES],
+    /// A soft switch on its way.
+    turning: Option<soft_panel::Turning>,
     output_key: bool,
     /// The soft machine panel, as F75 has it.
     pub(crate) soft_switches: u8,
@@ -197,6 +210,8 @@ impl Cnc {
         let tool = setup.tool_in_position();
         let mut parameters = setup.parameters;
         parameters.power_on();
+        let mut authority = setup.authority;
+        authority.power_on();
         let mut plc = Plc::new(setup.ladder);
         if let Some(retained) = &setup.plc_retained {
             plc.memory_mut().restore_retained(retained);
@@ -204,7 +219,7 @@ impl Cnc {
         plc.power_on();
         preset_plc(plc.memory_mut(), &parameters);
         let mut interpreter = Interpreter::new(&parameters);
-        interpreter.set_inch_input(setup.inch_input);
+        interpreter.set_inch_input(setup.settings.inch);
         interpreter.set_tool(tool);
         let modal = *interpreter.modal();
         let start = setup.start.unwrap_or_default();
@@ -217,18 +232,26 @@ impl Cnc {
             plc.memory_mut().set_bit(M03_OUTPUT, true);
         }
         let from_plc = FromPlc::read(plc.memory());
-        Self {
+        let absolute = setup
+            .absolute
+            .filter(|_| !parameters.power_off_loses_coordinates());
+        let mut cnc = Self {
             limits: MotionLimits::from(&parameters),
             soft_limits: SoftLimits::new(&parameters),
             spindle,
             angle: SpindleAngle::new(&parameters),
             spindle_override: 100,
             programmed_ahead: 0.0,
+            at_power_on: parameters.clone(),
+            parameter_switch: false,
+            program_switch: parameters.bit(174, 3),
             parameters,
             offsets: setup.offsets,
             pitch: setup.pitch,
             variables: setup.variables,
-            inch_input: setup.inch_input,
+            settings: setup.settings,
+            authority,
+            disks: setup.disks,
             programs: setup.programs,
             counters: setup.counters,
             mdi: MdiBlock::default(),
@@ -237,6 +260,7 @@ impl Cnc {
             from_plc,
             filter: InputFilter::default(),
             panel_keys: [0; X_BYTES],
+            turning: None,
             output_key: false,
             soft_switches: 0,
             plc_halted: false,
@@ -273,45 +297,49 @@ impl Cnc {
             y: vec![0; 20],
             explanations: None,
             events: Vec::new(),
+        };
+        if let Some(absolute) = absolute {
+            cnc.frame.zero = start - absolute;
+            cnc.settle_coordinates();
         }
+        for alarm in setup.alarms {
+            cnc.raise(alarm);
+        }
+        cnc
     }
 
     /// Power off and on: what is retained stays, all else starts anew. The
     /// absolute coordinates stay with 004.7 ABOT = 0 (manual III-2.1).
     pub fn power_cycle(&mut self) {
         let position = self.position();
-        let keeps_position = !self.parameters.power_off_loses_coordinates();
         let setup = Setup {
             parameters: self.parameters.clone(),
             offsets: self.offsets.clone(),
             pitch: self.pitch.clone(),
             variables: self.variables.clone(),
-            inch_input: self.inch_input,
+            settings: self.settings,
+            authority: self.authority.clone(),
+            disks: self.disks.clone(),
             ladder: self.ladder_at_power_on(),
             plc_retained: Some(self.plc.memory().retained()),
             programs: self.programs.clone(),
             counters: self.counters,
             start: Some(position),
+            absolute: Some(self.frame.program(position)),
+            referenced: false,
             ..Setup::default()
         };
-        let shown = self.frame.program(position);
         // A zero that no switch tells is remembered.
         let referenced = self.reference_without_switch();
-        *self = Self::new(Setup {
-            referenced: false,
-            ..setup
-        });
+        *self = Self::new(setup);
         self.referenced = referenced;
-        if keeps_position {
-            self.frame.zero = position - shown;
-            self.settle_coordinates();
-        }
     }
 
     /// One millisecond of the control.
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
         self.events.clear();
         self.ticks += 1;
+        self.soft_switch_tick();
         if self.ticks % SAMPLE_TICKS == 1 {
             self.sample_contacts(inputs);
         }

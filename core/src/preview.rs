@@ -121,7 +121,7 @@ pub fn preview(
         machine: setup.start.unwrap_or_default(),
     };
     let mut interpreter = Interpreter::new(&host.parameters);
-    interpreter.set_inch_input(setup.inch_input);
+    interpreter.set_inch_input(setup.settings.inch);
     interpreter.set_tool(setup.tool_in_position());
     let mut walk = Walk::new(setup, *interpreter.modal(), on_move);
     match programs.current() {

@@ -5,8 +5,11 @@ use std::sync::{Arc, LazyLock};
 use gsk_plc::address::BitAddress;
 use gsk_plc::{Ladder, Plc, Retained};
 
+use crate::alarm::Alarm;
 use crate::machine::LatheConfig;
-use crate::memory::{Counters, Offsets, Parameters, PitchTable, Variables};
+use crate::memory::{
+    Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
+};
 use crate::program::ProgramMemory;
 use crate::units::Point;
 
@@ -27,8 +30,12 @@ pub struct Setup {
     pub pitch: PitchTable,
     /// Macro variables.
     pub variables: Variables,
-    /// Whether programs are in inches (英制编程 of the setting page).
-    pub inch_input: bool,
+    /// The rows of the setting page, 英制编程 among them.
+    pub settings: Settings,
+    /// Operation level and passwords.
+    pub authority: Authority,
+    /// The electronic disks.
+    pub disks: Disks,
     /// Program memory.
     pub programs: ProgramMemory,
     /// Part counter and cutting time.
@@ -41,6 +48,10 @@ pub struct Setup {
     pub lathe: LatheConfig,
     /// The tool's machine position; the work zero is the machine zero.
     pub start: Option<Point>,
+    /// The absolute coordinates at power-off; with 004.7 ABOT = 0 they stay.
+    pub absolute: Option<Point>,
+    /// What was found wrong with the memory: alarms of the power-on.
+    pub alarms: Vec<Alarm>,
     /// Whether both axes already have their reference.
     pub referenced: bool,
     /// Speed of a spindle that already turns forward, r/min.
@@ -94,13 +105,17 @@ impl Default for Setup {
             offsets: Offsets::default(),
             pitch: PitchTable::default(),
             variables: Variables::default(),
-            inch_input: false,
+            settings: Settings::default(),
+            authority: Authority::default(),
+            disks: Disks::default(),
             programs: ProgramMemory::default(),
             counters: Counters::default(),
             ladder: standard_ladder(),
             plc_retained: None,
             lathe: LatheConfig::free(),
             start: Some(Point::new(150.0, 300.0)),
+            absolute: None,
+            alarms: Vec::new(),
             referenced: true,
             spindle_rpm: None,
             forced_inputs: Vec::new(),

@@ -261,6 +261,13 @@ impl Emulator {
         })
     }
 
+    /// Stores a text that is being edited, as leaving its page does: for a session
+    /// that ends with the power on.
+    pub fn store_edited(&mut self) {
+        let requests = self.panel.unstored();
+        self.ask(requests);
+    }
+
     /// Switches the power off; the lathe stops.
     pub fn power_off(&mut self) {
         self.panel.power_off();

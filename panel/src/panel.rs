@@ -6,16 +6,17 @@ mod graphic;
 mod navigation;
 mod program_text;
 mod search;
+mod values;
 
 pub(crate) use entry::is_typable;
-use gsk_core::cnc::{Cnc, Event, Request};
-use gsk_core::command::Frame;
+use gsk_core::cnc::{Cnc, Request};
+use gsk_core::command::{Frame, ProgramId};
 use gsk_core::operation::Mode;
 use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
 
 use crate::keys::{KEYS, Key, Role};
-use crate::pages::{self, POWER_ON_TICKS, PageId, PageKey, View};
+use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, View};
 use crate::screen::Screen;
 
 /// Characters that the input line takes.
@@ -44,6 +45,15 @@ pub enum KeyEvent {
     Wheel(i32),
 }
 
+/// What the panel keeps over power-off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PanelRetained {
+    /// Brightness of the LCD.
+    pub brightness: u8,
+    /// Settings of the graphic.
+    pub graphic: GraphicSettings,
+}
+
 /// The panel's state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Panel {
@@ -65,8 +75,16 @@ pub struct Panel {
     /// 173.2 SWAT: the picture waits for a page key.
     picture_waits: bool,
     mode: Option<Mode>,
+    /// Numbers of the alarms that stand.
+    alarms: Vec<u16>,
     /// Numbers of the ladder's messages that stand.
     messages: Vec<u16>,
+    /// The program whose text the editor has changed and not yet stored.
+    edited: Option<u16>,
+    /// A program that has just been asked for.
+    created: Option<u16>,
+    /// Selected program and line of the control, as the editor last saw them.
+    followed: Option<(Option<ProgramId>, u32)>,
     traced: Option<(Frame, Point)>,
     wheel: i32,
 }
@@ -100,7 +118,11 @@ impl Panel {
             picture_until: Some(POWER_ON_TICKS),
             picture_waits: false,
             mode: None,
+            alarms: Vec::new(),
             messages: Vec::new(),
+            edited: None,
+            created: None,
+            followed: None,
             traced: None,
             wheel: 0,
         }
@@ -110,15 +132,35 @@ impl Panel {
     /// stay as they stand, the self-test picture appears.
     pub fn power_on(&mut self, cnc: &Cnc) {
         let mut new = Self::new();
-        new.view.brightness = self.view.brightness;
-        new.view.graphic = self.view.graphic;
-        new.view.graphic.drawing = false;
+        new.restore(&self.retained());
         new.emergency_stop = self.emergency_stop;
         new.wheel = self.wheel;
         new.clock = self.clock;
         new.picture_until = Some(self.clock + POWER_ON_TICKS);
         new.picture_waits = cnc.parameters().bit(173, 2);
         *self = new;
+    }
+
+    /// What the panel keeps over power-off.
+    pub const fn retained(&self) -> PanelRetained {
+        PanelRetained {
+            brightness: self.view.brightness,
+            graphic: self.view.graphic,
+        }
+    }
+
+    /// Puts back what was kept.
+    pub fn restore(&mut self, retained: &PanelRetained) {
+        self.view.brightness = retained.brightness.min(pages::BRIGHTNESS_STEPS - 1);
+        self.view.graphic = retained.graphic;
+        self.view.graphic.drawing = false;
+    }
+
+    /// Text that is being edited, to be stored now: the window closes.
+    pub fn unstored(&mut self) -> Vec<Request> {
+        let mut requests = Vec::new();
+        self.store_edited(&mut requests);
+        requests
     }
 
     /// Switches the panel off: the LCD is dark and every key is let go.
@@ -271,7 +313,7 @@ impl Panel {
             (Role::Character(first, second), _) => {
                 self.character_key(key, first, second, compound, cnc, requests);
             }
-            (_, Key::Up | Key::Down) if flashing.is_some() => {
+            (_, Key::Up | Key::Down) if flashing.is_some() && self.page == PageId::PosRel => {
                 self.view.flashing = flashing;
                 self.change_brightness(key == Key::Down);
             }
@@ -285,23 +327,34 @@ impl Panel {
             (_, Key::PageDown) => self.turn_page(true, cnc, requests),
             (_, Key::Input) => self.commit(cnc, requests),
             (_, Key::Output) => requests.push(Request::OutputKey(true)),
-            (_, Key::Change) => self.change_key(cnc),
+            (_, Key::Eob | Key::Insert | Key::Delete | Key::Cancel) if self.edits(cnc) => {
+                self.edit_key(key, cnc, requests);
+            }
+            (_, Key::Change) => self.change_key(cnc, requests),
+            (_, Key::Cancel) if self.page == PageId::Password => self.password_cancel(),
             (_, Key::Cancel) => {
                 self.view.input.pop();
             }
-            (_, Key::Reset) => self.reset(),
+            (_, Key::Reset) => self.reset(cnc, requests),
             _ => {}
         }
     }
 
-    fn reset(&mut self) {
+    fn reset(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         self.clear_input();
-        self.view.editor.line = 0;
-        self.view.editor.column = 0;
+        if self.is_held(Key::Cancel) {
+            requests.push(Request::CancelSwitchAlarm);
+        }
+        if cnc.mode() == Mode::Edit
+            && let Some(editing) = &mut self.view.editor.editing
+        {
+            editing.to_head();
+        }
     }
 
     fn clear_input(&mut self) {
         self.view.input.clear();
+        self.view.password.clear();
         self.view.editor.searching = false;
         self.compound = None;
     }
@@ -326,36 +379,37 @@ impl Panel {
         if over && !self.picture_waits {
             self.picture_until = None;
         }
-        self.follow_mode(cnc);
+        let mut requests = Vec::new();
+        self.follow_mode(cnc, &mut requests);
         self.follow_alarms(cnc);
         self.trace(cnc);
-        self.follow_cursor(cnc);
-        self.repeat_key(cnc)
+        self.follow_program(cnc, &mut requests);
+        self.repeat_key(cnc, &mut requests);
+        requests
     }
 
-    fn repeat_key(&mut self, cnc: &Cnc) -> Vec<Request> {
+    fn repeat_key(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         let Some(repeat) = self.repeat.filter(|repeat| self.clock >= repeat.at) else {
-            return Vec::new();
+            return;
         };
-        let mut requests = Vec::new();
-        self.act(repeat.key, cnc, &mut requests);
+        self.act(repeat.key, cnc, requests);
         self.repeat = Some(Repeat {
             at: self.clock + REPEAT_PERIOD,
             ..repeat
         });
-        requests
     }
 
-    /// A change of mode drops what was typed; EDIT has no MDI page and no
-    /// directory.
-    fn follow_mode(&mut self, cnc: &Cnc) {
+    /// A change of mode drops what was typed and stores what was edited; EDIT has
+    /// no MDI page and no directory.
+    fn follow_mode(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         let mode = cnc.mode();
         if self.mode.replace(mode).is_none_or(|before| before == mode) {
             return;
         }
         self.clear_input();
-        self.view.editor.line = 0;
-        self.view.editor.column = 0;
+        self.store_edited(requests);
+        self.view.editor.editing = None;
+        self.view.editor.alter = false;
         if mode == Mode::Edit && matches!(self.page, PageId::Mdi | PageId::Dir) {
             self.go_to(PageId::Prg);
         }
@@ -363,8 +417,13 @@ impl Panel {
 
     /// The display switches to the page of a new alarm or message.
     fn follow_alarms(&mut self, cnc: &Cnc) {
-        let raised = |event: &Event| matches!(event, Event::AlarmRaised(_));
-        if cnc.events().iter().any(raised) {
+        let standing = cnc.alarms();
+        let known = |number| self.alarms.contains(number);
+        let new = standing.iter().any(|alarm| !known(&alarm.number));
+        if new || standing.len() != self.alarms.len() {
+            self.alarms = standing.iter().map(|alarm| alarm.number).collect();
+        }
+        if new {
             self.go_to(PageId::Alm);
         }
         if !cnc.in_alarm() {

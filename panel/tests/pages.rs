@@ -8,7 +8,7 @@ mod common;
 use gsk_core::cnc::Request;
 use gsk_core::operation::Mode;
 use gsk_core::plc::address::{Area, BitAddress};
-use gsk_core::program::Program;
+use gsk_core::program::{Editing, Program};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
 use gsk_core::units::{Axis, Point};
@@ -173,9 +173,11 @@ fn the_editor() {
     let mut view = View::default();
     let long = "N0010 G71 U2 R1 (粗车外圆,每刀切深二毫米,退刀一毫米);\n";
     let text = format!("O0001;\n{}M30;\n", long.repeat(14));
-    view.editor.text = Some(Program::new(text));
-    view.editor.line = 8;
-    view.editor.column = 33;
+    let mut editing = Editing::new(Program::new(text), 8);
+    for _ in 0..33 {
+        editing.right();
+    }
+    view.editor.editing = Some(editing);
     view.input = "O".to_owned();
     let screen = pages::draw(PageId::Prg, &view, &simulation.cnc);
     insta::assert_snapshot!("prg-editor", framed(&screen));
@@ -265,9 +267,12 @@ fn anything_in_the_view_can_be_drawn() {
             let mut view = graphic_view();
             view.input = "编辑X".repeat(30);
             view.directory_screen = extreme;
-            view.editor.line = u32::try_from(extreme).unwrap_or(u32::MAX);
-            view.editor.column = view.editor.line;
-            view.graphic.scale = view.editor.line;
+            let extreme_line = u32::try_from(extreme).unwrap_or(u32::MAX);
+            let current = simulation.cnc.programs().current();
+            let program = current.and_then(|id| simulation.cnc.programs().get(id));
+            view.editor.editing =
+                program.map(|program| Editing::new(program.clone(), extreme_line));
+            view.graphic.scale = extreme_line;
             view.graphic.center_x = i32::MIN;
             for row in PAGES {
                 let cursor = view.cursors.get_mut(row.page);
@@ -340,6 +345,10 @@ fn pictures() {
         &pages::draw(PageId::PosRel, &view, &simulation.cnc),
     );
     press(&mut simulation, EDIT);
-    (view.editor.line, view.editor.column, view.editor.alter) = (9, 6, true);
+    let current = simulation.cnc.programs().current().unwrap();
+    let program = simulation.cnc.programs().get(current).unwrap();
+    let mut editing = Editing::new(program.clone(), 9);
+    (0..6).for_each(|_| editing.right());
+    (view.editor.editing, view.editor.alter) = (Some(editing), true);
     assert_picture("prg", &pages::draw(PageId::Prg, &view, &simulation.cnc));
 }

@@ -45,7 +45,7 @@ impl SetupWords {
         }
         setup.spindle_rpm = self.spindle;
         setup.referenced = self.referenced.unwrap_or(setup.referenced);
-        setup.inch_input = self.inch;
+        setup.settings.inch = self.inch;
         for word in &self.params {
             parameter(&mut setup, word).map_err(|error| format!("parameter {word}: {error}"))?;
         }

@@ -42,6 +42,9 @@ pub fn operate(args: &OperateArgs) -> Result<u8, String> {
     for complaint in restored.iter().flat_map(|restored| &restored.complaints) {
         eprintln!("gsk980td: {complaint}");
     }
+    if let Some(restored) = &restored {
+        restored.place(&mut setup);
+    }
     loading::apply(&mut setup, &args.setup)?;
     if let Some(program) = &args.program {
         loading::open(&mut setup, core::slice::from_ref(program))?.print();
@@ -52,13 +55,17 @@ pub fn operate(args: &OperateArgs) -> Result<u8, String> {
         folder: path.parent().map(Path::to_path_buf).unwrap_or_default(),
         record: args.record.is_some().then(|| Record::new(&script)),
     };
+    if let Some(restored) = &restored {
+        restored.restore_panel(&mut session.emulator);
+    }
     let code = session.run(script, path);
     if let (Some(target), Some(record)) = (&args.record, &session.record) {
         std::fs::write(target, &record.text)
             .map_err(|error| format!("{} cannot be written: {error}", target.display()))?;
     }
     if let (Some(data), Some(restored)) = (data, restored) {
-        retained::save(data, &restored, &session.emulator.simulation.cnc)?;
+        session.emulator.store_edited();
+        retained::save_emulator(data, &restored, &session.emulator)?;
     }
     Ok(code)
 }

@@ -34,6 +34,7 @@ pub fn open(args: WindowArgs) -> Result<u8, String> {
     let data = DataDir::open(&path).map_err(|error| error.to_string())?;
     let mut setup = Setup::delivered();
     let restored = retained::load(&data, &mut setup);
+    restored.place(&mut setup);
     let machine = SetupArgs {
         ladder: args.ladder,
         machine: args.machine,
@@ -49,7 +50,9 @@ pub fn open(args: WindowArgs) -> Result<u8, String> {
         language: args.lang.unwrap_or(settings.language),
         ..settings
     };
-    let (kernel, console) = Kernel::new(Emulator::new(setup));
+    let mut emulator = Emulator::new(setup);
+    restored.restore_panel(&mut emulator);
+    let (kernel, console) = Kernel::new(emulator);
     let start = Start {
         kernel,
         console,

@@ -26,6 +26,8 @@ use super::{atomic, program_file};
 pub struct DataDir {
     path: PathBuf,
     _lock: File,
+    /// Programs whose writing was broken off: the power failed.
+    interrupted: Vec<String>,
 }
 
 /// Why a data directory cannot be used, as a sentence.
@@ -112,7 +114,14 @@ impl DataDir {
         Ok(Self {
             path: path.to_owned(),
             _lock: lock,
+            interrupted: remove_unfinished(&path.join("programs")),
         })
+    }
+
+    /// Programs whose writing was broken off when the power failed; their last
+    /// stored texts are there.
+    pub fn interrupted(&self) -> &[String] {
+        &self.interrupted
     }
 
     /// Where it is.
@@ -234,6 +243,25 @@ impl DataDir {
     }
 }
 
+/// Removes files that were being written aside when the process was killed, and
+/// names the programs among them.
+fn remove_unfinished(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.extension().is_none_or(|ending| ending != "new") {
+            continue;
+        }
+        // What cannot be removed is overwritten by the next writing.
+        let _ = fs::remove_file(&path);
+        if let Some(number) = program_number(&path.with_extension("")) {
+            names.push(format!("O{number:04}"));
+        }
+    }
+    names.sort();
+    names
+}
+
 /// The number in a name like `O0001.CNC`.
 fn program_number(path: &Path) -> Option<u16> {
     let name = path.file_name()?.to_str()?;
@@ -317,6 +345,22 @@ mod tests {
             complaints[0].contains("O0003.CNC.damaged"),
             "{complaints:?}"
         );
+        fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn a_broken_off_writing_is_named_and_the_old_text_stays() {
+        let folder = crate::files::test_folder("broken-off");
+        fs::create_dir_all(folder.join("programs")).expect("make");
+        fs::write(folder.join("programs/O0003.CNC"), "O0003;\n").expect("write");
+        fs::write(folder.join("programs/O0003.CNC.new"), "O00").expect("write");
+        let data = DataDir::open(&folder).expect("open");
+        assert_eq!(data.interrupted(), ["O0003"]);
+        assert_eq!(data.programs().0.len(), 1);
+        drop(data);
+        let again = DataDir::open(&folder).expect("open");
+        assert!(again.interrupted().is_empty());
+        drop(again);
         fs::remove_dir_all(folder).expect("clean");
     }
 

@@ -13,7 +13,7 @@ use crate::retained::Keeper;
 /// depends on a release that may never come.
 const LEASE: Duration = Duration::from_millis(600);
 /// How often the memory is looked at for something to be saved.
-const KEEP: Duration = Duration::from_millis(500);
+const KEEP: Duration = Duration::from_millis(100);
 
 /// What the kernel thread needs from outside.
 pub struct Outside {
@@ -94,7 +94,7 @@ fn turn(mut kernel: Kernel, mut outside: Outside) {
             && now.duration_since(kept) > KEEP
         {
             kept = now;
-            keeper.look(&kernel.emulator.simulation.cnc);
+            keeper.look(&kernel.emulator);
             for complaint in keeper.complaints() {
                 kernel.say(Notice::Said(complaint));
                 (outside.wake)();
@@ -111,7 +111,8 @@ fn turn(mut kernel: Kernel, mut outside: Outside) {
     }
     kernel.release_all();
     if let Some(keeper) = outside.keeper {
-        keeper.finish(&kernel.emulator.simulation.cnc);
+        kernel.emulator.store_edited();
+        keeper.finish(&kernel.emulator);
     }
 }
 

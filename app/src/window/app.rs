@@ -95,8 +95,7 @@ impl App {
             figures,
         } = start;
         let data = Arc::new(data);
-        let cnc = &kernel.emulator().simulation.cnc;
-        let keeper = Keeper::start(Arc::clone(&data), &restored, cnc)?;
+        let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
         let waker = context.clone();
         let outside = Outside {
             // With a delay it is drawn once; without one egui draws twice.

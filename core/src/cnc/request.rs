@@ -1,14 +1,18 @@
 //! What the panel may ask of the control; the control decides.
 
+mod data;
+mod programs;
+
 use std::sync::Arc;
 
 use gsk_plc::Ladder;
-use gsk_plc::address::{Area, BitAddress};
+use gsk_plc::address::{Area, BitAddress, ByteAddress};
 
 use super::{Cnc, LadderStep, X_BYTES};
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
-use crate::operation::{Mode, SoftSwitch};
+use crate::memory::{Disk, Refusal, Rights, Setting};
+use crate::operation::{RunState, SoftSwitch};
 use crate::program::Program;
 use crate::units::Axis;
 
@@ -28,8 +32,31 @@ pub enum Request {
     SelectProgram(u16),
     /// Puts the cursor on a line of the selected program, from 1.
     CursorTo(u32),
-    /// Searches a sequence number in the selected program.
-    SearchSequence(u16),
+    /// A search on the program page found nothing; `sequence`: it was one for a
+    /// sequence number.
+    NotFound {
+        /// Whether a sequence number was searched.
+        sequence: bool,
+    },
+    /// Creates a program that holds only its name.
+    CreateProgram(u16),
+    /// Stores the selected program under another number as well (另存).
+    SaveProgramAs(u16),
+    /// Gives the selected program another number.
+    RenameProgram(u16),
+    /// Deletes a program.
+    DeleteProgram(u16),
+    /// Deletes every program that may be deleted.
+    DeleteAllPrograms,
+    /// Asks whether a program may be edited: raises the alarm that says why not.
+    AskToEdit(u16),
+    /// Stores the edited text of a program.
+    StoreEdited {
+        /// Its number.
+        number: u16,
+        /// The text.
+        program: Program,
+    },
     /// Stores a program text in the program memory.
     StoreProgram(String),
     /// Opens a program outside the memory, read-only.
@@ -52,8 +79,58 @@ pub enum Request {
         /// −255 to 255, in 0.001 mm.
         value: i16,
     },
-    /// 英制编程: programs are in inches from now on.
-    SetInchInput(bool),
+    /// A value for a tool offset, keyed in on its page.
+    SetOffset {
+        /// 000–032.
+        number: u8,
+        /// What is given.
+        entry: OffsetEntry,
+    },
+    /// A whole parameter; a status parameter as a byte.
+    SetParameter {
+        /// Number.
+        number: u16,
+        /// Value.
+        value: i32,
+    },
+    /// One bit of a status parameter.
+    SetParameterBit {
+        /// Number.
+        number: u16,
+        /// Bit.
+        bit: u8,
+        /// Value.
+        on: bool,
+    },
+    /// A row of the setting page.
+    SetSetting(Setting, bool),
+    /// 参数开关.
+    SetParameterSwitch(bool),
+    /// 程序开关.
+    SetProgramSwitch(bool),
+    /// 取消 and 复位 together: alarm 100 goes, the switch stays.
+    CancelSwitchAlarm,
+    /// Reads an electronic disk into the memory.
+    LoadDisk(Disk),
+    /// Saves parameters and offsets on an electronic disk.
+    SaveDisk(Disk),
+    /// A password: its level becomes the operation level.
+    EnterPassword(String),
+    /// A new password in place of an old one.
+    ChangePassword {
+        /// The old one.
+        old: String,
+        /// The new one.
+        new: String,
+    },
+    /// Down to level 5.
+    LeaveLevel,
+    /// A soft switch of the machine panel page changes over.
+    ToggleSoftSwitch(SoftSwitch),
+    /// DGN.075: the tool that is in position.
+    SetTool(u8),
+    /// A preset of the PLC: a D byte, or the preset of a timer or counter.
+    SetPreset(ByteAddress, i32),
     /// The OUTPUT key went down or up.
     OutputKey(bool),
     /// A switch of the page 机床面板: the request goes to the ladder as F75.
@@ -68,14 +145,31 @@ pub enum Request {
     LoadLadder(Arc<Ladder>),
 }
 
+/// What is keyed in on the offset page.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OffsetEntry {
+    /// X or Z with a value in the unit of the display: stored, or measured
+    /// (012.5 DOFSI).
+    Length(Axis, f64),
+    /// U or W with a value: added.
+    Change(Axis, f64),
+    /// U or W alone: the relative coordinate.
+    Counter(Axis),
+    /// R: nose radius, mm.
+    NoseRadius(f64),
+    /// T: position of the imaginary tool nose.
+    NoseNumber(u8),
+}
+
 impl Cnc {
     /// Carries out a request, or raises the alarm that says why not. A refusal
     /// that the manual gives no alarm for is silent.
     ///
     /// # Errors
     /// The alarm that was raised: 031 or 071 program not found, 060 sequence number
-    /// not found, 068 and 072 memory full, 111 and 115 for variables, and those of
-    /// the MDI words.
+    /// not found, 068, 072, 074 and 110 of the program memory, 030 and 043 of
+    /// offsets and parameters, 111 and 115 for variables, and those of the MDI
+    /// words.
     pub fn request(&mut self, request: Request) -> Result<(), Alarm> {
         let done = self.carry_out_request(request);
         if let Err(alarm) = &done {
@@ -100,11 +194,20 @@ impl Cnc {
                     self.cursor_line = line.max(1);
                 }
             }
-            Request::SearchSequence(number) => self.search_sequence(number)?,
+            Request::NotFound { sequence } => return Err(self.not_found(sequence)),
+            Request::CreateProgram(number) => self.create_program(number)?,
+            Request::SaveProgramAs(number) => self.save_program_as(number)?,
+            Request::RenameProgram(number) => self.rename_program(number)?,
+            Request::DeleteProgram(number) => self.delete_program(number)?,
+            Request::DeleteAllPrograms => self.delete_all_programs()?,
+            Request::AskToEdit(number) => {
+                allowed(self.rights().program(number))?;
+            }
+            Request::StoreEdited { number, program } => self.store_edited(number, program)?,
             Request::StoreProgram(_) if self.memory_protected() => {}
             Request::StoreProgram(text) => {
                 let number = self.programs.store(text)?;
-                if !self.automatic.operating() {
+                if !self.rights().hides(number) {
                     self.select(ProgramId::Stored(number))?;
                 }
             }
@@ -117,33 +220,71 @@ impl Cnc {
             }
             Request::MdiWord(word) => self.mdi.enter(&word, &self.parameters)?,
             Request::SetVariable { number, value } => {
-                if self.mode == Mode::Mdi && !self.automatic.operating() {
+                if self.rights().variables().is_ok() {
                     self.variables.set(number, value)?;
                 }
             }
-            Request::SetPitch { axis, point, value } => {
-                let allowed = self.mode == Mode::Mdi || self.emergency_stop;
-                if allowed && !self.automatic.operating() && !self.is_moving() {
-                    self.pitch.set(axis, point, value)?;
-                    self.axes.reconfigure(&self.parameters, &self.pitch);
+            Request::SetPitch { axis, point, value } => self.set_pitch(axis, point, value)?,
+            Request::SetOffset { number, entry } => self.set_offset(number, entry)?,
+            Request::SetParameter { number, value } => {
+                self.change_parameters(|parameters| parameters.set(number, value))?;
+            }
+            Request::SetParameterBit { number, bit, on } => {
+                self.change_parameters(|parameters| parameters.set_bit(number, bit, on))?;
+            }
+            Request::SetSetting(setting, on) => self.set_setting(setting, on),
+            Request::SetParameterSwitch(on) => self.set_parameter_switch(on),
+            Request::SetProgramSwitch(on) => {
+                if self.rights().program_switch().is_ok() {
+                    self.program_switch = on;
                 }
             }
-            Request::SetInchInput(inch) => {
-                if self.mode == Mode::Mdi && !self.automatic.operating() {
-                    self.inch_input = inch;
-                    self.interpreter.set_inch_input(inch);
-                    self.modal.inch = inch;
+            Request::CancelSwitchAlarm => self.cancel_switch_alarm(),
+            Request::LoadDisk(disk) => self.load_disk(disk),
+            Request::SaveDisk(disk) => self.save_disk(disk),
+            Request::EnterPassword(password) => {
+                if self.rights().password().is_ok() {
+                    self.authority.enter(&password);
                 }
             }
+            Request::ChangePassword { old, new } => {
+                if self.rights().password().is_ok() {
+                    self.authority.change(&old, &new);
+                }
+            }
+            Request::LeaveLevel => {
+                if self.rights().password().is_ok() {
+                    self.authority.leave();
+                }
+            }
+            Request::ToggleSoftSwitch(switch) => self.toggle_soft_switch(switch),
+            Request::SetTool(tool) => self.set_tool_in_position(tool)?,
+            Request::SetPreset(address, value) => self.set_preset(address, value)?,
             Request::OutputKey(down) => self.output_key = down,
-            Request::SoftSwitch(switch, true) => self.soft_switches |= switch.mask(),
-            Request::SoftSwitch(switch, false) => self.soft_switches &= !switch.mask(),
+            Request::SoftSwitch(switch, on) => self.set_soft_switch(switch, on),
             Request::ForceBit(bit, value) => self.plc.force(bit, value),
             Request::HaltLadder(halt) => self.plc_halted = halt,
             Request::StepLadder(step) => self.step_ladder(step),
             Request::LoadLadder(ladder) => self.next_ladder = Some(ladder),
         }
         Ok(())
+    }
+
+    /// Who may write what at this moment.
+    pub fn rights(&self) -> Rights<'_> {
+        Rights {
+            parameters: &self.parameters,
+            level: self.authority.level(),
+            mode: self.mode,
+            operating: self.automatic.operating(),
+            running: self.automatic.state == RunState::Run,
+            moving: self.is_moving(),
+            alarm: self.alarm_state(),
+            emergency_stop: self.emergency_stop,
+            parameter_switch: self.parameter_switch,
+            program_switch: self.program_switch,
+            protected: self.memory_protected(),
+        }
     }
 
     /// Presses or releases a key of the machine panel: its contact in X20–X26.
@@ -159,37 +300,13 @@ impl Cnc {
             self.panel_keys[byte] &= !mask;
         }
     }
+}
 
-    fn select(&mut self, program: ProgramId) -> Result<(), Alarm> {
-        if self.automatic.operating() {
-            return Ok(());
-        }
-        let missing = if self.mode == Mode::Auto { 31 } else { 71 };
-        if self.programs.get(program).is_none() {
-            return Err(Alarm::new(missing));
-        }
-        self.programs.select(program);
-        self.forget_run();
-        self.cursor_line = 1;
-        Ok(())
-    }
-
-    fn search_sequence(&mut self, number: u16) -> Result<(), Alarm> {
-        if self.automatic.operating() {
-            return Ok(());
-        }
-        let line = self
-            .programs
-            .current()
-            .and_then(|program| self.programs.get(program))
-            .and_then(|program| program.find_sequence(number, 1));
-        self.cursor_line = line.ok_or_else(|| Alarm::new(60))?;
-        self.forget_run();
-        Ok(())
-    }
-
-    /// A moved cursor voids the rest of a stopped run.
-    fn forget_run(&mut self) {
-        self.automatic.clear();
+/// Whether a program operation may go on; a level that is too low has an alarm,
+/// the other refusals are silent.
+fn allowed(rights: Result<(), Refusal>) -> Result<bool, Alarm> {
+    match rights {
+        Ok(()) => Ok(true),
+        Err(refusal) => refusal.alarm().map_or(Ok(false), Err),
     }
 }

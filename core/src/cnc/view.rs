@@ -8,7 +8,9 @@ use super::{Cnc, Event};
 use crate::alarm::Alarm;
 use crate::command::{Action, Frame, ProgramId, Source};
 use crate::interpreter::Modal;
-use crate::memory::{Counters, Offsets, Parameters, PitchTable, Variables};
+use crate::memory::{
+    Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
+};
 use crate::motion::JogRate;
 use crate::operation::{Mode, Return, RunState, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
@@ -85,6 +87,11 @@ impl Cnc {
     /// The F word in force, in the unit of G98 or G99.
     pub const fn feed_commanded(&self) -> f64 {
         self.modal.feed
+    }
+
+    /// The thread lead in force, mm; zero = none yet.
+    pub const fn thread_lead(&self) -> f64 {
+        self.interpreter.thread_lead()
     }
 
     /// Speed along the path, mm/min.
@@ -164,7 +171,32 @@ impl Cnc {
 
     /// Whether programs are in inches (英制编程 of the setting page).
     pub const fn inch_input(&self) -> bool {
-        self.inch_input
+        self.settings.inch
+    }
+
+    /// The rows of the setting page.
+    pub const fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// Operation level and passwords.
+    pub const fn authority(&self) -> &Authority {
+        &self.authority
+    }
+
+    /// The electronic disks.
+    pub const fn disks(&self) -> &Disks {
+        &self.disks
+    }
+
+    /// Whether 参数开关 is on.
+    pub const fn parameter_switch(&self) -> bool {
+        self.parameter_switch
+    }
+
+    /// Whether 程序开关 is on.
+    pub const fn program_switch(&self) -> bool {
+        self.program_switch
     }
 
     /// Program memory.

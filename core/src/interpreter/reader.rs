@@ -104,6 +104,11 @@ impl Interpreter {
         &self.state.modal
     }
 
+    /// The thread lead in force, mm; zero = none yet.
+    pub const fn thread_lead(&self) -> f64 {
+        self.state.lead
+    }
+
     /// The coordinate frame after the block read last.
     pub fn frame(&self) -> Frame {
         self.state.frame()

@@ -1,16 +1,24 @@
 //! What the control remembers: parameters, offsets, variables, counters.
 
+mod authority;
 mod counters;
+mod disks;
 mod named;
 mod offsets;
 mod parameters;
 mod pitch;
+mod rights;
+mod settings;
 mod table;
 mod variables;
 
+pub use authority::{Authority, Level};
 pub use counters::Counters;
+pub use disks::{DiskContent, Disks};
 pub use offsets::{OFFSETS, Offsets, ToolOffset};
 pub use parameters::{ParameterError, Parameters};
 pub use pitch::{PitchError, PitchTable};
+pub use rights::{Refusal, Rights};
+pub use settings::{Setting, Settings};
 pub use table::{Disk, Effective, LAST_PARAMETER, ParameterRow, Range, row, rows};
 pub use variables::Variables;

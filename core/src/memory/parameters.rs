@@ -169,6 +169,24 @@ impl Parameters {
         })
     }
 
+    /// These values, but for those that a change of which raises alarm 000: they
+    /// are in force as they were at power-on.
+    #[must_use]
+    pub fn in_force(&self, at_power_on: &Self) -> Self {
+        let mut in_force = self.clone();
+        for row in table::rows() {
+            if row.effective != (Effective::AtPowerOn { alarm: true }) {
+                continue;
+            }
+            // Cannot fail: the values come from parameters.
+            let _ = match row.bit {
+                Some(bit) => in_force.set_bit(row.number, bit, at_power_on.bit(row.number, bit)),
+                None => in_force.set(row.number, at_power_on.value(row.number)),
+            };
+        }
+        in_force
+    }
+
     /// Every parameter with its value, by number.
     pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> {
         let whole = table::rows().iter().filter(|row| row.bit.is_none());
@@ -256,6 +274,9 @@ mod tests {
         assert!(parameters.needs_power_cycle(&before));
         let changed: Vec<_> = parameters.changed_from(&before).collect();
         assert_eq!(changed, [(11, 0b1100_0010), (20, 5), (22, 4000)]);
+        let in_force = parameters.in_force(&before);
+        assert_eq!(in_force.value(22), 4000);
+        assert!(!in_force.bit(11, 6));
     }
 
     #[test]

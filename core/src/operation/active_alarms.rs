@@ -13,6 +13,9 @@ pub struct ActiveAlarms {
 /// Emergency stop or overtravel switch (manual III-2.4).
 pub const EMERGENCY_STOP: u16 = 207;
 
+/// The parameter switch is on (manual III-2.5.1).
+pub const PARAMETER_SWITCH: u16 = 100;
+
 impl ActiveAlarms {
     /// Newest first.
     pub fn list(&self) -> &[Alarm] {
@@ -45,9 +48,9 @@ impl ActiveAlarms {
     }
 
     /// RESET: everything goes that RESET can clear; the emergency stop goes with
-    /// its contact alone, and 000 with the power.
+    /// its contact alone, 100 with the parameter switch and 000 with the power.
     pub fn reset(&mut self) {
         self.list
-            .retain(|alarm| matches!(alarm.number, 0 | EMERGENCY_STOP));
+            .retain(|alarm| matches!(alarm.number, 0 | EMERGENCY_STOP | PARAMETER_SWITCH));
     }
 }

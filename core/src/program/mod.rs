@@ -22,9 +22,11 @@
 //! ```
 
 mod block;
+mod edit;
 mod head;
 mod index;
 mod lexer;
+mod listing;
 mod mdi;
 mod number;
 mod parse;
@@ -35,6 +37,8 @@ mod tests;
 mod text;
 
 pub use block::{Block, MAX_WORDS, Word};
+pub use edit::{Completion, Editing};
+pub use listing::{end_column, without_end};
 pub use mdi::MdiBlock;
 pub use number::{Number, Variable};
 pub use parse::{BlockError, Syntax, parse_block};

@@ -77,6 +77,36 @@ impl ProgramMemory {
         self.put(to, program)
     }
 
+    /// Stores a copy of the selected program under another number, an external one
+    /// too.
+    ///
+    /// # Errors
+    /// As [`Self::copy`].
+    pub fn save_as(&mut self, to: u16) -> Result<(), Alarm> {
+        let Some(program) = self.current.and_then(|id| self.get(id)) else {
+            return Err(Alarm::new(71).because("no program is selected"));
+        };
+        let program = program.renumbered(to);
+        self.must_be_free(to)?;
+        self.put(to, program)
+    }
+
+    /// Replaces the text of a stored program.
+    ///
+    /// # Errors
+    /// 071 when it is missing, 068 when the memory is full.
+    pub fn replace(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
+        if !self.stored.contains_key(&number) {
+            return Err(missing(number));
+        }
+        let program = if program.number() == Some(number) {
+            program
+        } else {
+            program.renumbered(number)
+        };
+        self.put(number, program)
+    }
+
     /// Gives a program another number; the selection goes with it.
     ///
     /// # Errors

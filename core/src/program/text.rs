@@ -220,6 +220,39 @@ impl Program {
         Head::read(self.block(index)).skip
     }
 
+    /// The block with the program number.
+    pub(super) fn name_block(&self) -> Option<u32> {
+        let within = self.shared.blocks.len().min(NAME_WITHIN);
+        (0..within)
+            .find(|&block| Head::read(self.shared.block(block)).o.is_some())
+            .map(|block| block as u32)
+    }
+
+    /// The same program with text in the place of the lines from `first` up to
+    /// `end`; each of the new lines is ended.
+    pub(super) fn with_lines(&self, first: u32, end: u32, text: &str) -> Self {
+        let shared = &self.shared;
+        let (start, stop) = (shared.line_byte(first), shared.line_byte(end.max(first)));
+        let (before, rest) = shared.text.split_at_checked(start).unwrap_or_default();
+        let after = rest.get(stop - start..).unwrap_or("");
+        let newline = if shared.text.contains("\r\n") {
+            "\r\n"
+        } else {
+            "\n"
+        };
+        let mut whole = String::with_capacity(shared.text.len() + text.len() + 4);
+        whole.push_str(before);
+        if !before.is_empty() && !before.ends_with(['\n', '\r']) {
+            whole.push_str(newline);
+        }
+        for line in text.lines() {
+            whole.push_str(line);
+            whole.push_str(newline);
+        }
+        whole.push_str(after);
+        Self::from_line(Arc::from(whole), shared.first_line)
+    }
+
     /// The same program under another number: its O word is replaced, or put in
     /// front when it has none.
     #[must_use]
@@ -309,6 +342,13 @@ impl Shared {
         if below >= self.lines {
             return "";
         }
+        let at = self.line_byte(line);
+        let (end, _) = line_end(&self.text, at);
+        self.text.get(at..end).unwrap_or("")
+    }
+
+    /// Where a line begins; the length of the text for one beyond the end.
+    fn line_byte(&self, line: u32) -> usize {
         let known = self.blocks.partition_point(|place| place.line <= line);
         let (mut at, mut here) = match known
             .checked_sub(1)
@@ -317,13 +357,10 @@ impl Shared {
             Some(place) => (line_start(&self.text, place.byte as usize), place.line),
             None => (0, self.first_line),
         };
-        loop {
-            let (end, next) = line_end(&self.text, at);
-            if here == line {
-                return self.text.get(at..end).unwrap_or("");
-            }
-            (at, here) = (next, here + 1);
+        while here < line && at < self.text.len() {
+            (at, here) = (line_end(&self.text, at).1, here + 1);
         }
+        at
     }
 }
 

@@ -22,7 +22,19 @@ pub fn messages(screen: &mut Screen, cnc: &Cnc) {
 
 /// 报警信息.
 pub fn alarms(screen: &mut Screen, cnc: &Cnc) {
-    list(screen, cnc.alarms().iter().map(Alarm::line_text));
+    list(screen, cnc.alarms().iter().map(line));
+}
+
+/// Alarms of the memory name what was damaged.
+const MEMORY_ALARMS: [u16; 2] = [69, 101];
+
+fn line(alarm: &Alarm) -> String {
+    match &alarm.detail {
+        Some(detail) if MEMORY_ALARMS.contains(&alarm.number) => {
+            format!("{}({detail})", alarm.line_text())
+        }
+        _ => alarm.line_text(),
+    }
 }
 
 /// One entry after the other; a long one goes on in the next row.

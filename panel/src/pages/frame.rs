@@ -97,6 +97,11 @@ pub fn current_program(cnc: &Cnc) -> Option<&Program> {
     cnc.programs().get(selected(cnc)?)
 }
 
+/// Whether 012.4 PRG9 hides the selected program.
+pub fn program_is_hidden(cnc: &Cnc) -> bool {
+    matches!(selected(cnc), Some(ProgramId::Stored(number)) if cnc.rights().hides(number))
+}
+
 /// The selected program, also while an MDI block runs.
 fn selected(cnc: &Cnc) -> Option<ProgramId> {
     match cnc.cursor().program {
@@ -123,15 +128,9 @@ fn sequence(view: &View, cnc: &Cnc) -> u16 {
     if let Some(sequence) = cursor.sequence {
         return sequence;
     }
-    let editing = cnc.mode() == Mode::Edit && view.editor.line > 0;
-    let line = if editing {
-        view.editor.line
-    } else {
-        cursor.line
-    };
-    let program = match &view.editor.text {
-        Some(text) if editing => Some(text),
-        _ => current_program(cnc),
+    let (program, line) = match &view.editor.editing {
+        Some(editing) if cnc.mode() == Mode::Edit => (Some(editing.program()), editing.cursor().0),
+        _ => (current_program(cnc), cursor.line),
     };
     program
         .and_then(|program| sequence_of(program.line(line)))

@@ -10,6 +10,7 @@ mod lists;
 mod mdi;
 mod offsets;
 mod parameters;
+mod password;
 mod plc;
 mod plc_names;
 mod position;
@@ -24,11 +25,12 @@ use gsk_core::cnc::Cnc;
 
 pub use graphic_settings::GraphicSettings;
 pub use parameters::{PITCH_POINTS, data_numbers, state_numbers};
+pub use password::{Hint, PasswordEntry};
 pub use plc::{bit_item, bit_item_of, bit_items, value_item, value_item_of, value_items};
 pub use plc_names::{short as signal_name, signal_meaning};
 pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub use program::directory_screens;
-pub use program_text::{PAGE_ROWS, first_line, last_line};
+pub use program_text::PAGE_ROWS;
 pub use table::{PAGE_COUNT, PAGES, PageId, PageKey, PageRow};
 pub use view::{
     BRIGHTNESS_STEPS, Communication, Cursor, Cursors, DEFAULT_BRIGHTNESS, Editor, FLASH_TICKS, View,
@@ -55,13 +57,13 @@ pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
         PageId::Alm => alarms::alarms(target, cnc),
         PageId::SetCode => settings::codes(target, view, cnc),
         PageId::SetSwitch => settings::switches(target, view, cnc),
-        PageId::Edisk => settings::disk(target),
-        PageId::Password => settings::password(target, view),
+        PageId::Edisk => settings::disk(target, view),
+        PageId::Password => password::draw(target, view, cnc),
         PageId::GraphPar => graphic::parameters(target, view),
         PageId::Graph => graphic::picture(target, view, cnc),
         PageId::ParBit => parameters::states(target, view, cnc),
         PageId::ParData => parameters::data(target, view, cnc),
-        PageId::Pitch => parameters::pitch(target, view),
+        PageId::Pitch => parameters::pitch(target, view, cnc),
         PageId::Dgn => diagnosis::draw(target, view, cnc),
         PageId::PlcBits => plc::signals(target, view, cnc),
         PageId::PlcValues => plc::values(target, view, cnc),

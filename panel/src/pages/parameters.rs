@@ -3,6 +3,7 @@
 
 use gsk_core::cnc::Cnc;
 use gsk_core::memory::{self, ParameterRow};
+use gsk_core::units::Axis;
 
 use super::format;
 use super::frame;
@@ -115,20 +116,21 @@ fn heading(screen: &mut Screen) {
     screen.put(HEADING_ROW, 0, "序号    数 据       序号    数 据");
 }
 
-/// 螺距补偿参数: the table is empty until compensation is built in.
-pub fn pitch(screen: &mut Screen, view: &View) {
+/// 螺距补偿参数.
+pub fn pitch(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Pitch).item.min(PITCH_POINTS - 1);
     screen.put(HEADING_ROW, 0, "序号          X             Z");
     let first = item / PITCH_SCREEN * PITCH_SCREEN;
-    let halves = [Column {
-        cursor: 0,
-        number: 1,
-        value_end: 15,
-    }];
-    let shown = (first..PITCH_POINTS).map(|point| (format!("{point:03}"), "0".to_owned()));
-    lists::draw(screen, &halves, shown, item % PITCH_SCREEN);
-    for row in 0..PITCH_SCREEN {
-        screen.put_right(lists::FIRST_ROW + row, 29, "0");
+    let points = (first..PITCH_POINTS).take(PITCH_SCREEN);
+    for (row, point) in (lists::FIRST_ROW..).zip(points) {
+        if point == item {
+            screen.put(row, 0, "_");
+        }
+        screen.put(row, 1, &format!("{point:03}"));
+        for (end, axis) in [(15, Axis::X), (29, Axis::Z)] {
+            let value = cnc.pitch().value(axis, point as u8);
+            screen.put_right(row, end, &value.to_string());
+        }
     }
     frame::input_line(screen, &format!("序号 {item:03} "), view);
 }

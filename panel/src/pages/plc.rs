@@ -2,6 +2,7 @@
 //! page, which names the ladder (manual III-2.7).
 
 use gsk_core::cnc::Cnc;
+use gsk_core::operation::SoftSwitch;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 use gsk_core::units::Axis;
 
@@ -148,16 +149,15 @@ pub fn values(screen: &mut Screen, view: &View, cnc: &Cnc) {
 
 /// 机床面板: the states that the ladder has raised.
 pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
-    // Text and the F bit that reports the state.
-    const SWITCHES: [(&str, u16, u8); 5] = [
-        ("机床锁住(键1) :", 4, 1),
-        ("辅助锁住(键2) :", 4, 4),
-        ("单程序段(键3) :", 4, 3),
-        ("空运行  (键4) :", 2, 7),
-        ("程序选跳(键5) :", 4, 0),
+    const TEXTS: [&str; 5] = [
+        "机床锁住(键1) :",
+        "辅助锁住(键2) :",
+        "单程序段(键3) :",
+        "空运行  (键4) :",
+        "程序选跳(键5) :",
     ];
-    for (row, (text, byte, bit)) in (2..).zip(SWITCHES) {
-        let on = cnc.plc().memory().bit(BitAddress::new(Area::F, byte, bit));
+    for ((row, text), switch) in (2..).zip(TEXTS).zip(SoftSwitch::ALL) {
+        let on = cnc.soft_switch_state(switch);
         screen.put(row, 0, text);
         screen.put(row, 18, "关    开");
         screen.put(row, if on { 23 } else { 17 }, "*");

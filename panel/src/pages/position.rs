@@ -113,7 +113,9 @@ fn actual_rate(cnc: &Cnc) -> String {
 
 fn feed(cnc: &Cnc, factor: f64) -> String {
     let rate = cnc.feed_commanded();
-    if threads(cnc) || cnc.modal().feed_per_revolution {
+    if threads(cnc) {
+        format::per_revolution(cnc.thread_lead())
+    } else if cnc.modal().feed_per_revolution {
         format::per_revolution(rate * factor)
     } else {
         format::per_minute(rate * factor)
@@ -160,7 +162,8 @@ pub fn with_program(screen: &mut Screen, cnc: &Cnc) {
     };
     group(screen, 1, 2, what, at, cnc);
     group(screen, 1, 22, ABSOLUTE, cnc.position_absolute(), cnc);
-    let Some(program) = frame::current_program(cnc) else {
+    let program = frame::current_program(cnc).filter(|_| !frame::program_is_hidden(cnc));
+    let Some(program) = program else {
         return;
     };
     let line = cnc.cursor().line.max(1);

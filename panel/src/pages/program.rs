@@ -13,8 +13,6 @@ pub const DIRECTORY_SCREEN: usize = 36;
 const DIRECTORY_ROW: usize = 6;
 /// The version string the directory shows.
 const VERSION: &str = "Gsk-980TD V05.05.12";
-/// Programs from here on are hidden with 012.4 PRG9 = 1.
-const HIDDEN_FROM: u16 = 9000;
 
 /// The program page: editor in EDIT, else the block in execution.
 pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
@@ -24,24 +22,28 @@ pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
         let prompt = if searching { "检索 " } else { "地址 " };
         frame::input_line(screen, prompt, view);
     }
-    let editing = mode == Mode::Edit && view.editor.line > 0;
-    let program = match &view.editor.text {
-        Some(text) if mode == Mode::Edit => Some(text),
-        _ => frame::current_program(cnc),
+    let editing = match &view.editor.editing {
+        Some(editing) if mode == Mode::Edit => Some(editing),
+        _ => None,
     };
-    let Some(program) = program else {
+    let hidden = frame::program_is_hidden(cnc);
+    let program = match editing {
+        Some(editing) => Some(editing.program()),
+        None => frame::current_program(cnc),
+    };
+    let Some(program) = program.filter(|_| !hidden) else {
         return;
     };
-    let (line, column) = if editing {
-        (view.editor.line, view.editor.column)
-    } else {
-        (cnc.cursor().line.max(1), 0)
+    let (line, column) = match editing {
+        Some(editing) => editing.cursor(),
+        None => (cnc.cursor().line.max(1), 0),
     };
     let mark = if mode == Mode::Edit {
         Mark::Edit {
             line,
             column,
             alter: view.editor.alter,
+            open: editing.is_some_and(|editing| editing.open_line() == Some(line)),
         }
     } else {
         Mark::Block(line)
@@ -57,11 +59,11 @@ pub fn directory_screens(cnc: &Cnc) -> usize {
 
 /// The numbers the directory lists, ascending.
 fn listed(cnc: &Cnc) -> impl Iterator<Item = u16> {
-    let hides = cnc.parameters().bit(12, 4);
+    let rights = cnc.rights();
     cnc.programs()
         .iter()
         .map(|(number, _)| number)
-        .filter(move |number| !(hides && *number >= HIDDEN_FROM))
+        .filter(move |number| !rights.hides(*number))
 }
 
 /// The directory.

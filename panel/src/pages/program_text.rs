@@ -3,16 +3,13 @@
 use core::ops::Range;
 
 use gsk_core::cnc::Cnc;
-use gsk_core::program::Program;
+use gsk_core::program::{Program, without_end};
 
 use crate::glyphs;
 use crate::screen::{COLUMNS, Look, Screen};
 
 /// The rows of the program page.
 pub const PAGE_ROWS: usize = 12;
-
-/// Empty lines at the end of a file that are looked through at most.
-const BLANK_LINES: u32 = 1000;
 
 /// Which part of a program is listed where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +37,15 @@ pub enum Mark {
         column: u32,
         /// Alter mode: inverse; else a bar.
         alter: bool,
+        /// The block is not ended yet: it has no sign.
+        open: bool,
     },
+}
+
+impl Mark {
+    fn leaves_open(self, here: u32) -> bool {
+        matches!(self, Self::Edit { line, open: true, .. } if line == here)
+    }
 }
 
 /// A block as the control writes it: without trailing blanks, with the sign for
@@ -50,7 +55,7 @@ fn shown(line: &str, end_of_block: char) -> String {
     if text == "%" {
         return text.to_owned();
     }
-    let text = text.trim_end_matches([';', '*', '；']).trim_end();
+    let text = without_end(text);
     let mut block = String::with_capacity(text.len() + 1);
     block.push_str(text);
     block.push(end_of_block);
@@ -66,46 +71,13 @@ fn end_of_block(cnc: &Cnc) -> char {
     }
 }
 
-/// The line that the listing begins with; a program cut out of a file keeps the
-/// line numbers of that file.
-pub fn first_line(program: &Program) -> u32 {
-    let mut first = match program.block_count() {
-        0 => 1,
-        _ => program.block_line(0).max(1),
-    };
-    let limit = first.saturating_sub(BLANK_LINES).max(1);
-    while first > limit && !program.line(first - 1).trim().is_empty() {
-        first -= 1;
-    }
-    first
-}
-
-/// The last line of the text that is not empty, and whether the `%` behind it
-/// has to be added.
-fn extent(program: &Program) -> (u32, bool) {
-    let first = first_line(program);
-    let mut last = first.saturating_add(program.line_count());
-    let limit = last.saturating_sub(BLANK_LINES + first).max(first - 1);
-    while last > limit && program.line(last).trim().is_empty() {
-        last -= 1;
-    }
-    let closed = last > first && program.line(last).trim() == "%";
-    (last, !closed)
-}
-
-/// The last line of the listing, which holds the `%`.
-pub fn last_line(program: &Program) -> u32 {
-    let (last, added) = extent(program);
-    last + u32::from(added)
-}
-
 /// A line of the listing; `None` outside it.
 fn listed(program: &Program, line: u32, end_of_block: char) -> Option<String> {
-    let (last, added) = extent(program);
-    if line <= last {
+    let last = program.last_listed();
+    if line < last {
         return Some(shown(program.line(line), end_of_block));
     }
-    (added && line == last + 1).then(|| "%".to_owned())
+    (line == last).then(|| "%".to_owned())
 }
 
 /// Byte ranges of the rows a text takes.
@@ -130,7 +102,7 @@ fn wrap(text: &str, most: usize) -> Vec<Range<usize>> {
 /// The listing of the program page that holds a place of the program: fixed
 /// pages of twelve lines, moved on only as far as wrapped lines demand.
 pub fn page_of(program: &Program, line: u32, column: u32) -> Listing {
-    let top = first_line(program);
+    let top = program.first_listed();
     let line = line.max(top);
     let rows_of =
         |line: u32| listed(program, line, ';').map_or(0, |text| wrap(&text, usize::MAX).len());
@@ -176,6 +148,7 @@ pub fn draw(screen: &mut Screen, program: &Program, listing: Listing, mark: Mark
     let end = listing.top + listing.rows;
     let (mut row, mut line, mut skip) = (listing.top, listing.first.max(1), listing.skip);
     while row < end {
+        let sign = if mark.leaves_open(line) { ' ' } else { sign };
         let Some(text) = listed(program, line, sign) else {
             return;
         };
@@ -205,6 +178,7 @@ fn draw_row(
             line: marked,
             column,
             alter,
+            ..
         } if marked == line => {
             screen.put(row, 0, part);
             let at = byte_of(text, column);
@@ -238,6 +212,9 @@ mod tests {
         assert_eq!(shown("G0 X1;", '*'), "G0 X1*");
         assert_eq!(shown("", ';'), ";");
         assert_eq!(shown("%", ';'), "%");
+        let program = Program::new("O0001;\nM30;\n\n");
+        assert_eq!(listed(&program, 3, ';').as_deref(), Some("%"));
+        assert_eq!(listed(&program, 4, ';'), None);
     }
 
     #[test]
@@ -248,16 +225,6 @@ mod tests {
         assert_eq!(wrap(&"Y".repeat(200), 2), [0..40, 40..80]);
         assert_eq!(row_of(&text, 39), 1);
         assert_eq!(row_of(&text, 900), 1);
-    }
-
-    #[test]
-    fn the_listing_ends_with_a_percent_sign() {
-        let program = Program::new("O0001;\nM30;\n\n");
-        assert_eq!((first_line(&program), last_line(&program)), (1, 3));
-        assert_eq!(listed(&program, 3, ';').as_deref(), Some("%"));
-        assert_eq!(listed(&program, 4, ';'), None);
-        let closed = Program::new("O0001;\nM30;\n%\n");
-        assert_eq!(last_line(&closed), 3);
     }
 
     #[test]
@@ -272,7 +239,6 @@ mod tests {
     fn a_program_from_the_middle_of_a_file_begins_at_its_own_line() {
         let parts = split("O0001;\nM30;\n\n\nO0002;\nG0 X1;\nM30;\n");
         let second = &parts[1];
-        assert_eq!((first_line(second), last_line(second)), (5, 8));
         assert_eq!(page_of(second, 6, 0).first, 5);
         assert_eq!(listed(second, 7, ';').as_deref(), Some("M30;"));
     }

@@ -1,10 +1,11 @@
 //! What drawing needs to know of the panel besides the control's own state.
 
-use gsk_core::program::Program;
+use gsk_core::program::Editing;
 use gsk_core::units::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::graphic_settings::GraphicSettings;
+use super::password::PasswordEntry;
 use super::table::{PAGE_COUNT, PageId};
 use crate::trace::Trace;
 
@@ -37,6 +38,10 @@ pub struct View {
     pub editor: Editor,
     /// Which 36 programs the directory shows, from 0.
     pub directory_screen: usize,
+    /// What is keyed in on the password page.
+    pub password: PasswordEntry,
+    /// How the last operation with an electronic disk ended.
+    pub disk_done: Option<bool>,
     /// Settings of the graphic.
     pub graphic: GraphicSettings,
     /// The path drawn on the graphic page.
@@ -56,6 +61,8 @@ impl Default for View {
             cursors: Cursors::default(),
             editor: Editor::default(),
             directory_screen: 0,
+            password: PasswordEntry::default(),
+            disk_done: None,
             graphic: GraphicSettings::default(),
             trace: Trace::default(),
             communication: Communication::Idle,
@@ -109,12 +116,8 @@ impl Cursors {
 /// The program editor as it is seen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Editor {
-    /// The text being edited, before it is stored; `None` shows the stored one.
-    pub text: Option<Program>,
-    /// Line of the cursor, from 1; 0 follows the control's cursor.
-    pub line: u32,
-    /// Column of the cursor in that line, in characters from 0.
-    pub column: u32,
+    /// Text and cursor; `None` shows the stored program at the control's cursor.
+    pub editing: Option<Editing>,
     /// Alter mode (inverse cursor) instead of insert mode (bar).
     pub alter: bool,
     /// Search state of `转换`: the prompt changes.

@@ -1,7 +1,6 @@
 //! Characters and the input line (manual III-1.2.4, III-1.3).
 
 use gsk_core::cnc::{Cnc, Request};
-use gsk_core::memory::Variables;
 use gsk_core::operation::Mode;
 use gsk_core::units::Axis;
 
@@ -43,6 +42,17 @@ impl Panel {
         cnc: &Cnc,
         requests: &mut Vec<Request>,
     ) {
+        let in_text = self.edits(cnc) && !self.keyed_beside_text(first);
+        if in_text && !self.is_held(Key::Cancel) {
+            let again = before == Some(key);
+            if let Some(second) = second.filter(|_| again)
+                && self.alternate_in_text(key, (first, second), cnc, requests)
+            {
+                return;
+            }
+            self.type_into_text(first, second.map(|_| key), cnc, requests);
+            return;
+        }
         let entered = self.view.input.chars().last();
         if let (Some(second), true) = (second, before == Some(key))
             && let Some(last) = entered.filter(|last| [first, second].contains(last))
@@ -65,7 +75,7 @@ impl Panel {
         if self.is_held(Key::Cancel) {
             return self.chord(character, requests);
         }
-        if self.bit_command(character) {
+        if self.bit_command(character) || self.command_character(character, cnc, requests) {
             return;
         }
         match self.page {
@@ -77,6 +87,9 @@ impl Panel {
                 };
             }
             PageId::Graph => self.graphic_command(character, cnc),
+            PageId::Prg if self.edits(cnc) && !self.keyed_beside_text(character) => {
+                self.type_into_text(character, None, cnc, requests);
+            }
             _ if self.takes_input(cnc) => self.append(character),
             _ => {}
         }
@@ -117,6 +130,7 @@ impl Panel {
             PageId::Prg => matches!(cnc.mode(), Mode::Edit | Mode::Auto),
             PageId::Mdi | PageId::GraphPar => cnc.mode() == Mode::Mdi,
             PageId::Oft
+            | PageId::SetCode
             | PageId::Macro
             | PageId::ParBit
             | PageId::ParData
@@ -139,31 +153,24 @@ impl Panel {
 
     /// 输入: the input line is read and cleared.
     pub(super) fn commit(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
-        if self.view.input.is_empty() {
-            return;
-        }
         match self.page {
-            PageId::Mdi if cnc.mode() == Mode::Mdi => {
-                requests.push(Request::MdiWord(self.view.input.clone()));
-            }
-            PageId::GraphPar if cnc.mode() == Mode::Mdi => self.set_graphic(),
-            PageId::Macro if cnc.mode() == Mode::Mdi && !self.view.input.starts_with('P') => {
-                let item = self.view.cursors.get(PageId::Macro).item;
-                let value = self.view.input.trim().parse().ok();
-                if let (Some(number), Some(value)) = (Variables::numbers().nth(item), value) {
-                    requests.push(Request::SetVariable { number, value });
-                }
-            }
+            PageId::Password => return self.password_input(cnc, requests),
             // The program page is searched with the cursor keys.
             PageId::Prg => return,
+            _ if self.view.input.is_empty() => return,
+            PageId::GraphPar if cnc.mode() == Mode::Mdi => self.set_graphic(cnc),
+            _ if self.commit_value(cnc, requests) => {}
             _ => self.search_item(),
         }
         self.clear_input();
     }
 
     /// 转换.
-    pub(super) fn change_key(&mut self, cnc: &Cnc) {
+    pub(super) fn change_key(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         match self.page {
+            PageId::Prg if self.edits(cnc) && self.view.input.starts_with('O') => {
+                self.edit_key(Key::Change, cnc, requests);
+            }
             PageId::PosRel | PageId::PosAbs => {
                 self.view.spindle_override = !self.view.spindle_override;
             }

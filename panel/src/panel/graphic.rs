@@ -70,11 +70,13 @@ impl Panel {
 
     /// Stores the input line in the row at the cursor; what does not fit is
     /// ignored. New extents recompute scale and centre.
-    pub(super) fn set_graphic(&mut self) {
+    pub(super) fn set_graphic(&mut self, cnc: &Cnc) {
         let input = self.view.input.trim();
         let settings = &mut self.view.graphic;
         let row = self.view.cursors.get(PageId::GraphPar).item;
         match row {
+            // 坐标选择 needs the parameter switch.
+            0 if cnc.rights().machine_data().is_err() => {}
             0 => match input {
                 "0" => settings.zx = false,
                 "1" => settings.zx = true,

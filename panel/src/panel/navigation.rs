@@ -25,6 +25,7 @@ impl Panel {
             // The cursor begins on the row of the password.
             self.view.cursors.get_mut(page).item = 1;
         }
+        self.view.disk_done = None;
         let slot = match page.row().key {
             PageKey::Pos => 0,
             PageKey::Prg => 1,

@@ -1,37 +1,187 @@
-//! The program page: selecting a program, moving through its text
-//! (manual III-5.1, III-8.2).
+//! The program page: selecting, searching and editing programs
+//! (manual III-5.1, III-8.1, III-8.2).
 
 use gsk_core::cnc::{Cnc, Request};
 use gsk_core::command::ProgramId;
 use gsk_core::operation::Mode;
-use gsk_core::program::Program;
+use gsk_core::program::{Completion, Editing, Program};
 
 use super::Panel;
 use crate::keys::Key;
-use crate::pages::{PAGE_ROWS, first_line, last_line};
+use crate::pages::{PAGE_ROWS, PageId};
+
+/// Parameter 042: step of automatic sequence numbers.
+const NUMBER_STEP: u16 = 42;
+/// `O-` and these digits mean all programs.
+const ALL_PROGRAMS: [&str; 2] = ["999", "9999"];
 
 impl Panel {
+    /// Whether keys change a program text: the program page in EDIT.
+    pub(super) fn edits(&self, cnc: &Cnc) -> bool {
+        self.page == PageId::Prg && cnc.mode() == Mode::Edit
+    }
+
+    /// Whether a character goes into the input line of the editor instead of the
+    /// text: a search, or a program number.
+    pub(super) fn keyed_beside_text(&self, character: char) -> bool {
+        let editor = &self.view.editor;
+        let in_comment = editor.editing.as_ref().is_some_and(Editing::in_comment);
+        editor.searching || !self.view.input.is_empty() || character == 'O' && !in_comment
+    }
+
+    /// A character for the text. `key`: a compound key, whose other character may
+    /// follow in its place.
+    pub(super) fn type_into_text(
+        &mut self,
+        character: char,
+        key: Option<Key>,
+        cnc: &Cnc,
+        requests: &mut Vec<Request>,
+    ) {
+        let alter = self.view.editor.alter;
+        let typed = self.edit(cnc, requests, |editing| {
+            if alter {
+                editing.overwrite(character, key.is_some())
+            } else {
+                editing.insert(character)
+            }
+        });
+        if typed {
+            self.compound = key;
+        }
+    }
+
+    /// A compound key again: its other character replaces the one just typed.
+    pub(super) fn alternate_in_text(
+        &mut self,
+        key: Key,
+        (first, second): (char, char),
+        cnc: &Cnc,
+        requests: &mut Vec<Request>,
+    ) -> bool {
+        let alter = self.view.editor.alter;
+        let Some(editing) = &self.view.editor.editing else {
+            return false;
+        };
+        let entered = if alter {
+            editing.at_cursor()
+        } else {
+            editing.before_cursor()
+        };
+        let other = match entered {
+            Some(entered) if entered == first => second,
+            Some(entered) if entered == second => first,
+            _ => return false,
+        };
+        let done = self.edit(cnc, requests, |editing| {
+            if alter {
+                editing.overwrite(other, true)
+            } else {
+                editing.replace_before(other)
+            }
+        });
+        if done {
+            self.compound = Some(key);
+        }
+        done
+    }
+
+    /// EOB, DEL, INS/ALT, CHG, CAN and OUT on the program page in EDIT.
+    pub(super) fn edit_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+        let input = self.view.input.clone();
+        if let Some(number) = input.strip_prefix('O').filter(|_| key != Key::Cancel) {
+            let number = number.to_owned();
+            self.program_command(key, &number, requests);
+            return;
+        }
+        let completion = completion(cnc);
+        match key {
+            Key::Cancel if !input.is_empty() => {
+                self.view.input.pop();
+            }
+            Key::Cancel if !self.view.editor.searching => {
+                self.edit(cnc, requests, Editing::backspace);
+            }
+            Key::Eob if !self.view.editor.searching => {
+                self.edit(cnc, requests, |editing| editing.end_block(completion));
+            }
+            Key::Delete if self.view.editor.searching => {
+                self.delete_range(&input, cnc, requests);
+            }
+            Key::Delete => {
+                self.edit(cnc, requests, Editing::delete);
+            }
+            Key::Insert if !self.view.editor.searching => {
+                self.view.editor.alter = !self.view.editor.alter;
+            }
+            _ => {}
+        }
+    }
+
+    /// `O`, a number and a key: what becomes of that program.
+    fn program_command(&mut self, key: Key, digits: &str, requests: &mut Vec<Request>) {
+        let all = digits
+            .strip_prefix('-')
+            .is_some_and(|digits| ALL_PROGRAMS.contains(&digits));
+        let number = number(digits);
+        let request = match (key, number) {
+            (Key::Delete, _) if all => Request::DeleteAllPrograms,
+            (Key::Delete, Some(number)) => Request::DeleteProgram(number),
+            (Key::Eob, Some(number)) => {
+                self.created = Some(number);
+                Request::CreateProgram(number)
+            }
+            (Key::Change, Some(number)) => Request::SaveProgramAs(number),
+            (Key::Insert, Some(number)) => Request::RenameProgram(number),
+            _ => {
+                self.clear_input();
+                return;
+            }
+        };
+        self.store_edited(requests);
+        requests.push(request);
+        self.clear_input();
+    }
+
+    /// Search state, `N`, a number, 删除: from the cursor to the end of that block.
+    fn delete_range(&mut self, input: &str, cnc: &Cnc, requests: &mut Vec<Request>) {
+        let Some(sequence) = input.strip_prefix('N').and_then(number) else {
+            return;
+        };
+        if !self.may_edit(cnc, requests) {
+            return;
+        }
+        if self.edit(cnc, requests, |editing| editing.delete_to(sequence)) {
+            self.clear_input();
+        } else {
+            requests.push(Request::NotFound { sequence: true });
+        }
+    }
+
     /// A cursor key on the program page in EDIT or AUTO: with `O` typed it
     /// selects a program, in search state it searches, in EDIT it moves.
     pub(super) fn program_cursor(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
         let input = self.view.input.clone();
         if self.view.editor.searching {
-            if let Some(number) = numbered(&input, 'N') {
-                requests.push(Request::SearchSequence(number));
-            }
+            self.search_text(&input, key, cnc, requests);
             return;
         }
         if let Some(rest) = input.strip_prefix('O') {
             match key {
                 Key::Down if rest.is_empty() => {
                     // The letter stays, so that the next press goes on.
+                    self.store_edited(requests);
                     requests.extend(next_program(cnc).map(Request::SelectProgram));
                 }
                 Key::Down => {
-                    requests.extend(numbered(&input, 'O').map(Request::SelectProgram));
+                    self.store_edited(requests);
+                    requests.extend(number(rest).map(Request::SelectProgram));
                     self.clear_input();
                 }
                 Key::Up => {
+                    if let Some(editing) = self.editing(cnc) {
+                        editing.to_head();
+                    }
                     requests.push(Request::CursorTo(1));
                     self.clear_input();
                 }
@@ -39,70 +189,163 @@ impl Panel {
             }
             return;
         }
-        if cnc.mode() == Mode::Edit {
-            self.move_in_text(key, cnc, requests);
+        if cnc.mode() == Mode::Edit
+            && let Some(editing) = self.editing(cnc)
+        {
+            match key {
+                Key::Up => editing.up(),
+                Key::Down => editing.down(),
+                Key::Left => editing.left(),
+                _ => editing.right(),
+            }
+            self.cursor_moved(requests);
         }
     }
 
-    /// One step of the edit cursor.
-    fn move_in_text(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
-        let Some(program) = current(cnc) else {
-            return;
-        };
-        let (first, last) = (first_line(program), last_line(program));
-        let (line, column) = self.text_cursor(cnc);
-        let end = line_end(program.line(line));
-        let place = match key {
-            Key::Up if line > first => (line - 1, column.min(line_end(program.line(line - 1)))),
-            Key::Down if line < last => (line + 1, column.min(line_end(program.line(line + 1)))),
-            Key::Left if column > 0 => (line, column - 1),
-            Key::Left if line > first => (line - 1, line_end(program.line(line - 1))),
-            Key::Right if column < end => (line, column + 1),
-            Key::Right if line < last => (line + 1, 0),
+    /// 转换, up to five characters, a cursor key.
+    fn search_text(&mut self, wanted: &str, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+        let forward = match key {
+            Key::Down => true,
+            Key::Up => false,
             _ => return,
         };
-        self.put_text_cursor(place, requests);
-    }
-
-    /// The page keys in EDIT: a screen on or back, to its first character. On
-    /// the first screen the name of the program is passed over; the last one
-    /// ends at the last row.
-    pub(super) fn turn_text(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
-        let Some(program) = current(cnc) else {
+        if wanted.is_empty() || cnc.mode() == Mode::Auto && running(cnc) {
             return;
-        };
-        let (first, last) = (first_line(program), last_line(program));
-        let rows = PAGE_ROWS as u32;
-        let shown = (self.text_cursor(cnc).0.max(first) - first) / rows;
-        let line = match (forward, shown) {
-            (true, _) => first + (shown + 1) * rows,
-            (false, 0 | 1) => first + 1,
-            (false, _) => first + (shown - 1) * rows,
-        };
-        self.put_text_cursor((line.min(last), 0), requests);
-    }
-
-    /// Line and column of the edit cursor.
-    fn text_cursor(&self, cnc: &Cnc) -> (u32, u32) {
-        match self.view.editor.line {
-            0 => (cnc.cursor().line.max(1), 0),
-            line => (line, self.view.editor.column),
+        }
+        let found = self
+            .editing(cnc)
+            .is_some_and(|editing| editing.find(wanted, forward));
+        if found {
+            self.cursor_moved(requests);
+        } else {
+            let sequence = wanted.strip_prefix('N').and_then(number).is_some();
+            requests.push(Request::NotFound { sequence });
         }
     }
 
-    fn put_text_cursor(&mut self, (line, column): (u32, u32), requests: &mut Vec<Request>) {
-        self.view.editor.line = line;
-        self.view.editor.column = column;
-        requests.push(Request::CursorTo(line));
+    /// The page keys in EDIT: a screen on or back.
+    pub(super) fn turn_text(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if let Some(editing) = self.editing(cnc) {
+            editing.turn_page(forward, PAGE_ROWS as u32);
+            self.cursor_moved(requests);
+        }
     }
 
-    /// Drops the own cursor when the control's has moved elsewhere: after RESET
-    /// or another program.
-    pub(super) fn follow_cursor(&mut self, cnc: &Cnc) {
-        let editor = &mut self.view.editor;
-        if editor.line > 0 && editor.line != cnc.cursor().line {
-            editor.line = 0;
-            editor.column = 0;
+    /// The next run begins at the cursor.
+    fn cursor_moved(&mut self, requests: &mut Vec<Request>) {
+        if let Some(editing) = &self.view.editor.editing {
+            requests.push(Request::CursorTo(editing.cursor().0));
+        }
+    }
+
+    /// The editor of the selected program, begun at the control's cursor.
+    fn editing(&mut self, cnc: &Cnc) -> Option<&mut Editing> {
+        let hidden = stored_number(cnc).is_some_and(|number| cnc.rights().hides(number));
+        let program = current(cnc).filter(|_| !hidden)?;
+        let line = cnc.cursor().line;
+        let begun = || Editing::new(program.clone(), line);
+        Some(self.view.editor.editing.get_or_insert_with(begun))
+    }
+
+    /// Whether the selected program may be edited; the control says why not.
+    fn may_edit(&self, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
+        // A program outside the memory is read-only.
+        let Some(number) = stored_number(cnc) else {
+            return false;
+        };
+        match cnc.rights().program(number) {
+            Ok(()) => true,
+            Err(_) => {
+                requests.push(Request::AskToEdit(number));
+                false
+            }
+        }
+    }
+
+    /// Changes the text, as far as that is allowed and the memory has room.
+    fn edit(
+        &mut self,
+        cnc: &Cnc,
+        requests: &mut Vec<Request>,
+        change: impl FnOnce(&mut Editing) -> bool,
+    ) -> bool {
+        if !self.may_edit(cnc, requests) {
+            return false;
+        }
+        let Some(number) = stored_number(cnc) else {
+            return false;
+        };
+        let Some(editing) = self.editing(cnc) else {
+            return false;
+        };
+        let mut changed = editing.clone();
+        if !change(&mut changed) {
+            return false;
+        }
+        let stored = editing.stored().characters();
+        let grown = changed.program().characters().saturating_sub(stored);
+        if grown > cnc.programs().free_characters() {
+            // The memory refuses it with its alarm; the text stays as it was.
+            let program = changed.finish().clone();
+            requests.push(Request::StoreEdited { number, program });
+            return false;
+        }
+        *editing = changed;
+        self.edited = Some(number);
+        true
+    }
+
+    /// Stores the text when it was changed: before another program, on another
+    /// page, in another mode.
+    pub(super) fn store_edited(&mut self, requests: &mut Vec<Request>) {
+        let (Some(editing), Some(number)) = (&mut self.view.editor.editing, self.edited.take())
+        else {
+            return;
+        };
+        if !editing.changed() {
+            return;
+        }
+        let program = editing.finish().clone();
+        requests.push(Request::StoreEdited {
+            number,
+            program: program.clone(),
+        });
+        requests.push(Request::CursorTo(editing.cursor().0));
+        editing.saved(program);
+    }
+
+    /// What a tick brings: text is stored when its page or mode is left, and the
+    /// editor follows the control when that shows another program or place.
+    pub(super) fn follow_program(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if self.view.editor.editing.is_none() && self.created.is_none() {
+            return;
+        }
+        if !self.edits(cnc) && self.edited.is_some() {
+            self.store_edited(requests);
+        }
+        let cursor = (cnc.programs().current(), cnc.cursor().line);
+        let moved = self.followed.replace(cursor) != Some(cursor);
+        let same = match (&self.view.editor.editing, current(cnc)) {
+            (Some(editing), Some(program)) => editing.stored() == program,
+            _ => false,
+        };
+        if !same && self.edited.is_none() {
+            self.view.editor.editing = None;
+        } else if moved
+            && let Some(editing) = &mut self.view.editor.editing
+            && editing.cursor().0 != cursor.1
+        {
+            editing.to_line(cursor.1);
+        }
+        if let Some(number) = self.created.take()
+            && self.edits(cnc)
+            && cnc.programs().current() == Some(ProgramId::Stored(number))
+            && let Some(program) = current(cnc).filter(|program| program.block_count() == 1)
+        {
+            let mut editing = Editing::new(program.clone(), 2);
+            editing.number_block(completion(cnc));
+            self.edited = editing.changed().then_some(number);
+            self.view.editor.editing = Some(editing);
         }
     }
 }
@@ -112,46 +355,52 @@ fn current(cnc: &Cnc) -> Option<&Program> {
     cnc.programs().get(cnc.programs().current()?)
 }
 
+/// The number of the selected program, when it is one of the memory.
+fn stored_number(cnc: &Cnc) -> Option<u16> {
+    match cnc.programs().current()? {
+        ProgramId::Stored(number) => Some(number),
+        _ => None,
+    }
+}
+
+fn running(cnc: &Cnc) -> bool {
+    cnc.rights().operating
+}
+
+/// 自动序号 and decimal points, as the control is set.
+fn completion(cnc: &Cnc) -> Completion {
+    let step = u16::try_from(cnc.parameters().value(NUMBER_STEP)).unwrap_or(0);
+    Completion {
+        numbering: cnc.settings().numbering.then_some(step),
+        points: cnc.parameters().point_is_appended(),
+    }
+}
+
 /// The stored program after the selected one; after the last the first.
 fn next_program(cnc: &Cnc) -> Option<u16> {
-    let memory = cnc.programs();
-    let numbers: Vec<u16> = memory.iter().map(|(number, _)| number).collect();
-    let selected = match memory.current() {
-        Some(ProgramId::Stored(selected)) => Some(selected),
-        _ => None,
-    };
+    let rights = cnc.rights();
+    let listed = cnc.programs().iter().map(|(number, _)| number);
+    let numbers: Vec<u16> = listed.filter(|number| !rights.hides(*number)).collect();
+    let selected = stored_number(cnc);
     let after = numbers.iter().find(|number| Some(**number) > selected);
     after.or(numbers.first()).copied()
 }
 
-/// The number behind an address letter.
-fn numbered(input: &str, address: char) -> Option<u16> {
-    let number: u16 = input.strip_prefix(address)?.trim().parse().ok()?;
+/// A number of up to four digits.
+fn number(digits: &str) -> Option<u16> {
+    let number: u16 = digits.trim().parse().ok()?;
     (number <= 9999).then_some(number)
-}
-
-/// The column of the sign that ends a block.
-fn line_end(line: &str) -> u32 {
-    let text = line.trim_end().trim_end_matches([';', '*']).trim_end();
-    text.chars().count() as u32
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::number;
 
     #[test]
-    fn numbers_behind_their_letter() {
-        assert_eq!(numbered("O0012", 'O'), Some(12));
-        assert_eq!(numbered("O12345", 'O'), None);
-        assert_eq!(numbered("O", 'O'), None);
-        assert_eq!(numbered("N5", 'O'), None);
-    }
-
-    #[test]
-    fn a_block_ends_at_its_sign() {
-        assert_eq!(line_end("G0 X1; "), 5);
-        assert_eq!(line_end("G0 X1"), 5);
-        assert_eq!(line_end(""), 0);
+    fn numbers_of_programs_and_blocks() {
+        assert_eq!(number("0012"), Some(12));
+        assert_eq!(number("12345"), None);
+        assert_eq!(number(""), None);
+        assert_eq!(number("-5"), None);
     }
 }

@@ -1,3 +1,4 @@
+use gsk_core::program::Editing;
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
 use gsk_core::units::Point;
@@ -306,7 +307,10 @@ fn the_edit_cursor_walks_and_pages_through_the_text() {
     let line = |emulator: &Emulator| emulator.simulation.cnc.cursor().line;
     let mut after = |key: Key| {
         tap(&mut emulator, key);
-        (line(&emulator), emulator.panel.view().editor.column)
+        let editing = emulator.panel.view().editor.editing.as_ref();
+        let cursor = editing.map(Editing::cursor).unwrap();
+        assert_eq!(cursor.0, line(&emulator));
+        cursor
     };
     assert_eq!(after(Key::PageUp), (2, 0), "the name is passed over");
     assert_eq!(after(Key::PageDown), (13, 0));
@@ -319,7 +323,8 @@ fn the_edit_cursor_walks_and_pages_through_the_text() {
     assert_eq!(after(Key::Up), (12, 1));
     emulator.press(Key::Reset);
     assert_eq!(line(&emulator), 1);
-    assert_eq!(emulator.panel.view().editor.line, 0);
+    let editing = emulator.panel.view().editor.editing.as_ref();
+    assert_eq!(editing.map(Editing::cursor), Some((1, 0)));
 }
 
 #[test]

@@ -103,7 +103,7 @@ fn standing(emulator: &Emulator) -> Vec<(u16, String)> {
     let cnc = &emulator.simulation.cnc;
     let alarms = cnc.alarms().iter();
     let mut all: Vec<_> = alarms
-        .map(|alarm| (alarm.number, alarm.line_text()))
+        .map(|alarm| (alarm.number, alarm.to_string()))
         .collect();
     let messages = cnc.plc_messages();
     all.extend(messages.map(|(number, text)| (number, format!("{number} {text}"))));

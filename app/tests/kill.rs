@@ -1,0 +1,228 @@
+//! The process is killed while the panel is operated: what was on the disk before
+//! stays, what was being written is there as it was before or after.
+//!
+//! `KILLS=500 cargo test -p gsk980td --test kill` kills more often.
+
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::time::Duration;
+
+use gsk_app::files::data_dir::DataDir;
+use gsk_app::retained::{self, Keeper, Restored};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::keys::Key;
+
+/// Kills when nothing else is asked for.
+const KILLS: u64 = 12;
+/// Operations of a child that nobody kills.
+const OPERATIONS: u64 = 400;
+/// The child waits at most so long between two operations, ms.
+const LONGEST: u64 = 400;
+
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) % end
+    }
+}
+
+/// The emulator as the data directory has it; the power has just been switched on.
+fn begin(data: &DataDir) -> (Emulator, Restored, Setup) {
+    let mut setup = Setup::delivered();
+    let restored = retained::load(data, &mut setup);
+    restored.place(&mut setup);
+    setup.alarms.clear();
+    let mut emulator = Emulator::new(setup.clone());
+    restored.restore_panel(&mut emulator);
+    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    (emulator, restored, setup)
+}
+
+fn keys(emulator: &mut Emulator, keys: &[Key]) {
+    for key in keys {
+        emulator.press(*key);
+    }
+}
+
+/// What an operator does next.
+fn operate(emulator: &mut Emulator, random: &mut Random) {
+    match random.below(6) {
+        0 => {
+            keys(emulator, &[Key::Offset]);
+            emulator.type_text(&format!("P{}", 1 + random.below(32)));
+            keys(emulator, &[Key::Input]);
+            emulator.type_text(&format!("U{}.5", random.below(9)));
+            keys(emulator, &[Key::Input]);
+        }
+        1 | 2 => {
+            let number = 1 + random.below(5);
+            keys(emulator, &[Key::Edit, Key::Program]);
+            emulator.type_text(&format!("O{number}"));
+            keys(emulator, &[Key::Eob, Key::Reset, Key::Program]);
+            emulator.type_text(&format!("O{number}"));
+            keys(emulator, &[Key::Down, Key::Down]);
+            emulator.type_text(&format!("G0X{};", random.below(90)));
+            keys(emulator, &[Key::Position]);
+        }
+        3 => {
+            keys(emulator, &[Key::Edit, Key::Program]);
+            let number = 1 + random.below(5);
+            emulator.type_text(&format!("O{number}"));
+            let key = if random.below(2) == 0 {
+                Key::Delete
+            } else {
+                Key::Insert
+            };
+            keys(emulator, &[key, Key::Reset]);
+        }
+        4 => {
+            keys(emulator, &[Key::Mdi, Key::Position, Key::Setting]);
+            keys(emulator, &[Key::PageDown, Key::Up, Key::Down]);
+            emulator.type_text("DW");
+            keys(emulator, &[Key::Up]);
+            emulator.type_text("D");
+            keys(emulator, &[Key::Position, Key::Parameter, Key::Parameter]);
+            emulator.type_text("P24");
+            keys(emulator, &[Key::Input]);
+            emulator.type_text(&format!("{}", 100 + random.below(900)));
+            keys(emulator, &[Key::Input, Key::Position, Key::Setting]);
+            keys(emulator, &[Key::PageDown, Key::PageDown]);
+            emulator.type_text(&format!("{}", 5 + random.below(4)));
+            keys(emulator, &[Key::PageUp]);
+            emulator.type_text("W");
+            keys(emulator, &[Key::Down]);
+            emulator.type_text("D");
+            keys(emulator, &[Key::Up]);
+        }
+        _ => {
+            keys(emulator, &[Key::Auto, Key::CycleStart]);
+            emulator.run(random.below(2000));
+            keys(emulator, &[Key::Reset]);
+        }
+    }
+}
+
+/// The child: operates, waits for the disk, says so.
+#[test]
+#[ignore = "the other test runs it in a process of its own"]
+fn operating() {
+    let Some(folder) = std::env::var_os("KILL_FOLDER") else {
+        return;
+    };
+    let seed = std::env::var("KILL_SEED").unwrap().parse().unwrap();
+    let data = Arc::new(DataDir::open(Path::new(&folder)).unwrap());
+    let (mut emulator, restored, _) = begin(&data);
+    let mut keeper = Keeper::start(data, &restored, &emulator).unwrap();
+    let mut random = Random(seed);
+    for operation in 1..=OPERATIONS {
+        operate(&mut emulator, &mut random);
+        keeper.settle(&emulator);
+        println!("confirmed {operation}");
+    }
+}
+
+/// Runs the child, kills it, and tells how many operations it had confirmed.
+fn run_and_kill(folder: &Path, seed: u64, random: &mut Random) -> u64 {
+    let mut child = Command::new(std::env::current_exe().unwrap())
+        .args(["operating", "--exact", "--ignored", "--nocapture"])
+        .env("KILL_FOLDER", folder)
+        .env("KILL_SEED", seed.to_string())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let (say, said) = std::sync::mpsc::channel();
+    let reader = std::thread::spawn(move || {
+        for line in lines.map_while(Result::ok) {
+            // libtest begins the line of the test without ending it.
+            let number = line.split("confirmed ").nth(1);
+            if let Some(number) = number.and_then(|number| number.trim().parse::<u64>().ok()) {
+                let _ = say.send(number);
+            }
+        }
+    });
+    let first = random.below(4);
+    let mut confirmed = 0;
+    while confirmed < first
+        && let Ok(number) = said.recv()
+    {
+        confirmed = number;
+    }
+    std::thread::sleep(Duration::from_millis(random.below(LONGEST)));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    reader.join().unwrap();
+    said.try_iter().last().unwrap_or(confirmed)
+}
+
+/// What is on the disk is, part by part, what one of the two emulators has.
+fn compare(found: &Setup, before: &Emulator, after: &Emulator, place: &str) {
+    let (before, after) = (&before.simulation.cnc, &after.simulation.cnc);
+    macro_rules! same {
+        ($part:ident) => {
+            assert!(
+                found.$part == *before.$part() || found.$part == *after.$part(),
+                "{place}: {} is neither old nor new",
+                stringify!($part)
+            );
+        };
+    }
+    same!(parameters);
+    same!(offsets);
+    same!(variables);
+    same!(disks);
+    for number in 0..=9999 {
+        let text = |program: Option<&Program>| program.map(|program| program.text().to_owned());
+        let found = text(found.programs.stored(number));
+        let old = text(before.programs().stored(number));
+        let new = text(after.programs().stored(number));
+        assert!(
+            found == old || found == new,
+            "{place}: O{number:04} is {found:?}, not {old:?} or {new:?}"
+        );
+    }
+}
+
+#[test]
+fn what_was_confirmed_survives_a_kill() {
+    let kills = std::env::var("KILLS").map_or(KILLS, |kills| kills.parse().unwrap());
+    let folder: PathBuf =
+        std::env::temp_dir().join(format!("gsk980td-kill-{}", std::process::id()));
+    let _ = fs::remove_dir_all(&folder);
+    let mut random = Random(0x2545_F491_4F6C_DD1D);
+    let mut confirmed_at_all = 0;
+    for kill in 0..kills {
+        let seed = 1 + random.below(u64::MAX);
+        let mut before = {
+            let data = DataDir::open(&folder).unwrap();
+            begin(&data).0
+        };
+        let confirmed = run_and_kill(&folder, seed, &mut random);
+        confirmed_at_all += confirmed;
+        let mut operations = Random(seed);
+        for _ in 0..confirmed {
+            operate(&mut before, &mut operations);
+        }
+        let mut after = before.clone();
+        operate(&mut after, &mut operations);
+        let data = DataDir::open(&folder).unwrap();
+        let (_, restored, found) = begin(&data);
+        let place = format!("kill {kill} after {confirmed} operations");
+        assert_eq!(restored.complaints, [""; 0], "{place}");
+        compare(&found, &before, &after, &place);
+    }
+    assert!(confirmed_at_all > 0, "no child came to confirm anything");
+    fs::remove_dir_all(folder).unwrap();
+}

@@ -1,0 +1,238 @@
+//! Requests about offsets, parameters, settings, disks and presets
+//! (manual III-2.3, III-2.5, III-2.6, III-7).
+
+use gsk_plc::address::{Area, ByteAddress};
+
+use super::OffsetEntry;
+use crate::alarm::Alarm;
+use crate::axis::SoftLimits;
+use crate::cnc::{Cnc, TIMER_PRESETS};
+use crate::memory::{Disk, DiskContent, ParameterError, Parameters, Setting};
+use crate::motion::MotionLimits;
+use crate::spindle::SpindleAngle;
+use crate::units::Axis;
+
+/// Alarm 100: the parameter switch is on.
+const SWITCH_ALARM: u16 = 100;
+/// K12: the tool in position, kept by the ladder.
+const TOOL_IN_POSITION: u16 = 12;
+/// The highest tool that DGN.075 takes.
+const LAST_TOOL: u8 = 32;
+/// Parameters that the spindle angle is worked out from.
+const ENCODER: [u16; 3] = [70, 110, 111];
+/// Millimetres of an inch.
+const INCH: f64 = 25.4;
+
+impl Cnc {
+    /// A value of the offset page (manual III-7): stored, measured, added, or the
+    /// relative coordinate.
+    pub(super) fn set_offset(&mut self, number: u8, entry: OffsetEntry) -> Result<(), Alarm> {
+        if self.rights().offsets().is_err() {
+            return Ok(());
+        }
+        let mut offset = self.offsets.get(number);
+        let (axis, value) = match entry {
+            OffsetEntry::NoseRadius(r) => {
+                offset.r = r;
+                return self.offsets.set(number, offset);
+            }
+            OffsetEntry::NoseNumber(t) => {
+                offset.t = t;
+                return self.offsets.set(number, offset);
+            }
+            OffsetEntry::Counter(_) if self.parameters.bit(10, 5) => return Ok(()),
+            OffsetEntry::Counter(axis) => (
+                axis,
+                self.as_offset(axis, self.position_relative().get(axis)),
+            ),
+            OffsetEntry::Change(axis, by) => {
+                let old = match axis {
+                    Axis::X => offset.x,
+                    Axis::Z => offset.z,
+                };
+                (axis, old + self.in_mm(by))
+            }
+            OffsetEntry::Length(axis, value) if self.parameters.bit(12, 5) => {
+                (axis, self.measured(axis, self.in_mm(value)))
+            }
+            OffsetEntry::Length(axis, value) => (axis, self.in_mm(value)),
+        };
+        match axis {
+            Axis::X => offset.x = value,
+            Axis::Z => offset.z = value,
+        }
+        self.offsets.set(number, offset)
+    }
+
+    /// The offset of a tool that stands at a measured coordinate: what is
+    /// displayed, with the offset in force added (005.1 PPD), minus what was
+    /// measured.
+    fn measured(&self, axis: Axis, measured: f64) -> f64 {
+        let radius = match axis {
+            Axis::X if !self.parameters.radius_programming() => measured / 2.0,
+            Axis::X | Axis::Z => measured,
+        };
+        let in_force = if self.parameters.g50_sets_relative() {
+            self.frame.offset.get(axis)
+        } else {
+            0.0
+        };
+        self.as_offset(axis, self.position_absolute().get(axis) + in_force - radius)
+    }
+
+    /// A distance of the slide as the offset page counts it: X as a diameter
+    /// unless 004.4 ORC says otherwise.
+    fn as_offset(&self, axis: Axis, distance: f64) -> f64 {
+        match axis {
+            Axis::X if !self.parameters.offset_is_radius() => distance * 2.0,
+            Axis::X | Axis::Z => distance,
+        }
+    }
+
+    fn in_mm(&self, value: f64) -> f64 {
+        if self.parameters.inch_machine() {
+            value * INCH
+        } else {
+            value
+        }
+    }
+
+    /// Writes parameters, and lets them act.
+    pub(super) fn change_parameters(
+        &mut self,
+        change: impl FnOnce(&mut Parameters) -> Result<(), ParameterError>,
+    ) -> Result<(), Alarm> {
+        if self.rights().parameters().is_err() {
+            return Ok(());
+        }
+        let mut changed = self.parameters.clone();
+        change(&mut changed)?;
+        self.take_parameters(changed);
+        Ok(())
+    }
+
+    /// New values of all parameters: what is worked out from them follows, except
+    /// for those that wait for the next power-on (alarm 000).
+    fn take_parameters(&mut self, changed: Parameters) {
+        let needs_power_cycle = changed.needs_power_cycle(&self.parameters);
+        let encoder = ENCODER
+            .iter()
+            .any(|&number| changed.value(number) != self.parameters.value(number));
+        self.parameters = changed;
+        let in_force = self.parameters.in_force(&self.at_power_on);
+        self.limits = MotionLimits::from(&in_force);
+        self.soft_limits = SoftLimits::new(&in_force);
+        self.axes.reconfigure(&in_force, &self.pitch);
+        self.spindle.reconfigure(&in_force);
+        if encoder {
+            self.angle = SpindleAngle::new(&in_force);
+        }
+        for (entry, parameter) in TIMER_PRESETS {
+            let value = self.parameters.value(parameter);
+            self.plc.memory_mut().set_dt(entry, value);
+        }
+        if needs_power_cycle {
+            self.raise(Alarm::new(0).because("a changed parameter takes effect at power-on"));
+        }
+    }
+
+    /// A point of the pitch error table.
+    pub(super) fn set_pitch(&mut self, axis: Axis, point: u8, value: i16) -> Result<(), Alarm> {
+        if self.rights().parameters().is_ok() {
+            self.pitch.set(axis, point, value)?;
+            let in_force = self.parameters.in_force(&self.at_power_on);
+            self.axes.reconfigure(&in_force, &self.pitch);
+        }
+        Ok(())
+    }
+
+    pub(super) fn set_setting(&mut self, setting: Setting, on: bool) {
+        if self.rights().settings().is_err() {
+            return;
+        }
+        self.settings.set(setting, on);
+        if setting == Setting::Inch {
+            self.interpreter.set_inch_input(on);
+            self.modal.inch = on;
+        }
+    }
+
+    /// 参数开关: on raises alarm 100, off takes it away (manual III-2.5.1).
+    pub(super) fn set_parameter_switch(&mut self, on: bool) {
+        // Off is always the safe side: only a run in progress stands against it.
+        let refused = if on {
+            self.rights().parameter_switch().is_err()
+        } else {
+            self.automatic.operating()
+        };
+        if refused || self.parameter_switch == on {
+            return;
+        }
+        self.parameter_switch = on;
+        if on {
+            self.raise(Alarm::new(SWITCH_ALARM));
+        } else {
+            self.cancel_switch_alarm();
+        }
+    }
+
+    pub(super) fn cancel_switch_alarm(&mut self) {
+        self.alarms.remove(SWITCH_ALARM);
+    }
+
+    pub(super) fn load_disk(&mut self, disk: Disk) {
+        if self.rights().disks().is_ok() {
+            let content = self.disks.load(disk);
+            self.offsets = content.offsets;
+            self.pitch = content.pitch;
+            self.take_parameters(content.parameters);
+        }
+    }
+
+    pub(super) fn save_disk(&mut self, disk: Disk) {
+        if self.rights().disks().is_ok() {
+            let content = DiskContent {
+                parameters: self.parameters.clone(),
+                offsets: self.offsets.clone(),
+                pitch: self.pitch.clone(),
+            };
+            self.disks.save(disk, content);
+        }
+    }
+
+    /// DGN.075: the tool post was turned by hand, with the power off.
+    pub(super) fn set_tool_in_position(&mut self, tool: u8) -> Result<(), Alarm> {
+        if self.rights().machine_data().is_err() || self.automatic.operating() {
+            return Ok(());
+        }
+        if tool > LAST_TOOL {
+            let detail = format!("tool {tool} is outside 0 to {LAST_TOOL}");
+            return Err(Alarm::new(43).because(detail));
+        }
+        self.plc.memory_mut().set_k(TOOL_IN_POSITION, tool);
+        self.tool = (tool, 0);
+        self.interpreter.set_tool(tool);
+        Ok(())
+    }
+
+    /// A preset of the PLC. The timers that a data parameter sets are not written
+    /// here.
+    pub(super) fn set_preset(&mut self, address: ByteAddress, value: i32) -> Result<(), Alarm> {
+        let own = |entry: u16| TIMER_PRESETS.iter().any(|(preset, _)| *preset == entry);
+        let timer_of_parameter = address.area == Area::T && own(address.byte);
+        if self.rights().machine_data().is_err() || timer_of_parameter {
+            return Ok(());
+        }
+        if value < 0 || address.area == Area::D && value > i32::from(u8::MAX) {
+            return Err(Alarm::new(43).because(format!("{value} does not fit {address}")));
+        }
+        let memory = self.plc.memory_mut();
+        match address.area {
+            Area::D => memory.set_byte(address, value as u8),
+            Area::T => memory.set_dt(address.byte, value),
+            Area::C => memory.set_dc(address.byte, value),
+            _ => {}
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,187 @@
+//! Operation levels and their passwords (manual III-2.5.1).
+
+use serde::{Deserialize, Serialize};
+
+/// An operation level: 0 (everything) to 5 (logged off).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Level(u8);
+
+impl Level {
+    /// Workshop: parameters and all programs; the level of a new control.
+    pub const WORKSHOP: Self = Self(3);
+    /// Operator: programs below O9000 and offsets.
+    pub const OPERATOR: Self = Self(4);
+    /// Logged off: nothing may be changed.
+    pub const NONE: Self = Self(5);
+
+    /// Its number.
+    pub const fn number(self) -> u8 {
+        self.0
+    }
+
+    /// The level after power-on: those above the workshop's do not outlast it.
+    const fn at_power_on(self) -> Self {
+        if self.0 < Self::WORKSHOP.0 {
+            Self::WORKSHOP
+        } else {
+            self
+        }
+    }
+
+    /// Digits of its password.
+    const fn digits(self) -> usize {
+        8 - self.0 as usize
+    }
+}
+
+/// The level in force and the passwords of levels 0 to 4.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Plain", into = "Plain")]
+pub struct Authority {
+    level: Level,
+    passwords: [String; 5],
+}
+
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(rename = "Authority")]
+struct Plain {
+    level: u8,
+    passwords: [String; 5],
+}
+
+impl Default for Authority {
+    fn default() -> Self {
+        let first = |level: u8| "12345678"[..Level(level).digits()].to_owned();
+        Self {
+            level: Level::WORKSHOP,
+            passwords: [0, 1, 2, 3, 4].map(first),
+        }
+    }
+}
+
+impl Authority {
+    /// The level in force.
+    pub const fn level(&self) -> Level {
+        self.level
+    }
+
+    /// The level that a password opens.
+    pub fn level_of(&self, password: &str) -> Option<Level> {
+        let at = self.passwords.iter().position(|own| own == password)?;
+        u8::try_from(at).ok().map(Level)
+    }
+
+    /// Goes to the level of a password; `false` for a wrong one.
+    pub fn enter(&mut self, password: &str) -> bool {
+        let level = self.level_of(password);
+        self.level = level.unwrap_or(self.level);
+        level.is_some()
+    }
+
+    /// Gives up every right.
+    pub const fn leave(&mut self) {
+        self.level = Level::NONE;
+    }
+
+    /// Replaces a password by one as long; `false` when the old one is wrong or
+    /// the new one is no password.
+    pub fn change(&mut self, old: &str, new: &str) -> bool {
+        let digits = new.bytes().all(|byte| byte.is_ascii_digit());
+        let place = self.passwords.iter_mut().find(|own| *own == old);
+        match place {
+            Some(own) if digits && new.len() == own.len() => {
+                new.clone_into(own);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    /// What becomes of the level when the power is switched on.
+    pub const fn power_on(&mut self) {
+        self.level = self.level.at_power_on();
+    }
+}
+
+impl From<Authority> for Plain {
+    fn from(authority: Authority) -> Self {
+        Self {
+            level: authority.level.0,
+            passwords: authority.passwords,
+        }
+    }
+}
+
+impl TryFrom<Plain> for Authority {
+    type Error = String;
+
+    fn try_from(plain: Plain) -> Result<Self, String> {
+        if plain.level > Level::NONE.0 {
+            return Err(format!("level {} is outside 0 to 5", plain.level));
+        }
+        for (level, password) in (0..).zip(&plain.passwords) {
+            let digits = password.bytes().all(|byte| byte.is_ascii_digit());
+            if !digits || password.len() != Level(level).digits() {
+                return Err(format!(
+                    "the password of level {level} has {} digits",
+                    Level(level).digits()
+                ));
+            }
+        }
+        Ok(Self {
+            level: Level(plain.level),
+            passwords: plain.passwords,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passwords_open_their_levels() {
+        let mut authority = Authority::default();
+        assert_eq!(authority.level(), Level::WORKSHOP);
+        for (password, level) in [("1234", 4), ("12345", 3), ("123456", 2), ("12345678", 0)] {
+            assert!(authority.enter(password));
+            assert_eq!(authority.level().number(), level);
+        }
+        assert!(!authority.enter("123") && !authority.enter(""));
+        assert_eq!(authority.level().number(), 0, "a wrong one changes nothing");
+        authority.leave();
+        assert_eq!(authority.level(), Level::NONE);
+    }
+
+    #[test]
+    fn a_new_password_is_as_long_as_the_old_one() {
+        let mut authority = Authority::default();
+        assert!(!authority.change("1234", "99999"));
+        assert!(!authority.change("0000", "9999"));
+        assert!(!authority.change("1234", "99x9"));
+        assert!(authority.change("1234", "9999"));
+        assert_eq!(authority.level(), Level::WORKSHOP, "the level stays");
+        assert!(!authority.enter("1234") && authority.enter("9999"));
+    }
+
+    #[test]
+    fn high_levels_do_not_outlast_the_power() {
+        for (before, after) in [(0, 3), (1, 3), (2, 3), (3, 3), (4, 4), (5, 5)] {
+            let mut authority = Authority {
+                level: Level(before),
+                ..Authority::default()
+            };
+            authority.power_on();
+            assert_eq!(authority.level().number(), after);
+        }
+    }
+
+    #[test]
+    fn stored_values_are_checked() {
+        let authority = Authority::default();
+        let text = ron::to_string(&authority).unwrap();
+        assert_eq!(ron::from_str::<Authority>(&text).unwrap(), authority);
+        assert!(ron::from_str::<Authority>(&text.replace("level:3", "level:6")).is_err());
+        assert!(ron::from_str::<Authority>(&text.replace("\"1234\"", "\"12\"")).is_err());
+    }
+}

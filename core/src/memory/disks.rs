@@ -1,0 +1,82 @@
+//! The electronic disks N0 to N4: sets of parameters, pitch errors and offsets that
+//! can be brought back (manual III-2.5.1).
+
+use serde::{Deserialize, Serialize};
+
+use super::offsets::Offsets;
+use super::parameters::Parameters;
+use super::pitch::PitchTable;
+use super::table::Disk;
+
+/// What a disk holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DiskContent {
+    /// Status and data parameters.
+    pub parameters: Parameters,
+    /// Tool offsets.
+    pub offsets: Offsets,
+    /// Pitch error table.
+    pub pitch: PitchTable,
+}
+
+impl DiskContent {
+    /// As delivered.
+    fn factory(disk: Disk) -> Self {
+        Self {
+            parameters: Parameters::factory(disk),
+            offsets: Offsets::default(),
+            pitch: PitchTable::default(),
+        }
+    }
+}
+
+/// The disks; those nothing was saved on are as delivered.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Disks {
+    saved: [Option<DiskContent>; 4],
+}
+
+const fn place(disk: Disk) -> Option<usize> {
+    match disk {
+        Disk::N0 => None,
+        Disk::N1 => Some(0),
+        Disk::N2 => Some(1),
+        Disk::N3 => Some(2),
+        Disk::N4 => Some(3),
+    }
+}
+
+impl Disks {
+    /// What is read from a disk.
+    pub fn load(&self, disk: Disk) -> DiskContent {
+        place(disk)
+            .and_then(|place| self.saved[place].clone())
+            .unwrap_or_else(|| DiskContent::factory(disk))
+    }
+
+    /// Saves on a disk; N0 is read-only and stays.
+    pub fn save(&mut self, disk: Disk, content: DiskContent) {
+        if let Some(place) = place(disk) {
+            self.saved[place] = Some(content);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn disks_keep_what_is_saved() {
+        let mut disks = Disks::default();
+        assert_eq!(disks.load(Disk::N3).parameters.value(24), 400);
+        let mut content = disks.load(Disk::N0);
+        content.parameters.set(24, 123).unwrap();
+        for disk in [Disk::N0, Disk::N1, Disk::N4] {
+            disks.save(disk, content.clone());
+        }
+        let rapid_time = |disk| disks.load(disk).parameters.value(24);
+        let all = [Disk::N0, Disk::N1, Disk::N2, Disk::N3, Disk::N4].map(rapid_time);
+        assert_eq!(all, [300, 123, 50, 400, 123]);
+    }
+}

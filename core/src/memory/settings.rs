@@ -1,0 +1,63 @@
+//! The rows of the setting page (manual III-2.5.1).
+
+use serde::{Deserialize, Serialize};
+
+/// Which row of the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// 奇偶校检: stored, without effect on this control.
+    Parity,
+    /// ISO 代码: code of program transfer.
+    Iso,
+    /// 英制编程: programs are in inches.
+    Inch,
+    /// 自动序号: blocks get sequence numbers while they are typed.
+    Numbering,
+}
+
+/// The settings; kept over power-off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// 奇偶校检.
+    pub parity: bool,
+    /// ISO 代码 (otherwise EIA).
+    pub iso: bool,
+    /// 英制编程.
+    pub inch: bool,
+    /// 自动序号.
+    pub numbering: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            parity: false,
+            iso: true,
+            inch: false,
+            numbering: false,
+        }
+    }
+}
+
+impl Settings {
+    /// The value of a row.
+    pub const fn get(&self, setting: Setting) -> bool {
+        match setting {
+            Setting::Parity => self.parity,
+            Setting::Iso => self.iso,
+            Setting::Inch => self.inch,
+            Setting::Numbering => self.numbering,
+        }
+    }
+
+    /// Changes a row.
+    pub const fn set(&mut self, setting: Setting, on: bool) {
+        match setting {
+            Setting::Parity => self.parity = on,
+            Setting::Iso => self.iso = on,
+            Setting::Inch => self.inch = on,
+            Setting::Numbering => self.numbering = on,
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Which lines of a text an operator sees, and where a block ends in one.
+
+use super::text::Program;
+
+/// Empty lines at the end of a file that are looked through at most.
+const BLANK_LINES: u32 = 1000;
+
+impl Program {
+    /// The line that the listing begins with; a program cut out of a file keeps
+    /// the line numbers of that file.
+    pub fn first_listed(&self) -> u32 {
+        let mut first = match self.block_count() {
+            0 => 1,
+            _ => self.block_line(0).max(1),
+        };
+        let limit = first.saturating_sub(BLANK_LINES).max(1);
+        while first > limit && !self.line(first - 1).trim().is_empty() {
+            first -= 1;
+        }
+        first
+    }
+
+    /// The last line of the listing, which holds the `%`; where the text has none
+    /// it is the line after the last one that is not empty.
+    pub fn last_listed(&self) -> u32 {
+        let (last, closed) = self.extent();
+        last + u32::from(!closed)
+    }
+
+    /// Whether the text itself ends with `%`.
+    pub fn has_end_mark(&self) -> bool {
+        self.extent().1
+    }
+
+    /// The last line that is not empty, and whether it is the end mark.
+    fn extent(&self) -> (u32, bool) {
+        let first = self.first_listed();
+        let mut last = first.saturating_add(self.line_count());
+        let limit = last.saturating_sub(BLANK_LINES + first).max(first - 1);
+        while last > limit && self.line(last).trim().is_empty() {
+            last -= 1;
+        }
+        (last, last > first && self.line(last).trim() == "%")
+    }
+
+    /// The line with the program number, which the editor leaves alone; 0 without
+    /// one.
+    pub fn name_line(&self) -> u32 {
+        self.name_block().map_or(0, |block| self.block_line(block))
+    }
+}
+
+/// A line without the sign that ends its last block.
+pub fn without_end(line: &str) -> &str {
+    let text = line.trim_end();
+    if text == "%" {
+        return "";
+    }
+    text.trim_end_matches([';', '*', '；']).trim_end()
+}
+
+/// The column of the sign that ends a line, in characters.
+pub fn end_column(line: &str) -> u32 {
+    without_end(line).chars().count() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::split;
+
+    #[test]
+    fn a_block_ends_at_its_sign() {
+        assert_eq!(end_column("G0 X1; "), 5);
+        assert_eq!(end_column("G0 X1"), 5);
+        assert_eq!(end_column(""), 0);
+        assert_eq!(end_column("%"), 0);
+    }
+
+    #[test]
+    fn the_listing_ends_with_a_percent_sign() {
+        let program = Program::new("O0001;\nM30;\n\n");
+        assert_eq!((program.first_listed(), program.last_listed()), (1, 3));
+        assert!(!program.has_end_mark());
+        let closed = Program::new("O0001;\nM30;\n%\n");
+        assert_eq!(closed.last_listed(), 3);
+        assert!(closed.has_end_mark());
+        assert_eq!(closed.name_line(), 1);
+        assert_eq!(Program::new("G0 X1\n").name_line(), 0);
+    }
+
+    #[test]
+    fn a_program_from_the_middle_of_a_file_begins_at_its_own_line() {
+        let parts = split("O0001;\nM30;\n\n\nO0002;\nG0 X1;\nM30;\n");
+        let second = &parts[1];
+        assert_eq!((second.first_listed(), second.last_listed()), (5, 8));
+        assert_eq!(second.name_line(), 5);
+    }
+}

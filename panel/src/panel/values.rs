@@ -1,0 +1,320 @@
+//! Values keyed in on the data pages: what the input line means there, and the
+//! pages whose keys act at once (manual III-2.3, III-2.5, III-2.6, III-2.7).
+
+use gsk_core::cnc::{Cnc, OffsetEntry, Request};
+use gsk_core::memory::{Disk, Setting, Variables};
+use gsk_core::operation::{Mode, SoftSwitch};
+use gsk_core::units::Axis;
+
+use super::Panel;
+use crate::pages::{self, Hint, PageId};
+
+/// Digits of a status parameter.
+const BITS: usize = 8;
+/// Digits that a row of the password page takes.
+const PASSWORD_LENGTH: usize = 8;
+/// Diagnosis number of the tool in position.
+const TOOL: usize = 75;
+/// The rows of the setting page.
+const SETTINGS: [Setting; 4] = [
+    Setting::Parity,
+    Setting::Iso,
+    Setting::Inch,
+    Setting::Numbering,
+];
+const DISKS: [Disk; 5] = [Disk::N0, Disk::N1, Disk::N2, Disk::N3, Disk::N4];
+
+impl Panel {
+    /// 输入 on a data page: the input line as a value for the item at the cursor.
+    /// `false` when the line is none there: it may be a search.
+    pub(super) fn commit_value(&self, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
+        let input = self.view.input.trim();
+        let cursor = self.view.cursors.get(self.page);
+        if input.starts_with('P') && self.page != PageId::Mdi {
+            return false;
+        }
+        let request = match self.page {
+            PageId::Oft => offset_entry(input).map(|entry| Request::SetOffset {
+                number: cursor.item.min(usize::from(u8::MAX)) as u8,
+                entry,
+            }),
+            PageId::Macro => Variables::numbers()
+                .nth(cursor.item)
+                .zip(input.parse().ok())
+                .map(|(number, value)| Request::SetVariable { number, value }),
+            PageId::SetCode => SETTINGS
+                .get(cursor.item)
+                .zip(digit(input))
+                .map(|(setting, on)| Request::SetSetting(*setting, on)),
+            PageId::ParBit => pages::state_numbers().nth(cursor.item).and_then(|number| {
+                if cursor.bit_entry {
+                    let bit = cursor.bit;
+                    digit(input).map(|on| Request::SetParameterBit { number, bit, on })
+                } else {
+                    word(input).map(|value| Request::SetParameter { number, value })
+                }
+            }),
+            PageId::ParData => pages::data_numbers()
+                .nth(cursor.item)
+                .zip(whole(input))
+                .map(|(number, value)| Request::SetParameter { number, value }),
+            PageId::Pitch => pitch_entry(input, cursor.item),
+            PageId::Dgn if cursor.item == TOOL => tool(input).map(Request::SetTool),
+            PageId::PlcValues => {
+                let address = pages::value_item(cursor.item);
+                whole(input).map(|value| Request::SetPreset(address, value))
+            }
+            PageId::Mdi if cnc.mode() == Mode::Mdi => Some(Request::MdiWord(input.to_owned())),
+            _ => return false,
+        };
+        requests.extend(request);
+        true
+    }
+
+    /// Keys that act at once on their page; `true` when this was one.
+    pub(super) fn command_character(
+        &mut self,
+        character: char,
+        cnc: &Cnc,
+        requests: &mut Vec<Request>,
+    ) -> bool {
+        match self.page {
+            PageId::SetSwitch => {
+                let on = match character {
+                    'D' | 'U' => true,
+                    'W' => false,
+                    _ => return true,
+                };
+                requests.push(if self.view.cursors.get(PageId::SetSwitch).item == 0 {
+                    Request::SetParameterSwitch(on)
+                } else {
+                    Request::SetProgramSwitch(on)
+                });
+            }
+            PageId::Edisk => self.disk_command(character, cnc, requests),
+            PageId::Softpanel => {
+                let key = character.to_digit(10).and_then(|key| key.checked_sub(1));
+                let switch = key.and_then(|key| SoftSwitch::ALL.get(key as usize));
+                requests.extend(switch.copied().map(Request::ToggleSoftSwitch));
+            }
+            PageId::Password => self.password_digit(character),
+            _ => return false,
+        }
+        true
+    }
+
+    /// 0 to 4 read a disk, 5 to 8 save on one.
+    fn disk_command(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
+        let Some(key) = character.to_digit(10) else {
+            return;
+        };
+        let disk = |number: u32| DISKS.get(number as usize).copied();
+        let request = if key <= 4 {
+            disk(key).map(Request::LoadDisk)
+        } else {
+            disk(key - 4).map(Request::SaveDisk)
+        };
+        let Some(request) = request else {
+            return;
+        };
+        let done = cnc.rights().disks().is_ok();
+        self.view.disk_done = Some(done);
+        if done {
+            requests.push(request);
+        }
+    }
+
+    fn password_row(&mut self) -> Option<&mut String> {
+        let row = self
+            .view
+            .cursors
+            .get(PageId::Password)
+            .item
+            .checked_sub(1)?;
+        self.view.password.rows.get_mut(row)
+    }
+
+    fn password_digit(&mut self, character: char) {
+        self.view.password.hint = Hint::None;
+        if !character.is_ascii_digit() {
+            return;
+        }
+        if let Some(row) = self.password_row()
+            && row.len() < PASSWORD_LENGTH
+        {
+            row.push(character);
+        }
+    }
+
+    /// 取消 on the password page.
+    pub(super) fn password_cancel(&mut self) {
+        if let Some(row) = self.password_row() {
+            row.pop();
+        }
+    }
+
+    /// 输入 on the password page (manual III-2.5.1.4).
+    pub(super) fn password_input(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if cnc.rights().password().is_err() {
+            return;
+        }
+        let entry = &mut self.view.password;
+        if self.view.cursors.get(PageId::Password).item == 0 {
+            requests.push(Request::LeaveLevel);
+            entry.clear();
+            entry.hint = Hint::LevelLeft;
+            return;
+        }
+        let [old, new, again] = &mut entry.rows;
+        let known = cnc.authority().level_of(old).is_some();
+        if new.is_empty() && again.is_empty() {
+            entry.hint = if known {
+                requests.push(Request::EnterPassword(old.clone()));
+                Hint::LevelEntered
+            } else {
+                Hint::Wrong
+            };
+            old.clear();
+            return;
+        }
+        if new != again || new.len() != old.len() {
+            new.clear();
+            again.clear();
+            entry.hint = Hint::Different;
+            return;
+        }
+        let hint = if known {
+            requests.push(Request::ChangePassword {
+                old: core::mem::take(old),
+                new: core::mem::take(new),
+            });
+            Hint::Changed
+        } else {
+            Hint::Wrong
+        };
+        entry.clear();
+        entry.hint = hint;
+    }
+}
+
+/// An entry of the offset page: a letter with a number, or U or W alone.
+fn offset_entry(input: &str) -> Option<OffsetEntry> {
+    let letter = input.chars().next()?;
+    let value = input.get(1..)?.trim();
+    let number = || number(value);
+    Some(match letter {
+        'X' => OffsetEntry::Length(Axis::X, number()?),
+        'Z' => OffsetEntry::Length(Axis::Z, number()?),
+        'U' if value.is_empty() => OffsetEntry::Counter(Axis::X),
+        'W' if value.is_empty() => OffsetEntry::Counter(Axis::Z),
+        'U' => OffsetEntry::Change(Axis::X, number()?),
+        'W' => OffsetEntry::Change(Axis::Z, number()?),
+        'R' => OffsetEntry::NoseRadius(number()?),
+        'T' => OffsetEntry::NoseNumber(value.parse().ok()?),
+        _ => return None,
+    })
+}
+
+/// An entry of the pitch error table: X or Z with a number.
+fn pitch_entry(input: &str, point: usize) -> Option<Request> {
+    let axis = match input.chars().next()? {
+        'X' => Axis::X,
+        'Z' => Axis::Z,
+        _ => return None,
+    };
+    let value = whole(input.get(1..)?.trim())?;
+    Some(Request::SetPitch {
+        axis,
+        point: u8::try_from(point).ok()?,
+        // One that does not fit is as far out of range as the largest.
+        value: i16::try_from(value).unwrap_or(i16::MAX),
+    })
+}
+
+/// A decimal number as it is keyed in: digits, one point, a minus sign in front.
+fn number(text: &str) -> Option<f64> {
+    let digits = text.strip_prefix('-').unwrap_or(text);
+    let plain = digits
+        .bytes()
+        .all(|byte| byte.is_ascii_digit() || byte == b'.');
+    let some = digits.bytes().any(|byte| byte.is_ascii_digit());
+    if plain && some {
+        text.parse().ok()
+    } else {
+        None
+    }
+}
+
+/// A whole number; one that no parameter can hold is as good as the largest.
+fn whole(text: &str) -> Option<i32> {
+    let digits = text.strip_prefix('-').unwrap_or(text);
+    if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return None;
+    }
+    let limit = if digits.len() < text.len() {
+        i32::MIN
+    } else {
+        i32::MAX
+    };
+    Some(text.parse().unwrap_or(limit))
+}
+
+/// Binary digits, those in front left out; more or other digits are a number that
+/// no byte can hold.
+fn word(text: &str) -> Option<i32> {
+    let number = whole(text)?;
+    let binary = text.bytes().all(|byte| matches!(byte, b'0' | b'1'));
+    if binary && text.len() <= BITS {
+        return i32::from_str_radix(text, 2).ok();
+    }
+    Some(number.saturating_abs().max(1 << BITS))
+}
+
+fn digit(text: &str) -> Option<bool> {
+    match text {
+        "0" => Some(false),
+        "1" => Some(true),
+        _ => None,
+    }
+}
+
+/// A tool number, or the eight binary digits that the page shows.
+fn tool(text: &str) -> Option<u8> {
+    if text.len() == BITS {
+        return u8::from_str_radix(text, 2).ok();
+    }
+    whole(text).map(|value| u8::try_from(value).unwrap_or(u8::MAX))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_of_the_offset_page() {
+        assert_eq!(offset_entry("U"), Some(OffsetEntry::Counter(Axis::X)));
+        assert_eq!(
+            offset_entry("X-134.2"),
+            Some(OffsetEntry::Length(Axis::X, -134.2))
+        );
+        assert_eq!(offset_entry("W.5"), Some(OffsetEntry::Change(Axis::Z, 0.5)));
+        assert_eq!(offset_entry("T3"), Some(OffsetEntry::NoseNumber(3)));
+        for wrong in ["X", "R", "T", "T-1", "U1.2.3", "X1E5", "XINF", "5", ""] {
+            assert_eq!(offset_entry(wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_of_parameters() {
+        assert_eq!(whole("-9999999"), Some(-9_999_999));
+        assert_eq!(whole("99999999999"), Some(i32::MAX));
+        assert_eq!(whole("-99999999999"), Some(i32::MIN));
+        assert_eq!((whole("1.5"), whole("-"), whole("")), (None, None, None));
+        assert_eq!(word("101"), Some(5));
+        assert_eq!(word("11111111"), Some(255));
+        assert_eq!(word("111111111"), Some(111_111_111));
+        assert_eq!(word("2"), Some(256), "no byte holds it");
+        assert_eq!((tool("12"), tool("00000010")), (Some(12), Some(2)));
+        assert_eq!((digit("1"), digit("2")), (Some(true), None));
+    }
+}

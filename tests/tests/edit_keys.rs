@@ -1,0 +1,306 @@
+//! Random keys over all pages: nothing panics, the memory can always be read back
+//! as it is, and nothing changes that a protection guards.
+//!
+//! `EDIT_KEYS=100000 cargo test -p gsk980td-tests --test edit_keys` presses more.
+
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use gsk_core::cnc::{Cnc, Request};
+use gsk_core::memory::{Authority, Counters, Disks, Offsets, Parameters, Settings, Variables};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::keys::Key;
+use gsk_panel::panel::KeyEvent;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+/// Keys pressed when nothing else is asked for.
+const KEYS: u64 = 10_000;
+/// Keys between two looks at the whole memory and the LCD.
+const LOOK: u64 = 250;
+/// Keys of one session.
+const SESSION: u64 = 2500;
+
+const PROGRAMS: [&str; 3] = [
+    "O0012;\nN10 G00 X50 Z2;\nN20 G01 Z-20 F100;\nN30 X60;\nM30;\n",
+    "O0007 (名);\r\nG65 H01 P#200 Q5;\r\nM99\r\n%\r\n",
+    "O9001;\nN1 M3;\nN2 M99;\n",
+];
+
+const EDIT_KEYS: [Key; 13] = [
+    Key::Input,
+    Key::Output,
+    Key::Change,
+    Key::Cancel,
+    Key::Insert,
+    Key::Delete,
+    Key::Eob,
+    Key::Up,
+    Key::Down,
+    Key::Left,
+    Key::Right,
+    Key::PageUp,
+    Key::PageDown,
+];
+const PAGES: [Key; 10] = [
+    Key::Program,
+    Key::Program,
+    Key::Program,
+    Key::Position,
+    Key::Program,
+    Key::Offset,
+    Key::Alarm,
+    Key::Setting,
+    Key::Parameter,
+    Key::Diagnosis,
+];
+const MODES: [Key; 6] = [
+    Key::Edit,
+    Key::Edit,
+    Key::Edit,
+    Key::Mdi,
+    Key::Auto,
+    Key::Jog,
+];
+const CHARACTERS: &[u8] = b"ONGXZUWDSTMPQRIKJCFLHY/#0123456789-.( )";
+/// What an operator keys in as a whole.
+const PHRASES: [&str; 24] = [
+    "O12",
+    "O7",
+    "O9001",
+    "O0055",
+    "O-999",
+    "N20",
+    "G1X10.",
+    "P12",
+    "P175",
+    "U1.5",
+    "W-.5",
+    "X99",
+    "R.4",
+    "T3",
+    "12345",
+    "123456",
+    "1234",
+    "00010101",
+    "10000000",
+    "99999999999",
+    "PK12",
+    "PT20",
+    "-9999999",
+    "1",
+];
+
+/// A generator of our own: the same keys everywhere.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() >> 16) as usize % end
+    }
+
+    fn of<T: Copy>(&mut self, choices: &[T]) -> T {
+        choices[self.below(choices.len())]
+    }
+}
+
+fn begin(random: &mut Random) -> Emulator {
+    let mut setup = Setup::default();
+    for (number, bit) in [
+        (12, 3),
+        (12, 4),
+        (13, 3),
+        (172, 1),
+        (174, 3),
+        (4, 4),
+        (12, 5),
+    ] {
+        if random.below(4) == 0 {
+            let on = setup.parameters.bit(number, bit);
+            setup.parameters.set_bit(number, bit, !on).unwrap();
+        }
+    }
+    setup.settings.numbering = random.below(3) == 0;
+    match random.below(6) {
+        0 => setup.authority.leave(),
+        1 => assert!(setup.authority.enter("1234")),
+        _ => {}
+    }
+    for text in PROGRAMS {
+        setup.programs.store(text).unwrap();
+    }
+    let mut emulator = Emulator::new(setup);
+    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    if random.below(2) == 0 {
+        let cnc = &mut emulator.simulation.cnc;
+        cnc.request(Request::SetParameterSwitch(true)).unwrap();
+        cnc.request(Request::CancelSwitchAlarm).unwrap();
+    }
+    emulator
+}
+
+/// One key, or a few that belong together.
+fn press(emulator: &mut Emulator, random: &mut Random) {
+    let tap = |emulator: &mut Emulator, key: Key| {
+        emulator.key_down(key);
+        emulator.key_up(key);
+        emulator.tick();
+    };
+    match random.below(100) {
+        0..=34 => {
+            let character = char::from(random.of(CHARACTERS));
+            emulator.key(KeyEvent::Type(character));
+            emulator.tick();
+        }
+        35..=44 => {
+            for character in random.of(&PHRASES).chars() {
+                emulator.key(KeyEvent::Type(character));
+            }
+            emulator.tick();
+            tap(
+                emulator,
+                random.of(&[Key::Input, Key::Down, Key::Delete, Key::Change]),
+            );
+        }
+        45..=82 => tap(emulator, random.of(&EDIT_KEYS)),
+        83..=92 => tap(emulator, random.of(&PAGES)),
+        // Machine keys act through the ladder, which wants them for a while.
+        93..=96 => emulator.press(random.of(&MODES)),
+        97 => emulator.press(Key::Reset),
+        98 => {
+            let key = random.of(&[Key::U, Key::P, Key::J, Key::H, Key::Slash]);
+            tap(emulator, key);
+            tap(emulator, key);
+        }
+        _ => {
+            emulator.key_down(Key::Cancel);
+            tap(
+                emulator,
+                random.of(&[Key::N, Key::T, Key::U, Key::X, Key::Reset]),
+            );
+            emulator.key_up(Key::Cancel);
+        }
+    }
+}
+
+/// What protections guard, and whether they do now.
+#[derive(Clone)]
+struct Guarded {
+    parameters: Option<Parameters>,
+    disks: Option<Disks>,
+    settings: Option<Settings>,
+    offsets: Option<Offsets>,
+    variables: Option<Variables>,
+    programs: Vec<(u16, Program)>,
+}
+
+impl Guarded {
+    fn of(cnc: &Cnc) -> Self {
+        let rights = cnc.rights();
+        let free = rights.parameters().is_ok() || rights.disks().is_ok();
+        Self {
+            parameters: (!free).then(|| cnc.parameters().clone()),
+            disks: rights.disks().is_err().then(|| cnc.disks().clone()),
+            settings: rights.settings().is_err().then(|| cnc.settings()),
+            // A disk brings offsets as well.
+            offsets: (rights.offsets().is_err() && rights.disks().is_err())
+                .then(|| cnc.offsets().clone()),
+            variables: rights.variables().is_err().then(|| cnc.variables().clone()),
+            programs: cnc
+                .programs()
+                .iter()
+                .filter(|(number, _)| rights.program_memory(*number).is_err())
+                .map(|(number, program)| (number, program.clone()))
+                .collect(),
+        }
+    }
+
+    fn check(&self, cnc: &Cnc) {
+        fn same<T: PartialEq + core::fmt::Debug>(kept: Option<&T>, now: &T) {
+            if let Some(kept) = kept {
+                assert_eq!(kept, now, "a guarded value has changed");
+            }
+        }
+        same(self.parameters.as_ref(), cnc.parameters());
+        same(self.disks.as_ref(), cnc.disks());
+        same(self.settings.as_ref(), &cnc.settings());
+        same(self.offsets.as_ref(), cnc.offsets());
+        same(self.variables.as_ref(), cnc.variables());
+        for (number, program) in &self.programs {
+            let now = cnc.programs().stored(*number);
+            assert_eq!(now, Some(program), "O{number:04} was guarded");
+        }
+    }
+}
+
+/// The memory as it is written down reads back as it was.
+fn reload(cnc: &Cnc) {
+    fn again<T: Serialize + DeserializeOwned + PartialEq + core::fmt::Debug>(value: &T) {
+        let text = ron::to_string(value).unwrap();
+        assert_eq!(&ron::from_str::<T>(&text).unwrap(), value);
+    }
+    again::<Parameters>(cnc.parameters());
+    again::<Offsets>(cnc.offsets());
+    again::<Variables>(cnc.variables());
+    again::<Counters>(&cnc.counters());
+    again::<Settings>(&cnc.settings());
+    again::<Authority>(cnc.authority());
+    again::<Disks>(cnc.disks());
+    for (number, program) in cnc.programs().iter() {
+        let read = Program::new(program.text());
+        assert_eq!(&read, program);
+        assert_eq!(read.number(), Some(number), "{:?}", program.text());
+    }
+}
+
+#[test]
+fn no_key_panics_corrupts_the_memory_or_passes_a_protection() {
+    let keys = std::env::var("EDIT_KEYS").map_or(KEYS, |keys| keys.parse().unwrap());
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut emulator = begin(&mut random);
+    let mut changes = 0;
+    for key in 0..keys {
+        if key % SESSION == SESSION - 1 {
+            emulator = begin(&mut random);
+        }
+        let guarded = Guarded::of(&emulator.simulation.cnc);
+        let before = emulator.simulation.cnc.programs().clone();
+        press(&mut emulator, &mut random);
+        let cnc = &emulator.simulation.cnc;
+        guarded.check(cnc);
+        changes += u64::from(*cnc.programs() != before);
+        if key % LOOK == 0 {
+            reload(cnc);
+            emulator.screen();
+        }
+    }
+    assert!(
+        changes * 1000 > keys,
+        "the keys did change programs: {changes}"
+    );
+}
+
+#[test]
+fn a_restored_session_goes_on_alike() {
+    let mut random = Random(7);
+    let mut emulator = begin(&mut random);
+    for _ in 0..500 {
+        press(&mut emulator, &mut random);
+    }
+    let text = ron::to_string(&emulator).unwrap();
+    let mut restored: Emulator = ron::from_str(&text).unwrap();
+    let mut again = Random(random.0);
+    for _ in 0..200 {
+        press(&mut emulator, &mut random);
+        press(&mut restored, &mut again);
+    }
+    assert_eq!(restored, emulator);
+}
