@@ -97,6 +97,8 @@ pub enum Command {
     Alarms(TableArgs),
     /// Print the PLC signal table
     Signals(TableArgs),
+    /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
+    Faults(TableArgs),
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),

@@ -106,17 +106,28 @@ pub fn ladder(path: &Path) -> Result<Arc<Ladder>, String> {
     }
 }
 
-/// Reads a machine file.
+/// Reads a machine file (`docs/machine-file.md`) and checks its rules.
 pub fn machine(path: &Path) -> Result<LatheConfig, String> {
     let file = program_file::read(path).map_err(|error| error.to_string())?;
-    ron::from_str(&file.text).map_err(|error| {
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let config: LatheConfig = options.from_str(&file.text).map_err(|error| {
         format!(
             "the machine file {}, line {}: {}",
             path.display(),
             error.span.start.line,
             error.code
         )
-    })
+    })?;
+    config.check().map_err(|errors| {
+        let rules: Vec<String> = errors.iter().map(|error| format!("  {error}")).collect();
+        format!(
+            "the machine file {} describes no lathe:\n{}",
+            path.display(),
+            rules.join("\n")
+        )
+    })?;
+    Ok(config)
 }
 
 /// Opens a program file as the external program, stores the programs it calls

@@ -225,6 +225,7 @@ fn tables_and_pages_are_printed() {
         &["parameters"],
         &["alarms"],
         &["signals"],
+        &["faults"],
         &["screen", "--list"],
         &["screen", "pos-abs"],
     ] {

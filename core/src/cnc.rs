@@ -21,7 +21,7 @@ pub(crate) use world::World;
 use crate::alarm::Alarm;
 use crate::axis::{AxisChain, SoftLimits};
 use crate::command::{Action, ExecutedMove, Frame, Source, SpindleCommand};
-use crate::interpreter::{Explanation, Interpreter, Modal};
+use crate::interpreter::{Explanation, Interpreter, MachineCodes, Modal};
 use crate::machine::{Inputs, Outputs};
 use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
@@ -221,6 +221,7 @@ impl Cnc {
         let mut interpreter = Interpreter::new(&parameters);
         interpreter.set_inch_input(setup.settings.inch);
         interpreter.set_tool(tool);
+        interpreter.set_machine_codes(MachineCodes::of(plc.ladder()));
         let modal = *interpreter.modal();
         let start = setup.start.unwrap_or_default();
         let mut axes = AxisChain::new(&parameters, &setup.pitch);

@@ -11,7 +11,7 @@ use core::cell::OnceCell;
 
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, ThreadStart};
-use crate::interpreter::{Advance, Host, Interpreter, Modal};
+use crate::interpreter::{Advance, Host, Interpreter, MachineCodes, Modal};
 use crate::memory::{Offsets, Parameters, Variables};
 use crate::motion::{MotionLimits, Sequel, ThreadMove};
 use crate::program::ProgramMemory;
@@ -123,6 +123,7 @@ pub fn preview(
     let mut interpreter = Interpreter::new(&host.parameters);
     interpreter.set_inch_input(setup.settings.inch);
     interpreter.set_tool(setup.tool_in_position());
+    interpreter.set_machine_codes(MachineCodes::of(&setup.ladder));
     let mut walk = Walk::new(setup, *interpreter.modal(), on_move);
     match programs.current() {
         Some(program) => {

@@ -57,6 +57,8 @@ pub enum Condition {
     Alarm,
     /// The LCD shows this text in one row, blanks folded.
     Text(String),
+    /// A bit of PLC memory has this value.
+    Bit(BitAddress, bool),
 }
 
 /// How [`Emulator::run_until`] ended.
@@ -325,6 +327,7 @@ impl Watch {
             Condition::Stopped => emulator.is_stopped(),
             Condition::BlockEnd => emulator.is_stopped() || cnc.cursor() != self.block,
             Condition::Alarm => cnc.in_alarm(),
+            Condition::Bit(bit, value) => cnc.plc().memory().bit(*bit) == *value,
             Condition::Text(text) => {
                 let now = emulator.ticks();
                 if self.looked.is_some_and(|last| now < last + SCREEN_PERIOD) {

@@ -22,7 +22,7 @@ use crate::emulator::Condition;
 use crate::keys::Key;
 
 /// The actions with their forms: what help and error messages list.
-pub const FORMS: [(&str, &str); 15] = [
+pub const FORMS: [(&str, &str); 16] = [
     ("press", "press KEY"),
     ("hold", "hold KEY 2s"),
     ("down", "down KEY"),
@@ -34,14 +34,16 @@ pub const FORMS: [(&str, &str); 15] = [
     ("turn", "turn 10 | turn 300 1s"),
     (
         "wait",
-        "wait 500ms | wait idle 60s | wait alarm 5s | wait \"text on the LCD\" 5s",
+        "wait 500ms | wait idle 60s | wait alarm 5s | wait \"text on the LCD\" 5s | wait Y1.6 1 5s | \
+         wait Y1.6 1 40ms..60ms",
     ),
     ("set", "set X0.5 0"),
     ("free", "free X0.5"),
+    ("force", "force G46.7 1 | force G46.7 free"),
     (
         "expect",
         "expect row 3 \"U 16.000\" | abs X Z | machine X Z | rel U W | lamp KEY on | alarm 011 | \
-         alarm none | mode 自动方式 | Y0.3 1",
+         alarm none | mode 自动方式 | Y0.3 1 | G43 133",
     ),
     ("show", "show"),
     ("shot", "shot FILE.png [--panel]"),
@@ -91,12 +93,14 @@ pub enum Action {
     Turn(i32, Option<u64>),
     /// Lets time pass, milliseconds.
     Wait(u64),
-    /// Waits for something, at most so many milliseconds.
-    WaitFor(Condition, u64),
+    /// Waits for something, at least and at most so many milliseconds.
+    WaitFor(Condition, u64, u64),
     /// Holds a machine input at a value.
     Set(BitAddress, bool),
     /// Gives a machine input back to its sensor.
     Free(BitAddress),
+    /// Holds a bit of PLC memory against the ladder; `None` lets it go.
+    Force(BitAddress, Option<bool>),
     /// Compares.
     Expect(Expect),
     /// Prints the LCD.

@@ -59,6 +59,15 @@ pub struct StartValue {
     pub value: i32,
 }
 
+/// An M code that the ladder carries out beside the control's own (`.MCODE`).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MCode {
+    /// The number, 0 to 99.
+    pub code: u8,
+    /// What it does.
+    pub text: String,
+}
+
 /// Title of the rungs that follow (`.NET`).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Network {
@@ -80,6 +89,7 @@ pub(crate) struct Directives {
     pub comments: Vec<Comment>,
     pub messages: Vec<Message>,
     pub start_values: Vec<StartValue>,
+    pub m_codes: Vec<MCode>,
 }
 
 const CHINESE_CHARACTERS: usize = 15;
@@ -130,6 +140,10 @@ pub(crate) fn parse(
         (".INIT", [Token::Word(address), Token::Word(value)]) => {
             directives.start_values.push(start_value(address, value)?);
         }
+        (".MCODE", [Token::Word(code), Token::Text(text)]) => {
+            let code = m_code(code, text, &directives.m_codes)?;
+            directives.m_codes.push(code);
+        }
         _ => return Err((Rule::E00, usage(&name))),
     }
     Ok(())
@@ -170,9 +184,10 @@ fn usage(name: &str) -> String {
         ".CMT" => "address \"Chinese\" \"English\"",
         ".MSG" => "A-bit number \"text\"",
         ".INIT" => "address number",
+        ".MCODE" => "number \"text\"",
         _ => {
             return format!(
-                "{name} is no directive; there are .UNIT .AUTHOR .VERSION .REMARK .OPT .NET .CMT .MSG .INIT"
+                "{name} is no directive; there are .UNIT .AUTHOR .VERSION .REMARK .OPT .NET .CMT .MSG .INIT .MCODE"
             );
         }
     };
@@ -232,6 +247,22 @@ fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<
     Ok(Message {
         bit,
         number,
+        text: text.to_owned(),
+    })
+}
+
+fn m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, Finding> {
+    let code = digits(code)
+        .and_then(|code| u8::try_from(code).ok())
+        .filter(|code| *code <= 99);
+    let Some(code) = code else {
+        return Err((Rule::E03, "M codes go from 0 to 99".to_owned()));
+    };
+    if codes.iter().any(|known| known.code == code) {
+        return Err((Rule::E04, format!("M{code:02} is named twice")));
+    }
+    Ok(MCode {
+        code,
         text: text.to_owned(),
     })
 }

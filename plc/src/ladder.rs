@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::check;
 use crate::code::{self, Code};
 use crate::diagnostic::{CompileError, CompileErrors};
-use crate::directive::{Comment, Directives, Header, Message, StartValue, Subject};
+use crate::directive::{Comment, Directives, Header, MCode, Message, StartValue, Subject};
 use crate::instruction::{Mnemonic, Operand, Statement};
 use crate::parser;
 
@@ -137,6 +137,12 @@ impl Ladder {
     #[must_use]
     pub fn start_values(&self) -> &[StartValue] {
         &self.directives.start_values
+    }
+
+    /// M codes that the ladder carries out beside the control's own.
+    #[must_use]
+    pub fn m_codes(&self) -> &[MCode] {
+        &self.directives.m_codes
     }
 
     /// All instructions in program order.

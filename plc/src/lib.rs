@@ -36,7 +36,7 @@ mod timer;
 pub use address::{AddressError, Area, BitAddress, ByteAddress};
 pub use check::{MAX_STEPS, SLOT_STEPS};
 pub use diagnostic::{CompileError, CompileErrors, Rule, summary};
-pub use directive::{Comment, Header, Message, StartValue, Subject};
+pub use directive::{Comment, Header, MCode, Message, StartValue, Subject};
 pub use instruction::{Kind, Mnemonic, Operand, Role, Row, Statement, TABLE};
 pub use ladder::{Ladder, Rung};
 pub use memory::{Memory, Retained};

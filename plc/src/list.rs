@@ -55,6 +55,9 @@ impl Ladder {
             let (bit, number) = (message.bit, message.number);
             text.push_str(&format!(".MSG {bit} {number} \"{}\"\n", message.text));
         }
+        for m in &directives.m_codes {
+            text.push_str(&format!(".MCODE {} \"{}\"\n", m.code, m.text));
+        }
         for start in &directives.start_values {
             text.push_str(&format!(".INIT {} {}\n", start.address, start.value));
         }

@@ -314,6 +314,7 @@ impl Plc {
             if WATCHED {
                 forces.apply(bytes);
                 if stop == Stop::AfterRung && depth == 0 && rung_of(next) != rung {
+                    *executed += at + 1 - from;
                     return Ok(next);
                 }
             }

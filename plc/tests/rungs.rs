@@ -463,3 +463,28 @@ fn a_rung_is_replaced_in_the_text() {
     );
     assert_eq!(ladder.with_rung(99, "LD R0.0"), source);
 }
+
+/// Rungs of an example that the standard ladder does not have, and the other way round.
+fn differences(example: &str) -> (usize, usize) {
+    let rungs = |source: &str| -> Vec<Vec<String>> {
+        let ladder = Ladder::compile(source).unwrap();
+        assert_eq!(ladder.warnings(), []);
+        let rungs = ladder.rungs();
+        rungs
+            .map(|rung| rung.statements.iter().map(ToString::to_string).collect())
+            .collect()
+    };
+    let (own, standard) = (rungs(example), rungs(STANDARD));
+    let missing = |of: &[Vec<String>], from: &[Vec<String>]| {
+        of.iter().filter(|rung| !from.contains(rung)).count()
+    };
+    (missing(&own, &standard), missing(&standard, &own))
+}
+
+#[test]
+fn the_example_ladders_are_the_standard_one_but_for_their_rungs() {
+    let two_hands = include_str!("../../assets/ladder/two-hand-start.il");
+    let bar_feeder = include_str!("../../assets/ladder/bar-feeder.il");
+    assert_eq!(differences(two_hands), (3, 1));
+    assert_eq!(differences(bar_feeder), (14, 4));
+}

@@ -1,7 +1,12 @@
 //! The set-up words of a case, in the form of the command line.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use gsk_core::command::ProgramId;
+use gsk_core::machine::LatheConfig;
 use gsk_core::memory::ToolOffset;
+use gsk_core::plc::Ladder;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::{Diameter, Point};
@@ -27,6 +32,10 @@ pub struct SetupWords {
     pub referenced: Option<bool>,
     /// Whether programs are in inches.
     pub inch: bool,
+    /// A ladder of `assets/ladder/`: `"bar-feeder.il"`.
+    pub ladder: Option<String>,
+    /// A machine file of `assets/machines/`: `"small-flat-bed.ron"`.
+    pub machine: Option<String>,
 }
 
 impl SetupWords {
@@ -42,6 +51,12 @@ impl SetupWords {
         };
         if let Some((x, z)) = self.start {
             setup.start = Some(Point::from_diameter(Diameter(x), z));
+        }
+        if let Some(name) = &self.ladder {
+            setup.ladder = ladder(name)?;
+        }
+        if let Some(name) = &self.machine {
+            setup.lathe = machine(name)?;
         }
         setup.spindle_rpm = self.spindle;
         setup.referenced = self.referenced.unwrap_or(setup.referenced);
@@ -60,6 +75,30 @@ impl SetupWords {
             setup.forced_inputs.push((address, state == "1"));
         }
         Ok(setup)
+    }
+}
+
+/// A file of `assets/`.
+fn asset(folder: &str, name: &str) -> Result<String, String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+    crate::read(&root.join(folder), name)
+}
+
+fn ladder(name: &str) -> Result<Arc<Ladder>, String> {
+    let text = asset("ladder", name)?;
+    let ladder = Ladder::compile(&text).map_err(|errors| format!("{name}: {errors}"))?;
+    Ok(Arc::new(ladder))
+}
+
+fn machine(name: &str) -> Result<LatheConfig, String> {
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let config: LatheConfig = options
+        .from_str(&asset("machines", name)?)
+        .map_err(|error| format!("{name}: {error}"))?;
+    match config.check() {
+        Ok(()) => Ok(config),
+        Err(errors) => Err(format!("{name}: {}", errors[0])),
     }
 }
 

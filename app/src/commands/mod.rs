@@ -35,6 +35,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Parameters(args)) => tables::parameters(&args),
         Some(Command::Alarms(args)) => tables::alarms(&args),
         Some(Command::Signals(args)) => tables::signals(&args),
+        Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
     };

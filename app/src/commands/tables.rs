@@ -1,5 +1,6 @@
 //! `keys`, `parameters`, `alarms`, `signals`: the tables of the control.
 
+use gsk_core::machine::FAULTS;
 use gsk_core::{alarm, memory};
 use gsk_panel::keys::{Bit, KEYS, Role, STRIP};
 use serde_json::{Value, json};
@@ -210,6 +211,19 @@ pub fn signals(args: &TableArgs) -> Result<u8, String> {
         });
         let row = [address, symbol, direction, acts, zh, en];
         table.push(row.map(str::to_owned).to_vec(), json);
+    }
+    table.print(args)
+}
+
+/// What can go wrong with the simulated lathe.
+pub fn faults(args: &TableArgs) -> Result<u8, String> {
+    let mut table = Table::new(&["NAME", "中文", "FAULT", "WHAT IT DOES"]);
+    for row in &FAULTS {
+        let json = json!({
+            "name": row.name, "zh": row.zh, "en": row.en, "effect": row.effect,
+        });
+        let cells = [row.name, row.zh, row.en, row.effect];
+        table.push(cells.map(str::to_owned).to_vec(), json);
     }
     table.print(args)
 }

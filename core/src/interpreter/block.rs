@@ -8,7 +8,7 @@ use crate::alarm::Alarm;
 use crate::command::{Action, Source, SpindleCommand, Timing};
 use crate::interpreter::Modal;
 use crate::interpreter::exact::Exact;
-use crate::interpreter::miscellaneous::{self, Function};
+use crate::interpreter::miscellaneous::{self, Function, MachineCodes};
 use crate::interpreter::nose_compensation::{
     Compensated, check_arc_block, check_call, check_option,
 };
@@ -40,6 +40,8 @@ pub(crate) struct Context<'a> {
     pub(crate) place: Place,
     /// Whether the block was keyed in.
     pub(crate) mdi: bool,
+    /// M codes of the machine's ladder.
+    pub(crate) machine_codes: MachineCodes,
     /// 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
     /// The nose radius compensation before the block.

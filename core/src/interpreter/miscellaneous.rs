@@ -4,6 +4,29 @@ use crate::alarm::Alarm;
 use crate::interpreter::block::Context;
 use crate::interpreter::numbers;
 
+use serde::{Deserialize, Serialize};
+
+/// M codes that the machine's ladder carries out beside the control's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MachineCodes([u64; 2]);
+
+impl MachineCodes {
+    /// Those that a ladder names.
+    pub fn of(ladder: &gsk_plc::Ladder) -> Self {
+        let mut codes = Self::default();
+        for m in ladder.m_codes() {
+            if let Some(half) = codes.0.get_mut(usize::from(m.code / 64)) {
+                *half |= 1 << (m.code % 64);
+            }
+        }
+        codes
+    }
+
+    const fn has(self, code: u8) -> bool {
+        code < 128 && self.0[(code / 64) as usize] >> (code % 64) & 1 == 1
+    }
+}
+
 /// What an M code is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Function {
@@ -19,9 +42,9 @@ pub(crate) enum Function {
     Output(u8),
 }
 
-/// Whether an M code has a function of its own.
-pub(crate) const fn is_standard(code: u8) -> bool {
-    matches!(code, 0 | 3..=5 | 8..=13 | 30 | 32 | 33 | 41..=44 | 98 | 99)
+/// Whether an M code has a function of its own, in the control or in the ladder.
+pub(crate) const fn has_function(code: u8, machine: MachineCodes) -> bool {
+    machine.has(code) || matches!(code, 0 | 3..=5 | 8..=13 | 30 | 32 | 33 | 41..=44 | 98 | 99)
 }
 
 /// Sorts an M code; alarm 019 for one that the control does not have.
@@ -39,6 +62,7 @@ pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alar
         41..=44 => Err(fault(format!(
             "M{code} needs automatic gear change (164.7) and the analog spindle (001.4)"
         ))),
+        _ if context.machine_codes.has(code) => Ok(Function::Output(code)),
         _ => Err(fault(format!(
             "M{code:02} is not a function of this control"
         ))),

@@ -61,6 +61,7 @@ mod tests;
 
 pub use explanation::Explanation;
 pub use host::{Host, Step};
+pub use miscellaneous::MachineCodes;
 pub use modal::Modal;
 pub use reader::Interpreter;
 pub(crate) use reader::{Advance, ReadTo};

@@ -13,6 +13,7 @@ use crate::interpreter::host::{Host, Step};
 use crate::interpreter::jump::Jumps;
 use crate::interpreter::lookahead::Reading;
 use crate::interpreter::macro_block::Outcome;
+use crate::interpreter::miscellaneous::MachineCodes;
 use crate::interpreter::nose_compensation::{Compensated, check_call};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
@@ -45,6 +46,7 @@ pub struct Interpreter {
     /// while something else moves the tool.
     pub(super) aside: Option<Exact>,
     jumps: Jumps,
+    machine_codes: MachineCodes,
 }
 
 /// The run over the MDI block.
@@ -91,6 +93,7 @@ impl Interpreter {
             compensation: Compensation::default(),
             aside: None,
             jumps: Jumps::default(),
+            machine_codes: MachineCodes::default(),
         }
     }
 
@@ -221,6 +224,11 @@ impl Interpreter {
             self.state.cancel_offset_number();
         }
         self.resync(host);
+    }
+
+    /// M codes that the machine's ladder carries out.
+    pub const fn set_machine_codes(&mut self, codes: MachineCodes) {
+        self.machine_codes = codes;
     }
 
     /// The tool number shown after a manual tool change.
@@ -385,6 +393,7 @@ impl Interpreter {
         let read = |index, motion| reading.words_at(index, motion).map_err(lookahead::alarm);
         let context = Context {
             compensated: self.compensated(),
+            machine_codes: self.machine_codes,
             next: next.as_ref(),
             ..context(&*host, source, place, &run.calls, mdi.is_some(), &read)
         };
@@ -454,6 +463,7 @@ impl Interpreter {
         if !run.calls.is_empty() {
             let context = Context {
                 compensated: self.compensated(),
+                machine_codes: self.machine_codes,
                 ..context(host, source, run.place, &run.calls, false, &|_, _| Ok(None))
             };
             check_call(&self.state, &context, &plan).map_err(|alarm| alarm.at(source))?;
@@ -519,6 +529,7 @@ fn context<'a, H: Host>(
         source,
         place,
         mdi,
+        machine_codes: MachineCodes::default(),
         x_factor: if parameters.radius_programming() {
             2
         } else {

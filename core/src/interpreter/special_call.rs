@@ -43,7 +43,7 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
     }
     let m = words
         .m
-        .filter(|code| !miscellaneous::is_standard(*code))
+        .filter(|code| !miscellaneous::has_function(*code, context.machine_codes))
         .map(i64::from);
     // The S of G50 is a limit.
     let steps = !context.parameters.analog_spindle()

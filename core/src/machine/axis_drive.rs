@@ -52,6 +52,8 @@ pub(super) struct AxisDrive {
     dog: Option<(i64, i64)>,
     /// Places of motor and slide before the last tick.
     before: (i64, i64),
+    /// It gives a one-turn signal.
+    has_index: bool,
 }
 
 impl AxisDrive {
@@ -75,7 +77,7 @@ impl AxisDrive {
             }
         });
         Self {
-            pulse: if motor_reversed(axis, parameters) {
+            pulse: if motor_reversed(axis, parameters) != config.reversed {
                 -weight
             } else {
                 weight
@@ -94,6 +96,7 @@ impl AxisDrive {
                 .map(|limits| (place(limits.minus), place(limits.plus))),
             dog: config.dog.map(|dog| (place(dog.from), place(dog.to))),
             before: (place(config.start), place(config.start)),
+            has_index: config.one_turn_signal,
         }
     }
 
@@ -187,11 +190,14 @@ impl AxisDrive {
 
     /// The one-turn signal: its rising edge is at zero going positive.
     pub fn index(&self) -> bool {
-        self.motor().rem_euclid(self.turn) * INDEX_PART < self.turn
+        self.has_index && self.motor().rem_euclid(self.turn) * INDEX_PART < self.turn
     }
 
     /// The command count at which the one-turn signal changed in the last tick.
     pub fn index_latch(&self) -> Option<Pulses> {
+        if !self.has_index {
+            return None;
+        }
         // The signal stands on the first `width` pulses of a turn.
         let width = (self.turn + INDEX_PART - 1) / INDEX_PART;
         let starts = [0, width];

@@ -17,6 +17,7 @@ pub struct LatheConfig {
     /// Rear tool post (behind the spindle axis), as the pictures of the manual.
     pub rear_tool_post: bool,
     /// Cross slide; lengths in diameter.
+    #[serde(with = "CrossSlide")]
     pub x: AxisConfig,
     /// Carriage.
     pub z: AxisConfig,
@@ -36,19 +37,7 @@ impl Default for LatheConfig {
         Self {
             name: "training lathe".to_owned(),
             rear_tool_post: true,
-            x: AxisConfig {
-                start: -100.0,
-                limits: Some(LimitSwitches {
-                    minus: -310.0,
-                    plus: 10.0,
-                }),
-                dog: Some(Dog {
-                    from: -60.0,
-                    to: -10.0,
-                }),
-                motor_turn: 20.0,
-                ..AxisConfig::default()
-            },
+            x: AxisConfig::cross_slide(),
             z: AxisConfig::default(),
             turret: TurretConfig::default(),
             spindle: SpindleConfig::default(),
@@ -97,6 +86,54 @@ pub struct AxisConfig {
     pub backlash: f64,
     /// The drive's position loop; `None`: a stepper, which follows every pulse.
     pub servo: Option<ServoConfig>,
+    /// The motor is mounted the other way round than 008 takes for granted: the
+    /// slide moves against its command until 008 is set for it.
+    pub reversed: bool,
+    /// The drive gives a one-turn signal; without it zero return needs one switch
+    /// for deceleration and zero (007 ZC = 1).
+    pub one_turn_signal: bool,
+    /// The drive's alarm output is wired to the control.
+    pub alarm_line: bool,
+}
+
+/// The fields of the cross slide in a file: what is left out is that of the
+/// training lathe's cross slide, not of its carriage.
+#[derive(Serialize, Deserialize)]
+#[serde(
+    remote = "AxisConfig",
+    default = "AxisConfig::cross_slide",
+    deny_unknown_fields
+)]
+struct CrossSlide {
+    start: f64,
+    limits: Option<LimitSwitches>,
+    dog: Option<Dog>,
+    motor_turn: f64,
+    pulse: Option<f64>,
+    backlash: f64,
+    servo: Option<ServoConfig>,
+    reversed: bool,
+    one_turn_signal: bool,
+    alarm_line: bool,
+}
+
+impl AxisConfig {
+    /// The cross slide of the training lathe.
+    fn cross_slide() -> Self {
+        Self {
+            start: -100.0,
+            limits: Some(LimitSwitches {
+                minus: -310.0,
+                plus: 10.0,
+            }),
+            dog: Some(Dog {
+                from: -60.0,
+                to: -10.0,
+            }),
+            motor_turn: 20.0,
+            ..Self::default()
+        }
+    }
 }
 
 impl Default for AxisConfig {
@@ -116,6 +153,9 @@ impl Default for AxisConfig {
             pulse: None,
             backlash: 0.0,
             servo: None,
+            reversed: false,
+            one_turn_signal: true,
+            alarm_line: true,
         }
     }
 }

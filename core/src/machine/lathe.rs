@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::axis_drive::AxisDrive;
 use super::chuck::{Cylinder, Gearbox};
 use super::config::LatheConfig;
+use super::faults::{Disturbance, Fault, Faults};
 use super::io::{Inputs, Outputs};
 use super::pins::{self, Pin};
 use super::spindle_drive::{SpindleDemand, SpindleDrive};
@@ -16,71 +17,6 @@ use crate::units::{Axis, PerAxis, Point, Pulses};
 
 /// Bytes of X that come from the machine and may be forced.
 const X_BYTES: usize = 30;
-
-/// Something broken, for training.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fault {
-    /// The tool post does not turn.
-    TurretBlocked,
-    /// The tool post's clamp switch never answers.
-    TurretUnclamped,
-    /// The spindle does not turn.
-    SpindleBlocked,
-    /// The encoder gives no counts.
-    EncoderLost,
-    /// Alarm of the X drive.
-    DriveX,
-    /// Alarm of the Z drive.
-    DriveZ,
-    /// The X slide is jammed: a servo trips, a stepper loses steps.
-    SlideX,
-    /// The Z slide is jammed.
-    SlideZ,
-    /// Hydraulic or air pressure is low.
-    PressureLow,
-    /// The guard door is open.
-    DoorOpen,
-}
-
-impl Fault {
-    /// Every fault with the name scripts use.
-    pub const ALL: [(&'static str, Self); 10] = [
-        ("turret-blocked", Self::TurretBlocked),
-        ("turret-unclamped", Self::TurretUnclamped),
-        ("spindle-blocked", Self::SpindleBlocked),
-        ("encoder-lost", Self::EncoderLost),
-        ("drive-x", Self::DriveX),
-        ("drive-z", Self::DriveZ),
-        ("slide-x-jammed", Self::SlideX),
-        ("slide-z-jammed", Self::SlideZ),
-        ("pressure-low", Self::PressureLow),
-        ("door-open", Self::DoorOpen),
-    ];
-
-    /// What is wrong, in Chinese and English.
-    pub const fn text(self) -> (&'static str, &'static str) {
-        match self {
-            Self::TurretBlocked => ("刀架不转", "the tool post does not turn"),
-            Self::TurretUnclamped => ("刀架锁紧信号不来", "no clamp signal of the tool post"),
-            Self::SpindleBlocked => ("主轴不转", "the spindle does not turn"),
-            Self::EncoderLost => ("编码器无信号", "the encoder gives no counts"),
-            Self::DriveX => ("X 轴驱动器报警", "alarm of the X drive"),
-            Self::DriveZ => ("Z 轴驱动器报警", "alarm of the Z drive"),
-            Self::SlideX => ("X 轴滑板卡住", "the X slide is jammed"),
-            Self::SlideZ => ("Z 轴滑板卡住", "the Z slide is jammed"),
-            Self::PressureLow => ("液压或气压低", "hydraulic or air pressure is low"),
-            Self::DoorOpen => ("防护门打开", "the guard door is open"),
-        }
-    }
-
-    /// The fault of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map(|(_, fault)| *fault)
-    }
-}
 
 /// The simulated lathe; plain data.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -98,10 +34,12 @@ pub struct Lathe {
     enable: PerAxis<bool>,
     emergency_button: bool,
     overtravel_release: bool,
-    turret_unclamped: bool,
-    pressure_low: bool,
-    door_open: bool,
-    drive_alarm: PerAxis<bool>,
+    faults: Faults,
+    disturbance: Disturbance,
+    /// The station whose switch is stuck.
+    stuck_station: Option<u8>,
+    /// Count at the last one-turn signal of the spindle before it was lost.
+    lost_index: i64,
     handwheel: i32,
     forced: [u8; X_BYTES],
     forced_to: [u8; X_BYTES],
@@ -130,10 +68,10 @@ impl Lathe {
             enable: PerAxis::default(),
             emergency_button: false,
             overtravel_release: false,
-            turret_unclamped: false,
-            pressure_low: false,
-            door_open: false,
-            drive_alarm: PerAxis::default(),
+            faults: Faults::default(),
+            disturbance: Disturbance::default(),
+            stuck_station: None,
+            lost_index: 0,
             handwheel: 0,
             forced: [0; X_BYTES],
             forced_to: [0; X_BYTES],
@@ -148,8 +86,11 @@ impl Lathe {
         self.enable = outputs.enable;
         self.turret
             .tick(on(pins::TURRET_FORWARD), on(pins::TURRET_REVERSE));
-        self.chuck
-            .tick(on(pins::CHUCK_INWARD), on(pins::CHUCK_OUTWARD));
+        let chuck_moves = !self.faults.has(Fault::ChuckStuck);
+        self.chuck.tick(
+            chuck_moves && on(pins::CHUCK_INWARD),
+            chuck_moves && on(pins::CHUCK_OUTWARD),
+        );
         self.tailstock
             .tick(on(pins::TAILSTOCK_OUT), on(pins::TAILSTOCK_BACK));
         self.coolant = on(pins::COOLANT);
@@ -169,43 +110,76 @@ impl Lathe {
             step,
             gear: self.gears.gear(),
         });
-        self.inputs()
+        let mut inputs = self.inputs();
+        let bouncing = self.faults.has(Fault::InputBounce);
+        self.disturbance.bounce(&mut inputs.x, bouncing);
+        let noisy = self.faults.has(Fault::EncoderNoise);
+        inputs.encoder += self.disturbance.noise(noisy);
+        inputs
     }
 
     /// What the contacts and sensors say now.
     pub fn inputs(&self) -> Inputs {
-        let (encoder, encoder_index, spindle_index) = self.spindle.encoder();
-        let index = |axis: Axis| {
+        let (encoder, mut encoder_index, mut spindle_index) = self.spindle.encoder();
+        if self.faults.has(Fault::SpindleIndexLost) {
+            encoder_index = self.lost_index;
+            spindle_index = false;
+        }
+        let index = |axis: Axis, lost: Fault| {
             let drive = self.axes.get(axis);
             if *self.wiring.one_switch.get(axis) {
-                drive.on_dog()
+                self.on_dog(axis)
             } else {
-                drive.index()
+                drive.index() && !self.faults.has(lost)
             }
         };
-        let latch = |axis: Axis| {
+        let latch = |axis: Axis, lost: Fault| {
             let drive = self.axes.get(axis);
             if *self.wiring.one_switch.get(axis) {
                 drive.dog_latch()
             } else {
-                drive.index_latch()
+                drive.index_latch().filter(|_| !self.faults.has(lost))
             }
         };
-        let alarm = PerAxis::new(
-            self.drive_alarm.x || self.axes.x.tripped(),
-            self.drive_alarm.z || self.axes.z.tripped(),
-        );
+        let drive_alarm = PerAxis::new(self.drive_alarm(Axis::X), self.drive_alarm(Axis::Z));
         Inputs {
             x: self.contacts(),
-            index_pulse: PerAxis::new(index(Axis::X), index(Axis::Z)),
-            index_latch: PerAxis::new(latch(Axis::X), latch(Axis::Z)),
-            drive_alarm: alarm,
-            drive_ready: PerAxis::new(self.enable.x && !alarm.x, self.enable.z && !alarm.z),
+            index_pulse: PerAxis::new(index(Axis::X, Fault::IndexX), index(Axis::Z, Fault::IndexZ)),
+            index_latch: PerAxis::new(latch(Axis::X, Fault::IndexX), latch(Axis::Z, Fault::IndexZ)),
+            drive_alarm,
+            drive_ready: PerAxis::new(
+                self.enable.x && !drive_alarm.x,
+                self.enable.z && !drive_alarm.z,
+            ),
             encoder,
             encoder_index,
             spindle_index,
             handwheel: self.handwheel,
         }
+    }
+
+    /// Whether the control is told of an alarm of the drive.
+    fn drive_alarm(&self, axis: Axis) -> bool {
+        let (wired, fault) = match axis {
+            Axis::X => (self.config.x.alarm_line, Fault::DriveX),
+            Axis::Z => (self.config.z.alarm_line, Fault::DriveZ),
+        };
+        wired && (self.faults.has(fault) || self.axes.get(axis).tripped())
+    }
+
+    /// Whether the deceleration switch of an axis is pressed.
+    fn on_dog(&self, axis: Axis) -> bool {
+        let stuck = match axis {
+            Axis::X => Fault::DogX,
+            Axis::Z => Fault::DogZ,
+        };
+        self.axes.get(axis).on_dog() || self.faults.has(stuck)
+    }
+
+    /// Whether the switch of a station answers.
+    fn station_answers(&self, number: u8) -> bool {
+        let answers = self.turret.station() == Some(number) || self.stuck_station == Some(number);
+        answers && !self.faults.has(Fault::TurretContactsOpen)
     }
 
     fn contacts(&self) -> [u8; X_BYTES] {
@@ -216,8 +190,7 @@ impl Lathe {
             let byte = &mut x[usize::from(pin.0)];
             *byte = if level { *byte | mask } else { *byte & !mask };
         };
-        let station = self.turret.station();
-        let station_at = |number| (station == Some(number)) == wiring.in_station;
+        let station_at = |number| self.station_answers(number) == wiring.in_station;
         // T01–T04 have their pins to themselves.
         for (number, pin) in (1u8..=4).zip(pins::STATIONS) {
             set(pin, station_at(number));
@@ -232,7 +205,7 @@ impl Lathe {
         };
         let in_position = |pin, gear, chuck| match pin {
             SharedPin::Chuck => chuck,
-            _ => self.gears.in_position(gear),
+            _ => self.gears.in_position(gear) && !self.faults.has(Fault::GearStuck),
         };
         let (first, second) = (self.chuck.in_first(), self.chuck.in_second());
         set(pins::STATIONS[4], shared(wiring.x0_4, 5, false));
@@ -245,19 +218,24 @@ impl Lathe {
             pins::STATIONS[7],
             shared(wiring.x1_2, 8, in_position(wiring.x1_2, 2, first)),
         );
-        set(pins::DECELERATION_X, self.axes.x.on_dog() == wiring.on_dog);
-        set(pins::DECELERATION_Z, self.axes.z.on_dog() == wiring.on_dog);
+        set(pins::DECELERATION_X, self.on_dog(Axis::X) == wiring.on_dog);
+        set(pins::DECELERATION_Z, self.on_dog(Axis::Z) == wiring.on_dog);
         set(pins::EMERGENCY_STOP, self.emergency_loop_closed());
         set(
             pins::TOOL_CLAMPED,
             match wiring.pressure {
-                Some(good) => self.pressure_low != good,
-                None => (self.turret.clamped() && !self.turret_unclamped) == wiring.tool_clamped,
+                Some(good) => self.faults.has(Fault::PressureLow) != good,
+                None => {
+                    let unclamped = self.faults.has(Fault::TurretUnclamped);
+                    (self.turret.clamped() && !unclamped) == wiring.tool_clamped
+                }
             },
         );
         set(
             pins::DOOR,
-            wiring.door.is_some_and(|closed| self.door_open != closed),
+            wiring
+                .door
+                .is_some_and(|closed| self.faults.has(Fault::DoorOpen) != closed),
         );
         for (byte, (mask, value)) in x.iter_mut().zip(self.forced.iter().zip(&self.forced_to)) {
             *byte = (*byte & !mask) | (value & mask);
@@ -268,12 +246,17 @@ impl Lathe {
     /// The loop of the emergency button and the limit switches, which the release
     /// button bridges.
     pub fn emergency_loop_closed(&self) -> bool {
-        !self.emergency_button && (self.overtravel_release || !self.over_limit())
+        !self.emergency_button
+            && !self.faults.has(Fault::EmergencyStop)
+            && (self.overtravel_release || !self.over_limit())
     }
 
     /// Whether a limit switch is tripped.
     pub fn over_limit(&self) -> bool {
-        self.axes.x.over_limit() || self.axes.z.over_limit()
+        self.axes.x.over_limit()
+            || self.axes.z.over_limit()
+            || self.faults.has(Fault::LimitX)
+            || self.faults.has(Fault::LimitZ)
     }
 
     /// Holds a machine input at a value; `None` gives it back to its sensor.
@@ -293,35 +276,28 @@ impl Lathe {
     }
 
     /// Breaks or mends something.
-    pub const fn set_fault(&mut self, fault: Fault, on: bool) {
+    pub fn set_fault(&mut self, fault: Fault, on: bool) {
+        if self.faults.has(fault) == on {
+            return;
+        }
+        self.faults.set(fault, on);
         match fault {
             Fault::TurretBlocked => self.turret.blocked = on,
-            Fault::TurretUnclamped => self.turret_unclamped = on,
+            Fault::TurretContactStuck => {
+                self.stuck_station = self.turret.station().filter(|_| on);
+            }
             Fault::SpindleBlocked => self.spindle.blocked = on,
             Fault::EncoderLost => self.spindle.encoder_lost = on,
-            Fault::DriveX => self.drive_alarm.x = on,
-            Fault::DriveZ => self.drive_alarm.z = on,
             Fault::SlideX => self.axes.x.blocked = on,
             Fault::SlideZ => self.axes.z.blocked = on,
-            Fault::PressureLow => self.pressure_low = on,
-            Fault::DoorOpen => self.door_open = on,
+            Fault::SpindleIndexLost => self.lost_index = self.spindle.encoder().1,
+            _ => {}
         }
     }
 
-    /// Whether something is broken.
+    /// Whether a fault stands.
     pub const fn has_fault(&self, fault: Fault) -> bool {
-        match fault {
-            Fault::TurretBlocked => self.turret.blocked,
-            Fault::TurretUnclamped => self.turret_unclamped,
-            Fault::SpindleBlocked => self.spindle.blocked,
-            Fault::EncoderLost => self.spindle.encoder_lost,
-            Fault::DriveX => self.drive_alarm.x,
-            Fault::DriveZ => self.drive_alarm.z,
-            Fault::SlideX => self.axes.x.blocked,
-            Fault::SlideZ => self.axes.z.blocked,
-            Fault::PressureLow => self.pressure_low,
-            Fault::DoorOpen => self.door_open,
-        }
+        self.faults.has(fault)
     }
 
     /// The value a machine input is held at; `None` while its sensor has it.

@@ -11,6 +11,8 @@
 mod axis_drive;
 mod chuck;
 mod config;
+mod config_check;
+mod faults;
 mod io;
 mod lathe;
 pub mod link;
@@ -28,8 +30,10 @@ pub use config::{
     AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, ServoConfig, SpindleConfig,
     TurretConfig,
 };
+pub use config_check::ConfigError;
+pub use faults::{FAULTS, Fault, FaultRow};
 pub use io::{Inputs, Outputs};
-pub use lathe::{Fault, Lathe};
+pub use lathe::Lathe;
 
 /// What hangs on the control.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! What `expect` compares, and what it says when it is not so.
 
 use gsk_core::operation::Mode;
-use gsk_core::plc::address::BitAddress;
+use gsk_core::plc::address::{BitAddress, ByteAddress};
 use gsk_core::units::Point;
 
 use crate::emulator::{Emulator, folded};
@@ -38,6 +38,8 @@ pub enum Expect {
     Mode(Mode),
     /// A bit of PLC memory.
     Bit(BitAddress, bool),
+    /// A byte or entry of PLC memory.
+    Value(ByteAddress, i32),
 }
 
 impl Expect {
@@ -89,6 +91,15 @@ impl Expect {
             Self::Bit(address, on) => {
                 let seen = cnc.plc().memory().bit(*address);
                 verdict(seen == *on, || format!("{address} is {}", u8::from(seen)))
+            }
+            Self::Value(address, value) => {
+                let memory = cnc.plc().memory();
+                let seen = if address.area.is_entry() {
+                    memory.long(*address)
+                } else {
+                    memory.byte(*address).into()
+                };
+                verdict(seen == *value, || format!("{address} is {seen}"))
             }
         }
     }

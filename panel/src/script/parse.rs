@@ -2,7 +2,7 @@
 
 use gsk_core::machine::Fault;
 use gsk_core::operation::Mode;
-use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 
 use super::{Action, Coordinates, Expect, FORMS, Line, Script, ScriptError};
 use crate::emulator::Condition;
@@ -145,6 +145,8 @@ fn action(verb: &str, rest: &str) -> Result<Action, String> {
         ("wait", [_, ..]) => wait(&words),
         ("set", [address, state]) => Ok(Action::Set(input(address)?, zero_one(state)?)),
         ("free", [address]) => Ok(Action::Free(input(address)?)),
+        ("force", [address, "free"]) => Ok(Action::Force(bit(address)?, None)),
+        ("force", [address, state]) => Ok(Action::Force(bit(address)?, Some(zero_one(state)?))),
         ("expect", [_, ..]) => expect(&texts).map(Action::Expect),
         ("show", []) => Ok(Action::Show),
         ("shot", [path]) if *path != "--panel" => Ok(shot(path, false)),
@@ -264,6 +266,17 @@ fn bit(text: &str) -> Result<BitAddress, String> {
         .map_err(|error: gsk_core::plc::address::AddressError| error.to_string())
 }
 
+/// A byte or entry of PLC memory.
+fn byte(text: &str) -> Result<ByteAddress, String> {
+    text.parse()
+        .map_err(|error: gsk_core::plc::address::AddressError| error.to_string())
+}
+
+fn whole_number(text: &str) -> Result<i32, String> {
+    text.parse()
+        .map_err(|_| format!("\"{text}\" is no whole number"))
+}
+
 /// A machine input: X0.0 to X3.7.
 fn input(text: &str) -> Result<BitAddress, String> {
     let address = bit(text)?;
@@ -275,7 +288,35 @@ fn input(text: &str) -> Result<BitAddress, String> {
     ))
 }
 
+/// `wait Y1.6 1 5s`, or with a window: `wait Y1.6 1 40ms..60ms`.
+fn wait_for_bit(address: &str, state: &str, times: Option<&str>) -> Result<Action, String> {
+    let condition = Condition::Bit(bit(address)?, zero_one(state)?);
+    let (earliest, latest) = match times.map(|times| times.split_once("..").ok_or(times)) {
+        None => (0, DEFAULT_LIMIT),
+        Some(Err(limit)) => (0, duration(limit)?),
+        Some(Ok((from, to))) => (duration(from)?, duration(to)?),
+    };
+    if earliest > latest {
+        return Err(format!(
+            "{earliest}ms..{latest}ms ends before it begins: the shorter time comes first"
+        ));
+    }
+    Ok(Action::WaitFor(condition, earliest, latest))
+}
+
 fn wait(words: &[Word<'_>]) -> Result<Action, String> {
+    if let [address, state, times @ ..] = words
+        && !address.quoted
+        && address.text.contains('.')
+        && address.text.starts_with(|c: char| c.is_ascii_uppercase())
+        && times.len() <= 1
+    {
+        return wait_for_bit(
+            address.text,
+            state.text,
+            times.first().map(|word| word.text),
+        );
+    }
     let (first, limit) = match words {
         [first] => (first, None),
         [first, limit] => (first, Some(duration(limit.text)?)),
@@ -288,7 +329,11 @@ fn wait(words: &[Word<'_>]) -> Result<Action, String> {
         Word { text, .. } if limit.is_none() => return duration(text).map(Action::Wait),
         _ => return Err(wrong("wait")),
     };
-    Ok(Action::WaitFor(condition, limit.unwrap_or(DEFAULT_LIMIT)))
+    Ok(Action::WaitFor(
+        condition,
+        0,
+        limit.unwrap_or(DEFAULT_LIMIT),
+    ))
 }
 
 fn expect(words: &[&str]) -> Result<Expect, String> {
@@ -323,7 +368,11 @@ fn expect(words: &[&str]) -> Result<Expect, String> {
             })?)
         }
         [address, state] if address.starts_with(|c: char| c.is_ascii_uppercase()) => {
-            Expect::Bit(bit(address)?, zero_one(state)?)
+            if address.contains('.') {
+                Expect::Bit(bit(address)?, zero_one(state)?)
+            } else {
+                Expect::Value(byte(address)?, whole_number(state)?)
+            }
         }
         _ => return Err(wrong("expect")),
     })

@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use gsk_core::cnc::Request;
+
 use super::{Action, Line, Script};
 use crate::emulator::{Emulator, PRESS_TICKS, Watch};
 use crate::keys::Key;
@@ -93,8 +95,13 @@ enum Stage {
         ticks: u64,
         done: i32,
     },
-    /// Something is waited for until this tick.
-    Waiting(Box<Watch>, u64),
+    /// Something is waited for, from the first tick to the last.
+    Waiting {
+        watch: Box<Watch>,
+        since: u64,
+        earliest: u64,
+        latest: u64,
+    },
     /// Failed or finished.
     Over,
 }
@@ -210,9 +217,19 @@ impl Runner {
                 self.stage = Stage::Resting(now + PRESS_TICKS);
                 return Next::Look;
             }
-            Stage::Waiting(watch, until) => {
-                if !watch.reached(emulator) {
-                    if now < *until {
+            Stage::Waiting {
+                watch,
+                since,
+                earliest,
+                latest,
+            } => {
+                let reached = watch.reached(emulator);
+                if reached && now < *earliest {
+                    let seen = format!("already after {} ms", now - *since);
+                    return Next::Say(Progress::Failed(self.failure(seen)));
+                }
+                if !reached {
+                    if now < *latest {
                         return Next::Tick;
                     }
                     let seen = format!("not within the time; the LCD shows\n{}", emulator.screen());
@@ -271,13 +288,24 @@ impl Runner {
                 };
             }
             Action::Wait(ticks) => self.stage = Stage::Resting(now + ticks),
-            Action::WaitFor(condition, limit) => {
-                self.stage = Stage::Waiting(Box::new(Watch::new(condition, emulator)), now + limit);
+            Action::WaitFor(condition, earliest, latest) => {
+                self.stage = Stage::Waiting {
+                    watch: Box::new(Watch::new(condition, emulator)),
+                    since: now,
+                    earliest: now + earliest,
+                    latest: now + latest,
+                };
             }
             Action::Set(address, state) => {
                 emulator.simulation.lathe.force_input(address, Some(state));
             }
             Action::Free(address) => emulator.simulation.lathe.force_input(address, None),
+            Action::Force(bit, value) => {
+                let request = Request::ForceBit(bit, value);
+                if let Err(alarm) = emulator.simulation.cnc.request(request) {
+                    return Next::Say(Progress::Failed(self.failure(alarm.line_text())));
+                }
+            }
             Action::Expect(expect) => {
                 if let Err(seen) = expect.check(emulator) {
                     return Next::Say(Progress::Failed(self.failure(seen)));

@@ -35,18 +35,60 @@ pub(super) fn run(input: &[u8]) {
             "its listing has errors: {errors}\n{listed}"
         ),
     }
+    // Rungs lead back to the list they came from.
+    let drawn: Vec<String> = ladder
+        .networks()
+        .flat_map(|network| network.statements())
+        .map(|statement| statement.to_string())
+        .collect();
+    let written: Vec<String> = ladder
+        .statements()
+        .iter()
+        .map(ToString::to_string)
+        .collect();
+    assert_eq!(drawn, written, "of\n{listed}");
+    for subject in ladder.addresses() {
+        let used = ladder.references(subject);
+        assert!(!used.is_empty(), "{subject:?} is named and used nowhere");
+    }
     watch::seen("steps", watch::roughly(ladder.steps().into()));
     let mut plc = Plc::new(Arc::new(ladder));
+    let mut stepped = plc.clone();
+    let mut together = true;
     for slot in 0..SLOTS {
         // Inputs that change, each at its own pace.
         for byte in 0..4 {
             plc.memory_mut().set_x(byte, (slot >> byte) as u8);
+            stepped.memory_mut().set_x(byte, (slot >> byte) as u8);
         }
         watch::unit(|| plc.slot());
+        together = together && step_through(&mut stepped) && plc.fault().is_none();
+        if together {
+            assert_eq!(
+                plc.memory(),
+                stepped.memory(),
+                "stepped otherwise in slot {slot}"
+            );
+        }
+    }
+    for network in plc.ladder().networks() {
+        assert_eq!(plc.power(&network).len(), network.statements().len());
     }
     watch::seen("fault", plc.fault().is_some());
     let retained = plc.memory().retained();
     plc.memory_mut().restore_retained(&retained);
     plc.power_on();
     plc.slot();
+}
+
+/// One slot, rung by rung; `false` for a loop that takes too many.
+fn step_through(plc: &mut Plc) -> bool {
+    const STEPS: u32 = 2000;
+    for _ in 0..STEPS {
+        watch::unit(|| plc.step_rung());
+        if !plc.within_slot() {
+            return true;
+        }
+    }
+    false
 }

@@ -1,0 +1,314 @@
+//! The ladder beside the motion: its slots never shift the interpolation, and a
+//! loaded ladder runs from the next power-on.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on should say where"
+)]
+
+use std::sync::Arc;
+
+use gsk_core::cnc::{LadderStep, Request};
+use gsk_core::operation::{RunState, SoftSwitch};
+use gsk_core::plc::Ladder;
+use gsk_core::plc::address::BitAddress;
+use gsk_core::program::Program;
+use gsk_core::setup::{STANDARD_LADDER, Setup};
+use gsk_core::simulation::Simulation;
+use gsk_core::units::Point;
+
+const PROGRAM: &str =
+    "G98\nG00 X40 Z2\nG01 X40 Z-30 F3000\nG02 X60 Z-40 R10 F2000\nG00 X100 Z50\nM30\n";
+
+fn compiled(source: &str) -> Arc<Ladder> {
+    Arc::new(Ladder::compile(source).unwrap())
+}
+
+fn bit(text: &str) -> BitAddress {
+    text.parse().unwrap()
+}
+
+/// The path of the program, tick by tick from the start signal on.
+fn path(ladder: Arc<Ladder>) -> Vec<Point> {
+    let mut simulation = Simulation::new(Setup {
+        ladder,
+        ..Setup::default()
+    });
+    let open = Request::OpenExternal(Program::new(PROGRAM));
+    simulation.cnc.request(open).unwrap();
+    simulation.start_automatic();
+    let mut path = Vec::new();
+    for _ in 0..20_000 {
+        simulation.tick();
+        if simulation.cnc.run_state() == RunState::Run {
+            path.push(simulation.cnc.position_machine());
+        }
+    }
+    assert_eq!(simulation.cnc.run_state(), RunState::Reset);
+    // What was run while the key's rest passed is the same for all.
+    path
+}
+
+#[test]
+fn the_division_of_level_2_never_shifts_the_path() {
+    let divided = path(compiled(STANDARD_LADDER));
+    let undivided = path(compiled(&format!(".OPT n1\n{STANDARD_LADDER}")));
+    // The start may come some slots earlier; from then on tick by tick the same.
+    let began = |path: &[Point]| path.iter().position(|at| *at != path[0]).unwrap();
+    let (a, b) = (&divided[began(&divided)..], &undivided[began(&undivided)..]);
+    let same = a.len().min(b.len()).min(1000);
+    assert!(same > 500, "{same}");
+    assert_eq!(a[..same], b[..same]);
+}
+
+#[test]
+fn a_loaded_ladder_runs_from_the_next_power_on() {
+    let mut simulation = Simulation::new(Setup::default());
+    let other = compiled("END1\nLDI R0.0\nOUT Y2.5\nEND2");
+    let load = Request::LoadLadder(Arc::clone(&other));
+    simulation.cnc.request(load).unwrap();
+    for _ in 0..100 {
+        simulation.tick();
+    }
+    assert!(!simulation.cnc.plc().memory().bit(bit("Y2.5")));
+    assert_eq!(simulation.cnc.next_ladder(), Some(&other));
+    simulation.power_cycle();
+    assert_eq!(simulation.cnc.next_ladder(), None);
+    for _ in 0..100 {
+        simulation.tick();
+    }
+    assert!(simulation.cnc.plc().memory().bit(bit("Y2.5")));
+}
+
+#[test]
+fn a_halted_ladder_goes_on_by_steps() {
+    let mut simulation = Simulation::new(Setup::default());
+    for _ in 0..100 {
+        simulation.tick();
+    }
+    simulation.cnc.request(Request::HaltLadder(true)).unwrap();
+    simulation.cnc.set_panel_key(bit("X24.7"), true);
+    for _ in 0..100 {
+        simulation.tick();
+    }
+    let hold = |simulation: &Simulation| !simulation.cnc.plc().memory().bit(bit("G8.5"));
+    assert!(!hold(&simulation), "the ladder stands");
+    assert!(simulation.cnc.ladder_halted());
+    let step = |simulation: &mut Simulation, step| {
+        simulation.cnc.request(Request::StepLadder(step)).unwrap();
+    };
+    assert_eq!(simulation.cnc.plc().next_rung(), Some(1));
+    step(&mut simulation, LadderStep::Rung);
+    assert_eq!(simulation.cnc.plc().next_rung(), Some(2));
+    assert!(!hold(&simulation));
+    step(&mut simulation, LadderStep::Rung);
+    assert!(hold(&simulation), "F02 is the second rung");
+    assert!(simulation.cnc.in_feed_hold());
+    step(&mut simulation, LadderStep::Slot);
+    assert_eq!(simulation.cnc.plc().next_rung(), Some(1));
+    simulation.cnc.request(Request::HaltLadder(false)).unwrap();
+    simulation.cnc.set_panel_key(bit("X24.7"), false);
+    for _ in 0..100 {
+        simulation.tick();
+    }
+    assert!(!hold(&simulation));
+}
+
+#[test]
+fn a_forced_bit_and_a_soft_switch_reach_the_control() {
+    let mut simulation = Simulation::new(Setup::default());
+    let ticks = |simulation: &mut Simulation| {
+        for _ in 0..100 {
+            simulation.tick();
+        }
+    };
+    let force = Request::ForceBit(bit("G46.7"), Some(true));
+    simulation.cnc.request(force).unwrap();
+    ticks(&mut simulation);
+    assert!(simulation.cnc.plc().memory().bit(bit("F2.7")), "dry run");
+    let free = Request::ForceBit(bit("G46.7"), None);
+    simulation.cnc.request(free).unwrap();
+    ticks(&mut simulation);
+    assert!(!simulation.cnc.plc().memory().bit(bit("F2.7")));
+    for switch in SoftSwitch::ALL {
+        let on = Request::SoftSwitch(switch, true);
+        simulation.cnc.request(on).unwrap();
+        assert!(simulation.cnc.soft_switch(switch));
+    }
+    ticks(&mut simulation);
+    let memory = simulation.cnc.plc().memory();
+    assert_eq!(memory.f(75), 0b11_1110);
+    for signal in ["F4.1", "F4.4", "F4.3", "F2.7", "F4.0"] {
+        assert!(memory.bit(bit(signal)), "{signal}");
+    }
+}
+
+/// A program that moves Z down slowly, one second after its start.
+fn moving(changes: &[(u16, u8)]) -> Simulation {
+    let mut setup = Setup::default();
+    for (number, bit) in changes {
+        setup.parameters.set_bit(*number, *bit, true).unwrap();
+    }
+    let mut simulation = Simulation::new(setup);
+    let program = Program::new("G98\nG01 W-600 F600\nM30\n");
+    simulation
+        .cnc
+        .request(Request::OpenExternal(program))
+        .unwrap();
+    simulation.start_automatic();
+    run(&mut simulation, 1000);
+    simulation
+}
+
+fn run(simulation: &mut Simulation, ticks: u32) {
+    for _ in 0..ticks {
+        simulation.tick();
+    }
+}
+
+fn force(simulation: &mut Simulation, address: &str, value: Option<bool>) {
+    let request = Request::ForceBit(bit(address), value);
+    simulation.cnc.request(request).unwrap();
+    run(simulation, 1000);
+}
+
+fn advances(simulation: &mut Simulation) -> bool {
+    let before = simulation.cnc.position_machine();
+    run(simulation, 100);
+    simulation.cnc.position_machine() != before
+}
+
+#[test]
+fn interlocks_hold_a_run_that_goes_on_by_itself() {
+    let mut simulation = moving(&[]);
+    assert!(advances(&mut simulation));
+    // Signal, its value, and whether a motion of Z in its negative direction waits.
+    let table = [
+        ("G7.1", true, true),
+        ("G8.0", false, true),
+        ("G130.1", true, true),
+        ("G130.0", true, false),
+        ("G134.1", true, true),
+        ("G132.1", true, false),
+        ("G134.0", true, false),
+    ];
+    for (signal, value, waits) in table {
+        force(&mut simulation, signal, Some(value));
+        assert_eq!(advances(&mut simulation), !waits, "{signal}");
+        assert_eq!(simulation.cnc.run_state(), RunState::Run, "{signal}");
+        force(&mut simulation, signal, None);
+        // Nothing in the standard ladder writes the interlocks of single axes.
+        if !matches!(signal, "G8.0") {
+            force(&mut simulation, signal, Some(!value));
+            force(&mut simulation, signal, None);
+        }
+        assert!(advances(&mut simulation), "after {signal}");
+    }
+    assert!(simulation.cnc.alarms().is_empty());
+}
+
+#[test]
+fn a_limit_signal_stops_the_way_into_it_with_its_alarm() {
+    let mut simulation = moving(&[]);
+    // The other side, and the other axis: nothing.
+    for signal in ["G114.1", "G116.0"] {
+        force(&mut simulation, signal, Some(false));
+        assert!(advances(&mut simulation), "{signal}");
+        force(&mut simulation, signal, None);
+    }
+    force(&mut simulation, "G116.1", Some(false));
+    let numbers: Vec<u16> = simulation.cnc.alarms().iter().map(|a| a.number).collect();
+    assert_eq!(numbers, [204]);
+    assert!(!advances(&mut simulation));
+    assert_eq!(simulation.cnc.run_state(), RunState::Stop);
+}
+
+#[test]
+fn a_cut_waits_for_the_speed_arrival_signal() {
+    let mut simulation = moving(&[]);
+    assert!(advances(&mut simulation), "175.6 = 0: not looked at");
+    let mut setup = Setup::default();
+    setup.parameters.set_bit(175, 6, true).unwrap();
+    setup.parameters.set(72, 500).unwrap();
+    let mut simulation = Simulation::new(setup);
+    let program = Program::new("G98\nG00 W-10\nG01 W-10 F600\nG01 W-10\nM30\n");
+    simulation
+        .cnc
+        .request(Request::OpenExternal(program))
+        .unwrap();
+    let hold = Request::ForceBit(bit("G29.4"), Some(false));
+    simulation.cnc.request(hold).unwrap();
+    simulation.start_automatic();
+    run(&mut simulation, 5000);
+    let z = simulation.cnc.position_machine().z;
+    assert!(
+        (z - 290.0).abs() < 1e-9,
+        "the rapid is over, the cut waits: {z}"
+    );
+    force(&mut simulation, "G29.4", None);
+    run(&mut simulation, 5000);
+    let z = simulation.cnc.position_machine().z;
+    assert!(
+        (z - 270.0).abs() < 1e-9,
+        "both cuts, the second unchecked: {z}"
+    );
+}
+
+#[test]
+fn one_percent_rapid_and_the_override_table() {
+    use gsk_core::operation::FromPlc;
+    use gsk_core::plc::Memory;
+    let decoded = |writes: &[(u16, u8)]| {
+        let mut memory = Memory::new();
+        for (byte, value) in writes {
+            memory.set_g(*byte, *value);
+        }
+        FromPlc::read(&memory)
+    };
+    // G96: HROV and the inverted seven bits; above 100 % counts as 100.
+    assert_eq!(decoded(&[(96, 0b1111_1110), (14, 3)]).rapid_override, 1);
+    assert_eq!(decoded(&[(96, 0b1000_0000)]).rapid_override, 100);
+    assert_eq!(decoded(&[(96, 0b1111_1111)]).rapid_override, 0);
+    for (code, percent) in [(0, 100), (2, 50), (1, 25), (3, 0)] {
+        assert_eq!(decoded(&[(14, code)]).rapid_override, percent);
+    }
+    for (code, percent) in [(15, 0), (10, 50), (5, 100), (4, 110), (0, 150)] {
+        assert_eq!(decoded(&[(12, code)]).feed_override, percent);
+    }
+    let spindle = [
+        (7, 50),
+        (6, 60),
+        (2, 70),
+        (3, 80),
+        (1, 90),
+        (0, 100),
+        (4, 110),
+        (5, 120),
+    ];
+    for (code, percent) in spindle {
+        assert_eq!(decoded(&[(30, code)]).spindle_override, percent);
+    }
+    assert_eq!(
+        decoded(&[(10, 5), (11, 1)]).jog_code,
+        15,
+        "G11 is 0 in the table"
+    );
+    assert_eq!(decoded(&[(201, 3)]).current_tool, 3);
+    assert_eq!(decoded(&[(202, 1)]).current_tool, 255, "no such tool");
+}
+
+#[test]
+fn key1_protects_the_programs() {
+    let mut simulation = Simulation::new(Setup::default());
+    let store = |simulation: &mut Simulation| {
+        let request = Request::StoreProgram("O0007\nM30\n".to_owned());
+        simulation.cnc.request(request).unwrap();
+        simulation.cnc.programs().iter().count()
+    };
+    force(&mut simulation, "G46.3", Some(true));
+    assert!(simulation.cnc.memory_protected());
+    assert_eq!(store(&mut simulation), 0);
+    force(&mut simulation, "G46.3", None);
+    force(&mut simulation, "G46.3", Some(false));
+    assert_eq!(store(&mut simulation), 1);
+}

@@ -1,0 +1,139 @@
+//! Machine files: the example is a lathe, the document names every field, and
+//! what cannot be is refused by field and rule.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on should say where"
+)]
+
+use gsk_core::machine::{Lathe, LatheConfig, Outputs};
+use gsk_core::memory::Parameters;
+
+const EXAMPLE: &str = include_str!("../../assets/machines/small-flat-bed.ron");
+const DOCUMENT: &str = include_str!("../../docs/machine-file.md");
+
+fn read(text: &str) -> Result<LatheConfig, String> {
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    options.from_str(text).map_err(|error| error.to_string())
+}
+
+#[test]
+fn the_example_is_another_lathe() {
+    let config = read(EXAMPLE).unwrap();
+    config.check().unwrap();
+    assert!(!config.rear_tool_post);
+    let mut parameters = Parameters::default();
+    parameters.set(84, 6).unwrap();
+    let mut lathe = Lathe::new(config, &parameters);
+    assert_eq!(lathe.station(), Some(2));
+    let at = lathe.slides();
+    assert!(
+        (at.x + 20.0).abs() < 1e-3 && (at.z + 80.0).abs() < 1e-3,
+        "{at:?}"
+    );
+    // TL+ for one station: 900 ms less the window of 45 ms.
+    let mut forward = Outputs::default();
+    forward.y[1] = 1 << 6;
+    let ticks = (1..2000).find(|_| {
+        lathe.tick(&forward);
+        lathe.station() == Some(3)
+    });
+    assert_eq!(ticks, Some(855));
+    // Its drives give no one-turn signal.
+    for place in 0..100 {
+        lathe.put_slides(gsk_core::units::Point::new(0.0, f64::from(place) * -0.5));
+        let inputs = lathe.inputs();
+        assert!(!inputs.index_pulse.z);
+    }
+}
+
+#[test]
+fn the_document_names_every_field() {
+    let default = ron::ser::to_string(&LatheConfig::default()).unwrap();
+    let mut fields = 0;
+    for part in default.split(['(', ',', ')']) {
+        let Some((name, _)) = part.split_once(':') else {
+            continue;
+        };
+        let inner = matches!(
+            name,
+            "minus" | "plus" | "from" | "to" | "gain" | "largest_error"
+        );
+        assert!(
+            inner || DOCUMENT.contains(&format!("`{name}`")),
+            "docs/machine-file.md does not tell of {name}"
+        );
+        fields += 1;
+    }
+    assert!(fields > 20, "{fields}");
+}
+
+#[test]
+fn what_cannot_be_is_refused_by_field_and_rule() {
+    let table = [
+        ("(name: \"\")", "name: must not be empty"),
+        (
+            "(x: (limits: (minus: 10, plus: -310)))",
+            "x.limits: minus 10 must lie below plus -310",
+        ),
+        (
+            "(z: (start: 20))",
+            "z.start: 20 lies beyond the limit switches -505 to 5",
+        ),
+        (
+            "(z: (dog: (from: -5, to: -30)))",
+            "z.dog: from -5 must lie below to -30",
+        ),
+        (
+            "(x: (dog: (from: -10, to: 20)))",
+            "x.dog: -10 to 20 does not lie within the limit switches -310 to 10",
+        ),
+        (
+            "(x: (motor_turn: 0))",
+            "x.motor_turn: 0 is not above 0 and at most 1000 mm",
+        ),
+        (
+            "(x: (pulse: -0.001))",
+            "x.pulse: -0.001 is not above 0 and at most 1 mm; `reversed` gives the direction",
+        ),
+        (
+            "(x: (servo: (gain: 0)))",
+            "x.servo.gain: 0 is not from 1 to 1000",
+        ),
+        (
+            "(turret: (stations: 12))",
+            "turret.stations: 12 is more than 8: there is a contact T01 to T08 for each station",
+        ),
+        (
+            "(turret: (stations: 4, first: 5))",
+            "turret.first: 5 is no station: they are 1 to 4",
+        ),
+        (
+            "(turret: (window: 0.5))",
+            "turret.window: 0.5 is not between 0 and 0.5 of a pitch",
+        ),
+        (
+            "(spindle: (steps: (1, 2, 3, 1e9)))",
+            "spindle.steps: 1000000000 is not from 0 to 99999 r/min",
+        ),
+        (
+            "(spindle: (encoder_lines: 7))",
+            "spindle.encoder_lines: 7 is neither 0 (no encoder) nor 100 to 5000",
+        ),
+        (
+            "(chuck: (travel_ms: 0))",
+            "chuck.travel_ms: 0 ms is not from 1 to 600000 ms",
+        ),
+    ];
+    for (text, expected) in table {
+        let errors = read(text).unwrap().check().unwrap_err();
+        let seen: Vec<String> = errors.iter().map(ToString::to_string).collect();
+        assert!(seen.contains(&expected.to_owned()), "{text}: {seen:?}");
+    }
+    for text in ["(nmae: \"x\")", "(x: (start: \"left\"))", "(turret: 4)"] {
+        assert!(read(text).is_err(), "{text}");
+    }
+    LatheConfig::default().check().unwrap();
+    LatheConfig::free().check().unwrap();
+}
