@@ -122,6 +122,10 @@ fn what_cannot_be_is_refused_by_field_and_rule() {
             "spindle.encoder_lines: 7 is neither 0 (no encoder) nor 100 to 5000",
         ),
         (
+            "(link: (baud: 300))",
+            "link.baud: 300 is not from 9600 to 4000000",
+        ),
+        (
             "(chuck: (travel_ms: 0))",
             "chuck.travel_ms: 0 ms is not from 1 to 600000 ms",
         ),

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use super::config::{AxisConfig, LatheConfig};
+use super::link::LinkConfig;
 
 /// A field of the machine file that cannot be, and the rule it breaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -171,6 +172,14 @@ impl LatheConfig {
             );
         }
         check.time(self.chuck.travel_ms, 1, "chuck.travel_ms");
+        if let Some(Err(error)) = self.link.as_ref().map(LinkConfig::check) {
+            let (value, least, most) = (error.value, error.least, error.most);
+            check.rule(
+                false,
+                format!("link.{}", error.field),
+                format!("{value} is not from {least} to {most}"),
+            );
+        }
         if check.0.is_empty() {
             Ok(())
         } else {
