@@ -3,7 +3,7 @@
 
 mod bench;
 
-use bench::{press, ticks};
+use bench::{press, started, ticks};
 use gsk_core::cnc::{Event, Request};
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::operation::RunState;
@@ -25,17 +25,6 @@ G74 R0.5;
 G74 X90 Z-3 P4000 Q2000 F900;
 M30;
 ";
-
-fn started(text: &str) -> Simulation {
-    let mut simulation = Simulation::new(Setup::default());
-    ticks(&mut simulation, 100);
-    let opened = simulation
-        .cnc
-        .request(Request::OpenExternal(Program::new(text)));
-    assert_eq!(opened, Ok(()));
-    simulation.start_automatic();
-    simulation
-}
 
 fn key(byte: u16, bit: u8) -> BitAddress {
     BitAddress::new(Area::X, byte, bit)
@@ -83,12 +72,12 @@ fn the_control_cuts_what_the_preview_shows() {
         [51, 52, 56].map(|number| preview.parameters.value(number)),
         [5000, 1000, 500]
     );
-    assert_eq!(moves(&mut started(SHAFT)), shown);
+    assert_eq!(moves(&mut started(Setup::default(), SHAFT)), shown);
 }
 
 #[test]
 fn feed_hold_in_a_cycle_waits_for_the_end_of_the_segment() {
-    let mut simulation = started(SHAFT);
+    let mut simulation = started(Setup::default(), SHAFT);
     // Into the first cut of G71, X90.5 from Z5.2 to the contour.
     let cutting = |simulation: &Simulation| {
         let at = simulation.cnc.position_absolute();

@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{press, ticks};
+use bench::{press, started, ticks};
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::memory::Variables;
@@ -12,17 +12,6 @@ use gsk_core::preview::{End, preview};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
-
-fn started(text: &str) -> Simulation {
-    let mut simulation = Simulation::new(Setup::default());
-    ticks(&mut simulation, 100);
-    let opened = simulation
-        .cnc
-        .request(Request::OpenExternal(Program::new(text)));
-    assert_eq!(opened, Ok(()));
-    simulation.start_automatic();
-    simulation
-}
 
 fn previewed(text: &str) -> (End, f64) {
     let setup = Setup::default();
@@ -36,7 +25,7 @@ fn previewed(text: &str) -> (End, f64) {
 #[test]
 fn an_operation_takes_a_millisecond() {
     let text = "G65 H01 P#200 Q0;\nN1 G65 H02 P#200 Q#200 R1;\nG65 H84 P1 Q#200 R1000;\nM30;";
-    let mut simulation = started(text);
+    let mut simulation = started(Setup::default(), text);
     let value = |simulation: &Simulation| simulation.cnc.variables().get(200).unwrap_or(0);
     let first = value(&simulation);
     ticks(&mut simulation, 500);
@@ -58,7 +47,7 @@ fn an_endless_loop_keeps_running_and_the_preview_gives_up() {
         "N1 G65 H81 P1 Q#1004 R#1004;",
         "N1;\nN2;\nG65 H80 P-2;",
     ] {
-        let mut simulation = started(text);
+        let mut simulation = started(Setup::default(), text);
         ticks(&mut simulation, 1000);
         assert_eq!(simulation.cnc.run_state(), RunState::Run);
     }
@@ -68,6 +57,7 @@ fn an_endless_loop_keeps_running_and_the_preview_gives_up() {
 #[test]
 fn inputs_and_outputs_are_those_of_the_ladder() {
     let mut simulation = started(
+        Setup::default(),
         "G01 U1 F60;\nG65 H01 P#1104 Q1;\nG65 H01 P#1133 Q66051;\nN5 G65 H81 P5 Q#1003 R1;\nG65 H01 P#1104 Q0;\nG65 H01 P#200 Q77;\nM30;",
     );
     let output = |simulation: &Simulation| simulation.cnc.plc().memory().f(54);
@@ -97,7 +87,7 @@ fn inputs_and_outputs_are_those_of_the_ladder() {
 
 #[test]
 fn variables_survive_power_off_and_are_keyed_in_by_hand() {
-    let mut simulation = started("G65 H01 P#231 Q-5;\nM30;");
+    let mut simulation = started(Setup::default(), "G65 H01 P#231 Q-5;\nM30;");
     assert_eq!(
         simulation.run_until(Until::Stopped, 10_000),
         Outcome::Reached
@@ -140,7 +130,7 @@ fn a_locked_return_lights_no_lamp() {
 
 #[test]
 fn user_alarms_come_in_their_turn() {
-    let mut simulation = started("G01 U10 F60;\nG65 H99 P15;");
+    let mut simulation = started(Setup::default(), "G01 U10 F60;\nG65 H99 P15;");
     assert!(simulation.cnc.alarms().is_empty() && simulation.cnc.is_moving());
     simulation.run_until(Until::Stopped, 60_000);
     let alarm = &simulation.cnc.alarms()[0];

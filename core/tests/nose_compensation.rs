@@ -3,8 +3,8 @@
 
 mod bench;
 
-use bench::{press, ticks};
-use gsk_core::cnc::{Event, Request};
+use bench::press;
+use gsk_core::cnc::Event;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::memory::ToolOffset;
 use gsk_core::operation::RunState;
@@ -58,14 +58,7 @@ fn setup() -> Option<Setup> {
 fn started() -> Simulation {
     let setup = setup();
     assert!(setup.is_some());
-    let mut simulation = Simulation::new(setup.unwrap_or_default());
-    ticks(&mut simulation, 100);
-    let opened = simulation
-        .cnc
-        .request(Request::OpenExternal(Program::new(PROFILE)));
-    assert_eq!(opened, Ok(()));
-    simulation.start_automatic();
-    simulation
+    bench::started(setup.unwrap_or_default(), PROFILE)
 }
 
 /// The moves up to the next stop.

@@ -3,10 +3,9 @@
 mod bench;
 
 use bench::{press, ticks};
-use gsk_core::cnc::{Event, Request};
+use gsk_core::cnc::Event;
 use gsk_core::operation::{Mode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
-use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
 
@@ -17,18 +16,11 @@ fn key(byte: u16, bit: u8) -> BitAddress {
 }
 
 fn with_program(text: &str) -> Simulation {
-    let mut simulation = Simulation::new(Setup::default());
-    ticks(&mut simulation, 100);
-    let opened = simulation
-        .cnc
-        .request(Request::OpenExternal(Program::new(text)));
-    assert_eq!(opened, Ok(()));
-    simulation
+    bench::with_program(Setup::default(), text)
 }
 
 fn run(text: &str) -> Simulation {
-    let mut simulation = with_program(text);
-    simulation.start_automatic();
+    let mut simulation = bench::started(Setup::default(), text);
     assert_eq!(
         simulation.run_until(Until::Stopped, 10 * MINUTE),
         Outcome::Reached

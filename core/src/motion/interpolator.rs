@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::follower::{Handover, SpindleTick};
 use super::inputs::{MotionInputs, cutting_target, rapid_rate, rapid_target};
 use super::jog::{JogRate, ManualAxis};
 use super::lag::Lag;
@@ -10,7 +11,7 @@ use super::path::Path;
 use super::ramp::Ramp;
 use super::rapid::Rapid;
 use super::tap::Tap;
-use super::thread::{Handover, SpindleTick, Thread, ThreadMove};
+use super::thread::{Thread, ThreadMove};
 use crate::units::{Axis, Feed, PerAxis, Point, TICK_S};
 
 /// Programmed motion.

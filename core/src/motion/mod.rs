@@ -54,6 +54,7 @@
 //! force; the distance left is kept, so that going on loses no position.
 
 mod duration;
+mod follower;
 mod gear;
 mod inputs;
 mod interpolator;

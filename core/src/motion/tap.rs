@@ -12,9 +12,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::gear::{Gear, GearEnd};
-use super::thread::{SpindleTick, Wait};
-use crate::units::{Point, TICK_S};
+use super::follower::{Follower, SpindleTick, Wait, Way};
+use crate::units::Point;
 
 /// A tap under way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,11 +21,7 @@ pub(crate) struct Tap {
     from: Point,
     to: Point,
     lead: f64,
-    wait: Option<Wait>,
-    begin: f64,
-    direction: f64,
-    turned: f64,
-    gear: Gear,
+    follower: Follower,
     /// Turns of the way out, once it is asked for.
     out: Option<f64>,
 }
@@ -38,18 +33,14 @@ impl Tap {
             from,
             to,
             lead: lead.abs().max(1e-6),
-            wait: Some(Wait::degrees(degrees)),
-            begin: 0.0,
-            direction: 1.0,
-            turned: 0.0,
-            gear: Gear::default(),
+            follower: Follower::waiting(Wait::degrees(degrees)),
             out: None,
         }
     }
 
     /// Whether the tool has begun to follow.
     pub const fn running(&self) -> bool {
-        self.wait.is_none()
+        self.follower.running()
     }
 
     /// Where it goes at present.
@@ -64,56 +55,31 @@ impl Tap {
     /// Whether the programmed depth is reached.
     pub fn at_bottom(&self) -> bool {
         let depth = (self.to.z - self.from.z).abs();
-        self.out.is_none() && self.running() && self.gear.done * self.lead >= depth
+        self.out.is_none() && self.running() && self.follower.done() * self.lead >= depth
     }
 
-    /// Turns round: the way made counts back, the other direction of the spindle
-    /// leads out.
+    /// Turns round: the other direction of the spindle leads out.
     pub fn turn_back(&mut self) {
-        if self.out.is_some() {
-            return;
+        if self.out.is_none() {
+            self.out = Some(self.follower.done().max(0.0));
+            self.follower.turn_back();
         }
-        self.out = Some(self.gear.done.max(0.0));
-        self.begin += self.direction * self.turned;
-        self.direction = -self.direction;
-        self.turned = 0.0;
-        self.gear = Gear {
-            rate: 1.0,
-            done: 0.0,
-        };
     }
 
     /// Whether it is back at the start.
     pub fn finished(&self) -> bool {
-        self.out.is_some_and(|total| self.gear.done >= total)
+        self.out.is_some_and(|total| self.follower.done() >= total)
     }
 
     /// Goes on for `time` seconds, the last of the tick; the time used.
     pub fn advance(&mut self, tick: &SpindleTick<'_>, time: f64) -> f64 {
-        let law = tick.limits.gear_law();
-        let spin = tick.rpm.abs() / 60.0;
-        let mut time = time;
-        let mut unused = 0.0;
-        if let Some(wait) = &mut self.wait {
-            let Some(beginning) = wait.tick(tick.spindle, tick.rpm, tick.hold) else {
-                return time;
-            };
-            self.wait = None;
-            self.begin = beginning.angle;
-            self.direction = beginning.direction;
-            self.gear.rate = law.lowest_rate(self.lead, spin);
-            unused = time - (beginning.part * TICK_S).min(time);
-            time -= unused;
-        }
-        let turned = self.direction * (tick.spindle.now - self.begin);
-        let last = law.lowest_rate(self.lead, spin);
-        let end = GearEnd {
-            total: self.out.unwrap_or(f64::INFINITY),
-            last: (self.out.is_some() && last < 1.0).then_some(last),
+        let way = Way {
+            turns: self.out.unwrap_or(f64::INFINITY),
+            first_lead: self.lead,
+            last_lead: self.out.map(|_| self.lead),
         };
-        let used = self.gear.advance(law, end, turned - self.turned, time);
-        self.turned = turned;
-        unused + used
+        let spent = self.follower.advance(tick, way, time);
+        spent.waiting + spent.used
     }
 
     /// Where the tool is.
@@ -122,8 +88,8 @@ impl Tap {
             return self.from;
         }
         let deep = match self.out {
-            Some(total) => total - self.gear.done,
-            None => self.gear.done.max(0.0),
+            Some(total) => total - self.follower.done(),
+            None => self.follower.done().max(0.0),
         };
         let inwards = if self.to.z < self.from.z { -1.0 } else { 1.0 };
         Point::new(self.from.x, self.from.z + inwards * deep * self.lead)

@@ -13,12 +13,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::gear::{Gear, GearEnd, GearLaw};
+use super::follower::{Follower, Handover, SpindleTick, Wait, Way};
+use super::gear::GearLaw;
 use super::limits::MotionLimits;
 use super::path::Path;
 use crate::command::ThreadStart;
-use crate::spindle::SpindleTurn;
-use crate::units::{Axis, Point, TICK_S};
+use crate::units::{Axis, Point};
 
 /// A thread to cut.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -160,124 +160,6 @@ impl Tail {
     }
 }
 
-/// What a thread leaves to the one that goes on from it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Handover {
-    /// Angle at which the next thread begins.
-    begin: f64,
-    direction: f64,
-    /// Turns of the spindle beyond that angle already, and rate of the gear.
-    turned: f64,
-    rate: f64,
-}
-
-impl Handover {
-    /// The axes came to a stop in between: only the angle counts.
-    pub const fn stand_still(&mut self) {
-        self.rate = 0.0;
-    }
-}
-
-/// What a thread or a tap waits for before it begins.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Wait {
-    /// For the one-turn signal after the one at `seen`, then `phase` turns more.
-    Index { seen: Option<f64>, phase: f64 },
-    /// For the next time that this angle comes by.
-    Angle(f64),
-    /// For this angle, in this direction.
-    Begin { angle: f64, direction: f64 },
-}
-
-impl Wait {
-    pub fn degrees(degrees: f64) -> Self {
-        let phase = degrees / 360.0;
-        Self::Index {
-            seen: None,
-            phase: phase - phase.floor(),
-        }
-    }
-
-    /// One tick of waiting. At the beginning: its angle, the direction, and the part
-    /// of the tick since then.
-    pub fn tick(&mut self, spindle: &SpindleTurn, rpm: f64, hold: bool) -> Option<Beginning> {
-        let direction = if rpm < 0.0 { -1.0 } else { 1.0 };
-        if hold {
-            if let Self::Index { seen, .. } = self {
-                *seen = Some(spindle.index);
-            }
-            return None;
-        }
-        match *self {
-            Self::Index { seen: None, phase } => {
-                *self = Self::Index {
-                    seen: Some(spindle.index),
-                    phase,
-                };
-            }
-            Self::Index {
-                seen: Some(seen),
-                phase,
-            } if seen != spindle.index => {
-                let angle = next(spindle.zero + direction * phase, spindle.index, direction);
-                *self = Self::Begin { angle, direction };
-            }
-            Self::Angle(angle) => {
-                let angle = next(angle, spindle.now, direction);
-                *self = Self::Begin { angle, direction };
-            }
-            // The spindle was reversed in the meantime.
-            Self::Begin {
-                angle,
-                direction: wanted,
-            } if wanted != direction => {
-                let angle = next(angle, spindle.now, direction);
-                *self = Self::Begin { angle, direction };
-            }
-            Self::Index { .. } | Self::Begin { .. } => {}
-        }
-        let Self::Begin { angle, direction } = *self else {
-            return None;
-        };
-        let since = direction * (spindle.now - angle);
-        let step = direction * (spindle.now - spindle.before);
-        (since > 0.0 && step > 0.0).then(|| Beginning {
-            angle,
-            direction,
-            part: (since / step).min(1.0),
-        })
-    }
-}
-
-/// The first angle equal to `angle` in whole turns that comes at or after `from`.
-fn next(angle: f64, from: f64, direction: f64) -> f64 {
-    let turns = direction * (from - angle);
-    // The signal itself is the beginning, whatever the last bits say.
-    angle + direction * (turns - 1e-6).ceil()
-}
-
-/// A thread begins within a tick.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Beginning {
-    pub angle: f64,
-    pub direction: f64,
-    /// Part of the tick since the beginning.
-    pub part: f64,
-}
-
-/// What motion tied to the spindle depends on in a tick.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SpindleTick<'a> {
-    pub limits: &'a MotionLimits,
-    pub spindle: &'a SpindleTurn,
-    /// Measured speed, r/min.
-    pub rpm: f64,
-    /// Nothing begins.
-    pub hold: bool,
-    /// A thread that goes on in phase follows.
-    pub continues: bool,
-}
-
 /// A thread under way.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Thread {
@@ -287,12 +169,7 @@ pub(crate) struct Thread {
     increase: f64,
     last_lead: f64,
     total: f64,
-    wait: Option<Wait>,
-    begin: f64,
-    direction: f64,
-    /// Turns of the spindle since the beginning.
-    turned: f64,
-    gear: Gear,
+    follower: Follower,
     tail: Option<Tail>,
 }
 
@@ -304,39 +181,26 @@ impl Thread {
         before: Option<Handover>,
         limits: &MotionLimits,
     ) -> Self {
-        let mut new = Self {
+        let follower = match (thread.start, before) {
+            (ThreadStart::AtIndex { degrees }, _) => Follower::waiting(Wait::degrees(degrees)),
+            (ThreadStart::Continued, None) => Follower::waiting(Wait::degrees(0.0)),
+            (ThreadStart::Continued, Some(before)) => Follower::going_on(&before),
+        };
+        Self {
             path: Path::line(from, thread.to),
             way: thread.way(from),
             lead: thread.lead.abs().max(1e-6),
             increase: thread.increase,
             last_lead: thread.last_lead(from),
             total: thread.turns(from),
-            wait: None,
-            begin: 0.0,
-            direction: 1.0,
-            turned: 0.0,
-            gear: Gear::default(),
+            follower,
             tail: thread.tail(from, limits),
-        };
-        match (thread.start, before) {
-            (ThreadStart::AtIndex { degrees }, _) => new.wait = Some(Wait::degrees(degrees)),
-            (ThreadStart::Continued, None) => new.wait = Some(Wait::degrees(0.0)),
-            (ThreadStart::Continued, Some(before)) if before.rate <= 0.0 => {
-                new.wait = Some(Wait::Angle(before.begin));
-            }
-            (ThreadStart::Continued, Some(before)) => {
-                new.begin = before.begin;
-                new.direction = before.direction;
-                new.turned = before.turned;
-                new.gear.rate = before.rate;
-            }
         }
-        new
     }
 
     /// Whether the tool has begun to follow.
     pub const fn running(&self) -> bool {
-        self.wait.is_none()
+        self.follower.running()
     }
 
     /// End point.
@@ -346,7 +210,17 @@ impl Thread {
 
     /// Whether the end is reached.
     pub fn finished(&self) -> bool {
-        self.gear.done >= self.total && self.tail.is_none_or(|tail| tail.finished())
+        self.arrived() && self.tail.is_none_or(|tail| tail.finished())
+    }
+
+    fn arrived(&self) -> bool {
+        self.follower.done() >= self.total
+    }
+
+    /// Whether it passes its speed on to a thread that follows. A run-out with a
+    /// speed of its own comes to rest.
+    const fn passes_on(&self, continues: bool) -> bool {
+        continues && self.tail.is_none()
     }
 
     /// Goes on for `time` seconds, the last of the tick; the time used.
@@ -354,46 +228,28 @@ impl Thread {
         if self.total <= 0.0 {
             return 0.0;
         }
-        let law = tick.limits.gear_law();
-        let spin = tick.rpm.abs() / 60.0;
-        let mut time = time;
-        let mut unused = 0.0;
-        if let Some(wait) = &mut self.wait {
-            let Some(beginning) = wait.tick(tick.spindle, tick.rpm, tick.hold) else {
-                return time;
-            };
-            self.wait = None;
-            self.begin = beginning.angle;
-            self.direction = beginning.direction;
-            self.gear.rate = law.lowest_rate(self.lead, spin);
-            unused = time - (beginning.part * TICK_S).min(time);
-            time -= unused;
-        }
-        let turned = self.direction * (tick.spindle.now - self.begin);
-        let turns = turned - self.turned;
-        let last = law.lowest_rate(self.last_lead, spin);
-        let end = GearEnd {
-            total: self.total,
-            last: (!tick.continues && last < 1.0).then_some(last),
+        let comes_down = !self.passes_on(tick.continues);
+        let way = Way {
+            turns: self.total,
+            first_lead: self.lead,
+            last_lead: comes_down.then_some(self.last_lead),
         };
-        let used = self.gear.advance(law, end, turns, time);
-        self.gear.done = self.gear.done.max(0.0);
-        self.turned += turns * if time > 0.0 { used / time } else { 1.0 };
+        let spent = self.follower.advance(tick, way, time);
         match &mut self.tail {
             Some(tail) if !tail.finished() => {
-                tail.passed += time;
-                unused + time
+                tail.passed += spent.offered;
+                spent.waiting + spent.offered
             }
-            _ => unused + used,
+            _ => spent.waiting + spent.used,
         }
     }
 
     /// Where the tool is.
     pub fn position(&self) -> Point {
-        let mut at = if self.gear.done >= self.total {
+        let mut at = if self.arrived() {
             self.path.to()
         } else {
-            let turns = self.gear.done;
+            let turns = self.follower.done();
             let made = turns * (self.lead + self.increase * turns / 2.0);
             let rest = (1.0 - made / self.way).clamp(0.0, 1.0);
             self.path.at(rest * self.path.length())
@@ -406,12 +262,8 @@ impl Thread {
 
     /// What goes to a thread that continues this finished one.
     pub fn handover(&self, continues: bool) -> Handover {
-        Handover {
-            begin: self.begin + self.direction * self.total,
-            direction: self.direction,
-            turned: self.turned - self.total,
-            rate: if continues { self.gear.rate } else { 0.0 },
-        }
+        self.follower
+            .handover(self.total, self.passes_on(continues))
     }
 
     /// The same thread elsewhere.

@@ -448,9 +448,10 @@ proptest! {
             }
         }
         let forward = if rig.interpolator.position() == Point::default() || rpm > 0 { 3000.0 } else { -3000.0 };
-        for direction in [forward, -forward] {
+        // Turned back before its beginning, a thread waits there for all those turns.
+        for (direction, ticks) in [(forward, 60_000), (-forward, 130_000)] {
             rig.rpm = direction;
-            for _ in 0..60_000 {
+            for _ in 0..ticks {
                 if rig.interpolator.finished() {
                     break;
                 }

@@ -1,0 +1,11 @@
+//! Threads and tapping on the simulated lathe: program, control, ladder, spindle.
+
+#[path = "../bench/mod.rs"]
+mod bench;
+
+mod alarms;
+mod paths;
+mod phase;
+mod run;
+mod stops;
+mod taps;

@@ -1,0 +1,100 @@
+//! Feed hold, single block, reset and the spindle override in threads.
+
+use gsk_core::operation::RunState;
+
+use crate::bench::press;
+use crate::run::{CYCLE_START, FEED_HOLD, G32, RESET, Run, SINGLE_BLOCK, SPINDLE_FASTER};
+
+#[test]
+fn feed_hold_waits_for_the_first_block_after_a_thread() {
+    let mut run = Run::started(G32, &[]);
+    run.until_z(-5.0);
+    run.press(FEED_HOLD);
+    assert_eq!(run.state(), RunState::Hold, "SPL stands at once");
+    run.until("stopped", |simulation| {
+        simulation.cnc.run_state() == RunState::Stop
+    });
+    let at = run.simulation.cnc.position_absolute();
+    assert_eq!((at.diameter().0, at.z), (60.0, -30.0));
+    assert_eq!(run.line(), 7);
+    run.press(CYCLE_START);
+    run.finish();
+    assert_eq!(run.z(), 5.0);
+}
+
+#[test]
+fn hold_that_is_still_pressed_stops_in_the_block_after_a_thread() {
+    let mut run = Run::started(&G32.replace("G00 X60", "G01 X160 F300"), &[]);
+    run.until_z(-5.0);
+    run.simulation.cnc.set_panel_key(FEED_HOLD, true);
+    run.wait(6000);
+    run.simulation.cnc.set_panel_key(FEED_HOLD, false);
+    assert_eq!((run.state(), run.line()), (RunState::Hold, 7));
+    let at = run.simulation.cnc.position_absolute();
+    assert!(at.z == -30.0 && at.x < 60.0 && !run.simulation.cnc.is_moving());
+    run.press(CYCLE_START);
+    run.finish();
+    assert_eq!((run.z(), run.alarm()), (5.0, None));
+}
+
+#[test]
+fn feed_hold_lets_a_thread_cycle_retract() {
+    let text = "O0001\nM03 S500\nG04 X1\nG00 X40 Z5\nG92 X36 Z-20 F2\nX35\nM30\n";
+    let mut run = Run::started(text, &[]);
+    run.until_z(-5.0);
+    run.press(FEED_HOLD);
+    assert_eq!(run.state(), RunState::Hold);
+    run.until("stopped", |simulation| {
+        simulation.cnc.run_state() == RunState::Stop
+    });
+    let at = run.simulation.cnc.position_absolute();
+    assert_eq!((at.diameter().0, at.z), (40.0, -20.0), "after the retract");
+    run.press(CYCLE_START);
+    run.finish();
+    assert_eq!((run.z(), run.alarm()), (5.0, None));
+}
+
+#[test]
+fn single_block_stops_after_the_first_block_that_is_no_thread() {
+    let mut run = Run::new(G32, &[]);
+    press(&mut run.simulation, SINGLE_BLOCK);
+    run.start();
+    let mut stops = Vec::new();
+    while run.state() != RunState::Reset {
+        run.finish();
+        stops.push(run.line());
+        run.press(CYCLE_START);
+    }
+    stops.dedup();
+    assert_eq!(stops[..4], [2, 3, 4, 7]);
+}
+
+#[test]
+fn reset_stops_a_thread_at_once() {
+    let mut run = Run::started(G32, &[]);
+    run.until_z(-5.0);
+    run.press(RESET);
+    run.wait(500);
+    assert_eq!(run.state(), RunState::Reset);
+    assert!(
+        !run.simulation.cnc.is_moving() && run.z() > -12.0,
+        "{}",
+        run.z()
+    );
+}
+
+#[test]
+fn a_change_of_the_spindle_override_waits_for_the_end_of_the_thread() {
+    let mut run = Run::started(G32, &[]);
+    run.until_z(0.0);
+    run.press(SPINDLE_FASTER);
+    run.wait(300);
+    assert!(run.z() > -18.0);
+    assert!((run.simulation.cnc.spindle_commanded() - 500.0).abs() < 1e-9);
+    let chosen = f64::from(run.simulation.cnc.spindle_override()) / 100.0;
+    assert!(chosen > 1.0, "the key acts");
+    run.until("out", |simulation| {
+        simulation.cnc.position_absolute().x > 25.0
+    });
+    assert!((run.simulation.cnc.spindle_commanded() - 500.0 * chosen).abs() < 1e-9);
+}
