@@ -29,7 +29,7 @@ use crate::memory::{
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
     ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, Return, RunState,
-    SpeedCheck, Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
+    Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
 };
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::setup::Setup;
@@ -153,7 +153,6 @@ pub struct Cnc {
     pub(crate) mode: Mode,
     pub(crate) automatic: Automatic,
     pub(crate) handshake: Handshake,
-    pub(crate) speed_check: SpeedCheck,
     pub(crate) alarms: ActiveAlarms,
     pub(crate) emergency_stop: bool,
     pub(crate) reset_left: u32,
@@ -270,7 +269,6 @@ impl Cnc {
             mode: Mode::Mdi,
             automatic: Automatic::default(),
             handshake: Handshake::default(),
-            speed_check: SpeedCheck::default(),
             alarms: ActiveAlarms::default(),
             emergency_stop: false,
             reset_left: 0,
@@ -352,7 +350,6 @@ impl Cnc {
         self.watch_reset(closed || masked);
         self.watch_drives(inputs.drive_alarm);
         self.automatic_tick();
-        self.check_speed_arrival();
         self.manual_tick(inputs);
         self.return_tick(inputs);
         self.spindle_tick(inputs);
@@ -452,7 +449,7 @@ impl Cnc {
             decoded_m00: self.automatic.decoded == Some(0),
             decoded_m30: self.automatic.decoded == Some(30),
             handshake: &self.handshake,
-            gear: self.spindle.gear(),
+            gear: self.spindle.selected_gear(),
             at_reference: PerAxis::new(
                 self.at_reference.x.is_some(),
                 self.at_reference.z.is_some(),
@@ -517,7 +514,9 @@ impl Cnc {
     fn spindle_tick(&mut self, inputs: &Inputs) {
         let at = Point::new(self.surface_x(), 0.0);
         self.spindle.set_jog(self.spindle_jog());
-        self.spindle.set_gear_change(self.changing_gear());
+        if !(41..=44).contains(&self.handshake.m) {
+            self.spindle.end_gear_change();
+        }
         if !self.automatic.threading() {
             self.spindle_override = self.from_plc.spindle_override;
         }
@@ -563,15 +562,10 @@ impl Cnc {
         x
     }
 
-    fn changing_gear(&self) -> bool {
-        (41..=44).contains(&self.handshake.m) && self.handshake.busy()
-    }
-
     fn motion_tick(&mut self) {
         let held = self.automatic.state == RunState::Hold
             && self.held.is_none()
             && !self.automatic.protected();
-        let locked = self.run_interlocked();
         let mut inputs = MotionInputs {
             feed_override: self.feed_override_factor(),
             rapid_override: RapidOverride::from_percent(self.from_plc.rapid_override),
@@ -579,7 +573,7 @@ impl Cnc {
             spindle: self.angle.turn(),
             thread_continues: self.automatic.thread_continues(),
             cut_continues: self.cut_continues(),
-            hold: held || locked,
+            hold: held || self.run_interlocked(),
             dry_run: self.dry_run(),
         };
         self.interpolator.tick(&self.limits, &inputs);
@@ -589,6 +583,7 @@ impl Cnc {
             }
             inputs.thread_continues = self.automatic.thread_continues();
             inputs.cut_continues = self.cut_continues();
+            inputs.hold = held || self.run_interlocked();
             self.interpolator.continue_tick(&self.limits, &inputs);
         }
         self.axes

@@ -321,23 +321,10 @@ impl<'a> Walk<'a> {
                 let kind = MoveKind::arc(*clockwise);
                 self.travel(command, kind, *to, Some(*center), Some(*feed))?;
             }
-            Action::Thread {
-                to,
-                long,
-                lead,
-                increase,
-                start,
-                run_out,
-            } => {
-                let thread = ThreadMove {
-                    to: *to,
-                    long: *long,
-                    lead: *lead,
-                    increase: *increase,
-                    start: *start,
-                    run_out: *run_out,
-                };
-                self.thread(command, &thread)?;
+            thread @ Action::Thread { .. } => {
+                if let Some(thread) = ThreadMove::of(thread) {
+                    self.thread(command, &thread)?;
+                }
             }
             Action::ThreadCycle { per_revolution } => self.check_thread_cycle(*per_revolution)?,
             Action::Tap {
@@ -361,7 +348,13 @@ impl<'a> Walk<'a> {
                     9 => self.so_far.coolant = false,
                     _ => {}
                 }
-                self.clock.output_m(*timing);
+                match code {
+                    41..=44 if self.spindle.change_gear(code - 40) => {
+                        self.clock.change_gear(code - 40);
+                    }
+                    41..=44 => {}
+                    _ => self.clock.output_m(*timing),
+                }
             }
             Action::Spindle(speed) => {
                 self.spindle.command(*speed);

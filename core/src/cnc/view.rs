@@ -119,6 +119,13 @@ impl Cnc {
         self.from_plc.spindle_override
     }
 
+    /// The spindle speed that the S display shows (manual III-2.1.1): the measured
+    /// one with an encoder, also at standstill, r/min; without one `None`.
+    pub fn spindle_measured(&self) -> Option<f64> {
+        let fitted = self.spindle.encoder_fitted();
+        fitted.then(|| self.spindle.actual_rpm())
+    }
+
     /// Measured spindle speed, r/min.
     pub fn spindle_actual(&self) -> f64 {
         self.spindle.actual_rpm()

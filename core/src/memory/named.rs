@@ -259,6 +259,11 @@ impl Parameters {
         self.bit(175, 2)
     }
 
+    /// 175.6 SAR: cuts wait until the spindle has its speed.
+    pub fn awaits_speed(&self) -> bool {
+        self.bit(175, 6)
+    }
+
     /// 030: speed at which cuts start and end, mm/min.
     pub fn feed_floor(&self) -> f64 {
         self.value(30).into()

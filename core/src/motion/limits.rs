@@ -80,10 +80,15 @@ impl MotionLimits {
         })
     }
 
-    /// Highest speed of each axis in a thread (022, 023, 027), mm/min.
-    pub fn axis_limits(&self) -> Point {
-        let limit = |axis| self.rapid_rate(axis).min(self.cutting_rate());
-        Point::new(limit(Axis::X), limit(Axis::Z))
+    /// Highest speed of an axis in a thread, mm/min, and the parameter that sets it:
+    /// its rapid rate (022, 023) or the limit of cutting feed (027).
+    pub fn thread_limit(&self, axis: Axis) -> (f64, u16) {
+        let (rapid, cutting) = (self.rapid_rate(axis), self.cutting_rate());
+        match axis {
+            _ if cutting < rapid => (cutting, 27),
+            Axis::X => (rapid, 22),
+            Axis::Z => (rapid, 23),
+        }
     }
 
     pub(super) const fn rapid(&self, axis: Axis) -> f64 {

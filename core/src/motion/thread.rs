@@ -17,7 +17,7 @@ use super::follower::{Follower, Handover, SpindleTick, Wait, Way};
 use super::gear::GearLaw;
 use super::limits::MotionLimits;
 use super::path::Path;
-use crate::command::ThreadStart;
+use crate::command::{Action, ThreadStart};
 use crate::units::{Axis, Point};
 
 /// A thread to cut.
@@ -38,6 +38,29 @@ pub struct ThreadMove {
 }
 
 impl ThreadMove {
+    /// The thread that a command cuts.
+    pub fn of(action: &Action) -> Option<Self> {
+        let Action::Thread {
+            to,
+            long,
+            lead,
+            increase,
+            start,
+            run_out,
+        } = action
+        else {
+            return None;
+        };
+        Some(Self {
+            to: *to,
+            long: *long,
+            lead: *lead,
+            increase: *increase,
+            start: *start,
+            run_out: *run_out,
+        })
+    }
+
     /// The length the lead counts on, mm; that of the path if the long axis does
     /// not move.
     fn way(&self, from: Point) -> f64 {
@@ -66,14 +89,18 @@ impl ThreadMove {
     }
 
     /// Speed of each axis at its fastest for a spindle speed, mm/min.
-    pub fn top_speed(&self, from: Point, rpm: f64) -> Point {
+    pub fn top_speed(&self, from: Point, rpm: f64, limits: &MotionLimits) -> Point {
         let way = self.way(from);
         if way <= 0.0 {
             return Point::default();
         }
         let along = self.lead.max(self.last_lead(from)) * rpm.abs() / way;
         let displacement = self.to - from;
-        Point::new(displacement.x.abs(), displacement.z.abs()) * along
+        let mut top = Point::new(displacement.x.abs(), displacement.z.abs()) * along;
+        if let Some(tail) = self.tail(from, limits) {
+            *top.get_mut(tail.axis) = tail.rate * 60.0;
+        }
+        top
     }
 
     /// Seconds from standstill (or in phase from the thread before) to the end;

@@ -12,6 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::arrival::Arrival;
 use super::intervention::CycleShift;
 use super::mode::Mode;
 use super::thread::{Protection, SpindleWatch, TapStage};
@@ -87,6 +88,7 @@ pub struct Automatic {
     /// M function that leads the tap out.
     pub(super) tap_reverse: u8,
     pub(super) watch: SpindleWatch,
+    pub(crate) arrival: Arrival,
     /// The stopped AUTO run that MDI blocks are keyed in between.
     aside: Option<Box<Aside>>,
     pub(super) cycle_shift: CycleShift,
@@ -128,6 +130,7 @@ impl Default for Automatic {
             tap: None,
             tap_reverse: 0,
             watch: SpindleWatch::default(),
+            arrival: Arrival::default(),
             aside: None,
             cycle_shift: CycleShift::default(),
         }
@@ -352,6 +355,7 @@ impl Cnc {
             return;
         }
         self.automatic.dwell_left = self.automatic.dwell_left.saturating_sub(1);
+        self.automatic.arrival.tick(self.from_plc.speed_arrival);
         self.tap_tick();
         self.watch_spindle();
         if !self.automatic.operating() {
@@ -386,8 +390,7 @@ impl Cnc {
     pub(crate) fn begin_within_tick(&mut self) -> bool {
         let ended = self.automatic.operating()
             && self.interpolator.finished()
-            && self.interpolator.time_left() > 0.0
-            && !self.checks_speed_arrival();
+            && self.interpolator.time_left() > 0.0;
         if ended {
             self.carry_out();
         }

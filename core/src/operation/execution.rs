@@ -30,6 +30,7 @@ impl Cnc {
             .flatten();
         self.events.extend(explanation.map(Event::Explained));
         self.automatic.protect(&command.action);
+        self.await_speed(&command.action);
         self.automatic.last = Some(command.source);
         let from = self.interpolator.commanded();
         let started = self.now();
@@ -48,6 +49,7 @@ impl Cnc {
         if self.automatic.threading() || over {
             // Whether it slows down at its end depends on what follows.
             self.read_ahead();
+            self.check_thread_ahead();
         }
     }
 
@@ -75,22 +77,10 @@ impl Cnc {
                 self.interpolator.start_arc(*to, *center, *clockwise, *feed);
                 Ok(Stage::Acting)
             }
-            Action::Thread {
-                to,
-                long,
-                lead,
-                increase,
-                start,
-                run_out,
-            } => {
-                self.begin_thread(&ThreadMove {
-                    to: *to,
-                    long: *long,
-                    lead: *lead,
-                    increase: *increase,
-                    start: *start,
-                    run_out: *run_out,
-                })?;
+            thread @ Action::Thread { .. } => {
+                if let Some(thread) = ThreadMove::of(thread) {
+                    self.begin_thread(&thread)?;
+                }
                 Ok(Stage::Acting)
             }
             Action::ThreadCycle { per_revolution } => {
@@ -195,10 +185,10 @@ impl Cnc {
         if self.from_plc.auxiliary_lock {
             return;
         }
-        if (41..=44).contains(&code) {
-            self.spindle.set_gear(code - 40);
+        // A gear that is engaged already is not changed to (manual IV-2.8.6).
+        if !(41..=44).contains(&code) || self.spindle.begin_gear_change(code - 40) {
+            self.handshake.start(Strobe::M, code);
         }
-        self.handshake.start(Strobe::M, code);
     }
 
     fn output_s(&mut self, spindle: SpindleCommand) {
@@ -207,13 +197,17 @@ impl Cnc {
                 self.handshake.start(Strobe::S, step);
             }
             SpindleCommand::Step(_) => {}
-            analog => {
-                // An analog speed stands in F22–F25 without a strobe.
-                if let SpindleCommand::Speed(value) | SpindleCommand::Surface(value) = analog {
-                    self.handshake.s = value as u32;
-                }
-                self.spindle.command(analog);
-            }
+            analog => self.output_analog_s(analog),
+        }
+    }
+
+    /// S of an analog spindle stands on F22–F25, without a strobe.
+    fn output_analog_s(&mut self, spindle: SpindleCommand) {
+        self.spindle.command(spindle);
+        if let SpindleCommand::Speed(word) | SpindleCommand::Surface(word) = spindle
+            && !self.from_plc.auxiliary_lock
+        {
+            self.handshake.s = word as u32;
         }
     }
 

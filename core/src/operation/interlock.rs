@@ -1,61 +1,27 @@
 //! Signals of the ladder that keep axes from moving (manual PLC-II 3.3, 3.5):
 //! interlocks wait, limits stop with an alarm.
 
-use serde::{Deserialize, Serialize};
-
 use super::automatic::RunState;
 use super::limits::travel_alarm;
 use super::manual::Way;
 use crate::cnc::Cnc;
-use crate::command::Action;
 use crate::units::{Axis, Point};
 
-/// The check of the speed-arrival signal SAR before cutting (175.6 SAR = 1).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum SpeedCheck {
-    /// Nothing is cut: the next cut is checked.
-    #[default]
-    Due,
-    /// A cut waits; SAR is looked at after so many ms (072).
-    Waiting(u32),
-    /// The spindle was up to speed when the cutting began.
-    Passed,
-}
-
 impl Cnc {
-    /// With 175.6 SAR = 1 a cut after something else than a cut begins only when
-    /// the ladder says that the spindle is up to speed (manual PLC-II 9.4).
-    pub(crate) fn check_speed_arrival(&mut self) {
-        let cutting = matches!(
-            self.automatic.action(),
-            Some(Action::Line { .. } | Action::Arc { .. })
-        );
-        self.speed_check = match self.speed_check {
-            _ if !cutting => SpeedCheck::Due,
-            SpeedCheck::Due if self.checks_speed_arrival() => {
-                SpeedCheck::Waiting(self.parameters.value(72).unsigned_abs())
-            }
-            SpeedCheck::Waiting(0) if self.from_plc.speed_arrival => SpeedCheck::Passed,
-            SpeedCheck::Waiting(left) => SpeedCheck::Waiting(left.saturating_sub(1)),
-            SpeedCheck::Due | SpeedCheck::Passed => SpeedCheck::Passed,
-        };
-    }
-
-    /// 175.6: blocks then begin with a tick, so that a cut never begins unchecked.
-    pub(crate) fn checks_speed_arrival(&self) -> bool {
-        self.parameters.bit(175, 6)
-    }
-
     /// Whether the motion of a running program has to wait: start lock, a locked
-    /// axis or direction that is commanded, the spindle brake (011.4 ZDIL = 0), or
-    /// a spindle that is not up to speed.
+    /// axis or direction that is commanded, the spindle brake (011.4 ZDIL = 0), a
+    /// gear change, or a spindle that is not up to speed.
     pub(crate) fn run_interlocked(&self) -> bool {
         if self.automatic.state != RunState::Run {
             return false;
         }
         let g = &self.from_plc;
-        let waits = matches!(self.speed_check, SpeedCheck::Waiting(_));
-        if g.start_lock || g.interlock || self.brake_interlock() || waits {
+        if g.start_lock
+            || g.interlock
+            || self.brake_interlock()
+            || self.spindle.changing_gear()
+            || self.automatic.arrival.awaited(g.speed_arrival)
+        {
             return true;
         }
         let commanded = self.interpolator.distance_to_go();

@@ -2,6 +2,7 @@
 //! manual motion, zero return, travel limits, and the list of active alarms.
 
 mod active_alarms;
+mod arrival;
 mod automatic;
 mod execution;
 mod gear_speed;
@@ -25,11 +26,10 @@ pub(crate) use gear_speed::check_gear_speed;
 pub use handshake::{Handshake, Phase, Strobe};
 pub(crate) use handwheel::WheelCounter;
 pub use input_filter::{InputFilter, X_BYTES};
-pub use interlock::SpeedCheck;
 pub(crate) use manual::JOG_RATE_MAX;
 pub use manual::jog_rate;
 pub use mode::Mode;
 pub use signals::{FromPlc, ToPlc};
 pub use soft_switch::SoftSwitch;
-pub(crate) use thread::{check_encoder, check_thread_speed};
+pub(crate) use thread::{check_encoder, check_standing, check_thread_speed};
 pub(crate) use zero_return::Return;

@@ -50,6 +50,7 @@ impl Cnc {
     pub(crate) fn reset(&mut self) {
         self.stop_run(RunState::Reset);
         self.handshake.reset();
+        self.spindle.abandon_gear_change();
         self.alarms.reset();
         self.mdi.clear();
         self.programmed_ahead = 0.0;

@@ -15,7 +15,7 @@ use super::handshake::Strobe;
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
 use crate::command::{Action, Command, ThreadStart};
-use crate::motion::ThreadMove;
+use crate::motion::{MotionLimits, ThreadMove};
 use crate::spindle::Encoder;
 use crate::units::{Axis, Feed, Point};
 
@@ -23,6 +23,8 @@ use crate::units::{Axis, Feed, Point};
 const STANDING_RPM: f64 = 1.0;
 /// The spindle speed of a thread is compared over so many ticks (106).
 const FLUCTUATION_TICKS: u32 = 100;
+/// A speed at the limit is measured a little above it.
+const WITHIN_MEASUREMENT: f64 = 0.99;
 
 const SPINDLE_FORWARD: u8 = 3;
 const SPINDLE_REVERSE: u8 = 4;
@@ -169,12 +171,9 @@ impl Cnc {
             return Ok(());
         }
         self.check_encoder()?;
-        let from = self.interpolator.position();
-        check_thread_speed(
-            thread.top_speed(from, self.spindle.actual_rpm()),
-            self.spindle.actual_rpm(),
-            self.limits.axis_limits(),
-        )?;
+        check_standing(self.spindle.actual_rpm())?;
+        let (from, rpm) = (self.interpolator.position(), self.thread_rpm());
+        check_thread_speed(thread.top_speed(from, rpm, &self.limits), rpm, &self.limits)?;
         self.interpolator.start_thread(thread, &self.limits);
         Ok(())
     }
@@ -186,9 +185,40 @@ impl Cnc {
             return Ok(());
         }
         self.check_encoder()?;
-        let rpm = self.spindle.actual_rpm();
-        let top = per_revolution * rpm.abs();
-        check_thread_speed(top, rpm, self.limits.axis_limits())
+        check_standing(self.spindle.actual_rpm())?;
+        let rpm = self.thread_rpm();
+        check_thread_speed(per_revolution * rpm, rpm, &self.limits)
+    }
+
+    /// The spindle speed that a thread has to reckon with: the measured one, or the
+    /// commanded one that it is still coming up to.
+    fn thread_rpm(&self) -> f64 {
+        let (measured, commanded) = (self.spindle.actual_rpm(), self.spindle.commanded_rpm());
+        measured.abs().max(commanded)
+    }
+
+    /// A thread that is about to begin: the run-out (or thread) that goes on from it
+    /// must be possible too, before anything is cut.
+    pub(super) fn check_thread_ahead(&mut self) {
+        let (Some(current), Some(ahead)) = (&self.automatic.current, &self.automatic.ahead) else {
+            return;
+        };
+        let (Some(first), Some(next)) = (
+            ThreadMove::of(&current.command.action),
+            ThreadMove::of(&ahead.action),
+        ) else {
+            return;
+        };
+        let begins = matches!(first.start, ThreadStart::AtIndex { .. });
+        if !begins || next.start != ThreadStart::Continued || self.dry_run().is_some() {
+            return;
+        }
+        let rpm = self.thread_rpm();
+        let source = ahead.source;
+        let top = next.top_speed(first.to, rpm, &self.limits);
+        if let Err(alarm) = check_thread_speed(top, rpm, &self.limits) {
+            self.raise(alarm.at(source));
+        }
     }
 
     /// Begins tapping. Without control of the spindle (dry run, M locked) it is two
@@ -205,9 +235,9 @@ impl Cnc {
             self.automatic.tap = Some(TapStage::Restart);
             return Ok(());
         }
-        let rpm = self.spindle.actual_rpm();
-        let top = Point::new(0.0, lead.abs() * rpm.abs());
-        check_thread_speed(top, rpm, self.limits.axis_limits())?;
+        check_standing(self.spindle.actual_rpm())?;
+        let rpm = self.thread_rpm();
+        check_thread_speed(Point::new(0.0, lead.abs() * rpm), rpm, &self.limits)?;
         self.automatic.tap = Some(TapStage::Ready);
         Ok(())
     }
@@ -302,7 +332,8 @@ impl Cnc {
     }
 
     /// Watches the spindle during a cut: alarm 091 when its speed changes too much
-    /// in a thread (106), 098 when it has stopped (175.2).
+    /// in a thread (106), 094 when it has become too fast for an axis, 098 when it
+    /// has stopped (175.2).
     pub(super) fn watch_spindle(&mut self) {
         let thread = match self.automatic.action() {
             Some(Action::Thread { .. }) => self.interpolator.in_thread(),
@@ -321,14 +352,33 @@ impl Cnc {
         } else if thread && watch.fluctuates(rpm.abs(), self.parameters.fluctuation_limit()) {
             91
         } else {
+            if thread {
+                self.watch_thread_speed(rpm);
+            }
             return;
         };
         let alarm = Alarm::new(number).because(format!("spindle at {:.0} r/min", rpm.abs()));
-        let alarm = match self.automatic.last {
+        self.raise_at_last(alarm);
+    }
+
+    /// A spindle that has become faster than at the beginning of the thread.
+    fn watch_thread_speed(&mut self, rpm: f64) {
+        let current = self.automatic.current.as_ref();
+        let thread = current.and_then(|current| {
+            let thread = ThreadMove::of(&current.command.action)?;
+            Some(thread.top_speed(current.from, rpm * WITHIN_MEASUREMENT, &self.limits))
+        });
+        let found = thread.map_or(Ok(()), |top| check_thread_speed(top, rpm, &self.limits));
+        if let Err(alarm) = found {
+            self.raise_at_last(alarm);
+        }
+    }
+
+    fn raise_at_last(&mut self, alarm: Alarm) {
+        self.raise(match self.automatic.last {
             Some(source) => alarm.at(source),
             None => alarm,
-        };
-        self.raise(alarm);
+        });
     }
 }
 
@@ -367,16 +417,23 @@ pub(crate) fn check_encoder(parameters: &crate::memory::Parameters) -> Result<()
     Err(Alarm::new(92).because(format!("070 = {lines} lines, 100 to 5000 are allowed")))
 }
 
-/// Alarm 094: a standing spindle, or an axis that cannot follow (022, 023, 027).
-pub(crate) fn check_thread_speed(top: Point, rpm: f64, limits: Point) -> Result<(), Alarm> {
+/// Alarm 094: a thread with a standing spindle.
+pub(crate) fn check_standing(rpm: f64) -> Result<(), Alarm> {
     if rpm.abs() < STANDING_RPM {
         return Err(Alarm::new(94).because("thread with a standing spindle"));
     }
+    Ok(())
+}
+
+/// Alarm 094: an axis that cannot follow the spindle (022, 023, 027).
+pub(crate) fn check_thread_speed(top: Point, rpm: f64, limits: &MotionLimits) -> Result<(), Alarm> {
     for axis in [Axis::X, Axis::Z] {
-        let (speed, limit) = (top.get(axis), limits.get(axis));
+        let (limit, parameter) = limits.thread_limit(axis);
+        let speed = top.get(axis);
         if speed > limit {
             return Err(Alarm::new(94).because(format!(
-                "{axis:?} would need {speed:.0} mm/min at {:.0} r/min, {limit:.0} are allowed",
+                "{axis:?} would need {speed:.0} mm/min at {:.0} r/min, {limit:.0} are allowed \
+                 ({parameter:03})",
                 rpm.abs()
             )));
         }

@@ -10,6 +10,8 @@ pub(super) struct Clock {
     busy_until: f64,
     m_s: f64,
     s_s: f64,
+    /// A gear change to gears 1 and 2, and to gears 3 and 4.
+    gear_s: [f64; 2],
     turret: Turret,
 }
 
@@ -24,7 +26,15 @@ struct Turret {
 impl Clock {
     pub(super) fn new(setup: &Setup) -> Self {
         let seconds = |number| f64::from(setup.parameters.value(number)) / 1000.0;
+        // 065 and 066, and the way of a gear whose switch is looked at (AGIN).
+        let shift = |travel_ms: u32| {
+            let travel = f64::from(travel_ms) / 1000.0;
+            (seconds(65) + travel + seconds(66)).max(seconds(80))
+        };
+        let checked = setup.parameters.bit(164, 6) && !setup.parameters.bit(168, 2);
+        let travel_ms = setup.lathe.chuck.travel_ms;
         Self {
+            gear_s: [shift(if checked { travel_ms } else { 0 }), shift(0)],
             now: 0.0,
             busy_until: 0.0,
             m_s: seconds(80),
@@ -55,6 +65,11 @@ impl Clock {
             Timing::WithMotion => self.busy_until = self.now + self.m_s,
             Timing::BeforeMotion => self.now += self.m_s,
         }
+    }
+
+    /// A gear change holds the motion.
+    pub(super) fn change_gear(&mut self, gear: u8) {
+        self.now += self.gear_s[usize::from(gear > 2)];
     }
 
     /// The time 080 of an M function, s.

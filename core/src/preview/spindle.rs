@@ -33,6 +33,11 @@ pub(super) struct Spindle {
     steps: [f64; 4],
     limit: Option<f64>,
     lowest: f64,
+    /// Speed at 10 V in gears 1 to 4 of an analog spindle, r/min.
+    top: Option<[f64; 4]>,
+    gear: u8,
+    /// The gear was engaged by M41–M44, not assumed.
+    engaged: bool,
 }
 
 impl Spindle {
@@ -49,7 +54,19 @@ impl Spindle {
             steps: setup.lathe.spindle.steps,
             limit: None,
             lowest: f64::from(setup.parameters.value(43)),
+            top: (setup.parameters.analog_spindle())
+                .then(|| [1, 2, 3, 4].map(|gear| setup.parameters.gear_maximum(gear))),
+            gear: 1,
+            engaged: false,
         }
+    }
+
+    /// M41–M44; whether there is a gear to change.
+    pub(super) const fn change_gear(&mut self, gear: u8) -> bool {
+        let changes = !self.engaged || self.gear != gear;
+        self.gear = gear;
+        self.engaged = true;
+        changes
     }
 
     pub(super) const fn turning(&self) -> Turning {
@@ -90,13 +107,16 @@ impl Spindle {
         }
     }
 
-    /// The speed, at a radius for G96; 0 when the spindle stands.
+    /// The speed, at a radius for G96; 0 when the spindle stands. It is at most
+    /// what the gear gives at 10 V.
     pub(super) fn rpm(&self, radius: f64) -> f64 {
-        match self.speed {
+        let commanded = match self.speed {
             _ if self.turning == Turning::Stopped => 0.0,
             Speed::Fixed(rpm) => rpm,
             Speed::Surface(speed) => surface_rpm(speed, 2.0 * radius, self.limit, self.lowest),
-        }
+        };
+        let gear = usize::from(self.gear.clamp(1, 4) - 1);
+        self.top.map_or(commanded, |top| commanded.min(top[gear]))
     }
 
     /// The speed for a feed per revolution; alarm 011 when the spindle stands.

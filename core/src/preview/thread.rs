@@ -4,7 +4,7 @@ use super::{Walk, bounds, snapped};
 use crate::alarm::Alarm;
 use crate::command::{Command, ExecutedMove, MoveKind, ThreadStart};
 use crate::motion::{ThreadMove, path_length};
-use crate::operation::{check_encoder, check_thread_speed};
+use crate::operation::{check_encoder, check_standing, check_thread_speed};
 use crate::units::{Axis, Feed, Point};
 
 /// From an M code to the spindle's contactor: strobe, scan and output, s.
@@ -37,7 +37,8 @@ impl Walk<'_> {
     pub(super) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
         check_encoder(&self.so_far.parameters)?;
         let rpm = self.rpm_here();
-        check_thread_speed(per_revolution * rpm, rpm, self.limits.axis_limits())
+        check_standing(rpm)?;
+        check_thread_speed(per_revolution * rpm, rpm, &self.limits)
     }
 
     /// Before a further start of G33: the spindle turns again as it did.
@@ -83,8 +84,9 @@ impl Walk<'_> {
         check_encoder(&self.so_far.parameters)?;
         let from = self.so_far.machine;
         let rpm = self.rpm_here();
-        let top = thread.top_speed(from, rpm);
-        check_thread_speed(top, rpm, self.limits.axis_limits())?;
+        let top = thread.top_speed(from, rpm, &self.limits);
+        check_standing(rpm)?;
+        check_thread_speed(top, rpm, &self.limits)?;
         Ok(rpm)
     }
 

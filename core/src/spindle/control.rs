@@ -76,12 +76,20 @@ pub struct SpindleControl {
     mode: Mode,
     /// Highest speed under G96 (G50 S), r/min.
     limit: Option<f64>,
+    /// Gear by whose top speed the voltage is made.
     gear: u8,
+    /// Gear that M41–M44 asked for last; the one in force when its change is done.
+    selected: u8,
+    /// The outputs of the gears are as `selected` says. Not so at power-on, when no
+    /// output is on, and after a change that was broken off.
+    engaged: bool,
     instead: Option<Instead>,
     encoder: Encoder,
     commanded: f64,
     volts: f64,
     radius: f64,
+    /// Override, as a factor.
+    factor: f64,
 }
 
 impl SpindleControl {
@@ -92,11 +100,14 @@ impl SpindleControl {
             mode: Mode::Speed(0.0),
             limit: None,
             gear: 1,
+            selected: 1,
+            engaged: false,
             instead: None,
             encoder: Encoder::default(),
             commanded: 0.0,
             volts: 0.0,
             radius: 0.0,
+            factor: 1.0,
         }
     }
 
@@ -113,6 +124,7 @@ impl SpindleControl {
             SpindleCommand::Surface(speed) => self.mode = Mode::Surface(speed.max(0.0)),
             SpindleCommand::Limit(limit) => self.limit = Some(limit.max(0.0)),
         }
+        self.command_speed();
     }
 
     /// The speed G97 without S goes on with: the last one of G96, whole r/min,
@@ -147,27 +159,51 @@ impl SpindleControl {
         }
     }
 
-    /// Selects a gear, 1–4.
-    pub const fn set_gear(&mut self, gear: u8) {
-        if gear >= 1 && gear <= 4 {
-            self.gear = gear;
+    /// Gear 1–4 that the signals GR10–GR40 show.
+    pub const fn selected_gear(&self) -> u8 {
+        self.selected
+    }
+
+    /// M41–M44: asks for a gear, 1–4. Returns whether it has to be changed to; the
+    /// spindle then turns at 067 until [`Self::end_gear_change`].
+    pub fn begin_gear_change(&mut self, gear: u8) -> bool {
+        if !(1..=4).contains(&gear) || (self.engaged && self.selected == gear) {
+            return false;
+        }
+        self.selected = gear;
+        self.engaged = false;
+        self.instead = Some(Instead::GearChange);
+        true
+    }
+
+    /// The ladder has finished (FIN): from now on the new gear counts.
+    pub fn end_gear_change(&mut self) {
+        if self.changing_gear() {
+            self.gear = self.selected;
+            self.engaged = true;
+            self.instead = None;
         }
     }
 
-    /// Gear change under way: the speed of 067 instead of S.
-    pub fn set_gear_change(&mut self, active: bool) {
-        self.set_instead(Instead::GearChange, active);
+    /// Reset during the change: the old gear counts further, and the next M41–M44
+    /// is carried out in any case.
+    pub fn abandon_gear_change(&mut self) {
+        if self.changing_gear() {
+            self.selected = self.gear;
+            self.instead = None;
+        }
+    }
+
+    /// Whether a gear change is under way.
+    pub fn changing_gear(&self) -> bool {
+        self.instead == Some(Instead::GearChange)
     }
 
     /// Spindle jog: the speed of 109 instead of S.
     pub fn set_jog(&mut self, active: bool) {
-        self.set_instead(Instead::Jog, active);
-    }
-
-    fn set_instead(&mut self, what: Instead, active: bool) {
-        if active {
-            self.instead = Some(what);
-        } else if self.instead == Some(what) {
+        if active && !self.changing_gear() {
+            self.instead = Some(Instead::Jog);
+        } else if self.instead == Some(Instead::Jog) {
             self.instead = None;
         }
     }
@@ -212,7 +248,12 @@ impl SpindleControl {
         self.encoder
             .tick(inputs.encoder, self.settings.encoder_scale);
         self.radius = inputs.radius;
-        let factor = f64::from(inputs.override_percent) / 100.0;
+        self.factor = f64::from(inputs.override_percent) / 100.0;
+        self.command_speed();
+    }
+
+    fn command_speed(&mut self) {
+        let factor = self.factor;
         self.commanded = match (self.instead, self.mode) {
             (Some(Instead::GearChange), _) => self.settings.gear_change,
             (Some(Instead::Jog), _) => self.settings.jog,
@@ -244,5 +285,10 @@ impl SpindleControl {
     /// Measured speed, r/min; negative in reverse.
     pub const fn actual_rpm(&self) -> f64 {
         self.encoder.rpm()
+    }
+
+    /// Whether an encoder is fitted: it has counted since power-on.
+    pub const fn encoder_fitted(&self) -> bool {
+        self.encoder.has_counted()
     }
 }

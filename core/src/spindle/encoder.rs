@@ -17,6 +17,7 @@ pub struct Encoder {
     last: Option<i64>,
     rpm: f64,
     quiet: u16,
+    counted: bool,
 }
 
 impl Encoder {
@@ -38,12 +39,18 @@ impl Encoder {
         self.rpm
     }
 
+    /// Whether it has counted since power-on.
+    pub const fn has_counted(&self) -> bool {
+        self.counted
+    }
+
     /// One tick with the absolute count; `scale` is r/min for one count a tick.
     pub fn tick(&mut self, count: i64, scale: f64) {
         let step = count - self.last.unwrap_or(count);
         self.last = Some(count);
         if step != 0 {
             self.quiet = 0;
+            self.counted |= scale > 0.0;
         } else if self.quiet < STANDS_AFTER {
             self.quiet += 1;
         } else {

@@ -74,11 +74,13 @@ fn surface_speed_keeps_its_limits() {
 #[test]
 fn gears_count_only_when_they_are_enabled() {
     let mut with = control(&[(38, 4000)]);
-    with.set_gear(2);
+    assert!(with.begin_gear_change(2));
+    with.end_gear_change();
     with.command(SpindleCommand::Speed(1000.0));
     assert_eq!(tick(&mut with, 0.0, 100).1, 2.5);
     let mut without = control(&[(38, 4000), (164, 0b0110_0100)]);
-    without.set_gear(2);
+    without.begin_gear_change(2);
+    without.end_gear_change();
     without.command(SpindleCommand::Speed(1000.0));
     assert_eq!((without.gear(), tick(&mut without, 0.0, 100).1), (1, 5.0));
 }
@@ -87,11 +89,11 @@ fn gears_count_only_when_they_are_enabled() {
 fn gear_change_and_jog_have_their_own_speed() {
     let mut control = control(&[]);
     control.command(SpindleCommand::Speed(500.0));
-    control.set_gear_change(true);
+    assert!(control.begin_gear_change(2));
     assert_eq!(tick(&mut control, 0.0, 50).0, 1000.0);
-    control.set_jog(false);
+    control.set_jog(true);
     assert_eq!(tick(&mut control, 0.0, 50).0, 1000.0);
-    control.set_gear_change(false);
+    control.end_gear_change();
     control.set_jog(true);
     assert_eq!(tick(&mut control, 0.0, 50).0, 40.0);
     control.set_jog(false);
@@ -139,4 +141,29 @@ fn an_encoder_outside_100_to_5000_lines_measures_nothing() {
         });
     }
     assert_eq!(control.actual_rpm(), 0.0);
+}
+
+#[test]
+fn the_new_gear_counts_when_its_change_is_done() {
+    // 037 = 2000 and 038 = 4000 r/min at 10 V; 067 = 500 r/min meanwhile.
+    let mut control = control(&[(38, 4000), (67, 500)]);
+    control.command(SpindleCommand::Speed(1000.0));
+    assert!(control.begin_gear_change(2));
+    assert_eq!((control.selected_gear(), control.gear()), (2, 1));
+    assert_eq!(tick(&mut control, 0.0, 100).1, 2.5, "067 in the old gear");
+    control.end_gear_change();
+    assert_eq!((control.selected_gear(), control.gear()), (2, 2));
+    assert_eq!(tick(&mut control, 0.0, 100).1, 2.5, "S in the new gear");
+    assert!(!control.begin_gear_change(2), "nothing to change");
+}
+
+#[test]
+fn a_gear_change_broken_off_is_made_again() {
+    let mut control = control(&[]);
+    assert!(control.begin_gear_change(1), "no output is on at power-on");
+    control.end_gear_change();
+    assert!(control.begin_gear_change(3));
+    control.abandon_gear_change();
+    assert_eq!((control.selected_gear(), control.gear()), (1, 1));
+    assert!(control.begin_gear_change(1), "nobody knows what is engaged");
 }

@@ -30,6 +30,50 @@ fn threads_need_a_turning_spindle_and_a_usable_encoder() {
 }
 
 #[test]
+fn a_run_out_that_is_too_fast_is_refused_before_the_thread() {
+    // 20 mm of X on 1 mm of Z at 1 m/min: 20 m/min of 3800 (022).
+    let text = "O0001\nM03 S500\nG04 X1\nG00 X80 Z5\nG92 X30 Z-20 F2 J20 K1\nM30\n";
+    let mut run = Run::started(text, &[]);
+    run.finish();
+    assert_eq!((run.alarm(), run.z()), (Some(94), 5.0));
+    let alarm = &run.simulation.cnc.alarms()[0];
+    let detail = alarm.detail.clone().unwrap_or_default();
+    assert_eq!(alarm.source.map(|source| source.line), Some(5));
+    assert!(
+        detail.contains("X would need 20000 mm/min at 500 r/min, 3800 are allowed (022)"),
+        "{detail}"
+    );
+    // With a speed of its own X leaves slowly enough.
+    let mut run = Run::started(text, &[(107, 3000)]);
+    run.finish();
+    assert_eq!(run.alarm(), None);
+}
+
+#[test]
+fn a_spindle_that_is_still_coming_up_counts_with_its_commanded_speed() {
+    // 12 mm at 700 r/min are 8.4 m/min, more than 023; at its start it is slower.
+    let text = "O0001\nM03 S200\nG04 X1\nG00 X40 Z5\nS700\nG32 Z-20 F12\nM30\n";
+    let mut run = Run::started(text, &[]);
+    run.finish();
+    assert!(run.simulation.cnc.spindle_actual() < 650.0);
+    assert_eq!((run.alarm(), run.z()), (Some(94), 5.0));
+}
+
+#[test]
+fn a_spindle_that_becomes_too_fast_stops_the_thread() {
+    // G96 in a face thread: the spindle speeds up towards the centre.
+    let text = "O0001\nM03 S300\nG96 S100\nG00 X200 Z5\nG04 X1\nG32 X10 F4\nM30\n";
+    let mut run = Run::started(text, &[]);
+    run.until("stopped", |simulation| !simulation.cnc.alarms().is_empty());
+    let fastest = run.simulation.lathe.spindle_rpm();
+    assert_eq!(run.alarm(), Some(94));
+    let detail = run.simulation.cnc.alarms()[0].detail.clone();
+    assert!(detail.unwrap_or_default().contains("(022)"));
+    // 3800 mm/min are 950 r/min.
+    assert!((950.0..1150.0).contains(&fastest), "{fastest} r/min");
+}
+
+#[test]
 fn the_preview_raises_the_same_alarms() {
     let alarm = |text: &str, lines: i32| {
         let mut setup = Setup::default();

@@ -8,4 +8,5 @@ mod paths;
 mod phase;
 mod run;
 mod stops;
+mod tables;
 mod taps;

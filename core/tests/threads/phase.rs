@@ -1,11 +1,19 @@
 //! Where the groove lies: phase of passes and starts, lead-in and tail.
 
+use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
+use gsk_core::plc::address::{Area, BitAddress};
 
 use crate::run::Run;
 
 /// One pulse of Z, mm.
 const PULSE: f64 = 0.001;
+
+/// Feed override down and up.
+const OVERRIDES: [BitAddress; 2] = [
+    BitAddress::new(Area::X, 24, 6),
+    BitAddress::new(Area::X, 24, 3),
+];
 
 /// Distance of two parts of a turn.
 fn apart(one: f64, other: f64) -> f64 {
@@ -38,7 +46,16 @@ fn passes_meet_the_same_groove_at_every_speed_and_start() {
         let mut run = Run::started(&text, &gearing);
         let mut phases = Vec::new();
         let mut before = run.z();
-        while run.state() == RunState::Run {
+        let mut overrides = Vec::new();
+        for tick in 0u32.. {
+            if run.state() != RunState::Run {
+                break;
+            }
+            // Somebody plays with the feed override all the time.
+            let key = OVERRIDES[tick as usize / 1600 % 2];
+            let down = tick % 200 < 100;
+            run.simulation.cnc.set_panel_key(key, down);
+            overrides.push(run.simulation.cnc.feed_override());
             run.tick();
             let slides = run.simulation.lathe.slides();
             if before > -10.0 && slides.z <= -10.0 && run.simulation.cnc.modal().motion == 92 {
@@ -48,6 +65,9 @@ fn passes_meet_the_same_groove_at_every_speed_and_start() {
             before = slides.z;
         }
         assert_eq!(run.alarm(), None);
+        overrides.sort_unstable();
+        overrides.dedup();
+        assert!(overrides.len() > 5, "{overrides:?}");
         assert_eq!(phases.len() as u32, 3 * starts);
         for (pass, phase) in phases.iter().enumerate() {
             let share = f64::from(pass as u32 % starts) / f64::from(starts);
@@ -58,4 +78,57 @@ fn passes_meet_the_same_groove_at_every_speed_and_start() {
             );
         }
     }
+}
+
+/// The greatest way by which the tool is off its groove between two Z, mm: as to
+/// the angle that the control has sampled, a tick before it moves the tool.
+fn off_the_groove(run: &mut Run, lead: f64, from: f64, to: f64) -> f64 {
+    run.until_z(from);
+    let first = run.simulation.lathe.spindle_degrees();
+    run.tick();
+    // What the control saw in this tick is the zero of the turns.
+    let begun = run.z();
+    let mut before = run.simulation.lathe.spindle_degrees();
+    let mut turns = (before - first).rem_euclid(360.0) / 360.0;
+    let mut worst = 0.0f64;
+    while run.z() > to {
+        let sampled = turns;
+        run.tick();
+        let degrees = run.simulation.lathe.spindle_degrees();
+        turns += (degrees - before + 180.0).rem_euclid(360.0) / 360.0 - 0.5;
+        before = degrees;
+        worst = worst.max((sampled * lead - (begun - run.z())).abs());
+    }
+    worst
+}
+
+#[test]
+fn a_thread_keeps_its_groove_while_the_spindle_changes_its_speed() {
+    // G96 acts in threads: along the taper the spindle comes down from 800 to 400
+    // r/min.
+    let text = "O0001\nM03 S800\nG50 S800\nG96 S100\nG00 X40 Z5\nG04 X1\n\
+                G32 X80 Z-95 F2\nG97 S400\nG00 X100\nM30\n";
+    let mut run = Run::started(text, &[]);
+    run.until_z(4.0);
+    let fast = run.simulation.lathe.spindle_rpm();
+    let off = off_the_groove(&mut run, 2.0, 0.0, -90.0);
+    let slow = run.simulation.lathe.spindle_rpm();
+    assert!(fast > 780.0 && slow < 420.0, "{fast} {slow} r/min");
+    assert!(off <= 2.0 * PULSE, "{off} mm");
+    run.finish();
+    assert_eq!(run.alarm(), None);
+}
+
+#[test]
+fn a_thread_follows_a_spindle_that_runs_out_and_starts_again() {
+    let text = "O0001\nM03 S600\nG04 X1\nG00 X40 Z5\nG32 Z-95 F2\nG00 X100\nM30\n";
+    let mut run = Run::started(text, &[]);
+    run.until_z(-10.0);
+    run.simulation.lathe.set_fault(Fault::SpindleBlocked, true);
+    run.wait(500);
+    assert!(run.simulation.lathe.spindle_rpm() < 1.0 && run.z() > -20.0);
+    run.simulation.lathe.set_fault(Fault::SpindleBlocked, false);
+    // Braked and accelerated, measured over the whole of it.
+    let off = off_the_groove(&mut run, 2.0, -10.0, -90.0);
+    assert!(off <= 2.0 * PULSE, "{off} mm");
 }

@@ -1,5 +1,6 @@
 //! Feed hold, single block, reset and the spindle override in threads.
 
+use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
 
 use crate::bench::press;
@@ -97,4 +98,69 @@ fn a_change_of_the_spindle_override_waits_for_the_end_of_the_thread() {
         simulation.cnc.position_absolute().x > 25.0
     });
     assert!((run.simulation.cnc.spindle_commanded() - 500.0 * chosen).abs() < 1e-9);
+}
+
+#[test]
+fn emergency_stop_and_a_drive_alarm_stop_a_thread_on_the_spot() {
+    for drive in [false, true] {
+        for text in [G32, &G32.replace("G32", "G33")] {
+            let mut run = Run::started(text, &[]);
+            run.until_z(-5.0);
+            if drive {
+                run.simulation.lathe.set_fault(Fault::DriveZ, true);
+            } else {
+                run.simulation.lathe.set_emergency_button(true);
+            }
+            run.wait(16);
+            let at = run.z();
+            run.wait(500);
+            assert_eq!(run.z(), at, "no way to brake");
+            assert!(at > -5.4, "{at}");
+            assert_ne!(run.state(), RunState::Run);
+            assert_eq!(run.alarm(), Some(if drive { 222 } else { 207 }));
+        }
+    }
+}
+
+#[test]
+fn feed_hold_before_the_one_turn_signal_does_not_keep_a_thread_from_beginning() {
+    // At 20 r/min the signal is up to three seconds away.
+    let text = "O0001\nM03 S20\nG04 X1\nG00 X40 Z5\nG32 Z3 F2\nG00 X60\nZ5\nM30\n";
+    let mut run = Run::started(text, &[]);
+    run.until("at the thread", |simulation| {
+        simulation.cnc.cursor().line == 5
+    });
+    run.press(FEED_HOLD);
+    assert_eq!((run.state(), run.z()), (RunState::Hold, 5.0));
+    run.until("stopped", |simulation| {
+        simulation.cnc.run_state() == RunState::Stop
+    });
+    let at = run.simulation.cnc.position_absolute();
+    assert_eq!((at.diameter().0, at.z), (60.0, 3.0));
+}
+
+#[test]
+fn single_block_stops_after_each_move_of_a_thread_cycle() {
+    let text = "O0001\nM03 S500\nG04 X1\nG00 X40 Z5\nG92 X36 Z-20 F2 J1 K1\nM30\n";
+    let mut run = Run::started(text, &[]);
+    run.until("at the cycle", |simulation| {
+        simulation.cnc.cursor().line == 4
+    });
+    press(&mut run.simulation, SINGLE_BLOCK);
+    let mut stops = Vec::new();
+    while run.state() != RunState::Reset {
+        run.finish();
+        let at = run.simulation.cnc.position_absolute();
+        stops.push((at.diameter().0, at.z));
+        run.press(CYCLE_START);
+    }
+    stops.dedup();
+    let moves = [
+        (40.0, 5.0),
+        (36.0, 5.0),
+        (38.0, -20.0),
+        (40.0, -20.0),
+        (40.0, 5.0),
+    ];
+    assert_eq!(stops, moves);
 }

@@ -28,9 +28,6 @@ const NOT_READY: (usize, &str) = (0, "准备未绪");
 const MODE_COLUMN: usize = 20;
 const COMMUNICATION_COLUMN: usize = 30;
 
-/// Parameter 070: lines of the spindle encoder.
-const ENCODER_LINES: u16 = 70;
-
 /// Draws the frame of a page.
 pub fn draw(screen: &mut Screen, page: PageId, view: &View, cnc: &Cnc) {
     screen.put(0, 0, page.title());
@@ -147,11 +144,10 @@ fn sequence_of(line: &str) -> Option<u16> {
     digits[..end].parse().ok()
 }
 
-/// Measured speed with an encoder that counts, else the commanded one; with
-/// stepped speeds (001.4 = 0) the step.
+/// Measured speed with an encoder, else the commanded one; with stepped speeds
+/// (001.4 = 0) the step.
 pub fn spindle_speed(cnc: &Cnc) -> f64 {
-    let measured = cnc.spindle_actual();
-    if cnc.parameters().value(ENCODER_LINES) > 0 && measured != 0.0 {
+    if let Some(measured) = cnc.spindle_measured() {
         return measured;
     }
     if cnc.parameters().bit(1, 4) {
