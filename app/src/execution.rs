@@ -64,6 +64,8 @@ struct Run<'a> {
     simulation: Simulation,
     watcher: &'a mut dyn Watcher,
     start_ticks: u64,
+    /// The run has begun.
+    begun: bool,
     wanted_parts: u32,
     parts: u32,
     stops: u32,
@@ -88,6 +90,7 @@ pub fn execute(
         simulation: Simulation::new(setup),
         watcher,
         start_ticks: 0,
+        begun: false,
         wanted_parts: limits.parts,
         parts: 0,
         stops: 0,
@@ -244,7 +247,7 @@ impl Run<'_> {
 
     fn tick(&mut self) -> Result<(), String> {
         self.simulation.tick();
-        let running = self.start_ticks != 0;
+        self.begun |= self.start_ticks != 0 && self.simulation.cnc.run_state() == RunState::Run;
         let cnc = &self.simulation.cnc;
         let start_s = self.start_ticks as f64 / 1000.0;
         for event in cnc.events() {
@@ -287,7 +290,7 @@ impl Run<'_> {
                 Event::AlarmRaised(_) | Event::ProgramEnded { .. } => {}
             }
         }
-        if running {
+        if self.begun {
             let time_ms = self.time_ms();
             let machine = self.simulation.cnc.position_machine();
             self.watcher.ticked(time_ms, machine, &self.simulation)?;

@@ -5,6 +5,7 @@ mod bench;
 use std::sync::Arc;
 
 use bench::{press, started, ticks, with_program};
+use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
 use gsk_core::plc::Ladder;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -193,4 +194,21 @@ fn axes_stand_while_the_brake_is_on() {
         // The tick in which the brake opens is the first that moves.
         assert_eq!(moved <= 1, stands, "{moved} ticks moved, 011.4 {zdil}");
     }
+}
+
+#[test]
+fn feed_per_revolution_follows_the_measured_spindle() {
+    let text = "O0001\nM03 S600\nG04 X1\nG99 G01 Z200 F0.5\nM00\nM30\n";
+    let mut simulation = started(Setup::default(), text);
+    until(&mut simulation, |s| s.cnc.position_absolute().z < 295.0);
+    assert!((simulation.cnc.feed_actual() - 300.0).abs() < 1.0);
+    // A spindle that stands stops the feed; as it comes up again so does the feed.
+    simulation.lathe.set_fault(Fault::SpindleBlocked, true);
+    ticks(&mut simulation, 1500);
+    let at = simulation.cnc.position_absolute().z;
+    ticks(&mut simulation, 500);
+    assert_eq!(simulation.cnc.position_absolute().z, at);
+    simulation.lathe.set_fault(Fault::SpindleBlocked, false);
+    until(&mut simulation, |s| s.cnc.position_absolute().z < 250.0);
+    assert!((simulation.cnc.feed_actual() - 300.0).abs() < 1.0);
 }

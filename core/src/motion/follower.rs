@@ -162,6 +162,8 @@ pub(crate) struct Follower {
     /// Turns of the spindle since the beginning.
     turned: f64,
     gear: Gear,
+    /// The spindle turns, however slowly.
+    turns: bool,
 }
 
 impl Follower {
@@ -176,6 +178,7 @@ impl Follower {
                 rate: 0.0,
                 done: 0.0,
             },
+            turns: false,
         }
     }
 
@@ -194,7 +197,14 @@ impl Follower {
                 rate: before.rate,
                 done: 0.0,
             },
+            turns: true,
         }
+    }
+
+    /// Whether it has begun and the spindle turns: a slow one has ticks without a
+    /// count.
+    pub const fn is_moving(&self) -> bool {
+        self.running() && self.turns
     }
 
     /// Whether it has begun.
@@ -233,6 +243,7 @@ impl Follower {
     pub fn advance(&mut self, tick: &SpindleTick<'_>, way: Way, time: f64) -> Spent {
         let law = tick.limits.gear_law();
         let spin = tick.rpm.abs() / 60.0;
+        self.turns = spin > 0.0;
         let mut spent = Spent {
             waiting: 0.0,
             offered: time,

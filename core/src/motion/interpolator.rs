@@ -106,8 +106,8 @@ impl Interpolator {
             Motion::Rapid(rapid) => rapid.is_moving(),
             Motion::Led { .. } => !self.lag.is_none() || self.position != self.tick_start,
             Motion::Cut { ramp, .. } => ramp.speed > 0.0,
-            Motion::Thread(thread) => thread.running() && self.position != self.tick_start,
-            Motion::Tap(tap) => tap.running() && self.position != self.tick_start,
+            Motion::Thread(thread) => thread.is_moving(),
+            Motion::Tap(tap) => tap.is_moving(),
         };
         programmed || self.manual.x.is_moving() || self.manual.z.is_moving()
     }

@@ -43,6 +43,11 @@ impl Tap {
         self.follower.running()
     }
 
+    /// Whether it follows a spindle that turns.
+    pub const fn is_moving(&self) -> bool {
+        self.follower.is_moving()
+    }
+
     /// Where it goes at present.
     pub const fn to(&self) -> Point {
         if self.out.is_some() {

@@ -230,6 +230,11 @@ impl Thread {
         self.follower.running()
     }
 
+    /// Whether it follows a spindle that turns.
+    pub const fn is_moving(&self) -> bool {
+        self.follower.is_moving()
+    }
+
     /// End point.
     pub const fn to(&self) -> Point {
         self.path.to()

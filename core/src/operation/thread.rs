@@ -193,8 +193,8 @@ impl Cnc {
     /// The spindle speed that a thread has to reckon with: the measured one, or the
     /// commanded one that it is still coming up to.
     fn thread_rpm(&self) -> f64 {
-        let (measured, commanded) = (self.spindle.actual_rpm(), self.spindle.commanded_rpm());
-        measured.abs().max(commanded)
+        let commanded = self.spindle.commanded_rpm().min(self.spindle.top_speed());
+        self.spindle.actual_rpm().abs().max(commanded)
     }
 
     /// A thread that is about to begin: the run-out (or thread) that goes on from it
