@@ -172,13 +172,7 @@ fn the_surface_speed_follows_the_programmed_x() {
         ..ToolOffset::default()
     };
     assert!(setup.offsets.set(2, nose).is_ok());
-    let mut simulation = Simulation::new(setup);
-    ticks(&mut simulation, 100);
-    let opened = simulation
-        .cnc
-        .request(Request::OpenExternal(Program::new(SURFACE)));
-    assert_eq!(opened, Ok(()));
-    simulation.start_automatic();
+    let mut simulation = bench::started(setup, SURFACE);
     let (mut straight, mut round, mut waiting) = (0, 0, 0);
     for _ in 0..60_000 {
         simulation.tick();
