@@ -2,8 +2,10 @@
 //! preview.
 
 mod bench;
+#[path = "bench/program.rs"]
+mod program;
 
-use bench::{press, started, ticks};
+use bench::{press, ticks};
 use gsk_core::cnc::{Event, Request};
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::operation::RunState;
@@ -12,6 +14,7 @@ use gsk_core::preview::preview;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
+use program::started;
 
 const SHAFT: &str = "G00 X100 Z5;
 G71 U5 R1 F600;

@@ -1,8 +1,10 @@
 //! Macros in the whole control: their pace, the signals of the ladder, memory.
 
 mod bench;
+#[path = "bench/program.rs"]
+mod program;
 
-use bench::{press, started, ticks};
+use bench::{press, ticks};
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::memory::Variables;
@@ -12,6 +14,7 @@ use gsk_core::preview::{End, preview};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
+use program::started;
 
 fn previewed(text: &str) -> (End, f64) {
     let setup = Setup::default();

@@ -2,6 +2,8 @@
 //! single block, reset.
 
 mod bench;
+#[path = "bench/program.rs"]
+mod program;
 
 use bench::press;
 use gsk_core::cnc::Event;
@@ -58,7 +60,7 @@ fn setup() -> Option<Setup> {
 fn started() -> Simulation {
     let setup = setup();
     assert!(setup.is_some());
-    bench::started(setup.unwrap_or_default(), PROFILE)
+    program::started(setup.unwrap_or_default(), PROFILE)
 }
 
 /// The moves up to the next stop.
@@ -172,7 +174,7 @@ fn the_surface_speed_follows_the_programmed_x() {
         ..ToolOffset::default()
     };
     assert!(setup.offsets.set(2, nose).is_ok());
-    let mut simulation = bench::started(setup, SURFACE);
+    let mut simulation = program::started(setup, SURFACE);
     let (mut straight, mut round, mut waiting) = (0, 0, 0);
     for _ in 0..60_000 {
         simulation.tick();

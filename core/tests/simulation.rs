@@ -1,6 +1,8 @@
 //! Control, ladder and lathe together: from the key to the pulse.
 
 mod bench;
+#[path = "bench/program.rs"]
+mod program;
 
 use bench::{press, ticks};
 use gsk_core::cnc::Event;
@@ -16,11 +18,11 @@ fn key(byte: u16, bit: u8) -> BitAddress {
 }
 
 fn with_program(text: &str) -> Simulation {
-    bench::with_program(Setup::default(), text)
+    program::with_program(Setup::default(), text)
 }
 
 fn run(text: &str) -> Simulation {
-    let mut simulation = bench::started(Setup::default(), text);
+    let mut simulation = program::started(Setup::default(), text);
     assert_eq!(
         simulation.run_until(Until::Stopped, 10 * MINUTE),
         Outcome::Reached

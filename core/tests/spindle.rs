@@ -1,16 +1,19 @@
 //! The spindle with its ladder and lathe: gears, speed arrival, brake.
 
 mod bench;
+#[path = "bench/program.rs"]
+mod program;
 
 use std::sync::Arc;
 
-use bench::{press, started, ticks, with_program};
+use bench::{press, ticks};
 use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
 use gsk_core::plc::Ladder;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::{STANDARD_LADDER, Setup};
 use gsk_core::simulation::Simulation;
+use program::{started, with_program};
 
 const RESET: BitAddress = BitAddress::new(Area::X, 26, 0);
 const BRAKE: BitAddress = BitAddress::new(Area::Y, 0, 7);

@@ -2,6 +2,8 @@
 
 #[path = "../bench/mod.rs"]
 mod bench;
+#[path = "../bench/program.rs"]
+mod program;
 
 mod alarms;
 mod paths;

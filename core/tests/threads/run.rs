@@ -7,7 +7,7 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 
-use crate::bench::{started, with_program};
+use crate::program::{started, with_program};
 
 const MINUTE: u32 = 60_000;
 
