@@ -120,7 +120,8 @@ pub(crate) fn evaluate(
         _ => plan.motion = motion(state, context, words, kind, &axes, base)?,
     }
     if let Motion::Cycle(cycle) = &plan.motion
-        && let Some(per_revolution) = cycle.thread_per_revolution()
+        && let Some(per_revolution) =
+            cycle.thread_per_revolution(context.parameters.run_out_rate() <= 0.0)
     {
         plan.before
             .push_front(Action::ThreadCycle { per_revolution });

@@ -246,11 +246,11 @@ impl CompoundThread {
     }
 
     /// How far each axis goes a revolution in its cuts, mm.
-    pub(crate) fn per_revolution(&self) -> Point {
+    pub(crate) fn per_revolution(&self, tied: bool) -> Point {
         let begin = self.shape.begin(&self.pass);
         let (cut, tail) = self.shape.thread(begin, &self.pass);
         let from = self.shape.shift.machine(begin);
-        thread::per_revolution(from, [cut.as_ref(), tail.as_ref()])
+        thread::per_revolution(from, [cut.as_ref(), tail.as_ref().filter(|_| tied)])
     }
 
     pub(crate) fn make(&mut self) -> Option<Move> {

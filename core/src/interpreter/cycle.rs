@@ -184,11 +184,12 @@ impl Cycle {
         self.ahead.is_none()
     }
 
-    /// Of a cycle of threads: how far each axis goes a revolution in its cuts, mm.
-    pub(crate) fn thread_per_revolution(&self) -> Option<Point> {
+    /// Of a cycle of threads: how far each axis goes a revolution in its cuts, mm;
+    /// the run-out counts when it is tied to the spindle (107 = 0).
+    pub(crate) fn thread_per_revolution(&self, tied: bool) -> Option<Point> {
         match &self.maker {
-            Maker::Thread(cycle) => Some(cycle.per_revolution()),
-            Maker::CompoundThread(cycle) => Some(cycle.per_revolution()),
+            Maker::Thread(cycle) => Some(cycle.per_revolution(tied)),
+            Maker::CompoundThread(cycle) => Some(cycle.per_revolution(tied)),
             _ => None,
         }
     }

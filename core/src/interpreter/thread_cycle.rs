@@ -133,8 +133,11 @@ pub(crate) fn run_out_width(parameters: &Parameters, lead: f64) -> i64 {
 
 impl ThreadCycle {
     /// How far each axis goes a revolution in its cuts, mm.
-    pub(crate) fn per_revolution(&self) -> Point {
-        thread::per_revolution(self.b, [self.thread.as_ref(), self.tail.as_ref()])
+    pub(crate) fn per_revolution(&self, tied: bool) -> Point {
+        thread::per_revolution(
+            self.b,
+            [self.thread.as_ref(), self.tail.as_ref().filter(|_| tied)],
+        )
     }
 
     pub(crate) fn make(&mut self) -> Option<Move> {

@@ -194,7 +194,12 @@ impl Cnc {
     /// commanded one that it is still coming up to.
     fn thread_rpm(&self) -> f64 {
         let commanded = self.spindle.commanded_rpm().min(self.spindle.top_speed());
-        self.spindle.actual_rpm().abs().max(commanded)
+        let measured = self.spindle.actual_rpm().abs();
+        if measured * WITHIN_MEASUREMENT <= commanded {
+            commanded
+        } else {
+            measured
+        }
     }
 
     /// A thread that is about to begin: the run-out (or thread) that goes on from it
