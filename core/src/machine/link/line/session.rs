@@ -1,5 +1,8 @@
 //! The link with a board that reads lines, from the first byte to the last.
 
+mod motion;
+mod stops;
+
 use core::time::Duration;
 use std::collections::VecDeque;
 
@@ -11,7 +14,7 @@ use super::opening::{Opening, Outcome};
 use super::required::Required;
 use super::segments::{Segment, Segments};
 use crate::memory::Parameters;
-use crate::units::{PerAxis, Point, Pulses};
+use crate::units::{PerAxis, Pulses};
 
 /// Between two reports: standing, moving, waiting for a standstill.
 const STATUS_IDLE: Duration = Duration::from_millis(200);
@@ -449,30 +452,6 @@ impl LineLink {
         });
     }
 
-    /// Sends what waits, as far as the board's buffer and queue reach.
-    fn feed(&mut self) {
-        let space = usize::from(self.board().receive_bytes).saturating_sub(1);
-        while let Some(segment) = self.backlog.front() {
-            let under_way: usize = self.unanswered.iter().map(|line| line.bytes).sum();
-            if under_way + segment.line.len() > space {
-                return;
-            }
-            let Some(segment) = self.backlog.pop_front() else {
-                return;
-            };
-            self.send(&segment.line, true);
-            if self.queued.is_empty() {
-                self.progressed = self.now;
-            }
-            self.queued.push_back(Queued {
-                duration: segment.duration,
-                end: segment.end,
-                pulses: segment.pulses,
-                answered: false,
-            });
-        }
-    }
-
     fn take(&mut self, answer: &Answer) {
         if !self.opening.is_done() {
             let expected = self.opening.expects_banner();
@@ -502,69 +481,6 @@ impl LineLink {
             }
             _ => {}
         }
-    }
-
-    fn line_done(&mut self, error: Option<u16>) {
-        let Some(line) = self.unanswered.pop_front() else {
-            if self.halt == Halt::None && self.state.takes_motion() {
-                self.protocol_error("an answer to nothing");
-            }
-            return;
-        };
-        if let Some(number) = error {
-            if self.halt == Halt::None && self.state != LinkState::Locked {
-                self.protocol_error(&format!("a line was refused with error:{number}"));
-            }
-            return;
-        }
-        if line.is_segment
-            && let Some(segment) = self.queued.iter_mut().find(|segment| !segment.answered)
-        {
-            segment.answered = true;
-        }
-        // The board cannot hold more than its queue: what is beyond was made.
-        self.retire(usize::from(self.board().blocks));
-        self.feed();
-    }
-
-    /// Counts as made all answered segments but the newest `held`.
-    fn retire(&mut self, held: usize) {
-        let answered = self
-            .queued
-            .iter()
-            .take_while(|segment| segment.answered)
-            .count();
-        for _ in held..answered {
-            if let Some(segment) = self.queued.pop_front() {
-                self.executed = segment.end;
-                self.made = segment.pulses;
-                self.progressed = self.now;
-            }
-        }
-    }
-
-    /// Distance of the board from the path it has been given, mm.
-    fn off_path(&self, board: PerAxis<Pulses>) -> f64 {
-        let [per_x, per_z] = self.required.pulses_per_mm;
-        let millimetres = |pulses: PerAxis<Pulses>| {
-            Point::new(pulses.x.0 as f64 / per_x, pulses.z.0 as f64 / per_z)
-        };
-        let at = millimetres(self.to_kernel(board));
-        let mut from = millimetres(self.made);
-        let mut nearest = (at - from).length();
-        for segment in &self.queued {
-            let to = millimetres(segment.pulses);
-            nearest = nearest.min(distance_to_line(at, from, to));
-            from = to;
-        }
-        nearest
-    }
-
-    fn to_kernel(&self, board: PerAxis<Pulses>) -> PerAxis<Pulses> {
-        PerAxis::new(
-            Pulses(board.x.0 - self.offset.x.0),
-            Pulses(board.z.0 - self.offset.z.0),
-        )
     }
 
     fn report(&mut self, status: Status) {
@@ -633,220 +549,4 @@ impl LineLink {
             self.last_asked = self.now;
         }
     }
-
-    fn watch_silence(&mut self) {
-        let silent = self
-            .asked
-            .is_some_and(|asked| self.now.saturating_sub(asked) >= SILENCE);
-        let unanswered = self
-            .unanswered
-            .front()
-            .is_some_and(|line| self.now.saturating_sub(line.sent) >= ANSWER_WAIT);
-        if silent {
-            self.lost("the board has not answered for 500 ms");
-        } else if unanswered && self.halt == Halt::None && self.state.takes_motion() {
-            self.protocol_error("a line was never answered");
-        } else if self.halt == Halt::None
-            && self.queued.front().is_some_and(|segment| {
-                self.now.saturating_sub(self.progressed) >= segment.duration + LATE
-            })
-        {
-            self.protocol_error("a segment takes much longer than it was given");
-        }
-    }
-
-    fn watch_halt(&mut self) {
-        match self.halt {
-            Halt::Braking(since) if self.now.saturating_sub(since) >= HOLD_WAIT => {
-                self.position_known = false;
-                self.alarm(607, "the board did not stand within 1 s");
-                self.restart();
-                self.enter(LinkState::Fault);
-            }
-            Halt::Restarting(since) if self.now.saturating_sub(since) >= ANSWER_WAIT => {
-                self.lost("the board did not come back after a reset");
-            }
-            _ => {}
-        }
-    }
-
-    /// `!`, standstill, Ctrl-X: nothing queued is left, the position is kept.
-    fn flush(&mut self) {
-        if self.halt == Halt::None {
-            self.outgoing.push(b'!');
-            self.halt = Halt::Braking(self.now);
-            self.asked = None;
-            self.last_asked = HostTime::ZERO;
-        }
-        self.forget_motion();
-    }
-
-    fn restart(&mut self) {
-        self.outgoing.push(RESET);
-        self.halt = Halt::Restarting(self.now);
-        self.asked = None;
-        self.line.clear();
-    }
-
-    /// The banner that was asked for.
-    fn restarted(&mut self) {
-        self.halt = Halt::None;
-        self.forget_motion();
-        self.asked = None;
-        self.last_asked = HostTime::ZERO;
-        self.still_since = None;
-        if self.position_known && self.state == LinkState::Moving {
-            for modes in MODES {
-                self.send(modes, false);
-            }
-            self.enter(LinkState::Verify);
-        }
-    }
-
-    fn forget_motion(&mut self) {
-        self.unanswered.clear();
-        self.backlog.clear();
-        self.queued.clear();
-        self.segments.begin(self.commanded, self.executed);
-    }
-
-    /// When the board stands and nothing is queued, its count is compared.
-    fn verify(&mut self) {
-        let flushed = self.state == LinkState::Verify;
-        if !(flushed || self.state == LinkState::Moving) || self.halt != Halt::None {
-            return;
-        }
-        let idle = self.unanswered.is_empty()
-            && self.backlog.is_empty()
-            && self.queued.is_empty()
-            && self.segments.pending() == RunTime::ZERO;
-        let settled = self
-            .still_since
-            .is_some_and(|since| self.now.saturating_sub(since) >= SETTLED);
-        let Some(board) = self.status.and_then(|status| self.pulses(status)) else {
-            return;
-        };
-        if !(idle && settled) {
-            return;
-        }
-        let kernel = self.to_kernel(board);
-        if flushed {
-            // The kernel takes over where the board came to stand.
-            self.commanded = kernel;
-            self.made = kernel;
-            self.segments.begin(kernel, self.executed);
-            self.events.push(Event::Position(kernel));
-            self.enter(LinkState::Ready);
-            return;
-        }
-        if self.agrees(kernel) {
-            self.events.push(Event::Position(kernel));
-            self.events.push(Event::Drained);
-            self.enter(LinkState::Ready);
-            return;
-        }
-        self.position_known = false;
-        let text = format!(
-            "commanded X {} Z {} pulses, the board counts X {} Z {}",
-            self.commanded.x.0, self.commanded.z.0, kernel.x.0, kernel.z.0
-        );
-        self.alarm(611, &text);
-        self.enter(LinkState::Locked);
-    }
-
-    /// Equal, or as near as the three decimals of a report can tell.
-    fn agrees(&self, kernel: PerAxis<Pulses>) -> bool {
-        let near = |a: Pulses, b: Pulses, per_mm: f64| {
-            let rounding = if per_mm > 500.0 {
-                (per_mm * 0.000_5).ceil() as u64
-            } else {
-                0
-            };
-            (a.0 - b.0).unsigned_abs() <= rounding
-        };
-        let [x, z] = self.required.pulses_per_mm;
-        near(kernel.x, self.commanded.x, x) && near(kernel.z, self.commanded.z, z)
-    }
-
-    fn pulses(&self, status: Status) -> Option<PerAxis<Pulses>> {
-        let [x, z] = status.position?;
-        let [per_x, per_z] = self.required.pulses_per_mm;
-        Some(PerAxis::new(
-            Pulses((x * per_x).round() as i64),
-            Pulses((z * per_z).round() as i64),
-        ))
-    }
-
-    /// The board started by itself: power or its reset line.
-    fn board_restarted(&mut self) {
-        self.forget_motion();
-        self.position_known = false;
-        self.halt = Halt::None;
-        self.alarm(
-            606,
-            "the board was reset; the position of the slides is unknown",
-        );
-        self.enter(LinkState::Fault);
-    }
-
-    fn protocol_error(&mut self, cause: &str) {
-        self.alarm(608, cause);
-        self.position_known = false;
-        self.flush();
-        self.enter(LinkState::Fault);
-    }
-
-    fn board_alarm(&mut self, number: u16) {
-        if matches!(self.halt, Halt::Restarting(_)) && number == 3 {
-            // Our own reset while it moved.
-            return;
-        }
-        self.forget_motion();
-        self.position_known = false;
-        let pins = self.status.map(|status| status.pins).unwrap_or_default();
-        match number {
-            1 => {
-                for (operated, number, axis) in [(pins.x, 621, 'X'), (pins.z, 622, 'Z')] {
-                    if operated || !(pins.x || pins.z) {
-                        self.alarm(number, &format!("limit input of {axis} at the board"));
-                    }
-                }
-                // Nothing but a reset is heard by the board now.
-                self.restart();
-                self.enter(LinkState::Tripped);
-            }
-            3 => {
-                self.alarm(606, "the board was reset while it moved");
-                self.enter(LinkState::Fault);
-            }
-            6..=9 | 11 | 15 | 18 => {
-                self.alarm(609, &format!("ALARM:{number} of the board"));
-                self.enter(LinkState::Locked);
-            }
-            10 => {
-                self.alarm(207, "emergency stop input of the board");
-                self.enter(LinkState::Tripped);
-            }
-            2 | 4 | 5 | 12 | 13 | 22 => {
-                self.alarm(608, &format!("ALARM:{number} of the board"));
-                self.enter(LinkState::Fault);
-            }
-            _ => {
-                self.alarm(607, "the board is locked");
-                self.enter(LinkState::Fault);
-            }
-        }
-    }
-}
-
-/// Distance of a point from the stretch between two others.
-fn distance_to_line(at: Point, from: Point, to: Point) -> f64 {
-    let along = to - from;
-    let square = along.x * along.x + along.z * along.z;
-    if square == 0.0 {
-        return (at - from).length();
-    }
-    let way = at - from;
-    let share = ((way.x * along.x + way.z * along.z) / square).clamp(0.0, 1.0);
-    (way - along * share).length()
 }

@@ -1,0 +1,175 @@
+//! Motion in the board: what is sent, what is certainly made, and whether the
+//! board's count agrees.
+
+use super::super::super::{Event, LinkState, RunTime};
+use super::super::answers::Status;
+use super::{Halt, LineLink, Queued, SETTLED};
+use crate::units::{PerAxis, Point, Pulses};
+
+impl LineLink {
+    /// Sends what waits, as far as the board's buffer and queue reach.
+    pub(super) fn feed(&mut self) {
+        let space = usize::from(self.board().receive_bytes).saturating_sub(1);
+        while let Some(segment) = self.backlog.front() {
+            let under_way: usize = self.unanswered.iter().map(|line| line.bytes).sum();
+            if under_way + segment.line.len() > space {
+                return;
+            }
+            let Some(segment) = self.backlog.pop_front() else {
+                return;
+            };
+            self.send(&segment.line, true);
+            if self.queued.is_empty() {
+                self.progressed = self.now;
+            }
+            self.queued.push_back(Queued {
+                duration: segment.duration,
+                end: segment.end,
+                pulses: segment.pulses,
+                answered: false,
+            });
+        }
+    }
+
+    pub(super) fn line_done(&mut self, error: Option<u16>) {
+        let Some(line) = self.unanswered.pop_front() else {
+            if self.halt == Halt::None && self.state.takes_motion() {
+                self.protocol_error("an answer to nothing");
+            }
+            return;
+        };
+        if let Some(number) = error {
+            if self.halt == Halt::None && self.state != LinkState::Locked {
+                self.protocol_error(&format!("a line was refused with error:{number}"));
+            }
+            return;
+        }
+        if line.is_segment
+            && let Some(segment) = self.queued.iter_mut().find(|segment| !segment.answered)
+        {
+            segment.answered = true;
+        }
+        // The board cannot hold more than its queue: what is beyond was made.
+        self.retire(usize::from(self.board().blocks));
+        self.feed();
+    }
+
+    /// Counts as made all answered segments but the newest `held`.
+    pub(super) fn retire(&mut self, held: usize) {
+        let answered = self
+            .queued
+            .iter()
+            .take_while(|segment| segment.answered)
+            .count();
+        for _ in held..answered {
+            if let Some(segment) = self.queued.pop_front() {
+                self.executed = segment.end;
+                self.made = segment.pulses;
+                self.progressed = self.now;
+            }
+        }
+    }
+
+    /// Distance of the board from the path it has been given, mm.
+    pub(super) fn off_path(&self, board: PerAxis<Pulses>) -> f64 {
+        let [per_x, per_z] = self.required.pulses_per_mm;
+        let millimetres = |pulses: PerAxis<Pulses>| {
+            Point::new(pulses.x.0 as f64 / per_x, pulses.z.0 as f64 / per_z)
+        };
+        let at = millimetres(self.to_kernel(board));
+        let mut from = millimetres(self.made);
+        let mut nearest = (at - from).length();
+        for segment in &self.queued {
+            let to = millimetres(segment.pulses);
+            nearest = nearest.min(distance_to_line(at, from, to));
+            from = to;
+        }
+        nearest
+    }
+
+    pub(super) fn to_kernel(&self, board: PerAxis<Pulses>) -> PerAxis<Pulses> {
+        PerAxis::new(
+            Pulses(board.x.0 - self.offset.x.0),
+            Pulses(board.z.0 - self.offset.z.0),
+        )
+    }
+
+    /// When the board stands and nothing is queued, its count is compared.
+    pub(super) fn verify(&mut self) {
+        let flushed = self.state == LinkState::Verify;
+        if !(flushed || self.state == LinkState::Moving) || self.halt != Halt::None {
+            return;
+        }
+        let idle = self.unanswered.is_empty()
+            && self.backlog.is_empty()
+            && self.queued.is_empty()
+            && self.segments.pending() == RunTime::ZERO;
+        let settled = self
+            .still_since
+            .is_some_and(|since| self.now.saturating_sub(since) >= SETTLED);
+        let Some(board) = self.status.and_then(|status| self.pulses(status)) else {
+            return;
+        };
+        if !(idle && settled) {
+            return;
+        }
+        let kernel = self.to_kernel(board);
+        if flushed {
+            // The kernel takes over where the board came to stand.
+            self.commanded = kernel;
+            self.made = kernel;
+            self.segments.begin(kernel, self.executed);
+            self.events.push(Event::Position(kernel));
+            self.enter(LinkState::Ready);
+            return;
+        }
+        if self.agrees(kernel) {
+            self.events.push(Event::Position(kernel));
+            self.events.push(Event::Drained);
+            self.enter(LinkState::Ready);
+            return;
+        }
+        self.position_known = false;
+        let text = format!(
+            "commanded X {} Z {} pulses, the board counts X {} Z {}",
+            self.commanded.x.0, self.commanded.z.0, kernel.x.0, kernel.z.0
+        );
+        self.alarm(611, &text);
+        self.enter(LinkState::Locked);
+    }
+
+    /// Equal, or as near as the three decimals of a report can tell.
+    pub(super) fn agrees(&self, kernel: PerAxis<Pulses>) -> bool {
+        let near = |a: Pulses, b: Pulses, per_mm: f64| {
+            let rounding = if per_mm > 500.0 {
+                (per_mm * 0.000_5).ceil() as u64
+            } else {
+                0
+            };
+            (a.0 - b.0).unsigned_abs() <= rounding
+        };
+        let [x, z] = self.required.pulses_per_mm;
+        near(kernel.x, self.commanded.x, x) && near(kernel.z, self.commanded.z, z)
+    }
+
+    pub(super) fn pulses(&self, status: Status) -> Option<PerAxis<Pulses>> {
+        let [x, z] = status.position?;
+        let [per_x, per_z] = self.required.pulses_per_mm;
+        Some(PerAxis::new(
+            Pulses((x * per_x).round() as i64),
+            Pulses((z * per_z).round() as i64),
+        ))
+    }
+}
+
+/// Distance of a point from the stretch between two others.
+fn distance_to_line(at: Point, from: Point, to: Point) -> f64 {
+    let along = to - from;
+    let square = along.x * along.x + along.z * along.z;
+    if square == 0.0 {
+        return (at - from).length();
+    }
+    let way = at - from;
+    let share = ((way.x * along.x + way.z * along.z) / square).clamp(0.0, 1.0);
+    (way - along * share).length()
+}

@@ -1,0 +1,143 @@
+//! Everything that stops the board, and what is known afterwards.
+
+use super::super::super::{HostTime, LinkState};
+use super::{ANSWER_WAIT, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, SILENCE};
+
+impl LineLink {
+    pub(super) fn watch_silence(&mut self) {
+        let silent = self
+            .asked
+            .is_some_and(|asked| self.now.saturating_sub(asked) >= SILENCE);
+        let unanswered = self
+            .unanswered
+            .front()
+            .is_some_and(|line| self.now.saturating_sub(line.sent) >= ANSWER_WAIT);
+        if silent {
+            self.lost("the board has not answered for 500 ms");
+        } else if unanswered && self.halt == Halt::None && self.state.takes_motion() {
+            self.protocol_error("a line was never answered");
+        } else if self.halt == Halt::None
+            && self.queued.front().is_some_and(|segment| {
+                self.now.saturating_sub(self.progressed) >= segment.duration + LATE
+            })
+        {
+            self.protocol_error("a segment takes much longer than it was given");
+        }
+    }
+
+    pub(super) fn watch_halt(&mut self) {
+        match self.halt {
+            Halt::Braking(since) if self.now.saturating_sub(since) >= HOLD_WAIT => {
+                self.position_known = false;
+                self.alarm(607, "the board did not stand within 1 s");
+                self.restart();
+                self.enter(LinkState::Fault);
+            }
+            Halt::Restarting(since) if self.now.saturating_sub(since) >= ANSWER_WAIT => {
+                self.lost("the board did not come back after a reset");
+            }
+            _ => {}
+        }
+    }
+
+    /// `!`, standstill, Ctrl-X: nothing queued is left, the position is kept.
+    pub(super) fn flush(&mut self) {
+        if self.halt == Halt::None {
+            self.outgoing.push(b'!');
+            self.halt = Halt::Braking(self.now);
+            self.asked = None;
+            self.last_asked = HostTime::ZERO;
+        }
+        self.forget_motion();
+    }
+
+    pub(super) fn restart(&mut self) {
+        self.outgoing.push(RESET);
+        self.halt = Halt::Restarting(self.now);
+        self.asked = None;
+        self.line.clear();
+    }
+
+    /// The banner that was asked for.
+    pub(super) fn restarted(&mut self) {
+        self.halt = Halt::None;
+        self.forget_motion();
+        self.asked = None;
+        self.last_asked = HostTime::ZERO;
+        self.still_since = None;
+        if self.position_known && self.state == LinkState::Moving {
+            for modes in MODES {
+                self.send(modes, false);
+            }
+            self.enter(LinkState::Verify);
+        }
+    }
+
+    pub(super) fn forget_motion(&mut self) {
+        self.unanswered.clear();
+        self.backlog.clear();
+        self.queued.clear();
+        self.segments.begin(self.commanded, self.executed);
+    }
+
+    /// The board started by itself: power or its reset line.
+    pub(super) fn board_restarted(&mut self) {
+        self.forget_motion();
+        self.position_known = false;
+        self.halt = Halt::None;
+        self.alarm(
+            606,
+            "the board was reset; the position of the slides is unknown",
+        );
+        self.enter(LinkState::Fault);
+    }
+
+    pub(super) fn protocol_error(&mut self, cause: &str) {
+        self.alarm(608, cause);
+        self.position_known = false;
+        self.flush();
+        self.enter(LinkState::Fault);
+    }
+
+    pub(super) fn board_alarm(&mut self, number: u16) {
+        if matches!(self.halt, Halt::Restarting(_)) && number == 3 {
+            // Our own reset while it moved.
+            return;
+        }
+        self.forget_motion();
+        self.position_known = false;
+        let pins = self.status.map(|status| status.pins).unwrap_or_default();
+        match number {
+            1 => {
+                for (operated, number, axis) in [(pins.x, 621, 'X'), (pins.z, 622, 'Z')] {
+                    if operated || !(pins.x || pins.z) {
+                        self.alarm(number, &format!("limit input of {axis} at the board"));
+                    }
+                }
+                // Nothing but a reset is heard by the board now.
+                self.restart();
+                self.enter(LinkState::Tripped);
+            }
+            3 => {
+                self.alarm(606, "the board was reset while it moved");
+                self.enter(LinkState::Fault);
+            }
+            6..=9 | 11 | 15 | 18 => {
+                self.alarm(609, &format!("ALARM:{number} of the board"));
+                self.enter(LinkState::Locked);
+            }
+            10 => {
+                self.alarm(207, "emergency stop input of the board");
+                self.enter(LinkState::Tripped);
+            }
+            2 | 4 | 5 | 12 | 13 | 22 => {
+                self.alarm(608, &format!("ALARM:{number} of the board"));
+                self.enter(LinkState::Fault);
+            }
+            _ => {
+                self.alarm(607, "the board is locked");
+                self.enter(LinkState::Fault);
+            }
+        }
+    }
+}
