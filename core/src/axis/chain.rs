@@ -122,10 +122,14 @@ impl Chain {
     }
 
     fn advance(&mut self, commanded: f64, locked: bool) {
-        if locked {
-            self.locked_away += commanded - self.commanded;
-        }
+        let moved = commanded - self.commanded;
         self.commanded = commanded;
+        if locked {
+            // The slide stands to the pulse: not even the rounding of the two sums
+            // may make one.
+            self.locked_away += moved;
+            return;
+        }
         let increments = ((self.slide() - self.origin) * self.per_mm).round() as i64;
         self.backlash.tick(increments - self.increments);
         self.increments = increments;
