@@ -13,7 +13,9 @@ use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 
+use crate::files::data_dir::DataDir;
 use crate::files::{program_file, subprograms};
+use crate::retained;
 use crate::setup_args::{OffsetWord, ParameterWord, SetupArgs};
 
 /// A program in the control's memory, and what the user should know about it.
@@ -27,6 +29,20 @@ impl Notices {
             eprintln!("gsk980td: {notice}");
         }
     }
+}
+
+/// What a command starts from that writes nothing back: the data directory, if one
+/// is named, under the options.
+pub fn setup(args: &SetupArgs) -> Result<Setup, String> {
+    let mut setup = Setup::default();
+    if let Some(path) = &args.data {
+        let data = DataDir::open(path).map_err(|error| error.to_string())?;
+        for complaint in retained::load(&data, &mut setup).complaints {
+            eprintln!("gsk980td: {complaint}");
+        }
+    }
+    apply(&mut setup, args)?;
+    Ok(setup)
 }
 
 /// Applies the options of control and lathe.

@@ -81,8 +81,6 @@ pub enum State {
         /// It stands.
         complete: bool,
     },
-    /// Seeking the switches.
-    Home,
     /// Locked.
     Alarm,
     /// Reads programs without moving.
@@ -346,14 +344,10 @@ impl GrblTwin {
     }
 
     fn soft_reset(&mut self) {
-        let moving = matches!(
-            self.state,
-            State::Run | State::Home | State::Hold { complete: false }
-        );
+        let moving = matches!(self.state, State::Run | State::Hold { complete: false });
         if moving {
-            let alarm = if self.state == State::Home { 6 } else { 3 };
             self.state = State::Alarm;
-            self.say(&format!("ALARM:{alarm}\r\n"));
+            self.say("ALARM:3\r\n");
         } else if self.state == (State::Hold { complete: true }) || self.state == State::Check {
             self.state = State::Idle;
         }

@@ -13,14 +13,14 @@ use gsk_core::setup::Setup;
 use super::{ALARM, FINE, USAGE, output};
 use crate::cli::CheckArgs;
 use crate::report::{self, AlarmReport, Bounds, Final, PathReport, Report};
-use crate::{loading, moves, retained};
+use crate::{loading, moves};
 
 /// Checks programs.
 pub fn check(args: &CheckArgs) -> Result<u8, String> {
     if args.moves.is_some() && args.files.len() > 1 {
         return Err("--moves takes one program".to_owned());
     }
-    let setup = setup(args)?;
+    let setup = loading::setup(&args.setup)?;
     if let (Some(path), [file]) = (&args.moves, &args.files[..]) {
         let mut out = output::open(path)?;
         let mut failed = None;
@@ -37,19 +37,6 @@ pub fn check(args: &CheckArgs) -> Result<u8, String> {
         return print(&[Ok(report)], args.json);
     }
     print(&all(&setup, &args.files), args.json)
-}
-
-fn setup(args: &CheckArgs) -> Result<Setup, String> {
-    let mut setup = Setup::default();
-    if let Some(path) = &args.setup.data {
-        let data =
-            crate::files::data_dir::DataDir::open(path).map_err(|error| error.to_string())?;
-        for complaint in retained::load(&data, &mut setup).complaints {
-            eprintln!("gsk980td: {complaint}");
-        }
-    }
-    loading::apply(&mut setup, &args.setup)?;
-    Ok(setup)
 }
 
 /// Checks files on all cores; the results keep the order of the files.

@@ -6,12 +6,11 @@ mod twin;
 use std::time::Duration;
 
 use gsk_core::machine::link::{Event, LinkConfig, LinkState};
-use gsk_core::setup::Setup;
 
 use super::{ALARM, FINE, output};
 use crate::board::Board;
 use crate::cli::{LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs};
-use crate::{loading, ports, retained};
+use crate::{loading, ports};
 
 /// Carries out a link command.
 pub fn link(command: &LinkCommand) -> Result<u8, String> {
@@ -44,15 +43,7 @@ fn list() -> Result<u8, String> {
 /// The board that is meant, with the settings of the machine file and the
 /// parameters of the control.
 fn open(args: &LinkBoardArgs) -> Result<Board, String> {
-    let mut setup = Setup::default();
-    if let Some(path) = &args.setup.data {
-        let data =
-            crate::files::data_dir::DataDir::open(path).map_err(|error| error.to_string())?;
-        for complaint in retained::load(&data, &mut setup).complaints {
-            eprintln!("gsk980td: {complaint}");
-        }
-    }
-    loading::apply(&mut setup, &args.setup)?;
+    let setup = loading::setup(&args.setup)?;
     let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();
     if let Some(port) = &args.port {
         config.port.clone_from(port);

@@ -12,7 +12,6 @@ impl GrblTwin {
             State::Run => "Run",
             State::Hold { complete: true } => "Hold:0",
             State::Hold { complete: false } => "Hold:1",
-            State::Home => "Home",
             State::Alarm => "Alarm",
             State::Check => "Check",
         };
