@@ -2,8 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use gsk_core::machine::link::line::LineLink;
-use gsk_core::machine::link::{Event, LinkConfig, LinkState};
+use gsk_core::machine::link::{Event, Link, LinkConfig, LinkState};
 use gsk_core::memory::Parameters;
 
 use crate::ports::Port;
@@ -22,7 +21,7 @@ pub struct Line {
 /// A board and its link.
 pub struct Board {
     /// The link.
-    pub link: LineLink,
+    pub link: Link,
     port: Port,
     opened: Instant,
     /// Lines being collected, outward and inward.
@@ -40,7 +39,7 @@ impl Board {
     pub fn open(config: LinkConfig, parameters: &Parameters) -> Result<Self, String> {
         let port = Port::open(&config.port, config.baud)?;
         Ok(Self {
-            link: LineLink::open(config, parameters, Duration::ZERO),
+            link: Link::open(config, parameters, Duration::ZERO),
             port,
             opened: Instant::now(),
             collected: [Vec::new(), Vec::new()],
@@ -81,11 +80,7 @@ impl Board {
     }
 
     /// Pumps until a condition holds or the time is up; what happened meanwhile.
-    pub fn wait(
-        &mut self,
-        limit: Duration,
-        until: impl Fn(&LineLink, &[Event]) -> bool,
-    ) -> Vec<Event> {
+    pub fn wait(&mut self, limit: Duration, until: impl Fn(&Link, &[Event]) -> bool) -> Vec<Event> {
         let end = self.now() + limit;
         let mut events = Vec::new();
         while self.now() < end && !until(&self.link, &events) {

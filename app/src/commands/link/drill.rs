@@ -98,7 +98,7 @@ impl Drill<'_> {
 
 /// Moves Z there and back with holds, and compares the counts.
 pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, String> {
-    let per_mm = board.link.required().pulses_per_mm[1];
+    let per_mm = board.link.pulses_per_mm()[1];
     let top = feed / 60_000.0 * per_mm;
     // A board with homing wakes up locked.
     board.wait(Duration::from_millis(500), |_, _| false);

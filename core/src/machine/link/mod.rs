@@ -10,6 +10,8 @@
 //! board only repeats it a little later, and is never given more than the lookahead,
 //! so that every stop has a bound. What the board *has done* is asked, not assumed.
 
+mod backend;
+mod board;
 mod config;
 pub mod line;
 
@@ -17,6 +19,8 @@ use core::time::Duration;
 
 use crate::units::{PerAxis, Pulses};
 
+pub use backend::Link;
+pub use board::{BoardInfo, Pins, Traffic};
 pub use config::{LineConfig, LinkAxis, LinkConfig, LinkConfigError};
 
 /// Monotonic time of the host.
@@ -92,19 +96,6 @@ pub enum Stop {
     Flush,
     /// Stop dead; the position is lost.
     Kill,
-}
-
-/// What the board is, as far as it said.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct BoardInfo {
-    /// Firmware and version.
-    pub firmware: String,
-    /// Places in its motion queue.
-    pub blocks: u16,
-    /// Size of its receive buffer, bytes.
-    pub receive_bytes: u16,
-    /// It can cut threads behind its spindle.
-    pub spindle_sync: bool,
 }
 
 /// Something the kernel must hear about.

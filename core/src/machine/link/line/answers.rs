@@ -1,5 +1,7 @@
 //! What a board says, line by line.
 
+use crate::machine::link::Pins;
+
 /// One line from the board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
@@ -48,19 +50,6 @@ pub enum BoardState {
     Alarm,
     /// Door, Tool, Sleep, Check, Jog: never asked for by us.
     Other,
-}
-
-/// Switches that a report names as operated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pins {
-    /// Limit of X.
-    pub x: bool,
-    /// Limit of Z.
-    pub z: bool,
-    /// Emergency stop or reset input.
-    pub emergency: bool,
-    /// Door.
-    pub door: bool,
 }
 
 /// A report.

@@ -11,6 +11,6 @@ mod required;
 mod segments;
 mod session;
 
-pub use answers::{Answer, BoardState, Pins, Status};
+pub use answers::{Answer, BoardState, Status};
 pub use required::{Required, Setting};
-pub use session::{LineLink, Traffic};
+pub use session::LineLink;

@@ -7,7 +7,7 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use super::super::{
-    BoardInfo, Event, HostTime, LinkConfig, LinkState, Refused, RunTime, Sample, Stop,
+    BoardInfo, Event, HostTime, LinkConfig, LinkState, Refused, RunTime, Sample, Stop, Traffic,
 };
 use super::answers::{Answer, BoardState, Status};
 use super::opening::{Opening, Outcome};
@@ -35,25 +35,6 @@ const LINE_BYTES: usize = 512;
 /// Modal words of all motion.
 const MODES: [&str; 2] = ["G21G18G90", "G1G93"];
 const RESET: u8 = 0x18;
-
-/// Figures of the wire for the link page.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Traffic {
-    /// Lines sent.
-    pub lines: u64,
-    /// Bytes sent and received.
-    pub sent: u64,
-    /// Bytes received.
-    pub received: u64,
-    /// Reports received.
-    pub reports: u64,
-    /// Lines that made no sense.
-    pub garbage: u64,
-    /// Segments sent.
-    pub segments: u64,
-    /// Time from the last `?` to its report.
-    pub round_trip: Option<Duration>,
-}
 
 /// A line that the board has not answered.
 #[derive(Clone, Debug)]
