@@ -29,7 +29,7 @@ use crate::memory::{
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
     ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, Return, RunState,
-    Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
+    Sensors, Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
 };
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::setup::Setup;
@@ -149,6 +149,7 @@ pub struct Cnc {
     /// The ladder that the next power-on loads.
     next_ladder: Option<Arc<Ladder>>,
     pub(crate) plc_message: bool,
+    pub(crate) sensors: Sensors,
 
     pub(crate) mode: Mode,
     pub(crate) automatic: Automatic,
@@ -266,6 +267,7 @@ impl Cnc {
             plc_halted: false,
             next_ladder: None,
             plc_message: false,
+            sensors: Sensors::default(),
             mode: Mode::Mdi,
             automatic: Automatic::default(),
             handshake: Handshake::default(),
@@ -338,6 +340,7 @@ impl Cnc {
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
         self.events.clear();
         self.ticks += 1;
+        self.sensors.sense(inputs);
         self.soft_switch_tick();
         if self.ticks % SAMPLE_TICKS == 1 {
             self.sample_contacts(inputs);

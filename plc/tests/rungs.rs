@@ -487,4 +487,6 @@ fn the_example_ladders_are_the_standard_one_but_for_their_rungs() {
     let bar_feeder = include_str!("../../assets/ladder/bar-feeder.il");
     assert_eq!(differences(two_hands), (3, 1));
     assert_eq!(differences(bar_feeder), (14, 4));
+    let coded_turret = include_str!("../../assets/ladder/coded-turret.il");
+    assert_eq!(differences(coded_turret), (7, 9));
 }

@@ -9,6 +9,11 @@
 use gsk_core::machine::{Lathe, LatheConfig, Outputs};
 use gsk_core::memory::Parameters;
 
+const EXAMPLES: [&str; 3] = [
+    EXAMPLE,
+    include_str!("../../assets/machines/servo-slant-bed.ron"),
+    include_str!("../../assets/machines/stepper-drives.ron"),
+];
 const EXAMPLE: &str = include_str!("../../assets/machines/small-flat-bed.ron");
 const DOCUMENT: &str = include_str!("../../docs/machine-file.md");
 
@@ -45,6 +50,14 @@ fn the_example_is_another_lathe() {
         lathe.put_slides(gsk_core::units::Point::new(0.0, f64::from(place) * -0.5));
         let inputs = lathe.inputs();
         assert!(!inputs.index_pulse.z);
+    }
+}
+
+#[test]
+fn every_example_is_a_lathe() {
+    for text in EXAMPLES {
+        let config = read(text).unwrap();
+        config.check().unwrap();
     }
 }
 
@@ -103,7 +116,12 @@ fn what_cannot_be_is_refused_by_field_and_rule() {
         ),
         (
             "(turret: (stations: 12))",
-            "turret.stations: 12 is more than 8: there is a contact T01 to T08 for each station",
+            "turret.stations: 12 is more than 8: there is a contact T01 to T08 for each station; \
+             `coded: true` and a ladder that reads the code serve 32",
+        ),
+        (
+            "(turret: (stations: 33, coded: true))",
+            "turret.stations: 33 is more than 32: 084 counts no more",
         ),
         (
             "(turret: (stations: 4, first: 5))",

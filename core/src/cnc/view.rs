@@ -12,7 +12,7 @@ use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
 };
 use crate::motion::JogRate;
-use crate::operation::{Mode, Return, RunState, jog_rate};
+use crate::operation::{Mode, Return, RunState, Sensors, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
 use crate::units::{Axis, PerAxis, Point};
@@ -32,6 +32,16 @@ impl Cnc {
     /// Operating mode.
     pub const fn mode(&self) -> Mode {
         self.mode
+    }
+
+    /// Signals of drives and encoder, for the diagnosis page.
+    pub const fn sensors(&self) -> Sensors {
+        self.sensors
+    }
+
+    /// Analog spindle output SVC, 0 to 10 V.
+    pub fn spindle_volts(&self) -> f64 {
+        self.spindle.volts()
     }
 
     /// State of automatic operation.

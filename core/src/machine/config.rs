@@ -205,6 +205,9 @@ pub struct Dog {
 pub struct TurretConfig {
     /// Number of stations; `None`: as many as 084 says when the lathe is wired.
     pub stations: Option<u8>,
+    /// The post tells its station as a binary number on T01, T02, T03 …, and
+    /// nothing between stations; otherwise each station has a contact of its own.
+    pub coded: bool,
     /// Station in place at the beginning, from 1.
     pub first: u8,
     /// Time from station to station, ms.
@@ -219,6 +222,7 @@ impl Default for TurretConfig {
     fn default() -> Self {
         Self {
             stations: None,
+            coded: false,
             first: 1,
             station_ms: 600,
             clamp_ms: 100,

@@ -27,6 +27,10 @@ const LONGEST_MM: f64 = 9999.999;
 const FASTEST_RPM: f64 = 99_999.0;
 const LONGEST_MS: u32 = 600_000;
 
+/// Station contacts T01 to T08, and stations that 084 can say.
+const CONTACTS: u8 = 8;
+const MOST_STATIONS: u8 = 32;
+
 struct Check(Vec<ConfigError>);
 
 impl Check {
@@ -132,11 +136,19 @@ impl LatheConfig {
         check.axis("x", &self.x);
         check.axis("z", &self.z);
         let turret = &self.turret;
-        let stations = turret.stations.unwrap_or(8);
+        let (most, rule) = if turret.coded {
+            (MOST_STATIONS, "084 counts no more")
+        } else {
+            (
+                CONTACTS,
+                "there is a contact T01 to T08 for each station; `coded: true` and a ladder that reads the code serve 32",
+            )
+        };
+        let stations = turret.stations.unwrap_or(most);
         check.rule(
-            stations <= 8,
+            stations <= most,
             "turret.stations",
-            format!("{stations} is more than 8: there is a contact T01 to T08 for each station"),
+            format!("{stations} is more than {most}: {rule}"),
         );
         check.rule(
             turret.first >= 1 && turret.first <= stations.max(1),

@@ -49,7 +49,12 @@ impl Lathe {
     /// Builds and wires the lathe to fit the parameters found now.
     pub fn new(config: LatheConfig, parameters: &Parameters) -> Self {
         let stations = config.turret.stations.unwrap_or(parameters.stations());
-        let wiring = Wiring::new(parameters, stations);
+        let contacts = if config.turret.coded {
+            8 - stations.leading_zeros()
+        } else {
+            u32::from(stations)
+        };
+        let wiring = Wiring::new(parameters, contacts);
         let travel = config.chuck.travel_ms;
         Self {
             axes: PerAxis::new(
@@ -176,9 +181,14 @@ impl Lathe {
         self.axes.get(axis).on_dog() || self.faults.has(stuck)
     }
 
-    /// Whether the switch of a station answers.
+    /// Whether the station switch T01, T02 … answers.
     fn station_answers(&self, number: u8) -> bool {
-        let answers = self.turret.station() == Some(number) || self.stuck_station == Some(number);
+        let coded = self.config.turret.coded;
+        let tells = |station: Option<u8>| match station {
+            Some(station) if coded => station >> (number - 1) & 1 == 1,
+            station => station == Some(number),
+        };
+        let answers = tells(self.turret.station()) || tells(self.stuck_station);
         answers && !self.faults.has(Fault::TurretContactsOpen)
     }
 

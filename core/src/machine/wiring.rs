@@ -61,12 +61,13 @@ pub(super) struct Wiring {
 }
 
 impl Wiring {
-    pub fn new(parameters: &Parameters, stations: u8) -> Self {
+    /// `contacts`: how many station switches the tool post has.
+    pub fn new(parameters: &Parameters, contacts: u32) -> Self {
         let bit = |number, bit| parameters.bit(number, bit);
         // Feed override switches (172.0 SOVI), station switches T05–T08, chuck
         // (168.2 PB2), gears (164.7 AGER, 164.6 AGIN), enables (SPEN, STEN).
         let switches = bit(172, 0);
-        let many = stations >= 5;
+        let many = contacts >= 5;
         let chuck = bit(168, 2);
         let gears = parameters.automatic_gears();
         let gear_switches = gears && bit(164, 6);

@@ -1,7 +1,9 @@
-//! The diagnosis page (manual III-2.7): contacts and outputs of the machine,
-//! mirrored status parameters, the tool in place. All of it is read-only.
+//! The diagnosis page (manual III-2.7): contacts and outputs of the machine, drives
+//! and encoder, mirrored status parameters, the tool in place. All but the tool is
+//! read-only.
 
 use gsk_core::cnc::Cnc;
+use gsk_core::operation::Sensors;
 use gsk_core::plc::address::{Area, BitAddress};
 
 use super::format;
@@ -26,6 +28,46 @@ struct Register {
     bits: [Option<(u16, u8)>; 8],
     names: [&'static str; 8],
 }
+
+/// A register of signals that are no contacts: names, bit 7 first, and what they
+/// are.
+struct Signals {
+    number: usize,
+    group: &'static str,
+    names: [&'static str; 8],
+    meanings: [&'static str; 8],
+}
+
+/// Zero signals, drives and the encoder (manual III-12.7.1).
+const SIGNALS: [Signals; 3] = [
+    Signals {
+        number: 8,
+        group: "驱动单元和编码器的信号",
+        names: ["-", "-", "*ALMZ", "*ALMX", "-", "PCS", "PCZ", "PCX"],
+        meanings: [
+            "",
+            "",
+            "Z轴驱动器无报警",
+            "X轴驱动器无报警",
+            "",
+            "主轴编码器一转信号",
+            "Z轴零点信号",
+            "X轴零点信号",
+        ],
+    },
+    Signals {
+        number: 11,
+        group: "主轴编码器计数(低8位)",
+        names: ["7", "6", "5", "4", "3", "2", "1", "0"],
+        meanings: [""; 8],
+    },
+    Signals {
+        number: 12,
+        group: "主轴编码器计数(高8位)",
+        names: ["15", "14", "13", "12", "11", "10", "9", "8"],
+        meanings: [""; 8],
+    },
+];
 
 const INPUTS: &str = "机床侧的输入信号(I/O板)";
 const OUTPUTS: &str = "输出到机床侧的信号(I/O板)";
@@ -166,6 +208,14 @@ pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
         lists::bit_names(screen, 11, |bit| register.names[usize::from(7 - bit)]);
         screen.put(12, 0, register.group);
     }
+    if let Some(signals) = SIGNALS.iter().find(|signals| signals.number == item) {
+        let bit = cursor.bit.min(7);
+        let place = usize::from(7 - bit);
+        let end = screen.put(10, 0, &format!("Bit{bit}:{}", signals.names[place]));
+        screen.put(10, end + 1, signals.meanings[place]);
+        lists::bit_names(screen, 11, |bit| signals.names[usize::from(7 - bit)]);
+        screen.put(12, 0, signals.group);
+    }
     frame::input_line(screen, &format!("序号 {item:03} "), view);
 }
 
@@ -173,9 +223,23 @@ fn value(number: usize, cnc: &Cnc) -> u8 {
     if let Some(register) = Register::of(number) {
         return register.value(cnc);
     }
+    let sensors = cnc.sensors();
     match number {
+        8 => sensor_bits(sensors),
+        11 => sensors.encoder as u8,
+        12 => (sensors.encoder >> 8) as u8,
         TOOL => cnc.tool().0,
         _ if MIRRORED.contains(&number) => cnc.parameters().byte(number as u16 + 100),
         _ => 0,
     }
+}
+
+/// DGN.008. The printed picture of an idle machine, 00110011, has both axes on
+/// their zero signals and both drives well.
+fn sensor_bits(sensors: Sensors) -> u8 {
+    u8::from(sensors.zero_signal.x)
+        | u8::from(sensors.zero_signal.z) << 1
+        | u8::from(sensors.spindle_mark()) << 2
+        | u8::from(sensors.drive_well.x) << 4
+        | u8::from(sensors.drive_well.z) << 5
 }

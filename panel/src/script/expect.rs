@@ -28,6 +28,11 @@ pub enum Expect {
     Row(usize, String),
     /// X as it is displayed (diameter or radius) and Z, mm.
     Position(Coordinates, f64, f64),
+    /// Where the slides of the machine stand: X as a diameter and Z, mm from the
+    /// reference point.
+    Slides(f64, f64),
+    /// The analog spindle output, V.
+    Volts(f64),
     /// A lamp, by the name in the script, is on or off.
     Lamp(String, Bit, bool),
     /// An alarm or a message of this number stands.
@@ -69,10 +74,19 @@ impl Expect {
                     },
                     at.z,
                 );
-                let near = |a: f64, b: f64| (a - b).abs() < TOLERANCE;
                 verdict(near(seen.x, *x) && near(seen.z, *z), || {
                     format!("the coordinates are {:.3} {:.3}", seen.x, seen.z)
                 })
+            }
+            Self::Slides(x, z) => {
+                let at = emulator.simulation.lathe.slides();
+                verdict(near(at.x * 2.0, *x) && near(at.z, *z), || {
+                    format!("the slides stand at {:.3} {:.3}", at.x * 2.0, at.z)
+                })
+            }
+            Self::Volts(volts) => {
+                let seen = cnc.spindle_volts();
+                verdict(near(seen, *volts), || format!("the output is {seen:.3} V"))
             }
             Self::Lamp(name, lamp, on) => {
                 let seen = emulator.lamp(*lamp);
@@ -103,6 +117,10 @@ impl Expect {
             }
         }
     }
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() < TOLERANCE
 }
 
 fn verdict(fits: bool, seen: impl FnOnce() -> String) -> Result<(), String> {

@@ -352,6 +352,8 @@ fn expect(words: &[&str]) -> Result<Expect, String> {
             };
             Expect::Position(coordinates, coordinate(x)?, coordinate(z)?)
         }
+        ["slides", x, z] => Expect::Slides(coordinate(x)?, coordinate(z)?),
+        ["svc", volts] => Expect::Volts(voltage(volts)?),
         ["lamp", name, state] => {
             let lamp = keys::lamp_of(name).ok_or_else(|| no_lamp(name))?;
             Expect::Lamp((*name).to_owned(), lamp, on_off(state)?)
@@ -388,6 +390,11 @@ fn coordinate(text: &str) -> Result<f64, String> {
             "\"{text}\" is no coordinate; write millimetres, as in -12.345"
         )),
     }
+}
+
+fn voltage(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix('V').unwrap_or(text);
+    coordinate(number).map_err(|_| format!("\"{text}\" is no voltage; write volts, as in 5.000"))
 }
 
 fn no_lamp(name: &str) -> String {

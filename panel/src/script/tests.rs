@@ -45,6 +45,7 @@ fn every_form_of_the_manual_page_is_read() {
         set X0.5 0\nfree X0.5\n\
         expect row 3 \"U 16.000\"\nexpect row R14 自动方式\n\
         expect abs 100.000 50.000\nexpect machine -1 2\nexpect rel 0 .5\n\
+        expect slides -100 -150\nexpect svc 5.000\n\
         expect lamp SBK on\nexpect lamp S-SBK off\n\
         expect alarm 011\nexpect alarm none\nexpect mode 自动方式\nexpect Y0.3 1\n\
         show\nshot page.png\nshot panel.png --panel\n";
@@ -57,7 +58,7 @@ fn every_form_of_the_manual_page_is_read() {
     assert_eq!(actions[8], &Action::Load("x.nc".to_owned()));
     assert_eq!(script.lines[12].at, Some(12345));
     assert_eq!(script.lines[0].number, 3);
-    assert_eq!(actions.len(), 34);
+    assert_eq!(actions.len(), 36);
 }
 
 #[test]
@@ -95,6 +96,8 @@ fn what_else_can_be_wrong() {
         ("fault door on", "there are turret-blocked"),
         ("expect row 15 x", "0 to 14"),
         ("expect abs 1 nan", "is no coordinate"),
+        ("expect slides 1", "expect is written"),
+        ("expect svc five", "is no voltage"),
         ("expect lamp POS on", "has no lamp"),
         ("expect lamp SBL on", "near: SBK"),
         ("expect lamp XYZZY on", "the strip XZERO"),
