@@ -110,13 +110,7 @@ impl Bench {
                 self.run += Duration::from_millis(1);
                 self.at = (x, z);
                 let pulses = PerAxis::new(Pulses(x), Pulses(z));
-                return self
-                    .link
-                    .push(Sample {
-                        end: self.run,
-                        pulses,
-                    })
-                    .is_ok();
+                return self.link.push(Sample::new(self.run, pulses)).is_ok();
             }
             self.ms();
         }

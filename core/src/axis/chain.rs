@@ -117,6 +117,23 @@ impl Chain {
         self.base + if self.reversed { -geared } else { geared }
     }
 
+    /// The place between two counts, with the same corrections; the count changes
+    /// half way. What is left over of a pulse changes it late: by so much the place
+    /// is shifted, about the place where counting begins it is stretched.
+    fn fine(&self) -> f64 {
+        let increments = (self.slide() - self.origin) * self.per_mm;
+        let increments = increments + (self.corrections() - self.without) as f64;
+        let per_increment = self.multiply as f64 / self.divide as f64;
+        let geared = increments * per_increment;
+        let first = 1.0 - 0.5 * per_increment.min(1.0);
+        let fine = if geared.abs() < first {
+            geared * 0.5 / first
+        } else {
+            geared - (first - 0.5).copysign(geared)
+        };
+        self.base as f64 + if self.reversed { -fine } else { fine }
+    }
+
     fn corrections(&self) -> i64 {
         self.correction + self.backlash.given()
     }
@@ -217,6 +234,12 @@ impl AxisChain {
             Pulses(self.chains.x.pulses()),
             Pulses(self.chains.z.pulses()),
         )
+    }
+
+    /// The place between two pulses, in pulses: the count changes half way from one
+    /// to the next.
+    pub fn fine(&self) -> PerAxis<f64> {
+        PerAxis::new(self.chains.x.fine(), self.chains.z.fine())
     }
 
     /// Machine coordinate of the slides: the commanded position without what
@@ -339,6 +362,29 @@ mod tests {
         assert_eq!(chain.pulses(), 1);
         chain.advance(-0.004, false);
         assert_eq!(chain.pulses(), 0);
+    }
+
+    #[test]
+    fn the_count_is_the_fine_place_rounded() {
+        for (multiply, divide) in [(1, 1), (1, 5), (3, 7)] {
+            for reversed in [false, true] {
+                let mut chain = Chain {
+                    reversed,
+                    base: 7,
+                    ..geared(multiply, divide)
+                };
+                for step in -4000..4000 {
+                    chain.advance(f64::from(step) * 0.000_07 + 0.000_003, false);
+                    let (count, fine) = (chain.pulses(), chain.fine());
+                    // Other ratios change up to an increment later.
+                    let most = if multiply == 3 { 0.95 } else { 0.500_001 };
+                    assert!(
+                        (fine - count as f64).abs() <= most,
+                        "{step}: {fine} {count}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

@@ -185,11 +185,10 @@ impl LatheConfig {
         }
         check.time(self.chuck.travel_ms, 1, "chuck.travel_ms");
         if let Some(Err(error)) = self.link.as_ref().map(LinkConfig::check) {
-            let (value, least, most) = (error.value, error.least, error.most);
             check.rule(
                 false,
                 format!("link.{}", error.field),
-                format!("{value} is not from {least} to {most}"),
+                error.fault.to_string(),
             );
         }
         if check.0.is_empty() {

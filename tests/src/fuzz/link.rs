@@ -60,10 +60,7 @@ fn act(desk: &mut Desk, byte: u8) {
             desk.z -= 2;
             let pulses = PerAxis::new(Pulses(0), Pulses(desk.z));
             if desk.link.room() > Duration::ZERO {
-                let _ = desk.link.push(Sample {
-                    end: desk.run,
-                    pulses,
-                });
+                let _ = desk.link.push(Sample::new(desk.run, pulses));
             }
         }
         0xF1 => desk.now += Duration::from_millis(5),

@@ -1,6 +1,7 @@
 //! The section `link` of the machine file (RON).
 
 use core::fmt;
+use core::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -9,23 +10,30 @@ use serde::{Deserialize, Serialize};
 /// ```
 /// use gsk_core::machine::link::LinkConfig;
 /// let link: LinkConfig = ron::from_str(r#"(port: "/dev/ttyUSB0", line: (max_rate: 30000))"#).unwrap();
-/// assert_eq!(link.lookahead_ms, 150);
+/// assert_eq!(link.lookahead().as_millis(), 150);
 /// assert!(link.check().is_ok());
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkConfig {
+    /// What the board understands.
+    pub protocol: Protocol,
     /// Serial device, best by its unchanging name under `/dev/serial/by-id/`.
     pub port: String,
     /// Bits a second.
     pub baud: u32,
     /// How far the kernel may run ahead of the board, ms, 50–400. Every hold is
-    /// later by this.
-    pub lookahead_ms: u32,
+    /// later by this. `None`: 150 with lines, 100 with steps.
+    pub lookahead_ms: Option<u32>,
+    /// Up to this feed the reference stays valid after a stop without a ramp,
+    /// mm/min of the slide.
+    pub flush_keep_speed: u32,
     /// Wiring of the cross slide.
     pub x: LinkAxis,
     /// Wiring of the carriage.
     pub z: LinkAxis,
+    /// Wiring of the rest, where the board has no fixed pins.
+    pub io: LinkIo,
     /// Boards that read lines (Grbl, grblHAL, FluidNC).
     pub line: LineConfig,
 }
@@ -33,22 +41,90 @@ pub struct LinkConfig {
 impl Default for LinkConfig {
     fn default() -> Self {
         Self {
+            protocol: Protocol::Line,
             port: String::new(),
             baud: 115_200,
-            lookahead_ms: 150,
+            lookahead_ms: None,
+            flush_keep_speed: 300,
             x: LinkAxis::default(),
             z: LinkAxis::default(),
+            io: LinkIo::default(),
             line: LineConfig::default(),
         }
     }
 }
 
-/// One axis at the board.
+/// What a board understands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Protocol {
+    /// Lines of text: Grbl 1.1, grblHAL, FluidNC.
+    #[default]
+    Line,
+    /// Times of steps: boards with Klipper firmware.
+    StepQueue,
+}
+
+/// One axis at the board. Pins are named as the board names them; `^` before the
+/// name turns its pull-up on, `!` turns its level over. An empty name: not wired.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkAxis {
     /// The direction pin is turned over in the board ($3).
     pub invert_direction: bool,
+    /// Step pin.
+    pub step: String,
+    /// Direction pin.
+    pub dir: String,
+    /// Length of a step pulse, µs.
+    pub step_pulse_us: u32,
+    /// Time between the last pulse one way and the first the other, µs.
+    pub dir_setup_us: u32,
+    /// The most pulses a second. `None`: what this processor is known to make.
+    pub max_rate: Option<u32>,
+    /// Limit switches of the axis.
+    pub limit: String,
+    /// Deceleration switch for machine zero return.
+    pub dec: String,
+    /// Zero signal of the drive.
+    pub zero: String,
+}
+
+impl Default for LinkAxis {
+    fn default() -> Self {
+        Self {
+            invert_direction: false,
+            step: String::new(),
+            dir: String::new(),
+            step_pulse_us: 2,
+            dir_setup_us: 10,
+            max_rate: None,
+            limit: String::new(),
+            dec: String::new(),
+            zero: String::new(),
+        }
+    }
+}
+
+/// The other pins of a board of timed steps; named as those of the axes.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LinkIo {
+    /// Enable input of the drives.
+    pub enable: String,
+    /// Sense of the emergency stop chain.
+    pub estop: String,
+    /// Alarm of the drives.
+    pub drive_alarm: String,
+    /// Spindle clockwise (M03).
+    pub spindle_cw: String,
+    /// Spindle counterclockwise (M04).
+    pub spindle_ccw: String,
+    /// Spindle speed, pulse width for 0–10 V.
+    pub spindle_pwm: String,
+    /// Coolant (M08).
+    pub coolant: String,
+    /// One-turn signal of the spindle.
+    pub index: String,
 }
 
 /// What only boards of the Grbl family need.
@@ -76,60 +152,106 @@ impl Default for LineConfig {
     }
 }
 
-/// A value out of its range.
+/// A field that is not as it must be.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LinkConfigError {
     /// Name of the field.
     pub field: &'static str,
-    /// Its value.
-    pub value: u32,
-    /// Least value allowed.
-    pub least: u32,
-    /// Greatest value allowed.
-    pub most: u32,
+    /// What is wrong with it.
+    pub fault: FaultyLinkConfig,
+}
+
+/// What is wrong with a field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultyLinkConfig {
+    /// A value out of its range.
+    Range {
+        /// The value.
+        value: u32,
+        /// Least value allowed.
+        least: u32,
+        /// Greatest value allowed.
+        most: u32,
+    },
+    /// A pin without which nothing works.
+    Missing,
+}
+
+impl fmt::Display for FaultyLinkConfig {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Range { value, least, most } => {
+                write!(f, "{value} is not from {least} to {most}")
+            }
+            Self::Missing => f.write_str("must name a pin of the board"),
+        }
+    }
 }
 
 impl fmt::Display for LinkConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            field,
-            value,
-            least,
-            most,
-        } = self;
-        write!(f, "link: {field} = {value} is outside {least}–{most}")
+        write!(f, "link.{}: {}", self.field, self.fault)
     }
 }
 
 impl core::error::Error for LinkConfigError {}
 
 impl LinkConfig {
-    /// Checks the ranges.
+    /// How far the kernel may run ahead of the board.
+    pub fn lookahead(&self) -> Duration {
+        let usual = match self.protocol {
+            Protocol::Line => 150,
+            Protocol::StepQueue => 100,
+        };
+        Duration::from_millis(self.lookahead_ms.unwrap_or(usual).into())
+    }
+
+    /// Checks the ranges, and that the pins are named without which nothing works.
     ///
     /// # Errors
-    /// The first field out of its range.
-    pub const fn check(&self) -> Result<(), LinkConfigError> {
+    /// The first field that is not as it must be.
+    pub fn check(&self) -> Result<(), LinkConfigError> {
+        let line = &self.line;
         let ranges = [
-            ("baud", self.baud, 9600, 4_000_000),
+            ("baud", Some(self.baud), 9600, 4_000_000),
             ("lookahead_ms", self.lookahead_ms, 50, 400),
-            ("line.period_ms", self.line.period_ms, 5, 40),
-            ("line.max_rate", self.line.max_rate, 1000, 1_000_000),
-            ("line.step_pulse_us", self.line.step_pulse_us, 3, 255),
+            (
+                "flush_keep_speed",
+                Some(self.flush_keep_speed),
+                0,
+                1_000_000,
+            ),
+            ("x.step_pulse_us", Some(self.x.step_pulse_us), 1, 255),
+            ("z.step_pulse_us", Some(self.z.step_pulse_us), 1, 255),
+            ("x.dir_setup_us", Some(self.x.dir_setup_us), 1, 1000),
+            ("z.dir_setup_us", Some(self.z.dir_setup_us), 1, 1000),
+            ("x.max_rate", self.x.max_rate, 1000, 1_000_000),
+            ("z.max_rate", self.z.max_rate, 1000, 1_000_000),
+            ("line.period_ms", Some(line.period_ms), 5, 40),
+            ("line.max_rate", Some(line.max_rate), 1000, 1_000_000),
+            ("line.step_pulse_us", Some(line.step_pulse_us), 3, 255),
         ];
-        let mut index = 0;
-        while index < ranges.len() {
-            let (field, value, least, most) = ranges[index];
-            if value < least || value > most {
-                return Err(LinkConfigError {
-                    field,
-                    value,
-                    least,
-                    most,
-                });
+        for (field, value, least, most) in ranges {
+            if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {
+                let fault = FaultyLinkConfig::Range { value, least, most };
+                return Err(LinkConfigError { field, fault });
             }
-            index += 1;
         }
-        Ok(())
+        let pins = [
+            ("x.step", &self.x.step),
+            ("x.dir", &self.x.dir),
+            ("z.step", &self.z.step),
+            ("z.dir", &self.z.dir),
+            ("io.enable", &self.io.enable),
+        ];
+        let missing = pins.into_iter().find(|(_, pin)| pin.is_empty());
+        match missing {
+            Some((field, _)) if self.protocol == Protocol::StepQueue => Err(LinkConfigError {
+                field,
+                fault: FaultyLinkConfig::Missing,
+            }),
+            _ => Ok(()),
+        }
     }
 }
 
@@ -140,13 +262,24 @@ mod tests {
     #[test]
     fn ranges_name_their_field() {
         let config = LinkConfig {
-            lookahead_ms: 20,
+            lookahead_ms: Some(20),
             ..LinkConfig::default()
         };
         let error = config.check().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "link: lookahead_ms = 20 is outside 50–400"
+            "link.lookahead_ms: 20 is not from 50 to 400"
         );
+    }
+
+    #[test]
+    fn a_missing_pin_is_named() {
+        let text = r#"(protocol: StepQueue, x: (step: "PA0", dir: "PA1"), z: (step: "PA2"))"#;
+        let config: LinkConfig = ron::from_str(text).unwrap();
+        assert_eq!(
+            config.check().unwrap_err().to_string(),
+            "link.z.dir: must name a pin of the board"
+        );
+        assert!(ron::from_str::<LinkConfig>("(io: (enabel: \"PL0\"))").is_err());
     }
 }

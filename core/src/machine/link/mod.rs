@@ -21,7 +21,9 @@ use crate::units::{PerAxis, Pulses};
 
 pub use backend::Link;
 pub use board::{BoardInfo, Pins, Traffic};
-pub use config::{LineConfig, LinkAxis, LinkConfig, LinkConfigError};
+pub use config::{
+    FaultyLinkConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo, Protocol,
+};
 
 /// Monotonic time of the host.
 pub type HostTime = Duration;
@@ -87,6 +89,23 @@ pub struct Sample {
     pub end: RunTime,
     /// Command pulses, absolute.
     pub pulses: PerAxis<Pulses>,
+    /// The same place before it was made whole pulses, in [`FINE`] parts of a
+    /// pulse; the count changes half way between two pulses.
+    pub fine: PerAxis<i64>,
+}
+
+/// Parts of a pulse that tell a board of timed steps when each pulse is due.
+pub const FINE: i64 = 65_536;
+
+impl Sample {
+    /// Whole pulses only: those of a tick come evenly spaced.
+    pub const fn new(end: RunTime, pulses: PerAxis<Pulses>) -> Self {
+        Self {
+            end,
+            pulses,
+            fine: PerAxis::new(pulses.x.0 * FINE, pulses.z.0 * FINE),
+        }
+    }
 }
 
 /// How a board is stopped at once.

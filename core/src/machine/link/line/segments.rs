@@ -142,10 +142,7 @@ mod tests {
     use super::*;
 
     fn sample(ms: u64, x: i64, z: i64) -> Sample {
-        Sample {
-            end: RunTime::from_millis(ms),
-            pulses: PerAxis::new(Pulses(x), Pulses(z)),
-        }
+        Sample::new(RunTime::from_millis(ms), PerAxis::new(Pulses(x), Pulses(z)))
     }
 
     #[test]

@@ -179,7 +179,7 @@ impl LineLink {
         if !self.is_prepared() || !self.backlog.is_empty() {
             return Duration::ZERO;
         }
-        Duration::from_millis(self.config.lookahead_ms.into()).saturating_sub(self.outstanding())
+        self.config.lookahead().saturating_sub(self.outstanding())
     }
 
     /// Whether motion is taken: the modal words of all motion are confirmed.
