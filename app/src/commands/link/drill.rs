@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use gsk_core::machine::link::{Event, FINE, LinkState, RunTime, Sample};
+use gsk_core::machine::link::{Event, FINE as PARTS, LinkState, RunTime, Sample};
 use gsk_core::units::{PerAxis, Pulses};
 
 use super::super::{ALARM, FINE, output};
@@ -65,7 +65,7 @@ impl Drill<'_> {
         self.run += Duration::from_millis(1);
         self.pulses = self.z.round() as i64;
         let sample = Sample {
-            fine: PerAxis::new(0, (self.z * FINE as f64).round() as i64),
+            fine: PerAxis::new(0, (self.z * PARTS as f64).round() as i64),
             ..Sample::new(self.run, PerAxis::new(Pulses(0), Pulses(self.pulses)))
         };
         while self.board.link.room() == Duration::ZERO {
