@@ -46,6 +46,8 @@ pub struct Setup {
     pub plc_retained: Option<Retained>,
     /// The simulated lathe.
     pub lathe: LatheConfig,
+    /// The parameters it was wired for; `None`: those found now.
+    pub wired: Option<Parameters>,
     /// The tool's machine position; the work zero is the machine zero.
     pub start: Option<Point>,
     /// The absolute coordinates at power-off; with 004.7 ABOT = 0 they stay.
@@ -113,6 +115,7 @@ impl Default for Setup {
             ladder: standard_ladder(),
             plc_retained: None,
             lathe: LatheConfig::free(),
+            wired: None,
             start: Some(Point::new(150.0, 300.0)),
             absolute: None,
             alarms: Vec::new(),

@@ -42,7 +42,7 @@ pub const FORMS: [(&str, &str); 16] = [
     ("force", "force G46.7 1 | force G46.7 free"),
     (
         "expect",
-        "expect row 3 \"U 16.000\" | abs X Z | machine X Z | rel U W | slides X Z | svc 5.000 | \
+        "expect row 3 \"U 16.000\" | abs X Z | machine X Z | rel U W | slides X Z | pulses X Z | svc 5.000 | \
          lamp KEY on | alarm 011 | alarm none | mode 自动方式 | Y0.3 1 | G43 133",
     ),
     ("show", "show"),

@@ -9,7 +9,7 @@ use gsk_core::memory::ToolOffset;
 use gsk_core::plc::Ladder;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
-use gsk_core::units::{Diameter, Point};
+use gsk_core::units::{Axis, Diameter, Point};
 use serde::Deserialize;
 
 /// What a case starts from where it differs from the dry-run set-up.
@@ -22,10 +22,14 @@ pub struct SetupWords {
     pub start: Option<(f64, f64)>,
     /// Speed of a spindle that already turns, r/min.
     pub spindle: Option<f64>,
+    /// The lathe is wired for the parameters without `params`.
+    pub as_built: bool,
     /// Parameters: `"22=3800"`, `"001.4=0"`.
     pub params: Vec<String>,
     /// Offsets: `"01=2,1.5,0,0"`.
     pub offsets: Vec<String>,
+    /// Points of the pitch error table, µm: `"Z 1=7"`.
+    pub pitch: Vec<String>,
     /// Machine inputs held at a value: `"X0.4=1"`.
     pub inputs: Vec<String>,
     /// Whether the axes have their reference.
@@ -61,11 +65,17 @@ impl SetupWords {
         setup.spindle_rpm = self.spindle;
         setup.referenced = self.referenced.unwrap_or(setup.referenced);
         setup.settings.inch = self.inch;
+        if self.as_built {
+            setup.wired = Some(setup.parameters.clone());
+        }
         for word in &self.params {
             parameter(&mut setup, word).map_err(|error| format!("parameter {word}: {error}"))?;
         }
         for word in &self.offsets {
             offset(&mut setup, word).map_err(|error| format!("offset {word}: {error}"))?;
+        }
+        for word in &self.pitch {
+            pitch(&mut setup, word).map_err(|error| format!("pitch {word}: {error}"))?;
         }
         for word in &self.inputs {
             let (address, state) = parts(word)?;
@@ -126,6 +136,18 @@ fn parameter(setup: &mut Setup, word: &str) -> Result<(), String> {
             .set(number(name)?, number(value)?)
             .map_err(refused),
     }
+}
+
+fn pitch(setup: &mut Setup, word: &str) -> Result<(), String> {
+    let (place, value) = parts(word)?;
+    let (axis, point) = match place.split_once(' ') {
+        Some(("X", point)) => (Axis::X, point),
+        Some(("Z", point)) => (Axis::Z, point),
+        _ => return Err("write the axis, a blank and the point".to_owned()),
+    };
+    let (point, value) = (number(point)?, number(value)?);
+    let written = setup.pitch.set(axis, point, value);
+    written.map_err(|error| format!("{error:?}"))
 }
 
 fn offset(setup: &mut Setup, word: &str) -> Result<(), String> {

@@ -315,6 +315,7 @@ impl Cnc {
             self.count_part();
         }
         let rewind = self.parameters.m30_rewinds();
+        let end = self.automatic.last.map(|source| source.line);
         self.automatic.clear();
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
@@ -322,6 +323,7 @@ impl Cnc {
         if rewind {
             self.cursor_line = 1;
         } else {
+            self.cursor_line = end.unwrap_or(self.cursor_line);
             self.rewind_at_start = true;
         }
         self.events.push(Event::ProgramEnded { m30 });

@@ -56,6 +56,9 @@ impl Cnc {
         self.programmed_ahead = 0.0;
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
+        if !self.parameters.reset_keeps_offset() {
+            self.tool.1 = 0;
+        }
         self.frame = self.interpreter.frame();
         self.modal = *self.interpreter.modal();
         if self.mode == super::Mode::Edit {

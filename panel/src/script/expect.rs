@@ -1,5 +1,7 @@
 //! What `expect` compares, and what it says when it is not so.
 
+use core::ops::RangeInclusive;
+
 use gsk_core::operation::Mode;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 use gsk_core::units::Point;
@@ -31,6 +33,8 @@ pub enum Expect {
     /// Where the slides of the machine stand: X as a diameter and Z, mm from the
     /// reference point.
     Slides(f64, f64),
+    /// The command pulses given out since the power was switched on.
+    Pulses(RangeInclusive<i64>, RangeInclusive<i64>),
     /// The analog spindle output, V.
     Volts(f64),
     /// A lamp, by the name in the script, is on or off.
@@ -82,6 +86,12 @@ impl Expect {
                 let at = emulator.simulation.lathe.slides();
                 verdict(near(at.x * 2.0, *x) && near(at.z, *z), || {
                     format!("the slides stand at {:.3} {:.3}", at.x * 2.0, at.z)
+                })
+            }
+            Self::Pulses(x, z) => {
+                let seen = cnc.pulses();
+                verdict(x.contains(&seen.x.0) && z.contains(&seen.z.0), || {
+                    format!("the pulses are {} {}", seen.x.0, seen.z.0)
                 })
             }
             Self::Volts(volts) => {

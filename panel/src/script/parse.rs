@@ -1,5 +1,7 @@
 //! From text to actions.
 
+use core::ops::RangeInclusive;
+
 use gsk_core::machine::Fault;
 use gsk_core::operation::Mode;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
@@ -354,6 +356,7 @@ fn expect(words: &[&str]) -> Result<Expect, String> {
         }
         ["slides", x, z] => Expect::Slides(coordinate(x)?, coordinate(z)?),
         ["svc", volts] => Expect::Volts(voltage(volts)?),
+        ["pulses", x, z] => Expect::Pulses(pulses(x)?, pulses(z)?),
         ["lamp", name, state] => {
             let lamp = keys::lamp_of(name).ok_or_else(|| no_lamp(name))?;
             Expect::Lamp((*name).to_owned(), lamp, on_off(state)?)
@@ -395,6 +398,16 @@ fn coordinate(text: &str) -> Result<f64, String> {
 fn voltage(text: &str) -> Result<f64, String> {
     let number = text.strip_suffix('V').unwrap_or(text);
     coordinate(number).map_err(|_| format!("\"{text}\" is no voltage; write volts, as in 5.000"))
+}
+
+/// A number of pulses, or from which to which.
+fn pulses(text: &str) -> Result<RangeInclusive<i64>, String> {
+    let (low, high) = text.split_once("..").unwrap_or((text, text));
+    let number = |text: &str| {
+        text.parse()
+            .map_err(|_| format!("\"{text}\" is no whole number of pulses"))
+    };
+    Ok(number(low)?..=number(high)?)
 }
 
 fn no_lamp(name: &str) -> String {

@@ -1,0 +1,227 @@
+//! Every bit and value of the parameter table has a case that shows what it does, or
+//! a line in `parameter-coverage.tsv` that says why it does nothing.
+//!
+//! A case counts when its `case.ron` sets the parameter to something else than the
+//! case would start with, and when it fails without this word: the parameter makes
+//! the difference. `test` names a Rust test where no case can show it. `reserved`
+//! parameters have no meaning in the manual either; `without effect` belongs to
+//! hardware that is not there, and stands in both READMEs for the user.
+
+#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use gsk_core::memory::{self, ParameterRow, Parameters};
+use gsk_tests::case::Case;
+use gsk_tests::{cases_dir, repository, run_as_written};
+
+/// What covers a parameter.
+#[derive(Clone, Debug, PartialEq)]
+enum Cover {
+    Cases(Vec<String>),
+    Tests(Vec<String>),
+    Reserved,
+    /// Has an effect that no case shows yet.
+    Open,
+    /// Why, in English and in Chinese.
+    WithoutEffect(String, String),
+}
+
+/// A bit of a state parameter, or a data parameter as a whole.
+type Place = (u16, Option<u8>);
+
+fn written(place: Place) -> String {
+    match place {
+        (number, Some(bit)) => format!("{number:03}.{bit}"),
+        (number, None) => format!("{number:03}"),
+    }
+}
+
+fn place(text: &str) -> Option<Place> {
+    let (number, bit) = match text.split_once('.') {
+        Some((number, bit)) => (number, Some(bit.parse().ok()?)),
+        None => (text, None),
+    };
+    Some((number.parse().ok()?, bit))
+}
+
+/// The rows that need a line: bits, data parameters, and state parameters of which
+/// the manual names no bit.
+fn rows() -> impl Iterator<Item = &'static ParameterRow> {
+    let rows = memory::rows();
+    rows.iter().filter(move |row| {
+        let bits = || rows.iter().any(|other| other.number == row.number && other.bit.is_some());
+        row.bit.is_some() || !row.state || !bits()
+    })
+}
+
+fn covers() -> BTreeMap<Place, Cover> {
+    let path = repository().join("tests/parameter-coverage.tsv");
+    let text = fs::read_to_string(path).expect("parameter-coverage.tsv");
+    let mut covers = BTreeMap::new();
+    for line in text.lines().skip(1) {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let names = |names: &str| names.split(' ').map(str::to_owned).collect();
+        let cover = match fields[1..] {
+            ["case", cases] => Cover::Cases(names(cases)),
+            ["test", tests] => Cover::Tests(names(tests)),
+            ["reserved"] => Cover::Reserved,
+            ["open"] => Cover::Open,
+            ["without effect", en, zh] => Cover::WithoutEffect(en.to_owned(), zh.to_owned()),
+            _ => panic!("parameter-coverage.tsv: not understood: {line}"),
+        };
+        let place = place(fields[0]).unwrap_or_else(|| panic!("no parameter: {line}"));
+        assert!(covers.insert(place, cover).is_none(), "twice: {line}");
+    }
+    covers
+}
+
+#[test]
+fn every_bit_and_value_has_its_line() {
+    let mut covers = covers();
+    let mut faults = Vec::new();
+    for row in rows() {
+        let place = (row.number, row.bit);
+        let undescribed = ["reserved", "not described"];
+        let reserved = undescribed.iter().any(|word| row.meaning_en.starts_with(word));
+        match covers.remove(&place) {
+            None => faults.push(format!("{}: has no line", written(place))),
+            Some(cover) if (cover == Cover::Reserved) != reserved => {
+                faults.push(format!("{}: {}", written(place), row.meaning_en));
+            }
+            Some(_) => {}
+        }
+    }
+    faults.extend(covers.keys().map(|place| format!("{}: not in the table", written(*place))));
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The words of a case that set a parameter, taken out of it.
+fn take_words(case: &mut Case, wanted: Place) -> Vec<String> {
+    let of_it = |word: &String| {
+        let name = word.split('=').next().unwrap_or_default();
+        place(name) == Some(wanted)
+    };
+    let (words, others) = case.setup.params.drain(..).partition(of_it);
+    case.setup.params = others;
+    words
+}
+
+fn value(parameters: &Parameters, (number, bit): Place) -> i32 {
+    match bit {
+        Some(bit) => parameters.bit(number, bit).into(),
+        None => parameters.value(number),
+    }
+}
+
+/// What is wrong with a case as witness for a parameter.
+fn fault(wanted: Place, name: &str) -> Option<String> {
+    let folder = cases_dir().join(name);
+    let mut case = match Case::read(&folder) {
+        Ok(case) => case,
+        Err(error) => return Some(error),
+    };
+    if case.known_failure.is_some() {
+        return Some("is a known failure".to_owned());
+    }
+    let set = case.setup.setup().expect("set-up").parameters;
+    if take_words(&mut case, wanted).is_empty() {
+        return Some("its case.ron does not set it".to_owned());
+    }
+    let unset = case.setup.setup().expect("set-up").parameters;
+    if value(&set, wanted) == value(&unset, wanted) {
+        return Some("sets it to what it is anyway".to_owned());
+    }
+    run_as_written(&case, &folder, false)
+        .is_ok()
+        .then(|| "passes without it too".to_owned())
+}
+
+#[test]
+fn every_case_shows_the_difference() {
+    let witnesses: Vec<(Place, String)> = covers()
+        .into_iter()
+        .filter_map(|(place, cover)| match cover {
+            Cover::Cases(cases) => Some((place, cases)),
+            _ => None,
+        })
+        .flat_map(|(place, cases)| cases.into_iter().map(move |case| (place, case)))
+        .collect();
+    let next = AtomicUsize::new(0);
+    let faults = Mutex::new(Vec::new());
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                while let Some((place, case)) = witnesses.get(next.fetch_add(1, Ordering::Relaxed))
+                {
+                    if let Some(fault) = fault(*place, case) {
+                        let fault = format!("{}: {case}: {fault}", written(*place));
+                        faults.lock().expect("faults").push(fault);
+                    }
+                }
+            });
+        }
+    });
+    let mut faults = faults.into_inner().expect("faults");
+    faults.sort();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Whether a Rust test of this name stands below a folder.
+fn has_test(folder: &Path, name: &str) -> bool {
+    let wanted = format!("fn {name}()");
+    let entries = fs::read_dir(folder).expect("folder");
+    entries.map(|entry| entry.expect("entry").path()).any(|path| {
+        if path.is_dir() {
+            return has_test(&path, name);
+        }
+        let rust = path.extension().is_some_and(|extension| extension == "rs");
+        rust && fs::read_to_string(&path).expect("source").contains(&wanted)
+    })
+}
+
+#[test]
+fn every_test_named_exists() {
+    for (place, cover) in covers() {
+        let Cover::Tests(tests) = cover else { continue };
+        for test in tests {
+            let sources = ["core", "panel", "app", "tests"];
+            let exists = sources
+                .iter()
+                .any(|package| has_test(&repository().join(package), &test));
+            assert!(exists, "{}: there is no test {test}", written(place));
+        }
+    }
+}
+
+/// The rows of the table under a heading of a document.
+fn table_under<'a>(document: &'a str, heading: &str) -> Vec<&'a str> {
+    let (_, below) = document.split_once(heading).expect(heading);
+    let lines = below.lines().skip_while(|line| !line.starts_with('|'));
+    let table = lines.take_while(|line| line.starts_with('|'));
+    table.skip(2).collect()
+}
+
+#[test]
+fn the_readmes_list_what_is_without_effect() {
+    let (mut english, mut chinese) = (Vec::new(), Vec::new());
+    for (place, cover) in covers() {
+        let Cover::WithoutEffect(en, zh) = cover else {
+            continue;
+        };
+        let row = memory::row(place.0, place.1).expect("row");
+        let name = format!("{} {}", written(place), row.symbol);
+        english.push(format!("| {} | {en} |", name.trim_end()));
+        chinese.push(format!("| {} | {zh} |", name.trim_end()));
+    }
+    let text = |name: &str| fs::read_to_string(repository().join(name)).expect(name);
+    let heading = "### Kept for compatibility, without effect";
+    assert_eq!(table_under(&text("README.md"), heading), english);
+    let heading = "### 为兼容而保留、不起作用的参数";
+    assert_eq!(table_under(&text("README.zh-CN.md"), heading), chinese);
+}
