@@ -54,7 +54,10 @@ fn place(text: &str) -> Option<Place> {
 fn rows() -> impl Iterator<Item = &'static ParameterRow> {
     let rows = memory::rows();
     rows.iter().filter(move |row| {
-        let bits = || rows.iter().any(|other| other.number == row.number && other.bit.is_some());
+        let bits = || {
+            rows.iter()
+                .any(|other| other.number == row.number && other.bit.is_some())
+        };
         row.bit.is_some() || !row.state || !bits()
     })
 }
@@ -87,7 +90,9 @@ fn every_bit_and_value_has_its_line() {
     for row in rows() {
         let place = (row.number, row.bit);
         let undescribed = ["reserved", "not described"];
-        let reserved = undescribed.iter().any(|word| row.meaning_en.starts_with(word));
+        let reserved = undescribed
+            .iter()
+            .any(|word| row.meaning_en.starts_with(word));
         match covers.remove(&place) {
             None => faults.push(format!("{}: has no line", written(place))),
             Some(cover) if (cover == Cover::Reserved) != reserved => {
@@ -96,7 +101,11 @@ fn every_bit_and_value_has_its_line() {
             Some(_) => {}
         }
     }
-    faults.extend(covers.keys().map(|place| format!("{}: not in the table", written(*place))));
+    faults.extend(
+        covers
+            .keys()
+            .map(|place| format!("{}: not in the table", written(*place))),
+    );
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
@@ -176,13 +185,15 @@ fn every_case_shows_the_difference() {
 fn has_test(folder: &Path, name: &str) -> bool {
     let wanted = format!("fn {name}()");
     let entries = fs::read_dir(folder).expect("folder");
-    entries.map(|entry| entry.expect("entry").path()).any(|path| {
-        if path.is_dir() {
-            return has_test(&path, name);
-        }
-        let rust = path.extension().is_some_and(|extension| extension == "rs");
-        rust && fs::read_to_string(&path).expect("source").contains(&wanted)
-    })
+    entries
+        .map(|entry| entry.expect("entry").path())
+        .any(|path| {
+            if path.is_dir() {
+                return has_test(&path, name);
+            }
+            let rust = path.extension().is_some_and(|extension| extension == "rs");
+            rust && fs::read_to_string(&path).expect("source").contains(&wanted)
+        })
 }
 
 #[test]
