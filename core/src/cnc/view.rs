@@ -129,11 +129,6 @@ impl Cnc {
         self.from_plc.spindle_override
     }
 
-    /// Analog output SVC of the spindle, V.
-    pub const fn spindle_volts(&self) -> f64 {
-        self.spindle.volts()
-    }
-
     /// The spindle speed that the S display shows (manual III-2.1.1): the measured
     /// one with an encoder, also at standstill, r/min; without one `None`.
     pub fn spindle_measured(&self) -> Option<f64> {
