@@ -75,6 +75,10 @@ pub enum Command {
     PowerCycle,
     /// Hold a machine input at a value, or give it back to its sensor.
     ForceInput(BitAddress, Option<bool>),
+    /// Let every forced bit of the PLC go.
+    FreeBits,
+    /// Mend every fault and give every input back to its sensor.
+    Mend,
     /// The window is alive; held keys may stay down.
     Alive,
     /// Let go of every key.
@@ -118,6 +122,20 @@ pub struct Snapshot {
     pub wheel: i32,
     /// Machine time over wall time, %; 100 unless the PC is too slow.
     pub speed_percent: u32,
+    /// What stands against ladder and sensors.
+    pub imposed: Imposed,
+}
+
+/// What views have imposed on control and lathe; it stands until it is taken back,
+/// also when the view is closed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Imposed {
+    /// Forced bits of the PLC.
+    pub bits: usize,
+    /// Machine inputs held at a value.
+    pub inputs: usize,
+    /// Faults of the lathe.
+    pub faults: usize,
 }
 
 /// The window's end of the channels.
@@ -268,6 +286,11 @@ impl Kernel {
             pressed: panel.pressed(),
             wheel: panel.wheel(),
             speed_percent: self.speed_percent,
+            imposed: Imposed {
+                bits: self.emulator.simulation.cnc.plc().forces().len(),
+                inputs: self.emulator.simulation.lathe.forced_inputs(),
+                faults: self.emulator.simulation.lathe.faults(),
+            },
         }
     }
 
@@ -299,6 +322,13 @@ impl Kernel {
             Command::ForceInput(address, state) => {
                 self.emulator.simulation.lathe.force_input(address, state);
             }
+            Command::FreeBits => {
+                let forces = self.emulator.simulation.cnc.plc().forces().to_vec();
+                for force in forces {
+                    self.carry_out(Command::Ask(Box::new(Request::ForceBit(force.bit, None))));
+                }
+            }
+            Command::Mend => self.emulator.simulation.lathe.mend(),
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}
             Command::Quit => self.quit = true,

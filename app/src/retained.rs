@@ -454,6 +454,11 @@ mod tests {
         let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
         let ladder = Ladder::compile("END1\nLD R1.0\nOUT R2.0\nEND2\n").expect("compiles");
         let cnc = &mut emulator.simulation.cnc;
+        cnc.request(Request::SetParameterSwitch(true)).expect("on");
+        let edit_key = "X20.0".parse().expect("an address");
+        emulator.simulation.cnc.set_panel_key(edit_key, true);
+        emulator.run(100);
+        let cnc = &mut emulator.simulation.cnc;
         cnc.request(Request::LoadLadder(Arc::new(ladder.clone())))
             .expect("taken");
         cnc.power_cycle();

@@ -203,6 +203,39 @@ fn the_ladder_is_searched_forced_halted_and_stepped() {
 }
 
 #[test]
+fn what_is_forced_or_broken_is_seen_when_its_view_is_closed() {
+    let mut bench = Bench::new();
+    open(&mut bench, "Ladder");
+    bench.run(100);
+    bench.run(100);
+    click(&mut bench, "X0000.5 normally open");
+    click(&mut bench, "Force X0000.5 1");
+    click(&mut bench, "Force X0000.5 1");
+    let shift = egui::Modifiers::SHIFT;
+    bench.harness.key_press_modifiers(shift, egui::Key::F4);
+    bench.run(100);
+    open(&mut bench, "Fault bench");
+    bench.run(100);
+    bench.run(100);
+    click(&mut bench, "X0001.5 1");
+    click(&mut bench, "chuck does not move");
+    // What comes of it stands below it.
+    let effect = "M12 and M13 wait for NQPJ";
+    assert!(bench.harness.query_by_label_contains(effect).is_some());
+    bench.harness.key_press_modifiers(shift, egui::Key::F3);
+    bench.run(100);
+    let sign = "forced 2   faults 1";
+    click(&mut bench, sign);
+    click(&mut bench, "Release forced PLC bits (1)");
+    let imposed = |bench: &Bench| bench.harness.state().picture().unwrap().imposed;
+    assert_eq!((imposed(&bench).bits, imposed(&bench).inputs), (0, 1));
+    click(&mut bench, "forced 1   faults 1");
+    click(&mut bench, "Mend faults, let inputs go (2)");
+    assert_eq!(imposed(&bench), Default::default());
+    assert!(bench.harness.query_by_label_contains("faults 1").is_none());
+}
+
+#[test]
 fn the_tables_of_the_ladder_lead_to_the_rungs() {
     let mut bench = Bench::new();
     open(&mut bench, "Ladder");
@@ -223,8 +256,44 @@ fn the_tables_of_the_ladder_lead_to_the_rungs() {
 }
 
 #[test]
+fn a_ladder_is_saved_when_the_control_takes_one() {
+    let mut bench = Bench::new();
+    let words = "saving wants edit mode";
+    for allowed in [false, true] {
+        if allowed {
+            unlock(&mut bench);
+        }
+        open(&mut bench, "Ladder");
+        bench.run(100);
+        bench.run(100);
+        if !allowed {
+            click(&mut bench, "Edit");
+            click(&mut bench, "X0000.5 normally open");
+            click(&mut bench, "Open/closed");
+        }
+        assert_eq!(bench.harness.query_by_label(words).is_none(), allowed);
+        click(&mut bench, "Save");
+        let next = bench.kernel.emulator().simulation.cnc.next_ladder();
+        assert_eq!(next.is_some(), allowed);
+        let shift = egui::Modifiers::SHIFT;
+        bench.harness.key_press_modifiers(shift, egui::Key::F4);
+        bench.run(100);
+    }
+}
+
+/// Edit mode and the parameter switch on: the control takes a ladder.
+fn unlock(bench: &mut Bench) {
+    for name in ["Edit mode", "Setting pages", "Page down"] {
+        bench.click(name);
+    }
+    bench.harness.event(egui::Event::Text("D".to_owned()));
+    bench.run(300);
+}
+
+#[test]
 fn a_rung_is_edited_taken_back_saved_and_runs_at_the_next_power_on() {
     let mut bench = Bench::new();
+    unlock(&mut bench);
     open(&mut bench, "Ladder");
     bench.run(100);
     bench.run(100);

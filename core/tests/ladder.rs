@@ -66,6 +66,17 @@ fn a_loaded_ladder_runs_from_the_next_power_on() {
     let mut simulation = Simulation::new(Setup::default());
     let other = compiled("END1\nLDI R0.0\nOUT Y2.5\nEND2");
     let load = Request::LoadLadder(Arc::clone(&other));
+    simulation.cnc.request(load.clone()).unwrap();
+    assert_eq!(simulation.cnc.next_ladder(), None, "not in MDI mode");
+    let edit_key = bit("X20.0");
+    for down in [true, false] {
+        simulation.cnc.set_panel_key(edit_key, down);
+        run(&mut simulation, 100);
+    }
+    simulation.cnc.request(load.clone()).unwrap();
+    assert_eq!(simulation.cnc.next_ladder(), None, "the switch is off");
+    let switch = Request::SetParameterSwitch(true);
+    simulation.cnc.request(switch).unwrap();
     simulation.cnc.request(load).unwrap();
     for _ in 0..100 {
         simulation.tick();

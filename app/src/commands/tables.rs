@@ -220,9 +220,10 @@ pub fn faults(args: &TableArgs) -> Result<u8, String> {
     let mut table = Table::new(&["NAME", "中文", "FAULT", "WHAT IT DOES"]);
     for row in &FAULTS {
         let json = json!({
-            "name": row.name, "zh": row.zh, "en": row.en, "effect": row.effect,
+            "name": row.name, "zh": row.zh, "en": row.en, "effect": row.effect_en,
+            "effect_zh": row.effect_zh,
         });
-        let cells = [row.name, row.zh, row.en, row.effect];
+        let cells = [row.name, row.zh, row.en, row.effect_en];
         table.push(cells.map(str::to_owned).to_vec(), json);
     }
     table.print(args)

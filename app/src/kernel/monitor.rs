@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use gsk_core::alarm::Alarm;
 use gsk_core::machine::{Inputs, Lathe};
+use gsk_core::memory::Refusal;
 use gsk_core::plc::{Ladder, Plc};
 use gsk_panel::emulator::Emulator;
 
@@ -21,6 +22,8 @@ pub struct MachineView {
     pub halted: bool,
     /// The ladder that runs at the next power-on, if it is another one.
     pub next_ladder: Option<Arc<Ladder>>,
+    /// Why the control would not take a ladder now.
+    pub ladder_refused: Option<Refusal>,
     /// Alarms and messages that stand, the newest first.
     pub alarms: Vec<String>,
 }
@@ -40,6 +43,7 @@ impl MachineView {
             plc: cnc.plc().clone(),
             halted: cnc.ladder_halted(),
             next_ladder: cnc.next_ladder().cloned(),
+            ladder_refused: cnc.rights().ladder().err(),
             alarms: alarms.chain(messages).collect(),
         }
     }

@@ -139,11 +139,14 @@ impl Window {
             .exact_size(BAR)
             .frame(slim)
             .show_separator_line(false);
+        let imposed = self.picture.as_ref().map(|picture| picture.imposed);
+        let imposed = imposed.unwrap_or_default();
         let asked = bar
             .show(ui, |ui| {
                 let is_open = |view| self.views.is_open(view);
                 let recent = &self.settings.recent;
-                top_bar::show(ui, language, recent, self.opened.as_ref(), is_open)
+                let opened = self.opened.as_ref();
+                top_bar::show(ui, language, recent, opened, imposed, is_open)
             })
             .inner;
         let line = Panel::bottom("status")
@@ -236,6 +239,8 @@ impl Window {
             }
             top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
             top_bar::Asked::View(view) => self.views.toggle(view),
+            top_bar::Asked::FreeBits => self.console.send(Command::FreeBits),
+            top_bar::Asked::Mend => self.console.send(Command::Mend),
             top_bar::Asked::Keys => self.help = !self.help,
             top_bar::Asked::Language => {
                 self.settings.language = match self.settings.language {

@@ -4,9 +4,13 @@ use std::path::PathBuf;
 
 use egui::{Color32, RichText, Ui};
 
-use super::texts::Text;
+use super::texts::{Text, say};
 use super::views::{VIEWS, View, key_name};
 use crate::cli::Language;
+use crate::kernel::Imposed;
+
+/// Ground of the sign that something is imposed.
+const IMPOSED: Color32 = Color32::from_rgb(255, 196, 90);
 
 /// What was asked for in the bar.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,6 +21,10 @@ pub enum Asked {
     Open(PathBuf),
     /// Open a view, or close it.
     View(View),
+    /// Let every forced bit go.
+    FreeBits,
+    /// Mend every fault and let every held input go.
+    Mend,
     /// Show the key map.
     Keys,
     /// The other language.
@@ -29,6 +37,7 @@ pub fn show(
     language: Language,
     recent: &[PathBuf],
     opened: Option<&PathBuf>,
+    imposed: Imposed,
     is_open: impl Fn(View) -> bool,
 ) -> Option<Asked> {
     let mut asked = None;
@@ -77,7 +86,61 @@ pub fn show(
             if ui.button(Text::Keys.of(language)).clicked() {
                 asked = Some(Asked::Keys);
             }
+            if imposed != Imposed::default() {
+                asked = standing(ui, language, imposed, &is_open).or(asked.take());
+            }
         });
+    });
+    asked
+}
+
+/// A sign that something is forced or broken, also when its view is closed; it opens
+/// the view or takes everything back.
+fn standing(
+    ui: &mut Ui,
+    language: Language,
+    imposed: Imposed,
+    is_open: &impl Fn(View) -> bool,
+) -> Option<Asked> {
+    let held = imposed.bits + imposed.inputs;
+    let mut words = Vec::new();
+    if held > 0 {
+        words.push(format!("{} {held}", say(language, "强制", "forced")));
+    }
+    if imposed.faults > 0 {
+        words.push(format!(
+            "{} {}",
+            say(language, "故障", "faults"),
+            imposed.faults
+        ));
+    }
+    let mut asked = None;
+    let text = RichText::new(words.join("   ")).color(Color32::BLACK);
+    let button = egui::Button::new(text).fill(IMPOSED);
+    egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        let mut entry = |ui: &mut Ui, words: String, answer: Asked| {
+            if ui.button(words).clicked() {
+                asked = Some(answer);
+                ui.close();
+            }
+        };
+        if imposed.bits > 0 {
+            let words = say(language, "取消强制的 PLC 位", "Release forced PLC bits");
+            entry(ui, format!("{words} ({})", imposed.bits), Asked::FreeBits);
+        }
+        let broken = imposed.inputs + imposed.faults;
+        if broken > 0 {
+            let words = say(language, "取消故障和强制输入", "Mend faults, let inputs go");
+            entry(ui, format!("{words} ({broken})"), Asked::Mend);
+        }
+        for (view, stands) in [(View::Ladder, imposed.bits), (View::Bench, broken)] {
+            let row = VIEWS.iter().find(|row| row.view == view);
+            if let Some(row) = row.filter(|_| stands > 0 && !is_open(view)) {
+                let words = say(language, "打开", "Open");
+                let words = format!("{words}: {}", row.name.of(language));
+                entry(ui, words, Asked::View(view));
+            }
+        }
     });
     asked
 }

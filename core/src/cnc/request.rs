@@ -265,7 +265,11 @@ impl Cnc {
             Request::ForceBit(bit, value) => self.plc.force(bit, value),
             Request::HaltLadder(halt) => self.plc_halted = halt,
             Request::StepLadder(step) => self.step_ladder(step),
-            Request::LoadLadder(ladder) => self.next_ladder = Some(ladder),
+            Request::LoadLadder(ladder) => {
+                if self.rights().ladder().is_ok() {
+                    self.next_ladder = Some(ladder);
+                }
+            }
         }
         Ok(())
     }

@@ -66,8 +66,10 @@ pub struct FaultRow {
     pub zh: &'static str,
     /// English label.
     pub en: &'static str,
-    /// What is broken, and what the control makes of it.
-    pub effect: &'static str,
+    /// What the control makes of it, in Chinese.
+    pub effect_zh: &'static str,
+    /// What the control makes of it, in English.
+    pub effect_en: &'static str,
 }
 
 const fn row(
@@ -75,14 +77,16 @@ const fn row(
     name: &'static str,
     zh: &'static str,
     en: &'static str,
-    effect: &'static str,
+    effect_zh: &'static str,
+    effect_en: &'static str,
 ) -> FaultRow {
     FaultRow {
         fault,
         name,
         zh,
         en,
-        effect,
+        effect_zh,
+        effect_en,
     }
 }
 
@@ -93,6 +97,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "turret-blocked",
         "刀架不转",
         "the tool post does not turn",
+        "过 076 时间后信息 1000, TL+ 关闭",
         "message 1000 after 076; TL+ goes off",
     ),
     row(
@@ -100,6 +105,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "turret-unclamped",
         "刀架锁紧信号不来",
         "no clamp signal of the tool post",
+        "*TCP 不来: 过 083 时间后信息 1002, TL- 关闭",
         "*TCP never answers: message 1002 after 083; TL- goes off",
     ),
     row(
@@ -107,6 +113,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "turret-contact-stuck",
         "刀位信号粘连",
         "station switch stuck",
+        "当前刀位的信号保持不变: 换到较低的刀位时检测不到, 信息 1000",
         "the switch that answers now stays so: a lower station is never seen, message 1000",
     ),
     row(
@@ -114,6 +121,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "turret-contacts-open",
         "刀位信号断线",
         "station switches dead",
+        "检测不到刀位: 过 076 时间后信息 1000",
         "no station is seen: message 1000 after 076",
     ),
     row(
@@ -121,13 +129,15 @@ pub static FAULTS: [FaultRow; 24] = [
         "spindle-blocked",
         "主轴不转",
         "the spindle does not turn",
-        "S shows 0; threads and feed per revolution stop with their alarms",
+        "S 显示 0; 螺纹报警 094, 每转进给报警 011",
+        "S reads 0; a thread stops with alarm 094, feed per revolution with 011",
     ),
     row(
         Fault::GearStuck,
         "gear-stuck",
         "换档不到位",
         "gear not in position",
+        "M41、M42 一直等待 M41I、M42I (164.6 AGIN = 1)",
         "M41 and M42 wait for M41I, M42I without end (164.6 AGIN = 1)",
     ),
     row(
@@ -135,6 +145,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "chuck-stuck",
         "卡盘不动作",
         "chuck does not move",
+        "M12、M13 一直等待 NQPJ、WQPJ (168.2 PB2 = 1)",
         "M12 and M13 wait for NQPJ, WQPJ without end (168.2 PB2 = 1)",
     ),
     row(
@@ -142,13 +153,15 @@ pub static FAULTS: [FaultRow; 24] = [
         "encoder-lost",
         "编码器无信号",
         "the encoder gives no counts",
-        "S shows 0; threads and feed per revolution stop with their alarms",
+        "S 显示 0; 螺纹报警 094, 每转进给报警 011",
+        "S reads 0; a thread stops with alarm 094, feed per revolution with 011",
     ),
     row(
         Fault::EncoderNoise,
         "encoder-noise",
         "编码器干扰",
         "encoder counts jitter",
+        "显示的转速和每转进给波动",
         "the speed that is shown and the feed per revolution waver",
     ),
     row(
@@ -156,6 +169,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "no-spindle-index",
         "主轴无一转信号",
         "no one-turn signal of the spindle",
+        "螺纹切削一直等待一转信号",
         "threads wait for their start without end",
     ),
     row(
@@ -163,20 +177,23 @@ pub static FAULTS: [FaultRow; 24] = [
         "no-index-x",
         "X轴无零脉冲",
         "no one-turn signal of X",
-        "zero return of X runs on at low speed, at last into the limit",
+        "X 轴回零以低速越过零点, 直到限位: 报警 207; 诊断 008 的 PCX 不变",
+        "zero return of X passes the zero at low speed into the limit: alarm 207; PCX of DGN.008 stays as it is",
     ),
     row(
         Fault::IndexZ,
         "no-index-z",
         "Z轴无零脉冲",
         "no one-turn signal of Z",
-        "zero return of Z runs on at low speed, at last into the limit",
+        "Z 轴回零以低速越过零点, 直到限位: 报警 207; 诊断 008 的 PCZ 不变",
+        "zero return of Z passes the zero at low speed into the limit: alarm 207; PCZ of DGN.008 stays as it is",
     ),
     row(
         Fault::DogX,
         "dog-stuck-x",
         "X减速开关粘连",
         "X deceleration switch stuck",
+        "*DECX 一直有效: X 轴回零报警 090",
         "*DECX stays valid: zero return of X is alarm 090",
     ),
     row(
@@ -184,6 +201,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "dog-stuck-z",
         "Z减速开关粘连",
         "Z deceleration switch stuck",
+        "*DECZ 一直有效: Z 轴回零报警 090",
         "*DECZ stays valid: zero return of Z is alarm 090",
     ),
     row(
@@ -191,6 +209,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "limit-x",
         "X限位开关压合",
         "X limit switch tripped",
+        "急停回路断开: 报警 207; 按住超程解除可短接",
         "the emergency-stop loop opens: alarm 207; the release button bridges it",
     ),
     row(
@@ -198,6 +217,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "limit-z",
         "Z限位开关压合",
         "Z limit switch tripped",
+        "急停回路断开: 报警 207; 按住超程解除可短接",
         "the emergency-stop loop opens: alarm 207; the release button bridges it",
     ),
     row(
@@ -205,6 +225,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "drive-x",
         "X 轴驱动器报警",
         "alarm of the X drive",
+        "报警 221, 两个驱动器一起为 252; 全部停止",
         "alarm 221, with both drives 252; everything stops",
     ),
     row(
@@ -212,6 +233,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "drive-z",
         "Z 轴驱动器报警",
         "alarm of the Z drive",
+        "报警 222, 两个驱动器一起为 252; 全部停止",
         "alarm 222, with both drives 252; everything stops",
     ),
     row(
@@ -219,6 +241,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "slide-x-jammed",
         "X 轴滑板卡住",
         "the X slide is jammed",
+        "伺服: 报警 221; 步进: 失步而无报警",
         "a servo trips with alarm 221; a stepper loses steps unseen",
     ),
     row(
@@ -226,6 +249,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "slide-z-jammed",
         "Z 轴滑板卡住",
         "the Z slide is jammed",
+        "伺服: 报警 222; 步进: 失步而无报警",
         "a servo trips with alarm 222; a stepper loses steps unseen",
     ),
     row(
@@ -233,6 +257,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "pressure-low",
         "液压或气压低",
         "hydraulic or air pressure is low",
+        "过 069 时间后信息 1014 (168.4 PB3 = 1): 暂停, 主轴和冷却关闭",
         "message 1014 after 069 (168.4 PB3 = 1): hold, spindle and coolant off",
     ),
     row(
@@ -240,6 +265,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "door-open",
         "防护门打开",
         "the guard door is open",
+        "自动方式信息 1015 (168.6 PB4 = 1): 暂停, 主轴和冷却关闭",
         "message 1015 in automatic (168.6 PB4 = 1): hold, spindle and coolant off",
     ),
     row(
@@ -247,6 +273,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "input-bounce",
         "输入触点抖动",
         "contacts chatter",
+        "触点变化后抖动 30 ms: 020 太小时一次变化读成几次",
         "a contact that changes chatters for 30 ms: one change is read as several unless 020 is long enough",
     ),
     row(
@@ -254,6 +281,7 @@ pub static FAULTS: [FaultRow; 24] = [
         "e-stop",
         "急停回路断开",
         "emergency-stop loop open",
+        "报警 207, 脉冲和输出关闭; 回路接通后消失",
         "alarm 207, pulses and outputs off; it goes when the loop closes",
     ),
 ];
@@ -279,11 +307,6 @@ impl Fault {
         &FAULTS[self as usize]
     }
 
-    /// What is wrong, in Chinese and English.
-    pub fn text(self) -> (&'static str, &'static str) {
-        (self.row().zh, self.row().en)
-    }
-
     /// The fault of a name.
     pub fn from_name(name: &str) -> Option<Self> {
         FAULTS
@@ -301,6 +324,11 @@ impl Faults {
     /// Whether a fault stands.
     pub const fn has(self, fault: Fault) -> bool {
         self.0 >> (fault as u32) & 1 == 1
+    }
+
+    /// How many stand.
+    pub const fn count(self) -> usize {
+        self.0.count_ones() as usize
     }
 
     /// Breaks or mends something.
@@ -375,7 +403,7 @@ mod tests {
             assert_eq!(row.fault as usize, at, "{}", row.name);
             assert_eq!(Fault::from_name(row.name), Some(row.fault));
             assert_eq!(row.fault.row().name, row.name);
-            let texts = [row.zh, row.en, row.effect];
+            let texts = [row.zh, row.en, row.effect_zh, row.effect_en];
             assert!(texts.iter().all(|text| !text.is_empty()), "{}", row.name);
         }
     }

@@ -322,6 +322,26 @@ impl Lathe {
         held.then(|| bit(&self.forced_to))
     }
 
+    /// How many machine inputs are held at a value.
+    pub fn forced_inputs(&self) -> usize {
+        let bits = self.forced.iter().map(|byte| byte.count_ones() as usize);
+        bits.sum()
+    }
+
+    /// How many faults stand.
+    pub const fn faults(&self) -> usize {
+        self.faults.count()
+    }
+
+    /// Mends everything and gives every input back to its sensor.
+    pub fn mend(&mut self) {
+        for (_, fault) in Fault::ALL {
+            self.set_fault(fault, false);
+        }
+        self.forced = [0; X_BYTES];
+        self.forced_to = [0; X_BYTES];
+    }
+
     /// The emergency button: pressed it stays in (the panel latches it).
     pub const fn set_emergency_button(&mut self, pressed: bool) {
         self.emergency_button = pressed;

@@ -196,6 +196,20 @@ impl Rights<'_> {
     pub fn machine_data(&self) -> Result<(), Refusal> {
         self.mdi()?;
         unless(self.parameter_switch, Refusal::ParameterSwitch)?;
+        unless(!self.protected, Refusal::Locked)?;
+        self.level_at_most(Level::WORKSHOP)
+    }
+
+    /// A ladder with its messages, comments and initial data, taken over as a
+    /// download is (manual PLC-III 6.1).
+    ///
+    /// # Errors
+    /// What stands against it.
+    pub fn ladder(&self) -> Result<(), Refusal> {
+        unless(self.mode == Mode::Edit, Refusal::Mode)?;
+        self.at_rest()?;
+        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
+        unless(!self.protected, Refusal::Locked)?;
         self.level_at_most(Level::WORKSHOP)
     }
 

@@ -171,3 +171,55 @@ fn offsets_variables_and_presets() {
     assert_eq!(key.parameters(), Err(Refusal::Locked));
     assert_eq!(key.disks(), Err(Refusal::Locked));
 }
+
+#[test]
+fn a_ladder_is_loaded_in_edit_mode_with_the_parameter_switch_on() {
+    let parameters = Parameters::default();
+    let edit = open(&parameters, Mode::Edit);
+    assert_eq!(edit.ladder(), Ok(()));
+    for (rights, refusal) in [
+        (open(&parameters, Mode::Mdi), Refusal::Mode),
+        (
+            Rights {
+                operating: true,
+                ..edit
+            },
+            Refusal::Running,
+        ),
+        (
+            Rights {
+                parameter_switch: false,
+                ..edit
+            },
+            Refusal::ParameterSwitch,
+        ),
+        (
+            Rights {
+                protected: true,
+                ..edit
+            },
+            Refusal::Locked,
+        ),
+        (
+            Rights {
+                level: level("1234"),
+                ..edit
+            },
+            Refusal::Level,
+        ),
+    ] {
+        assert_eq!(rights.ladder(), Err(refusal));
+    }
+}
+
+#[test]
+fn the_key_of_the_memory_guards_presets_and_tool_number() {
+    let parameters = Parameters::default();
+    let mdi = open(&parameters, Mode::Mdi);
+    assert_eq!(mdi.machine_data(), Ok(()));
+    let key = Rights {
+        protected: true,
+        ..mdi
+    };
+    assert_eq!(key.machine_data(), Err(Refusal::Locked));
+}

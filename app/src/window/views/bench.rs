@@ -75,14 +75,14 @@ impl Bench {
                     "Ends all faults and lets go of all inputs",
                 );
                 if ui.button(words).on_hover_text(hint).clicked() {
-                    self.mend(machine);
+                    self.console.send(Command::Mend);
                 }
             });
         });
         let hint = say(
             language,
-            "右边是脚本中的名称: fault 名称 on|off",
-            "On the right the name for scripts: fault NAME on|off",
+            "右边是脚本中的名称; 指向故障可看其后果",
+            "On the right the name for scripts; point at a fault for its effect",
         );
         ui.label(RichText::new(hint).weak());
         ui.add_space(4.0);
@@ -90,8 +90,9 @@ impl Bench {
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 for (name, fault) in Fault::ALL {
-                    let (zh, en) = fault.text();
-                    let text = say(language, zh, en);
+                    let row = fault.row();
+                    let text = say(language, row.zh, row.en);
+                    let effect = say(language, row.effect_zh, row.effect_en);
                     let mut on = machine.lathe.has_fault(fault);
                     let colour = if on { BROKEN } else { Color32::from_gray(215) };
                     line(ui, |ui| {
@@ -102,28 +103,19 @@ impl Bench {
                             check.widget_info(|| {
                                 egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, text)
                             });
-                            if check.changed() {
+                            if check.on_hover_text(effect).changed() {
                                 self.console.send(Command::Fault(fault, on));
                             }
                         });
                     });
+                    // What comes of it, while it stands.
+                    if machine.lathe.has_fault(fault) {
+                        ui.indent(name, |ui| {
+                            ui.add(Label::new(RichText::new(effect).weak()).wrap());
+                        });
+                    }
                 }
             });
-    }
-
-    fn mend(&self, machine: &MachineView) {
-        for (_, fault) in Fault::ALL {
-            if machine.lathe.has_fault(fault) {
-                self.console.send(Command::Fault(fault, false));
-            }
-        }
-        let all = (0..Area::X.count())
-            .flat_map(|byte| (0..8).map(move |bit| BitAddress::new(Area::X, byte, bit)));
-        for address in all {
-            if machine.lathe.forced_input(address).is_some() {
-                self.console.send(Command::ForceInput(address, None));
-            }
-        }
     }
 
     fn inputs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {

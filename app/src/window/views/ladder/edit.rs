@@ -11,7 +11,7 @@ use gsk_core::setup::standard_ladder;
 
 use super::change::{Change, changed, lines};
 use super::draft::Draft;
-use super::{LadderView, Tab};
+use super::{LadderView, Tab, words};
 use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
 use crate::window::texts::say;
@@ -87,14 +87,29 @@ impl LadderView {
     fn save(&mut self) {
         let Some(draft) = self
             .draft
-            .as_mut()
+            .as_ref()
             .filter(|draft| draft.errors().is_empty())
         else {
             return;
         };
-        draft.saved();
-        let ladder = Arc::clone(draft.ladder());
-        self.ask(Request::LoadLadder(ladder));
+        if self.refused.is_none() {
+            let ladder = Arc::clone(draft.ladder());
+            self.ask(Request::LoadLadder(ladder));
+        }
+    }
+
+    /// Takes over what the control has taken over, and a list that was opened.
+    pub(super) fn follow(&mut self, machine: &MachineView) {
+        self.refused = machine.ladder_refused;
+        let Some(draft) = &mut self.draft else { return };
+        if let Some(list) = self.opened.pop() {
+            draft.set(list, None);
+        }
+        let newest = machine.next_ladder.as_ref();
+        let kept = newest.unwrap_or(machine.plc.ladder());
+        if draft.is_changed() && kept.source() == draft.text() {
+            draft.saved();
+        }
     }
 
     /// The bar with the tools of editing.
@@ -129,12 +144,17 @@ impl LadderView {
                 "F9: saved as instruction list, runs at the next power-on",
             );
             let save = Button::new(say(language, "保存", "Save"));
+            let may = self.refused.is_none();
             if ui
-                .add_enabled(right && is_changed, save)
+                .add_enabled(right && is_changed && may, save)
                 .on_hover_text(hint)
                 .clicked()
             {
                 self.save();
+            }
+            if let Some(refusal) = self.refused.filter(|_| is_changed) {
+                let words = words::refusal(refusal, language);
+                ui.label(RichText::new(words).color(super::draw::HELD));
             }
             let discard = Button::new(say(language, "放弃修改", "Discard"));
             if ui.add_enabled(is_changed, discard).clicked() {
@@ -148,6 +168,15 @@ impl LadderView {
     }
 
     fn files(&mut self, ui: &mut Ui, language: Language) {
+        let words = say(language, "打开指令表…", "Open list…");
+        if ui.button(words).clicked() {
+            let opened = Arc::clone(&self.opened);
+            let context = ui.ctx().clone();
+            aside::open(&self.console, &context, language, "IL", move |text| {
+                opened.force_push(text);
+            });
+            ui.close();
+        }
         if ui
             .button(say(language, "导出指令表…", "Export list…"))
             .clicked()
@@ -461,7 +490,7 @@ fn complaints(
                 } else {
                     format!("{} {:04}", say(language, "梯级", "rung"), error.rung)
                 };
-                let text = format!("{place}: {} {}", error.code, error.message);
+                let text = format!("{place}: {}", words::finding(error, language));
                 let label = egui::Label::new(RichText::new(text).color(WRONG))
                     .wrap()
                     .sense(egui::Sense::click());

@@ -12,11 +12,14 @@ mod search;
 mod side;
 mod tables;
 mod value;
+mod words;
 
 use std::sync::Arc;
 
+use crossbeam::queue::ArrayQueue;
 use egui::{Panel, Pos2, RichText, ScrollArea, Sense, Ui, vec2};
 use gsk_core::cnc::{LadderStep, Request};
+use gsk_core::memory::Refusal;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Ladder, Statement, Subject};
 
@@ -86,6 +89,10 @@ pub struct LadderView {
     show_rung: Option<u32>,
     /// A line that comes into view in the list.
     list_line: Option<u32>,
+    /// Why the control would not take a ladder now.
+    refused: Option<Refusal>,
+    /// Lists that were read from files.
+    opened: Arc<ArrayQueue<String>>,
 }
 
 impl LadderView {
@@ -108,6 +115,8 @@ impl LadderView {
             address: String::new(),
             show_rung: None,
             list_line: None,
+            refused: None,
+            opened: Arc::new(ArrayQueue::new(1)),
         }
     }
 
@@ -132,6 +141,7 @@ impl LadderView {
             ui.centered_and_justified(|ui| ui.label(say(language, "请稍候…", "One moment …")));
             return;
         };
+        self.follow(machine);
         if own_keys {
             self.editing_keys(ui);
         }
@@ -275,7 +285,7 @@ impl LadderView {
             let found = plc.forces().iter().find(|force| force.bit == bit);
             found.map(|force| force.value)
         };
-        let complaints = self.complaints(&drawing.ladder);
+        let complaints = self.complaints(&drawing.ladder, language);
         let sheet = Sheet {
             ladder: &drawing.ladder,
             memory: runs.then(|| plc.memory()),
@@ -320,20 +330,14 @@ impl LadderView {
     }
 
     /// What the compiler says of rungs: rung, error or warning, words.
-    fn complaints(&self, ladder: &Ladder) -> Vec<(u32, bool, String)> {
+    fn complaints(&self, ladder: &Ladder, language: Language) -> Vec<(u32, bool, String)> {
         let errors = self.draft.as_ref().filter(|_| self.editing);
         let errors = errors.map_or(&[][..], Draft::errors).iter();
         let errors = errors.map(|error| (true, error));
         let warnings = ladder.warnings().iter().map(|warning| (false, warning));
         errors
             .chain(warnings)
-            .map(|(error, found)| {
-                (
-                    found.rung,
-                    error,
-                    format!("{} {}", found.code, found.message),
-                )
-            })
+            .map(|(error, found)| (found.rung, error, words::finding(found, language)))
             .collect()
     }
 
@@ -342,7 +346,10 @@ impl LadderView {
         let ladder = plc.ladder();
         ui.horizontal(|ui| {
             let (words, colour) = match (plc.fault(), machine.halted) {
-                (Some(fault), _) => (fault.to_string(), egui::Color32::from_rgb(255, 120, 96)),
+                (Some(fault), _) => {
+                    let words = words::fault(fault, language);
+                    (words, egui::Color32::from_rgb(255, 120, 96))
+                }
                 (None, true) => {
                     let rung = plc.next_rung().unwrap_or(0);
                     let words = say(language, "已停止, 下一梯级", "halted, next rung");

@@ -9,6 +9,7 @@ use gsk_panel::pages::signal_name;
 use super::draw::{self, comment};
 use super::{LadderView, subjects, value};
 use crate::cli::Language;
+use crate::kernel::Command;
 use crate::kernel::monitor::MachineView;
 use crate::window::texts::say;
 
@@ -174,9 +175,7 @@ impl LadderView {
             .button(say(language, "全部取消", "Release all"))
             .clicked()
         {
-            for force in forces {
-                self.ask(Request::ForceBit(force.bit, None));
-            }
+            self.console.send(Command::FreeBits);
         }
     }
 }

@@ -9,7 +9,7 @@ use gsk_core::plc::{Ladder, Subject};
 
 use super::directive::Table;
 use super::draft::Draft;
-use super::{LadderView, draw, value};
+use super::{LadderView, draw, value, words};
 use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
 use crate::window::texts::say;
@@ -174,18 +174,20 @@ impl LadderView {
             }
         });
         if let Some(list) = list {
-            self.complaint = self.take_list(list).err();
+            self.complaint = self.take_list(list, language).err();
         }
     }
 
     /// Takes a changed list if it compiles.
-    fn take_list(&mut self, list: Result<String, String>) -> Result<(), String> {
+    fn take_list(
+        &mut self,
+        list: Result<String, String>,
+        language: Language,
+    ) -> Result<(), String> {
         let list = list?;
         if let Err(errors) = Ladder::compile(&list) {
             let first = errors.errors.first();
-            return Err(first.map_or_else(String::new, |error| {
-                format!("{} {}", error.code, error.message)
-            }));
+            return Err(first.map_or_else(String::new, |error| words::finding(error, language)));
         }
         if let Some(draft) = &mut self.draft {
             draft.set(list, None);
