@@ -1,5 +1,5 @@
-//! Every page as text, three of them as pictures, and pages that must survive
-//! anything.
+//! Pages in states that the cases of every page (`tests/cases/page-*`) do not show,
+//! and pages that must survive anything.
 
 #![expect(clippy::unwrap_used, reason = "the helpers of a test may fail it")]
 
@@ -11,10 +11,10 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::{Editing, Program};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
-use gsk_core::units::{Axis, Point};
+use gsk_core::units::Axis;
 use gsk_panel::pages::{self, GraphicSettings, PAGES, PageId, View};
 use gsk_panel::raster;
-use gsk_panel::screen::{HEIGHT, Look, ROWS, Screen, WIDTH};
+use gsk_panel::screen::{Look, ROWS, Screen};
 
 use common::{
     AUTO, CYCLE_START, EDIT, FEED_HOLD, HANDWHEEL, JOG, SINGLE_BLOCK, lathe, lathe_from, press,
@@ -50,20 +50,6 @@ fn graphic_view() -> View {
     };
     view.graphic.recompute();
     view
-}
-
-#[test]
-fn every_page_at_rest() {
-    let simulation = lathe();
-    let view = View::default();
-    for row in PAGES {
-        insta::assert_snapshot!(row.name, shown(row.page, &view, &simulation));
-    }
-}
-
-#[test]
-fn power_on() {
-    insta::assert_snapshot!("power-on", framed(&pages::power_on()));
 }
 
 #[test]
@@ -283,72 +269,4 @@ fn anything_in_the_view_can_be_drawn() {
             }
         }
     }
-}
-
-/// Compares with a stored picture; `UPDATE_PICTURES=1` stores it anew.
-fn assert_picture(name: &str, screen: &Screen) {
-    let path = format!("{}/tests/pictures/{name}.png", env!("CARGO_MANIFEST_DIR"));
-    let drawn = raster::rgba(screen, pages::DEFAULT_BRIGHTNESS);
-    if std::env::var_os("UPDATE_PICTURES").is_some() {
-        let file = std::fs::File::create(&path).unwrap();
-        let mut encoder = png::Encoder::new(file, WIDTH as u32, HEIGHT as u32);
-        encoder.set_color(png::ColorType::Rgba);
-        let mut writer = encoder.write_header().unwrap();
-        writer.write_image_data(&drawn).unwrap();
-    }
-    let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
-    let mut stored = vec![0; reader.output_buffer_size().unwrap()];
-    reader.next_frame(&mut stored).unwrap();
-    assert!(stored == drawn, "{path} differs from what is drawn");
-}
-
-/// The path of the acceptance program's contour.
-fn contour(view: &mut View) {
-    let at = |diameter: f64, z: f64| Point::new(diameter / 2.0, z);
-    let mut path = vec![(at(16.0, 180.0), true), (at(16.0, 153.0), false)];
-    path.push((at(40.0, 153.0), false));
-    path.push((at(40.0, 90.0), false));
-    for arc in 0..2 {
-        for step in 1..=30 {
-            let (sin, cos) = f64::from(3 * step).to_radians().sin_cos();
-            let to = match arc {
-                0 => Point::new(20.0 + 20.0 * sin, 70.0 + 20.0 * cos),
-                _ => Point::new(60.0 - 20.0 * cos, 70.0 - 20.0 * sin),
-            };
-            path.push((to, false));
-        }
-    }
-    path.push((at(120.0, 30.0), false));
-    path.push((at(130.0, 25.0), false));
-    path.push((at(130.0, 0.0), false));
-    path.push((at(150.0, 185.0), true));
-    let mut last = at(136.0, 180.0);
-    for (to, rapid) in path {
-        view.trace.push(last, to, rapid);
-        last = to;
-    }
-}
-
-#[test]
-fn pictures() {
-    let setup = Setup {
-        start: Some(Point::new(75.0, 185.0)),
-        ..Setup::default()
-    };
-    let mut simulation = lathe_from(setup);
-    let mut view = graphic_view();
-    contour(&mut view);
-    assert_picture("graph", &pages::draw(PageId::Graph, &view, &simulation.cnc));
-    assert_picture(
-        "pos-rel",
-        &pages::draw(PageId::PosRel, &view, &simulation.cnc),
-    );
-    press(&mut simulation, EDIT);
-    let current = simulation.cnc.programs().current().unwrap();
-    let program = simulation.cnc.programs().get(current).unwrap();
-    let mut editing = Editing::new(program.clone(), 9);
-    (0..6).for_each(|_| editing.right());
-    (view.editor.editing, view.editor.alter) = (Some(editing), true);
-    assert_picture("prg", &pages::draw(PageId::Prg, &view, &simulation.cnc));
 }

@@ -10,6 +10,7 @@ pub mod fuzz;
 pub mod setup;
 
 mod operate;
+mod picture;
 mod program;
 
 use std::path::{Path, PathBuf};

@@ -6,10 +6,12 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::script::{self, Effect, Script};
 
 use crate::case::Case;
+use crate::picture;
 
 const SCREEN: &str = "screen.txt";
+const PICTURE: &str = "screen.png";
 
-/// Runs the script and compares the LCD at its end.
+/// Runs the script and compares the LCD at its end, as text and as picture.
 pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Result<(), String> {
     let text = crate::read(folder, name)?;
     let script = Script::parse(&text).map_err(|errors| {
@@ -38,10 +40,15 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
         },
     );
     outcome.map_err(|failure| format!("{name}: {failure}\n{}", screen_text(&emulator)))?;
+    compare_text(folder, &emulator, update)?;
+    compare_picture(folder, &emulator, update)
+}
+
+fn compare_text(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), String> {
     let Some(expected) = crate::read_if_there(folder, SCREEN)? else {
         return Ok(());
     };
-    let seen = screen_text(&emulator);
+    let seen = screen_text(emulator);
     if seen == expected {
         return Ok(());
     }
@@ -56,6 +63,25 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
         }
     }
     Err(lines.join("\n"))
+}
+
+/// The picture goes beyond the text: looks of characters, big figures, the graphic.
+fn compare_picture(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), String> {
+    let path = folder.join(PICTURE);
+    if !path.exists() {
+        return Ok(());
+    }
+    let wrong = |error: std::io::Error| format!("{PICTURE}: {error}");
+    let stored = std::fs::read(&path).map_err(wrong)?;
+    let (screen, brightness) = (emulator.screen(), emulator.panel.view().brightness);
+    if picture::shows(&stored, &screen, brightness) {
+        return Ok(());
+    }
+    if update {
+        let file = picture::encode(&screen, brightness)?;
+        return std::fs::write(&path, file).map_err(wrong);
+    }
+    Err(format!("{PICTURE} differs from what the LCD shows"))
 }
 
 fn padded(text: &str) -> impl Iterator<Item = &str> {

@@ -36,6 +36,10 @@ pub struct SetupWords {
     pub referenced: Option<bool>,
     /// Whether programs are in inches.
     pub inch: bool,
+    /// The part counter.
+    pub parts: u32,
+    /// The cutting time: `"05:28:08"`.
+    pub cutting: Option<String>,
     /// A ladder of `assets/ladder/`: `"bar-feeder.il"`.
     pub ladder: Option<String>,
     /// A machine file of `assets/machines/`: `"small-flat-bed.ron"`.
@@ -67,6 +71,10 @@ impl SetupWords {
         setup.settings.inch = self.inch;
         if self.as_built {
             setup.wired = Some(setup.parameters.clone());
+        }
+        setup.counters.parts = self.parts;
+        if let Some(clock) = &self.cutting {
+            setup.counters.cutting_ms = milliseconds(clock)?;
         }
         for word in &self.params {
             parameter(&mut setup, word).map_err(|error| format!("parameter {word}: {error}"))?;
@@ -115,6 +123,15 @@ fn machine(name: &str) -> Result<LatheConfig, String> {
 fn parts(word: &str) -> Result<(&str, &str), String> {
     word.split_once('=')
         .ok_or_else(|| format!("{word}: write it as NAME=VALUE"))
+}
+
+/// Hours, minutes and seconds as milliseconds.
+fn milliseconds(clock: &str) -> Result<u64, String> {
+    let parts: Vec<u64> = clock.split(':').map(number).collect::<Result<_, _>>()?;
+    match parts[..] {
+        [hours, minutes, seconds] => Ok(((hours * 60 + minutes) * 60 + seconds) * 1000),
+        _ => Err(format!("{clock}: write it as HH:MM:SS")),
+    }
 }
 
 fn number<T: core::str::FromStr>(text: &str) -> Result<T, String> {

@@ -1,0 +1,86 @@
+//! The LCD as a picture of two colours, two pixels a dot: what a case keeps of it.
+
+use gsk_panel::raster::{self, Palette};
+use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder};
+
+/// Pixels of a dot.
+const SCALE: usize = 2;
+
+/// One bit a pixel, rows of whole bytes.
+fn pixels(screen: &Screen) -> Vec<u8> {
+    let dots = raster::bitmap(screen);
+    let mut pixels = Vec::with_capacity(WIDTH * HEIGHT * SCALE * SCALE / 8);
+    for y in 0..HEIGHT {
+        let row: Vec<u8> = dots.row(y).iter().flat_map(|byte| wide(*byte)).collect();
+        for _ in 0..SCALE {
+            pixels.extend_from_slice(&row);
+        }
+    }
+    pixels
+}
+
+/// Every bit twice.
+fn wide(byte: u8) -> [u8; 2] {
+    let wide = (0..8)
+        .filter(|bit| byte >> bit & 1 == 1)
+        .fold(0u16, |wide, bit| wide | 0b11 << (2 * bit));
+    wide.to_be_bytes()
+}
+
+fn colours(palette: Palette) -> Vec<u8> {
+    [palette.background, palette.text].concat()
+}
+
+/// The picture as a PNG file.
+///
+/// # Errors
+/// What the encoder says.
+pub(crate) fn encode(screen: &Screen, brightness: u8) -> Result<Vec<u8>, String> {
+    let mut file = Vec::new();
+    let (width, height) = ((WIDTH * SCALE) as u32, (HEIGHT * SCALE) as u32);
+    let mut encoder = Encoder::new(&mut file, width, height);
+    encoder.set_color(ColorType::Indexed);
+    encoder.set_depth(BitDepth::One);
+    encoder.set_palette(colours(raster::palette(brightness)));
+    encoder.set_compression(Compression::High);
+    let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
+    writer
+        .write_image_data(&pixels(screen))
+        .map_err(|error| error.to_string())?;
+    writer.finish().map_err(|error| error.to_string())?;
+    Ok(file)
+}
+
+/// Whether a PNG file shows this screen, dot for dot and in its colours.
+pub(crate) fn shows(file: &[u8], screen: &Screen, brightness: u8) -> bool {
+    decoded(file).is_some_and(|(palette, stored)| {
+        palette == colours(raster::palette(brightness)) && stored == pixels(screen)
+    })
+}
+
+/// Palette and pixels of a file.
+fn decoded(file: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
+    let mut reader = Decoder::new(std::io::Cursor::new(file)).read_info().ok()?;
+    let mut pixels = vec![0; reader.output_buffer_size()?];
+    reader.next_frame(&mut pixels).ok()?;
+    let palette = reader.info().palette.as_ref()?.to_vec();
+    Some((palette, pixels))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_read_as_it_was_written() {
+        let mut screen = Screen::new();
+        screen.put(3, 7, "余移动量 U");
+        let file = encode(&screen, 8).unwrap_or_default();
+        assert!(shows(&file, &screen, 8));
+        assert!(!shows(&file, &screen, 9));
+        screen.put(14, 39, ".");
+        assert!(!shows(&file, &screen, 8));
+        assert!(!shows(b"no picture", &screen, 8));
+    }
+}
