@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 pub enum Holder {
     /// The mouse.
     Pointer,
+    /// The mouse's right button: it holds its key until it clicks there again.
+    Latch,
     /// A finger, by its device and number.
     Finger(u64, u64),
     /// A key of the PC keyboard.

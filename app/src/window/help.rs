@@ -20,7 +20,12 @@ pub fn show(context: &Context, language: Language) -> bool {
         .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
         .open(&mut open);
     window.show(context, |ui| {
-        for text in [Text::KeysCharacters, Text::KeysWheel, Text::KeysClose] {
+        for text in [
+            Text::KeysCharacters,
+            Text::KeysLatch,
+            Text::KeysWheel,
+            Text::KeysClose,
+        ] {
             ui.label(RichText::new(text.of(language)).color(Color32::from_gray(150)));
         }
         let views = VIEWS

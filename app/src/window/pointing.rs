@@ -76,11 +76,20 @@ impl Pointing {
                     } else {
                         None
                     };
+                    if *pressed && key == held.of(Holder::Latch) {
+                        done.changes.extend(held.set(Holder::Latch, None));
+                    }
                     done.changes.extend(held.set(Holder::Pointer, key));
                     self.drag = (*pressed && free(*pos))
                         .then(|| wheel_angle(*pos, view))
                         .flatten();
                 }
+                Event::PointerButton {
+                    pos,
+                    button: PointerButton::Secondary,
+                    pressed: true,
+                    ..
+                } if free(*pos) => latch(key_at(*pos, view), held, &mut done),
                 Event::PointerMoved(pos) => {
                     self.last = Some(*pos);
                     slide(Holder::Pointer, *pos, view, held, &mut done);
@@ -173,6 +182,15 @@ impl Pointing {
         self.rest -= whole;
         done.detents += whole as i32;
     }
+}
+
+/// The right button holds a key down, so that one mouse can press two; on the same
+/// key, or beside the keys, it lets go.
+fn latch(key: Option<Key>, held: &mut Held<Key>, done: &mut Done) {
+    // The emergency stop latches by itself.
+    let key = key.filter(|key| *key != Key::EmergencyStop);
+    let key = key.filter(|key| held.of(Holder::Latch) != Some(*key));
+    done.changes.extend(held.set(Holder::Latch, key));
 }
 
 /// A holder that leaves its key lets it go; it does not press the next one.
@@ -289,6 +307,37 @@ mod tests {
         let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
         assert_eq!(keys(&done), [(Key::ZLeft, false)]);
         assert!(held.is_down(Key::Rapid));
+    }
+
+    #[test]
+    fn the_right_button_holds_a_key_while_the_left_presses_another() {
+        let (mut pointing, mut held) = (Pointing::default(), Held::default());
+        let right = |key: Key| Event::PointerButton {
+            pos: at(key),
+            button: PointerButton::Secondary,
+            pressed: true,
+            modifiers: Modifiers::default(),
+        };
+        let events = [
+            right(Key::Cancel),
+            button(at(Key::Reset), true),
+            button(at(Key::Reset), false),
+        ];
+        let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
+        let expected = [
+            (Key::Cancel, true),
+            (Key::Reset, true),
+            (Key::Reset, false),
+        ];
+        assert_eq!(keys(&done), expected);
+        let done = pointing.follow(&[right(Key::Cancel)], VIEW, &mut held, &|_| true);
+        assert_eq!(keys(&done), [(Key::Cancel, false)]);
+        let done = pointing.follow(&[right(Key::EmergencyStop)], VIEW, &mut held, &|_| true);
+        assert_eq!(keys(&done), []);
+        let events = [right(Key::ZLeft), button(at(Key::ZLeft), true)];
+        let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
+        let expected = [(Key::ZLeft, true), (Key::ZLeft, false), (Key::ZLeft, true)];
+        assert_eq!(keys(&done), expected);
     }
 
     #[test]

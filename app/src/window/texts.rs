@@ -36,6 +36,8 @@ pub enum Text {
     KeysTitle,
     /// Letters, digits and signs of the PC.
     KeysCharacters,
+    /// How one mouse presses two keys.
+    KeysLatch,
     /// The keys that turn the handwheel.
     KeysWheel,
     /// How to leave the key map.
@@ -101,6 +103,11 @@ impl Text {
                 "字母、数字和符号: 按面板所印; 复合键的第二个字符 (D Q C Y #) 直接键入",
                 "Letters, digits and signs: as printed on the panel; the second character of a \
                  compound key (D Q C Y #) is typed directly",
+            ),
+            Self::KeysLatch => (
+                "右键单击面板按键: 按住不放, 再次单击松开 (例如 取消+复位)",
+                "A right click on a panel key holds it down until the next one (for instance \
+                 CAN while RESET is pressed)",
             ),
             Self::KeysWheel => (
                 "[ 和 ]: 手轮一格; 加 Shift 十格",

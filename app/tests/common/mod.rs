@@ -22,7 +22,12 @@ pub struct Bench {
 impl Bench {
     /// Switched on, the self-test over.
     pub fn new() -> Self {
-        let (kernel, console) = Kernel::new(Emulator::new(Setup::default()));
+        Self::with(Setup::default())
+    }
+
+    /// The same with a setup of its own.
+    pub fn with(setup: Setup) -> Self {
+        let (kernel, console) = Kernel::new(Emulator::new(setup));
         let settings = Settings {
             language: Language::En,
             ..Settings::default()
