@@ -164,7 +164,12 @@ fn the_operating_example_with_the_mouse() {
     let script = Script::parse(&text).expect("a script");
     for line in &script.lines {
         if let Err(seen) = hand.act(&line.action) {
-            panic!("line {}: {}: {seen}\n{}", line.number, line.text, hand.bench.lcd());
+            panic!(
+                "line {}: {}: {seen}\n{}",
+                line.number,
+                line.text,
+                hand.bench.lcd()
+            );
         }
     }
 }

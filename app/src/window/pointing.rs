@@ -324,11 +324,7 @@ mod tests {
             button(at(Key::Reset), false),
         ];
         let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
-        let expected = [
-            (Key::Cancel, true),
-            (Key::Reset, true),
-            (Key::Reset, false),
-        ];
+        let expected = [(Key::Cancel, true), (Key::Reset, true), (Key::Reset, false)];
         assert_eq!(keys(&done), expected);
         let done = pointing.follow(&[right(Key::Cancel)], VIEW, &mut held, &|_| true);
         assert_eq!(keys(&done), [(Key::Cancel, false)]);
