@@ -2,6 +2,8 @@
 //! clicked with the mouse at its place on the panel, the wheel is turned with the
 //! mouse, and what the script of `tests/cases/operate-acceptance` expects is seen.
 
+#![expect(clippy::panic, reason = "a test fails by panicking")]
+
 mod common;
 
 use std::collections::BTreeMap;

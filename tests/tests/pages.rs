@@ -1,8 +1,6 @@
 //! Every page of the page table has its case: the keys that lead to it, the LCD as
 //! text and as a picture.
 
-#![expect(clippy::unwrap_used, reason = "a file that is missing fails the test")]
-
 use gsk_panel::pages::PAGES;
 use gsk_tests::cases_dir;
 

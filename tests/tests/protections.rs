@@ -1,0 +1,369 @@
+//! Every page that writes against every protection: the table `protections.txt` says
+//! what is written, what is refused, and with which alarm.
+
+#![expect(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use std::collections::BTreeSet;
+
+use gsk_core::cnc::{Cnc, Request};
+use gsk_core::operation::SoftSwitch;
+use gsk_core::plc::address::{Area, ByteAddress};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::script::{self, Script};
+use gsk_tests::repository;
+
+/// A dwell that outlasts every script.
+const PROGRAM: &str = "\nG04 X9000;\nM30;\n";
+
+/// What a place writes, as text: before and after.
+type Seen = fn(&Emulator) -> String;
+
+struct Place {
+    name: &'static str,
+    /// The key of the mode it needs; empty: any.
+    mode: &'static str,
+    /// The keys that write.
+    keys: &'static str,
+    seen: Seen,
+}
+
+const fn place(name: &'static str, mode: &'static str, keys: &'static str, seen: Seen) -> Place {
+    Place {
+        name,
+        mode,
+        keys,
+        seen,
+    }
+}
+
+const PLACES: [Place; 29] = [
+    place(
+        "prg-text",
+        "EDIT",
+        "press DOWN\ntype G4\npress POS",
+        programs,
+    ),
+    place("prg-create", "EDIT", "type O55\npress EOB", programs),
+    place("prg-delete", "EDIT", "type O7\npress DEL", programs),
+    place("prg-delete-all", "EDIT", "type O-999\npress DEL", programs),
+    place("prg-rename", "EDIT", "type O56\npress INS", programs),
+    place("prg-save-as", "EDIT", "type O57\npress CHG", programs),
+    place(
+        "prg-9000-text",
+        "EDIT",
+        "press DOWN\ntype G4\npress POS",
+        |emulator| {
+            let program = cnc(emulator).programs().stored(9001);
+            format!("{:?}", program.map(Program::text))
+        },
+    ),
+    place("prg-9000-create", "EDIT", "type O9002\npress EOB", programs),
+    place("prg-9000-delete", "EDIT", "type O9001\npress DEL", programs),
+    place(
+        "mdi",
+        "MDI",
+        "press PRG\npress PGDN\ntype G1\npress IN",
+        |emulator| cnc(emulator).mdi_block().text(),
+    ),
+    place(
+        "oft",
+        "",
+        "press OFT\ntype P1\npress IN\ntype R1.5\npress IN",
+        offsets,
+    ),
+    place(
+        "macro",
+        "MDI",
+        "press OFT\npress PGUP\ntype 5\npress IN",
+        |emulator| format!("{:?}", cnc(emulator).variables()),
+    ),
+    place(
+        "set-code",
+        "MDI",
+        "press SET\npress UP\ntype 1\npress IN",
+        |emulator| format!("{:?}", cnc(emulator).settings()),
+    ),
+    place(
+        "set-switch",
+        "",
+        "press SET\npress PGDN\ntype D",
+        |emulator| cnc(emulator).parameter_switch().to_string(),
+    ),
+    place(
+        "set-switch-prg",
+        "",
+        "press SET\npress PGDN\npress DOWN\ntype W",
+        |emulator| cnc(emulator).program_switch().to_string(),
+    ),
+    place(
+        "edisk-save",
+        "MDI",
+        "press SET\npress PGDN\npress PGDN\ntype 5",
+        |emulator| format!("{:?}", cnc(emulator).disks()),
+    ),
+    place(
+        "edisk-read",
+        "MDI",
+        "press SET\npress PGDN\npress PGDN\ntype 3",
+        parameters,
+    ),
+    place(
+        "password",
+        "",
+        "press SET\npress PGUP\ntype 123456\npress IN",
+        |emulator| cnc(emulator).authority().level().number().to_string(),
+    ),
+    place(
+        "graph-plane",
+        "MDI",
+        "press SET\npress SET\ntype 1\npress IN",
+        graphic,
+    ),
+    place(
+        "graph-extent",
+        "MDI",
+        "press SET\npress SET\npress UP\ntype 50\npress IN",
+        graphic,
+    ),
+    place(
+        "par-bit",
+        "MDI",
+        "press PAR\ntype P5\npress IN\ntype 00010001\npress IN",
+        parameters,
+    ),
+    place(
+        "par-data",
+        "MDI",
+        "press PAR\npress PAR\ntype P24\npress IN\ntype 333\npress IN",
+        parameters,
+    ),
+    place(
+        "pitch",
+        "MDI",
+        "press PAR\npress PAR\npress PAR\ntype X5\npress IN",
+        |emulator| format!("{:?}", cnc(emulator).pitch()),
+    ),
+    place(
+        "dgn-075",
+        "MDI",
+        "press DGN\ntype P75\npress IN\ntype 3\npress IN",
+        |emulator| cnc(emulator).plc().memory().k(12).to_string(),
+    ),
+    place(
+        "plc-preset",
+        "MDI",
+        "press DGN\npress DGN\npress DGN\ntype 7\npress IN",
+        |emulator| {
+            let d0 = ByteAddress::new(Area::D, 0);
+            cnc(emulator).plc().memory().byte(d0).to_string()
+        },
+    ),
+    place(
+        "rel-zero",
+        "",
+        "press POS\npress U\npress CAN",
+        |emulator| format!("{:?}", cnc(emulator).position_relative()),
+    ),
+    place(
+        "parts",
+        "",
+        "press POS\ndown CAN\npress N\nup CAN",
+        |emulator| cnc(emulator).counters().parts.to_string(),
+    ),
+    place(
+        "cutting-time",
+        "",
+        "press POS\ndown CAN\npress T\nup CAN",
+        |emulator| (cnc(emulator).counters().cutting_ms / 3_600_000).to_string(),
+    ),
+    place(
+        "softpanel",
+        "",
+        "press DGN\npress DGN\npress DGN\npress DGN\ntype 1\nwait 300ms",
+        |emulator| {
+            cnc(emulator)
+                .soft_switch_state(SoftSwitch::ALL[0])
+                .to_string()
+        },
+    ),
+];
+
+const fn cnc(emulator: &Emulator) -> &Cnc {
+    &emulator.simulation.cnc
+}
+
+fn programs(emulator: &Emulator) -> String {
+    let programs = cnc(emulator).programs().iter();
+    let texts = programs.map(|(number, program)| format!("O{number:04} {}\n", program.text()));
+    texts.collect()
+}
+
+fn offsets(emulator: &Emulator) -> String {
+    format!("{:?}", cnc(emulator).offsets())
+}
+
+fn parameters(emulator: &Emulator) -> String {
+    format!("{:?}", cnc(emulator).parameters())
+}
+
+fn graphic(emulator: &Emulator) -> String {
+    format!("{:?}", emulator.panel.view().graphic)
+}
+
+fn operate(emulator: &mut Emulator, text: &str, why: &str) {
+    let script = Script::parse(text).unwrap();
+    let done = script::run(script, emulator, &mut |_, _| Ok(()));
+    assert!(done.is_ok(), "{why}: {done:?}");
+}
+
+/// The machine in front of a place, under a protection.
+fn prepared(place: &Place, protection: &str) -> Emulator {
+    let mut setup = Setup::default();
+    let bit = match protection {
+        "EAL" => Some((12, 3, false)),
+        "SKEY" => Some((172, 1, true)),
+        "MPWE" => Some((172, 2, true)),
+        "PRG9" => Some((12, 4, true)),
+        _ => None,
+    };
+    if let Some((number, bit, on)) = bit {
+        setup.parameters.set_bit(number, bit, on).unwrap();
+    }
+    match protection {
+        "L4" => assert!(setup.authority.enter("1234")),
+        "L5" => setup.authority.leave(),
+        _ => {}
+    }
+    for number in [7, 12, 9001] {
+        setup
+            .programs
+            .store(format!("O{number:04};{PROGRAM}"))
+            .unwrap();
+    }
+    setup.counters.parts = 5;
+    setup.counters.cutting_ms = 3_600_000;
+    let mut emulator = Emulator::new(setup);
+    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    let cnc = &mut emulator.simulation.cnc;
+    let selected = if place.name.starts_with("prg-9000") {
+        9001
+    } else {
+        12
+    };
+    // Hidden programs cannot be selected; that is their protection.
+    let _ = cnc.request(Request::SelectProgram(selected));
+    emulator.press(gsk_panel::keys::Key::Reset);
+    // The switches are set as the page does, unless something stands against it:
+    // then they stood so before.
+    let switch = protection != "PSW" && place.name != "set-switch";
+    if switch {
+        force_switch(&mut emulator);
+    }
+    if protection == "PRG" {
+        operate(
+            &mut emulator,
+            "press SET\npress PGDN\npress DOWN\ntype W\npress UP\npress POS",
+            "switch",
+        );
+    }
+    let keys = match protection {
+        "run" => "press AUTO\npress CS\nwait 300ms\nexpect lamp CS on",
+        "alarm" | "EAL" => {
+            "press EDIT\npress PRG\npress CHG\ntype N77\npress DOWN\nexpect alarm 071"
+        }
+        "estop" => "press ESTOP\nwait 100ms\nexpect alarm 207",
+        "KEY1" => "force G46.3 1",
+        _ => "",
+    };
+    operate(&mut emulator, keys, protection);
+    emulator
+}
+
+/// The parameter switch on and its alarm gone, whoever is at the machine: where
+/// something stands against it, it was switched on before.
+fn force_switch(emulator: &mut Emulator) {
+    let cnc = &mut emulator.simulation.cnc;
+    for request in [
+        Request::SetParameterSwitch(true),
+        Request::CancelSwitchAlarm,
+    ] {
+        cnc.request(request).unwrap_or_default();
+    }
+    if cnc.parameter_switch() {
+        return;
+    }
+    let text = ron::to_string(emulator).unwrap();
+    let on = text.replacen("parameter_switch:false", "parameter_switch:true", 1);
+    assert_ne!(text, on, "the switch was off");
+    *emulator = ron::from_str(&on).unwrap();
+}
+
+/// What becomes of the keys: `ok`, `-`, or the alarm.
+fn outcome(place: &Place, protection: &str) -> String {
+    let mut emulator = prepared(place, protection);
+    let mode = match protection {
+        "jog" | "estop" => "JOG",
+        _ => place.mode,
+    };
+    if !mode.is_empty() {
+        operate(&mut emulator, &format!("press {mode}"), "mode");
+    }
+    if place.name.starts_with("prg") {
+        operate(&mut emulator, "press PRG", "page");
+    }
+    let numbers = |emulator: &Emulator| -> BTreeSet<u16> {
+        cnc(emulator)
+            .alarms()
+            .iter()
+            .map(|alarm| alarm.number)
+            .collect()
+    };
+    let (before, alarms) = ((place.seen)(&emulator), numbers(&emulator));
+    operate(&mut emulator, place.keys, place.name);
+    let changed = (place.seen)(&emulator) != before;
+    let new: Vec<u16> = numbers(&emulator).difference(&alarms).copied().collect();
+    match (changed, new.first()) {
+        (true, _) => "ok".to_owned(),
+        (false, None) => "-".to_owned(),
+        (false, Some(number)) => format!("{number:03}"),
+    }
+}
+
+#[test]
+fn every_page_that_writes_against_every_protection() {
+    let path = repository().join("tests/protections.txt");
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut rows = text
+        .lines()
+        .filter(|line| !line.is_empty() && !line.starts_with('#'))
+        .map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let head = rows.next().unwrap();
+    let rows: Vec<Vec<&str>> = rows.collect();
+    let listed: Vec<&str> = rows.iter().map(|row| row[0]).collect();
+    assert_eq!(
+        listed,
+        PLACES.map(|place| place.name),
+        "the places of the table"
+    );
+    let mut wrong = Vec::new();
+    for (row, place) in rows.iter().zip(&PLACES) {
+        assert_eq!(row.len(), head.len(), "{}: columns", place.name);
+        for (protection, expected) in head.iter().zip(row).skip(1) {
+            if *expected == "." {
+                continue;
+            }
+            let seen = outcome(place, protection);
+            if seen != *expected {
+                wrong.push(format!(
+                    "{} {protection}: {expected} expected, {seen} seen",
+                    place.name
+                ));
+            }
+        }
+    }
+    if !wrong.is_empty() {
+        panic!("{} cells differ:\n{}", wrong.len(), wrong.join("\n"));
+    }
+}
