@@ -18,6 +18,11 @@ use crate::window::texts::say;
 
 /// Height of a line, points.
 const LINE: f32 = 24.0;
+/// Room for the bar of a list, points.
+const SCROLL_BAR: f32 = 12.0;
+/// Widths of the columns of lamps, points.
+const CONTACT: f32 = 48.0;
+const ACCEPTED: f32 = 34.0;
 /// Bytes of X that machine contacts have plugs for.
 const PLUGGED: std::ops::Range<u16> = 0..4;
 
@@ -89,6 +94,7 @@ impl Bench {
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
+                ui.set_max_width(ui.available_width() - SCROLL_BAR);
                 for (name, fault) in Fault::ALL {
                     let row = fault.row();
                     let text = say(language, row.zh, row.en);
@@ -142,16 +148,19 @@ impl Bench {
             ui.label(RichText::new(complaint).color(BROKEN));
         }
         line(ui, |ui| {
+            ui.add_space(SCROLL_BAR);
             ui.label(RichText::new(say(language, "强制", "held at")).weak());
-            ui.add_space(56.0);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let words = say(language, "触点  PLC  地址", "contact  PLC  address");
+                heading(ui, say(language, "触点", "contact"), CONTACT);
+                heading(ui, "PLC", ACCEPTED);
+                let words = say(language, "地址", "address");
                 ui.label(RichText::new(words).weak());
             });
         });
         ScrollArea::vertical()
             .auto_shrink([false, false])
             .show(ui, |ui| {
+                ui.set_max_width(ui.available_width() - SCROLL_BAR);
                 let plugged = PLUGGED
                     .flat_map(|byte| (0..8).map(move |bit| BitAddress::new(Area::X, byte, bit)));
                 for address in self.others.iter().copied().chain(plugged) {
@@ -191,8 +200,8 @@ impl Bench {
                 }
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                lamp(ui, contact, say(language, "触点", "contact"), 44.0);
-                lamp(ui, accepted, "PLC", 30.0);
+                lamp(ui, contact, say(language, "触点", "contact"), CONTACT);
+                lamp(ui, accepted, "PLC", ACCEPTED);
                 ui.label(RichText::new(format!("X{}.{}", address.byte, address.bit)).monospace());
                 let symbol = signal_name(address);
                 let meaning = signal_meaning(address, language == Language::En);
@@ -240,6 +249,15 @@ fn line(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
         .max_rect(rect)
         .layout(Layout::right_to_left(Align::Center));
     ui.scope_builder(place, content);
+}
+
+/// The heading of a column of lamps, in its middle.
+fn heading(ui: &mut Ui, words: &str, width: f32) {
+    let (rect, _) = ui.allocate_exact_size(vec2(width, LINE), Sense::HOVER);
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let ink = ui.visuals().weak_text_color();
+    let middle = Align2::CENTER_CENTER;
+    ui.painter().text(rect.center(), middle, words, font, ink);
 }
 
 /// A lamp in a column of its own.

@@ -479,7 +479,7 @@ fn complaints(
         .auto_shrink([false, false])
         .show(ui, |ui| {
             if errors.is_empty() {
-                let words = gsk_core::plc::summary(0, 0);
+                let words = words::compiled(language);
                 ui.label(RichText::new(words).color(super::draw::LIVE));
             }
             for error in errors {

@@ -370,7 +370,7 @@ impl LadderView {
             ui.separator();
             let steps = say(language, "步", "steps");
             let rungs = say(language, "梯级", "rungs");
-            let parts = say(language, "二级分段", "parts of level 2");
+            let parts = say(language, "二级分段:", "parts of level 2:");
             let figures = format!(
                 "{} {steps}   {} {rungs}   {parts} {}",
                 ladder.steps(),

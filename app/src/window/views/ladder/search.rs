@@ -81,7 +81,7 @@ impl LadderView {
     pub(super) fn search_field(&mut self, ui: &mut Ui, language: Language, ladder: &Ladder) {
         let name = say(language, "查找", "Find");
         let field = egui::TextEdit::singleline(&mut self.search.text)
-            .desired_width(150.0)
+            .desired_width(196.0)
             .hint_text(say(
                 language,
                 "地址, 指令或注释",

@@ -16,6 +16,15 @@ pub fn finding(error: &CompileError, language: Language) -> String {
     }
 }
 
+/// The closing line of a compilation without errors, in Chinese in the words of the
+/// manufacturer's tool.
+pub fn compiled(language: Language) -> String {
+    match language {
+        Language::Zh => gsk_core::plc::summary(0, 0),
+        Language::En => "compiled: 0 errors".to_owned(),
+    }
+}
+
 const fn rule(rule: Rule) -> &'static str {
     match rule {
         Rule::E00 => "不是指令",
