@@ -30,7 +30,11 @@ impl Bench {
             parameters.set(number, 5).unwrap();
         }
         let twin = GrblTwin::new(variant, Settings::default());
-        let link = LineLink::open(LinkConfig::default(), &parameters, Duration::ZERO);
+        let config = LinkConfig {
+            flush_keep_speed: 10_000,
+            ..LinkConfig::default()
+        };
+        let link = LineLink::open(config, &parameters, Duration::ZERO);
         Self {
             link,
             twin,

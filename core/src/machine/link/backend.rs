@@ -4,8 +4,8 @@ use core::time::Duration;
 
 use super::line::LineLink;
 use super::{
-    BoardInfo, Event, HostTime, LinkConfig, LinkState, Pins, Refused, RunTime, Sample, Stop,
-    Traffic,
+    BoardInfo, BoardOutputs, Event, HostTime, LinkConfig, LinkState, Pins, Refused, RunTime,
+    Sample, Stop, Traffic,
 };
 use crate::memory::Parameters;
 use crate::units::{PerAxis, Pulses};
@@ -143,6 +143,49 @@ impl Link {
     pub fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
         match self {
             Self::Line(link) => link.set_position(kernel, at),
+        }
+    }
+
+    /// The operator moves the axes by hand although nobody knows where they stand:
+    /// motion is taken from here on, and the state stays locked.
+    ///
+    /// # Errors
+    /// The position is known, the board moves, is locked, or has not said where it
+    /// stands.
+    pub fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        match self {
+            Self::Line(link) => link.release(kernel, at),
+        }
+    }
+
+    /// Whether motion is taken now.
+    pub fn is_prepared(&self) -> bool {
+        match self {
+            Self::Line(link) => link.is_prepared(),
+        }
+    }
+
+    /// Begins the reference return of these axes, which the board makes by itself.
+    ///
+    /// # Errors
+    /// The board moves or has not said how it stands.
+    pub fn home(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
+        match self {
+            Self::Line(link) => link.home(axes),
+        }
+    }
+
+    /// What spindle and coolant are to do.
+    pub const fn set_outputs(&mut self, outputs: BoardOutputs) {
+        match self {
+            Self::Line(link) => link.set_outputs(outputs),
+        }
+    }
+
+    /// Whether the board has still to switch something.
+    pub fn is_switching(&self) -> bool {
+        match self {
+            Self::Line(link) => link.is_switching(),
         }
     }
 

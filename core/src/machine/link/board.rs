@@ -28,6 +28,29 @@ pub struct Pins {
     pub door: bool,
 }
 
+/// Which way the spindle is to turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SpindleWay {
+    /// It stands.
+    #[default]
+    Stop,
+    /// M03.
+    Forward,
+    /// M04.
+    Reverse,
+}
+
+/// What the board switches for the control.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BoardOutputs {
+    /// Spindle.
+    pub spindle: SpindleWay,
+    /// Analog spindle output, mV of 10 V.
+    pub millivolts: u16,
+    /// M08.
+    pub coolant: bool,
+}
+
 /// Figures of the wire for the link page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {

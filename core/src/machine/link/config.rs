@@ -66,7 +66,7 @@ pub enum Protocol {
 
 /// One axis at the board. Pins are named as the board names them; `^` before the
 /// name turns its pull-up on, `!` turns its level over. An empty name: not wired.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkAxis {
     /// The direction pin is turned over in the board ($3).
@@ -87,6 +87,11 @@ pub struct LinkAxis {
     pub dec: String,
     /// Zero signal of the drive.
     pub zero: String,
+    /// The reference switch is at the end of falling board positions ($23).
+    pub home_negative: bool,
+    /// Machine coordinate of the place where the reference return ends, mm (X in
+    /// diameter).
+    pub home_at: f64,
 }
 
 impl Default for LinkAxis {
@@ -101,6 +106,30 @@ impl Default for LinkAxis {
             limit: String::new(),
             dec: String::new(),
             zero: String::new(),
+            home_negative: false,
+            home_at: 0.0,
+        }
+    }
+}
+
+/// How the board seeks its reference switches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HomeConfig {
+    /// Speed towards the switch, mm/min ($25).
+    pub seek: u32,
+    /// Speed of the second, exact approach, mm/min ($24).
+    pub locate: u32,
+    /// Way back off the switch, µm ($27).
+    pub pull_off_um: u32,
+}
+
+impl Default for HomeConfig {
+    fn default() -> Self {
+        Self {
+            seek: 500,
+            locate: 25,
+            pull_off_um: 1000,
         }
     }
 }
@@ -131,6 +160,8 @@ pub struct LinkIo {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LineConfig {
+    /// Reference return.
+    pub home: HomeConfig,
     /// Duration of a segment, ms, 5–40.
     pub period_ms: u32,
     /// The most pulses a second and axis the board makes without losing one.
@@ -144,6 +175,7 @@ pub struct LineConfig {
 impl Default for LineConfig {
     fn default() -> Self {
         Self {
+            home: HomeConfig::default(),
             period_ms: 10,
             max_rate: 30_000,
             step_pulse_us: 10,
@@ -230,6 +262,14 @@ impl LinkConfig {
             ("line.period_ms", Some(line.period_ms), 5, 40),
             ("line.max_rate", Some(line.max_rate), 1000, 1_000_000),
             ("line.step_pulse_us", Some(line.step_pulse_us), 3, 255),
+            ("line.home.seek", Some(line.home.seek), 10, 5000),
+            ("line.home.locate", Some(line.home.locate), 1, 1000),
+            (
+                "line.home.pull_off_um",
+                Some(line.home.pull_off_um),
+                100,
+                20_000,
+            ),
         ];
         for (field, value, least, most) in ranges {
             if let Some(value) = value.filter(|value| !(least..=most).contains(value)) {

@@ -20,9 +20,10 @@ use core::time::Duration;
 use crate::units::{PerAxis, Pulses};
 
 pub use backend::Link;
-pub use board::{BoardInfo, Pins, Traffic};
+pub use board::{BoardInfo, BoardOutputs, Pins, SpindleWay, Traffic};
 pub use config::{
-    FaultyLinkConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo, Protocol,
+    FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,
+    Protocol,
 };
 
 /// Monotonic time of the host.
@@ -48,6 +49,8 @@ pub enum LinkState {
     Ready,
     /// Motion is queued or being made.
     Moving,
+    /// The board seeks its switches by itself.
+    Homing,
     /// The board stands; its count is compared.
     Verify,
     /// A limit or the emergency stop stopped the board.
@@ -74,6 +77,7 @@ impl LinkState {
             Self::Locked => "locked",
             Self::Ready => "ready",
             Self::Moving => "moving",
+            Self::Homing => "homing",
             Self::Verify => "verify",
             Self::Tripped => "tripped",
             Self::Fault => "fault",
@@ -126,6 +130,8 @@ pub enum Event {
     Drained,
     /// The board's count at a standstill.
     Position(PerAxis<Pulses>),
+    /// The board stands off the switches of these axes: its reference return is made.
+    Homed(PerAxis<bool>),
     /// An alarm, with what happened in words.
     Alarm {
         /// Number in the alarm table, 601–622.

@@ -79,6 +79,13 @@ impl Opening {
         }
     }
 
+    /// A setting as the board last told it.
+    pub(super) fn setting(&self, number: u16) -> f64 {
+        let mut told = self.settings.iter().rev();
+        told.find(|(told, _)| *told == number)
+            .map_or(0.0, |(_, value)| *value)
+    }
+
     pub(super) fn is_done(&self) -> bool {
         self.step == Step::Known
     }

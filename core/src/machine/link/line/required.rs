@@ -1,6 +1,7 @@
 //! What the settings of the board have to be for the kernel's motion to come out
 //! as it was made.
 
+use crate::axis::pulse_weight;
 use crate::machine::link::LinkConfig;
 use crate::memory::Parameters;
 use crate::units::Axis;
@@ -10,6 +11,10 @@ const RATE_MARGIN: f64 = 1.2;
 /// Likewise the acceleration, and not less than this, mm/s².
 const LEAST_ACCELERATION: f64 = 2000.0;
 const ACCELERATION_MARGIN: f64 = 10.0;
+/// Homing cycle; bit 0 turns it on.
+const HOMING: u16 = 22;
+/// The value of S that stands for 10 V.
+const FULL_SPEED: f64 = 1000.0;
 /// A value differs when it is off by more than the board's rounding.
 const ROUNDING: f64 = 0.000_6;
 
@@ -25,6 +30,10 @@ pub struct Setting {
 impl Setting {
     /// Whether the board's value is the wanted one.
     pub fn is_met_by(self, board: f64) -> bool {
+        if self.number == HOMING {
+            // The larger boards keep more switches in the same number.
+            return board as u32 & 1 == 1;
+        }
         (board - self.value).abs() <= ROUNDING
     }
 
@@ -53,10 +62,8 @@ impl Required {
     pub fn new(parameters: &Parameters, config: &LinkConfig) -> Self {
         let axes = [Axis::X, Axis::Z];
         let pulses_per_mm = axes.map(|axis| {
-            let (multiplier, divisor) = parameters.gear(axis);
-            // The least command increment of X is half a micrometre of travel.
-            let per_mm = if axis == Axis::X { 2000.0 } else { 1000.0 };
-            per_mm * f64::from(multiplier) / f64::from(divisor.max(1))
+            // The board takes three decimals.
+            (1000.0 / pulse_weight(axis, parameters)).round() / 1000.0
         });
         let rates = axes.map(|axis| {
             let rapid = parameters.rapid_rate(axis);
@@ -69,13 +76,14 @@ impl Required {
                 .max(LEAST_ACCELERATION)
                 .ceil()
         });
-        let directions =
-            u8::from(config.x.invert_direction) | u8::from(config.z.invert_direction) << 2;
+        let mask = |x: bool, z: bool| f64::from(u8::from(x) | u8::from(z) << 2);
+        let directions = mask(config.x.invert_direction, config.z.invert_direction);
+        let home = config.line.home;
         let mut settings: Vec<Setting> = [
             (0, f64::from(config.line.step_pulse_us)),
             (1, 255.0),
             (2, 0.0),
-            (3, f64::from(directions)),
+            (3, directions),
             (4, 0.0),
             (5, f64::from(u8::from(config.line.invert_limits))),
             (10, 3.0),
@@ -83,7 +91,13 @@ impl Required {
             (13, 0.0),
             (20, 0.0),
             (21, 1.0),
-            (22, 1.0),
+            (HOMING, 1.0),
+            (23, mask(config.x.home_negative, config.z.home_negative)),
+            (24, f64::from(home.locate)),
+            (25, f64::from(home.seek)),
+            (27, f64::from(home.pull_off_um) / 1000.0),
+            (30, FULL_SPEED),
+            (31, 0.0),
             (32, 0.0),
             (100, pulses_per_mm[0]),
             (102, pulses_per_mm[1]),

@@ -84,7 +84,13 @@ impl Segments {
     pub(super) fn finish(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
         match self.newest {
             Some(sample) if sample.pulses != self.at => self.cut(offset),
-            _ => Ok(None),
+            Some(sample) => {
+                // The next motion begins when it begins, not when the last one ended.
+                self.from = sample.end;
+                self.newest = None;
+                Ok(None)
+            }
+            None => Ok(None),
         }
     }
 

@@ -1,5 +1,6 @@
 //! The link with a board that reads lines, from the first byte to the last.
 
+mod acts;
 mod motion;
 mod stops;
 
@@ -7,7 +8,8 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use super::super::{
-    BoardInfo, Event, HostTime, LinkConfig, LinkState, Refused, RunTime, Sample, Stop, Traffic,
+    BoardInfo, BoardOutputs, Event, HostTime, LinkConfig, LinkState, Refused, RunTime, Sample,
+    Stop, Traffic,
 };
 use super::answers::{Answer, BoardState, Status};
 use super::opening::{Opening, Outcome};
@@ -18,7 +20,7 @@ use crate::units::{PerAxis, Pulses};
 
 /// Between two reports: standing, moving, waiting for a standstill.
 const STATUS_IDLE: Duration = Duration::from_millis(200);
-const STATUS_MOVING: Duration = Duration::from_millis(100);
+const STATUS_MOVING: Duration = Duration::from_millis(50);
 const STATUS_URGENT: Duration = Duration::from_millis(20);
 /// A board that was asked and is silent for so long is lost.
 const SILENCE: Duration = Duration::from_millis(500);
@@ -35,6 +37,10 @@ const LINE_BYTES: usize = 512;
 /// Modal words of all motion.
 const MODES: [&str; 2] = ["G21G18G90", "G1G93"];
 const RESET: u8 = 0x18;
+/// A reference return ends within this.
+const HOMING_WAIT: Duration = Duration::from_secs(120);
+/// A board that gave up a reference return has restarted by then.
+const EXCUSED: Duration = Duration::from_secs(1);
 
 /// A line that the board has not answered.
 #[derive(Clone, Debug)]
@@ -61,6 +67,13 @@ enum Halt {
     Braking(HostTime),
     /// Ctrl-X was sent; waits for the banner.
     Restarting(HostTime),
+}
+
+/// A reference return that the board makes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Homing {
+    since: HostTime,
+    axes: PerAxis<bool>,
 }
 
 /// A link to one board.
@@ -92,8 +105,16 @@ pub struct LineLink {
     status: Option<Status>,
     still_since: Option<HostTime>,
     halt: Halt,
-    /// The alarm that stopped the run stays to be cleared by RESET.
     position_known: bool,
+    /// Motion is taken although the position is not known: by hand.
+    released: bool,
+    /// The stop under way was too sudden for the motors to keep their steps.
+    slipped: bool,
+    homing: Option<Homing>,
+    wanted: BoardOutputs,
+    switched: BoardOutputs,
+    /// A board that gave up restarts; its banner is no surprise until then.
+    excused_until: HostTime,
     events: Vec<Event>,
     traffic: Traffic,
 }
@@ -127,6 +148,12 @@ impl LineLink {
             still_since: None,
             halt: Halt::None,
             position_known: false,
+            released: false,
+            slipped: false,
+            homing: None,
+            wanted: BoardOutputs::default(),
+            switched: BoardOutputs::default(),
+            excused_until: HostTime::ZERO,
             events: Vec::new(),
             traffic: Traffic::default(),
         }
@@ -183,8 +210,8 @@ impl LineLink {
     }
 
     /// Whether motion is taken: the modal words of all motion are confirmed.
-    fn is_prepared(&self) -> bool {
-        self.state.takes_motion()
+    pub fn is_prepared(&self) -> bool {
+        (self.state.takes_motion() || self.state == LinkState::Locked && self.released)
             && self.halt == Halt::None
             && self.unanswered.iter().all(|line| line.is_segment)
     }
@@ -222,8 +249,10 @@ impl LineLink {
         }
         self.watch_silence();
         self.watch_halt();
+        self.watch_homing();
         self.ask();
         self.verify();
+        self.switch();
     }
 
     /// Bytes came from the port.
@@ -254,7 +283,8 @@ impl LineLink {
             return;
         }
         self.forget_motion();
-        self.position_known = false;
+        self.lose_position();
+        self.status = None;
         self.alarm(605, cause);
         self.enter(LinkState::Lost);
     }
@@ -271,6 +301,29 @@ impl LineLink {
     /// # Errors
     /// The board moves, is locked, or has not said where it stands.
     pub fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        self.align(kernel, at)?;
+        self.position_known = true;
+        self.enter(LinkState::Ready);
+        Ok(())
+    }
+
+    /// The operator moves the axes by hand although nobody knows where they stand:
+    /// motion is taken from here on, and the state stays locked.
+    ///
+    /// # Errors
+    /// The position is known, the board moves, is locked, or has not said where it
+    /// stands.
+    pub fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        if self.state != LinkState::Locked {
+            return Err(Refused::NotReady);
+        }
+        self.align(kernel, at)?;
+        self.released = true;
+        Ok(())
+    }
+
+    /// From here on the board's count and the kernel's go together.
+    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
         let standing = self
             .status
             .filter(|status| status.state == BoardState::Idle);
@@ -287,11 +340,9 @@ impl LineLink {
         self.executed = at;
         self.made = kernel;
         self.segments.begin(kernel, at);
-        self.position_known = true;
         for modes in MODES {
             self.send(modes, false);
         }
-        self.enter(LinkState::Ready);
         Ok(())
     }
 
@@ -306,7 +357,7 @@ impl LineLink {
         let moved = sample.pulses != self.commanded;
         let segment = self.segments.push(sample, self.offset)?;
         self.commanded = sample.pulses;
-        if moved && self.state == LinkState::Ready {
+        if moved && matches!(self.state, LinkState::Ready | LinkState::Locked) {
             self.enter(LinkState::Moving);
         }
         self.backlog.extend(segment);
@@ -319,7 +370,7 @@ impl LineLink {
     /// # Errors
     /// The board could not follow the rest.
     pub fn finish(&mut self) -> Result<(), Refused> {
-        if self.state != LinkState::Moving || self.halt != Halt::None {
+        if !self.is_prepared() {
             return Ok(());
         }
         let rest = self.segments.finish(self.offset)?;
@@ -336,7 +387,7 @@ impl LineLink {
         match stop {
             Stop::Flush => self.flush(),
             Stop::Kill => {
-                self.position_known = false;
+                self.lose_position();
                 self.forget_motion();
                 self.restart();
                 self.enter(LinkState::Locked);
@@ -355,6 +406,7 @@ impl LineLink {
             }
             LinkState::Locked if self.board_is_locked() => self.send("$X", false),
             LinkState::Moving => self.flush(),
+            LinkState::Homing => self.give_up_homing(None),
             _ => {}
         }
     }
@@ -453,6 +505,7 @@ impl LineLink {
             Answer::Alarm(number) => self.board_alarm(*number),
             Answer::Status(status) => self.report(*status),
             Answer::Banner(_) if matches!(self.halt, Halt::Restarting(_)) => self.restarted(),
+            Answer::Banner(_) if self.now < self.excused_until => {}
             Answer::Banner(_) => self.board_restarted(),
             Answer::Garbage => {
                 self.traffic.garbage += 1;
@@ -478,7 +531,7 @@ impl LineLink {
             let [x, z] = self.required.pulses_per_mm;
             let off = self.off_path(board);
             if off > 0.002 + 2.0 / x + 2.0 / z {
-                self.position_known = false;
+                self.lose_position();
                 self.alarm(
                     611,
                     &format!("the board is {off:.3} mm off the commanded path"),
@@ -515,7 +568,9 @@ impl LineLink {
 
     /// Asks for a report when one is due.
     fn ask(&mut self) {
-        if matches!(self.halt, Halt::Restarting(_)) || self.asked.is_some() {
+        // A board that seeks its switches does not answer.
+        let deaf = matches!(self.halt, Halt::Restarting(_)) || self.homing.is_some();
+        if deaf || self.asked.is_some() {
             return;
         }
         let interval = match self.state {

@@ -33,13 +33,16 @@ impl LineLink {
 
     pub(super) fn line_done(&mut self, error: Option<u16>) {
         let Some(line) = self.unanswered.pop_front() else {
-            if self.halt == Halt::None && self.state.takes_motion() {
+            if self.halt == Halt::None && self.is_prepared() {
                 self.protocol_error("an answer to nothing");
             }
             return;
         };
+        if self.homing.is_some() && self.unanswered.is_empty() {
+            return self.homed(error);
+        }
         if let Some(number) = error {
-            if self.halt == Halt::None && self.state != LinkState::Locked {
+            if self.halt == Halt::None && (self.state != LinkState::Locked || self.released) {
                 self.protocol_error(&format!("a line was refused with error:{number}"));
             }
             return;
@@ -119,23 +122,58 @@ impl LineLink {
             self.commanded = kernel;
             self.made = kernel;
             self.segments.begin(kernel, self.executed);
+            if core::mem::take(&mut self.slipped) {
+                self.lose_position();
+            }
             self.events.push(Event::Position(kernel));
-            self.enter(LinkState::Ready);
+            self.stand();
             return;
         }
         if self.agrees(kernel) {
             self.events.push(Event::Position(kernel));
             self.events.push(Event::Drained);
-            self.enter(LinkState::Ready);
+            self.stand();
             return;
         }
-        self.position_known = false;
+        self.lose_position();
         let text = format!(
             "commanded X {} Z {} pulses, the board counts X {} Z {}",
             self.commanded.x.0, self.commanded.z.0, kernel.x.0, kernel.z.0
         );
         self.alarm(611, &text);
         self.enter(LinkState::Locked);
+    }
+
+    fn stand(&mut self) {
+        self.enter(if self.position_known {
+            LinkState::Ready
+        } else {
+            LinkState::Locked
+        });
+    }
+
+    /// Speed of the fastest motion handed over and not yet made, mm/min.
+    pub(super) fn fastest(&self) -> f64 {
+        let [per_x, per_z] = self.required.pulses_per_mm;
+        let mut from = self.made;
+        let mut fastest = 0.0_f64;
+        let queued = self
+            .queued
+            .iter()
+            .map(|piece| (piece.pulses, piece.duration));
+        let waiting = self
+            .backlog
+            .iter()
+            .map(|piece| (piece.pulses, piece.duration));
+        for (to, duration) in queued.chain(waiting) {
+            let way = Point::new(
+                (to.x.0 - from.x.0) as f64 / per_x,
+                (to.z.0 - from.z.0) as f64 / per_z,
+            );
+            fastest = fastest.max(way.length() / duration.as_secs_f64().max(1e-3) * 60.0);
+            from = to;
+        }
+        fastest
     }
 
     /// Equal, or as near as the three decimals of a report can tell.

@@ -1,7 +1,7 @@
 //! Everything that stops the board, and what is known afterwards.
 
-use super::super::super::{HostTime, LinkState};
-use super::{ANSWER_WAIT, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, SILENCE};
+use super::super::super::{BoardOutputs, HostTime, LinkState};
+use super::{ANSWER_WAIT, EXCUSED, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, SILENCE};
 
 impl LineLink {
     pub(super) fn watch_silence(&mut self) {
@@ -14,7 +14,7 @@ impl LineLink {
             .is_some_and(|line| self.now.saturating_sub(line.sent) >= ANSWER_WAIT);
         if silent {
             self.lost("the board has not answered for 500 ms");
-        } else if unanswered && self.halt == Halt::None && self.state.takes_motion() {
+        } else if unanswered && self.halt == Halt::None && self.homing.is_none() && self.is_open() {
             self.protocol_error("a line was never answered");
         } else if self.halt == Halt::None
             && self.queued.front().is_some_and(|segment| {
@@ -28,7 +28,7 @@ impl LineLink {
     pub(super) fn watch_halt(&mut self) {
         match self.halt {
             Halt::Braking(since) if self.now.saturating_sub(since) >= HOLD_WAIT => {
-                self.position_known = false;
+                self.lose_position();
                 self.alarm(607, "the board did not stand within 1 s");
                 self.restart();
                 self.enter(LinkState::Fault);
@@ -43,6 +43,7 @@ impl LineLink {
     /// `!`, standstill, Ctrl-X: nothing queued is left, the position is kept.
     pub(super) fn flush(&mut self) {
         if self.halt == Halt::None {
+            self.slipped = self.fastest() > f64::from(self.config.flush_keep_speed);
             self.outgoing.push(b'!');
             self.halt = Halt::Braking(self.now);
             self.asked = None;
@@ -55,7 +56,15 @@ impl LineLink {
         self.outgoing.push(RESET);
         self.halt = Halt::Restarting(self.now);
         self.asked = None;
+        self.status = None;
+        self.homing = None;
         self.line.clear();
+    }
+
+    /// Nobody knows where the slides stand.
+    pub(super) const fn lose_position(&mut self) {
+        self.position_known = false;
+        self.released = false;
     }
 
     /// The banner that was asked for.
@@ -65,7 +74,9 @@ impl LineLink {
         self.asked = None;
         self.last_asked = HostTime::ZERO;
         self.still_since = None;
-        if self.position_known && self.state == LinkState::Moving {
+        self.status = None;
+        self.switched = BoardOutputs::default();
+        if self.state == LinkState::Moving {
             for modes in MODES {
                 self.send(modes, false);
             }
@@ -83,8 +94,11 @@ impl LineLink {
     /// The board started by itself: power or its reset line.
     pub(super) fn board_restarted(&mut self) {
         self.forget_motion();
-        self.position_known = false;
+        self.lose_position();
         self.halt = Halt::None;
+        self.homing = None;
+        self.status = None;
+        self.switched = BoardOutputs::default();
         self.alarm(
             606,
             "the board was reset; the position of the slides is unknown",
@@ -94,7 +108,7 @@ impl LineLink {
 
     pub(super) fn protocol_error(&mut self, cause: &str) {
         self.alarm(608, cause);
-        self.position_known = false;
+        self.lose_position();
         self.flush();
         self.enter(LinkState::Fault);
     }
@@ -105,7 +119,7 @@ impl LineLink {
             return;
         }
         self.forget_motion();
-        self.position_known = false;
+        self.lose_position();
         let pins = self.status.map(|status| status.pins).unwrap_or_default();
         match number {
             1 => {
@@ -123,6 +137,8 @@ impl LineLink {
                 self.enter(LinkState::Fault);
             }
             6..=9 | 11 | 15 | 18 => {
+                self.homing = None;
+                self.excused_until = self.now + EXCUSED;
                 self.alarm(609, &format!("ALARM:{number} of the board"));
                 self.enter(LinkState::Locked);
             }
