@@ -10,10 +10,11 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use gsk_plc::address::{Area, BitAddress};
-use gsk_plc::{Ladder, Memory, Plc};
+use gsk_plc::{Ladder, Plc};
 use serde::{Deserialize, Serialize};
 
 pub use ladder::LadderStep;
+use ladder::{TIMER_PRESETS, preset_plc};
 pub use request::{OffsetEntry, Request};
 pub use view::Cursor;
 pub(crate) use world::World;
@@ -28,8 +29,8 @@ use crate::memory::{
 };
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
-    ActiveAlarms, Automatic, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode, Return, RunState,
-    Sensors, Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
+    ActiveAlarms, Automatic, BoardDrives, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode,
+    Return, RunState, Sensors, Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
 };
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::setup::Setup;
@@ -50,48 +51,6 @@ const M03_OUTPUT: BitAddress = BitAddress::new(Area::Y, 1, 2);
 
 /// Y0.7, SPZD: spindle brake.
 const BRAKE_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 7);
-
-/// Data parameters that are timer presets of the ladder: (DT entry, parameter).
-const TIMER_PRESETS: [(u16, u16); 14] = [
-    (0, 65),
-    (1, 66),
-    (2, 69),
-    (3, 76),
-    (4, 78),
-    (5, 80),
-    (6, 81),
-    (7, 82),
-    (8, 83),
-    (9, 85),
-    (10, 87),
-    (11, 89),
-    (12, 108),
-    (13, 112),
-];
-/// K9: the mode that the ladder restores at power-on.
-const MODE_AT_POWER_ON: u16 = 9;
-
-/// What the control tells the PLC before its first scan: timer presets, and the
-/// mode of 174 (manual III-1.3; MDOK = 0: the one at power-off, which K9 holds).
-fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
-    for (entry, parameter) in TIMER_PRESETS {
-        memory.set_dt(entry, parameters.value(parameter));
-    }
-    let mode = parameters.byte(174);
-    if mode & 0b1_0000 != 0 {
-        memory.set_k(
-            MODE_AT_POWER_ON,
-            match mode & 0b111 {
-                0b001 => 1,
-                0b010 => 133,
-                0b011 => 3,
-                0b100 => 4,
-                0b101 => 5,
-                _ => 0,
-            },
-        );
-    }
-}
 
 /// What happened during a tick.
 #[derive(Clone, Debug, PartialEq)]
@@ -175,6 +134,8 @@ pub struct Cnc {
     pub(crate) returns: PerAxis<Option<Return>>,
     pub(crate) axes: AxisChain,
     pub(crate) soft_limits: SoftLimits,
+    /// Real drives behind a pulse board, if they make the motion.
+    pub(crate) board: Option<BoardDrives>,
     pub(crate) spindle: SpindleControl,
     pub(crate) angle: SpindleAngle,
     /// Spindle override in force, %; a change waits for the end of a thread.
@@ -285,6 +246,7 @@ impl Cnc {
             wheel: WheelCounter::default(),
             returns: PerAxis::default(),
             axes,
+            board: None,
             frame: Frame::default(),
             relative_zero: Point::default(),
             program_zero: None,
@@ -444,7 +406,7 @@ impl Cnc {
             alarm: self.alarm_state(),
             reset: self.resetting(),
             distribution_end: self.automatic.distribution_end(),
-            servo_ready: !self.emergency_stop,
+            servo_ready: !self.emergency_stop && self.board.is_none_or(|board| board.known),
             rapid: self.last_rapid,
             cutting: cutting && state == RunState::Run,
             dwelling: self.automatic.dwelling(),

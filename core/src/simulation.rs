@@ -85,6 +85,12 @@ impl Simulation {
         self.inputs = self.lathe.tick(&outputs);
     }
 
+    /// The contacts that a pulse board has wired, over the simulated ones.
+    pub(crate) fn add_board_contacts(&mut self, emergency: bool, door: bool) {
+        let lathe = &self.lathe;
+        lathe.add_board_contacts(&mut self.inputs, emergency, door);
+    }
+
     /// Ticks until the condition holds, at most `limit_ms` of machine time. The
     /// condition is looked at after each tick.
     pub fn run_until(&mut self, until: Until, limit_ms: u64) -> Outcome {

@@ -172,6 +172,27 @@ impl Chain {
         self.commanded
     }
 
+    /// Stands at a pulse count, wherever it was; the coordinate there.
+    fn stand_at(&mut self, count: i64) -> f64 {
+        let from_base = count - self.base;
+        let from_base = if self.reversed { -from_base } else { from_base };
+        // The first increment that makes this pulse.
+        let increments = {
+            let parts = from_base.abs() * self.divide;
+            let ceiled = (parts + self.multiply - 1) / self.multiply;
+            from_base.signum() * ceiled
+        };
+        // The correction is that of the place, which depends on the correction.
+        for _ in 0..3 {
+            self.increments = increments - self.corrections() + self.without;
+            self.commanded = self.origin + self.increments as f64 / self.per_mm;
+            self.locked_away = 0.0;
+            self.correction = self.pitch_here();
+        }
+        self.base += count - self.pulses();
+        self.commanded
+    }
+
     fn preset(&mut self, commanded: f64) {
         // The origin moves along, so that the part of a pulse left over is kept.
         self.origin += commanded - self.slide();
@@ -263,6 +284,12 @@ impl AxisChain {
     /// came there); the machine coordinate, mm, of the place where it stands now.
     pub fn zero_at(&mut self, axis: Axis, count: Pulses) -> f64 {
         self.chains.get_mut(axis).zero_at(count.0)
+    }
+
+    /// An axis was stopped on a pulse count that is not where it was commanded to;
+    /// the machine coordinate, mm, of that place.
+    pub fn stand_at(&mut self, axis: Axis, count: Pulses) -> f64 {
+        self.chains.get_mut(axis).stand_at(count.0)
     }
 
     /// Takes over changed parameters (001.2, 003.5, 006, 008, 010, 011, 013,
@@ -405,6 +432,30 @@ mod tests {
         assert_eq!(chain.pulses(), 12345);
         chain.advance(-0.345, false);
         assert_eq!(chain.pulses(), 12000);
+    }
+
+    #[test]
+    fn a_count_where_the_axis_was_stopped_is_taken_over() {
+        for (multiply, divide) in [(1, 1), (3, 7), (1, 5), (7, 3), (127, 1)] {
+            for reversed in [false, true] {
+                let mut chain = Chain {
+                    reversed,
+                    ..geared(multiply, divide)
+                };
+                let weight = 0.001 * divide as f64 / multiply as f64;
+                let sign = if reversed { -1.0 } else { 1.0 };
+                chain.advance(40.0, false);
+                for count in [-3001, -7, 0, 1, 250, 4999] {
+                    let at = chain.stand_at(count);
+                    assert_eq!(chain.pulses(), count);
+                    let off = (at - sign * count as f64 * weight).abs();
+                    assert!(off < 0.001 + 2.0 * weight, "{count}: {off}");
+                    // Standing there makes no pulse.
+                    chain.advance(at, false);
+                    assert_eq!(chain.pulses(), count);
+                }
+            }
+        }
     }
 
     #[test]

@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use gsk_plc::Ladder;
+use gsk_plc::{Ladder, Memory};
 
 use super::Cnc;
+use crate::memory::Parameters;
 use crate::operation::SoftSwitch;
 
 /// How far the halted ladder goes on.
@@ -15,6 +16,48 @@ pub enum LadderStep {
     Rung,
     /// One slot of 8 ms: level 1 and a part of level 2.
     Slot,
+}
+
+/// Data parameters that are timer presets of the ladder: (DT entry, parameter).
+pub(super) const TIMER_PRESETS: [(u16, u16); 14] = [
+    (0, 65),
+    (1, 66),
+    (2, 69),
+    (3, 76),
+    (4, 78),
+    (5, 80),
+    (6, 81),
+    (7, 82),
+    (8, 83),
+    (9, 85),
+    (10, 87),
+    (11, 89),
+    (12, 108),
+    (13, 112),
+];
+/// K9: the mode that the ladder restores at power-on.
+const MODE_AT_POWER_ON: u16 = 9;
+
+/// What the control tells the PLC before its first scan: timer presets, and the
+/// mode of 174 (manual III-1.3; MDOK = 0: the one at power-off, which K9 holds).
+pub(super) fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
+    for (entry, parameter) in TIMER_PRESETS {
+        memory.set_dt(entry, parameters.value(parameter));
+    }
+    let mode = parameters.byte(174);
+    if mode & 0b1_0000 != 0 {
+        memory.set_k(
+            MODE_AT_POWER_ON,
+            match mode & 0b111 {
+                0b001 => 1,
+                0b010 => 133,
+                0b011 => 3,
+                0b100 => 4,
+                0b101 => 5,
+                _ => 0,
+            },
+        );
+    }
 }
 
 impl Cnc {

@@ -261,7 +261,7 @@ impl Cnc {
 
     /// Whether 准备未绪 stands on the status line.
     pub fn not_ready(&self) -> bool {
-        self.is_not_ready()
+        self.is_not_ready() || self.board.is_some_and(|board| !board.known)
     }
 
     /// Whether an alarm or a message stands (AL, F1.0).

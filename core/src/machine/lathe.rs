@@ -43,6 +43,9 @@ pub struct Lathe {
     handwheel: i32,
     forced: [u8; X_BYTES],
     forced_to: [u8; X_BYTES],
+    /// The slides are those of a real lathe: their switches are not simulated.
+    #[serde(default)]
+    real_slides: bool,
 }
 
 impl Lathe {
@@ -80,6 +83,30 @@ impl Lathe {
             handwheel: 0,
             forced: [0; X_BYTES],
             forced_to: [0; X_BYTES],
+            real_slides: false,
+        }
+    }
+
+    /// A pulse board moves real slides from now on, or no more: what is simulated of
+    /// them says nothing about their switches.
+    pub(crate) const fn set_real_slides(&mut self, real: bool) {
+        self.real_slides = real;
+    }
+
+    /// The contacts that a pulse board has wired, over the simulated ones.
+    pub(crate) fn add_board_contacts(&self, inputs: &mut Inputs, emergency: bool, door: bool) {
+        let mut set = |pin: Pin, level: bool| {
+            let mask = 1 << pin.1;
+            let byte = &mut inputs.x[usize::from(pin.0)];
+            *byte = if level { *byte | mask } else { *byte & !mask };
+        };
+        if emergency {
+            set(pins::EMERGENCY_STOP, false);
+        }
+        if let Some(closed) = self.wiring.door
+            && door
+        {
+            set(pins::DOOR, !closed);
         }
     }
 
@@ -178,7 +205,7 @@ impl Lathe {
             Axis::X => Fault::DogX,
             Axis::Z => Fault::DogZ,
         };
-        self.axes.get(axis).on_dog() || self.faults.has(stuck)
+        (!self.real_slides && self.axes.get(axis).on_dog()) || self.faults.has(stuck)
     }
 
     /// Whether the station switch T01, T02 … answers.
@@ -263,8 +290,8 @@ impl Lathe {
 
     /// Whether a limit switch is tripped.
     pub fn over_limit(&self) -> bool {
-        self.axes.x.over_limit()
-            || self.axes.z.over_limit()
+        let over = self.axes.x.over_limit() || self.axes.z.over_limit();
+        (over && !self.real_slides)
             || self.faults.has(Fault::LimitX)
             || self.faults.has(Fault::LimitZ)
     }

@@ -24,8 +24,6 @@ mod wiring;
 #[cfg(test)]
 mod tests;
 
-use serde::{Deserialize, Serialize};
-
 pub use config::{
     AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, ServoConfig, SpindleConfig,
     TurretConfig,
@@ -34,26 +32,3 @@ pub use config_check::ConfigError;
 pub use faults::{FAULTS, Fault, FaultRow};
 pub use io::{Inputs, Outputs};
 pub use lathe::Lathe;
-
-/// What hangs on the control.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Machine {
-    /// The simulated lathe.
-    Simulated(Lathe),
-}
-
-impl Machine {
-    /// One millisecond.
-    pub fn tick(&mut self, outputs: &Outputs) -> Inputs {
-        match self {
-            Self::Simulated(lathe) => lathe.tick(outputs),
-        }
-    }
-
-    /// The simulated lathe, if it is one.
-    pub const fn lathe(&self) -> Option<&Lathe> {
-        match self {
-            Self::Simulated(lathe) => Some(lathe),
-        }
-    }
-}

@@ -240,11 +240,15 @@ impl Cnc {
             || self.from_plc.feed_hold
             || self.resetting()
             || self.alarm_state()
+            || self.board_is_stopping()
             || self.automatic.state == RunState::Run;
         if refused {
             return;
         }
         let mdi = self.mode == Mode::Mdi;
+        if let Some(alarm) = self.board_refuses_start(mdi) {
+            return self.raise(alarm);
+        }
         if !mdi && self.automatic.state == RunState::Stop {
             self.take_up_aside();
         }
@@ -418,6 +422,10 @@ impl Cnc {
                 None => return false,
             },
         };
+        if self.board_delays(&command.action) {
+            self.automatic.ahead = Some(command);
+            return false;
+        }
         self.begin(command);
         self.automatic.current.is_some()
     }
@@ -445,7 +453,7 @@ impl Cnc {
             }
             return None;
         }
-        let settled = settled && !self.handshake.busy();
+        let settled = settled && !self.handshake.busy() && !self.is_board_behind();
         let (interpreter, mut world) = self.interpreter_and_world(settled);
         let step = interpreter.next(&mut world);
         match step {

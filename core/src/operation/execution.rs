@@ -54,6 +54,7 @@ impl Cnc {
     }
 
     fn act(&mut self, command: &Command) -> Result<Stage, Alarm> {
+        self.check_for_board(&command.action)?;
         match &command.action {
             Action::Rapid { to } => {
                 self.check_gear_before(MoveKind::Rapid, *to, Feed::PerMinute(0.0))?;
@@ -224,6 +225,7 @@ impl Cnc {
 
     /// Ends the command under way if it is finished. Returns whether it ended.
     pub(super) fn finish_current(&mut self) -> bool {
+        let board_behind = self.is_board_behind();
         let Some(current) = &mut self.automatic.current else {
             return false;
         };
@@ -239,7 +241,8 @@ impl Cnc {
                 Action::ZeroReturn { .. } => self.returns.x.is_some() || self.returns.z.is_some(),
                 _ => false,
             };
-            if self.automatic.dwell_left > 0 || motion {
+            let comes_to_rest = current.command.stop_point && self.from_plc.single_block;
+            if self.automatic.dwell_left > 0 || motion || (comes_to_rest && board_behind) {
                 return false;
             }
             if current.command.block_end {

@@ -86,13 +86,19 @@ impl Cnc {
             };
             let key = key.filter(|_| allowed && !*self.jog_blocked.get(axis));
             let pressed = key.filter(|_| !*before.get(axis));
+            let by_hand = self.board_takes_motion();
             match self.mode {
-                Mode::Step => self.step(axis, pressed),
-                Mode::Handwheel => self.follow_wheel(axis, if allowed { counts } else { 0 }),
-                Mode::MachineZero | Mode::ProgramZero => {
+                Mode::Step => self.step(axis, pressed.filter(|_| by_hand)),
+                Mode::Handwheel => {
+                    self.follow_wheel(axis, if allowed && by_hand { counts } else { 0 });
+                }
+                Mode::MachineZero => {
                     self.return_keys(axis, key.is_some(), pressed.is_some());
                 }
-                _ => self.jog(axis, key),
+                Mode::ProgramZero => {
+                    self.return_keys(axis, key.is_some(), pressed.is_some() && by_hand);
+                }
+                _ => self.jog(axis, key.filter(|_| by_hand)),
             }
         }
     }
@@ -163,11 +169,13 @@ impl Cnc {
     /// Jog rate, or rapid with 快速 on; without a reference that needs 012.0 ISOT.
     fn manual_rate(&self, axis: Axis) -> JogRate {
         let referenced = *self.referenced.get(axis);
-        if self.from_plc.rapid && (referenced || self.parameters.rapid_without_reference()) {
+        let rapid =
+            self.from_plc.rapid && (referenced || self.parameters.rapid_without_reference());
+        self.board_slows(if rapid {
             JogRate::Rapid
         } else {
             JogRate::Feed(jog_rate(self.from_plc.jog_code))
-        }
+        })
     }
 
     /// A mode change: what moved by hand stops, and keys that are down count

@@ -4,6 +4,7 @@
 mod active_alarms;
 mod arrival;
 mod automatic;
+mod board;
 mod execution;
 mod gear_speed;
 mod handshake;
@@ -23,6 +24,7 @@ mod zero_return;
 
 pub use active_alarms::ActiveAlarms;
 pub use automatic::{Automatic, RunState};
+pub(crate) use board::BoardDrives;
 pub(crate) use gear_speed::check_gear_speed;
 pub use handshake::{Handshake, Phase, Strobe};
 pub(crate) use handwheel::WheelCounter;

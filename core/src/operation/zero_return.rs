@@ -46,6 +46,8 @@ pub(crate) enum Return {
     Turning,
     /// Method C: back at the low rate, until the switch is met again.
     Back,
+    /// A pulse board seeks its switch by itself.
+    Board,
 }
 
 /// Deceleration switches, X0.3 and X1.3.
@@ -59,7 +61,7 @@ impl Cnc {
             if let Err(alarm) = self.begin_return(axis) {
                 self.raise(alarm);
             }
-        } else if !held && self.returns.get(axis).is_some() {
+        } else if !held && !matches!(self.returns.get(axis), None | Some(Return::Board)) {
             *self.returns.get_mut(axis) = None;
             self.command_axis(axis, None);
             self.interpolator.release(axis);
@@ -81,6 +83,10 @@ impl Cnc {
 
     /// Begins the return of an axis to its machine zero.
     fn seek_reference(&mut self, axis: Axis) -> Result<(), Alarm> {
+        if self.board.is_some() && self.parameters.has_zero_switch(axis) {
+            self.board_makes_return(axis);
+            return Ok(());
+        }
         let stage = if !self.parameters.has_zero_switch(axis) {
             if !*self.referenced.get(axis) {
                 return Err(Alarm::new(93)
@@ -149,6 +155,7 @@ impl Cnc {
         let slow = self.interpolator.manual_speed(axis) <= low * 1.001;
         let next = match stage {
             Return::Straight => return self.go_straight(axis),
+            Return::Board => return,
             Return::Approach if self.on_zero_switch(axis) => Return::OnSwitch,
             Return::OnSwitch if !self.on_zero_switch(axis) => {
                 if self.parameters.one_zero_switch(axis) {
@@ -235,7 +242,7 @@ impl Cnc {
     }
 
     /// The end of a return; `shifted`: the machine coordinates are others now.
-    fn arrive(&mut self, axis: Axis, shifted: bool) {
+    pub(super) fn arrive(&mut self, axis: Axis, shifted: bool) {
         *self.returns.get_mut(axis) = None;
         let before = self.frame;
         if self.mode == Mode::ProgramZero {
@@ -302,7 +309,7 @@ impl Cnc {
     }
 
     /// The machine coordinates begin elsewhere; the program's go on.
-    fn shift_frame(&mut self, shift: Point) {
+    pub(super) fn shift_frame(&mut self, shift: Point) {
         self.frame.zero = self.frame.zero + shift;
         if let Some(zero) = &mut self.program_zero {
             *zero = *zero + shift;

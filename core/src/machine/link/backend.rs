@@ -51,6 +51,13 @@ impl Link {
         }
     }
 
+    /// The board's count in the kernel's pulses, as last reported.
+    pub fn counted(&self) -> Option<PerAxis<Pulses>> {
+        match self {
+            Self::Line(link) => link.counted(),
+        }
+    }
+
     /// Since when the board has reported itself standing.
     pub const fn standing_since(&self) -> Option<HostTime> {
         match self {
@@ -158,6 +165,28 @@ impl Link {
         }
     }
 
+    /// The control forgot where the axes stand (power off): so does the link.
+    pub fn forget_position(&mut self) {
+        match self {
+            Self::Line(link) => link.forget_position(),
+        }
+    }
+
+    /// Whether it is known where the slides stand.
+    pub const fn knows_position(&self) -> bool {
+        match self {
+            Self::Line(link) => link.knows_position(),
+        }
+    }
+
+    /// Whether motion is taken, at the latest when the board has answered what it was
+    /// told.
+    pub fn takes_motion(&self) -> bool {
+        match self {
+            Self::Line(link) => link.takes_motion(),
+        }
+    }
+
     /// Whether motion is taken now.
     pub fn is_prepared(&self) -> bool {
         match self {
@@ -182,10 +211,10 @@ impl Link {
         }
     }
 
-    /// Whether the board has still to switch something.
-    pub fn is_switching(&self) -> bool {
+    /// What the board has switched; none while an order is under way.
+    pub fn switched(&self) -> Option<BoardOutputs> {
         match self {
-            Self::Line(link) => link.is_switching(),
+            Self::Line(link) => link.switched(),
         }
     }
 

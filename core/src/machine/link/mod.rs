@@ -14,6 +14,7 @@ mod backend;
 mod board;
 mod config;
 pub mod line;
+mod linked;
 
 use core::time::Duration;
 
@@ -25,6 +26,7 @@ pub use config::{
     FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,
     Protocol,
 };
+pub use linked::{Linked, Note};
 
 /// Monotonic time of the host.
 pub type HostTime = Duration;

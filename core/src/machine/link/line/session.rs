@@ -209,11 +209,21 @@ impl LineLink {
         self.config.lookahead().saturating_sub(self.outstanding())
     }
 
-    /// Whether motion is taken: the modal words of all motion are confirmed.
-    pub fn is_prepared(&self) -> bool {
+    /// Whether motion is taken, at the latest when the board has answered what it was
+    /// told.
+    pub fn takes_motion(&self) -> bool {
         (self.state.takes_motion() || self.state == LinkState::Locked && self.released)
             && self.halt == Halt::None
-            && self.unanswered.iter().all(|line| line.is_segment)
+    }
+
+    /// Whether it is known where the slides stand.
+    pub const fn knows_position(&self) -> bool {
+        self.position_known
+    }
+
+    /// Whether motion is taken now: the modal words of all motion are confirmed.
+    pub fn is_prepared(&self) -> bool {
+        self.takes_motion() && self.unanswered.iter().all(|line| line.is_segment)
     }
 
     /// What happened since the last call.

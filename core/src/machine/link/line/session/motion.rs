@@ -100,7 +100,8 @@ impl LineLink {
     /// When the board stands and nothing is queued, its count is compared.
     pub(super) fn verify(&mut self) {
         let flushed = self.state == LinkState::Verify;
-        if !(flushed || self.state == LinkState::Moving) || self.halt != Halt::None {
+        let stands = self.state == LinkState::Ready;
+        if !(flushed || stands || self.state == LinkState::Moving) || self.halt != Halt::None {
             return;
         }
         let idle = self.unanswered.is_empty()
@@ -130,6 +131,9 @@ impl LineLink {
             return;
         }
         if self.agrees(kernel) {
+            if stands {
+                return;
+            }
             self.events.push(Event::Position(kernel));
             self.events.push(Event::Drained);
             self.stand();
@@ -188,6 +192,12 @@ impl LineLink {
         };
         let [x, z] = self.required.pulses_per_mm;
         near(kernel.x, self.commanded.x, x) && near(kernel.z, self.commanded.z, z)
+    }
+
+    /// The board's count in the kernel's pulses, as last reported.
+    pub fn counted(&self) -> Option<PerAxis<Pulses>> {
+        let board = self.status.and_then(|status| self.pulses(status))?;
+        Some(self.to_kernel(board))
     }
 
     pub(super) fn pulses(&self, status: Status) -> Option<PerAxis<Pulses>> {

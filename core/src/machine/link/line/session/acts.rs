@@ -1,0 +1,137 @@
+//! What the board does by itself: its reference return, spindle and coolant.
+
+use core::fmt::Write;
+
+use super::super::super::{BoardOutputs, Event, LinkState, Refused, SpindleWay};
+use super::super::answers::BoardState;
+use super::{EXCUSED, HOMING_WAIT, Halt, Homing, LineLink};
+use crate::units::PerAxis;
+
+impl LineLink {
+    /// Whether questions and orders are answered now.
+    pub(super) const fn is_open(&self) -> bool {
+        matches!(
+            self.state,
+            LinkState::Locked | LinkState::Ready | LinkState::Moving | LinkState::Verify
+        )
+    }
+
+    fn stands_in(&self, states: &[BoardState]) -> bool {
+        let state = self.status.map(|status| status.state);
+        self.halt == Halt::None
+            && self.unanswered.is_empty()
+            && matches!(self.state, LinkState::Ready | LinkState::Locked)
+            && state.is_some_and(|state| states.contains(&state))
+    }
+
+    /// Whether the board can seek the switch of one axis alone.
+    fn homes_single_axes(&self) -> bool {
+        let firmware = &self.board().firmware;
+        firmware.starts_with("FluidNC")
+            || firmware.starts_with("grblHAL") && self.opening.setting(22) as u32 & 2 != 0
+    }
+
+    /// Begins the reference return of these axes. Boards that know only one for all
+    /// make that.
+    ///
+    /// # Errors
+    /// The board moves or has not said how it stands.
+    pub fn home(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
+        if !self.stands_in(&[BoardState::Idle, BoardState::Alarm]) || !(axes.x || axes.z) {
+            return Err(Refused::NotReady);
+        }
+        let all = PerAxis::new(true, true);
+        let (line, axes) = match (self.homes_single_axes(), axes.x, axes.z) {
+            (true, true, false) => ("$HX", axes),
+            (true, false, true) => ("$HZ", axes),
+            _ => ("$H", all),
+        };
+        self.lose_position();
+        self.status = None;
+        self.still_since = None;
+        self.asked = None;
+        self.homing = Some(Homing {
+            since: self.now,
+            axes,
+        });
+        self.send(line, false);
+        self.enter(LinkState::Homing);
+        Ok(())
+    }
+
+    /// The board has answered its reference return.
+    pub(super) fn homed(&mut self, error: Option<u16>) {
+        let Some(homing) = self.homing.take() else {
+            return;
+        };
+        self.enter(LinkState::Locked);
+        match error {
+            None => self.events.push(Event::Homed(homing.axes)),
+            Some(number) => {
+                let text = format!("the board refuses its reference return with error:{number}");
+                self.alarm(609, &text);
+            }
+        }
+    }
+
+    pub(super) fn watch_homing(&mut self) {
+        if let Some(homing) = self.homing
+            && self.now.saturating_sub(homing.since) >= HOMING_WAIT
+        {
+            self.give_up_homing(Some("the reference return takes longer than 120 s"));
+        }
+    }
+
+    /// Stops a reference return; `why` for one that was not stopped by the operator.
+    pub(super) fn give_up_homing(&mut self, why: Option<&str>) {
+        if let Some(why) = why {
+            self.alarm(609, why);
+        }
+        self.forget_motion();
+        self.restart();
+        self.excused_until = self.now + EXCUSED;
+        self.enter(LinkState::Locked);
+    }
+
+    /// The control forgot where the axes stand (power off): so does the link.
+    pub fn forget_position(&mut self) {
+        self.lose_position();
+        match self.state {
+            LinkState::Moving => self.flush(),
+            LinkState::Ready => self.enter(LinkState::Locked),
+            _ => {}
+        }
+    }
+
+    /// What spindle and coolant are to do; the board is told when it stands.
+    pub const fn set_outputs(&mut self, outputs: BoardOutputs) {
+        self.wanted = outputs;
+    }
+
+    /// What the board has switched; none while an order is under way.
+    pub fn switched(&self) -> Option<BoardOutputs> {
+        let settled = self.unanswered.iter().all(|line| line.is_segment);
+        settled.then_some(self.switched)
+    }
+
+    pub(super) fn switch(&mut self) {
+        if self.wanted == self.switched || !self.stands_in(&[BoardState::Idle]) {
+            return;
+        }
+        let BoardOutputs {
+            spindle,
+            millivolts,
+            coolant,
+        } = self.wanted;
+        // A `String` takes everything that is written to it.
+        let mut line = String::new();
+        let _ = match spindle {
+            SpindleWay::Stop => write!(line, "M5"),
+            SpindleWay::Forward => write!(line, "M3S{:.1}", f64::from(millivolts) / 10.0),
+            SpindleWay::Reverse => write!(line, "M4S{:.1}", f64::from(millivolts) / 10.0),
+        };
+        line.push_str(if coolant { "M8" } else { "M9" });
+        self.send(&line, false);
+        self.switched = self.wanted;
+    }
+}

@@ -1,0 +1,319 @@
+//! A control whose motion a pulse board makes: the link beside a simulation, of
+//! which everything that the board has not wired stays simulated.
+//!
+//! ```text
+//!            bytes, host time                 before      tick       after
+//!   port ──► pump ─► link ─► events ─► control ──► inputs ─► Cnc ─► sample ─► link ─► port
+//! ```
+//!
+//! The kernel's time is bound to the board's while slides move: it runs ahead of it
+//! by no more than the lookahead. In every other state it follows the host's clock,
+//! so that ladder, RESET and alarm page live on.
+//!
+//! The link stands beside the [`Simulation`], not in it: what is saved never holds an
+//! open port.
+
+mod control;
+mod pace;
+
+use core::time::Duration;
+
+use super::{
+    BoardInfo, HostTime, Link, LinkConfig, LinkState, Pins, Refused, RunTime, Sample, Stop, Traffic,
+};
+use crate::alarm::Alarm;
+use crate::command::ProgramId;
+use crate::simulation::Simulation;
+use crate::units::{PerAxis, Point, Pulses};
+
+/// Something for the log of the link.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Note {
+    /// The board's count was compared with the commanded one.
+    Checked {
+        /// The program that has just ended, if it was that.
+        program: Option<ProgramId>,
+        /// What was commanded.
+        commanded: PerAxis<Pulses>,
+        /// What the board has counted, where it said so.
+        counted: Option<PerAxis<Pulses>>,
+        /// They agree.
+        agrees: bool,
+    },
+    /// A setting of the board is not what it has to be.
+    Differs {
+        /// Number of the setting.
+        setting: u16,
+        /// What the board says, in thousandths, if it has it at all.
+        board: Option<i64>,
+        /// What it has to be, in thousandths.
+        wanted: i64,
+    },
+}
+
+/// A link and what it does with the control beside it.
+#[derive(Clone, Debug)]
+pub struct Linked {
+    link: Link,
+    config: LinkConfig,
+    now: HostTime,
+    /// Kernel time since the link was opened.
+    run: RunTime,
+    /// Control ticks at the last look: a stop or a jump back is the power.
+    ticks: u64,
+    pulses: PerAxis<Pulses>,
+    /// End of the last tick that made a pulse.
+    last_motion: RunTime,
+    moved: bool,
+    pace: pace::Pace,
+    /// The board seeks its switches.
+    homing: bool,
+    /// The board is being stopped; where it comes to stand the control goes on from.
+    flushing: bool,
+    resetting: bool,
+    emergency: bool,
+    powered: bool,
+    /// It stands as long as its cause, whatever RESET does.
+    standing: Option<Alarm>,
+    /// The program that ended and whose end has not been checked yet.
+    ended: Option<ProgramId>,
+    notes: Vec<Note>,
+}
+
+impl Linked {
+    /// Opens the link of a control: its slides are real from now on, and nobody knows
+    /// where they stand.
+    pub fn open(config: LinkConfig, simulation: &mut Simulation, now: HostTime) -> Self {
+        let link = Link::open(config.clone(), simulation.cnc.parameters(), now);
+        simulation.lathe.set_real_slides(true);
+        simulation.cnc.drop_reference();
+        let mut linked = Self {
+            link,
+            config,
+            now,
+            run: RunTime::ZERO,
+            ticks: simulation.cnc.ticks(),
+            pulses: simulation.cnc.pulses(),
+            last_motion: RunTime::ZERO,
+            moved: false,
+            pace: pace::Pace::default(),
+            homing: false,
+            flushing: false,
+            resetting: false,
+            emergency: false,
+            powered: true,
+            standing: None,
+            ended: None,
+            notes: Vec::new(),
+        };
+        linked.show_board(simulation);
+        linked
+    }
+
+    /// The link is over; the slides are simulated again.
+    pub fn close(mut self, simulation: &mut Simulation) {
+        self.link.stop(Stop::Flush);
+        simulation.cnc.halt_for_board();
+        simulation.cnc.drop_reference();
+        simulation.cnc.board = None;
+        simulation.lathe.set_real_slides(false);
+    }
+
+    /// Bytes came from the port, time passed. To be called at least every 5 ms, and
+    /// before [`may_tick`](Self::may_tick) is asked.
+    pub fn pump(&mut self, simulation: &mut Simulation, bytes: &[u8], now: HostTime) {
+        let gap = now.saturating_sub(self.now);
+        self.now = self.now.max(now);
+        self.pace.passes(gap);
+        let starved = self.has_starved(simulation, gap);
+        self.link.rx(bytes, self.now);
+        self.link.tick(self.now);
+        for event in self.link.events() {
+            self.hear(simulation, event);
+        }
+        if starved {
+            self.samples_late(simulation);
+        }
+        self.settle(simulation);
+    }
+
+    /// The port failed.
+    pub fn lost(&mut self, simulation: &mut Simulation, cause: &str) {
+        self.link.lost(cause);
+        for event in self.link.events() {
+            self.hear(simulation, event);
+        }
+    }
+
+    /// Bytes to be written to the port.
+    pub fn tx(&self) -> &[u8] {
+        self.link.tx()
+    }
+
+    /// So many of them were written.
+    pub fn consumed(&mut self, count: usize) {
+        self.link.consumed(count);
+    }
+
+    /// One tick of a simulation that stands by itself, without a panel.
+    pub fn tick(&mut self, simulation: &mut Simulation) {
+        self.before(simulation);
+        simulation.tick();
+        self.after(simulation);
+    }
+
+    /// To be called before each tick of the simulation.
+    pub fn before(&mut self, simulation: &mut Simulation) {
+        self.show_board(simulation);
+    }
+
+    /// To be called after each tick of the simulation.
+    pub fn after(&mut self, simulation: &mut Simulation) {
+        self.run += Duration::from_millis(1);
+        let ticks = simulation.cnc.ticks();
+        if ticks <= self.ticks {
+            self.without_power(simulation, ticks == self.ticks);
+        } else {
+            self.powered = true;
+            self.hand_over(simulation);
+            self.follow(simulation);
+        }
+        self.ticks = ticks;
+        let pins = self.link.pins();
+        simulation.add_board_contacts(pins.emergency, pins.door);
+    }
+
+    /// The power of the control is off, or has just come back: its count of pulses
+    /// begins anew.
+    fn without_power(&mut self, simulation: &mut Simulation, off: bool) {
+        if self.powered || !off {
+            self.powered = !off;
+            self.flushing = false;
+            self.link.forget_position();
+            self.link.set_outputs(super::BoardOutputs::default());
+            simulation.cnc.drop_reference();
+            self.pulses = simulation.cnc.pulses();
+            self.moved = false;
+        }
+    }
+
+    /// The motion of the tick goes to the board.
+    fn hand_over(&mut self, simulation: &mut Simulation) {
+        let pulses = simulation.cnc.pulses();
+        self.moved = pulses != self.pulses;
+        if !self.moved && !self.link.is_prepared() {
+            return;
+        }
+        let sample = Sample {
+            end: self.run,
+            pulses,
+        };
+        match self.link.push(sample) {
+            Ok(()) => self.pulses = pulses,
+            Err(refused) => return self.refuse(simulation, refused),
+        }
+        if self.moved {
+            self.last_motion = self.run;
+        } else if !simulation.cnc.is_moving()
+            && let Err(refused) = self.link.finish()
+        {
+            self.refuse(simulation, refused);
+        }
+    }
+
+    /// Motion that the board does not take is not made: the control goes back to
+    /// where the slides are.
+    fn refuse(&mut self, simulation: &mut Simulation, refused: Refused) {
+        let (number, text) = match refused {
+            Refused::TooFast => (
+                604,
+                "an axis would need more pulses a second than the board makes",
+            ),
+            Refused::TooSlow => (604, "slower than the slowest feed of the board"),
+            Refused::NotReady => (608, "motion was made that the board does not take"),
+        };
+        simulation.cnc.raise(Alarm::new(number).because(text));
+        simulation.cnc.halt_for_board();
+        self.moved = false;
+        if self.link.state() == LinkState::Moving {
+            self.link.stop(Stop::Flush);
+            self.flushing = true;
+        } else {
+            simulation.cnc.stand_at(self.pulses);
+        }
+    }
+
+    /// Whether the slides may still be on their way.
+    pub fn is_behind(&self) -> bool {
+        matches!(
+            self.link.state(),
+            LinkState::Moving | LinkState::Verify | LinkState::Homing
+        ) || self.link.outstanding() > Duration::ZERO
+    }
+
+    /// The moment of the motion that a picture taken now shows.
+    pub const fn stamp(&self) -> RunTime {
+        self.last_motion
+    }
+
+    /// Whether the board has made all motion up to a moment: pictures of it may be
+    /// shown.
+    pub fn has_made(&self, stamp: RunTime) -> bool {
+        !self.is_behind() || self.link.executed() >= stamp
+    }
+
+    /// What the owner should find in the log.
+    pub fn notes(&mut self) -> Vec<Note> {
+        core::mem::take(&mut self.notes)
+    }
+
+    /// Writes the settings that differ; the operator was asked.
+    pub fn write_settings(&mut self) {
+        self.link.write_settings();
+    }
+
+    /// Where the link stands.
+    pub const fn state(&self) -> LinkState {
+        self.link.state()
+    }
+
+    /// Its settings in the machine file.
+    pub const fn config(&self) -> &LinkConfig {
+        &self.config
+    }
+
+    /// What the board said it is.
+    pub const fn board(&self) -> &BoardInfo {
+        self.link.board()
+    }
+
+    /// Switches at the board that are operated.
+    pub fn pins(&self) -> Pins {
+        self.link.pins()
+    }
+
+    /// Figures of the wire.
+    pub const fn traffic(&self) -> Traffic {
+        self.link.traffic()
+    }
+
+    /// Motion handed over that may not have been made yet.
+    pub fn outstanding(&self) -> Duration {
+        self.link.outstanding()
+    }
+
+    /// Pulses commanded so far.
+    pub const fn commanded(&self) -> PerAxis<Pulses> {
+        self.pulses
+    }
+
+    /// The board's count in the control's pulses, as last reported.
+    pub fn counted(&self) -> Option<PerAxis<Pulses>> {
+        self.link.counted()
+    }
+
+    /// Where the axes stand after the board's reference return, machine coordinates.
+    fn home(&self) -> Point {
+        Point::new(self.config.x.home_at / 2.0, self.config.z.home_at)
+    }
+}

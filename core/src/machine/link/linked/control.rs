@@ -1,0 +1,193 @@
+//! What the control hears of the board, and the board of the control.
+
+use core::time::Duration;
+
+use super::{Linked, Note};
+use crate::alarm::Alarm;
+use crate::cnc::Event as Happened;
+use crate::machine::link::{BoardOutputs, Event, LinkState, SpindleWay, Stop};
+use crate::machine::pins;
+use crate::operation::{BoardDrives, RunState};
+use crate::simulation::Simulation;
+use crate::units::{PerAxis, Pulses};
+
+impl Linked {
+    /// What the control knows of its drives in the next tick.
+    pub(super) fn show_board(&mut self, simulation: &mut Simulation) {
+        let wanted = outputs(simulation);
+        let switching = match self.link.switched() {
+            None => true,
+            Some(switched) if self.is_behind() => {
+                // Another speed waits for the next standstill, a spindle that stands
+                // or coolant that is missing does not.
+                (switched.spindle, switched.coolant) != (wanted.spindle, wanted.coolant)
+            }
+            Some(switched) => switched != wanted,
+        };
+        simulation.cnc.board = Some(BoardDrives {
+            takes_motion: self.link.takes_motion() && !self.flushing,
+            prepared: self.link.is_prepared() && !self.flushing,
+            known: self.link.knows_position(),
+            behind: self.is_behind(),
+            switching,
+            max_rate: self.config.line.max_rate.into(),
+            pulses_per_mm: self.link.pulses_per_mm(),
+            threads: false,
+        });
+    }
+
+    /// Keys, outputs and the ends of programs go to the link.
+    pub(super) fn follow(&mut self, simulation: &mut Simulation) {
+        self.link.set_outputs(outputs(simulation));
+        let cnc = &mut simulation.cnc;
+        for event in cnc.events() {
+            if let Happened::ProgramEnded { .. } = event {
+                self.ended = cnc.cursor().program;
+            }
+        }
+        let emergency = core::mem::replace(&mut self.emergency, cnc.emergency_stop);
+        let resetting = core::mem::replace(&mut self.resetting, cnc.resetting());
+        if self.emergency && !emergency {
+            cnc.halt_for_board();
+            self.flushing = false;
+            self.link.stop(Stop::Kill);
+        } else if self.resetting && !resetting {
+            cnc.halt_for_board();
+            self.flushing |= self.link.state() == LinkState::Moving;
+            self.link.reset();
+        }
+        if let Some(alarm) = &self.standing
+            && !self.resetting
+        {
+            cnc.raise(alarm.clone());
+        }
+    }
+
+    /// The link has something to say.
+    pub(super) fn hear(&mut self, simulation: &mut Simulation, event: Event) {
+        let cnc = &mut simulation.cnc;
+        match event {
+            Event::State(state) => self.change(simulation, state),
+            Event::Alarm { number, detail } => {
+                let alarm = Alarm::new(number).because(detail);
+                if number == 611 {
+                    self.checked(false, None);
+                }
+                if matches!(number, 601..=603 | 605) {
+                    self.standing = Some(alarm.clone());
+                }
+                cnc.raise(alarm);
+                cnc.halt_for_board();
+                self.flushing = false;
+            }
+            Event::Position(pulses) => {
+                if core::mem::take(&mut self.flushing) {
+                    cnc.stand_at(pulses);
+                    self.pulses = cnc.pulses();
+                    self.moved = false;
+                }
+                self.position(simulation, pulses);
+            }
+            Event::Drained => {}
+            Event::Homed(axes) => cnc.board_returned(axes, self.home()),
+            Event::Differs {
+                setting,
+                board,
+                wanted,
+            } => {
+                let thousandths = |value: f64| (value * 1000.0).round() as i64;
+                self.notes.push(Note::Differs {
+                    setting,
+                    board: board.map(thousandths),
+                    wanted: thousandths(wanted),
+                });
+            }
+        }
+    }
+
+    fn change(&mut self, simulation: &mut Simulation, state: LinkState) {
+        let unknown = matches!(
+            state,
+            LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
+        );
+        if unknown && !self.homing {
+            simulation.cnc.drop_reference();
+        }
+        if state == LinkState::Locked {
+            self.standing = None;
+        }
+        self.homing = state == LinkState::Homing;
+    }
+
+    fn position(&mut self, simulation: &Simulation, counted: PerAxis<Pulses>) {
+        let stopped = simulation.cnc.run_state() != RunState::Run;
+        if stopped && self.link.knows_position() {
+            self.checked(true, Some(counted));
+        }
+    }
+
+    fn checked(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {
+        self.notes.push(Note::Checked {
+            program: self.ended.take(),
+            commanded: self.pulses,
+            counted: counted.or_else(|| self.link.counted()),
+            agrees,
+        });
+    }
+
+    /// What the operator has asked for and the board can do now.
+    pub(super) fn settle(&mut self, simulation: &mut Simulation) {
+        let cnc = &mut simulation.cnc;
+        let returning = cnc.board_returns();
+        match self.link.state() {
+            LinkState::Homing if !(returning.x || returning.z) => self.link.reset(),
+            LinkState::Locked | LinkState::Ready if returning.x || returning.z => {
+                // Not yet possible: once more with the next report.
+                let _ = self.link.home(returning);
+            }
+            LinkState::Locked if cnc.emergency_stop || cnc.resetting() => {}
+            LinkState::Locked if cnc.referenced().x && cnc.referenced().z => {
+                let pulses = cnc.pulses();
+                if self.link.set_position(pulses, self.run).is_ok() {
+                    self.pulses = pulses;
+                }
+            }
+            LinkState::Locked if !self.link.takes_motion() && !cnc.has_board_alarm() => {
+                let pulses = cnc.pulses();
+                if self.link.release(pulses, self.run).is_ok() {
+                    self.pulses = pulses;
+                }
+            }
+            _ => {}
+        }
+        if self.link.state() == LinkState::Ready
+            && self.ended.is_some()
+            && self.link.outstanding() == Duration::ZERO
+            && cnc.run_state() == RunState::Reset
+        {
+            // The program ended without motion since the last check.
+            self.checked(true, None);
+        }
+    }
+}
+
+/// What the ladder and the spindle control want switched.
+fn outputs(simulation: &Simulation) -> BoardOutputs {
+    let cnc = &simulation.cnc;
+    let memory = cnc.plc().memory();
+    let on = |(byte, bit): pins::Pin| memory.y(u16::from(byte)) >> bit & 1 == 1;
+    let spindle = match (on(pins::FORWARD), on(pins::REVERSE), on(pins::BRAKE)) {
+        (true, false, false) => SpindleWay::Forward,
+        (false, true, false) => SpindleWay::Reverse,
+        _ => SpindleWay::Stop,
+    };
+    let millivolts = match spindle {
+        SpindleWay::Stop => 0,
+        _ => (cnc.spindle().volts() * 1000.0).round() as u16,
+    };
+    BoardOutputs {
+        spindle,
+        millivolts,
+        coolant: on(pins::COOLANT),
+    }
+}

@@ -1,0 +1,91 @@
+//! When the kernel may make its next tick, and when the board ran dry.
+
+use core::time::Duration;
+
+use super::Linked;
+use crate::alarm::Alarm;
+use crate::machine::link::HostTime;
+use crate::simulation::Simulation;
+
+/// Ticks of the host's clock that are caught up at most.
+const MOST_DUE: u64 = 40;
+/// The board may make motion this much later than the host's clock says.
+const PATIENCE: Duration = Duration::from_millis(100);
+const TICK: Duration = Duration::from_millis(1);
+
+/// Time of the host that the kernel has not used.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pace {
+    passed: Duration,
+    /// Since when moving slides have had no room, and how long that may take.
+    blocked: Option<(HostTime, Duration)>,
+}
+
+impl Pace {
+    pub(super) fn passes(&mut self, time: Duration) {
+        self.passed = (self.passed + time).min(TICK * MOST_DUE as u32);
+    }
+
+    fn take(&mut self) -> bool {
+        match self.passed.checked_sub(TICK) {
+            Some(rest) => {
+                self.passed = rest;
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+impl Linked {
+    /// Whether the kernel may make a tick now. While slides move the board sets the
+    /// time, else the host's clock does.
+    pub fn may_tick(&mut self, simulation: &mut Simulation) -> bool {
+        let moves = self.moved || simulation.cnc.is_moving();
+        if !moves || !self.link.takes_motion() {
+            self.pace.blocked = None;
+            return self.pace.take();
+        }
+        let room = self.link.room();
+        // Time without a pulse, at the lowest feeds, is ahead of the board too.
+        let unheard = self.run.saturating_sub(self.last_motion);
+        if room > unheard || (room > Duration::ZERO && self.pace.take()) {
+            self.pace.blocked = None;
+            return true;
+        }
+        let ahead = self.link.outstanding().max(self.config.lookahead());
+        let (since, limit) = *self
+            .pace
+            .blocked
+            .get_or_insert((self.now, ahead + PATIENCE));
+        if self.now.saturating_sub(since) > limit {
+            self.pace.blocked = None;
+            let text = format!("the board has taken no motion for {} ms", limit.as_millis());
+            self.stop_late(simulation, &text);
+        }
+        false
+    }
+
+    /// Whether the host was away for longer than the motion it had handed over lasts,
+    /// while the slides were too fast to be stopped at once.
+    pub(super) fn has_starved(&self, simulation: &Simulation, gap: Duration) -> bool {
+        let fast = simulation.cnc.feed_actual() > f64::from(self.config.flush_keep_speed);
+        fast && self.link.takes_motion() && gap > self.link.outstanding()
+    }
+
+    pub(super) fn samples_late(&mut self, simulation: &mut Simulation) {
+        self.stop_late(
+            simulation,
+            "the computer was busy for longer than the lookahead",
+        );
+    }
+
+    /// What was handed over is made; nothing more follows, and the count is compared.
+    fn stop_late(&mut self, simulation: &mut Simulation, text: &str) {
+        simulation.cnc.raise(Alarm::new(612).because(text));
+        simulation.cnc.halt_for_board();
+        if let Err(refused) = self.link.finish() {
+            self.refuse(simulation, refused);
+        }
+    }
+}

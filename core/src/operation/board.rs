@@ -1,0 +1,243 @@
+//! What the control minds when real drives behind a pulse board make its motion.
+//!
+//! The board is behind the control by what it holds: whatever must meet the slides
+//! at rest (M, S, T, dwell, a stop between blocks) waits until it has made all of it.
+
+mod preflight;
+
+use serde::{Deserialize, Serialize};
+
+use super::automatic::RunState;
+use super::zero_return::Return;
+use crate::alarm::{Alarm, AlarmClass};
+use crate::cnc::Cnc;
+use crate::command::{Action, SpindleCommand};
+use crate::motion::JogRate;
+use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
+
+/// The drives behind a board, as the control sees them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct BoardDrives {
+    /// Motion is taken.
+    pub takes_motion: bool,
+    /// Motion is taken from this tick on, not only after an order under way.
+    pub prepared: bool,
+    /// The place of the slides is known.
+    pub known: bool,
+    /// Motion was handed over that has not been made yet.
+    pub behind: bool,
+    /// Spindle or coolant have still to be switched before the axes go on.
+    pub switching: bool,
+    /// Most pulses a second of an axis.
+    pub max_rate: f64,
+    /// Pulses per mm of slide travel.
+    pub pulses_per_mm: [f64; 2],
+    /// It cuts threads behind its spindle.
+    pub threads: bool,
+}
+
+/// Whether an action is motion of the slides.
+const fn is_motion(action: &Action) -> bool {
+    matches!(
+        action,
+        Action::Rapid { .. }
+            | Action::Line { .. }
+            | Action::Arc { .. }
+            | Action::Thread { .. }
+            | Action::Tap { .. }
+    )
+}
+
+impl Cnc {
+    /// Whether the slides are still on their way to where the control stands.
+    pub(crate) fn is_board_behind(&self) -> bool {
+        self.board.is_some_and(|board| board.behind)
+    }
+
+    /// Whether a command must not begin yet. M and S that start together with a
+    /// motion are over before it: the board switches only at rest.
+    pub(super) fn board_delays(&self, action: &Action) -> bool {
+        self.board.is_some_and(|board| {
+            is_motion(action) && (!board.prepared || board.switching || self.handshake.busy())
+        })
+    }
+
+    /// Whether an axis may be moved by hand.
+    pub(super) fn board_takes_motion(&self) -> bool {
+        self.board.is_none_or(|board| {
+            board.takes_motion && (board.prepared || self.interpolator.is_moving())
+        })
+    }
+
+    /// Manual motion of slides whose place is not known is slow (No.033).
+    pub(super) fn board_slows(&self, rate: JogRate) -> JogRate {
+        if self.board.is_none_or(|board| board.known) {
+            return rate;
+        }
+        let slow = self.parameters.zero_low_rate();
+        match rate {
+            JogRate::Feed(feed) => JogRate::Feed(feed.min(slow)),
+            JogRate::Rapid | JogRate::Approach(_) => JogRate::Feed(slow),
+        }
+    }
+
+    /// Whether the slides are being stopped: where from is not known yet.
+    pub(super) fn board_is_stopping(&self) -> bool {
+        self.board
+            .is_some_and(|board| board.known && !board.takes_motion)
+    }
+
+    /// Why a program must not be started.
+    pub(super) fn board_refuses_start(&self, mdi: bool) -> Option<Alarm> {
+        let board = self.board?;
+        if !(board.known && self.referenced.x && self.referenced.z) {
+            return Some(Alarm::new(610).because(
+                "nobody knows where the slides stand: make the reference return of both axes",
+            ));
+        }
+        self.rate_too_high(&board).or_else(|| {
+            // What goes on was looked through when it began.
+            let begins = !mdi && self.automatic.state == RunState::Reset;
+            let program = self.programs.current().filter(|_| begins)?;
+            self.scan_for_board(program)
+        })
+    }
+
+    /// The rapids against what the board can make.
+    fn rate_too_high(&self, board: &BoardDrives) -> Option<Alarm> {
+        let parameters = &self.parameters;
+        let axes = [(Axis::X, 22), (Axis::Z, 23)];
+        axes.into_iter()
+            .zip(board.pulses_per_mm)
+            .find_map(|((axis, number), per_mm)| {
+                let rate = parameters.rapid_rate(axis);
+                let pulses = rate / 60.0 * per_mm;
+                (pulses > board.max_rate).then(|| {
+                    Alarm::new(604).because(format!(
+                        "No.{number:03} = {rate} mm/min makes {pulses:.0} pulses/s of {axis:?}, \
+                         the board {:.0} at most: lower it, or set the electronic gear 015-018",
+                        board.max_rate
+                    ))
+                })
+            })
+    }
+
+    /// What the board cannot do, once more when it is to be done: macros and texts
+    /// that no scan understands end here.
+    pub(super) fn check_for_board(&self, action: &Action) -> Result<(), Alarm> {
+        let Some(board) = self.board else {
+            return Ok(());
+        };
+        if self.from_plc.dry_run {
+            return Ok(());
+        }
+        if let Some(axis) = self.cut_too_fast(&board, action) {
+            return Err(Alarm::new(604).because(format!(
+                "at this feed {axis:?} needs more than the {:.0} pulses/s of the board",
+                board.max_rate
+            )));
+        }
+        let what = match action {
+            Action::Thread { .. } | Action::ThreadCycle { .. } if !board.threads => "a thread",
+            Action::Tap { .. } => "tapping",
+            Action::Spindle(SpindleCommand::Surface(_)) => "constant surface speed (G96)",
+            Action::Line {
+                feed: Feed::PerRevolution(_),
+                ..
+            }
+            | Action::Arc {
+                feed: Feed::PerRevolution(_),
+                ..
+            } => "feed per revolution (G99)",
+            _ => return Ok(()),
+        };
+        Err(Alarm::new(604).because(format!(
+            "{what} needs the spindle's angle or speed in motion"
+        )))
+    }
+
+    /// The axis that a cut would drive faster than the board can: on a line its share
+    /// of the feed, on an arc, somewhere, all of it.
+    fn cut_too_fast(&self, board: &BoardDrives, action: &Action) -> Option<Axis> {
+        let (feed, share) = match action {
+            Action::Line { to, feed } => {
+                let way = *to - self.interpolator.commanded();
+                let length = way.length().max(1e-9);
+                (feed, Point::new(way.x.abs() / length, way.z.abs() / length))
+            }
+            Action::Arc { feed, .. } => (feed, Point::new(1.0, 1.0)),
+            _ => return None,
+        };
+        let Feed::PerMinute(feed) = feed else {
+            return None;
+        };
+        let feed = feed * self.feed_override_factor();
+        let feed = feed.min(self.parameters.feed_limit()) / 60.0;
+        let rates = [Axis::X, Axis::Z].into_iter().zip(board.pulses_per_mm);
+        let mut too_fast =
+            rates.filter(|(axis, per_mm)| feed * share.get(*axis) * per_mm > board.max_rate);
+        too_fast.next().map(|(axis, _)| axis)
+    }
+
+    /// The board makes the return of this axis.
+    pub(super) const fn board_makes_return(&mut self, axis: Axis) {
+        *self.referenced.get_mut(axis) = false;
+        *self.at_reference.get_mut(axis) = None;
+        *self.returns.get_mut(axis) = Some(Return::Board);
+    }
+
+    /// Axes whose return the board is asked to make, or makes.
+    pub(crate) fn board_returns(&self) -> PerAxis<bool> {
+        let by_board = |axis| *self.returns.get(axis) == Some(Return::Board);
+        PerAxis::new(by_board(Axis::X), by_board(Axis::Z))
+    }
+
+    /// The board stands off the switches of these axes: machine coordinates `at`.
+    pub(crate) fn board_returned(&mut self, axes: PerAxis<bool>, at: Point) {
+        self.settle_coordinates();
+        for axis in [Axis::X, Axis::Z] {
+            if *axes.get(axis) {
+                let mut shift = Point::default();
+                *shift.get_mut(axis) = at.get(axis) - self.position().get(axis);
+                self.interpolator.translate(shift);
+                self.axes.preset(axis, at.get(axis));
+                self.shift_frame(shift);
+                self.arrive(axis, true);
+            }
+        }
+    }
+
+    /// Nobody knows any more where the slides stand.
+    pub(crate) fn drop_reference(&mut self) {
+        self.referenced = PerAxis::default();
+        self.at_reference = PerAxis::default();
+    }
+
+    /// All motion ends here and now; what goes on is nothing.
+    pub(crate) fn halt_for_board(&mut self) {
+        self.abandon_returns();
+        self.interpolator.stop_now();
+        self.jog_command = PerAxis::default();
+        self.jog_blocked = PerAxis::new(true, true);
+    }
+
+    /// The slides came to stand at this count, which is not where the control was.
+    pub(crate) fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
+        self.halt_for_board();
+        let mut shift = Point::default();
+        for axis in [Axis::X, Axis::Z] {
+            let place = self.axes.stand_at(axis, *pulses.get(axis));
+            *shift.get_mut(axis) = place - self.position().get(axis);
+        }
+        self.interpolator.translate(shift);
+        let frame = self.frame;
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.set_frame(frame, &world);
+    }
+
+    /// Whether an alarm of the board waits for RESET.
+    pub(crate) fn has_board_alarm(&self) -> bool {
+        let mut standing = self.alarms.list().iter();
+        standing.any(|alarm| alarm.class() == AlarmClass::Link)
+    }
+}

@@ -1,0 +1,178 @@
+//! A control, its link and a board, in virtual time.
+
+use core::time::Duration;
+
+use gsk_core::cnc::Request;
+use gsk_core::machine::link::{LinkConfig, LinkState, Linked, Note};
+use gsk_core::operation::RunState;
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
+use gsk_twins::grbl::{GrblTwin, Settings, Variant};
+
+/// One millisecond of all three.
+const MS: u64 = 1_000_000;
+
+/// Keys of the machine panel.
+pub const AUTO: BitAddress = key(20, 1);
+pub const ZERO: BitAddress = key(20, 3);
+pub const CYCLE_START: BitAddress = key(25, 0);
+/// Arrow down: X+.
+pub const X_PLUS: BitAddress = key(23, 1);
+pub const RESET: BitAddress = key(26, 0);
+
+const fn key(byte: u16, bit: u8) -> BitAddress {
+    BitAddress {
+        area: Area::X,
+        byte,
+        bit,
+    }
+}
+
+pub struct Machine {
+    pub simulation: Simulation,
+    pub linked: Linked,
+    pub twin: GrblTwin,
+    pub notes: Vec<Note>,
+    /// Kernel ticks made.
+    pub ticks: u64,
+    /// The board's count at which the kernel's is zero.
+    origin: [i64; 2],
+    /// Looked at after every millisecond.
+    pub watch: Option<fn(&Self)>,
+}
+
+impl Machine {
+    /// A training lathe with electronic gear 1/5 and a board as delivered.
+    pub fn new(variant: Variant) -> Self {
+        let mut setup = Setup::delivered();
+        for number in [17, 18] {
+            setup.parameters.set(number, 5).unwrap();
+        }
+        let mut simulation = Simulation::new(setup);
+        for _ in 0..100 {
+            simulation.tick();
+        }
+        let config = LinkConfig {
+            flush_keep_speed: 10_000,
+            ..LinkConfig::default()
+        };
+        let linked = Linked::open(config, &mut simulation, Duration::ZERO);
+        Self {
+            simulation,
+            linked,
+            twin: GrblTwin::new(variant, Settings::default()),
+            notes: Vec::new(),
+            ticks: 0,
+            origin: [0, 0],
+            watch: None,
+        }
+    }
+
+    /// Settings written, board unlocked; nobody knows where it stands.
+    pub fn connected(variant: Variant) -> Self {
+        let mut machine = Self::new(variant);
+        machine.wait(6000, |machine| machine.alarms() == [603]);
+        machine.linked.write_settings();
+        machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
+        machine.press(RESET);
+        machine.pass(500);
+        machine
+    }
+
+    /// The reference return is made.
+    pub fn referenced(variant: Variant) -> Self {
+        let mut machine = Self::connected(variant);
+        machine.press(ZERO);
+        machine.press(X_PLUS);
+        let ready = machine.wait(60_000, |machine| machine.linked.state() == LinkState::Ready);
+        assert!(ready, "{:?} {:?}", machine.linked.state(), machine.alarms());
+        let (board, kernel) = (machine.twin.pulses(), machine.simulation.cnc.pulses());
+        machine.origin = [board[0] - kernel.x.0, board[1] - kernel.z.0];
+        machine
+    }
+
+    pub fn ms(&mut self) {
+        self.twin.advance(MS);
+        let now = Duration::from_nanos(self.twin.now());
+        let bytes = self.twin.read();
+        self.linked.pump(&mut self.simulation, &bytes, now);
+        while self.linked.may_tick(&mut self.simulation) {
+            self.linked.tick(&mut self.simulation);
+            self.ticks += 1;
+        }
+        let tx = self.linked.tx().to_vec();
+        self.twin.write(&tx);
+        self.linked.consumed(tx.len());
+        self.notes.extend(self.linked.notes());
+        if let Some(watch) = self.watch {
+            watch(self);
+        }
+    }
+
+    pub fn pass(&mut self, ms: u32) {
+        for _ in 0..ms {
+            self.ms();
+        }
+    }
+
+    pub fn wait(&mut self, limit_ms: u32, until: impl Fn(&Self) -> bool) -> bool {
+        for _ in 0..limit_ms {
+            if until(self) {
+                return true;
+            }
+            self.ms();
+        }
+        until(self)
+    }
+
+    pub fn press(&mut self, key: BitAddress) {
+        for down in [true, false] {
+            self.simulation.cnc.set_panel_key(key, down);
+            self.pass(100);
+        }
+    }
+
+    pub fn load(&mut self, main: &str, sub: Option<&str>) {
+        if let Some(sub) = sub {
+            let stored = Request::StoreProgram(sub.to_owned());
+            self.simulation.cnc.request(stored).unwrap();
+        }
+        let opened = Request::OpenExternal(Program::new(main));
+        self.simulation.cnc.request(opened).unwrap();
+    }
+
+    /// Selects AUTO and presses cycle start.
+    pub fn start(&mut self) {
+        self.press(AUTO);
+        self.press(CYCLE_START);
+    }
+
+    /// Runs until the program has ended and all is made; M00 is gone on from.
+    pub fn run_to_end(&mut self, limit_ms: u32) {
+        for _ in 0..limit_ms {
+            self.ms();
+            if self.linked.is_behind() || self.simulation.cnc.is_moving() {
+                continue;
+            }
+            match self.simulation.cnc.run_state() {
+                RunState::Run => {}
+                RunState::Stop if self.alarms().is_empty() => self.press(CYCLE_START),
+                _ => return,
+            }
+        }
+        panic!("the program does not end: {:?}", self.linked.state());
+    }
+
+    /// Pulses at the pins, counted as the kernel counts.
+    pub fn made(&self) -> [i64; 2] {
+        let [x, z] = self.twin.pulses();
+        [x - self.origin[0], z - self.origin[1]]
+    }
+
+    pub fn alarms(&self) -> Vec<u16> {
+        let alarms = self.simulation.cnc.alarms();
+        alarms.iter().map(|alarm| alarm.number).collect()
+    }
+}
