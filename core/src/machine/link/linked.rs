@@ -19,7 +19,8 @@ mod pace;
 use core::time::Duration;
 
 use super::{
-    BoardInfo, HostTime, Link, LinkConfig, LinkState, Pins, Refused, RunTime, Sample, Stop, Traffic,
+    BoardInfo, FINE, HostTime, Link, LinkConfig, LinkState, Pins, Refused, RunTime, Sample, Stop,
+    Traffic,
 };
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
@@ -204,9 +205,12 @@ impl Linked {
         if !self.moved && !self.link.is_prepared() {
             return;
         }
+        let fine = simulation.cnc.axes.fine();
+        let parts = |place: f64| (place * FINE as f64).round() as i64;
         let sample = Sample {
             end: self.run,
             pulses,
+            fine: PerAxis::new(parts(fine.x), parts(fine.z)),
         };
         match self.link.push(sample) {
             Ok(()) => self.pulses = pulses,
