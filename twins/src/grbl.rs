@@ -6,6 +6,8 @@
 //! say "read", not "done", and a reset whenever the port is opened.
 
 mod block;
+mod firmware;
+mod homing;
 mod planner;
 mod report;
 mod settings;
@@ -13,8 +15,9 @@ mod settings;
 use std::collections::VecDeque;
 
 use crate::wire::Wire;
-use block::{Asked, Modal, Pace};
-use planner::{Block, Planner};
+use block::{Asked, Modal};
+use homing::Homing;
+use planner::Planner;
 pub use settings::Settings;
 
 /// One step of virtual time, ns.
@@ -81,6 +84,8 @@ pub enum State {
         /// It stands.
         complete: bool,
     },
+    /// Seeking its switches.
+    Home,
     /// Locked.
     Alarm,
     /// Reads programs without moving.
@@ -107,8 +112,16 @@ pub struct GrblTwin {
     pub to_board: Wire,
     /// Board to host.
     pub to_host: Wire,
-    /// The input pins.
+    /// The input pins; the switches below are added.
     pub pins: Pins,
+    /// Where the limit switches of X and Z are, mm from where the slides stood at the
+    /// beginning; operated from there on outwards.
+    switches: [f64; 2],
+    /// The same in pulses.
+    switch_pulses: [i64; 2],
+    /// Limit inputs at the last look.
+    limits_were: [bool; 2],
+    homing: Option<Homing>,
     settings: Settings,
     received: VecDeque<u8>,
     line: Vec<u8>,
@@ -150,6 +163,10 @@ impl GrblTwin {
             to_board: Wire::new(115_200),
             to_host: Wire::new(115_200),
             pins: Pins::default(),
+            switches: [20.0, 40.0],
+            switch_pulses: [0; 2],
+            limits_were: [false; 2],
+            homing: None,
             settings,
             received: VecDeque::new(),
             line: Vec::new(),
@@ -174,6 +191,7 @@ impl GrblTwin {
             spindle: 5,
             coolant: false,
         };
+        twin.place_switches([20.0, 40.0]);
         twin.press_reset();
         twin
     }
@@ -185,6 +203,30 @@ impl GrblTwin {
         self.received.clear();
         self.planner.clear();
         self.waiting = None;
+        self.homing = None;
+    }
+
+    /// Whether the limit inputs of X and Z are operated.
+    pub fn limits(&self) -> [bool; 2] {
+        let at = |place: i64, switch: i64| place * switch.signum() >= switch.abs();
+        let [x, z] = self.switch_pulses;
+        [
+            self.pins.limit_x || at(self.pulses[0], x),
+            self.pins.limit_z || at(self.pulses[2], z),
+        ]
+    }
+
+    /// Puts the limit switches of X and Z so many mm from where the slides stood at
+    /// the beginning; they are operated from there on outwards.
+    pub fn place_switches(&mut self, switches: [f64; 2]) {
+        self.switches = switches;
+        self.set_switches();
+    }
+
+    fn set_switches(&mut self) {
+        let [x, _, z] = self.settings.axes(100);
+        let [at_x, at_z] = self.switches;
+        self.switch_pulses = [(at_x * x).round() as i64, (at_z * z).round() as i64];
     }
 
     /// What the board is doing.
@@ -278,6 +320,7 @@ impl GrblTwin {
         self.waiting = None;
         self.answers_at = None;
         self.planner.clear();
+        self.homing = None;
         self.hold_from = None;
         self.stands_since = None;
         self.silent = false;
@@ -345,7 +388,10 @@ impl GrblTwin {
 
     fn soft_reset(&mut self) {
         let moving = matches!(self.state, State::Run | State::Hold { complete: false });
-        if moving {
+        if self.state == State::Home {
+            self.state = State::Alarm;
+            self.say("ALARM:6\r\n");
+        } else if moving {
             self.state = State::Alarm;
             self.say("ALARM:3\r\n");
         } else if self.state == (State::Hold { complete: true }) || self.state == State::Check {
@@ -354,10 +400,17 @@ impl GrblTwin {
         self.start_firmware();
     }
 
+    /// Limit inputs act on their edges. The 8 bit board looks at no level: letting go
+    /// of a switch is an edge too.
     fn watch_pins(&mut self) {
-        let limit = self.pins.limit_x || self.pins.limit_z;
-        let moving = matches!(self.state, State::Run | State::Hold { .. });
-        if limit && self.settings.is_on(21) && moving && !self.silent {
+        let limits = self.limits();
+        let were = core::mem::replace(&mut self.limits_were, limits);
+        let edge = (0..2).any(|axis| match self.variant {
+            Variant::Grbl => limits[axis] != were[axis],
+            Variant::GrblHal => limits[axis] && !were[axis],
+        });
+        let watched = !matches!(self.state, State::Alarm | State::Home);
+        if edge && watched && self.settings.is_on(21) && !self.silent {
             self.planner.clear();
             self.waiting = None;
             self.state = State::Alarm;
@@ -381,6 +434,7 @@ impl GrblTwin {
                     self.state = State::Hold { complete: true };
                 }
             }
+            State::Home => self.home(seconds),
             _ => {}
         }
         if self.state == State::Run && self.planner.is_empty() {
@@ -397,226 +451,14 @@ impl GrblTwin {
     }
 
     fn send_report(&mut self) {
-        if !core::mem::take(&mut self.report_due) || self.silent {
+        // The 8 bit board does not answer while it seeks its switches.
+        let deaf = self.homing.is_some() && self.variant == Variant::Grbl;
+        if deaf || !core::mem::take(&mut self.report_due) || self.silent {
             return;
         }
         let text = self.report();
         self.reports = self.reports.wrapping_add(1);
         self.say(&text);
-    }
-
-    /// The firmware's main loop: one line after the other.
-    fn work(&mut self) {
-        while self.now >= self.busy_until && !self.silent {
-            if let Some(until) = self.answers_at {
-                if self.now < until {
-                    return;
-                }
-                self.answers_at = None;
-                self.answer(Ok(()));
-            }
-            if let Some(asked) = self.waiting.take() {
-                if !self.carry_out(asked) {
-                    self.waiting = Some(asked);
-                    return;
-                }
-                continue;
-            }
-            let Some(byte) = self.received.pop_front() else {
-                return;
-            };
-            self.collect(byte);
-        }
-    }
-
-    /// Takes a character into the line; CR and LF each end one.
-    fn collect(&mut self, byte: u8) {
-        match byte {
-            b'\n' | b'\r' => {
-                let line = core::mem::take(&mut self.line);
-                let too_long = core::mem::take(&mut self.too_long);
-                self.in_comment = false;
-                self.busy_until = self.now + if line.is_empty() { 0 } else { LINE_NS };
-                if too_long {
-                    self.answer(Err(11));
-                    return;
-                }
-                self.execute(&line);
-            }
-            b'(' => self.in_comment = true,
-            b')' => self.in_comment = false,
-            _ if self.in_comment || byte <= b' ' || byte == b'/' => {}
-            b';' => self.in_comment = true,
-            _ if self.line.len() + 1 >= LINE_BYTES => self.too_long = true,
-            _ => self.line.push(byte.to_ascii_uppercase()),
-        }
-    }
-
-    fn execute(&mut self, line: &[u8]) {
-        if line.is_empty() {
-            self.error_latch = false;
-            self.answer(Ok(()));
-            return;
-        }
-        let text = String::from_utf8_lossy(line).into_owned();
-        if let Some(command) = text.strip_prefix('$') {
-            let result = self.command(command);
-            if let Some(result) = result {
-                self.answer(result);
-            }
-            return;
-        }
-        if self.error_latch {
-            self.answer(Err(9));
-            return;
-        }
-        if self.state == State::Alarm {
-            self.answer(Err(9));
-            return;
-        }
-        match self.modal.read(&text) {
-            Ok(_) if self.state == State::Check => self.answer(Ok(())),
-            Ok(asked) => self.waiting = Some(asked),
-            Err(number) => self.answer(Err(number)),
-        }
-    }
-
-    /// Tries to carry a block out; false while it must wait.
-    fn carry_out(&mut self, asked: Asked) -> bool {
-        if asked.drains && !(self.planner.is_empty() && self.state != State::Run) {
-            return false;
-        }
-        if let Some(seconds) = asked.dwell {
-            if !self.planner.is_empty() {
-                return false;
-            }
-            self.answers_at = Some(self.now + (seconds.max(0.0) * 1e9) as u64);
-            return true;
-        }
-        self.spindle = self.modal.spindle;
-        self.coolant = self.modal.coolant;
-        if let Some(target) = asked.target {
-            if self.planner.is_full() {
-                return false;
-            }
-            self.plan(target, asked);
-        }
-        self.answer(Ok(()));
-        if asked.ends {
-            self.say("[MSG:Pgm End]\r\n");
-        }
-        true
-    }
-
-    fn plan(&mut self, target: [f64; 3], asked: Asked) {
-        let scale = self.settings.axes(100);
-        let from = self.planned_position();
-        let wanted = [0, 1, 2].map(|axis| (target[axis] * scale[axis]).round() as i64);
-        let steps = [0, 1, 2].map(|axis| wanted[axis] - from[axis]);
-        if steps == [0; 3] {
-            return;
-        }
-        let way = [0, 1, 2].map(|axis| steps[axis] as f64 / scale[axis]);
-        let length = way.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let direction = way.map(|part| part / length);
-        // No axis faster, nor sooner faster, than its own setting.
-        let within = |limits: [f64; 3]| {
-            (0..3)
-                .filter(|&axis| direction[axis] != 0.0)
-                .map(|axis| limits[axis] / direction[axis].abs())
-                .fold(f64::INFINITY, f64::min)
-        };
-        let fastest = within(self.settings.axes(110)) / 60.0;
-        let nominal = match asked.pace {
-            _ if asked.rapid => fastest,
-            Pace::Speed(speed) => speed.min(fastest),
-            Pace::Time(seconds) => (length / seconds).min(fastest),
-        };
-        let block = Block::new(
-            steps,
-            direction,
-            length,
-            nominal.max(LEAST_CUT),
-            within(self.settings.axes(120)),
-        );
-        self.planner.push(block, self.settings.value(11));
-        if self.state == State::Idle {
-            self.state = State::Run;
-        }
-    }
-
-    /// Where the queue ends, pulses.
-    fn planned_position(&self) -> [i64; 3] {
-        let ahead = self.planner.pulses_ahead();
-        [0, 1, 2].map(|axis| self.position[axis] + ahead[axis])
-    }
-
-    /// A `$` line; None where the answer comes later or never.
-    fn command(&mut self, command: &str) -> Option<Result<(), u8>> {
-        match command {
-            "$" => {
-                let lines: String = self.settings.lines().collect();
-                self.say(&lines);
-            }
-            "#" => {
-                for system in 54..=59 {
-                    self.say(&format!("[G{system}:0.000,0.000,0.000]\r\n"));
-                }
-                self.say("[G28:0.000,0.000,0.000]\r\n[G30:0.000,0.000,0.000]\r\n");
-                self.say("[G92:0.000,0.000,0.000]\r\n[TLO:0.000]\r\n");
-            }
-            "G" => {
-                let text = self.modal.text();
-                self.say(&format!("[{text}]\r\n"));
-            }
-            "I" => {
-                let text = self.identity();
-                self.say(&text);
-            }
-            "X" if self.state == State::Alarm => {
-                self.state = State::Idle;
-                self.say("[MSG:Caution: Unlocked]\r\n");
-            }
-            "X" => {}
-            "C" if self.state == State::Check => {
-                self.state = State::Idle;
-                self.answer(Ok(()));
-                self.start_firmware();
-                return None;
-            }
-            "C" if self.state == State::Idle => {
-                self.state = State::Check;
-                self.say("[MSG:Enabled]\r\n");
-            }
-            "H" if !self.settings.is_on(22) => return Some(Err(5)),
-            "H" => self.home(),
-            _ => return self.write_setting(command).err().map(Err),
-        }
-        Some(Ok(()))
-    }
-
-    /// Homing is not travelled: the axes stand at their switches when it ends.
-    fn home(&mut self) {
-        self.state = State::Idle;
-        self.position = [0; 3];
-        self.modal.position = [0.0; 3];
-    }
-
-    fn write_setting(&mut self, command: &str) -> Result<(), u8> {
-        let (number, value) = command.split_once('=').ok_or(3_u8)?;
-        if !matches!(self.state, State::Idle | State::Alarm) {
-            return Err(8);
-        }
-        let number = number.parse().map_err(|_| 3_u8)?;
-        let value: f64 = value.parse().map_err(|_| 2_u8)?;
-        self.settings.set(number, value)?;
-        // The answer comes when the memory is written; until then nothing is heard.
-        self.answers_at = Some(self.now);
-        if self.variant == Variant::Grbl {
-            self.deaf_until = self.now + SETTING_WRITE_NS;
-            self.answers_at = Some(self.deaf_until);
-        }
-        Ok(())
     }
 }
 

@@ -12,6 +12,7 @@ impl GrblTwin {
             State::Run => "Run",
             State::Hold { complete: true } => "Hold:0",
             State::Hold { complete: false } => "Hold:1",
+            State::Home => "Home",
             State::Alarm => "Alarm",
             State::Check => "Check",
         };
@@ -30,11 +31,8 @@ impl GrblTwin {
         };
         let _ = write!(text, "|FS:{feed:.0},{speed:.0}");
         let mut pins = String::new();
-        for (operated, letter) in [
-            (self.pins.limit_x, 'X'),
-            (self.pins.limit_z, 'Z'),
-            (self.pins.door, 'D'),
-        ] {
+        let [limit_x, limit_z] = self.limits();
+        for (operated, letter) in [(limit_x, 'X'), (limit_z, 'Z'), (self.pins.door, 'D')] {
             if operated {
                 pins.push(letter);
             }

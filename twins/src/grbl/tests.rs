@@ -160,3 +160,45 @@ fn lines_have_a_ceiling() {
     }
     assert!((850..=900).contains(&answered), "{answered}");
 }
+
+#[test]
+fn homing_travels_to_the_switches_and_back_off_them() {
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        let mut twin = board(variant);
+        talk(&mut twin, b"$22=1\n", 40);
+        twin.place_switches([3.0, 5.0]);
+        // 5 mm and 3 mm at 500 mm/min, 1 mm off, back at 25 mm/min, off again.
+        let fast = (5.0 + 3.0 + 2.0) / 500.0 * 60.0;
+        let slow = 4.0 / 25.0 * 60.0;
+        let before = ((fast + slow) * 1000.0) as u64 - 200;
+        assert_eq!(talk(&mut twin, b"$H\n", before), "");
+        assert_eq!(twin.state(), State::Home);
+        assert_eq!(talk(&mut twin, b"", 400), "ok\r\n");
+        assert_eq!(twin.pulses(), [2 * 250, 4 * 250]);
+        assert!(talk(&mut twin, b"?", 20).starts_with("<Idle|MPos:-1.000,0.000,-1.000"));
+    }
+}
+
+#[test]
+fn a_switch_that_never_comes_is_alarm_9() {
+    let mut twin = board(Variant::Grbl);
+    talk(&mut twin, b"$22=1\n", 40);
+    talk(&mut twin, b"$132=10\n", 40);
+    let answer = talk(&mut twin, b"$H\n", 2500);
+    assert!(answer.starts_with("ALARM:9\r\n\r\nGrbl 1.1h"), "{answer}");
+    assert_eq!(twin.pulses(), [0, 15 * 250]);
+}
+
+#[test]
+fn letting_go_of_a_switch_is_an_edge_on_the_small_board_only() {
+    for (variant, again) in [(Variant::Grbl, true), (Variant::GrblHal, false)] {
+        let mut twin = board(variant);
+        talk(&mut twin, b"$21=1\n", 40);
+        twin.pins.limit_x = true;
+        assert!(talk(&mut twin, b"", 20).starts_with("ALARM:1"));
+        talk(&mut twin, &[0x18], 50);
+        talk(&mut twin, b"$X\n", 20);
+        twin.pins.limit_x = false;
+        assert_eq!(talk(&mut twin, b"", 20).starts_with("ALARM:1"), again);
+    }
+}
