@@ -15,7 +15,7 @@ use gsk_core::memory::{
 use gsk_core::plc::{Ladder, Retained as PlcRetained};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_core::units::Point;
+use gsk_core::units::{PerAxis, Point};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::PanelRetained;
 use serde::{Deserialize, Serialize};
@@ -38,6 +38,9 @@ pub struct Standing {
     pub machine: Point,
     /// Absolute coordinates.
     pub absolute: Point,
+    /// Axes whose machine zero was set by hand (zero return of method A).
+    #[serde(default)]
+    pub zero_kept: PerAxis<bool>,
 }
 
 /// Everything that survives power-off.
@@ -95,6 +98,7 @@ impl Memory {
             standing: Some(Standing {
                 machine: cnc.position_machine(),
                 absolute: cnc.position_absolute(),
+                zero_kept: cnc.reference_without_switch(),
             }),
             panel: Some(emulator.panel.retained()),
             ..Self::of(cnc)
@@ -121,6 +125,7 @@ impl Restored {
         if let Some(standing) = self.standing {
             setup.start = Some(standing.machine);
             setup.absolute = Some(standing.absolute);
+            setup.zero_kept = standing.zero_kept;
         }
     }
 
@@ -295,9 +300,14 @@ impl Keeper {
         if now == self.last {
             return;
         }
+        // A machine zero set by hand is no small thing of the moment.
+        let places = |(now, last): (Standing, Standing)| Standing {
+            zero_kept: now.zero_kept,
+            ..last
+        };
         let only_counters = Memory {
             counters: self.last.counters,
-            standing: self.last.standing,
+            standing: now.standing.zip(self.last.standing).map(places),
             ..now.clone()
         } == self.last;
         if only_counters && self.looks < COUNTER_LOOKS {
@@ -443,6 +453,7 @@ fn store<T: Serialize + PartialEq>(
 mod tests {
     use super::*;
     use gsk_core::cnc::Request;
+    use gsk_core::units::Axis;
 
     #[test]
     fn a_loaded_ladder_is_kept_even_if_power_goes_at_once() {
@@ -478,6 +489,50 @@ mod tests {
         let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
         keeper.finish(&emulator);
         assert_eq!(data.ladder(), Loaded::Missing);
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn a_damaged_file_is_alarm_069_and_a_broken_off_writing_101() {
+        let folder = crate::files::test_folder("alarms-of-the-memory");
+        std::fs::create_dir_all(folder.join("programs")).expect("make");
+        std::fs::write(folder.join("offsets.ron"), "(1, 2").expect("write");
+        std::fs::write(folder.join("programs/O0003.CNC.new"), "O00").expect("write");
+        let data = DataDir::open(&folder).expect("open");
+        let mut setup = Setup::default();
+        load(&data, &mut setup);
+        let emulator = Emulator::new(setup);
+        let alarms = emulator.simulation.cnc.alarms();
+        let said = |number| alarms.iter().find(|alarm| alarm.number == number);
+        let detail = |number| said(number).and_then(|alarm| alarm.detail.as_deref());
+        assert!(detail(69).is_some_and(|detail| detail.contains("offsets.ron")));
+        assert!(detail(101).is_some_and(|detail| detail.contains("O0003")));
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+
+    /// Method A: 014.0, 014.1 = 0; 取消 and the letter of the axis set the zero.
+    #[test]
+    fn a_machine_zero_set_by_hand_outlasts_the_process() {
+        let folder = crate::files::test_folder("zero-kept");
+        let data = Arc::new(DataDir::open(&folder).expect("open"));
+        let without_switch = || {
+            let mut setup = Setup::delivered();
+            setup.parameters.set_bit(14, 1, false).expect("bit");
+            setup
+        };
+        let mut setup = without_switch();
+        let restored = load(&data, &mut setup);
+        let mut emulator = Emulator::new(setup);
+        let mut keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
+        let cnc = &mut emulator.simulation.cnc;
+        cnc.request(Request::SetMachineZero(Axis::Z)).expect("set");
+        keeper.look(&emulator);
+        keeper.finish(&emulator);
+        let mut next = without_switch();
+        load(&data, &mut next).place(&mut next);
+        let next = Emulator::new(next);
+        let referenced = next.simulation.cnc.reference_without_switch();
+        assert!(referenced.z && !referenced.x);
         std::fs::remove_dir_all(folder).expect("clean");
     }
 }

@@ -29,11 +29,11 @@ use crate::memory::{
 };
 use crate::motion::{DryRun, Interpolator, JogRate, MotionInputs, MotionLimits, RapidOverride};
 use crate::operation::{
-    ActiveAlarms, Automatic, BoardDrives, FromPlc, Handshake, InputFilter, JOG_RATE_MAX, Mode,
-    Return, RunState, Sensors, Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
+    ActiveAlarms, Automatic, BoardDrives, DriveWatch, FromPlc, Handshake, InputFilter,
+    JOG_RATE_MAX, Mode, Return, RunState, Sensors, Strobe, ToPlc, WheelCounter, X_BYTES, jog_rate,
 };
 use crate::program::{MdiBlock, ProgramMemory};
-use crate::setup::Setup;
+use crate::setup::{Setup, TOOL_IN_POSITION, TOOL_PARAMETER};
 use crate::spindle::{SpindleAngle, SpindleControl, SpindleInputs};
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
@@ -109,6 +109,7 @@ pub struct Cnc {
     next_ladder: Option<Arc<Ladder>>,
     pub(crate) plc_message: bool,
     pub(crate) sensors: Sensors,
+    pub(crate) drives: DriveWatch,
 
     pub(crate) mode: Mode,
     pub(crate) automatic: Automatic,
@@ -169,6 +170,7 @@ impl Cnc {
     /// A control at power-on.
     pub fn new(setup: Setup) -> Self {
         let tool = setup.tool_in_position();
+        let referenced = PerAxis::new(setup.is_referenced(Axis::X), setup.is_referenced(Axis::Z));
         let mut parameters = setup.parameters;
         parameters.power_on();
         let mut authority = setup.authority;
@@ -178,6 +180,7 @@ impl Cnc {
             plc.memory_mut().restore_retained(retained);
         }
         plc.power_on();
+        plc.memory_mut().set_k(TOOL_IN_POSITION, tool);
         preset_plc(plc.memory_mut(), &parameters);
         let mut interpreter = Interpreter::new(&parameters);
         interpreter.set_inch_input(setup.settings.inch);
@@ -229,6 +232,7 @@ impl Cnc {
             next_ladder: None,
             plc_message: false,
             sensors: Sensors::default(),
+            drives: DriveWatch::default(),
             mode: Mode::Mdi,
             automatic: Automatic::default(),
             handshake: Handshake::default(),
@@ -250,7 +254,7 @@ impl Cnc {
             frame: Frame::default(),
             relative_zero: Point::default(),
             program_zero: None,
-            referenced: PerAxis::new(setup.referenced, setup.referenced),
+            referenced,
             at_reference: PerAxis::default(),
             negative: PerAxis::default(),
             last_rapid: false,
@@ -290,19 +294,17 @@ impl Cnc {
             start: Some(position),
             absolute: Some(self.frame.program(position)),
             referenced: false,
+            zero_kept: self.reference_without_switch(),
             ..Setup::default()
         };
-        // A zero that no switch tells is remembered.
-        let referenced = self.reference_without_switch();
         *self = Self::new(setup);
-        self.referenced = referenced;
     }
 
     /// One millisecond of the control.
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
         self.events.clear();
         self.ticks += 1;
-        self.sensors.sense(inputs);
+        self.sensors.sense(inputs, &self.parameters);
         self.soft_switch_tick();
         if self.ticks % SAMPLE_TICKS == 1 {
             self.sample_contacts(inputs);
@@ -313,7 +315,7 @@ impl Cnc {
         let masked = self.parameters.emergency_stop_masked();
         let closed = self.filter.accepted()[ESP_BYTE] & ESP_MASK != 0;
         self.watch_reset(closed || masked);
-        self.watch_drives(inputs.drive_alarm);
+        self.watch_drives(inputs);
         self.automatic_tick();
         self.manual_tick(inputs);
         self.return_tick(inputs);
@@ -357,6 +359,9 @@ impl Cnc {
     /// What the ladder has decided acts.
     fn hear_plc(&mut self, was: &FromPlc) {
         self.from_plc = FromPlc::read(self.plc.memory());
+        if self.parameters.override_code_is_inverted() {
+            self.from_plc.feed_override = 150 - self.from_plc.feed_override;
+        }
         self.plc_message = self.plc.active_messages().next().is_some();
         if let Some(fault) = self.plc.fault() {
             let detail = fault.to_string();
@@ -462,6 +467,14 @@ impl Cnc {
             self.tool = (now, 0);
             self.interpreter.set_tool(now);
         }
+        if now != before {
+            self.remember_tool(now);
+        }
+    }
+
+    /// 075 holds the tool in position; numbers beyond its range are not kept.
+    pub(crate) fn remember_tool(&mut self, tool: u8) {
+        let _ = self.parameters.set(TOOL_PARAMETER, tool.into());
     }
 
     /// The tool-change key: the next station, after the last the first.

@@ -295,7 +295,11 @@ impl<'a> Walk<'a> {
         self.so_far.spindle = self.spindle.turning();
         let mut preview = self.so_far;
         preview.absolute = snapped(preview.frame.program(preview.machine));
-        preview.relative = snapped(preview.absolute - self.relative_zero);
+        let offset = match preview.parameters.relative_is_programmed() {
+            true => Point::default(),
+            false => preview.frame.offset,
+        };
+        preview.relative = snapped(preview.absolute + offset - self.relative_zero);
         preview
     }
 

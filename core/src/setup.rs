@@ -11,10 +11,12 @@ use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
 };
 use crate::program::ProgramMemory;
-use crate::units::Point;
+use crate::units::{Axis, PerAxis, Point};
 
 /// K12: the tool in position, kept by the ladder.
-const TOOL_IN_POSITION: usize = 12;
+pub(crate) const TOOL_IN_POSITION: u16 = 12;
+/// 075: the same, kept by the control; 0: nothing known.
+pub(crate) const TOOL_PARAMETER: u16 = 75;
 
 /// The standard ladder, as instruction list.
 pub const STANDARD_LADDER: &str = include_str!("../../assets/ladder/standard.il");
@@ -56,6 +58,8 @@ pub struct Setup {
     pub alarms: Vec<Alarm>,
     /// Whether both axes already have their reference.
     pub referenced: bool,
+    /// Axes whose machine zero was set by hand and is kept (method A).
+    pub zero_kept: PerAxis<bool>,
     /// Speed of a spindle that already turns forward, r/min.
     pub spindle_rpm: Option<f64>,
     /// Machine inputs held at a value.
@@ -73,14 +77,29 @@ pub fn standard_ladder() -> Arc<Ladder> {
 }
 
 impl Setup {
-    /// The tool in position at power-on: what the ladder kept in K12.
+    /// The tool in position at power-on: 075, or what the ladder kept in K12.
     pub fn tool_in_position(&self) -> u8 {
+        match u8::try_from(self.parameters.value(TOOL_PARAMETER)) {
+            Ok(tool) if tool > 0 => return tool,
+            _ => {}
+        }
         match &self.plc_retained {
-            Some(retained) => retained.k.get(TOOL_IN_POSITION).copied().unwrap_or(0),
+            Some(retained) => retained
+                .k
+                .get(usize::from(TOOL_IN_POSITION))
+                .copied()
+                .unwrap_or(0),
             None => Plc::new(Arc::clone(&self.ladder))
                 .memory()
-                .k(TOOL_IN_POSITION as u16),
+                .k(TOOL_IN_POSITION),
         }
+    }
+
+    /// Whether an axis has its reference at power-on: a zero that no switch tells
+    /// (014 ZRS = 0) is kept.
+    pub(crate) fn is_referenced(&self, axis: Axis) -> bool {
+        let kept = *self.zero_kept.get(axis) && !self.parameters.has_zero_switch(axis);
+        self.referenced || kept
     }
 
     /// The training lathe as it is delivered: factory parameters but for the analog
@@ -120,6 +139,7 @@ impl Default for Setup {
             absolute: None,
             alarms: Vec::new(),
             referenced: true,
+            zero_kept: PerAxis::default(),
             spindle_rpm: None,
             forced_inputs: Vec::new(),
         }

@@ -122,9 +122,10 @@ impl Simulation {
     }
 
     /// Switches the control off and on again: retained memory is kept, the lathe
-    /// stays where it stands.
+    /// stays where it stands. Its spindle is driven as 001.4 says then.
     pub fn power_cycle(&mut self) {
         self.cnc.power_cycle();
+        self.lathe.fit_spindle(self.cnc.parameters());
         self.lathe.stand_at(self.cnc.pulses());
         self.inputs = self.lathe.inputs();
     }

@@ -8,6 +8,7 @@ pub mod compare;
 pub mod execute;
 pub mod fuzz;
 pub mod setup;
+pub mod sources;
 
 mod operate;
 mod picture;

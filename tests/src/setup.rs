@@ -12,6 +12,9 @@ use gsk_core::setup::Setup;
 use gsk_core::units::{Axis, Diameter, Point};
 use serde::Deserialize;
 
+/// Head of the program that fills the memory.
+const FILLING: &str = "O9999;\n(";
+
 /// What a case starts from where it differs from the dry-run set-up.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -28,6 +31,8 @@ pub struct SetupWords {
     pub params: Vec<String>,
     /// Offsets: `"01=2,1.5,0,0"`.
     pub offsets: Vec<String>,
+    /// Characters that a program O9999 already takes in the memory.
+    pub filled: usize,
     /// Points of the pitch error table, µm: `"Z 1=7"`.
     pub pitch: Vec<String>,
     /// Machine inputs held at a value: `"X0.4=1"`.
@@ -81,6 +86,12 @@ impl SetupWords {
         }
         for word in &self.offsets {
             offset(&mut setup, word).map_err(|error| format!("offset {word}: {error}"))?;
+        }
+        if self.filled > 0 {
+            let comment = "X".repeat(self.filled.saturating_sub(FILLING.len() + 1));
+            let text = format!("{FILLING}{comment})");
+            let stored = setup.programs.store(text);
+            stored.map_err(|alarm| alarm.line_text())?;
         }
         for word in &self.pitch {
             pitch(&mut setup, word).map_err(|error| format!("pitch {word}: {error}"))?;

@@ -1,8 +1,8 @@
 //! Every alarm of the control has a case that raises it, or a line in
 //! `alarm-coverage.tsv` that says why none can.
 //!
-//! `never` is for alarms that a simulated machine cannot have, `open` for those
-//! without a case so far. An alarm of a program may be open only while a case
+//! `never` is for alarms that a simulated machine cannot have, `test` names the Rust
+//! test that raises one which no case can, `open` is for those without either so far. An alarm of a program may be open only while a case
 //! marked as a known failure waits for it.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
@@ -12,6 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gsk_core::alarm::{self, AlarmRow};
+use gsk_tests::sources::has_test;
 use gsk_tests::{Case, cases_dir, repository};
 use serde_json::Value;
 
@@ -103,7 +104,11 @@ fn reasons() -> BTreeMap<u16, Reason> {
         let open = match kind {
             "never" => false,
             "open" => true,
-            other => panic!("alarm-coverage.tsv: {other} is neither never nor open"),
+            "test" => {
+                assert!(has_test(why), "{number}: there is no test {why}");
+                false
+            }
+            other => panic!("alarm-coverage.tsv: {other} is neither never, test nor open"),
         };
         let reason = Reason {
             open,

@@ -11,12 +11,12 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use gsk_core::memory::{self, ParameterRow, Parameters};
 use gsk_tests::case::Case;
+use gsk_tests::sources::has_test;
 use gsk_tests::{cases_dir, repository, run_as_written};
 
 /// What covers a parameter.
@@ -181,30 +181,12 @@ fn every_case_shows_the_difference() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Whether a Rust test of this name stands below a folder.
-fn has_test(folder: &Path, name: &str) -> bool {
-    let wanted = format!("fn {name}()");
-    let entries = fs::read_dir(folder).expect("folder");
-    entries
-        .map(|entry| entry.expect("entry").path())
-        .any(|path| {
-            if path.is_dir() {
-                return has_test(&path, name);
-            }
-            let rust = path.extension().is_some_and(|extension| extension == "rs");
-            rust && fs::read_to_string(&path).expect("source").contains(&wanted)
-        })
-}
-
 #[test]
 fn every_test_named_exists() {
     for (place, cover) in covers() {
         let Cover::Tests(tests) = cover else { continue };
         for test in tests {
-            let sources = ["core", "panel", "app", "tests"];
-            let exists = sources
-                .iter()
-                .any(|package| has_test(&repository().join(package), &test));
+            let exists = has_test(&test);
             assert!(exists, "{}: there is no test {test}", written(place));
         }
     }
@@ -235,4 +217,22 @@ fn the_readmes_list_what_is_without_effect() {
     assert_eq!(table_under(&text("README.md"), heading), english);
     let heading = "### 为兼容而保留、不起作用的参数";
     assert_eq!(table_under(&text("README.zh-CN.md"), heading), chinese);
+}
+
+/// What can be checked of the appendix of parameters and of its chapters, with the
+/// cases or tests that check it.
+#[test]
+fn every_fact_about_parameters_has_its_case_or_test() {
+    let path = repository().join("tests/parameter-facts.tsv");
+    let text = fs::read_to_string(path).expect("parameter-facts.tsv");
+    for line in text.lines().skip(1) {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let [_, _, proofs] = fields[..] else {
+            panic!("parameter-facts.tsv: three columns are needed: {line}");
+        };
+        for proof in proofs.split(' ') {
+            let exists = cases_dir().join(proof).join("case.ron").exists() || has_test(proof);
+            assert!(exists, "there is neither a case nor a test {proof}");
+        }
+    }
 }

@@ -293,7 +293,7 @@ impl AxisChain {
     }
 
     /// Takes over changed parameters (001.2, 003.5, 006, 008, 010, 011, 013,
-    /// 015–018, 034, 035, 098–103) and pitch errors at standstill, without a pulse.
+    /// 015–018, 034, 035, 090–103) and pitch errors at standstill, without a pulse.
     pub fn reconfigure(&mut self, parameters: &Parameters, table: &PitchTable) {
         for axis in [Axis::X, Axis::Z] {
             let changed = Chain::new(axis, parameters, table);

@@ -1,5 +1,5 @@
 //! Pitch error compensation: what the screw is wrong by at a machine position (003.5,
-//! 013, 098, 099, 102, 103; manual III-10).
+//! 013, 090, 091, 094, 095, 098, 099, 102, 103; manual III-10).
 //!
 //! ```text
 //!  point    R-2      R-1       R       R+1      R+2
@@ -41,7 +41,11 @@ impl PitchCurve {
         }
         let origin = parameters.pitch_origin(axis);
         let factor = parameters.pitch_factor() * per_thousandth as i32;
-        let value = |point: usize| i32::from(table.value(axis, point as u8)) * factor;
+        let counts = parameters.pitch_points(axis);
+        let value = |point: usize| match counts.contains(&point) {
+            true => i32::from(table.value(axis, point as u8)) * factor,
+            false => 0,
+        };
         let reference = usize::from(origin);
         let mut sums = vec![0; POINTS];
         for point in reference + 1..POINTS {

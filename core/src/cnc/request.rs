@@ -181,7 +181,7 @@ impl Cnc {
     fn carry_out_request(&mut self, request: Request) -> Result<(), Alarm> {
         match request {
             Request::ZeroRelative(axis) if !self.is_moving() => {
-                *self.relative_zero.get_mut(axis) = self.position_absolute().get(axis);
+                *self.relative_zero.get_mut(axis) = self.relative_base().get(axis);
             }
             Request::SetMachineZero(axis) => self.set_machine_zero(axis),
             Request::ClearParts if !self.is_moving() => self.counters.clear_parts(),

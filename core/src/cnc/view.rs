@@ -61,7 +61,18 @@ impl Cnc {
 
     /// Relative coordinates U, W (radius, mm).
     pub fn position_relative(&self) -> Point {
-        self.position_absolute() - self.relative_zero
+        self.relative_base() - self.relative_zero
+    }
+
+    /// What the relative coordinates are counted from: absolute coordinates, with the
+    /// tool offset unless 004.1 PROD = 1.
+    pub(crate) fn relative_base(&self) -> Point {
+        let absolute = self.position_absolute();
+        if self.parameters.relative_is_programmed() {
+            absolute
+        } else {
+            absolute + self.frame.offset
+        }
     }
 
     /// What is left of the motion under way (radius, mm).

@@ -16,9 +16,9 @@ pub struct Inputs {
     /// Command count at which the zero signal changed during this tick: what the
     /// zero input latches.
     pub index_latch: PerAxis<Option<Pulses>>,
-    /// Drive alarm, after the polarity of 009.
+    /// Alarm line of each drive: its level (009 says which one is the alarm).
     pub drive_alarm: PerAxis<bool>,
-    /// Drive ready.
+    /// Ready line of each drive: its level (005.2 DRDY).
     pub drive_ready: PerAxis<bool>,
     /// Spindle encoder, four counts a line, absolute since the start.
     pub encoder: i64,

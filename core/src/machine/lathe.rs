@@ -173,16 +173,12 @@ impl Lathe {
                 drive.index_latch().filter(|_| !self.faults.has(lost))
             }
         };
-        let drive_alarm = PerAxis::new(self.drive_alarm(Axis::X), self.drive_alarm(Axis::Z));
         Inputs {
             x: self.contacts(),
             index_pulse: PerAxis::new(index(Axis::X, Fault::IndexX), index(Axis::Z, Fault::IndexZ)),
             index_latch: PerAxis::new(latch(Axis::X, Fault::IndexX), latch(Axis::Z, Fault::IndexZ)),
-            drive_alarm,
-            drive_ready: PerAxis::new(
-                self.enable.x && !drive_alarm.x,
-                self.enable.z && !drive_alarm.z,
-            ),
+            drive_alarm: PerAxis::new(self.alarm_signal(Axis::X), self.alarm_signal(Axis::Z)),
+            drive_ready: PerAxis::new(self.ready_signal(Axis::X), self.ready_signal(Axis::Z)),
             encoder,
             encoder_index,
             spindle_index,
@@ -190,13 +186,28 @@ impl Lathe {
         }
     }
 
-    /// Whether the control is told of an alarm of the drive.
-    fn drive_alarm(&self, axis: Axis) -> bool {
-        let (wired, fault) = match axis {
-            Axis::X => (self.config.x.alarm_line, Fault::DriveX),
-            Axis::Z => (self.config.z.alarm_line, Fault::DriveZ),
+    /// Whether a drive has switched itself off.
+    fn drive_failed(&self, axis: Axis) -> bool {
+        let fault = match axis {
+            Axis::X => Fault::DriveX,
+            Axis::Z => Fault::DriveZ,
         };
-        wired && (self.faults.has(fault) || self.axes.get(axis).tripped())
+        self.faults.has(fault) || self.axes.get(axis).tripped()
+    }
+
+    /// The alarm line of a drive; one that is not wired stays at rest.
+    fn alarm_signal(&self, axis: Axis) -> bool {
+        let wired = match axis {
+            Axis::X => self.config.x.alarm_line,
+            Axis::Z => self.config.z.alarm_line,
+        };
+        (wired && self.drive_failed(axis)) == *self.wiring.drive_alarm.get(axis)
+    }
+
+    /// The ready line of a drive: enabled, and not switched off by itself.
+    fn ready_signal(&self, axis: Axis) -> bool {
+        let ready = *self.enable.get(axis) && !self.drive_failed(axis);
+        ready == self.wiring.drive_ready
     }
 
     /// Whether the deceleration switch of an axis is pressed.
@@ -382,6 +393,13 @@ impl Lathe {
     /// Turns the handwheel, detents, clockwise positive.
     pub const fn turn_handwheel(&mut self, detents: i32) {
         self.handwheel = self.handwheel.wrapping_add(detents);
+    }
+
+    /// Inverter or switched speeds, with or without gears: connected while the power
+    /// is off, as the parameters found then say (001.4, 005.5, 164.7, 164.6).
+    pub fn fit_spindle(&mut self, parameters: &Parameters) {
+        self.wiring.fit_spindle(parameters);
+        self.spindle.fit(&self.wiring);
     }
 
     /// Takes the control's pulse count for the place where the slides stand.

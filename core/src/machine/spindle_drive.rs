@@ -81,6 +81,11 @@ impl SpindleDrive {
         }
     }
 
+    /// Driven by the inverter or by switched speeds.
+    pub const fn fit(&mut self, wiring: &Wiring) {
+        self.analog = wiring.analog;
+    }
+
     /// Lets the spindle turn already, until M03 or M04 takes over.
     pub const fn coast(&mut self, rpm: f64) {
         self.coasting = Some(rpm);

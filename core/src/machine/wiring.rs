@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::memory::Parameters;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// What a pin shared by chuck, gears, stations and enable switches carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -53,6 +53,12 @@ pub(super) struct Wiring {
     pub x1_0: SharedPin,
     pub x1_1: SharedPin,
     pub x1_2: SharedPin,
+    /// Signal level of a drive that is ready (005.2 DRDY) and of one with an alarm
+    /// (009 ALM).
+    pub drive_ready: bool,
+    pub drive_alarm: PerAxis<bool>,
+    /// Contacts of the tool post.
+    contacts: u32,
     /// Analog spindle (001.4), and gears by M41–M44 (164.7 AGER).
     pub analog: bool,
     pub gears: bool,
@@ -99,9 +105,23 @@ impl Wiring {
                 (enable(bit(164, 4)), SharedPin::Enable),
                 (many, SharedPin::Station),
             ]),
+            drive_ready: parameters.drive_ready_level(),
+            drive_alarm: PerAxis::new(
+                parameters.drive_alarm_level(Axis::X),
+                parameters.drive_alarm_level(Axis::Z),
+            ),
+            contacts,
             analog: parameters.analog_spindle(),
             gears,
             outer_chuck: bit(168, 0),
         }
+    }
+
+    /// Another drive of the spindle: with it go the switches of the gears.
+    pub fn fit_spindle(&mut self, parameters: &Parameters) {
+        let new = Self::new(parameters, self.contacts);
+        self.analog = new.analog;
+        self.gears = new.gears;
+        (self.x1_1, self.x1_2) = (new.x1_1, new.x1_2);
     }
 }

@@ -1,5 +1,7 @@
 //! Parameters by name and in the units of the inside: mm as radius, mm/min, ms.
 
+use core::ops::RangeInclusive;
+
 use super::Parameters;
 use crate::units::Axis;
 
@@ -25,6 +27,43 @@ impl Parameters {
     /// 001.4: the spindle speed is an analog voltage; otherwise outputs S1–S4.
     pub fn analog_spindle(&self) -> bool {
         self.bit(1, 4)
+    }
+
+    /// 005.2 DRDY: signal level of a drive that is ready.
+    pub fn drive_ready_level(&self) -> bool {
+        self.bit(5, 2)
+    }
+
+    /// 009.0, 009.1 ALM: signal level of a drive that has an alarm.
+    pub fn drive_alarm_level(&self, axis: Axis) -> bool {
+        self.axis_bit(9, axis)
+    }
+
+    /// 012.2 OFVY: a drive that is ready before it is enabled has no alarm.
+    pub fn drive_may_be_early(&self) -> bool {
+        self.bit(12, 2)
+    }
+
+    /// 006.4 OVRI: the code of the feed override is read the wrong way round.
+    pub fn override_code_is_inverted(&self) -> bool {
+        self.bit(6, 4)
+    }
+
+    /// 004.1 PROD: the relative coordinates are those of the program; otherwise the
+    /// tool offset is part of them.
+    pub fn relative_is_programmed(&self) -> bool {
+        self.bit(4, 1)
+    }
+
+    /// 005.3 EDTB: text is inserted behind the character at the cursor (function A);
+    /// otherwise in front of it (B).
+    pub fn inserts_behind(&self) -> bool {
+        self.bit(5, 3)
+    }
+
+    /// 012.6 WSFT: offset 000 shifts the work coordinates.
+    pub fn work_shift(&self) -> bool {
+        self.bit(12, 6)
     }
 
     /// 001.3: the handwheel key selects the handwheel; otherwise single steps.
@@ -178,9 +217,10 @@ impl Parameters {
         self.bit(173, 1)
     }
 
-    /// 164.7 AGER with an analog spindle: M41–M44 change gears.
+    /// 164.7 AGER with an analog spindle, unless 005.5 SMAL says that gears are
+    /// changed by hand: M41–M44 change gears.
     pub fn automatic_gears(&self) -> bool {
-        self.bit(164, 7) && self.analog_spindle()
+        self.bit(164, 7) && self.analog_spindle() && !self.bit(5, 5)
     }
 
     /// 172.4 MOT: the soft limits are not watched.
@@ -367,6 +407,19 @@ impl Parameters {
     /// 098, 099: point of the pitch error table at the reference position.
     pub fn pitch_origin(&self, axis: Axis) -> u8 {
         self.per_axis(axis, 98, 99).clamp(0, 255) as u8
+    }
+
+    /// 090, 094 of X, 091, 095 of Z: lowest and highest point of the pitch error
+    /// table that counts; all do while the highest is not above the lowest.
+    pub fn pitch_points(&self, axis: Axis) -> RangeInclusive<usize> {
+        let point = |number: i32| number.clamp(0, 255) as usize;
+        let lowest = point(self.per_axis(axis, 90, 91));
+        let highest = point(self.per_axis(axis, 94, 95));
+        if highest > lowest {
+            lowest..=highest
+        } else {
+            0..=255
+        }
     }
 
     /// 102, 103: slide travel from point to point of the pitch error table, in

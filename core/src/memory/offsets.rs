@@ -25,7 +25,7 @@ pub struct ToolOffset {
     pub t: u8,
 }
 
-/// The offset table; row 000 is always zero.
+/// The offset table; row 000 is zero, or the shift of the work coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "Vec<ToolOffset>", try_from = "Vec<ToolOffset>")]
 pub struct Offsets {
@@ -65,8 +65,31 @@ impl Offsets {
         Ok(())
     }
 
-    /// The offset as a displacement of the slide (X as a radius), mm.
+    /// Changes row 000, the shift of the work coordinates (012.6 WSFT).
+    ///
+    /// # Errors
+    /// 043 for a value out of range.
+    pub fn set_work_shift(&mut self, shift: ToolOffset) -> Result<(), Alarm> {
+        if let Some(row) = self.rows.first_mut() {
+            *row = checked(shift)?;
+        }
+        Ok(())
+    }
+
+    /// The offset as a displacement of the slide (X as a radius), mm; with 012.6
+    /// WSFT = 1 the work shift is part of each.
     pub fn vector(&self, number: u8, parameters: &Parameters) -> Point {
+        let own = self.row_vector(number, parameters);
+        if parameters.work_shift() && number > 0 {
+            own + self.row_vector(0, parameters)
+        } else if parameters.work_shift() || number > 0 {
+            own
+        } else {
+            Point::default()
+        }
+    }
+
+    fn row_vector(&self, number: u8, parameters: &Parameters) -> Point {
         let ToolOffset { x, z, .. } = self.get(number);
         Point::new(
             if parameters.offset_is_radius() {
@@ -117,8 +140,9 @@ impl TryFrom<Vec<ToolOffset>> for Offsets {
     fn try_from(rows: Vec<ToolOffset>) -> Result<Self, Alarm> {
         let mut offsets = Self::default();
         for (number, row) in (0..=u8::MAX).zip(&rows) {
-            if number > 0 || *row != ToolOffset::default() {
-                offsets.set(number, *row)?;
+            match number {
+                0 => offsets.set_work_shift(*row)?,
+                _ => offsets.set(number, *row)?,
             }
         }
         Ok(offsets)
@@ -179,6 +203,20 @@ mod tests {
         offsets.set(7, ROW).unwrap();
         let text = ron::to_string(&offsets).unwrap();
         assert_eq!(ron::from_str::<Offsets>(&text).unwrap(), offsets);
-        assert!(ron::from_str::<Offsets>("[(x:1.0,z:0.0,r:0.0,t:0)]").is_err());
+        assert!(ron::from_str::<Offsets>("[(x:10000.0,z:0.0,r:0.0,t:0)]").is_err());
+    }
+
+    #[test]
+    fn the_work_shift_is_part_of_every_offset_with_012_6() {
+        let mut offsets = Offsets::default();
+        let row = |x, z| ToolOffset { x, z, ..ROW };
+        offsets.set(1, row(2.0, -1.5)).unwrap();
+        offsets.set_work_shift(row(4.0, 1.0)).unwrap();
+        let mut parameters = Parameters::default();
+        assert_eq!(offsets.vector(0, &parameters), Point::default());
+        assert_eq!(offsets.vector(1, &parameters), Point::new(1.0, -1.5));
+        parameters.set_bit(12, 6, true).unwrap();
+        assert_eq!(offsets.vector(0, &parameters), Point::new(2.0, 1.0));
+        assert_eq!(offsets.vector(1, &parameters), Point::new(3.0, -0.5));
     }
 }

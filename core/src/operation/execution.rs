@@ -117,15 +117,15 @@ impl Cnc {
                 program_zero,
                 relative,
             } => {
-                let shown_before = self.frame.program(self.position());
+                let shown_before = self.relative_base();
                 let moved = frame.zero != self.frame.zero;
                 self.frame = *frame;
                 if let Some(point) = program_zero {
                     self.program_zero = Some(*point);
                 }
-                // The relative display follows an offset, and a G50 only with PPD.
+                // An offset shows in the relative display by PROD, a G50 with PPD.
                 if moved {
-                    let shown = self.frame.program(self.position());
+                    let shown = self.relative_base();
                     self.relative_zero = if *relative {
                         Point::default()
                     } else {

@@ -95,22 +95,6 @@ impl Cnc {
         }
     }
 
-    /// Drive alarms (manual III-12.3): all axes stop at once; RESET clears them
-    /// when the drive is well again.
-    pub(crate) fn watch_drives(&mut self, alarm: PerAxis<bool>) {
-        let number = match (alarm.x, alarm.z) {
-            (false, false) => return,
-            (true, false) => 221,
-            (false, true) => 222,
-            (true, true) => 252,
-        };
-        if !self.alarms.contains(number) {
-            self.interpolator.stop_now();
-            self.at_reference = PerAxis::default();
-            self.raise(Alarm::new(number));
-        }
-    }
-
     /// 准备未绪: emergency stop or a drive that is not ready.
     pub(crate) fn is_not_ready(&self) -> bool {
         self.alarms

@@ -4,7 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::machine::Inputs;
-use crate::units::PerAxis;
+use crate::memory::Parameters;
+use crate::units::{Axis, PerAxis};
 
 /// How long the one-turn signal of the spindle is shown, ms: it stands for a
 /// thousandth of a turn, too short for a picture.
@@ -24,9 +25,10 @@ pub struct Sensors {
 
 impl Sensors {
     /// Once a millisecond.
-    pub fn sense(&mut self, inputs: &Inputs) {
+    pub fn sense(&mut self, inputs: &Inputs, parameters: &Parameters) {
         self.zero_signal = inputs.index_pulse;
-        self.drive_well = PerAxis::new(!inputs.drive_alarm.x, !inputs.drive_alarm.z);
+        let well = |axis| *inputs.drive_alarm.get(axis) != parameters.drive_alarm_level(axis);
+        self.drive_well = PerAxis::new(well(Axis::X), well(Axis::Z));
         self.encoder = inputs.encoder;
         self.mark_left = if inputs.spindle_index {
             MARK_MS

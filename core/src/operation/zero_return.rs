@@ -303,7 +303,7 @@ impl Cnc {
     }
 
     /// What is left of the reference when the pulses were lost: method A's.
-    pub(crate) fn reference_without_switch(&self) -> PerAxis<bool> {
+    pub fn reference_without_switch(&self) -> PerAxis<bool> {
         let kept = |axis| *self.referenced.get(axis) && !self.parameters.has_zero_switch(axis);
         PerAxis::new(kept(Axis::X), kept(Axis::Z))
     }

@@ -256,6 +256,18 @@ impl Editing {
         true
     }
 
+    /// Puts a character behind the one at the cursor, and the cursor on it; at the end
+    /// of a block in front of its sign.
+    pub fn insert_behind(&mut self, character: char) -> bool {
+        if self.column >= self.end_of(self.line) {
+            return self.insert(character);
+        }
+        self.column += 1;
+        let inserted = self.insert(character);
+        self.column -= 1;
+        inserted
+    }
+
     /// Writes a character over the one at the cursor; the sign that ends a block
     /// is not overwritten. `stay` leaves the cursor where it is.
     pub fn overwrite(&mut self, character: char, stay: bool) -> bool {

@@ -39,9 +39,12 @@ impl Panel {
         requests: &mut Vec<Request>,
     ) {
         let alter = self.view.editor.alter;
+        let behind = cnc.parameters().inserts_behind();
         let typed = self.edit(cnc, requests, |editing| {
             if alter {
                 editing.overwrite(character, key.is_some())
+            } else if behind {
+                editing.insert_behind(character)
             } else {
                 editing.insert(character)
             }
@@ -59,10 +62,12 @@ impl Panel {
         cnc: &Cnc,
         requests: &mut Vec<Request>,
     ) -> bool {
-        let alter = self.view.editor.alter;
         let Some(editing) = &self.view.editor.editing else {
             return false;
         };
+        // Behind the cursor, it stands on what was typed, but at the end of a block.
+        let behind = cnc.parameters().inserts_behind() && editing.at_cursor().is_some();
+        let alter = self.view.editor.alter || behind;
         let entered = if alter {
             editing.at_cursor()
         } else {

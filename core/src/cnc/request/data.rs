@@ -7,15 +7,14 @@ use super::OffsetEntry;
 use crate::alarm::Alarm;
 use crate::axis::SoftLimits;
 use crate::cnc::{Cnc, TIMER_PRESETS};
-use crate::memory::{Disk, DiskContent, ParameterError, Parameters, Setting};
+use crate::memory::{Disk, DiskContent, ParameterError, Parameters, Setting, ToolOffset};
 use crate::motion::MotionLimits;
+use crate::setup::TOOL_IN_POSITION;
 use crate::spindle::SpindleAngle;
 use crate::units::Axis;
 
 /// Alarm 100: the parameter switch is on.
 const SWITCH_ALARM: u16 = 100;
-/// K12: the tool in position, kept by the ladder.
-const TOOL_IN_POSITION: u16 = 12;
 /// The highest tool that DGN.075 takes.
 const LAST_TOOL: u8 = 32;
 /// Parameters that the spindle angle is worked out from.
@@ -34,11 +33,11 @@ impl Cnc {
         let (axis, value) = match entry {
             OffsetEntry::NoseRadius(r) => {
                 offset.r = r;
-                return self.offsets.set(number, offset);
+                return self.store_offset(number, offset);
             }
             OffsetEntry::NoseNumber(t) => {
                 offset.t = t;
-                return self.offsets.set(number, offset);
+                return self.store_offset(number, offset);
             }
             OffsetEntry::Counter(_) if self.parameters.bit(10, 5) => return Ok(()),
             OffsetEntry::Counter(axis) => (
@@ -61,7 +60,16 @@ impl Cnc {
             Axis::X => offset.x = value,
             Axis::Z => offset.z = value,
         }
-        self.offsets.set(number, offset)
+        self.store_offset(number, offset)
+    }
+
+    /// Row 000 is there for the work shift alone (012.6 WSFT).
+    fn store_offset(&mut self, number: u8, offset: ToolOffset) -> Result<(), Alarm> {
+        if number == 0 && self.parameters.work_shift() {
+            self.offsets.set_work_shift(offset)
+        } else {
+            self.offsets.set(number, offset)
+        }
     }
 
     /// The offset of a tool that stands at a measured coordinate: what is
@@ -212,6 +220,7 @@ impl Cnc {
         self.plc.memory_mut().set_k(TOOL_IN_POSITION, tool);
         self.tool = (tool, 0);
         self.interpreter.set_tool(tool);
+        self.remember_tool(tool);
         Ok(())
     }
 
