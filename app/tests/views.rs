@@ -270,6 +270,23 @@ fn a_ladder_is_saved_when_the_control_takes_one() {
             click(&mut bench, "Edit");
             click(&mut bench, "X0000.5 normally open");
             click(&mut bench, "Open/closed");
+            let label = "compiled: errors 0, warnings 0";
+            assert!(bench.harness.query_by_label(label).is_some());
+            // The coil of the next rung once more: a warning, which stands in no
+            // way of saving.
+            let field = "Instructions of the rung";
+            bench.harness.get_by_label(field).focus();
+            bench.run(1);
+            let end = (egui::Modifiers::COMMAND, egui::Key::End);
+            bench.harness.key_press_modifiers(end.0, end.1);
+            bench.run(1);
+            let text = "\nOUT G8.5";
+            bench.harness.get_by_label(field).type_text(text);
+            bench.run(1);
+            bench.run(1);
+            let label = "compiled: errors 0, warnings 1";
+            assert!(bench.harness.query_by_label(label).is_some());
+            assert!(bench.harness.query_by_label_contains(": W01").is_some());
         }
         assert_eq!(bench.harness.query_by_label(words).is_none(), allowed);
         click(&mut bench, "Save");

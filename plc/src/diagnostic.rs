@@ -35,6 +35,14 @@ pub enum Rule {
     W04,
 }
 
+impl Rule {
+    /// Whether a ladder that breaks it compiles all the same.
+    #[must_use]
+    pub const fn is_warning(self) -> bool {
+        matches!(self, Self::W01 | Self::W02 | Self::W03 | Self::W04)
+    }
+}
+
 impl fmt::Display for Rule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Debug::fmt(self, f)

@@ -51,6 +51,15 @@ impl Draft {
         &self.errors
     }
 
+    /// What the compiler says: errors, or the warnings of a text that compiles.
+    pub fn findings(&self) -> &[CompileError] {
+        if self.errors.is_empty() {
+            self.ladder.warnings()
+        } else {
+            &self.errors
+        }
+    }
+
     /// Whether there is something to be saved.
     pub fn is_changed(&self) -> bool {
         self.text != self.saved

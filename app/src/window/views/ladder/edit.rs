@@ -104,6 +104,10 @@ impl LadderView {
         let Some(draft) = &mut self.draft else { return };
         if let Some(list) = self.opened.pop() {
             draft.set(list, None);
+            if !draft.errors().is_empty() {
+                // Its errors stand by its lines.
+                self.tab = Tab::List;
+            }
         }
         let newest = machine.next_ladder.as_ref();
         let kept = newest.unwrap_or(machine.plc.ladder());
@@ -364,8 +368,8 @@ impl LadderView {
             .frame(egui::Frame::new().inner_margin(egui::Margin::symmetric(10, 0)));
         let mut chosen = None;
         panel.show(ui, |ui| {
-            let errors = self.draft.as_ref().map_or(&[][..], Draft::errors);
-            chosen = complaints(ui, language, errors, editor.line, editor.rung);
+            let found = self.draft.as_ref().map_or(&[][..], Draft::findings);
+            chosen = complaints(ui, language, found, editor.line, editor.rung);
         });
         ScrollArea::vertical()
             .auto_shrink([false, false])
@@ -469,7 +473,7 @@ impl LadderView {
 fn complaints(
     ui: &mut Ui,
     language: Language,
-    errors: &[CompileError],
+    found: &[CompileError],
     first: u32,
     rung: u32,
 ) -> Option<u32> {
@@ -478,11 +482,13 @@ fn complaints(
         .id_salt("complaints")
         .auto_shrink([false, false])
         .show(ui, |ui| {
-            if errors.is_empty() {
-                let words = words::compiled(language);
+            let compiles = found.iter().all(|found| found.code.is_warning());
+            if compiles {
+                let words = words::compiled(found.len(), language);
                 ui.label(RichText::new(words).color(super::draw::LIVE));
             }
-            for error in errors {
+            let ink = if compiles { super::draw::HELD } else { WRONG };
+            for error in found {
                 let own = rung == WHOLE || error.rung == rung;
                 let place = if own {
                     let line = error.line.saturating_sub(first) + 1;
@@ -491,7 +497,7 @@ fn complaints(
                     format!("{} {:04}", say(language, "梯级", "rung"), error.rung)
                 };
                 let text = format!("{place}: {}", words::finding(error, language));
-                let label = egui::Label::new(RichText::new(text).color(WRONG))
+                let label = egui::Label::new(RichText::new(text).color(ink))
                     .wrap()
                     .sense(egui::Sense::click());
                 if ui.add(label).clicked() {

@@ -18,10 +18,10 @@ pub fn finding(error: &CompileError, language: Language) -> String {
 
 /// The closing line of a compilation without errors, in Chinese in the words of the
 /// manufacturer's tool.
-pub fn compiled(language: Language) -> String {
+pub fn compiled(warnings: usize, language: Language) -> String {
     match language {
-        Language::Zh => gsk_core::plc::summary(0, 0),
-        Language::En => "compiled: 0 errors".to_owned(),
+        Language::Zh => gsk_core::plc::summary(0, warnings),
+        Language::En => format!("compiled: errors 0, warnings {warnings}"),
     }
 }
 

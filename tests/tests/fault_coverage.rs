@@ -1,0 +1,32 @@
+//! Every fault of the lathe has a case that breaks it and looks at the diagnosis
+//! page for its cause.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on should say where"
+)]
+
+use std::fs;
+
+use gsk_core::machine::FAULTS;
+use gsk_tests::cases_dir;
+
+#[test]
+fn every_fault_has_a_case_that_shows_its_cause() {
+    let mut scripts = Vec::new();
+    for folder in fs::read_dir(cases_dir()).unwrap() {
+        let script = folder.unwrap().path().join("operate.txt");
+        scripts.extend(fs::read_to_string(script));
+    }
+    assert!(scripts.len() > 200, "{}", scripts.len());
+    let without: Vec<&str> = FAULTS
+        .iter()
+        .map(|row| row.name)
+        .filter(|name| {
+            let breaks = format!("fault {name} on");
+            let shows = |script: &String| script.contains(&breaks) && script.contains("press DGN");
+            !scripts.iter().any(shows)
+        })
+        .collect();
+    assert_eq!(without, [""; 0]);
+}
