@@ -54,6 +54,9 @@ pub struct WindowArgs {
     /// The simulated lathe (travel, turret, dogs …) from a RON file
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
+    /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
+    #[arg(long, value_name = "PORT")]
+    pub link: Option<String>,
 }
 
 /// Language of what surrounds the panel.

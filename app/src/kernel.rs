@@ -1,12 +1,15 @@
 //! The kernel: owns the emulator, carries out what the window asks for, hands
 //! out pictures. The same code runs in its thread and, step by step, in a test.
 
+mod drive;
+pub mod link_view;
 pub mod monitor;
 pub mod probe;
 mod thread;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
@@ -22,6 +25,10 @@ use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use gsk_panel::screen::Screen;
 
+use crate::pace::Pace;
+pub use drive::Connection;
+use drive::Drive;
+use link_view::LinkView;
 use monitor::MachineView;
 use probe::{Probe, Probing};
 pub use thread::{KernelThread, Outside, start};
@@ -35,6 +42,10 @@ const TAP: u64 = 100;
 pub const PICTURE_TICKS: u64 = 25;
 /// Ticks between two looks at machine and PLC, for the views that show them.
 const MACHINE_TICKS: u64 = 50;
+/// Ticks that a board may let the kernel make in one go.
+const MOST_AHEAD: u32 = 500;
+/// How often a link without a port is looked at.
+const WITHOUT_PORT: Duration = Duration::from_millis(4);
 /// Commands that wait for the kernel.
 const QUEUE: usize = 1024;
 
@@ -79,12 +90,27 @@ pub enum Command {
     FreeBits,
     /// Mend every fault and give every input back to its sensor.
     Mend,
+    /// Do something with the pulse board.
+    Link(LinkOrder),
+    /// Hand out the state of the pulse board, or no more.
+    WatchLink(bool),
     /// The window is alive; held keys may stay down.
     Alive,
     /// Let go of every key.
     ReleaseAll,
     /// Stop the kernel.
     Quit,
+}
+
+/// What may be asked of the pulse board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkOrder {
+    /// Close the port and open it again.
+    Reconnect,
+    /// Write the settings that differ into the board.
+    WriteSettings,
+    /// Compare its count with the commanded pulses now.
+    Check,
 }
 
 /// A program read from a file, ready for the control.
@@ -147,6 +173,8 @@ pub struct Console {
     pub pictures: Arc<ArrayQueue<Snapshot>>,
     /// The newest state of machine and PLC, while it is asked for.
     pub machine: Arc<ArrayQueue<MachineView>>,
+    /// The newest state of the pulse board, while it is asked for.
+    pub link: Arc<ArrayQueue<LinkView>>,
     /// Messages.
     pub notices: Receiver<Notice>,
     /// For helpers that read files: their messages come out of `notices`.
@@ -179,6 +207,12 @@ pub struct Kernel {
     machine: Arc<ArrayQueue<MachineView>>,
     /// Only while somebody asks for machine and PLC.
     monitored: Option<Monitored>,
+    /// A board that moves the slides.
+    drive: Option<Drive>,
+    links: Arc<ArrayQueue<LinkView>>,
+    link_watched: bool,
+    /// The program that was opened last.
+    opened: Option<String>,
     notices: Sender<Notice>,
     /// Keys that are down, with the tick they went down at.
     down: BTreeMap<Key, u64>,
@@ -199,12 +233,17 @@ impl Kernel {
         let (notices, from_kernel) = bounded(QUEUE);
         let pictures = Arc::new(ArrayQueue::new(1));
         let machine = Arc::new(ArrayQueue::new(1));
+        let links = Arc::new(ArrayQueue::new(1));
         let kernel = Self {
             emulator,
             commands: from_window,
             pictures: Arc::clone(&pictures),
             machine: Arc::clone(&machine),
             monitored: None,
+            drive: None,
+            links: Arc::clone(&links),
+            link_watched: false,
+            opened: None,
             notices: notices.clone(),
             down: BTreeMap::new(),
             releases: Vec::new(),
@@ -220,6 +259,7 @@ impl Kernel {
                 commands,
                 pictures,
                 machine,
+                link: links,
                 notices: from_kernel,
                 say: notices,
             },
@@ -233,17 +273,94 @@ impl Kernel {
 
     /// Takes what the window asked for and runs so many ticks.
     pub fn run(&mut self, ticks: u64) {
+        self.take_commands();
+        for _ in 0..ticks {
+            self.tick();
+        }
+    }
+
+    fn take_commands(&mut self) {
         while let Ok(command) = self.commands.try_recv() {
             self.carry_out(command);
         }
-        for _ in 0..ticks {
-            self.release_due();
-            self.emulator.tick();
-            self.tick += 1;
-            if let Some(probing) = &mut self.probing {
-                probing.take(self.tick, &self.emulator);
+    }
+
+    fn tick(&mut self) {
+        self.release_due();
+        self.emulator.tick();
+        self.tick += 1;
+        if let Some(probing) = &mut self.probing {
+            probing.take(self.tick, &self.emulator);
+        }
+    }
+
+    /// A board moves the slides from now on. Its port may be missing: that is an
+    /// alarm of the control.
+    pub fn connect(&mut self, connection: Connection) {
+        self.disconnect();
+        let mut drive = Drive::open(connection, &mut self.emulator.simulation);
+        drive.watch(self.link_watched);
+        self.drive = Some(drive);
+    }
+
+    fn disconnect(&mut self) -> Option<Connection> {
+        let drive = self.drive.take()?;
+        Some(drive.close(&mut self.emulator.simulation))
+    }
+
+    /// When the thread has something to do again: a board is heard all the time.
+    fn wakes_at(&self, now: Instant, pace: &Pace) -> Instant {
+        match &self.drive {
+            None => pace.next(),
+            Some(drive) if drive.has_port() => now,
+            Some(_) => now + WITHOUT_PORT,
+        }
+    }
+
+    /// Whether a board moves the slides.
+    pub const fn is_linked(&self) -> bool {
+        self.drive.is_some()
+    }
+
+    /// Takes what the window asked for, hears the board, runs as many ticks as it
+    /// lets pass, and puts out pictures of what it has made. Waits 2 ms at most.
+    /// Returns whether there is something to be seen.
+    pub fn run_linked(&mut self) -> bool {
+        self.take_commands();
+        let Some(mut drive) = self.drive.take() else {
+            return false;
+        };
+        drive.hear(&mut self.emulator.simulation);
+        for _ in 0..MOST_AHEAD {
+            if !drive.may_tick(&mut self.emulator.simulation) {
+                break;
+            }
+            drive.before(&mut self.emulator.simulation);
+            self.tick();
+            drive.after(&mut self.emulator.simulation);
+            if self.tick.is_multiple_of(PICTURE_TICKS) {
+                drive.keep_picture(self.snapshot());
             }
         }
+        drive.speak(&mut self.emulator.simulation, self.opened.as_deref());
+        let mut shown = self.show_machine();
+        if self.link_watched {
+            self.links.force_push(drive.view());
+            shown = true;
+        }
+        for said in drive.said() {
+            self.say(Notice::Said(said));
+            shown = true;
+        }
+        if let Some(snapshot) = drive.due_picture()
+            && self.last.as_ref() != Some(&snapshot)
+        {
+            self.pictures.force_push(snapshot.clone());
+            self.last = Some(snapshot);
+            shown = true;
+        }
+        self.drive = Some(drive);
+        shown
     }
 
     /// Puts out a picture if anything has changed since the last one.
@@ -329,9 +446,29 @@ impl Kernel {
                 }
             }
             Command::Mend => self.emulator.simulation.lathe.mend(),
+            Command::Link(order) => self.order(order),
+            Command::WatchLink(on) => {
+                self.link_watched = on;
+                if let Some(drive) = &mut self.drive {
+                    drive.watch(on);
+                }
+            }
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}
             Command::Quit => self.quit = true,
+        }
+    }
+
+    fn order(&mut self, order: LinkOrder) {
+        match (order, &mut self.drive) {
+            (LinkOrder::Reconnect, _) => {
+                if let Some(connection) = self.disconnect() {
+                    self.connect(connection);
+                }
+            }
+            (LinkOrder::WriteSettings, Some(drive)) => drive.write_settings(),
+            (LinkOrder::Check, Some(drive)) => drive.check(),
+            (_, None) => {}
         }
     }
 
@@ -402,7 +539,10 @@ impl Kernel {
             }
         }
         match self.emulator.load_external(opened.program) {
-            Ok(()) => self.say(Notice::Opened(opened.name)),
+            Ok(()) => {
+                self.opened = Some(opened.name.clone());
+                self.say(Notice::Opened(opened.name));
+            }
             Err(alarm) => self.say(Notice::Said(alarm.line_text())),
         }
     }

@@ -1,6 +1,7 @@
 //! The edge of the program: window, kernel thread, command line, files.
 
 pub mod board;
+pub mod carrier;
 pub mod cli;
 pub mod commands;
 pub mod execution;

@@ -9,7 +9,7 @@ use gsk_panel::emulator::Emulator;
 use super::{FINE, USAGE};
 use crate::cli::WindowArgs;
 use crate::files::data_dir::{self, DataDir};
-use crate::kernel::Kernel;
+use crate::kernel::{Connection, Kernel};
 use crate::setup_args::SetupArgs;
 use crate::window::Settings;
 use crate::window::app::{self, Start};
@@ -50,9 +50,13 @@ pub fn open(args: WindowArgs) -> Result<u8, String> {
         language: args.lang.unwrap_or(settings.language),
         ..settings
     };
+    let link = connection(args.link, &setup, &path)?;
     let mut emulator = Emulator::new(setup);
     restored.restore_panel(&mut emulator);
-    let (kernel, console) = Kernel::new(emulator);
+    let (mut kernel, console) = Kernel::new(emulator);
+    if let Some(link) = link {
+        kernel.connect(link);
+    }
     let start = Start {
         kernel,
         console,
@@ -69,6 +73,25 @@ pub fn open(args: WindowArgs) -> Result<u8, String> {
             Ok(USAGE)
         }
     }
+}
+
+/// The board that moves the slides, if one is named on the command line or in the
+/// machine file.
+fn connection(
+    port: Option<String>,
+    setup: &Setup,
+    data: &Path,
+) -> Result<Option<Connection>, String> {
+    let mut config = setup.lathe.link.clone().unwrap_or_default();
+    if let Some(port) = port {
+        config.port = port;
+    }
+    if config.port.is_empty() {
+        return Ok(None);
+    }
+    config.check().map_err(|error| error.to_string())?;
+    let log = Some(data.join("link.log"));
+    Ok(Some(Connection { config, log }))
 }
 
 fn without_display(program: Option<&Path>) -> String {

@@ -5,6 +5,7 @@ pub mod data_dir;
 pub mod decode;
 pub mod program_file;
 pub mod subprograms;
+pub mod time;
 
 /// An empty folder of its own for one test.
 #[cfg(test)]

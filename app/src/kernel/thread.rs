@@ -82,8 +82,16 @@ fn turn(mut kernel: Kernel, mut outside: Outside) {
             kernel.release_all();
         }
         let due = pace.due(now);
-        kernel.run(due);
-        if kernel.tick >= picture_at {
+        if kernel.is_linked() {
+            // The board's clock counts; the machine is as fast as it has to be.
+            kernel.speed_percent = 100;
+            if kernel.run_linked() {
+                (outside.wake)();
+            }
+        } else {
+            kernel.run(due);
+        }
+        if !kernel.is_linked() && kernel.tick >= picture_at {
             picture_at = kernel.tick + PICTURE_TICKS;
             kernel.speed_percent = speed_percent(pace.ratio());
             if kernel.show() {
@@ -100,7 +108,7 @@ fn turn(mut kernel: Kernel, mut outside: Outside) {
                 (outside.wake)();
             }
         }
-        match kernel.commands.recv_deadline(pace.next()) {
+        match kernel.commands.recv_deadline(kernel.wakes_at(now, &pace)) {
             Ok(command) => {
                 heard = Instant::now();
                 kernel.carry_out(command);
@@ -110,6 +118,7 @@ fn turn(mut kernel: Kernel, mut outside: Outside) {
         }
     }
     kernel.release_all();
+    kernel.disconnect();
     if let Some(keeper) = outside.keeper {
         kernel.emulator.store_edited();
         keeper.finish(&kernel.emulator);

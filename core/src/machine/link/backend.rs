@@ -165,6 +165,14 @@ impl Link {
         }
     }
 
+    /// The port is about to be closed: motion, spindle and coolant stop with the
+    /// bytes that are left to be written.
+    pub fn close(&mut self) {
+        match self {
+            Self::Line(link) => link.close(),
+        }
+    }
+
     /// The control forgot where the axes stand (power off): so does the link.
     pub fn forget_position(&mut self) {
         match self {

@@ -19,8 +19,8 @@ mod pace;
 use core::time::Duration;
 
 use super::{
-    BoardInfo, FINE, HostTime, Link, LinkConfig, LinkState, Pins, Refused, RunTime, Sample, Stop,
-    Traffic,
+    BoardInfo, BoardOutputs, FINE, HostTime, Link, LinkConfig, LinkState, Pins, Refused, RunTime,
+    Sample, Stop, Traffic,
 };
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
@@ -111,13 +111,15 @@ impl Linked {
         linked
     }
 
-    /// The link is over; the slides are simulated again.
-    pub fn close(mut self, simulation: &mut Simulation) {
-        self.link.stop(Stop::Flush);
+    /// The link is over; the slides are simulated again. The last bytes for the board
+    /// stop it.
+    pub fn close(mut self, simulation: &mut Simulation) -> Vec<u8> {
+        self.link.close();
         simulation.cnc.halt_for_board();
         simulation.cnc.drop_reference();
         simulation.cnc.board = None;
         simulation.lathe.set_real_slides(false);
+        self.link.tx().to_vec()
     }
 
     /// Bytes came from the port, time passed. To be called at least every 5 ms, and
@@ -191,7 +193,7 @@ impl Linked {
             self.powered = !off;
             self.flushing = false;
             self.link.forget_position();
-            self.link.set_outputs(super::BoardOutputs::default());
+            self.link.set_outputs(BoardOutputs::default());
             simulation.cnc.drop_reference();
             self.pulses = simulation.cnc.pulses();
             self.moved = false;
@@ -269,6 +271,24 @@ impl Linked {
     /// What the owner should find in the log.
     pub fn notes(&mut self) -> Vec<Note> {
         core::mem::take(&mut self.notes)
+    }
+
+    /// Compares the counts, when the slides stand.
+    pub fn check(&mut self) {
+        if self.link.state() == LinkState::Ready && !self.is_behind() {
+            // What differs is an alarm as soon as it is reported.
+            self.checked(true, None);
+        }
+    }
+
+    /// Whether it is known where the slides stand.
+    pub const fn knows_position(&self) -> bool {
+        self.link.knows_position()
+    }
+
+    /// What the board has switched; none while an order is under way.
+    pub fn outputs(&self) -> Option<BoardOutputs> {
+        self.link.switched()
     }
 
     /// Writes the settings that differ; the operator was asked.

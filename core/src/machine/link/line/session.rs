@@ -295,7 +295,8 @@ impl LineLink {
         self.forget_motion();
         self.lose_position();
         self.status = None;
-        self.alarm(605, cause);
+        let never_heard = self.state == LinkState::Opening;
+        self.alarm(if never_heard { 601 } else { 605 }, cause);
         self.enter(LinkState::Lost);
     }
 

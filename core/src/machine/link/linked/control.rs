@@ -126,7 +126,7 @@ impl Linked {
         }
     }
 
-    fn checked(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {
+    pub(super) fn checked(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {
         self.notes.push(Note::Checked {
             program: self.ended.take(),
             commanded: self.pulses,

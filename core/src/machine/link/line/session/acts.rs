@@ -4,7 +4,7 @@ use core::fmt::Write;
 
 use super::super::super::{BoardOutputs, Event, LinkState, Refused, SpindleWay};
 use super::super::answers::BoardState;
-use super::{EXCUSED, HOMING_WAIT, Halt, Homing, LineLink};
+use super::{EXCUSED, HOMING_WAIT, Halt, Homing, LineLink, RESET};
 use crate::units::PerAxis;
 
 impl LineLink {
@@ -91,6 +91,16 @@ impl LineLink {
         self.restart();
         self.excused_until = self.now + EXCUSED;
         self.enter(LinkState::Locked);
+    }
+
+    /// The port is about to be closed: motion, spindle and coolant stop.
+    pub fn close(&mut self) {
+        self.outgoing.clear();
+        if self.opening.is_done() {
+            self.outgoing.push(RESET);
+        }
+        self.lose_position();
+        self.enter(LinkState::Off);
     }
 
     /// The control forgot where the axes stand (power off): so does the link.

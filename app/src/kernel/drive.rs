@@ -1,0 +1,296 @@
+//! A pulse board in the kernel's hands: its port, the control it moves, and the
+//! pictures that wait until the slides are where they show them.
+
+use std::collections::VecDeque;
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::{Duration, Instant, SystemTime};
+
+use gsk_core::command::ProgramId;
+use gsk_core::machine::link::{LinkConfig, LinkState, Linked, Note, RunTime};
+use gsk_core::simulation::Simulation;
+
+use super::Snapshot;
+use super::link_view::{Difference, LinkView};
+use crate::carrier::{Carrier, Line};
+use crate::files::time::utc;
+
+/// Lines of the traffic that are kept for the link page.
+const EXCHANGES: usize = 200;
+/// Round trips that median and worst are of.
+const TRIPS: usize = 100;
+/// Lines of the log that are kept for the link page.
+const LOG_LINES: usize = 20;
+
+/// Which board, and where its log goes.
+#[derive(Clone, Debug)]
+pub struct Connection {
+    /// The section `link` of the machine file.
+    pub config: LinkConfig,
+    /// The log of position checks, if there is a place for it.
+    pub log: Option<PathBuf>,
+}
+
+/// A board that drives the control's slides.
+pub(super) struct Drive {
+    connection: Connection,
+    linked: Linked,
+    /// None when the port could not be opened, or has failed.
+    carrier: Option<Carrier>,
+    opened: Instant,
+    watched: bool,
+    pictures: VecDeque<(RunTime, Snapshot)>,
+    exchanges: VecDeque<Line>,
+    trips: VecDeque<Duration>,
+    reports: u64,
+    differences: Vec<Difference>,
+    log: VecDeque<String>,
+    /// Sentences for the operator.
+    said: Vec<String>,
+}
+
+impl core::fmt::Debug for Drive {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Drive")
+            .field("connection", &self.connection)
+            .field("state", &self.linked.state())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Drive {
+    /// Opens the port; a port that cannot be opened is an alarm of the control.
+    pub fn open(connection: Connection, simulation: &mut Simulation) -> Self {
+        let opened = Instant::now();
+        let mut linked = Linked::open(connection.config.clone(), simulation, Duration::ZERO);
+        let carrier = match Carrier::open(&connection.config) {
+            Ok(carrier) => Some(carrier),
+            Err(cause) => {
+                linked.lost(simulation, &cause);
+                None
+            }
+        };
+        Self {
+            connection,
+            linked,
+            carrier,
+            opened,
+            watched: false,
+            pictures: VecDeque::new(),
+            exchanges: VecDeque::new(),
+            trips: VecDeque::new(),
+            reports: 0,
+            differences: Vec::new(),
+            log: VecDeque::new(),
+            said: Vec::new(),
+        }
+    }
+
+    /// Gives the slides back to the simulation; the board stops.
+    pub fn close(self, simulation: &mut Simulation) -> Connection {
+        let Self {
+            connection,
+            linked,
+            mut carrier,
+            ..
+        } = self;
+        let last = linked.close(simulation);
+        if let Some(carrier) = &mut carrier {
+            // A port that fails now has nothing more to say.
+            let _ = carrier.write(&last);
+        }
+        connection
+    }
+
+    /// Hears the board and lets its time pass; waits at most 2 ms.
+    pub fn hear(&mut self, simulation: &mut Simulation) {
+        let bytes = match self.carrier.as_mut().map(Carrier::read) {
+            Some(Ok(bytes)) => bytes,
+            Some(Err(error)) => {
+                self.carrier = None;
+                self.linked
+                    .lost(simulation, &format!("the port failed: {error}"));
+                Vec::new()
+            }
+            None => Vec::new(),
+        };
+        self.linked.pump(simulation, &bytes, self.opened.elapsed());
+        let traffic = self.linked.traffic();
+        if traffic.reports != self.reports {
+            self.reports = traffic.reports;
+            keep(&mut self.trips, traffic.round_trip, TRIPS);
+        }
+    }
+
+    /// Whether the kernel may make a tick.
+    pub fn may_tick(&mut self, simulation: &mut Simulation) -> bool {
+        self.linked.may_tick(simulation)
+    }
+
+    /// Before a tick.
+    pub fn before(&mut self, simulation: &mut Simulation) {
+        self.linked.before(simulation);
+    }
+
+    /// After a tick.
+    pub fn after(&mut self, simulation: &mut Simulation) {
+        self.linked.after(simulation);
+    }
+
+    /// Writes what waits, and the log.
+    pub fn speak(&mut self, simulation: &mut Simulation, program: Option<&str>) {
+        let bytes = self.linked.tx().to_vec();
+        match self.carrier.as_mut().map(|carrier| carrier.write(&bytes)) {
+            Some(Ok(count)) => self.linked.consumed(count),
+            Some(Err(error)) => {
+                self.carrier = None;
+                self.linked
+                    .lost(simulation, &format!("the port failed: {error}"));
+            }
+            None => self.linked.consumed(bytes.len()),
+        }
+        for note in self.linked.notes() {
+            self.note(&note, program);
+        }
+        if self.watched
+            && let Some(carrier) = &mut self.carrier
+        {
+            keep(&mut self.exchanges, carrier.traffic(), EXCHANGES);
+        }
+    }
+
+    fn note(&mut self, note: &Note, program: Option<&str>) {
+        match *note {
+            Note::Differs {
+                setting,
+                board,
+                wanted,
+            } => self.differences.push(Difference {
+                setting,
+                board: board.map(|value| value as f64 / 1000.0),
+                wanted: wanted as f64 / 1000.0,
+            }),
+            Note::Checked {
+                program: ended,
+                commanded,
+                counted,
+                agrees,
+            } => {
+                let name = match ended {
+                    Some(ProgramId::Stored(number)) => format!("O{number:04}"),
+                    Some(_) => program.unwrap_or("-").to_owned(),
+                    None => "-".to_owned(),
+                };
+                let counted = counted.map_or("X - Z -".to_owned(), |counted| {
+                    format!("X {} Z {}", counted.x.0, counted.z.0)
+                });
+                let result = if agrees { "agrees" } else { "DIFFERS" };
+                let line = format!(
+                    "{} {name} commanded X {} Z {} counted {counted} {result}",
+                    utc(SystemTime::now()),
+                    commanded.x.0,
+                    commanded.z.0
+                );
+                self.write_log(&line);
+                keep(&mut self.log, [line], LOG_LINES);
+            }
+        }
+    }
+
+    fn write_log(&mut self, line: &str) {
+        let Some(path) = &self.connection.log else {
+            return;
+        };
+        let file = OpenOptions::new().create(true).append(true).open(path);
+        if let Err(error) = file.and_then(|mut file| writeln!(file, "{line}")) {
+            self.said.push(format!("{}: {error}", path.display()));
+            // Said once; the position check goes on without its log.
+            self.connection.log = None;
+        }
+    }
+
+    /// What the operator should read.
+    pub fn said(&mut self) -> Vec<String> {
+        core::mem::take(&mut self.said)
+    }
+
+    /// Keeps a picture until the slides are where it shows them.
+    pub fn keep_picture(&mut self, snapshot: Snapshot) {
+        self.pictures.push_back((self.linked.stamp(), snapshot));
+    }
+
+    /// The newest picture of what the board has made.
+    pub fn due_picture(&mut self) -> Option<Snapshot> {
+        let mut due = None;
+        while let Some((stamp, _)) = self.pictures.front()
+            && self.linked.has_made(*stamp)
+        {
+            due = self.pictures.pop_front();
+        }
+        due.map(|(_, snapshot)| snapshot)
+    }
+
+    /// Writes the settings that differ into the board.
+    pub fn write_settings(&mut self) {
+        self.differences.clear();
+        self.linked.write_settings();
+    }
+
+    /// Compares the counts now.
+    pub fn check(&mut self) {
+        self.linked.check();
+    }
+
+    /// Keeps the traffic for the link page, or no more.
+    pub fn watch(&mut self, on: bool) {
+        self.watched = on;
+        if let Some(carrier) = &mut self.carrier {
+            carrier.watch(on);
+        }
+    }
+
+    /// Whether a read of the port paces the kernel.
+    pub const fn has_port(&self) -> bool {
+        self.carrier.is_some()
+    }
+
+    /// The link page's view.
+    pub fn view(&self) -> LinkView {
+        let mut trips: Vec<_> = self.trips.iter().copied().collect();
+        trips.sort_unstable();
+        let worst = trips.last().copied();
+        let linked = &self.linked;
+        let settled = linked.state() == LinkState::Configure;
+        LinkView {
+            state: linked.state(),
+            protocol: linked.config().protocol,
+            port: linked.config().port.clone(),
+            board: linked.board().clone(),
+            position_known: linked.knows_position(),
+            round_trip: worst.map(|worst| (trips[trips.len() / 2], worst)),
+            outstanding: linked.outstanding(),
+            lookahead: linked.config().lookahead(),
+            traffic: linked.traffic(),
+            pins: linked.pins(),
+            outputs: linked.outputs(),
+            commanded: linked.commanded(),
+            counted: linked.counted(),
+            differences: if settled {
+                self.differences.clone()
+            } else {
+                Vec::new()
+            },
+            exchanges: self.exchanges.iter().cloned().collect(),
+            log: self.log.iter().cloned().collect(),
+        }
+    }
+}
+
+/// Appends to what is kept of the newest.
+fn keep<T>(kept: &mut VecDeque<T>, new: impl IntoIterator<Item = T>, most: usize) {
+    kept.extend(new);
+    while kept.len() > most {
+        kept.pop_front();
+    }
+}

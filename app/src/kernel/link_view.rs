@@ -1,0 +1,56 @@
+//! What the link page sees: the board, its wire and its counts at one moment.
+
+use std::time::Duration;
+
+use gsk_core::machine::link::{BoardInfo, BoardOutputs, LinkState, Pins, Protocol, Traffic};
+use gsk_core::units::{PerAxis, Pulses};
+
+use crate::carrier::Line;
+
+/// A setting of the board that is not what it has to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Its number, behind the `$`.
+    pub setting: u16,
+    /// What the board says, if it has it at all.
+    pub board: Option<f64>,
+    /// What it has to be.
+    pub wanted: f64,
+}
+
+/// The link at one moment. Taken only while somebody asks for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinkView {
+    /// Where the link stands.
+    pub state: LinkState,
+    /// What the board understands.
+    pub protocol: Protocol,
+    /// Its port.
+    pub port: String,
+    /// What it said it is.
+    pub board: BoardInfo,
+    /// Whether it is known where the slides stand.
+    pub position_known: bool,
+    /// Median and worst of the last round trips.
+    pub round_trip: Option<(Duration, Duration)>,
+    /// Motion handed over that may not have been made yet.
+    pub outstanding: Duration,
+    /// How much that may be.
+    pub lookahead: Duration,
+    /// Counters of the wire.
+    pub traffic: Traffic,
+    /// Switches at the board that are operated.
+    pub pins: Pins,
+    /// What the board has switched; none while an order is under way.
+    pub outputs: Option<BoardOutputs>,
+    /// Pulses commanded.
+    pub commanded: PerAxis<Pulses>,
+    /// Pulses the board has counted, as last reported.
+    pub counted: Option<PerAxis<Pulses>>,
+    /// Settings of the board that must be written first.
+    pub differences: Vec<Difference>,
+    /// The last 200 lines on the wire, the newest last.
+    pub exchanges: Vec<Line>,
+    /// The last lines of the log, the newest last.
+    pub log: Vec<String>,
+}
