@@ -3,13 +3,13 @@
 
 mod drive;
 pub mod link_view;
+mod linked;
 pub mod monitor;
 pub mod probe;
 mod thread;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
@@ -25,7 +25,6 @@ use gsk_panel::keys::Key;
 use gsk_panel::panel::KeyEvent;
 use gsk_panel::screen::Screen;
 
-use crate::pace::Pace;
 pub use drive::Connection;
 use drive::Drive;
 use link_view::LinkView;
@@ -42,10 +41,6 @@ const TAP: u64 = 100;
 pub const PICTURE_TICKS: u64 = 25;
 /// Ticks between two looks at machine and PLC, for the views that show them.
 const MACHINE_TICKS: u64 = 50;
-/// Ticks that a board may let the kernel make in one go.
-const MOST_AHEAD: u32 = 500;
-/// How often a link without a port is looked at.
-const WITHOUT_PORT: Duration = Duration::from_millis(4);
 /// Commands that wait for the kernel.
 const QUEUE: usize = 1024;
 
@@ -294,75 +289,6 @@ impl Kernel {
         }
     }
 
-    /// A board moves the slides from now on. Its port may be missing: that is an
-    /// alarm of the control.
-    pub fn connect(&mut self, connection: Connection) {
-        self.disconnect();
-        let mut drive = Drive::open(connection, &mut self.emulator.simulation);
-        drive.watch(self.link_watched);
-        self.drive = Some(drive);
-    }
-
-    fn disconnect(&mut self) -> Option<Connection> {
-        let drive = self.drive.take()?;
-        Some(drive.close(&mut self.emulator.simulation))
-    }
-
-    /// When the thread has something to do again: a board is heard all the time.
-    fn wakes_at(&self, now: Instant, pace: &Pace) -> Instant {
-        match &self.drive {
-            None => pace.next(),
-            Some(drive) if drive.has_port() => now,
-            Some(_) => now + WITHOUT_PORT,
-        }
-    }
-
-    /// Whether a board moves the slides.
-    pub const fn is_linked(&self) -> bool {
-        self.drive.is_some()
-    }
-
-    /// Takes what the window asked for, hears the board, runs as many ticks as it
-    /// lets pass, and puts out pictures of what it has made. Waits 2 ms at most.
-    /// Returns whether there is something to be seen.
-    pub fn run_linked(&mut self) -> bool {
-        self.take_commands();
-        let Some(mut drive) = self.drive.take() else {
-            return false;
-        };
-        drive.hear(&mut self.emulator.simulation);
-        for _ in 0..MOST_AHEAD {
-            if !drive.may_tick(&mut self.emulator.simulation) {
-                break;
-            }
-            drive.before(&mut self.emulator.simulation);
-            self.tick();
-            drive.after(&mut self.emulator.simulation);
-            if self.tick.is_multiple_of(PICTURE_TICKS) {
-                drive.keep_picture(self.snapshot());
-            }
-        }
-        drive.speak(&mut self.emulator.simulation, self.opened.as_deref());
-        let mut shown = self.show_machine();
-        if self.link_watched {
-            self.links.force_push(drive.view());
-            shown = true;
-        }
-        for said in drive.said() {
-            self.say(Notice::Said(said));
-            shown = true;
-        }
-        if let Some(snapshot) = drive.due_picture()
-            && self.last.as_ref() != Some(&snapshot)
-        {
-            self.pictures.force_push(snapshot.clone());
-            self.last = Some(snapshot);
-            shown = true;
-        }
-        self.drive = Some(drive);
-        shown
-    }
-
     /// Puts out a picture if anything has changed since the last one.
     pub fn show(&mut self) -> bool {
         let monitored = self.show_machine();
@@ -456,19 +382,6 @@ impl Kernel {
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}
             Command::Quit => self.quit = true,
-        }
-    }
-
-    fn order(&mut self, order: LinkOrder) {
-        match (order, &mut self.drive) {
-            (LinkOrder::Reconnect, _) => {
-                if let Some(connection) = self.disconnect() {
-                    self.connect(connection);
-                }
-            }
-            (LinkOrder::WriteSettings, Some(drive)) => drive.write_settings(),
-            (LinkOrder::Check, Some(drive)) => drive.check(),
-            (_, None) => {}
         }
     }
 

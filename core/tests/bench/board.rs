@@ -21,6 +21,13 @@ pub const CYCLE_START: BitAddress = key(25, 0);
 /// Arrow down: X+.
 pub const X_PLUS: BitAddress = key(23, 1);
 pub const RESET: BitAddress = key(26, 0);
+pub const FEED_HOLD: BitAddress = key(24, 7);
+pub const SINGLE_BLOCK: BitAddress = key(20, 6);
+pub const DRY_RUN: BitAddress = key(21, 2);
+pub const JOG: BitAddress = key(20, 5);
+/// Arrows right and left: Z+, Z-.
+pub const Z_PLUS: BitAddress = key(22, 7);
+pub const Z_MINUS: BitAddress = key(22, 5);
 
 const fn key(byte: u16, bit: u8) -> BitAddress {
     BitAddress {
@@ -30,6 +37,7 @@ const fn key(byte: u16, bit: u8) -> BitAddress {
     }
 }
 
+#[derive(Clone)]
 pub struct Machine {
     pub simulation: Simulation,
     pub linked: Linked,
@@ -39,13 +47,15 @@ pub struct Machine {
     pub ticks: u64,
     /// The board's count at which the kernel's is zero.
     origin: [i64; 2],
+    /// The kernel's count at the machine zero.
+    home: [i64; 2],
     /// Looked at after every millisecond.
     pub watch: Option<fn(&Self)>,
 }
 
 impl Machine {
     /// A training lathe with electronic gear 1/5 and a board as delivered.
-    pub fn new(variant: Variant) -> Self {
+    fn new(variant: Variant, flush_keep_speed: u32) -> Self {
         let mut setup = Setup::delivered();
         for number in [17, 18] {
             setup.parameters.set(number, 5).unwrap();
@@ -55,7 +65,7 @@ impl Machine {
             simulation.tick();
         }
         let config = LinkConfig {
-            flush_keep_speed: 10_000,
+            flush_keep_speed,
             ..LinkConfig::default()
         };
         let linked = Linked::open(config, &mut simulation, Duration::ZERO);
@@ -66,13 +76,18 @@ impl Machine {
             notes: Vec::new(),
             ticks: 0,
             origin: [0, 0],
+            home: [0, 0],
             watch: None,
         }
     }
 
     /// Settings written, board unlocked; nobody knows where it stands.
     pub fn connected(variant: Variant) -> Self {
-        let mut machine = Self::new(variant);
+        Self::unlocked(variant, 10_000)
+    }
+
+    fn unlocked(variant: Variant, flush_keep_speed: u32) -> Self {
+        let mut machine = Self::new(variant, flush_keep_speed);
         machine.wait(6000, |machine| machine.alarms() == [603]);
         machine.linked.write_settings();
         machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
@@ -83,13 +98,19 @@ impl Machine {
 
     /// The reference return is made.
     pub fn referenced(variant: Variant) -> Self {
-        let mut machine = Self::connected(variant);
+        Self::with(variant, 10_000)
+    }
+
+    /// The same with another speed (mm/min) up to which a stop keeps the steps.
+    pub fn with(variant: Variant, flush_keep_speed: u32) -> Self {
+        let mut machine = Self::unlocked(variant, flush_keep_speed);
         machine.press(ZERO);
         machine.press(X_PLUS);
         let ready = machine.wait(60_000, |machine| machine.linked.state() == LinkState::Ready);
         assert!(ready, "{:?} {:?}", machine.linked.state(), machine.alarms());
         let (board, kernel) = (machine.twin.pulses(), machine.simulation.cnc.pulses());
         machine.origin = [board[0] - kernel.x.0, board[1] - kernel.z.0];
+        machine.home = [kernel.x.0, kernel.z.0];
         machine
     }
 
@@ -132,6 +153,29 @@ impl Machine {
             self.simulation.cnc.set_panel_key(key, down);
             self.pass(100);
         }
+    }
+
+    /// A key held for so long.
+    pub fn hold(&mut self, key: BitAddress, ms: u32) {
+        self.simulation.cnc.set_panel_key(key, true);
+        self.pass(ms);
+        self.simulation.cnc.set_panel_key(key, false);
+        self.pass(100);
+    }
+
+    /// The computer does something else for so long.
+    pub fn pause(&mut self, ms: u64) {
+        self.twin.advance(ms * MS);
+    }
+
+    pub fn cut_cable(&mut self) {
+        self.twin.to_host.set_cut(true);
+        self.twin.to_board.set_cut(true);
+    }
+
+    /// The kernel's count at the machine zero.
+    pub const fn home_pulses(&self) -> [i64; 2] {
+        self.home
     }
 
     pub fn load(&mut self, main: &str, sub: Option<&str>) {

@@ -76,6 +76,8 @@ pub struct Linked {
     powered: bool,
     /// It stands as long as its cause, whatever RESET does.
     standing: Option<Alarm>,
+    /// A count that agreed at a standstill and has not been noted yet.
+    agreed: Option<PerAxis<Pulses>>,
     /// The program that ended and whose end has not been checked yet.
     ended: Option<ProgramId>,
     notes: Vec<Note>,
@@ -104,6 +106,7 @@ impl Linked {
             emergency: false,
             powered: true,
             standing: None,
+            agreed: None,
             ended: None,
             notes: Vec::new(),
         };

@@ -1,6 +1,7 @@
 //! The link with a board that reads lines, from the first byte to the last.
 
 mod acts;
+mod hearing;
 mod motion;
 mod stops;
 
@@ -32,6 +33,8 @@ const LATE: Duration = Duration::from_secs(1);
 const HOLD_WAIT: Duration = Duration::from_secs(1);
 /// Standing so long before the count is compared.
 const SETTLED: Duration = Duration::from_millis(50);
+/// Longer between two looks at the link means that the computer was busy.
+const AWAY: Duration = Duration::from_millis(100);
 /// No line of a board is longer.
 const LINE_BYTES: usize = 512;
 /// Modal words of all motion.
@@ -110,6 +113,8 @@ pub struct LineLink {
     released: bool,
     /// The stop under way was too sudden for the motors to keep their steps.
     slipped: bool,
+    /// A limit switch stopped the board; which one the next report tells.
+    limit_hit: bool,
     homing: Option<Homing>,
     wanted: BoardOutputs,
     switched: BoardOutputs,
@@ -150,6 +155,7 @@ impl LineLink {
             position_known: false,
             released: false,
             slipped: false,
+            limit_hit: false,
             homing: None,
             wanted: BoardOutputs::default(),
             switched: BoardOutputs::default(),
@@ -245,7 +251,7 @@ impl LineLink {
 
     /// Time passes; at least every 5 ms.
     pub fn tick(&mut self, now: HostTime) {
-        self.now = self.now.max(now);
+        self.passes(now);
         if matches!(self.state, LinkState::Off | LinkState::Lost) {
             return;
         }
@@ -267,7 +273,7 @@ impl LineLink {
 
     /// Bytes came from the port.
     pub fn rx(&mut self, bytes: &[u8], now: HostTime) {
-        self.now = self.now.max(now);
+        self.passes(now);
         self.traffic.received += bytes.len() as u64;
         if !bytes.is_empty() {
             self.opening.hears(self.now);
@@ -284,6 +290,25 @@ impl LineLink {
                 _ if self.line.len() < LINE_BYTES => self.line.push(byte),
                 _ => {}
             }
+        }
+    }
+
+    /// Takes the time over. While the computer was away nobody waited for the board.
+    fn passes(&mut self, now: HostTime) {
+        let gap = now.saturating_sub(self.now);
+        self.now = self.now.max(now);
+        if gap < AWAY {
+            return;
+        }
+        self.progressed += gap;
+        for line in &mut self.unanswered {
+            line.sent += gap;
+        }
+        if let Some(asked) = &mut self.asked {
+            *asked += gap;
+        }
+        if let Halt::Braking(since) | Halt::Restarting(since) = &mut self.halt {
+            *since += gap;
         }
     }
 
@@ -494,106 +519,5 @@ impl LineLink {
             is_segment,
             sent: self.now,
         });
-    }
-
-    fn take(&mut self, answer: &Answer) {
-        if !self.opening.is_done() {
-            let expected = self.opening.expects_banner();
-            if matches!(answer, Answer::Banner(_)) && !expected {
-                self.board_restarted();
-                return;
-            }
-            if matches!(answer, Answer::Ok | Answer::Error(_)) {
-                self.unanswered.pop_front();
-            }
-            let outcome = self.opening.take(answer, &self.required, self.now);
-            self.open_further(outcome);
-            return;
-        }
-        match answer {
-            Answer::Ok => self.line_done(None),
-            Answer::Error(number) => self.line_done(Some(*number)),
-            Answer::Alarm(number) => self.board_alarm(*number),
-            Answer::Status(status) => self.report(*status),
-            Answer::Banner(_) if matches!(self.halt, Halt::Restarting(_)) => self.restarted(),
-            Answer::Banner(_) if self.now < self.excused_until => {}
-            Answer::Banner(_) => self.board_restarted(),
-            Answer::Garbage => {
-                self.traffic.garbage += 1;
-                if self.state == LinkState::Moving {
-                    self.protocol_error("a line that made no sense");
-                }
-            }
-            _ => {}
-        }
-    }
-
-    fn report(&mut self, status: Status) {
-        if let Some(asked) = self.asked.take() {
-            self.traffic.round_trip = Some(self.now.saturating_sub(asked));
-        }
-        self.traffic.reports += 1;
-        self.status = Some(status);
-        if self.state == LinkState::Moving
-            && self.halt == Halt::None
-            && let Some(board) = self.pulses(status)
-        {
-            // Pulses are made one at a time, and reports have three decimals.
-            let [x, z] = self.required.pulses_per_mm;
-            let off = self.off_path(board);
-            if off > 0.002 + 2.0 / x + 2.0 / z {
-                self.lose_position();
-                self.alarm(
-                    611,
-                    &format!("the board is {off:.3} mm off the commanded path"),
-                );
-                self.flush();
-                self.enter(LinkState::Fault);
-                return;
-            }
-        }
-        if let Some(free) = status.free_blocks {
-            let held = self.board().blocks.saturating_sub(free);
-            self.retire(usize::from(held));
-        }
-        if status.state != BoardState::Idle {
-            self.still_since = None;
-        } else if self.still_since.is_none() {
-            self.still_since = Some(self.now);
-        }
-        match status.state {
-            BoardState::Held if matches!(self.halt, Halt::Braking(_)) => {
-                self.restart();
-            }
-            BoardState::Alarm if self.state.takes_motion() => {
-                self.board_alarm(0);
-            }
-            BoardState::Other if self.state.takes_motion() => {
-                self.alarm(607, "the board reports a state nobody asked for");
-                self.flush();
-                self.enter(LinkState::Fault);
-            }
-            _ => {}
-        }
-    }
-
-    /// Asks for a report when one is due.
-    fn ask(&mut self) {
-        // A board that seeks its switches does not answer.
-        let deaf = matches!(self.halt, Halt::Restarting(_)) || self.homing.is_some();
-        if deaf || self.asked.is_some() {
-            return;
-        }
-        let interval = match self.state {
-            _ if self.halt != Halt::None => STATUS_URGENT,
-            LinkState::Moving if self.queued.is_empty() => STATUS_URGENT,
-            LinkState::Moving => STATUS_MOVING,
-            _ => STATUS_IDLE,
-        };
-        if self.now.saturating_sub(self.last_asked) >= interval {
-            self.outgoing.push(b'?');
-            self.asked = Some(self.now);
-            self.last_asked = self.now;
-        }
     }
 }

@@ -1,7 +1,5 @@
 //! What the control hears of the board, and the board of the control.
 
-use core::time::Duration;
-
 use super::{Linked, Note};
 use crate::alarm::Alarm;
 use crate::cnc::Event as Happened;
@@ -86,7 +84,7 @@ impl Linked {
                     self.pulses = cnc.pulses();
                     self.moved = false;
                 }
-                self.position(simulation, pulses);
+                self.agreed = self.link.knows_position().then_some(pulses);
             }
             Event::Drained => {}
             Event::Homed(axes) => cnc.board_returned(axes, self.home()),
@@ -113,17 +111,14 @@ impl Linked {
         if unknown && !self.homing {
             simulation.cnc.drop_reference();
         }
+        if unknown && state != LinkState::Locked {
+            simulation.cnc.halt_for_board();
+            self.flushing = false;
+        }
         if state == LinkState::Locked {
             self.standing = None;
         }
         self.homing = state == LinkState::Homing;
-    }
-
-    fn position(&mut self, simulation: &Simulation, counted: PerAxis<Pulses>) {
-        let stopped = simulation.cnc.run_state() != RunState::Run;
-        if stopped && self.link.knows_position() {
-            self.checked(true, Some(counted));
-        }
     }
 
     pub(super) fn checked(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {
@@ -160,13 +155,19 @@ impl Linked {
             }
             _ => {}
         }
-        if self.link.state() == LinkState::Ready
-            && self.ended.is_some()
-            && self.link.outstanding() == Duration::ZERO
-            && cnc.run_state() == RunState::Reset
-        {
-            // The program ended without motion since the last check.
-            self.checked(true, None);
+        self.note_stops(simulation.cnc.run_state());
+    }
+
+    /// A stop of a program is noted with what was counted there; its end also when
+    /// nothing had moved since the last one.
+    fn note_stops(&mut self, state: RunState) {
+        if self.link.state() != LinkState::Ready || self.is_behind() || state == RunState::Run {
+            return;
+        }
+        let agreed = self.agreed.take();
+        let stopped = agreed.is_some() && matches!(state, RunState::Hold | RunState::Stop);
+        if stopped || self.ended.is_some() {
+            self.checked(true, agreed);
         }
     }
 }

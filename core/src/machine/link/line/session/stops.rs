@@ -1,6 +1,6 @@
 //! Everything that stops the board, and what is known afterwards.
 
-use super::super::super::{BoardOutputs, HostTime, LinkState};
+use super::super::super::{BoardOutputs, HostTime, LinkState, Pins};
 use super::{ANSWER_WAIT, EXCUSED, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, SILENCE};
 
 impl LineLink {
@@ -120,14 +120,9 @@ impl LineLink {
         }
         self.forget_motion();
         self.lose_position();
-        let pins = self.status.map(|status| status.pins).unwrap_or_default();
         match number {
             1 => {
-                for (operated, number, axis) in [(pins.x, 621, 'X'), (pins.z, 622, 'Z')] {
-                    if operated || !(pins.x || pins.z) {
-                        self.alarm(number, &format!("limit input of {axis} at the board"));
-                    }
-                }
+                self.limit_hit = true;
                 // Nothing but a reset is heard by the board now.
                 self.restart();
                 self.enter(LinkState::Tripped);
@@ -153,6 +148,15 @@ impl LineLink {
             _ => {
                 self.alarm(607, "the board is locked");
                 self.enter(LinkState::Fault);
+            }
+        }
+    }
+
+    /// Which limit stopped the board; both when neither is operated any more.
+    pub(super) fn name_limits(&mut self, pins: Pins) {
+        for (operated, number, axis) in [(pins.x, 621, 'X'), (pins.z, 622, 'Z')] {
+            if operated || !(pins.x || pins.z) {
+                self.alarm(number, &format!("limit input of {axis} at the board"));
             }
         }
     }

@@ -1,0 +1,95 @@
+//! The kernel while a pulse board moves the slides: its clock counts.
+
+use std::time::{Duration, Instant};
+
+use super::drive::Drive;
+use super::{Connection, Kernel, LinkOrder, Notice, PICTURE_TICKS};
+use crate::pace::Pace;
+
+/// How often a link without a port is looked at.
+const WITHOUT_PORT: Duration = Duration::from_millis(4);
+/// Ticks that a board may let the kernel make in one go.
+const MOST_AHEAD: u32 = 500;
+impl Kernel {
+    /// A board moves the slides from now on. Its port may be missing: that is an
+    /// alarm of the control.
+    pub fn connect(&mut self, connection: Connection) {
+        self.disconnect();
+        let mut drive = Drive::open(connection, &mut self.emulator.simulation);
+        drive.watch(self.link_watched);
+        self.drive = Some(drive);
+    }
+
+    pub(super) fn disconnect(&mut self) -> Option<Connection> {
+        let drive = self.drive.take()?;
+        Some(drive.close(&mut self.emulator.simulation))
+    }
+
+    /// When the thread has something to do again: a board is heard all the time.
+    pub(super) fn wakes_at(&self, now: Instant, pace: &Pace) -> Instant {
+        match &self.drive {
+            None => pace.next(),
+            Some(drive) if drive.has_port() => now,
+            Some(_) => now + WITHOUT_PORT,
+        }
+    }
+
+    /// Whether a board moves the slides.
+    pub const fn is_linked(&self) -> bool {
+        self.drive.is_some()
+    }
+
+    /// Takes what the window asked for, hears the board, runs as many ticks as it
+    /// lets pass, and puts out pictures of what it has made. Waits 2 ms at most.
+    /// Returns whether there is something to be seen.
+    pub fn run_linked(&mut self) -> bool {
+        self.take_commands();
+        let Some(mut drive) = self.drive.take() else {
+            return false;
+        };
+        drive.hear(&mut self.emulator.simulation);
+        for _ in 0..MOST_AHEAD {
+            if !drive.may_tick(&mut self.emulator.simulation) {
+                break;
+            }
+            drive.before(&mut self.emulator.simulation);
+            self.tick();
+            drive.after(&mut self.emulator.simulation);
+            if self.tick.is_multiple_of(PICTURE_TICKS) {
+                drive.keep_picture(self.snapshot());
+            }
+        }
+        drive.speak(&mut self.emulator.simulation, self.opened.as_deref());
+        let mut shown = self.show_machine();
+        if self.link_watched {
+            self.links.force_push(drive.view());
+            shown = true;
+        }
+        for said in drive.said() {
+            self.say(Notice::Said(said));
+            shown = true;
+        }
+        if let Some(snapshot) = drive.due_picture()
+            && self.last.as_ref() != Some(&snapshot)
+        {
+            self.pictures.force_push(snapshot.clone());
+            self.last = Some(snapshot);
+            shown = true;
+        }
+        self.drive = Some(drive);
+        shown
+    }
+
+    pub(super) fn order(&mut self, order: LinkOrder) {
+        match (order, &mut self.drive) {
+            (LinkOrder::Reconnect, _) => {
+                if let Some(connection) = self.disconnect() {
+                    self.connect(connection);
+                }
+            }
+            (LinkOrder::WriteSettings, Some(drive)) => drive.write_settings(),
+            (LinkOrder::Check, Some(drive)) => drive.check(),
+            (_, None) => {}
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! What the board says: answers, reports, and when it is asked for one.
+
+use super::super::super::LinkState;
+use super::super::answers::{Answer, BoardState, Status};
+use super::{Halt, LineLink, STATUS_IDLE, STATUS_MOVING, STATUS_URGENT};
+
+impl LineLink {
+    pub(super) fn take(&mut self, answer: &Answer) {
+        if !self.opening.is_done() {
+            let expected = self.opening.expects_banner();
+            if matches!(answer, Answer::Banner(_)) && !expected {
+                self.board_restarted();
+                return;
+            }
+            if matches!(answer, Answer::Ok | Answer::Error(_)) {
+                self.unanswered.pop_front();
+            }
+            let outcome = self.opening.take(answer, &self.required, self.now);
+            self.open_further(outcome);
+            return;
+        }
+        match answer {
+            Answer::Ok => self.line_done(None),
+            Answer::Error(number) => self.line_done(Some(*number)),
+            Answer::Alarm(number) => self.board_alarm(*number),
+            Answer::Status(status) => self.report(*status),
+            Answer::Banner(_) if matches!(self.halt, Halt::Restarting(_)) => self.restarted(),
+            Answer::Banner(_) if self.now < self.excused_until => {}
+            Answer::Banner(_) => self.board_restarted(),
+            Answer::Garbage => {
+                self.traffic.garbage += 1;
+                if self.state == LinkState::Moving {
+                    self.protocol_error("a line that made no sense");
+                }
+            }
+            _ => {}
+        }
+    }
+
+    pub(super) fn report(&mut self, status: Status) {
+        if let Some(asked) = self.asked.take() {
+            self.traffic.round_trip = Some(self.now.saturating_sub(asked));
+        }
+        self.traffic.reports += 1;
+        self.status = Some(status);
+        if core::mem::take(&mut self.limit_hit) {
+            self.name_limits(status.pins);
+        }
+        if self.state == LinkState::Moving
+            && self.halt == Halt::None
+            && let Some(board) = self.pulses(status)
+        {
+            // Pulses are made one at a time, and reports have three decimals.
+            let [x, z] = self.required.pulses_per_mm;
+            let off = self.off_path(board);
+            if off > 0.002 + 2.0 / x + 2.0 / z {
+                self.lose_position();
+                self.alarm(
+                    611,
+                    &format!("the board is {off:.3} mm off the commanded path"),
+                );
+                self.flush();
+                self.enter(LinkState::Fault);
+                return;
+            }
+        }
+        if let Some(free) = status.free_blocks {
+            let held = self.board().blocks.saturating_sub(free);
+            self.retire(usize::from(held));
+        }
+        if status.state != BoardState::Idle {
+            self.still_since = None;
+        } else if self.still_since.is_none() {
+            self.still_since = Some(self.now);
+        }
+        match status.state {
+            BoardState::Held if matches!(self.halt, Halt::Braking(_)) => {
+                self.restart();
+            }
+            BoardState::Alarm if self.state.takes_motion() => {
+                self.board_alarm(0);
+            }
+            BoardState::Other if self.state.takes_motion() => {
+                self.alarm(607, "the board reports a state nobody asked for");
+                self.flush();
+                self.enter(LinkState::Fault);
+            }
+            _ => {}
+        }
+    }
+
+    /// Asks for a report when one is due.
+    pub(super) fn ask(&mut self) {
+        // A board that seeks its switches does not answer.
+        let deaf = matches!(self.halt, Halt::Restarting(_)) || self.homing.is_some();
+        if deaf || self.asked.is_some() {
+            return;
+        }
+        let interval = match self.state {
+            _ if self.halt != Halt::None => STATUS_URGENT,
+            LinkState::Moving if self.queued.is_empty() => STATUS_URGENT,
+            LinkState::Moving => STATUS_MOVING,
+            _ => STATUS_IDLE,
+        };
+        if self.now.saturating_sub(self.last_asked) >= interval {
+            self.outgoing.push(b'?');
+            self.asked = Some(self.now);
+            self.last_asked = self.now;
+        }
+    }
+}
