@@ -49,16 +49,21 @@ pub struct Machine {
     origin: [i64; 2],
     /// The kernel's count at the machine zero.
     home: [i64; 2],
+    /// The kernel's way: pulses after each tick that made one.
+    pub path: Vec<[i64; 2]>,
+    recording: bool,
+    /// Ticks of the kernel in motion.
+    pub moving_ticks: u64,
     /// Looked at after every millisecond.
     pub watch: Option<fn(&Self)>,
 }
 
 impl Machine {
     /// A training lathe with electronic gear 1/5 and a board as delivered.
-    fn new(variant: Variant, flush_keep_speed: u32) -> Self {
+    fn new(variant: Variant, flush_keep_speed: u32, divide: i32) -> Self {
         let mut setup = Setup::delivered();
         for number in [17, 18] {
-            setup.parameters.set(number, 5).unwrap();
+            setup.parameters.set(number, divide).unwrap();
         }
         let mut simulation = Simulation::new(setup);
         for _ in 0..100 {
@@ -77,17 +82,20 @@ impl Machine {
             ticks: 0,
             origin: [0, 0],
             home: [0, 0],
+            path: Vec::new(),
+            recording: false,
+            moving_ticks: 0,
             watch: None,
         }
     }
 
     /// Settings written, board unlocked; nobody knows where it stands.
     pub fn connected(variant: Variant) -> Self {
-        Self::unlocked(variant, 10_000)
+        Self::unlocked(variant, 10_000, 5)
     }
 
-    fn unlocked(variant: Variant, flush_keep_speed: u32) -> Self {
-        let mut machine = Self::new(variant, flush_keep_speed);
+    fn unlocked(variant: Variant, flush_keep_speed: u32, divide: i32) -> Self {
+        let mut machine = Self::new(variant, flush_keep_speed, divide);
         machine.wait(6000, |machine| machine.alarms() == [603]);
         machine.linked.write_settings();
         machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
@@ -103,7 +111,16 @@ impl Machine {
 
     /// The same with another speed (mm/min) up to which a stop keeps the steps.
     pub fn with(variant: Variant, flush_keep_speed: u32) -> Self {
-        let mut machine = Self::unlocked(variant, flush_keep_speed);
+        Self::unlocked(variant, flush_keep_speed, 5).homed()
+    }
+
+    /// The same with electronic gear 1/`divide`.
+    pub fn geared(variant: Variant, divide: i32) -> Self {
+        Self::unlocked(variant, 10_000, divide).homed()
+    }
+
+    fn homed(self) -> Self {
+        let mut machine = self;
         machine.press(ZERO);
         machine.press(X_PLUS);
         let ready = machine.wait(60_000, |machine| machine.linked.state() == LinkState::Ready);
@@ -122,6 +139,9 @@ impl Machine {
         while self.linked.may_tick(&mut self.simulation) {
             self.linked.tick(&mut self.simulation);
             self.ticks += 1;
+            if self.recording {
+                self.note_way();
+            }
         }
         let tx = self.linked.tx().to_vec();
         self.twin.write(&tx);
@@ -129,6 +149,22 @@ impl Machine {
         self.notes.extend(self.linked.notes());
         if let Some(watch) = self.watch {
             watch(self);
+        }
+    }
+
+    /// From now on the kernel's way is noted.
+    pub fn record(&mut self) {
+        self.recording = true;
+        self.note_way();
+    }
+
+    fn note_way(&mut self) {
+        let cnc = &self.simulation.cnc;
+        let pulses = cnc.pulses();
+        let at = [pulses.x.0, pulses.z.0];
+        self.moving_ticks += u64::from(cnc.is_moving());
+        if self.path.last() != Some(&at) {
+            self.path.push(at);
         }
     }
 

@@ -7,7 +7,7 @@ use crate::machine::link::{BoardOutputs, Event, LinkState, SpindleWay, Stop};
 use crate::machine::pins;
 use crate::operation::{BoardDrives, RunState};
 use crate::simulation::Simulation;
-use crate::units::{PerAxis, Pulses};
+use crate::units::{Axis, PerAxis, Pulses};
 
 impl Linked {
     /// What the control knows of its drives in the next tick.
@@ -83,6 +83,11 @@ impl Linked {
                     cnc.stand_at(pulses);
                     self.pulses = cnc.pulses();
                     self.moved = false;
+                    let parameters = cnc.parameters();
+                    if [Axis::X, Axis::Z].map(|axis| parameters.backlash(axis)) != [0.0; 2] {
+                        // Whether the play was made up for there nobody knows.
+                        self.link.forget_position();
+                    }
                 }
                 self.agreed = self.link.knows_position().then_some(pulses);
             }

@@ -1,0 +1,156 @@
+//! What breaks: cables, boards, bytes, power, and what lies in the way.
+
+use gsk_core::machine::link::LinkState;
+use gsk_core::operation::RunState;
+use gsk_twins::grbl::Variant;
+use gsk_twins::wire::Damage;
+
+use crate::board::{AUTO, CYCLE_START, JOG, Machine, RESET, Z_MINUS, Z_PLUS};
+use crate::{Dice, SHORT, assert_together, rounds};
+
+#[test]
+fn a_limit_of_the_board_is_left_by_hand() {
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        let mut machine = Machine::connected(variant);
+        machine.twin.place_switches([20.0, 2.0]);
+        machine.press(JOG);
+        machine.hold(Z_PLUS, 15_000);
+        assert_eq!(machine.alarms(), [622], "{variant:?}");
+        assert_eq!(machine.linked.state(), LinkState::Tripped);
+        let stood = machine.made();
+        machine.pass(1000);
+        assert_eq!(machine.made(), stood);
+        machine.press(RESET);
+        machine.pass(500);
+        machine.hold(Z_MINUS, 3000);
+        machine.pass(1000);
+        if variant == Variant::Grbl {
+            // Letting the switch go is an edge too.
+            assert!(machine.alarms().contains(&622));
+            machine.press(RESET);
+            machine.pass(500);
+            machine.hold(Z_MINUS, 3000);
+            machine.pass(1000);
+        }
+        assert_eq!(machine.alarms(), [0_u16; 0], "{variant:?}");
+        assert!(machine.made()[1] < stood[1], "{variant:?}");
+        assert!(!machine.twin.limits()[1]);
+    }
+}
+
+#[test]
+fn a_cable_out_or_a_reset_at_any_time_is_a_defined_stop() {
+    let ready = Machine::referenced(Variant::Grbl);
+    let mut dice = Dice(11);
+    for round in 0..rounds(10) {
+        let mut machine = ready.clone();
+        machine.load(SHORT, None);
+        machine.start();
+        machine.pass(dice.below(5000));
+        match round % 2 {
+            0 => machine.cut_cable(),
+            _ => machine.twin.press_reset(),
+        }
+        machine.pass(2500);
+        assert_ne!(machine.linked.state(), LinkState::Ready, "round {round}");
+        assert!(!machine.alarms().is_empty(), "round {round}");
+        assert!(!machine.simulation.cnc.referenced().x);
+        let stood = machine.twin.pulses();
+        machine.pass(1000);
+        for key in [RESET, AUTO, CYCLE_START] {
+            machine.press(key);
+        }
+        machine.pass(1000);
+        assert_eq!(machine.twin.pulses(), stood, "round {round}: it moves on");
+        assert!(!machine.alarms().is_empty(), "round {round}");
+    }
+}
+
+/// Whatever happens to a byte: the part is made to the pulse, or the machine stands
+/// with an alarm and nothing moves any more.
+#[test]
+fn a_damaged_byte_at_any_place_ends_known_or_stopped() {
+    let ready = Machine::referenced(Variant::Grbl);
+    let clean = {
+        let mut machine = ready.clone();
+        machine.load(SHORT, None);
+        machine.start();
+        machine.run_to_end(120_000);
+        machine
+    };
+    let mut dice = Dice(5);
+    let (mut made, mut stopped) = (0, 0);
+    for round in 0..rounds(16) {
+        let mut machine = ready.clone();
+        let damage = [
+            Damage::Lost,
+            Damage::Changed(1 << dice.below(8)),
+            Damage::Doubled,
+            Damage::Cut,
+        ][dice.below(4) as usize];
+        let to_board = dice.below(2) == 0;
+        let wires = |machine: &Machine| {
+            let twin = &machine.twin;
+            if to_board {
+                twin.to_board.given()
+            } else {
+                twin.to_host.given()
+            }
+        };
+        let (from, to) = (wires(&machine), wires(&clean));
+        let byte = from + u64::from(dice.below((to - from) as u32));
+        if to_board {
+            machine.twin.to_board.damage(byte, damage);
+        } else {
+            machine.twin.to_host.damage(byte, damage);
+        }
+        machine.load(SHORT, None);
+        machine.start();
+        let over = machine.wait(60_000, |machine| {
+            let idle = machine.simulation.cnc.run_state() == RunState::Reset;
+            !machine.alarms().is_empty() || (idle && !machine.linked.is_behind())
+        });
+        let place = format!("{round}: {damage:?} at {byte}, to the board: {to_board}");
+        assert!(over, "{place}: it hangs");
+        machine.pass(3000);
+        if machine.alarms().is_empty() {
+            assert_eq!(machine.made(), clean.made(), "{place}");
+            assert_together(&machine);
+            made += 1;
+        } else {
+            stopped += 1;
+        }
+        let stood = machine.twin.pulses();
+        machine.press(RESET);
+        machine.pass(1500);
+        assert_eq!(machine.twin.pulses(), stood, "{place}: it moves on");
+        if machine.linked.state() == LinkState::Ready {
+            assert_together(&machine);
+        }
+    }
+    assert!(made > 0 && stopped > 0, "{made} {stopped}");
+}
+
+#[test]
+fn without_power_the_board_is_still_and_forgets() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(SHORT, None);
+    machine.start();
+    machine.pass(2600);
+    machine.simulation.power_cycle();
+    machine.pass(3000);
+    assert_eq!(
+        machine.linked.state(),
+        LinkState::Locked,
+        "{:?}",
+        machine.alarms()
+    );
+    assert!(!machine.simulation.cnc.referenced().z);
+    let stood = machine.twin.pulses();
+    machine.press(AUTO);
+    machine.press(CYCLE_START);
+    machine.pass(1000);
+    assert_eq!(machine.alarms(), [610]);
+    assert_eq!(machine.twin.pulses(), stood);
+    assert_eq!(machine.twin.outputs().0, 5);
+}

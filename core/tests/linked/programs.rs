@@ -1,0 +1,140 @@
+//! Programs on a board: to the pulse, or refused before anything moves.
+
+use gsk_core::machine::link::Note;
+use gsk_core::operation::RunState;
+use gsk_twins::grbl::{State, Variant};
+
+use crate::board::{CYCLE_START, DRY_RUN, Machine, RESET, SINGLE_BLOCK};
+use crate::{BUSHING, GROOVE, PIN, SHAFT, SHORT, assert_together};
+
+#[test]
+fn the_samples_end_on_the_pulse_of_the_kernel() {
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        for (main, sub) in [(SHAFT, None), (PIN, Some(GROOVE))] {
+            let mut machine = Machine::referenced(variant);
+            machine.load(main, sub);
+            machine.start();
+            machine.run_to_end(3_600_000);
+            assert_eq!(machine.alarms(), [0_u16; 0]);
+            let stood = machine.simulation.cnc.pulses();
+            assert_eq!(
+                machine.made(),
+                [stood.x.0, stood.z.0],
+                "{variant:?} {}",
+                main.lines().next().unwrap()
+            );
+        }
+    }
+}
+
+#[test]
+fn what_the_board_cannot_do_is_refused_before_anything_moves() {
+    let thread = "O5 (THREAD)\nM03 S300\nG00 X30 Z5\nG92 X20 Z-20 F2\nM30\n";
+    let called = "O6\nM98 P5\nM30\n";
+    for (text, sub, line) in [
+        (BUSHING, None, 8),
+        (thread, None, 4),
+        (called, Some(thread), 4),
+    ] {
+        let mut machine = Machine::referenced(Variant::Grbl);
+        let stood = machine.made();
+        machine.load(text, sub);
+        machine.start();
+        machine.pass(2000);
+        assert_eq!(machine.alarms(), [604], "{text}");
+        let alarm = machine.simulation.cnc.alarms()[0].clone();
+        assert_eq!(alarm.source.unwrap().line, line, "{alarm}");
+        assert_eq!(machine.made(), stood, "nothing moves");
+        assert_eq!(machine.simulation.cnc.run_state(), RunState::Reset);
+    }
+}
+
+#[test]
+fn single_block_stands_between_the_blocks_and_is_checked_there() {
+    let mut machine = Machine::referenced(Variant::GrblHal);
+    machine.load(SHORT, None);
+    machine.press(SINGLE_BLOCK);
+    machine.notes.clear();
+    machine.start();
+    for _ in 0..30 {
+        machine.wait(20_000, |machine| {
+            machine.simulation.cnc.run_state() != RunState::Run && !machine.linked.is_behind()
+        });
+        assert_together(&machine);
+        if machine.simulation.cnc.run_state() == RunState::Reset {
+            break;
+        }
+        machine.press(CYCLE_START);
+    }
+    assert_eq!(machine.simulation.cnc.run_state(), RunState::Reset);
+    machine.pass(100);
+    let agreed = |note: &&Note| matches!(note, Note::Checked { agrees: true, .. });
+    // N30, N40, N50, N60, N80 move.
+    assert!(machine.notes.iter().filter(agreed).count() >= 5);
+    let ended = |note: &Note| {
+        matches!(
+            note,
+            Note::Checked {
+                program: Some(_),
+                ..
+            }
+        )
+    };
+    assert!(machine.notes.iter().any(ended), "{:?}", machine.notes);
+}
+
+#[test]
+fn a_dry_run_ends_on_the_same_pulse() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(
+        "O5\nG50 X60 Z20\nM03 S300\nG00 X30 Z5\nG92 X20 Z-5 F2\nG00 X60 Z20\nM30\n",
+        None,
+    );
+    machine.press(DRY_RUN);
+    machine.start();
+    machine.run_to_end(300_000);
+    assert_eq!(
+        machine.alarms(),
+        [0_u16; 0],
+        "a thread without its spindle is feed"
+    );
+    assert_together(&machine);
+}
+
+#[test]
+fn the_spindle_turns_before_the_cut_and_stops_with_reset() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(SHORT, None);
+    machine.start();
+    machine.watch = Some(|machine| {
+        let cuts = machine.simulation.cnc.modal().motion == 1 && machine.twin.state() == State::Run;
+        let (way, speed, coolant) = machine.twin.outputs();
+        // 500 of 9999 r/min at 10 V.
+        assert!(
+            !cuts || (way == 3 && coolant && speed > 0.0),
+            "{way} {speed} {coolant}"
+        );
+    });
+    machine.wait(20_000, |machine| machine.simulation.cnc.cursor().line == 6);
+    machine.watch = None;
+    assert_eq!(machine.twin.outputs().0, 3);
+    machine.press(RESET);
+    machine.pass(1000);
+    assert_eq!(
+        (machine.twin.outputs().0, machine.twin.outputs().2),
+        (5, false)
+    );
+}
+
+#[test]
+fn a_board_too_slow_for_the_rapids_is_named_before_the_start() {
+    let mut machine = Machine::geared(Variant::Grbl, 1);
+    machine.load("O3\nG00 X1\nM30\n", None);
+    machine.start();
+    assert_eq!(machine.alarms(), [604]);
+    let detail = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    assert!(
+        detail.starts_with("No.022 = 3800 mm/min makes 126667 pulses/s of X"),
+        "{detail}"
+    );
+}

@@ -1,0 +1,63 @@
+//! Nothing runs before the reference return, which the board makes by itself.
+
+use gsk_core::machine::link::LinkState;
+use gsk_twins::grbl::Variant;
+
+use crate::SHAFT;
+use crate::board::{Machine, RESET, X_PLUS, ZERO};
+
+#[test]
+fn without_a_reference_no_program_starts() {
+    let mut machine = Machine::connected(Variant::Grbl);
+    assert_eq!(machine.linked.state(), LinkState::Locked);
+    machine.load(SHAFT, None);
+    machine.start();
+    machine.pass(1000);
+    assert_eq!(machine.alarms(), [610]);
+    assert_eq!(machine.made(), [0, 0]);
+    assert!(machine.simulation.cnc.not_ready());
+}
+
+#[test]
+fn a_switch_that_never_comes_is_alarm_609() {
+    let mut machine = Machine::connected(Variant::Grbl);
+    machine.twin.place_switches([900.0, 900.0]);
+    machine.press(ZERO);
+    machine.press(X_PLUS);
+    assert!(machine.wait(120_000, |machine| machine.alarms() == [609]));
+    let stood = machine.made();
+    machine.press(RESET);
+    machine.pass(2000);
+    assert_eq!(
+        (machine.linked.state(), machine.alarms()),
+        (LinkState::Locked, vec![])
+    );
+    assert_eq!(machine.made(), stood);
+}
+
+#[test]
+fn reset_ends_a_reference_return() {
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        let mut machine = Machine::connected(variant);
+        machine.press(ZERO);
+        machine.press(X_PLUS);
+        machine.pass(1500);
+        assert_eq!(machine.linked.state(), LinkState::Homing);
+        machine.press(RESET);
+        machine.pass(2000);
+        let stood = machine.made();
+        assert_eq!(
+            machine.linked.state(),
+            LinkState::Locked,
+            "{variant:?} {:?}",
+            machine.alarms()
+        );
+        machine.pass(2000);
+        assert_eq!(machine.made(), stood);
+        // And once more from there.
+        machine.press(RESET);
+        machine.pass(500);
+        machine.press(X_PLUS);
+        assert!(machine.wait(60_000, |machine| machine.linked.state() == LinkState::Ready));
+    }
+}

@@ -1,0 +1,160 @@
+//! Stops that somebody asked for, or a busy computer made.
+
+use gsk_core::machine::link::LinkState;
+use gsk_twins::grbl::Variant;
+
+use crate::board::{AUTO, CYCLE_START, FEED_HOLD, JOG, Machine, RESET, Z_MINUS};
+use crate::{Dice, SHORT, assert_together, rounds};
+
+#[test]
+fn holds_at_any_time_lose_no_pulse() {
+    let ready = Machine::referenced(Variant::Grbl);
+    let plain = {
+        let mut machine = ready.clone();
+        machine.load(SHORT, None);
+        machine.start();
+        machine.run_to_end(120_000);
+        machine.made()
+    };
+    let mut dice = Dice(7);
+    for _ in 0..rounds(6) {
+        let mut machine = ready.clone();
+        machine.load(SHORT, None);
+        machine.start();
+        for _ in 0..3 {
+            machine.pass(dice.below(3000));
+            machine.press(FEED_HOLD);
+            assert!(machine.wait(3000, |machine| !machine.linked.is_behind()));
+            assert_together(&machine);
+            let stood = machine.made();
+            machine.pass(500);
+            assert_eq!(machine.made(), stood, "held");
+            machine.press(CYCLE_START);
+        }
+        machine.run_to_end(120_000);
+        assert_eq!(machine.alarms(), [0_u16; 0]);
+        assert_eq!(machine.made(), plain);
+        assert_together(&machine);
+    }
+}
+
+#[test]
+fn after_reset_the_control_stands_where_the_board_does() {
+    let ready = Machine::referenced(Variant::Grbl);
+    let mut dice = Dice(3);
+    for _ in 0..rounds(8) {
+        let mut machine = ready.clone();
+        machine.load(SHORT, None);
+        machine.start();
+        machine.pass(dice.below(6000));
+        machine.press(RESET);
+        assert!(machine.wait(3000, |machine| machine.linked.state() == LinkState::Ready));
+        assert_eq!(machine.alarms(), [0_u16; 0]);
+        assert_together(&machine);
+        let (stood, shown) = (machine.made(), machine.simulation.cnc.position_machine());
+        machine.pass(1000);
+        assert_eq!(machine.made(), stood, "nothing goes on by itself");
+        // The coordinates are those of the pulses: 400 and 200 of them in a mm.
+        let [x, z] = machine.home_pulses();
+        assert!(
+            (shown.x - (stood[0] - x) as f64 / 400.0).abs() < 0.003,
+            "{shown:?} {stood:?}"
+        );
+        assert!(
+            (shown.z - (stood[1] - z) as f64 / 200.0).abs() < 0.006,
+            "{shown:?} {stood:?}"
+        );
+    }
+}
+
+#[test]
+fn a_fast_stop_needs_a_new_reference() {
+    let mut machine = Machine::with(Variant::Grbl, 300);
+    machine.load(SHORT, None);
+    machine.start();
+    // In the rapid of N30.
+    machine.wait(5000, |machine| {
+        machine.simulation.cnc.feed_actual() > 3000.0
+    });
+    machine.press(RESET);
+    machine.pass(2000);
+    assert_eq!(machine.linked.state(), LinkState::Locked);
+    assert!(!machine.simulation.cnc.referenced().x);
+    assert_together(&machine);
+    machine.press(AUTO);
+    machine.press(CYCLE_START);
+    assert_eq!(machine.alarms(), [610]);
+}
+
+#[test]
+fn an_emergency_stop_kills_and_the_reference_is_gone() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(SHORT, None);
+    machine.start();
+    machine.pass(1500);
+    machine.simulation.lathe.set_emergency_button(true);
+    machine.pass(200);
+    let stood = machine.made();
+    machine.pass(1000);
+    assert_eq!(machine.made(), stood);
+    assert_eq!(machine.linked.state(), LinkState::Locked);
+    assert!(machine.alarms().contains(&207));
+    machine.simulation.lathe.set_emergency_button(false);
+    machine.press(RESET);
+    machine.press(CYCLE_START);
+    machine.pass(1000);
+    assert_eq!(machine.alarms(), [610]);
+    assert_eq!(machine.made(), stood);
+}
+
+#[test]
+fn a_busy_computer_is_not_noticed_or_is_alarm_612() {
+    let ready = Machine::referenced(Variant::Grbl);
+    for (pause, noticed) in [
+        (10, false),
+        (50, false),
+        (90, false),
+        (400, true),
+        (2000, true),
+    ] {
+        for at in [2000, 2600] {
+            let mut machine = ready.clone();
+            machine.load(SHORT, None);
+            machine.start();
+            machine.pass(at);
+            assert!(machine.simulation.cnc.is_moving());
+            machine.pause(pause);
+            if noticed {
+                machine.pass(2000);
+                assert_eq!(machine.alarms(), [612], "{pause} ms at {at}");
+                // What was handed over was made, and the count says so.
+                assert_eq!(machine.linked.state(), LinkState::Ready);
+                assert_together(&machine);
+            } else {
+                machine.run_to_end(120_000);
+                assert_eq!(machine.alarms(), [0_u16; 0], "{pause} ms at {at}");
+                assert_together(&machine);
+            }
+        }
+    }
+}
+
+/// Jog is a lease: when the computer falls silent the board stands after what it
+/// holds.
+#[test]
+fn a_silent_computer_lets_the_axis_stand_within_the_lookahead() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.press(JOG);
+    machine.simulation.cnc.set_panel_key(Z_MINUS, true);
+    machine.pass(2000);
+    let before = machine.twin.now();
+    let mut last = (machine.twin.pulses(), before);
+    for _ in 0..1000 {
+        machine.twin.advance(1_000_000);
+        if machine.twin.pulses() != last.0 {
+            last = (machine.twin.pulses(), machine.twin.now());
+        }
+    }
+    let latency = (last.1 - before) / 1_000_000;
+    assert!((20..=160).contains(&latency), "{latency} ms");
+}

@@ -1,0 +1,99 @@
+//! The board's way and time beside the kernel's, and what the pages may show of it.
+
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use gsk_core::operation::RunState;
+use gsk_twins::grbl::{State, Variant};
+
+use crate::board::{AUTO, CYCLE_START, Machine};
+use crate::{SHAFT, assert_together};
+
+/// At most a pulse and 2 µm beside the commanded way, within 1 % of its time; and no
+/// picture shows more than was made.
+#[test]
+fn the_board_goes_the_kernels_way_in_the_kernels_time() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(SHAFT, None);
+    machine.press(AUTO);
+    machine.record();
+    machine.press(CYCLE_START);
+    let mut follower = Follower::default();
+    for _ in 0..3_600_000 {
+        machine.ms();
+        follower.look(&machine);
+        if machine.simulation.cnc.run_state() == RunState::Reset && !machine.linked.is_behind() {
+            break;
+        }
+    }
+    assert_together(&machine);
+    let (made, commanded) = (follower.moving as f64, machine.moving_ticks as f64);
+    assert!(
+        (made / commanded - 1.0).abs() < 0.01,
+        "{made} ms for {commanded} ms"
+    );
+    // A pulse of Z is 5 µm.
+    assert!(follower.off < 0.007, "{} mm off the way", follower.off);
+    assert!(
+        follower.behind <= Duration::from_millis(400),
+        "{:?}",
+        follower.behind
+    );
+}
+
+/// Looks how far the board is beside the recorded way.
+#[derive(Default)]
+struct Follower {
+    at: usize,
+    off: f64,
+    moving: u64,
+    /// Pictures that wait: the moment of their motion, their place on the way, and
+    /// when they were taken.
+    pictures: VecDeque<(Duration, usize, Duration)>,
+    /// The longest that a picture has waited.
+    behind: Duration,
+}
+
+impl Follower {
+    fn look(&mut self, machine: &Machine) {
+        let [x, z] = machine.made();
+        self.moving += u64::from(machine.twin.state() == State::Run);
+        let mm = |[x, z]: [i64; 2]| [x as f64 / 400.0, z as f64 / 200.0];
+        let here = mm([x, z]);
+        let way = &machine.path;
+        let mut best = (f64::INFINITY, self.at);
+        for index in self.at..way.len().saturating_sub(1).min(self.at + 400) {
+            let off = distance(here, mm(way[index]), mm(way[index + 1]));
+            if off < best.0 {
+                best = (off, index);
+            }
+        }
+        if best.0.is_finite() {
+            self.at = best.1;
+            self.off = self.off.max(best.0);
+        }
+        let now = Duration::from_nanos(machine.twin.now());
+        let place = way.len().saturating_sub(1);
+        self.pictures
+            .push_back((machine.linked.stamp(), place, now));
+        while let Some(&(stamp, place, taken)) = self.pictures.front()
+            && machine.linked.has_made(stamp)
+        {
+            self.pictures.pop_front();
+            self.behind = self.behind.max(now - taken);
+            assert!(place <= self.at + 1, "shown {place}, made {}", self.at);
+        }
+    }
+}
+
+fn distance(at: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
+    let (ax, az) = (to[0] - from[0], to[1] - from[1]);
+    let (wx, wz) = (at[0] - from[0], at[1] - from[1]);
+    let square = ax * ax + az * az;
+    let share = if square > 0.0 {
+        ((wx * ax + wz * az) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    libm::hypot(wx - ax * share, wz - az * share)
+}
