@@ -64,6 +64,13 @@ impl Variant {
         }
     }
 
+    const fn emergency_letter(self) -> char {
+        match self {
+            Self::Grbl => 'R',
+            Self::GrblHal => 'E',
+        }
+    }
+
     const fn banner(self) -> &'static str {
         match self {
             Self::Grbl => "\r\nGrbl 1.1h ['$' for help]\r\n",
@@ -101,6 +108,8 @@ pub struct Pins {
     pub limit_z: bool,
     /// Door.
     pub door: bool,
+    /// Emergency stop (the larger board), or reset (the 8 bit board).
+    pub emergency: bool,
 }
 
 /// A board, its two wires and its pins, in virtual time.
@@ -121,6 +130,7 @@ pub struct GrblTwin {
     switch_pulses: [i64; 2],
     /// Limit inputs at the last look.
     limits_were: [bool; 2],
+    emergency_was: bool,
     homing: Option<Homing>,
     settings: Settings,
     received: VecDeque<u8>,
@@ -166,6 +176,7 @@ impl GrblTwin {
             switches: [20.0, 40.0],
             switch_pulses: [0; 2],
             limits_were: [false; 2],
+            emergency_was: false,
             homing: None,
             settings,
             received: VecDeque::new(),
@@ -403,6 +414,17 @@ impl GrblTwin {
     /// Limit inputs act on their edges. The 8 bit board looks at no level: letting go
     /// of a switch is an edge too.
     fn watch_pins(&mut self) {
+        let pressed = self.pins.emergency && !self.emergency_was;
+        self.emergency_was = self.pins.emergency;
+        match self.variant {
+            Variant::Grbl if pressed => self.soft_reset(),
+            Variant::GrblHal if pressed => {
+                self.state = State::Alarm;
+                self.say("ALARM:10\r\n");
+                self.start_firmware();
+            }
+            _ => {}
+        }
         let limits = self.limits();
         let were = core::mem::replace(&mut self.limits_were, limits);
         let edge = (0..2).any(|axis| match self.variant {

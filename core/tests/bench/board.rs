@@ -209,6 +209,13 @@ impl Machine {
         self.twin.to_board.set_cut(true);
     }
 
+    /// The port is closed and opened again; this board does not mind.
+    pub fn reconnect(&mut self) {
+        let now = Duration::from_nanos(self.twin.now());
+        let config = self.linked.config().clone();
+        self.linked = Linked::open(config, &mut self.simulation, now);
+    }
+
     /// The kernel's count at the machine zero.
     pub const fn home_pulses(&self) -> [i64; 2] {
         self.home

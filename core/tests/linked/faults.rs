@@ -154,3 +154,36 @@ fn without_power_the_board_is_still_and_forgets() {
     assert_eq!(machine.twin.pulses(), stood);
     assert_eq!(machine.twin.outputs().0, 5);
 }
+
+#[test]
+fn the_emergency_stop_of_the_board_is_that_of_the_control() {
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        let mut machine = Machine::referenced(variant);
+        machine.load(SHORT, None);
+        machine.start();
+        machine.pass(1500);
+        machine.twin.pins.emergency = true;
+        machine.pass(1000);
+        assert!(
+            machine.alarms().contains(&207),
+            "{variant:?} {:?}",
+            machine.alarms()
+        );
+        assert_ne!(machine.linked.state(), LinkState::Ready);
+        let stood = machine.twin.pulses();
+        machine.press(RESET);
+        assert!(machine.alarms().contains(&207), "as long as it is pressed");
+        machine.twin.pins.emergency = false;
+        machine.pass(1000);
+        machine.press(RESET);
+        machine.pass(1500);
+        assert_eq!(
+            machine.linked.state(),
+            LinkState::Locked,
+            "{variant:?} {:?}",
+            machine.alarms()
+        );
+        assert_eq!(machine.alarms(), [0_u16; 0], "{variant:?}");
+        assert_eq!(machine.twin.pulses(), stood);
+    }
+}

@@ -4,7 +4,7 @@ use gsk_core::machine::link::LinkState;
 use gsk_twins::grbl::Variant;
 
 use crate::SHAFT;
-use crate::board::{Machine, RESET, X_PLUS, ZERO};
+use crate::board::{Machine, RESET, X_PLUS, Z_PLUS, ZERO};
 
 #[test]
 fn without_a_reference_no_program_starts() {
@@ -60,4 +60,27 @@ fn reset_ends_a_reference_return() {
         machine.press(X_PLUS);
         assert!(machine.wait(60_000, |machine| machine.linked.state() == LinkState::Ready));
     }
+}
+
+/// The larger board may seek one switch alone ($22 bit 1): the other axis has its own
+/// key.
+#[test]
+fn a_board_that_can_returns_each_axis_by_its_key() {
+    let mut machine = Machine::connected(Variant::GrblHal);
+    machine.twin.write(b"$22=3\n");
+    machine.pass(200);
+    machine.reconnect();
+    machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
+    machine.press(RESET);
+    machine.pass(500);
+    let [_, z] = machine.made();
+    machine.press(ZERO);
+    machine.press(X_PLUS);
+    assert!(machine.wait(40_000, |machine| machine.simulation.cnc.referenced().x));
+    assert_eq!(machine.made()[1], z, "Z stands");
+    assert_eq!(machine.linked.state(), LinkState::Locked);
+    machine.press(Z_PLUS);
+    assert!(machine.wait(40_000, |machine| machine.linked.state() == LinkState::Ready));
+    let referenced = machine.simulation.cnc.referenced();
+    assert!(referenced.x && referenced.z);
 }

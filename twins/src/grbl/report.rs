@@ -32,7 +32,13 @@ impl GrblTwin {
         let _ = write!(text, "|FS:{feed:.0},{speed:.0}");
         let mut pins = String::new();
         let [limit_x, limit_z] = self.limits();
-        for (operated, letter) in [(limit_x, 'X'), (limit_z, 'Z'), (self.pins.door, 'D')] {
+        let emergency = self.variant.emergency_letter();
+        for (operated, letter) in [
+            (limit_x, 'X'),
+            (limit_z, 'Z'),
+            (self.pins.door, 'D'),
+            (self.pins.emergency, emergency),
+        ] {
             if operated {
                 pins.push(letter);
             }

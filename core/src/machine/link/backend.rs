@@ -45,9 +45,9 @@ impl Link {
     }
 
     /// Switches at the board that are operated, as last reported.
-    pub fn pins(&self) -> Pins {
+    pub const fn pins(&self) -> Pins {
         match self {
-            Self::Line(link) => link.status().map(|status| status.pins).unwrap_or_default(),
+            Self::Line(link) => link.pins(),
         }
     }
 

@@ -315,7 +315,7 @@ impl Linked {
     }
 
     /// Switches at the board that are operated.
-    pub fn pins(&self) -> Pins {
+    pub const fn pins(&self) -> Pins {
         self.link.pins()
     }
 

@@ -9,8 +9,8 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use super::super::{
-    BoardInfo, BoardOutputs, Event, HostTime, LinkConfig, LinkState, Refused, RunTime, Sample,
-    Stop, Traffic,
+    BoardInfo, BoardOutputs, Event, HostTime, LinkConfig, LinkState, Pins, Refused, RunTime,
+    Sample, Stop, Traffic,
 };
 use super::answers::{Answer, BoardState, Status};
 use super::opening::{Opening, Outcome};
@@ -106,6 +106,8 @@ pub struct LineLink {
     asked: Option<HostTime>,
     last_asked: HostTime,
     status: Option<Status>,
+    /// Switches as last reported; a restart says nothing about them.
+    pins: Pins,
     still_since: Option<HostTime>,
     halt: Halt,
     position_known: bool,
@@ -150,6 +152,7 @@ impl LineLink {
             asked: None,
             last_asked: now,
             status: None,
+            pins: Pins::default(),
             still_since: None,
             halt: Halt::None,
             position_known: false,
@@ -183,6 +186,11 @@ impl LineLink {
     /// The newest report.
     pub const fn status(&self) -> Option<Status> {
         self.status
+    }
+
+    /// Switches at the board that are operated, as last reported.
+    pub const fn pins(&self) -> Pins {
+        self.pins
     }
 
     /// Since when the board has reported itself standing.

@@ -9,6 +9,10 @@ use crate::simulation::Simulation;
 
 /// Ticks of the host's clock that are caught up at most.
 const MOST_DUE: u64 = 40;
+/// Shorter gaps between two looks at the port are everyday.
+const EVERYDAY: Duration = Duration::from_millis(30);
+/// The board may have made so much more than it has reported.
+const UNREPORTED: Duration = Duration::from_millis(50);
 /// The board may make motion this much later than the host's clock says.
 const PATIENCE: Duration = Duration::from_millis(100);
 const TICK: Duration = Duration::from_millis(1);
@@ -70,7 +74,8 @@ impl Linked {
     /// while the slides were too fast to be stopped at once.
     pub(super) fn has_starved(&self, simulation: &Simulation, gap: Duration) -> bool {
         let fast = simulation.cnc.feed_actual() > f64::from(self.config.flush_keep_speed);
-        fast && self.link.takes_motion() && gap > self.link.outstanding()
+        let long = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
+        fast && long && self.link.takes_motion()
     }
 
     pub(super) fn samples_late(&mut self, simulation: &mut Simulation) {

@@ -43,6 +43,7 @@ impl LineLink {
         }
         self.traffic.reports += 1;
         self.status = Some(status);
+        self.pins = status.pins;
         if core::mem::take(&mut self.limit_hit) {
             self.name_limits(status.pins);
         }
