@@ -255,6 +255,11 @@ impl Drive {
         self.carrier.is_some()
     }
 
+    /// Whether RESET asks for the lost board.
+    pub const fn is_to_be_reopened(&self) -> bool {
+        self.linked.is_to_be_reopened()
+    }
+
     /// The link page's view.
     pub fn view(&self) -> LinkView {
         let mut trips: Vec<_> = self.trips.iter().copied().collect();

@@ -76,7 +76,11 @@ impl Kernel {
             self.last = Some(snapshot);
             shown = true;
         }
+        let reopen = drive.is_to_be_reopened();
         self.drive = Some(drive);
+        if reopen {
+            self.order(LinkOrder::Reconnect);
+        }
         shown
     }
 

@@ -209,6 +209,11 @@ impl Machine {
         self.twin.to_board.set_cut(true);
     }
 
+    pub fn mend_cable(&mut self) {
+        self.twin.to_host.set_cut(false);
+        self.twin.to_board.set_cut(false);
+    }
+
     /// The port is closed and opened again; this board does not mind.
     pub fn reconnect(&mut self) {
         let now = Duration::from_nanos(self.twin.now());

@@ -187,3 +187,32 @@ fn the_emergency_stop_of_the_board_is_that_of_the_control() {
         assert_eq!(machine.twin.pulses(), stood);
     }
 }
+
+#[test]
+fn reset_asks_for_a_lost_board_and_nothing_moves_with_it() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(SHORT, None);
+    machine.start();
+    machine.pass(2000);
+    machine.cut_cable();
+    machine.pass(2000);
+    assert_eq!(machine.linked.state(), LinkState::Lost);
+    // First it takes no motion, then it does not answer.
+    assert_eq!(machine.alarms(), [605, 612]);
+    machine.mend_cable();
+    machine.pass(1000);
+    assert_eq!(machine.linked.state(), LinkState::Lost, "nobody asked");
+    let stood = machine.twin.pulses();
+    machine.press(RESET);
+    assert!(machine.linked.is_to_be_reopened());
+    machine.reconnect();
+    machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
+    machine.press(AUTO);
+    machine.press(CYCLE_START);
+    machine.pass(1000);
+    assert!(machine.alarms().contains(&610) || machine.alarms().contains(&605));
+    machine.press(RESET);
+    machine.pass(1000);
+    assert_eq!(machine.twin.pulses(), stood);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+}

@@ -74,6 +74,8 @@ pub struct Linked {
     resetting: bool,
     emergency: bool,
     powered: bool,
+    /// RESET was pressed while the board was lost.
+    reopen: bool,
     /// It stands as long as its cause, whatever RESET does.
     standing: Option<Alarm>,
     /// A count that agreed at a standstill and has not been noted yet.
@@ -105,6 +107,7 @@ impl Linked {
             resetting: false,
             emergency: false,
             powered: true,
+            reopen: false,
             standing: None,
             agreed: None,
             ended: None,
@@ -274,6 +277,11 @@ impl Linked {
     /// What the owner should find in the log.
     pub fn notes(&mut self) -> Vec<Note> {
         core::mem::take(&mut self.notes)
+    }
+
+    /// Whether the operator wants the lost board back: the port is to be opened anew.
+    pub const fn is_to_be_reopened(&self) -> bool {
+        self.reopen
     }
 
     /// Compares the counts, when the slides stand.

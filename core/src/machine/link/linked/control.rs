@@ -52,6 +52,7 @@ impl Linked {
         } else if self.resetting && !resetting {
             cnc.halt_for_board();
             self.flushing |= self.link.state() == LinkState::Moving;
+            self.reopen |= self.link.state() == LinkState::Lost;
             self.link.reset();
         }
         if let Some(alarm) = &self.standing
