@@ -22,7 +22,7 @@ use gsk_core::program::Program;
 use gsk_core::units::Point;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
-use gsk_panel::panel::KeyEvent;
+use gsk_panel::panel::{KeyEvent, SerialFile};
 use gsk_panel::screen::Screen;
 
 pub use drive::Connection;
@@ -62,6 +62,10 @@ pub enum Command {
     Turn(i32),
     /// Open a program that was read from a file.
     Open(Box<Opened>),
+    /// A file comes in through the serial port.
+    Receive(Box<SerialFile>),
+    /// The partner could not take what the control sent.
+    TransferFailed,
     /// What the opened program cuts, for the graphic page.
     Fit {
         /// Least point, X as a radius.
@@ -124,6 +128,8 @@ pub struct Opened {
 pub enum Notice {
     /// A program was opened.
     Opened(String),
+    /// The control has sent something: what, and where it is.
+    Sent(String),
     /// Something went wrong, or should be known.
     Said(String),
 }
@@ -348,6 +354,12 @@ impl Kernel {
             Command::Type(character) => self.emulator.key(KeyEvent::Type(character)),
             Command::Turn(detents) => self.emulator.turn(detents),
             Command::Open(opened) => self.open(*opened),
+            Command::Receive(file) => {
+                if let Err(said) = self.emulator.receive(*file) {
+                    self.say(Notice::Said(said));
+                }
+            }
+            Command::TransferFailed => self.emulator.panel.transfer_failed(),
             Command::Fit { least, greatest } => self.emulator.fit_graphic(least, greatest),
             Command::Probe(None) => self.probing = None,
             Command::Probe(Some(probe)) => match &mut self.probing {

@@ -15,4 +15,5 @@ pub mod ports;
 pub mod report;
 pub mod retained;
 pub mod setup_args;
+pub mod transfer;
 pub mod window;

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 pub use ladder::LadderStep;
 use ladder::{TIMER_PRESETS, preset_plc};
-pub use request::{OffsetEntry, Request};
+pub use request::{OffsetEntry, Received, Request, SerialPort};
 pub use view::Cursor;
 pub(crate) use world::World;
 
@@ -101,6 +101,7 @@ pub struct Cnc {
     /// A soft switch on its way.
     turning: Option<soft_panel::Turning>,
     output_key: bool,
+    serial_port: SerialPort,
     /// The soft machine panel, as F75 has it.
     pub(crate) soft_switches: u8,
     /// The ladder stands still, for stepping.
@@ -227,6 +228,7 @@ impl Cnc {
             panel_keys: [0; X_BYTES],
             turning: None,
             output_key: false,
+            serial_port: SerialPort::Idle,
             soft_switches: 0,
             plc_halted: false,
             next_ladder: None,
@@ -429,6 +431,8 @@ impl Cnc {
             moving,
             negative: self.negative,
             output_key: self.output_key,
+            sending: self.serial_port == SerialPort::Sending,
+            receiving: self.serial_port == SerialPort::Receiving,
             soft_switches: self.soft_switches,
             ready: !self.alarms.contains(0),
             spindle_jog: self.spindle_jog(),

@@ -117,6 +117,8 @@ fn written(on: bool, mode: Mode) -> Memory {
         moving: axes,
         negative: axes,
         output_key: on,
+        sending: on,
+        receiving: on,
         soft_switches: if on { 0b11_1110 } else { 0 },
         ready: on,
         spindle_jog: on,

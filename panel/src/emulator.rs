@@ -14,7 +14,7 @@ use tiny_skia::Pixmap;
 
 use crate::faceplate::{self, FaceState};
 use crate::keys::{Bit, Key};
-use crate::panel::{KeyEvent, Panel, contacts};
+use crate::panel::{KeyEvent, Panel, SerialFile, contacts};
 use crate::raster;
 use crate::screen::Screen;
 
@@ -207,6 +207,19 @@ impl Emulator {
             _ => text.to_owned(),
         };
         self.simulation.cnc.request(Request::StoreProgram(text))
+    }
+
+    /// A file comes in through the serial port.
+    ///
+    /// # Errors
+    /// Why the control does not take it, as a sentence.
+    pub fn receive(&mut self, file: SerialFile) -> Result<(), String> {
+        let mut requests = Vec::new();
+        let taken = self
+            .panel
+            .receive(file, &self.simulation.cnc, &mut requests);
+        self.ask(requests);
+        taken
     }
 
     /// Opens a program outside the memory, read-only, and selects it.

@@ -6,6 +6,7 @@ mod graphic;
 mod navigation;
 mod program_text;
 mod search;
+mod transfer;
 mod values;
 
 pub(crate) use entry::is_typable;
@@ -14,6 +15,8 @@ use gsk_core::command::{Frame, ProgramId};
 use gsk_core::operation::Mode;
 use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
+pub use transfer::SerialFile;
+use transfer::Transfer;
 
 use crate::keys::{KEYS, Key, Role};
 use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, View};
@@ -87,6 +90,7 @@ pub struct Panel {
     followed: Option<(Option<ProgramId>, u32)>,
     traced: Option<(Frame, Point)>,
     wheel: i32,
+    transfer: Transfer,
 }
 
 /// A held key that repeats.
@@ -125,6 +129,7 @@ impl Panel {
             followed: None,
             traced: None,
             wheel: 0,
+            transfer: Transfer::default(),
         }
     }
 
@@ -135,6 +140,7 @@ impl Panel {
         new.restore(&self.retained());
         new.emergency_stop = self.emergency_stop;
         new.wheel = self.wheel;
+        new.transfer = self.transfer.at_power_on();
         new.clock = self.clock;
         new.picture_until = Some(self.clock + POWER_ON_TICKS);
         new.picture_waits = cnc.parameters().bit(173, 2);
@@ -306,6 +312,7 @@ impl Panel {
 
     /// What a key does on the display.
     fn act(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
+        self.read_transfer_error();
         let compound = self.compound.take();
         let flashing = self.view.flashing.take();
         match (key.row().role, key) {
@@ -326,7 +333,7 @@ impl Panel {
             (_, Key::PageUp) => self.turn_page(false, cnc, requests),
             (_, Key::PageDown) => self.turn_page(true, cnc, requests),
             (_, Key::Input) => self.commit(cnc, requests),
-            (_, Key::Output) => requests.push(Request::OutputKey(true)),
+            (_, Key::Output) => self.output(cnc, requests),
             (_, Key::Eob | Key::Insert | Key::Delete | Key::Cancel) if self.edits(cnc) => {
                 self.edit_key(key, cnc, requests);
             }
@@ -342,6 +349,7 @@ impl Panel {
 
     fn reset(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         self.clear_input();
+        self.break_transfer(requests);
         if self.is_held(Key::Cancel) {
             requests.push(Request::CancelSwitchAlarm);
         }
@@ -384,6 +392,7 @@ impl Panel {
         self.follow_alarms(cnc);
         self.trace(cnc);
         self.follow_program(cnc, &mut requests);
+        self.follow_transfer(cnc, &mut requests);
         self.repeat_key(cnc, &mut requests);
         requests
     }

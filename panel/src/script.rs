@@ -22,13 +22,14 @@ use crate::emulator::Condition;
 use crate::keys::Key;
 
 /// The actions with their forms: what help and error messages list.
-pub const FORMS: [(&str, &str); 16] = [
+pub const FORMS: [(&str, &str); 17] = [
     ("press", "press KEY"),
     ("hold", "hold KEY 2s"),
     ("down", "down KEY"),
     ("up", "up KEY"),
     ("type", "type O0001"),
     ("load", "load FILE"),
+    ("receive", "receive FILE"),
     ("power", "power off | power on"),
     ("fault", "fault NAME on | off"),
     ("turn", "turn 10 | turn 300 1s"),
@@ -84,6 +85,8 @@ pub enum Action {
     Type(String),
     /// A program file into the program memory.
     Load(String),
+    /// A file through the serial port.
+    Receive(String),
     /// Power off (`false`) or on.
     Power(bool),
     /// Breaks or mends something of the lathe.

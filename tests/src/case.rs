@@ -16,6 +16,8 @@ pub struct Case {
     pub script: Option<String>,
     /// Which paths a program takes; without it both.
     pub paths: Vec<ProgramPath>,
+    /// Whether somebody listens at the serial port.
+    pub partner: bool,
     /// What control and lathe start from.
     pub setup: SetupWords,
     /// How far times may be off, s.
@@ -48,6 +50,7 @@ impl Default for Case {
         Self {
             programs: Vec::new(),
             script: None,
+            partner: false,
             paths: vec![ProgramPath::Check, ProgramPath::Run],
             setup: SetupWords::default(),
             time_tolerance: 0.002,

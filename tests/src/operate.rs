@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use gsk_panel::emulator::Emulator;
+use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{self, Effect, Script};
 
 use crate::case::Case;
 use crate::picture;
 
 const SCREEN: &str = "screen.txt";
+const SENT: &str = "sent.txt";
 const PICTURE: &str = "screen.png";
 
 /// Runs the script and compares the LCD at its end, as text and as picture.
@@ -22,6 +24,7 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
         lines.join("\n")
     })?;
     let mut emulator = Emulator::new(case.setup.setup()?);
+    emulator.panel.connect(case.partner);
     let outcome = script::run(
         script,
         &mut emulator,
@@ -32,6 +35,13 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
                     .load_program(&file, &text)
                     .map_err(|alarm| alarm.line_text())
             }
+            Effect::Receive(file) => {
+                let text = crate::read(folder, &file)?;
+                if let Err(said) = emulator.receive(SerialFile { name: file, text }) {
+                    println!("{said}");
+                }
+                Ok(())
+            }
             Effect::Show(screen) => {
                 println!("{screen}");
                 Ok(())
@@ -40,8 +50,27 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
         },
     );
     outcome.map_err(|failure| format!("{name}: {failure}\n{}", screen_text(&emulator)))?;
+    compare_sent(folder, &mut emulator, update)?;
     compare_text(folder, &emulator, update)?;
     compare_picture(folder, &emulator, update)
+}
+
+/// What has arrived at the partner of the serial port, one file after the other.
+fn compare_sent(folder: &Path, emulator: &mut Emulator, update: bool) -> Result<(), String> {
+    let Some(expected) = crate::read_if_there(folder, SENT)? else {
+        return Ok(());
+    };
+    let files = emulator.panel.take_sent().into_iter();
+    let seen: String = files
+        .map(|file| format!("== {}\n{}", file.name, file.text))
+        .collect();
+    if seen == expected {
+        return Ok(());
+    }
+    if update {
+        return crate::write(folder, SENT, &seen);
+    }
+    Err(format!("{SENT} differs, sent was\n{seen}"))
 }
 
 fn compare_text(folder: &Path, emulator: &Emulator, update: bool) -> Result<(), String> {

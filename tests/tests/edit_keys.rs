@@ -139,6 +139,7 @@ fn begin(random: &mut Random) -> Emulator {
     }
     let mut emulator = Emulator::new(setup);
     emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.panel.connect(random.below(2) == 0);
     if random.below(2) == 0 {
         let cnc = &mut emulator.simulation.cnc;
         cnc.request(Request::SetParameterSwitch(true)).unwrap();
@@ -266,14 +267,24 @@ fn no_key_panics_corrupts_the_memory_or_passes_a_protection() {
     let keys = std::env::var("EDIT_KEYS").map_or(KEYS, |keys| keys.parse().unwrap());
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut emulator = begin(&mut random);
-    let mut changes = 0;
+    let (mut changes, mut files) = (0, 0);
+    // Whether the machine builder's password was keyed in during this session.
+    let mut builder = false;
     for key in 0..keys {
         if key % SESSION == SESSION - 1 {
             emulator = begin(&mut random);
+            builder = false;
         }
         let guarded = Guarded::of(&emulator.simulation.cnc);
         let before = emulator.simulation.cnc.programs().clone();
         press(&mut emulator, &mut random);
+        let sent = emulator.panel.take_sent();
+        builder |= emulator.simulation.cnc.authority().level().number() <= 2;
+        assert!(
+            builder || sent.iter().all(|file| file.name != "O9001.CNC"),
+            "nobody had the level that sends it"
+        );
+        files += sent.len();
         let cnc = &emulator.simulation.cnc;
         guarded.check(cnc);
         changes += u64::from(*cnc.programs() != before);
@@ -286,6 +297,7 @@ fn no_key_panics_corrupts_the_memory_or_passes_a_protection() {
         changes * 1000 > keys,
         "the keys did change programs: {changes}"
     );
+    assert!(files > 0, "the keys did send something");
 }
 
 #[test]

@@ -10,7 +10,8 @@ use gsk_core::operation::SoftSwitch;
 use gsk_core::plc::address::{Area, ByteAddress};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
-use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::emulator::Emulator;
+use gsk_panel::pages::PageId;
 use gsk_panel::script::{self, Script};
 use gsk_tests::repository;
 
@@ -245,7 +246,9 @@ fn prepared(place: &Place, protection: &str) -> Emulator {
     setup.counters.parts = 5;
     setup.counters.cutting_ms = 3_600_000;
     let mut emulator = Emulator::new(setup);
-    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    // The picture of the self-test is not waited for: there are 400 of them.
+    emulator.panel.show(PageId::PosRel);
+    emulator.run(100);
     let cnc = &mut emulator.simulation.cnc;
     let selected = if place.name.starts_with("prg-9000") {
         9001

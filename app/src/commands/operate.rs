@@ -12,7 +12,7 @@ use super::{ALARM, FINE, output};
 use crate::cli::OperateArgs;
 use crate::files::data_dir::DataDir;
 use crate::files::program_file;
-use crate::{loading, picture, retained};
+use crate::{loading, picture, retained, transfer};
 
 /// Ticks between two looks at a script.
 const SLICE: u64 = 100_000;
@@ -57,6 +57,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, String> {
     };
     if let Some(restored) = &restored {
         restored.restore_panel(&mut session.emulator);
+        session.emulator.panel.connect(true);
     }
     let code = session.run(script, path);
     if let (Some(target), Some(record)) = (&args.record, &session.record) {
@@ -65,6 +66,8 @@ pub fn operate(args: &OperateArgs) -> Result<u8, String> {
     }
     if let (Some(data), Some(restored)) = (data, restored) {
         session.emulator.store_edited();
+        let sent = session.emulator.panel.take_sent();
+        transfer::write(&data.path().join(transfer::FOLDER), &sent)?;
         retained::save_emulator(data, &restored, &session.emulator)?;
     }
     Ok(code)
@@ -107,6 +110,7 @@ impl Session {
             Effect::Show(text) => output::print(&format!("{text}\n")),
             Effect::Shot { path, panel } => self.shot(Path::new(&path), panel),
             Effect::Load(name) => self.load(&name),
+            Effect::Receive(name) => self.receive(&name),
         }
     }
 
@@ -122,13 +126,26 @@ impl Session {
             .map_err(|error| format!("{} cannot be written: {error}", path.display()))
     }
 
-    fn load(&mut self, name: &str) -> Result<(), String> {
+    /// A file named in the script stands beside it, or in the current folder.
+    fn file(&self, name: &str) -> PathBuf {
         let beside = self.folder.join(name);
-        let path = if beside.exists() {
+        if beside.exists() {
             beside
         } else {
             PathBuf::from(name)
-        };
+        }
+    }
+
+    fn receive(&mut self, name: &str) -> Result<(), String> {
+        let file = transfer::read(&self.file(name))?;
+        if let Err(said) = self.emulator.receive(file) {
+            eprintln!("gsk980td: {said}");
+        }
+        Ok(())
+    }
+
+    fn load(&mut self, name: &str) -> Result<(), String> {
+        let path = self.file(name);
         let file = program_file::read(&path).map_err(|error| error.to_string())?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         self.emulator

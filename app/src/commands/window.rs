@@ -52,6 +52,7 @@ pub fn open(args: WindowArgs) -> Result<u8, String> {
     };
     let link = connection(args.link, &setup, &path)?;
     let mut emulator = Emulator::new(setup);
+    emulator.panel.connect(true);
     restored.restore_panel(&mut emulator);
     let (mut kernel, console) = Kernel::new(emulator);
     if let Some(link) = link {

@@ -1,5 +1,6 @@
 //! The kernel in its thread: ticks against the clock, asleep in between.
 
+use std::path::PathBuf;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -8,6 +9,7 @@ use crossbeam::channel::RecvTimeoutError;
 use super::{Command, Console, Kernel, Notice, PICTURE_TICKS};
 use crate::pace::Pace;
 use crate::retained::Keeper;
+use crate::transfer;
 
 /// Held keys are let go when the window has said nothing for so long: no motion
 /// depends on a release that may never come.
@@ -21,6 +23,8 @@ pub struct Outside {
     pub wake: Box<dyn Fn() + Send>,
     /// Saves the memory, if there is a data directory.
     pub keeper: Option<Keeper>,
+    /// The folder that takes what the control sends, if there is one.
+    pub partner: Option<PathBuf>,
 }
 
 /// The running thread.
@@ -59,16 +63,17 @@ impl Drop for KernelThread {
 
 /// Starts the kernel in a thread of its own.
 pub fn start(kernel: Kernel, console: &Console, outside: Outside) -> std::io::Result<KernelThread> {
+    let own = console.clone();
     let thread = thread::Builder::new()
         .name("kernel".to_owned())
-        .spawn(move || turn(kernel, outside))?;
+        .spawn(move || turn(kernel, outside, &own))?;
     Ok(KernelThread {
         console: console.clone(),
         thread: Some(thread),
     })
 }
 
-fn turn(mut kernel: Kernel, mut outside: Outside) {
+fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
     let start = Instant::now();
     let mut pace = Pace::new(start);
     let mut picture_at = 0;
@@ -96,6 +101,12 @@ fn turn(mut kernel: Kernel, mut outside: Outside) {
             kernel.speed_percent = speed_percent(pace.ratio());
             if kernel.show() {
                 (outside.wake)();
+            }
+        }
+        if let Some(folder) = &outside.partner {
+            let files = kernel.emulator.panel.take_sent();
+            if !files.is_empty() {
+                transfer::write_aside(folder.clone(), files, console.clone());
             }
         }
         if let Some(keeper) = &mut outside.keeper

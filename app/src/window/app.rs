@@ -11,6 +11,7 @@ use super::{Settings, Window, fonts};
 use crate::files::data_dir::DataDir;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
 use crate::retained::{Keeper, Restored};
+use crate::transfer;
 
 /// Size of the window at the first start, points: the LCD at two pixels a dot.
 const SIZE: [f32; 2] = [1280.0, 806.0];
@@ -101,6 +102,7 @@ impl App {
             // With a delay it is drawn once; without one egui draws twice.
             wake: Box::new(move || waker.request_repaint_after(Duration::from_millis(1))),
             keeper: Some(keeper),
+            partner: Some(data.path().join(transfer::FOLDER)),
         };
         let thread = kernel::start(kernel, &console, outside)?;
         let mut window = Window::new(console, settings.clone());

@@ -192,6 +192,13 @@ impl Window {
                         warning: true,
                     });
                 }
+                Notice::Sent(what) => {
+                    let word = Text::Sent.of(self.settings.language);
+                    self.message = Some(Message {
+                        text: format!("{word} {what}"),
+                        warning: false,
+                    });
+                }
                 Notice::Opened(name) => {
                     let path = PathBuf::from(name);
                     let shown = path

@@ -10,7 +10,7 @@ use super::extents;
 use super::texts::Text;
 use crate::cli::Language;
 use crate::kernel::{Command, Console, Notice, Opened};
-use crate::loading;
+use crate::{loading, transfer};
 
 /// Opens programs.
 #[derive(Clone, Debug)]
@@ -64,6 +64,15 @@ impl Opener {
     }
 
     fn read(&self, path: &Path) {
+        if transfer::is_data(path) {
+            match transfer::read(path) {
+                Ok(file) => self.console.send(Command::Receive(Box::new(file))),
+                Err(said) => {
+                    let _ = self.console.say.try_send(Notice::Said(said));
+                }
+            }
+            return;
+        }
         match read(path) {
             Ok((opened, notices)) => {
                 let shown = opened.clone();

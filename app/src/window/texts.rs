@@ -50,6 +50,8 @@ pub enum Text {
     Programs,
     /// Filter of the file dialog.
     AllFiles,
+    /// In front of what the control has sent.
+    Sent,
     /// Drop here.
     DropHere,
     /// The PC is too slow.
@@ -118,6 +120,7 @@ impl Text {
             Self::PcKey => ("电脑按键", "PC key"),
             Self::Programs => ("零件程序", "Part programs"),
             Self::AllFiles => ("所有文件", "All files"),
+            Self::Sent => ("已输出", "Sent"),
             Self::DropHere => ("松开鼠标以打开程序", "Drop to open the program"),
             Self::Slow => (
                 "电脑速度不足, 机床时间变慢",

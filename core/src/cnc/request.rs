@@ -2,11 +2,14 @@
 
 mod data;
 mod programs;
+mod received;
 
 use std::sync::Arc;
 
 use gsk_plc::Ladder;
 use gsk_plc::address::{Area, BitAddress, ByteAddress};
+
+pub use received::{Received, SerialPort};
 
 use super::{Cnc, LadderStep, X_BYTES};
 use crate::alarm::Alarm;
@@ -50,6 +53,12 @@ pub enum Request {
     DeleteAllPrograms,
     /// Asks whether a program may be edited: raises the alarm that says why not.
     AskToEdit(u16),
+    /// Asks whether a program may be sent: raises the alarm that says why not.
+    AskToSend(u16),
+    /// What the serial port does from now on (F213).
+    SerialPort(SerialPort),
+    /// What came in through the serial port.
+    Receive(Received),
     /// Stores the edited text of a program.
     StoreEdited {
         /// Its number.
@@ -203,6 +212,11 @@ impl Cnc {
             Request::AskToEdit(number) => {
                 allowed(self.rights().program(number))?;
             }
+            Request::AskToSend(number) => {
+                allowed(self.rights().send_program(number))?;
+            }
+            Request::SerialPort(state) => self.serial_port = state,
+            Request::Receive(received) => self.take_received(received)?,
             Request::StoreEdited { number, program } => self.store_edited(number, program)?,
             Request::StoreProgram(_) if self.memory_protected() => {}
             Request::StoreProgram(text) => {

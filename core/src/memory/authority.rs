@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 pub struct Level(u8);
 
 impl Level {
+    /// Machine builder: programs above O9000 leave the control.
+    pub const BUILDER: Self = Self(2);
     /// Workshop: parameters and all programs; the level of a new control.
     pub const WORKSHOP: Self = Self(3);
     /// Operator: programs below O9000 and offsets.

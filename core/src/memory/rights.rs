@@ -66,6 +66,16 @@ const fn unless(allowed: bool, refusal: Refusal) -> Result<(), Refusal> {
     if allowed { Ok(()) } else { Err(refusal) }
 }
 
+/// The level that moves a program through the serial port: above O9000 the machine
+/// builder's.
+const fn serial_level(number: u16) -> Level {
+    if number <= PROTECTED_FROM {
+        Level::OPERATOR
+    } else {
+        Level::BUILDER
+    }
+}
+
 impl Rights<'_> {
     fn level_at_most(&self, level: Level) -> Result<(), Refusal> {
         unless(self.level <= level, Refusal::Level)
@@ -112,6 +122,60 @@ impl Rights<'_> {
         } else {
             Level::WORKSHOP
         })
+    }
+
+    fn may_send(&self) -> Result<(), Refusal> {
+        unless(self.mode == Mode::Edit, Refusal::Mode)?;
+        unless(!self.operating, Refusal::Running)
+    }
+
+    /// Sending a program through the serial port (manual III-9.8.2).
+    ///
+    /// # Errors
+    /// What stands against it.
+    pub fn send_program(&self, number: u16) -> Result<(), Refusal> {
+        self.may_send()?;
+        unless(self.program_switch, Refusal::ProgramSwitch)?;
+        unless(!self.hides(number), Refusal::Locked)?;
+        self.level_at_most(serial_level(number))
+    }
+
+    /// Sending parameters, offsets or the pitch table.
+    ///
+    /// # Errors
+    /// What stands against it.
+    pub fn send_data(&self) -> Result<(), Refusal> {
+        self.may_send()?;
+        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
+        self.level_at_most(Level::WORKSHOP)
+    }
+
+    fn may_receive(&self) -> Result<(), Refusal> {
+        self.at_rest()?;
+        unless(!self.protected, Refusal::Locked)
+    }
+
+    /// Taking a program through the serial port.
+    ///
+    /// # Errors
+    /// What stands against it.
+    pub fn receive_program(&self, number: u16) -> Result<(), Refusal> {
+        self.may_receive()?;
+        unless(self.program_switch, Refusal::ProgramSwitch)?;
+        let locked = self.parameters.bit(172, 1) || self.hides(number);
+        unless(!locked, Refusal::Locked)?;
+        self.level_at_most(serial_level(number))
+    }
+
+    /// Taking parameters, offsets or the pitch table through the serial port.
+    ///
+    /// # Errors
+    /// What stands against it.
+    pub fn receive_data(&self) -> Result<(), Refusal> {
+        self.may_receive()?;
+        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
+        unless(!self.parameters.bit(172, 2), Refusal::Locked)?;
+        self.level_at_most(Level::WORKSHOP)
     }
 
     /// Tool offsets.

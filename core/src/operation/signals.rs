@@ -228,6 +228,10 @@ pub struct ToPlc<'a> {
     pub negative: PerAxis<bool>,
     /// OUTO: the OUTPUT key is down.
     pub output_key: bool,
+    /// Something goes out through the serial port.
+    pub sending: bool,
+    /// Something comes in through it.
+    pub receiving: bool,
     /// Switches of the soft machine panel, as the bits of F75.
     pub soft_switches: u8,
     /// MA: the control is ready; not with a system alarm.
@@ -341,6 +345,7 @@ impl ToPlc<'_> {
         set(198, pack_axes(self.at_program_zero));
         set(199, u8::from(self.spindle_jog));
         set(212, pack(&[(2, self.dwelling), (4, g.feed_override == 0)]));
+        set(213, pack(&[(0, self.sending), (1, self.receiving)]));
         set(207, self.parameters.value(84) as u8);
         for (f, parameter) in MIRRORED {
             set(f, self.parameters.byte(parameter));

@@ -125,9 +125,7 @@ impl Panel {
 
     /// `O`, a number and a key: what becomes of that program.
     fn program_command(&mut self, key: Key, digits: &str, requests: &mut Vec<Request>) {
-        let all = digits
-            .strip_prefix('-')
-            .is_some_and(|digits| ALL_PROGRAMS.contains(&digits));
+        let all = is_all_programs(digits);
         let number = number(digits);
         let request = match (key, number) {
             (Key::Delete, _) if all => Request::DeleteAllPrograms,
@@ -391,8 +389,14 @@ fn next_program(cnc: &Cnc) -> Option<u16> {
     after.or(numbers.first()).copied()
 }
 
+/// `-999` behind the O: every program.
+pub(super) fn is_all_programs(digits: &str) -> bool {
+    let digits = digits.strip_prefix('-');
+    digits.is_some_and(|digits| ALL_PROGRAMS.contains(&digits))
+}
+
 /// A number of up to four digits.
-fn number(digits: &str) -> Option<u16> {
+pub(super) fn number(digits: &str) -> Option<u16> {
     let number: u16 = digits.trim().parse().ok()?;
     (number <= 9999).then_some(number)
 }

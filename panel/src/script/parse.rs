@@ -139,6 +139,7 @@ fn action(verb: &str, rest: &str) -> Result<Action, String> {
         ("up", [name]) => Ok(Action::Up(key(name)?)),
         ("type", [_, ..]) => typed(rest, &words),
         ("load", [_, ..]) => Ok(Action::Load(path(rest, &words))),
+        ("receive", [_, ..]) => Ok(Action::Receive(path(rest, &words))),
         ("power", ["off"]) => Ok(Action::Power(false)),
         ("power", ["on"]) => Ok(Action::Power(true)),
         ("fault", [name, state]) => Ok(Action::Fault(fault(name)?, on_off(state)?)),

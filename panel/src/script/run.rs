@@ -30,6 +30,9 @@ pub enum Effect {
     },
     /// Read this file and give its text to [`Emulator::load_program`].
     Load(String),
+    /// Read this file and give it to [`Emulator::receive`]; what is said then is for
+    /// the partner, and no failure of the script.
+    Receive(String),
 }
 
 /// How far a script has come.
@@ -274,6 +277,7 @@ impl Runner {
                 self.stage = Stage::Typing(now, characters, rest);
             }
             Action::Load(path) => return Next::Say(Progress::Effect(Effect::Load(path))),
+            Action::Receive(path) => return Next::Say(Progress::Effect(Effect::Receive(path))),
             Action::Power(true) => emulator.power_on(),
             Action::Power(false) => emulator.power_off(),
             Action::Fault(fault, on) => emulator.simulation.lathe.set_fault(fault, on),

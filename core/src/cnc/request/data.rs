@@ -121,7 +121,7 @@ impl Cnc {
 
     /// New values of all parameters: what is worked out from them follows, except
     /// for those that wait for the next power-on (alarm 000).
-    fn take_parameters(&mut self, changed: Parameters) {
+    pub(super) fn take_parameters(&mut self, changed: Parameters) {
         let needs_power_cycle = changed.needs_power_cycle(&self.parameters);
         let encoder = ENCODER
             .iter()

@@ -1,0 +1,107 @@
+//! The partner at the control's serial port: a folder of the data directory takes
+//! what the control sends; files come from wherever the user has them.
+
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use gsk_panel::panel::SerialFile;
+
+use crate::files::{atomic, program_file};
+use crate::kernel::{Command, Console, Notice};
+
+/// The folder in the data directory.
+pub const FOLDER: &str = "transfer";
+
+/// Writes files into the folder, making it if it is not there.
+pub fn write(folder: &Path, files: &[SerialFile]) -> Result<(), String> {
+    let wrong = |error| format!("{} cannot be written: {error}", folder.display());
+    std::fs::create_dir_all(folder).map_err(wrong)?;
+    for file in files {
+        atomic::write(&folder.join(&file.name), file.text.as_bytes()).map_err(wrong)?;
+    }
+    Ok(())
+}
+
+/// Names that end so are data for the control, and no programs.
+const DATA: [&str; 3] = ["ofs", "wmp", "par"];
+
+/// Whether a file holds offsets, pitch errors or parameters.
+pub fn is_data(path: &Path) -> bool {
+    let extension = path.extension().map(|name| name.to_string_lossy());
+    extension.is_some_and(|name| DATA.iter().any(|data| name.eq_ignore_ascii_case(data)))
+}
+
+/// Reads a file for the control.
+pub fn read(path: &Path) -> Result<SerialFile, String> {
+    let name = path.file_name().unwrap_or_default();
+    let file = program_file::read(path).map_err(|error| error.to_string())?;
+    Ok(SerialFile {
+        name: name.to_string_lossy().into_owned(),
+        text: file.text,
+    })
+}
+
+/// What was sent, for a message.
+pub fn names(files: &[SerialFile]) -> String {
+    match files {
+        [file] => file.name.clone(),
+        [first, .., last] => format!("{} … {} ({})", first.name, last.name, files.len()),
+        [] => String::new(),
+    }
+}
+
+/// Writes them in a thread of their own: a slow disk never holds up the kernel.
+pub fn write_aside(folder: PathBuf, files: Vec<SerialFile>, console: Console) {
+    let telling = console.clone();
+    let thread = thread::Builder::new().name("transfer".to_owned());
+    let written = thread.spawn(move || match write(&folder, &files) {
+        Ok(()) => {
+            let what = format!("{} → {}", names(&files), folder.display());
+            // A window that is gone needs no message.
+            let _ = console.say.try_send(Notice::Sent(what));
+        }
+        Err(said) => fail(&console, said),
+    });
+    if let Err(error) = written {
+        fail(&telling, error.to_string());
+    }
+}
+
+fn fail(console: &Console, said: String) {
+    let _ = console.say.try_send(Notice::Said(said));
+    console.send(Command::TransferFailed);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::test_folder;
+
+    fn file(name: &str) -> SerialFile {
+        SerialFile {
+            name: name.to_owned(),
+            text: "O0001;\n%\n".to_owned(),
+        }
+    }
+
+    #[test]
+    fn what_is_sent_stands_in_the_folder() {
+        let folder = test_folder("transfer").join(FOLDER);
+        let files = [file("O0001.CNC"), file("ParaW.par")];
+        write(&folder, &files).expect("written");
+        for file in &files {
+            let text = std::fs::read_to_string(folder.join(&file.name));
+            assert_eq!(text.ok().as_ref(), Some(&file.text));
+        }
+        assert_eq!(names(&files[..1]), "O0001.CNC");
+        assert_eq!(names(&files), "O0001.CNC … ParaW.par (2)");
+    }
+
+    #[test]
+    fn a_folder_that_cannot_be_made_is_said() {
+        let file_in_the_way = test_folder("transfer-refused").join(FOLDER);
+        std::fs::write(&file_in_the_way, b"").expect("written");
+        let said = write(&file_in_the_way, &[file("O0001.CNC")]).expect_err("no folder");
+        assert!(said.contains("cannot be written"), "{said}");
+    }
+}

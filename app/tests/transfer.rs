@@ -1,0 +1,91 @@
+//! The serial port's partner: what the control sends stands in a folder, what is
+//! dropped on the window comes in.
+
+#![expect(clippy::expect_used, reason = "the helpers of a test may fail it")]
+
+use std::path::{Path, PathBuf};
+use std::process::Command as Process;
+use std::time::Duration;
+
+use gsk_app::kernel::{Command, Kernel, Notice, Outside, start};
+use gsk_app::transfer;
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::keys::Key;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("gsk980td-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("folder for a test");
+    folder
+}
+
+/// In EDIT, on the program page, O0331 keyed in.
+fn about_to_send() -> Emulator {
+    let mut setup = Setup::default();
+    setup
+        .programs
+        .store("O0331;\nM30;\n")
+        .expect("room for a program");
+    let mut emulator = Emulator::new(setup);
+    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.panel.connect(true);
+    emulator.press(Key::Edit);
+    emulator.press(Key::Program);
+    emulator.type_text("O331");
+    emulator
+}
+
+/// What the kernel thread says after OUT.
+fn said_after_output(partner: &Path) -> Option<Notice> {
+    let (kernel, console) = Kernel::new(about_to_send());
+    let outside = Outside {
+        wake: Box::new(|| {}),
+        keeper: None,
+        partner: Some(partner.to_owned()),
+    };
+    let mut thread = start(kernel, &console, outside).expect("a thread");
+    console.send(Command::Tap(Key::Output));
+    let said = console.notices.recv_timeout(Duration::from_secs(60)).ok();
+    thread.stop();
+    said
+}
+
+#[test]
+fn a_program_that_is_sent_stands_in_the_folder() {
+    let partner = folder("sent").join(transfer::FOLDER);
+    let said = said_after_output(&partner);
+    let expected = format!("O0331.CNC → {}", partner.display());
+    assert_eq!(said, Some(Notice::Sent(expected)));
+    let text = std::fs::read_to_string(partner.join("O0331.CNC")).expect("the file");
+    assert_eq!(text, "O0331;\nM30;\n%\n");
+}
+
+#[test]
+fn a_folder_that_takes_nothing_is_said() {
+    let partner = folder("not-sent").join(transfer::FOLDER);
+    std::fs::write(&partner, b"a file in the way").expect("written");
+    let said = said_after_output(&partner);
+    assert!(
+        matches!(&said, Some(Notice::Said(text)) if text.contains("cannot be written")),
+        "{said:?}"
+    );
+}
+
+#[test]
+fn a_script_sends_into_its_data_directory_and_receives_from_beside_itself() {
+    let data = folder("script");
+    let script = data.join("operate.txt");
+    let text = "receive o0007.nc\nwait 1s\npress EDIT\npress PRG\ntype O7\npress OUT\nwait 1s\n";
+    std::fs::write(&script, text).expect("written");
+    std::fs::write(data.join("o0007.nc"), "O0007;\nM99;\n%\n").expect("written");
+    let output = Process::new(env!("CARGO_BIN_EXE_gsk980td"))
+        .args(["operate", "--data"])
+        .args([&data, &script])
+        .output()
+        .expect("the program");
+    assert!(output.status.success(), "{output:?}");
+    let sent = data.join(transfer::FOLDER).join("O0007.CNC");
+    let text = std::fs::read_to_string(sent).expect("the file");
+    assert_eq!(text, "O0007;\nM99;\n%\n");
+}

@@ -1,0 +1,279 @@
+//! The serial port: 输出 in EDIT sends programs and data to the partner, what the
+//! partner sends is taken, and the bottom line says what goes on (manual III-9).
+
+mod files;
+
+use gsk_core::cnc::{Cnc, Received, Request, SerialPort};
+use gsk_core::memory::Refusal;
+use gsk_core::operation::Mode;
+use serde::{Deserialize, Serialize};
+
+use super::Panel;
+use super::program_text::{is_all_programs, number};
+use crate::pages::{Communication, PageId};
+
+/// 002.5 RS232: the port is active.
+const PORT: (u16, u8) = (2, 5);
+/// 044: bits a second.
+const BAUD: u16 = 44;
+/// A PC talks at this rate or a higher one (manual III-9.3).
+const SLOWEST: u64 = 4800;
+/// A character on the line: start bit, eight bits, stop bit.
+const CHARACTER_BITS: u64 = 10;
+/// Ticks of a second.
+const SECOND: u64 = 1000;
+
+/// A file on its way through the port.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SerialFile {
+    /// Its name.
+    pub name: String,
+    /// What it holds.
+    pub text: String,
+}
+
+/// What 输出 asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+enum Wanted {
+    Program(u16),
+    Programs,
+    Offsets,
+    Pitch,
+    Parameters,
+}
+
+/// The serial port.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Transfer {
+    /// Somebody listens at the other end.
+    partner: bool,
+    /// Begins with the next tick: what was edited is stored then.
+    wanted: Option<Wanted>,
+    /// What goes out, what comes in, and until when.
+    files: Vec<SerialFile>,
+    incoming: Option<SerialFile>,
+    until: u64,
+    /// What has arrived and is to be fetched.
+    sent: Vec<SerialFile>,
+}
+
+impl Transfer {
+    /// After power-off the cable is still there.
+    pub(super) fn at_power_on(&self) -> Self {
+        Self {
+            partner: self.partner,
+            sent: self.sent.clone(),
+            ..Self::default()
+        }
+    }
+}
+
+impl Panel {
+    /// Connects a partner that takes what is sent, or pulls out the cable.
+    pub const fn connect(&mut self, partner: bool) {
+        self.transfer.partner = partner;
+    }
+
+    /// Fetches what has arrived at the partner.
+    pub fn take_sent(&mut self) -> Vec<SerialFile> {
+        core::mem::take(&mut self.transfer.sent)
+    }
+
+    /// The partner could not take what was sent.
+    pub const fn transfer_failed(&mut self) {
+        self.view.communication = Communication::Failed;
+    }
+
+    /// A key was pressed: what went wrong has been read.
+    pub(super) const fn read_transfer_error(&mut self) {
+        if matches!(
+            self.view.communication,
+            Communication::NotConnected | Communication::Failed
+        ) {
+            self.view.communication = Communication::Idle;
+        }
+    }
+
+    /// 复位 ends a transfer.
+    pub(super) fn break_transfer(&mut self, requests: &mut Vec<Request>) {
+        self.transfer.wanted = None;
+        let incoming = self.transfer.incoming.take().is_some();
+        if incoming || !self.transfer.files.is_empty() {
+            self.transfer.files.clear();
+            self.show_transfer(Communication::Idle, SerialPort::Idle, requests);
+        }
+    }
+
+    fn show_transfer(
+        &mut self,
+        shown: Communication,
+        port: SerialPort,
+        requests: &mut Vec<Request>,
+    ) {
+        self.view.communication = shown;
+        requests.push(Request::SerialPort(port));
+    }
+
+    fn port_is_busy(&self) -> bool {
+        let transfer = &self.transfer;
+        transfer.wanted.is_some() || transfer.incoming.is_some() || !transfer.files.is_empty()
+    }
+
+    /// How long so many characters take on the line, ticks.
+    fn line_time(characters: usize, cnc: &Cnc) -> u64 {
+        let bits = characters as u64 * CHARACTER_BITS;
+        (bits * SECOND).div_ceil(baud(cnc).max(1))
+    }
+
+    /// The partner begins to send a file; nothing is to be done at the panel.
+    ///
+    /// # Errors
+    /// Why the control does not take it, as a sentence.
+    pub fn receive(
+        &mut self,
+        file: SerialFile,
+        cnc: &Cnc,
+        requests: &mut Vec<Request>,
+    ) -> Result<(), String> {
+        let (number, bit) = PORT;
+        if !self.awake() || !cnc.parameters().bit(number, bit) {
+            return Err("the serial port of the control is off (002.5)".to_owned());
+        }
+        if self.port_is_busy() {
+            return Err("the control is busy with another transfer".to_owned());
+        }
+        if baud(cnc) < SLOWEST {
+            self.view.communication = Communication::NotConnected;
+            return Err(format!("parameter 044 is below {SLOWEST} baud"));
+        }
+        let received = match files::read(&file) {
+            Ok(received) => received,
+            Err(said) => {
+                self.view.communication = Communication::Failed;
+                return Err(format!("{}: {said}", file.name));
+            }
+        };
+        let rights = cnc.rights();
+        let allowed = match &received {
+            Received::Program(text) => rights.receive_program(files::number_of(text)),
+            _ => rights.receive_data(),
+        };
+        if let Err(refusal) = allowed {
+            if refusal == Refusal::Level && matches!(received, Received::Program(_)) {
+                // Its alarm is the control's.
+                requests.push(Request::Receive(received));
+            }
+            return Err(format!("{}: {}", file.name, reason(refusal)));
+        }
+        self.transfer.until = self.clock + Self::line_time(file.text.len(), cnc);
+        self.transfer.incoming = Some(file);
+        self.show_transfer(Communication::Receiving, SerialPort::Receiving, requests);
+        Ok(())
+    }
+
+    /// 输出: in EDIT the page says what goes out.
+    pub(super) fn output(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+        requests.push(Request::OutputKey(true));
+        if cnc.mode() != Mode::Edit || self.port_is_busy() {
+            return;
+        }
+        let Some(wanted) = self.wanted() else {
+            return;
+        };
+        if self.page == PageId::Prg {
+            self.clear_input();
+        }
+        let (number, bit) = PORT;
+        if !cnc.parameters().bit(number, bit) || !self.may_send(wanted, cnc, requests) {
+            return;
+        }
+        if !self.transfer.partner || baud(cnc) < SLOWEST {
+            self.view.communication = Communication::NotConnected;
+            return;
+        }
+        self.store_edited(requests);
+        self.transfer.wanted = Some(wanted);
+    }
+
+    fn wanted(&self) -> Option<Wanted> {
+        Some(match self.page {
+            PageId::Prg => {
+                let digits = self.view.input.strip_prefix('O')?;
+                if is_all_programs(digits) {
+                    Wanted::Programs
+                } else {
+                    Wanted::Program(number(digits)?)
+                }
+            }
+            PageId::Oft => Wanted::Offsets,
+            PageId::Pitch => Wanted::Pitch,
+            PageId::ParBit | PageId::ParData => Wanted::Parameters,
+            _ => return None,
+        })
+    }
+
+    fn may_send(&self, wanted: Wanted, cnc: &Cnc, requests: &mut Vec<Request>) -> bool {
+        let rights = cnc.rights();
+        let allowed = match wanted {
+            Wanted::Program(number) => rights.send_program(number),
+            Wanted::Programs => rights.send_program(0),
+            Wanted::Offsets | Wanted::Pitch | Wanted::Parameters => rights.send_data(),
+        };
+        match (allowed, wanted) {
+            (Ok(()), Wanted::Program(number)) if cnc.programs().stored(number).is_none() => {
+                requests.push(Request::NotFound { sequence: false });
+                false
+            }
+            (Ok(()), _) => true,
+            (Err(Refusal::Level), Wanted::Program(number)) => {
+                requests.push(Request::AskToSend(number));
+                false
+            }
+            (Err(Refusal::Level), Wanted::Programs) => {
+                requests.push(Request::AskToSend(0));
+                false
+            }
+            (Err(_), _) => false,
+        }
+    }
+
+    /// What a tick brings: a transfer begins or ends.
+    pub(super) fn follow_transfer(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
+        if let Some(wanted) = self.transfer.wanted.take() {
+            let files = files::of(wanted, cnc);
+            let characters = files.iter().map(|file| file.text.len()).sum();
+            self.transfer.until = self.clock + Self::line_time(characters, cnc);
+            self.transfer.files = files;
+            self.show_transfer(Communication::Sending, SerialPort::Sending, requests);
+            return;
+        }
+        if self.clock < self.transfer.until {
+            return;
+        }
+        if let Some(file) = self.transfer.incoming.take() {
+            requests.extend(files::read(&file).ok().map(Request::Receive));
+        } else if self.transfer.files.is_empty() {
+            return;
+        }
+        let mut files = core::mem::take(&mut self.transfer.files);
+        self.transfer.sent.append(&mut files);
+        self.show_transfer(Communication::Idle, SerialPort::Idle, requests);
+    }
+}
+
+/// Why nothing was taken, as the partner reads it.
+const fn reason(refusal: Refusal) -> &'static str {
+    match refusal {
+        Refusal::Mode => "the control is in another mode",
+        Refusal::Running => "a program runs or an axis moves",
+        Refusal::Alarm => "an alarm stands",
+        Refusal::ParameterSwitch => "the parameter switch is off",
+        Refusal::ProgramSwitch => "the program switch is off",
+        Refusal::Level => "the operation level is too low",
+        Refusal::Locked => "the memory is locked",
+    }
+}
+
+fn baud(cnc: &Cnc) -> u64 {
+    u64::try_from(cnc.parameters().value(BAUD)).unwrap_or_default()
+}

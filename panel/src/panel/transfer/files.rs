@@ -1,0 +1,229 @@
+//! What goes through the serial port, as plain text: programs as they are, offsets,
+//! pitch errors and parameters one a line.
+
+use gsk_core::cnc::{Cnc, Received};
+use gsk_core::memory::{Offsets, PitchTable, ToolOffset};
+use gsk_core::program::Program;
+use gsk_core::units::Axis;
+
+use super::{SerialFile, Wanted};
+use crate::pages;
+
+/// Names of the data files; programs are called by their number.
+const OFFSETS: &str = "Tofs.ofs";
+const PITCH: &str = "Wcomp.wmp";
+const PARAMETERS: &str = "ParaW.par";
+
+/// The files of what is wanted.
+pub(super) fn of(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
+    let file = |name: &str, text: String| SerialFile {
+        name: name.to_owned(),
+        text,
+    };
+    match wanted {
+        Wanted::Program(number) => {
+            let program = cnc.programs().stored(number);
+            let program = program.map(|program| program_file(number, program));
+            program.into_iter().collect()
+        }
+        Wanted::Programs => {
+            let rights = cnc.rights();
+            let programs = cnc.programs().iter();
+            programs
+                .filter(|(number, _)| rights.send_program(*number).is_ok())
+                .map(|(number, program)| program_file(number, program))
+                .collect()
+        }
+        Wanted::Offsets => vec![file(OFFSETS, offsets(cnc))],
+        Wanted::Pitch => vec![file(PITCH, pitch(cnc))],
+        Wanted::Parameters => vec![file(PARAMETERS, parameters(cnc))],
+    }
+}
+
+fn program_file(number: u16, program: &Program) -> SerialFile {
+    let text = program.text().trim_end();
+    let text = text.strip_suffix('%').unwrap_or(text).trim_end();
+    SerialFile {
+        name: format!("O{number:04}.CNC"),
+        text: format!("{text}\n%\n"),
+    }
+}
+
+/// Number, X, Z, R, T.
+fn offsets(cnc: &Cnc) -> String {
+    let lines = cnc.offsets().iter().map(|(number, offset)| {
+        let (x, z, r, t) = (offset.x, offset.z, offset.r, offset.t);
+        format!("{number:03}={x:.3},{z:.3},{r:.3},{t}\n")
+    });
+    lines.collect()
+}
+
+/// Number, X, Z.
+fn pitch(cnc: &Cnc) -> String {
+    let value = |axis, point| cnc.pitch().value(axis, point);
+    let lines = (0..=u8::MAX).map(|point| {
+        format!(
+            "{point:03}={},{}\n",
+            value(Axis::X, point),
+            value(Axis::Z, point)
+        )
+    });
+    lines.collect()
+}
+
+/// A status parameter as eight digits.
+fn parameters(cnc: &Cnc) -> String {
+    let states = pages::state_numbers()
+        .map(|number| format!("{number:03}={:08b}\n", cnc.parameters().byte(number)));
+    let data = pages::data_numbers()
+        .map(|number| format!("{number:03}={}\n", cnc.parameters().value(number)));
+    states.chain(data).collect()
+}
+
+/// What a file holds, by its name.
+///
+/// # Errors
+/// The line that cannot be read, and why.
+pub(super) fn read(file: &SerialFile) -> Result<Received, String> {
+    let extension = file.name.rsplit('.').next().unwrap_or_default();
+    match extension.to_ascii_lowercase().as_str() {
+        "ofs" => read_offsets(&file.text).map(Received::Offsets),
+        "wmp" => read_pitch(&file.text).map(Received::Pitch),
+        "par" => read_parameters(&file.text).map(Received::Parameters),
+        _ => Ok(Received::Program(file.text.clone())),
+    }
+}
+
+/// The number of a program; one without a number has the rights of O0000.
+pub(super) fn number_of(text: &str) -> u16 {
+    Program::new(text).number().unwrap_or(0)
+}
+
+/// The lines `NUMBER=VALUE`, with their place for messages.
+fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), String>> {
+    let lines = text
+        .lines()
+        .enumerate()
+        .map(|(at, line)| (at + 1, line.trim()));
+    lines
+        .filter(|(_, line)| !line.is_empty())
+        .map(|(at, line)| {
+            let (number, value) = line
+                .split_once('=')
+                .ok_or_else(|| format!("line {at}: write it as NUMBER=VALUE"))?;
+            let number = number.trim().parse();
+            let number = number.map_err(|_| format!("line {at}: {line} begins with no number"))?;
+            Ok((at, number, value.trim()))
+        })
+}
+
+fn wrong(at: usize, value: &str) -> String {
+    format!("line {at}: {value} is no value here")
+}
+
+fn read_offsets(text: &str) -> Result<Offsets, String> {
+    let mut offsets = Offsets::default();
+    for line in lines(text) {
+        let (at, number, value) = line?;
+        let offset = offset(value).ok_or_else(|| wrong(at, value))?;
+        if number == 0 && offset == ToolOffset::default() {
+            continue;
+        }
+        let number = u8::try_from(number).map_err(|_| wrong(at, value))?;
+        let set = offsets.set(number, offset);
+        set.map_err(|alarm| format!("line {at}: {}", alarm.line_text()))?;
+    }
+    Ok(offsets)
+}
+
+fn offset(value: &str) -> Option<ToolOffset> {
+    let mut values = value.split(',').map(str::trim);
+    let mut length = || {
+        values
+            .next()?
+            .parse()
+            .ok()
+            .filter(|mm: &f64| mm.is_finite())
+    };
+    let (x, z, r) = (length()?, length()?, length()?);
+    let t = values.next()?.parse().ok()?;
+    let offset = ToolOffset { x, z, r, t };
+    values.next().is_none().then_some(offset)
+}
+
+fn read_pitch(text: &str) -> Result<PitchTable, String> {
+    let mut table = PitchTable::default();
+    for line in lines(text) {
+        let (at, number, value) = line?;
+        let point = u8::try_from(number).map_err(|_| wrong(at, value))?;
+        let (x, z) = value.split_once(',').ok_or_else(|| wrong(at, value))?;
+        for (axis, digits) in [(Axis::X, x), (Axis::Z, z)] {
+            let micrometres = digits.trim().parse().map_err(|_| wrong(at, value))?;
+            let set = table.set(axis, point, micrometres);
+            set.map_err(|error| format!("line {at}: {error}"))?;
+        }
+    }
+    Ok(table)
+}
+
+fn read_parameters(text: &str) -> Result<Vec<(u16, i32)>, String> {
+    let states: Vec<u16> = pages::state_numbers().collect();
+    let mut values = Vec::new();
+    for line in lines(text) {
+        let (at, number, value) = line?;
+        let read = if states.contains(&number) {
+            u8::from_str_radix(value, 2).ok().map(i32::from)
+        } else {
+            value.parse().ok()
+        };
+        values.push((number, read.ok_or_else(|| wrong(at, value))?));
+    }
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(name: &str, text: &str) -> SerialFile {
+        SerialFile {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }
+    }
+
+    #[test]
+    fn bad_lines_are_named() {
+        for (name, text, said) in [
+            ("a.ofs", "001=1,2,3,4\n033=0,0,0,0\n", "line 2: "),
+            ("a.ofs", "1=1,2,3\n", "line 1: 1,2,3 is no value here"),
+            ("a.ofs", "1=1,2,nan,0\n", "line 1: "),
+            ("a.ofs", "1=10000,2,0,0\n", "line 1: "),
+            ("a.wmp", "\n1=256,0\n", "line 2: "),
+            ("a.wmp", "256=0,0\n", "line 1: "),
+            ("a.par", "001=2\n", "line 1: 2 is no value here"),
+            ("a.par", "X=2\n", "begins with no number"),
+            ("a.par", "22\n", "NUMBER=VALUE"),
+        ] {
+            let read = read(&file(name, text));
+            assert!(
+                read.as_ref().is_err_and(|error| error.contains(said)),
+                "{text}: {read:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn names_tell_what_a_file_is() {
+        assert!(matches!(
+            read(&file("TOFS.OFS", "")),
+            Ok(Received::Offsets(_))
+        ));
+        assert!(matches!(
+            read(&file("O1", "O0001;")),
+            Ok(Received::Program(_))
+        ));
+        let read = read(&file("ParaW.par", "001=00000101\n022=-7\n"));
+        assert_eq!(read, Ok(Received::Parameters(vec![(1, 5), (22, -7)])));
+    }
+}
