@@ -24,6 +24,9 @@ pub const RESET: BitAddress = key(26, 0);
 pub const FEED_HOLD: BitAddress = key(24, 7);
 pub const SINGLE_BLOCK: BitAddress = key(20, 6);
 pub const DRY_RUN: BitAddress = key(21, 2);
+pub const MACHINE_LOCK: BitAddress = key(21, 0);
+pub const STEP: BitAddress = key(20, 4);
+pub const INCREMENT_100: BitAddress = key(21, 6);
 pub const JOG: BitAddress = key(20, 5);
 /// Arrows right and left: Z+, Z-.
 pub const Z_PLUS: BitAddress = key(22, 7);

@@ -1,10 +1,13 @@
 //! Programs on a board: to the pulse, or refused before anything moves.
 
-use gsk_core::machine::link::Note;
+use gsk_core::machine::link::{LinkState, Note};
 use gsk_core::operation::RunState;
 use gsk_twins::grbl::{State, Variant};
 
-use crate::board::{CYCLE_START, DRY_RUN, Machine, RESET, SINGLE_BLOCK};
+use crate::board::{
+    CYCLE_START, DRY_RUN, INCREMENT_100, JOG, MACHINE_LOCK, Machine, RESET, SINGLE_BLOCK, STEP,
+    Z_MINUS,
+};
 use crate::{BUSHING, GROOVE, PIN, SHAFT, SHORT, assert_together};
 
 #[test]
@@ -137,4 +140,40 @@ fn a_board_too_slow_for_the_rapids_is_named_before_the_start() {
         detail.starts_with("No.022 = 3800 mm/min makes 126667 pulses/s of X"),
         "{detail}"
     );
+}
+
+#[test]
+fn under_machine_lock_the_board_stands() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    let stood = machine.made();
+    machine.load(SHORT, None);
+    machine.press(MACHINE_LOCK);
+    machine.start();
+    machine.pass(2000);
+    assert!(machine.simulation.cnc.is_moving());
+    machine.pause(200);
+    machine.run_to_end(60_000);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_eq!(machine.made(), stood);
+    assert_eq!(machine.linked.state(), LinkState::Ready);
+}
+
+#[test]
+fn steps_and_jogs_end_on_the_pulse() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.press(STEP);
+    machine.press(INCREMENT_100);
+    let [_, z] = machine.made();
+    for _ in 0..5 {
+        machine.press(Z_MINUS);
+        machine.wait(2000, |machine| !machine.linked.is_behind());
+    }
+    // Five steps of 0.1 mm, 200 pulses a mm.
+    assert_eq!(machine.made()[1], z - 100);
+    machine.press(JOG);
+    machine.hold(Z_MINUS, 1234);
+    assert!(machine.wait(2000, |machine| machine.linked.state() == LinkState::Ready));
+    assert!(machine.made()[1] < z - 200);
+    assert_together(&machine);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
 }

@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use super::Linked;
 use crate::alarm::Alarm;
-use crate::machine::link::HostTime;
+use crate::machine::link::{HostTime, LinkState};
 use crate::simulation::Simulation;
 
 /// Ticks of the host's clock that are caught up at most.
@@ -75,7 +75,7 @@ impl Linked {
     pub(super) fn has_starved(&self, simulation: &Simulation, gap: Duration) -> bool {
         let fast = simulation.cnc.feed_actual() > f64::from(self.config.flush_keep_speed);
         let long = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
-        fast && long && self.link.takes_motion()
+        fast && long && self.link.takes_motion() && self.link.state() == LinkState::Moving
     }
 
     pub(super) fn samples_late(&mut self, simulation: &mut Simulation) {
