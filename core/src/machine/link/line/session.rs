@@ -13,7 +13,7 @@ use super::super::{
     Sample, Stop, Traffic,
 };
 use super::answers::{Answer, BoardState, Status};
-use super::opening::{Opening, Outcome};
+use super::opening::Opening;
 use super::required::Required;
 use super::segments::{Segment, Segments};
 use crate::memory::Parameters;
@@ -301,25 +301,6 @@ impl LineLink {
         }
     }
 
-    /// Takes the time over. While the computer was away nobody waited for the board.
-    fn passes(&mut self, now: HostTime) {
-        let gap = now.saturating_sub(self.now);
-        self.now = self.now.max(now);
-        if gap < AWAY {
-            return;
-        }
-        self.progressed += gap;
-        for line in &mut self.unanswered {
-            line.sent += gap;
-        }
-        if let Some(asked) = &mut self.asked {
-            *asked += gap;
-        }
-        if let Halt::Braking(since) | Halt::Restarting(since) = &mut self.halt {
-            *since += gap;
-        }
-    }
-
     /// The port failed: unplugged, or taken away.
     pub fn lost(&mut self, cause: &str) {
         if matches!(self.state, LinkState::Off | LinkState::Lost) {
@@ -474,45 +455,6 @@ impl LineLink {
     fn alarm(&mut self, number: u16, detail: &str) {
         let detail = detail.to_owned();
         self.events.push(Event::Alarm { number, detail });
-    }
-
-    fn open_further(&mut self, outcome: Outcome) {
-        match outcome {
-            Outcome::Waits => {}
-            Outcome::Send(line) => {
-                if line == "$I" {
-                    self.enter(LinkState::Identify);
-                }
-                self.send(&line, false);
-            }
-            Outcome::Configures(line) => {
-                self.enter(LinkState::Configure);
-                self.send(&line, false);
-            }
-            Outcome::Done => {
-                self.unanswered.clear();
-                self.enter(LinkState::Locked);
-            }
-            Outcome::Differs(differences) => {
-                for (setting, board) in &differences {
-                    self.events.push(Event::Differs {
-                        setting: setting.number,
-                        board: *board,
-                        wanted: setting.value,
-                    });
-                }
-                let text = format!("{} settings of the board differ", differences.len());
-                self.alarm(603, &text);
-            }
-            Outcome::Fails(number, text) => {
-                self.alarm(number, &text);
-                self.enter(if number == 601 {
-                    LinkState::Lost
-                } else {
-                    LinkState::Fault
-                });
-            }
-        }
     }
 
     fn send(&mut self, line: &str, is_segment: bool) {

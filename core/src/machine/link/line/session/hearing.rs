@@ -1,8 +1,9 @@
 //! What the board says: answers, reports, and when it is asked for one.
 
-use super::super::super::LinkState;
+use super::super::super::{Event, HostTime, LinkState};
 use super::super::answers::{Answer, BoardState, Status};
-use super::{Halt, LineLink, STATUS_IDLE, STATUS_MOVING, STATUS_URGENT};
+use super::super::opening::Outcome;
+use super::{AWAY, Halt, LineLink, STATUS_IDLE, STATUS_MOVING, STATUS_URGENT};
 
 impl LineLink {
     pub(super) fn take(&mut self, answer: &Answer) {
@@ -107,6 +108,65 @@ impl LineLink {
             self.outgoing.push(b'?');
             self.asked = Some(self.now);
             self.last_asked = self.now;
+        }
+    }
+
+    /// The next step of the dialogue that opens the link.
+    pub(super) fn open_further(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Waits => {}
+            Outcome::Send(line) => {
+                if line == "$I" {
+                    self.enter(LinkState::Identify);
+                }
+                self.send(&line, false);
+            }
+            Outcome::Configures(line) => {
+                self.enter(LinkState::Configure);
+                self.send(&line, false);
+            }
+            Outcome::Done => {
+                self.unanswered.clear();
+                self.enter(LinkState::Locked);
+            }
+            Outcome::Differs(differences) => {
+                for (setting, board) in &differences {
+                    self.events.push(Event::Differs {
+                        setting: setting.number,
+                        board: *board,
+                        wanted: setting.value,
+                    });
+                }
+                let text = format!("{} settings of the board differ", differences.len());
+                self.alarm(603, &text);
+            }
+            Outcome::Fails(number, text) => {
+                self.alarm(number, &text);
+                self.enter(if number == 601 {
+                    LinkState::Lost
+                } else {
+                    LinkState::Fault
+                });
+            }
+        }
+    }
+
+    /// Takes the time over. While the computer was away nobody waited for the board.
+    pub(super) fn passes(&mut self, now: HostTime) {
+        let gap = now.saturating_sub(self.now);
+        self.now = self.now.max(now);
+        if gap < AWAY {
+            return;
+        }
+        self.progressed += gap;
+        for line in &mut self.unanswered {
+            line.sent += gap;
+        }
+        if let Some(asked) = &mut self.asked {
+            *asked += gap;
+        }
+        if let Halt::Braking(since) | Halt::Restarting(since) = &mut self.halt {
+            *since += gap;
         }
     }
 }
