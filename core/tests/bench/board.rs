@@ -46,6 +46,10 @@ pub struct Machine {
     pub linked: Linked,
     pub twin: GrblTwin,
     pub notes: Vec<Note>,
+    /// The computer's clock against the board's.
+    pub clock_rate: f64,
+    /// Board time, ns, and host time at the last look.
+    clock: (u64, Duration),
     /// Kernel ticks made.
     pub ticks: u64,
     /// The board's count at which the kernel's is zero.
@@ -82,6 +86,8 @@ impl Machine {
             linked,
             twin: GrblTwin::new(variant, Settings::default()),
             notes: Vec::new(),
+            clock_rate: 1.0,
+            clock: (0, Duration::ZERO),
             ticks: 0,
             origin: [0, 0],
             home: [0, 0],
@@ -136,7 +142,9 @@ impl Machine {
 
     pub fn ms(&mut self) {
         self.twin.advance(MS);
-        let now = Duration::from_nanos(self.twin.now());
+        let passed = Duration::from_nanos(self.twin.now() - self.clock.0);
+        let now = self.clock.1 + passed.mul_f64(self.clock_rate);
+        self.clock = (self.twin.now(), now);
         let bytes = self.twin.read();
         self.linked.pump(&mut self.simulation, &bytes, now);
         while self.linked.may_tick(&mut self.simulation) {
@@ -219,7 +227,7 @@ impl Machine {
 
     /// The port is closed and opened again; this board does not mind.
     pub fn reconnect(&mut self) {
-        let now = Duration::from_nanos(self.twin.now());
+        let now = self.clock.1;
         let config = self.linked.config().clone();
         self.linked = Linked::open(config, &mut self.simulation, now);
     }

@@ -41,6 +41,29 @@ fn the_board_goes_the_kernels_way_in_the_kernels_time() {
     );
 }
 
+/// Neither a board faster than the computer runs dry, nor does a slower one fill up.
+#[test]
+fn clocks_that_differ_are_no_matter() {
+    for rate in [0.995, 1.005] {
+        let mut machine = Machine::referenced(Variant::Grbl);
+        machine.clock_rate = rate;
+        machine.load("O1\nG50 X60 Z20\nG98 G01 X50 Z-180 F600\nM30\n", None);
+        machine.start();
+        let mut least = Duration::MAX;
+        machine.wait(5000, |machine| machine.simulation.cnc.feed_actual() > 500.0);
+        machine.pass(500);
+        while machine.simulation.cnc.feed_actual() > 590.0 {
+            machine.ms();
+            least = least.min(machine.linked.outstanding());
+            assert!(machine.linked.outstanding() <= Duration::from_millis(160));
+        }
+        assert!(least >= Duration::from_millis(60), "{rate}: {least:?}");
+        machine.run_to_end(120_000);
+        assert_eq!(machine.alarms(), [0_u16; 0]);
+        assert_together(&machine);
+    }
+}
+
 /// Looks how far the board is beside the recorded way.
 #[derive(Default)]
 struct Follower {
