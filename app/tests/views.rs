@@ -403,3 +403,16 @@ fn a_row_of_a_table_is_edited_and_a_wrong_one_refused() {
     click(&mut bench, "Undo");
     assert_eq!(rows(&bench, "A0005.0  1050  0  oil"), 1);
 }
+
+#[test]
+fn without_a_board_the_link_page_says_how_to_get_one() {
+    let mut bench = Bench::new();
+    open(&mut bench, "Pulse board");
+    bench.run(100);
+    assert!(bench.harness.query_by_label("No pulse board").is_some());
+    let shift = egui::Modifiers::SHIFT;
+    bench.harness.key_press_modifiers(shift, egui::Key::F5);
+    bench.run(1);
+    bench.run(1);
+    assert!(bench.harness.query_by_label("No pulse board").is_none());
+}

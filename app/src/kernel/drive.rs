@@ -20,6 +20,8 @@ use crate::files::time::utc;
 const EXCHANGES: usize = 200;
 /// Round trips that median and worst are of.
 const TRIPS: usize = 100;
+/// Between two looks of the link page.
+const VIEW_INTERVAL: Duration = Duration::from_millis(100);
 /// Lines of the log that are kept for the link page.
 const LOG_LINES: usize = 20;
 
@@ -40,6 +42,8 @@ pub(super) struct Drive {
     carrier: Option<Carrier>,
     opened: Instant,
     watched: bool,
+    /// When the link page looks again.
+    next_view: Duration,
     pictures: VecDeque<(RunTime, Snapshot)>,
     exchanges: VecDeque<Line>,
     trips: VecDeque<Duration>,
@@ -77,6 +81,7 @@ impl Drive {
             carrier,
             opened,
             watched: false,
+            next_view: Duration::ZERO,
             pictures: VecDeque::new(),
             exchanges: VecDeque::new(),
             trips: VecDeque::new(),
@@ -260,8 +265,17 @@ impl Drive {
         self.linked.is_to_be_reopened()
     }
 
-    /// The link page's view.
-    pub fn view(&self) -> LinkView {
+    /// The link page's view, when it is watched and due.
+    pub fn due_view(&mut self) -> Option<LinkView> {
+        let now = self.opened.elapsed();
+        if !self.watched || now < self.next_view {
+            return None;
+        }
+        self.next_view = now + VIEW_INTERVAL;
+        Some(self.view())
+    }
+
+    fn view(&self) -> LinkView {
         let mut trips: Vec<_> = self.trips.iter().copied().collect();
         trips.sort_unstable();
         let worst = trips.last().copied();

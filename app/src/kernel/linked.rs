@@ -61,8 +61,8 @@ impl Kernel {
         }
         drive.speak(&mut self.emulator.simulation, self.opened.as_deref());
         let mut shown = self.show_machine();
-        if self.link_watched {
-            self.links.force_push(drive.view());
+        if let Some(view) = drive.due_view() {
+            self.links.force_push(view);
             shown = true;
         }
         for said in drive.said() {

@@ -22,6 +22,8 @@ pub enum Text {
     Bench,
     /// The ladder.
     Ladder,
+    /// The link page.
+    Link,
     /// PC keys.
     Keys,
     /// The other language.
@@ -92,6 +94,7 @@ impl Text {
             Self::Scope => ("示波器", "Scope"),
             Self::Bench => ("故障台", "Fault bench"),
             Self::Ladder => ("梯形图", "Ladder"),
+            Self::Link => ("驱动板", "Pulse board"),
             Self::Keys => ("键盘 F1", "Keys F1"),
             Self::Language => ("English", "中文"),
             Self::Lcd => ("显示屏", "LCD"),

@@ -1,10 +1,10 @@
-//! Views beside the panel, each in a window of its own: scope, fault bench, ladder.
-//! They are closed at
-//! the start, and closed they cost nothing.
+//! Views beside the panel, each in a window of its own: scope, fault bench, ladder,
+//! link page. They are closed at the start, and closed they cost nothing.
 
 mod aside;
 mod bench;
 mod ladder;
+mod link;
 mod scope;
 
 use egui::{Color32, Context, Event, Frame, Key, Margin, Ui, ViewportBuilder, ViewportId};
@@ -17,6 +17,7 @@ use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use bench::Bench;
 use ladder::LadderView;
+use link::LinkPage;
 use scope::Scope;
 
 /// A view.
@@ -28,6 +29,8 @@ pub enum View {
     Bench,
     /// The ladder.
     Ladder,
+    /// The link page.
+    Link,
 }
 
 impl View {
@@ -52,7 +55,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 3] = [
+pub static VIEWS: [ViewRow; 4] = [
     ViewRow {
         view: View::Scope,
         name: Text::Scope,
@@ -74,6 +77,13 @@ pub static VIEWS: [ViewRow; 3] = [
         size: [1240.0, 780.0],
         least: [820.0, 360.0],
     },
+    ViewRow {
+        view: View::Link,
+        name: Text::Link,
+        key: Key::F5,
+        size: [1000.0, 660.0],
+        least: [760.0, 320.0],
+    },
 ];
 
 /// The views and which of them are open.
@@ -82,6 +92,7 @@ pub struct Views {
     scope: Scope,
     bench: Bench,
     ladder: LadderView,
+    link: LinkPage,
     console: Console,
     machine: Option<Arc<MachineView>>,
 }
@@ -94,6 +105,7 @@ impl Views {
             scope: Scope::new(console.clone()),
             bench: Bench::new(console.clone()),
             ladder: LadderView::new(console.clone()),
+            link: LinkPage::new(console.clone()),
             console: console.clone(),
             machine: None,
         }
@@ -118,6 +130,8 @@ impl Views {
             (View::Scope, true) => self.scope.open(),
             (View::Scope, false) => self.scope.close(),
             (View::Ladder, false) => self.ladder.close(),
+            (View::Link, true) => self.link.open(),
+            (View::Link, false) => self.link.close(),
             (View::Bench | View::Ladder, _) => {}
         }
         if self.monitors() != was {
@@ -146,6 +160,7 @@ impl Views {
             let stays = window(context, row, language, &mut typed, |ui, native| {
                 match row.view {
                     View::Scope => self.scope.show(ui, language, native),
+                    View::Link => self.link.show(ui, language),
                     View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
                     View::Ladder => {
                         let machine = self.machine.as_ref();
@@ -297,7 +312,7 @@ mod tests {
     #[test]
     fn stops_reach_the_panel_from_everywhere_and_a_start_never_by_mistake() {
         let plain = Modifiers::NONE;
-        for view in [View::Scope, View::Bench, View::Ladder] {
+        for view in [View::Scope, View::Bench, View::Ladder, View::Link] {
             for typing in [false, true] {
                 for key in [Key::F10, Key::F12] {
                     assert!(for_panel(&press(key, plain), view, typing));

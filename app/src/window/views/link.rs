@@ -1,0 +1,264 @@
+//! The link page: the pulse board, its wire, and whether its count agrees.
+
+mod figures;
+mod words;
+
+use egui::{Color32, Label, Panel, RichText, ScrollArea, Ui, vec2};
+use gsk_core::machine::link::LinkState;
+
+use super::aside;
+use crate::cli::Language;
+use crate::kernel::link_view::LinkView;
+use crate::kernel::{Command, Console, LinkOrder};
+use crate::window::texts::say;
+
+const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
+const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
+const WAITS: Color32 = Color32::from_rgb(255, 196, 90);
+const BAD: Color32 = Color32::from_rgb(255, 120, 96);
+
+/// The link page's state.
+pub struct LinkPage {
+    console: Console,
+    view: Option<LinkView>,
+    rates: figures::Rates,
+}
+
+impl LinkPage {
+    /// Before anything is known of a board.
+    pub fn new(console: Console) -> Self {
+        Self {
+            console,
+            view: None,
+            rates: figures::Rates::default(),
+        }
+    }
+
+    /// From now on the kernel tells about the board.
+    pub fn open(&self) {
+        self.console.send(Command::WatchLink(true));
+    }
+
+    /// No more.
+    pub fn close(&mut self) {
+        self.console.send(Command::WatchLink(false));
+        self.view = None;
+    }
+
+    /// Draws the page.
+    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+        if let Some(view) = self.console.link.pop() {
+            self.rates.take(&view.traffic, ui.input(|input| input.time));
+            self.view = Some(view);
+        }
+        let Some(view) = self.view.take() else {
+            egui::CentralPanel::default()
+                .frame(super::side_frame())
+                .show(ui, |ui| nothing(ui, language));
+            return;
+        };
+        let bar = Panel::top("link bar").frame(super::bar_frame());
+        bar.show(ui, |ui| self.bar(ui, language, &view));
+        let side = Panel::left("link figures")
+            .exact_size(400.0)
+            .resizable(false)
+            .frame(super::side_frame());
+        side.show(ui, |ui| {
+            ScrollArea::vertical()
+                .auto_shrink([false, false])
+                .show(ui, |ui| figures::show(ui, language, &view, &self.rates));
+        });
+        egui::CentralPanel::default()
+            .frame(super::side_frame())
+            .show(ui, |ui| self.wire(ui, language, &view));
+        self.view = Some(view);
+    }
+
+    fn bar(&self, ui: &mut Ui, language: Language, view: &LinkView) {
+        ui.horizontal_wrapped(|ui| {
+            let state = RichText::new(words::state(view.state, language));
+            ui.label(state.color(colour(view.state)).strong());
+            let board = match view.board.firmware.as_str() {
+                "" => say(language, "驱动板未知", "board not known"),
+                firmware => firmware,
+            };
+            ui.label(board);
+            ui.label(RichText::new(&view.port).monospace().weak());
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let words = say(language, "保存报告…", "Save report…");
+                if ui.button(words).clicked() {
+                    let view = view.clone();
+                    let kind = ("link.txt", "txt");
+                    let context = ui.ctx().clone();
+                    aside::save(&self.console, &context, language, kind, move || {
+                        report(&view)
+                    });
+                }
+                let words = say(language, "校验位置", "Check position");
+                let hint = say(
+                    language,
+                    "比较指令脉冲与驱动板的计数",
+                    "Compares the commanded pulses with the board's count",
+                );
+                let ready = view.state == LinkState::Ready;
+                let button = ui.add_enabled(ready, egui::Button::new(words));
+                self.order(&button.on_hover_text(hint), LinkOrder::Check);
+                let words = say(language, "重新连接", "Reconnect");
+                let still = view.state != LinkState::Moving;
+                let button = ui.add_enabled(still, egui::Button::new(words));
+                self.order(&button, LinkOrder::Reconnect);
+            });
+        });
+        let advice = words::advice(view.state, language);
+        if !advice.is_empty() {
+            ui.label(RichText::new(advice).weak());
+        }
+    }
+
+    fn order(&self, button: &egui::Response, order: LinkOrder) {
+        if button.clicked() {
+            self.console.send(Command::Link(order));
+        }
+    }
+
+    /// What was said on the wire, under what has to be done first.
+    fn wire(&self, ui: &mut Ui, language: Language, view: &LinkView) {
+        if !view.differences.is_empty() {
+            self.differences(ui, language, view);
+            ui.separator();
+        }
+        if !view.log.is_empty() {
+            ui.heading(say(language, "位置校验", "Position checks"));
+            for line in view.log.iter().rev().take(4).rev() {
+                let good = !line.ends_with("DIFFERS");
+                let ink = if good { Color32::from_gray(190) } else { BAD };
+                let text = RichText::new(line).monospace().color(ink);
+                ui.add(Label::new(text).truncate()).on_hover_text(line);
+            }
+            ui.separator();
+        }
+        ui.heading(say(language, "通信记录", "Traffic"));
+        let height = ui.text_style_height(&egui::TextStyle::Monospace);
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .stick_to_bottom(true)
+            .show_rows(ui, height, view.exchanges.len(), |ui, rows| {
+                for line in view.exchanges.get(rows).unwrap_or_default() {
+                    let (arrow, ink) = match line.outward {
+                        true => ('>', BUSY),
+                        false => ('<', Color32::from_gray(200)),
+                    };
+                    let at = line.at.as_secs_f64();
+                    let text = format!("{at:9.3} {arrow} {}", line.text);
+                    let text = RichText::new(text).monospace().color(ink);
+                    ui.add(Label::new(text).truncate());
+                }
+            });
+    }
+
+    /// Settings of the board that are not as they must be.
+    fn differences(&self, ui: &mut Ui, language: Language, view: &LinkView) {
+        ui.heading(say(
+            language,
+            "驱动板参数不符",
+            "Settings of the board differ",
+        ));
+        ui.add_space(2.0);
+        egui::Grid::new("differences")
+            .num_columns(4)
+            .spacing(vec2(24.0, 4.0))
+            .striped(true)
+            .show(ui, |ui| {
+                let words = [
+                    ("参数", "setting"),
+                    ("驱动板", "board"),
+                    ("应为", "must be"),
+                ];
+                for (zh, en) in words {
+                    ui.label(RichText::new(say(language, zh, en)).weak());
+                }
+                ui.end_row();
+                for difference in &view.differences {
+                    let board = difference
+                        .board
+                        .map_or_else(|| "-".to_owned(), |value| value.to_string());
+                    ui.monospace(format!("${}", difference.setting));
+                    ui.monospace(board);
+                    ui.monospace(difference.wanted.to_string());
+                    ui.label(words::setting(difference.setting, language));
+                    ui.end_row();
+                }
+            });
+        ui.add_space(4.0);
+        let words = say(
+            language,
+            "写入驱动板",
+            "Write these settings into the board",
+        );
+        self.order(&ui.button(words), LinkOrder::WriteSettings);
+    }
+}
+
+fn nothing(ui: &mut Ui, language: Language) {
+    ui.add_space(12.0);
+    ui.heading(say(language, "没有驱动板", "No pulse board"));
+    ui.label(say(
+        language,
+        "滑板是仿真的。用 gsk980td --link 端口 启动, 或在机床文件的 link 一节中写明 port, 面板就驱动真实机床。",
+        "The slides are simulated. Start with gsk980td --link PORT, or name the port in the \
+         section link of the machine file, and this panel drives a real lathe.",
+    ));
+    ui.add_space(6.0);
+    ui.label(say(
+        language,
+        "没有硬件时, gsk980td link twin 提供一块虚拟驱动板。说明: docs/real-lathe.zh-CN.md",
+        "Without hardware, gsk980td link twin plays a board. How to begin: docs/real-lathe.md",
+    ));
+}
+
+const fn colour(state: LinkState) -> Color32 {
+    match state {
+        LinkState::Ready => GOOD,
+        LinkState::Moving | LinkState::Homing | LinkState::Verify => BUSY,
+        LinkState::Opening | LinkState::Identify | LinkState::Configure | LinkState::Locked => {
+            WAITS
+        }
+        LinkState::Off | LinkState::Tripped | LinkState::Fault | LinkState::Lost => BAD,
+    }
+}
+
+/// Everything on the page as a text.
+fn report(view: &LinkView) -> String {
+    let mut out = format!(
+        "{}  {}  {}\n\n",
+        words::state(view.state, Language::En),
+        view.board.firmware,
+        view.port
+    );
+    for section in figures::sections(Language::En, view, &figures::Rates::default()) {
+        out.push_str(&format!("{}\n", section.title));
+        for (name, value) in section.rows {
+            out.push_str(&format!("  {name:<24}{value}\n"));
+        }
+        out.push('\n');
+    }
+    for difference in &view.differences {
+        out.push_str(&format!(
+            "${} is {:?}, must be {}\n",
+            difference.setting, difference.board, difference.wanted
+        ));
+    }
+    for line in &view.log {
+        out.push_str(&format!("{line}\n"));
+    }
+    out.push('\n');
+    for line in &view.exchanges {
+        let arrow = if line.outward { '>' } else { '<' };
+        out.push_str(&format!(
+            "{:9.3} {arrow} {}\n",
+            line.at.as_secs_f64(),
+            line.text
+        ));
+    }
+    out
+}
