@@ -79,6 +79,7 @@ pub const fn setting(number: u16, language: Language) -> &'static str {
             "返回零点的方向、速度",
             "reference return: directions, speeds",
         ),
+        30 | 31 => ("主轴输出范围", "range of the spindle output"),
         32 => ("车床或激光方式", "modes of its own"),
         100 => ("X 脉冲/mm", "X, pulses per mm"),
         102 => ("Z 脉冲/mm", "Z, pulses per mm"),
