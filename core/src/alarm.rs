@@ -190,11 +190,19 @@ impl Alarm {
 
     /// The line of the alarm page: `P/S 011: …`, `207: …`, `P/S 515`.
     pub fn line_text(&self) -> String {
+        self.line_of(self.text())
+    }
+
+    /// The same line in English.
+    pub fn line_text_en(&self) -> String {
+        self.line_of(self.row().map_or("", |row| row.meaning_en))
+    }
+
+    fn line_of(&self, text: &str) -> String {
         let prefix = match self.class() {
             AlarmClass::Ps | AlarmClass::System => "P/S ",
             _ => "",
         };
-        let text = self.text();
         let colon = if text.is_empty() { "" } else { ": " };
         format!("{prefix}{:03}{colon}{text}", self.number)
     }

@@ -10,7 +10,7 @@ mod travel;
 use core::cell::OnceCell;
 
 use crate::alarm::Alarm;
-use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, ThreadStart};
+use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, ThreadStart, Timing};
 use crate::interpreter::{Advance, Host, Interpreter, MachineCodes, Modal};
 use crate::memory::{Offsets, Parameters, Variables};
 use crate::motion::{MotionLimits, Sequel, ThreadMove};
@@ -311,6 +311,9 @@ impl<'a> Walk<'a> {
         if !matches!(&command.action, Action::Line { .. } | Action::Arc { .. }) {
             self.settle(false);
         }
+        if !may_stand_before(&command.action) {
+            self.spindle.start_pending();
+        }
         match &command.action {
             Action::Rapid { to } => self.travel(command, MoveKind::Rapid, *to, None, None)?,
             Action::Line { to, feed } => {
@@ -346,7 +349,10 @@ impl<'a> Walk<'a> {
                 frame, relative, ..
             } => self.change_frame(*frame, *relative),
             Action::Miscellaneous { code, timing } => {
-                self.spindle.output_m(*code);
+                match timing {
+                    Timing::WithMotion => self.spindle.output_m_with_motion(*code),
+                    Timing::BeforeMotion => self.spindle.output_m(*code),
+                }
                 match code {
                     8 => self.so_far.coolant = true,
                     9 => self.so_far.coolant = false,
@@ -390,6 +396,7 @@ impl<'a> Walk<'a> {
         }
         if command.block_end {
             self.so_far.blocks += 1;
+            self.spindle.start_pending();
             self.clock.block_end();
         }
         Ok(None)
@@ -425,6 +432,20 @@ impl<'a> Walk<'a> {
         let machine = self.so_far.machine;
         self.relative_zero = self.relative_zero + frame.program(machine) - before.program(machine);
     }
+}
+
+/// Whether a spindle that starts in the block of this action may still stand: a
+/// thread begins beside the M code of its block.
+const fn may_stand_before(action: &Action) -> bool {
+    matches!(
+        action,
+        Action::Thread { .. }
+            | Action::Tap { .. }
+            | Action::Miscellaneous { .. }
+            | Action::Spindle(_)
+            | Action::Tool { .. }
+            | Action::Frame { .. }
+    )
 }
 
 /// Without the noise in the last bits that a change of frame leaves: end points

@@ -2,6 +2,7 @@
 
 pub mod bitmap;
 pub mod emulator;
+pub mod english;
 pub mod faceplate;
 pub mod glyphs;
 pub mod keys;

@@ -233,7 +233,7 @@ impl Panel {
             return Screen::new();
         }
         if self.in_self_test() {
-            return pages::power_on();
+            return pages::power_on(cnc.parameters().bit(184, 0));
         }
         pages::draw(self.page, &self.view, cnc)
     }

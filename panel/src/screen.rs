@@ -2,7 +2,10 @@
 //! 320x240 graphic layer. Flashing is resolved when a page is drawn: the dark
 //! half is missing from the picture, never from the text.
 
+use std::borrow::Cow;
+
 use crate::bitmap::Bitmap;
+use crate::english;
 use crate::glyphs;
 
 /// Columns of cells.
@@ -65,6 +68,8 @@ pub struct Screen {
     cells: [[Cell; COLUMNS]; ROWS],
     big: Vec<BigText>,
     graphic: Option<Bitmap>,
+    /// Texts are put in English.
+    english: bool,
 }
 
 impl Default for Screen {
@@ -80,7 +85,27 @@ impl Screen {
             cells: [[BLANK; COLUMNS]; ROWS],
             big: Vec::new(),
             graphic: None,
+            english: false,
         }
+    }
+
+    /// An empty screen for English texts (184.0 CH_EN = 1).
+    pub const fn in_english(english: bool) -> Self {
+        let mut screen = Self::new();
+        screen.english = english;
+        screen
+    }
+
+    /// Whether its texts are English.
+    pub const fn is_english(&self) -> bool {
+        self.english
+    }
+
+    /// Draws what somebody has written: it stays as it is in every language.
+    pub fn verbatim(&mut self, draw: impl FnOnce(&mut Self)) {
+        let english = core::mem::take(&mut self.english);
+        draw(self);
+        self.english = english;
     }
 
     /// Writes a text from a column on; what does not fit in the row is cut.
@@ -92,6 +117,11 @@ impl Screen {
     /// Writes a text with a given look.
     pub fn put_as(&mut self, row: usize, column: usize, text: &str, look: Look) -> usize {
         let mut column = column;
+        let text = if self.english {
+            english::english(text)
+        } else {
+            Cow::Borrowed(text)
+        };
         for character in text.chars() {
             let character = if character.is_control() {
                 ' '

@@ -26,6 +26,8 @@ enum Speed {
 /// The commanded state of the spindle.
 pub(super) struct Spindle {
     turning: Turning,
+    /// M03 or M04 that came together with a motion.
+    pending: Option<u8>,
     /// How it turned before the last tap.
     before_tap: Turning,
     speed: Speed,
@@ -49,6 +51,7 @@ impl Spindle {
             } else {
                 Turning::Stopped
             },
+            pending: None,
             before_tap: Turning::Stopped,
             speed: Speed::Fixed(given),
             steps: setup.lathe.spindle.steps,
@@ -79,6 +82,21 @@ impl Spindle {
             4 => self.turning = Turning::CounterClockwise,
             5 => self.turning = Turning::Stopped,
             _ => {}
+        }
+    }
+
+    /// An M code that starts with the motion of its block.
+    pub(super) const fn output_m_with_motion(&mut self, code: u8) {
+        match code {
+            3 | 4 => self.pending = Some(code),
+            _ => self.output_m(code),
+        }
+    }
+
+    /// The spindle that was started together with a motion turns.
+    pub(super) fn start_pending(&mut self) {
+        if let Some(code) = self.pending.take() {
+            self.output_m(code);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The alarm pages: messages of the machine's ladder and alarms of the control
 //! (manual III-2.4).
 
-use gsk_core::alarm::Alarm;
+use gsk_core::alarm::{self, Alarm};
 use gsk_core::cnc::Cnc;
 
 use crate::glyphs;
@@ -13,27 +13,36 @@ const LAST_ROW: usize = 12;
 
 /// 外部信息.
 pub fn messages(screen: &mut Screen, cnc: &Cnc) {
-    list(
-        screen,
-        cnc.plc_messages()
-            .map(|(number, text)| format!("{number:04} {text}")),
-    );
+    let english = screen.is_english();
+    let messages = cnc.plc_messages().map(|(number, text)| {
+        let known = alarm::row(number).filter(|_| english);
+        let text = known.map_or(text, |row| row.meaning_en);
+        format!("{number:04} {text}")
+    });
+    list(screen, messages);
 }
 
 /// 报警信息.
 pub fn alarms(screen: &mut Screen, cnc: &Cnc) {
-    list(screen, cnc.alarms().iter().map(line));
+    let english = screen.is_english();
+    let lines = cnc.alarms().iter().map(|alarm| line(alarm, english));
+    list(screen, lines);
 }
 
 /// Alarms of the memory name what was damaged.
 const MEMORY_ALARMS: [u16; 2] = [69, 101];
 
-fn line(alarm: &Alarm) -> String {
+fn line(alarm: &Alarm, english: bool) -> String {
+    let line = if english {
+        alarm.line_text_en()
+    } else {
+        alarm.line_text()
+    };
     match &alarm.detail {
         Some(detail) if MEMORY_ALARMS.contains(&alarm.number) => {
-            format!("{}({detail})", alarm.line_text())
+            format!("{line}({detail})")
         }
-        _ => alarm.line_text(),
+        _ => line,
     }
 }
 

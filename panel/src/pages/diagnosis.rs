@@ -202,7 +202,7 @@ pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
         let place = usize::from(7 - bit);
         let end = screen.put(10, 0, &format!("Bit{bit}:{}", register.names[place]));
         if let Some(address) = register.address(bit) {
-            let meaning = plc_names::meaning(cnc.plc().ladder(), address);
+            let meaning = plc_names::meaning(cnc.plc().ladder(), address, screen.is_english());
             screen.put(10, end + 1, &meaning);
         }
         lists::bit_names(screen, 11, |bit| register.names[usize::from(7 - bit)]);

@@ -40,7 +40,7 @@ use crate::screen::Screen;
 
 /// Draws a page.
 pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
-    let mut screen = Screen::new();
+    let mut screen = Screen::in_english(cnc.parameters().bit(184, 0));
     let target = &mut screen;
     frame::draw(target, page, view, cnc);
     match page {

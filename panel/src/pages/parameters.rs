@@ -79,10 +79,20 @@ pub fn states(screen: &mut Screen, view: &View, cnc: &Cnc) {
         return;
     };
     let bit = cursor.bit.min(7);
-    let meaning = memory::row(*number, Some(bit)).map_or("", |row| row.meaning_zh);
+    let row = memory::row(*number, Some(bit));
+    let meaning = row.map_or("", |row| meaning(screen, row));
     screen.put(10, 0, &format!("BIT{bit}:{meaning}"));
     lists::bit_names(screen, 11, |bit| name(*number, bit));
     frame::input_line(screen, &format!("序号 {number:03} "), view);
+}
+
+/// What it means, in the language of the screen.
+const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str {
+    if screen.is_english() {
+        row.meaning_en
+    } else {
+        row.meaning_zh
+    }
 }
 
 /// The short name of a bit.
@@ -107,7 +117,8 @@ pub fn data(screen: &mut Screen, view: &View, cnc: &Cnc) {
         return;
     };
     if let Some(row) = memory::row(*number, None) {
-        screen.put(10, 0, row.meaning_zh);
+        let meaning = meaning(screen, row);
+        screen.put(10, 0, meaning);
     }
     frame::input_line(screen, &format!("序号 {number:03} "), view);
 }

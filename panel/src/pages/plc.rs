@@ -116,7 +116,11 @@ pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let bit = cursor.bit.min(7);
     let ladder = cnc.plc().ladder();
     let name = |bit| plc_names::short(BitAddress::new(at.area, at.byte, bit));
-    let meaning = plc_names::meaning(ladder, BitAddress::new(at.area, at.byte, bit));
+    let meaning = plc_names::meaning(
+        ladder,
+        BitAddress::new(at.area, at.byte, bit),
+        screen.is_english(),
+    );
     let end = screen.put(10, 0, &format!("BIT{bit}: {}", name(bit)));
     screen.put(10, end + 1, &meaning);
     lists::bit_names(screen, 11, name);
@@ -185,7 +189,9 @@ pub fn version(screen: &mut Screen, cnc: &Cnc) {
     ];
     for (row, label, value) in rows {
         let column = screen.put(row, 0, label);
-        screen.put(row, column, value);
+        screen.verbatim(|screen| {
+            screen.put(row, column, value);
+        });
     }
 }
 

@@ -52,9 +52,11 @@ pub fn short(address: BitAddress) -> &'static str {
 }
 
 /// What a bit means: the ladder's own comment, else the table's text.
-pub fn meaning(ladder: &Ladder, address: BitAddress) -> String {
+pub fn meaning(ladder: &Ladder, address: BitAddress, english: bool) -> String {
     let comment = ladder.comment(Subject::Bit(address));
     match (comment, row(address)) {
+        (Some(comment), _) if english && !comment.english.is_empty() => comment.english.clone(),
+        (_, Some(row)) if english => row.text_en.to_owned(),
         (Some(comment), _) if !comment.chinese.is_empty() => comment.chinese.clone(),
         (_, Some(row)) => row.text_zh.to_owned(),
         _ => String::new(),

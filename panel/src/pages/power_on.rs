@@ -6,8 +6,8 @@ use crate::screen::Screen;
 pub const POWER_ON_TICKS: u64 = 3000;
 
 /// Draws it.
-pub fn draw() -> Screen {
-    let mut screen = Screen::new();
+pub fn draw(english: bool) -> Screen {
+    let mut screen = Screen::in_english(english);
     screen.put(4, 13, "GSK980TD");
     screen.put(6, 10, "车床数控系统");
     screen.put(9, 8, "广州数控设备有限公司");

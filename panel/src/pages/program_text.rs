@@ -153,7 +153,7 @@ pub fn draw(screen: &mut Screen, program: &Program, listing: Listing, mark: Mark
             return;
         };
         for range in wrap(&text, skip + end - row).into_iter().skip(skip) {
-            draw_row(screen, row, &text, range, line, mark);
+            screen.verbatim(|screen| draw_row(screen, row, &text, range, line, mark));
             row += 1;
         }
         skip = 0;
