@@ -11,4 +11,5 @@
 //! behind a pseudo terminal at the pace of the wall clock.
 
 pub mod grbl;
+pub mod klipper;
 pub mod wire;

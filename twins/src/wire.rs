@@ -110,6 +110,11 @@ impl Wire {
         Some(byte)
     }
 
+    /// When the next byte arrives.
+    pub fn next_arrival(&self) -> Option<u64> {
+        self.under_way.front().map(|(arrival, _)| *arrival)
+    }
+
     /// Whether nothing is under way.
     pub fn is_quiet(&self) -> bool {
         self.under_way.is_empty()

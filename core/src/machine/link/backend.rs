@@ -3,9 +3,10 @@
 use core::time::Duration;
 
 use super::line::LineLink;
+use super::step_queue::StepLink;
 use super::{
-    BoardInfo, BoardOutputs, Event, HostTime, LinkConfig, LinkState, Pins, Refused, RunTime,
-    Sample, Stop, Traffic,
+    BoardInfo, BoardOutputs, Event, HostTime, Input, LinkConfig, LinkState, Output, Pins, Protocol,
+    Refused, RunTime, Sample, Stop, Traffic,
 };
 use crate::memory::Parameters;
 use crate::units::{PerAxis, Pulses};
@@ -15,18 +16,26 @@ use crate::units::{PerAxis, Pulses};
 pub enum Link {
     /// A board that reads lines.
     Line(Box<LineLink>),
+    /// A board that executes times of steps.
+    StepQueue(Box<StepLink>),
 }
 
 impl Link {
     /// A link whose port has just been opened.
     pub fn open(config: LinkConfig, parameters: &Parameters, now: HostTime) -> Self {
-        Self::Line(Box::new(LineLink::open(config, parameters, now)))
+        match config.protocol {
+            Protocol::Line => Self::Line(Box::new(LineLink::open(config, parameters, now))),
+            Protocol::StepQueue => {
+                Self::StepQueue(Box::new(StepLink::open(config, parameters, now)))
+            }
+        }
     }
 
     /// Where the link stands.
     pub const fn state(&self) -> LinkState {
         match self {
             Self::Line(link) => link.state(),
+            Self::StepQueue(link) => link.state(),
         }
     }
 
@@ -34,6 +43,7 @@ impl Link {
     pub const fn board(&self) -> &BoardInfo {
         match self {
             Self::Line(link) => link.board(),
+            Self::StepQueue(link) => link.board(),
         }
     }
 
@@ -41,13 +51,15 @@ impl Link {
     pub const fn pulses_per_mm(&self) -> [f64; 2] {
         match self {
             Self::Line(link) => link.required().pulses_per_mm,
+            Self::StepQueue(link) => link.pulses_per_mm(),
         }
     }
 
     /// Switches at the board that are operated, as last reported.
-    pub const fn pins(&self) -> Pins {
+    pub fn pins(&self) -> Pins {
         match self {
             Self::Line(link) => link.pins(),
+            Self::StepQueue(link) => link.pins(),
         }
     }
 
@@ -55,13 +67,15 @@ impl Link {
     pub fn counted(&self) -> Option<PerAxis<Pulses>> {
         match self {
             Self::Line(link) => link.counted(),
+            Self::StepQueue(link) => link.counted(),
         }
     }
 
     /// Since when the board has reported itself standing.
-    pub const fn standing_since(&self) -> Option<HostTime> {
+    pub fn standing_since(&self) -> Option<HostTime> {
         match self {
             Self::Line(link) => link.standing_since(),
+            Self::StepQueue(link) => link.standing_since(),
         }
     }
 
@@ -69,6 +83,7 @@ impl Link {
     pub const fn traffic(&self) -> Traffic {
         match self {
             Self::Line(link) => link.traffic(),
+            Self::StepQueue(link) => link.traffic(),
         }
     }
 
@@ -76,6 +91,7 @@ impl Link {
     pub const fn executed(&self) -> RunTime {
         match self {
             Self::Line(link) => link.executed(),
+            Self::StepQueue(link) => link.executed(),
         }
     }
 
@@ -83,6 +99,7 @@ impl Link {
     pub fn outstanding(&self) -> Duration {
         match self {
             Self::Line(link) => link.outstanding(),
+            Self::StepQueue(link) => link.outstanding(),
         }
     }
 
@@ -90,6 +107,15 @@ impl Link {
     pub fn room(&self) -> Duration {
         match self {
             Self::Line(link) => link.room(),
+            Self::StepQueue(link) => link.room(),
+        }
+    }
+
+    /// The most pulses a second an axis can be given.
+    pub fn max_rate(&self) -> f64 {
+        match self {
+            Self::Line(link) => link.max_rate(),
+            Self::StepQueue(link) => link.max_rate(),
         }
     }
 
@@ -97,6 +123,7 @@ impl Link {
     pub fn events(&mut self) -> Vec<Event> {
         match self {
             Self::Line(link) => link.events(),
+            Self::StepQueue(link) => link.events(),
         }
     }
 
@@ -104,6 +131,7 @@ impl Link {
     pub fn tx(&self) -> &[u8] {
         match self {
             Self::Line(link) => link.tx(),
+            Self::StepQueue(link) => link.tx(),
         }
     }
 
@@ -111,6 +139,7 @@ impl Link {
     pub fn consumed(&mut self, count: usize) {
         match self {
             Self::Line(link) => link.consumed(count),
+            Self::StepQueue(link) => link.consumed(count),
         }
     }
 
@@ -118,6 +147,7 @@ impl Link {
     pub fn tick(&mut self, now: HostTime) {
         match self {
             Self::Line(link) => link.tick(now),
+            Self::StepQueue(link) => link.tick(now),
         }
     }
 
@@ -125,6 +155,7 @@ impl Link {
     pub fn rx(&mut self, bytes: &[u8], now: HostTime) {
         match self {
             Self::Line(link) => link.rx(bytes, now),
+            Self::StepQueue(link) => link.rx(bytes, now),
         }
     }
 
@@ -132,6 +163,7 @@ impl Link {
     pub fn lost(&mut self, cause: &str) {
         match self {
             Self::Line(link) => link.lost(cause),
+            Self::StepQueue(link) => link.lost(cause),
         }
     }
 
@@ -139,6 +171,8 @@ impl Link {
     pub fn write_settings(&mut self) {
         match self {
             Self::Line(link) => link.write_settings(),
+            // Such a board is set up whenever it is opened.
+            Self::StepQueue(_) => {}
         }
     }
 
@@ -150,6 +184,7 @@ impl Link {
     pub fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
         match self {
             Self::Line(link) => link.set_position(kernel, at),
+            Self::StepQueue(link) => link.set_position(kernel, at),
         }
     }
 
@@ -162,6 +197,7 @@ impl Link {
     pub fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
         match self {
             Self::Line(link) => link.release(kernel, at),
+            Self::StepQueue(link) => link.release(kernel, at),
         }
     }
 
@@ -177,6 +213,7 @@ impl Link {
     pub fn forget_position(&mut self) {
         match self {
             Self::Line(link) => link.forget_position(),
+            Self::StepQueue(link) => link.forget_position(),
         }
     }
 
@@ -184,6 +221,7 @@ impl Link {
     pub const fn knows_position(&self) -> bool {
         match self {
             Self::Line(link) => link.knows_position(),
+            Self::StepQueue(link) => link.knows_position(),
         }
     }
 
@@ -192,6 +230,7 @@ impl Link {
     pub fn takes_motion(&self) -> bool {
         match self {
             Self::Line(link) => link.takes_motion(),
+            Self::StepQueue(link) => link.takes_motion(),
         }
     }
 
@@ -199,6 +238,7 @@ impl Link {
     pub fn is_prepared(&self) -> bool {
         match self {
             Self::Line(link) => link.is_prepared(),
+            Self::StepQueue(link) => link.is_prepared(),
         }
     }
 
@@ -209,13 +249,15 @@ impl Link {
     pub fn home(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
         match self {
             Self::Line(link) => link.home(axes),
+            Self::StepQueue(link) => link.home(axes),
         }
     }
 
     /// What spindle and coolant are to do.
-    pub const fn set_outputs(&mut self, outputs: BoardOutputs) {
+    pub fn set_outputs(&mut self, outputs: BoardOutputs) {
         match self {
             Self::Line(link) => link.set_outputs(outputs),
+            Self::StepQueue(link) => link.set_outputs(outputs),
         }
     }
 
@@ -223,6 +265,7 @@ impl Link {
     pub fn switched(&self) -> Option<BoardOutputs> {
         match self {
             Self::Line(link) => link.switched(),
+            Self::StepQueue(link) => link.switched(),
         }
     }
 
@@ -233,6 +276,7 @@ impl Link {
     pub fn push(&mut self, sample: Sample) -> Result<(), Refused> {
         match self {
             Self::Line(link) => link.push(sample),
+            Self::StepQueue(link) => link.push(sample),
         }
     }
 
@@ -243,6 +287,7 @@ impl Link {
     pub fn finish(&mut self) -> Result<(), Refused> {
         match self {
             Self::Line(link) => link.finish(),
+            Self::StepQueue(link) => link.finish(),
         }
     }
 
@@ -250,6 +295,7 @@ impl Link {
     pub fn stop(&mut self, stop: Stop) {
         match self {
             Self::Line(link) => link.stop(stop),
+            Self::StepQueue(link) => link.stop(stop),
         }
     }
 
@@ -258,6 +304,55 @@ impl Link {
     pub fn reset(&mut self) {
         match self {
             Self::Line(link) => link.reset(),
+            Self::StepQueue(link) => link.reset(),
+        }
+    }
+
+    /// From now on this input stops the axes in the board as soon as it is operated
+    /// (or is no longer, with `operated` false): [`Event::Reached`] tells where.
+    ///
+    /// # Errors
+    /// The axes do not stand, or the board has no such input.
+    pub fn arm(&mut self, input: Input, operated: bool) -> Result<(), Refused> {
+        match self {
+            Self::Line(_) => Err(Refused::NotWired),
+            Self::StepQueue(link) => link.arm(input, operated),
+        }
+    }
+
+    /// The input that was waited for does not stop the axes any more.
+    pub fn disarm(&mut self) {
+        match self {
+            Self::Line(_) => {}
+            Self::StepQueue(link) => link.disarm(),
+        }
+    }
+
+    /// Switches an output of the board when the motion up to a time has been made.
+    ///
+    /// # Errors
+    /// The board is not ready, or has no such output.
+    pub fn output(&mut self, at: RunTime, output: Output, value: i32) -> Result<(), Refused> {
+        match self {
+            Self::Line(_) => Err(Refused::NotWired),
+            Self::StepQueue(link) => link.output(at, output, value),
+        }
+    }
+
+    /// Whether a switch at the board is operated; `None`: not wired, or not told yet.
+    pub fn input(&self, input: Input) -> Option<bool> {
+        match self {
+            Self::Line(_) => None,
+            Self::StepQueue(link) => link.input(input),
+        }
+    }
+
+    /// Turns of the spindle since the board was started, and how long one takes; none
+    /// without its one-turn signal.
+    pub fn spindle(&self) -> Option<(u64, Duration)> {
+        match self {
+            Self::Line(_) => None,
+            Self::StepQueue(link) => link.spindle(),
         }
     }
 }

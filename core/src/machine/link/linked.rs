@@ -25,7 +25,7 @@ use super::{
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
 use crate::simulation::Simulation;
-use crate::units::{PerAxis, Point, Pulses};
+use crate::units::{Axis, PerAxis, Point, Pulses};
 
 /// Something for the log of the link.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -242,7 +242,11 @@ impl Linked {
                 "an axis would need more pulses a second than the board makes",
             ),
             Refused::TooSlow => (604, "slower than the slowest feed of the board"),
-            Refused::NotReady => (608, "motion was made that the board does not take"),
+            Refused::TowardLimit(Axis::X) => (621, "that way lies the limit switch"),
+            Refused::TowardLimit(Axis::Z) => (622, "that way lies the limit switch"),
+            Refused::NotReady | Refused::NotWired => {
+                (608, "motion was made that the board does not take")
+            }
         };
         simulation.cnc.raise(Alarm::new(number).because(text));
         simulation.cnc.halt_for_board();

@@ -15,10 +15,11 @@ mod board;
 mod config;
 pub mod line;
 mod linked;
+pub mod step_queue;
 
 use core::time::Duration;
 
-use crate::units::{PerAxis, Pulses};
+use crate::units::{Axis, PerAxis, Pulses};
 
 pub use backend::Link;
 pub use board::{BoardInfo, BoardOutputs, Pins, SpindleWay, Traffic};
@@ -123,6 +124,42 @@ pub enum Stop {
     Kill,
 }
 
+/// A switch at a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// Limit of X.
+    LimitX,
+    /// Limit of Z.
+    LimitZ,
+    /// Sense of the emergency stop chain.
+    EmergencyStop,
+    /// Alarm of the drives.
+    DriveAlarm,
+    /// Deceleration switch of X.
+    DecelerationX,
+    /// Deceleration switch of Z.
+    DecelerationZ,
+    /// Zero signal of X.
+    ZeroX,
+    /// Zero signal of Z.
+    ZeroZ,
+}
+
+/// An output of a board that switches with the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// Enable of the drives; the link's own.
+    Enable,
+    /// Spindle clockwise, 0 or 1.
+    SpindleForward,
+    /// Spindle counterclockwise, 0 or 1.
+    SpindleReverse,
+    /// Spindle speed, 0–10 000 mV.
+    SpindleSpeed,
+    /// Coolant, 0 or 1.
+    Coolant,
+}
+
 /// Something the kernel must hear about.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
@@ -134,6 +171,8 @@ pub enum Event {
     Position(PerAxis<Pulses>),
     /// The board stands off the switches of these axes: its reference return is made.
     Homed(PerAxis<bool>),
+    /// The input that was waited for stopped the axes in the board, there.
+    Reached(Input, PerAxis<Pulses>),
     /// An alarm, with what happened in words.
     Alarm {
         /// Number in the alarm table, 601–622.
@@ -161,4 +200,8 @@ pub enum Refused {
     TooFast,
     /// Slower than the board's slowest feed.
     TooSlow,
+    /// The limit switch of the axis is operated and that way lies its stop.
+    TowardLimit(Axis),
+    /// The board has no such input or output.
+    NotWired,
 }

@@ -240,6 +240,11 @@ impl LineLink {
         self.takes_motion() && self.unanswered.iter().all(|line| line.is_segment)
     }
 
+    /// The most pulses a second an axis can be given.
+    pub fn max_rate(&self) -> f64 {
+        self.config.line.max_rate.into()
+    }
+
     /// What happened since the last call.
     pub fn events(&mut self) -> Vec<Event> {
         core::mem::take(&mut self.events)

@@ -28,7 +28,7 @@ impl Linked {
             known: self.link.knows_position(),
             behind: self.is_behind(),
             switching,
-            max_rate: self.config.line.max_rate.into(),
+            max_rate: self.link.max_rate(),
             pulses_per_mm: self.link.pulses_per_mm(),
             threads: false,
         });
@@ -92,7 +92,7 @@ impl Linked {
                 }
                 self.agreed = self.link.knows_position().then_some(pulses);
             }
-            Event::Drained => {}
+            Event::Drained | Event::Reached(..) => {}
             Event::Homed(axes) => cnc.board_returned(axes, self.home()),
             Event::Differs {
                 setting,

@@ -1,0 +1,127 @@
+//! The messages of the protocol that are used, as the boards spell them.
+
+/// When a board must know a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Need {
+    /// Always.
+    Always,
+    /// One of these is enough.
+    Restart,
+    /// When the spindle speed is wired.
+    Speed,
+    /// When the spindle index is wired.
+    Index,
+}
+
+macro_rules! commands {
+    ($($name:ident $need:ident $text:literal)*) => {
+        /// A command to the board.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(super) enum Command { $($name),* }
+
+        /// Every command: when it is needed, and its text, which is compared to the letter.
+        pub(super) const COMMANDS: &[(Command, Need, &str)] =
+            &[$((Command::$name, Need::$need, $text)),*];
+    };
+}
+
+commands! {
+    Identify Always "identify offset=%u count=%c"
+    GetConfig Always "get_config"
+    GetUptime Always "get_uptime"
+    AllocateOids Always "allocate_oids count=%c"
+    FinalizeConfig Always "finalize_config crc=%u"
+    EmergencyStop Always "emergency_stop"
+    ClearShutdown Always "clear_shutdown"
+    Reset Restart "reset"
+    ConfigReset Restart "config_reset"
+    ConfigStepper Always "config_stepper oid=%c step_pin=%c dir_pin=%c invert_step=%c step_pulse_ticks=%u"
+    ResetStepClock Always "reset_step_clock oid=%c clock=%u"
+    SetNextStepDir Always "set_next_step_dir oid=%c dir=%c"
+    QueueStep Always "queue_step oid=%c interval=%u count=%hu add=%hi"
+    StepperGetPosition Always "stepper_get_position oid=%c"
+    StepperStopOnTrigger Always "stepper_stop_on_trigger oid=%c trsync_oid=%c"
+    ConfigTrsync Always "config_trsync oid=%c"
+    TrsyncStart Always "trsync_start oid=%c report_clock=%u report_ticks=%u expire_reason=%c"
+    TrsyncSetTimeout Always "trsync_set_timeout oid=%c clock=%u"
+    TrsyncTrigger Always "trsync_trigger oid=%c reason=%c"
+    ConfigEndstop Always "config_endstop oid=%c pin=%c pull_up=%c"
+    EndstopHome Always "endstop_home oid=%c clock=%u sample_ticks=%u sample_count=%c rest_ticks=%u pin_value=%c trsync_oid=%c trigger_reason=%c"
+    EndstopQueryState Always "endstop_query_state oid=%c"
+    ConfigDigitalOut Always "config_digital_out oid=%c pin=%u value=%c default_value=%c max_duration=%u"
+    QueueDigitalOut Always "queue_digital_out oid=%c clock=%u on_ticks=%u"
+    ConfigPwmOut Speed "config_pwm_out oid=%c pin=%u cycle_ticks=%u value=%hu default_value=%hu max_duration=%u"
+    QueuePwmOut Speed "queue_pwm_out oid=%c clock=%u value=%hu"
+    ConfigCounter Index "config_counter oid=%c pin=%u pull_up=%c"
+    QueryCounter Index "query_counter oid=%c clock=%u poll_ticks=%u sample_ticks=%u"
+}
+
+/// Replies that are read, and whether the board must have them.
+pub(super) const REPLIES: [(Kind, Need, &str); 10] = [
+    (
+        Kind::Identify,
+        Need::Always,
+        "identify_response offset=%u data=%.*s",
+    ),
+    (
+        Kind::Config,
+        Need::Always,
+        "config is_config=%c crc=%u is_shutdown=%c move_count=%hu",
+    ),
+    (Kind::Uptime, Need::Always, "uptime high=%u clock=%u"),
+    (
+        Kind::Position,
+        Need::Always,
+        "stepper_position oid=%c pos=%i",
+    ),
+    (
+        Kind::Group,
+        Need::Always,
+        "trsync_state oid=%c can_trigger=%c trigger_reason=%c clock=%u",
+    ),
+    (
+        Kind::Endstop,
+        Need::Always,
+        "endstop_state oid=%c homing=%c next_clock=%u pin_value=%c",
+    ),
+    (
+        Kind::Shutdown,
+        Need::Always,
+        "shutdown clock=%u static_string_id=%hu",
+    ),
+    (
+        Kind::IsShutdown,
+        Need::Always,
+        "is_shutdown static_string_id=%hu",
+    ),
+    (
+        Kind::Counter,
+        Need::Index,
+        "counter_state oid=%c next_clock=%u count=%u count_clock=%u",
+    ),
+    // Not in every version: told by boards that have just started.
+    (Kind::Starting, Need::Restart, "starting"),
+];
+
+/// What a reply is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Identify,
+    Config,
+    Uptime,
+    Position,
+    Group,
+    Endstop,
+    Counter,
+    Shutdown,
+    IsShutdown,
+    Starting,
+}
+
+/// A reply of the board, the numbers as they stand in its text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Reply {
+    pub(super) kind: Kind,
+    pub(super) numbers: [u32; 4],
+    pub(super) data: Vec<u8>,
+}

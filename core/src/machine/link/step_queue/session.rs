@@ -1,0 +1,577 @@
+//! The link with a board of timed steps, from the first byte to the last.
+
+mod motion;
+mod opening;
+mod stops;
+mod upkeep;
+
+use core::time::Duration;
+
+use super::super::{
+    BoardInfo, Event, HostTime, Input, LinkConfig, LinkState, Pins, Refused, RunTime, Stop, Traffic,
+};
+use super::block::Reader;
+use super::clock::Clock;
+use super::commands::{Command, Kind, Reply};
+use super::delivery::{Delivery, Heard, Mark, Message, Trouble};
+use super::dictionary::Dictionary;
+use super::shutdown;
+use super::wiring::Wiring;
+use crate::axis::pulse_weight;
+use crate::memory::Parameters;
+use crate::units::{Axis, PerAxis, Pulses};
+use motion::Motion;
+use opening::Phase;
+use stops::{Group, Stopping, Why};
+use upkeep::Upkeep;
+
+/// No step is sent that would be made sooner than this.
+const LATEST: Duration = Duration::from_millis(20);
+/// A question is asked again after this, and given up after that.
+const ASK_AGAIN: Duration = Duration::from_millis(100);
+const GIVE_UP: Duration = Duration::from_millis(600);
+
+/// What the place of the axes is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Purpose {
+    /// The dialogue begins.
+    Opening,
+    /// All motion is made: does the count agree?
+    Verify,
+    /// The axes were stopped.
+    Stopped,
+}
+
+/// The place of the axes, asked and not answered.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    purpose: Purpose,
+    since: HostTime,
+    asked: HostTime,
+    got: [Option<u32>; 2],
+}
+
+/// A link to one board.
+#[derive(Clone, Debug)]
+pub struct StepLink {
+    config: LinkConfig,
+    pulses_per_mm: [f64; 2],
+    state: LinkState,
+    now: HostTime,
+    opened: HostTime,
+    phase: Phase,
+    info: BoardInfo,
+    dictionary: Dictionary,
+    wiring: Option<Wiring>,
+    reader: Reader,
+    delivery: Delivery,
+    clock: Clock,
+    motion: Motion,
+    group: Group,
+    stopping: Option<Stopping>,
+    reading: Option<Reading>,
+    upkeep: Upkeep,
+    /// The board is shut down: it hears nothing but a reset.
+    down: bool,
+    /// The slides stand where the kernel believes.
+    known: bool,
+    /// Motion is taken although the position is not known: by hand.
+    released: bool,
+    events: Vec<Event>,
+    traffic: Traffic,
+}
+
+impl StepLink {
+    /// A link whose port has just been opened.
+    pub fn open(config: LinkConfig, parameters: &Parameters, now: HostTime) -> Self {
+        let pulses_per_mm = [Axis::X, Axis::Z].map(|axis| 1.0 / pulse_weight(axis, parameters));
+        let mut link = Self {
+            config,
+            pulses_per_mm,
+            state: LinkState::Opening,
+            now,
+            opened: now,
+            phase: Phase::Sync,
+            info: BoardInfo::default(),
+            dictionary: Dictionary::default(),
+            wiring: None,
+            reader: Reader::default(),
+            delivery: Delivery::new(),
+            clock: Clock::new(1.0),
+            motion: Motion::new(),
+            group: Group::default(),
+            stopping: None,
+            reading: None,
+            upkeep: Upkeep::default(),
+            down: false,
+            known: false,
+            released: false,
+            events: Vec::new(),
+            traffic: Traffic::default(),
+        };
+        link.begin();
+        link
+    }
+
+    /// Where the link stands.
+    pub const fn state(&self) -> LinkState {
+        self.state
+    }
+
+    /// What the board said it is.
+    pub const fn board(&self) -> &BoardInfo {
+        &self.info
+    }
+
+    /// Pulses per mm of slide travel, X and Z.
+    pub const fn pulses_per_mm(&self) -> [f64; 2] {
+        self.pulses_per_mm
+    }
+
+    /// Whether a switch at the board is operated; `None`: not wired, or not told yet.
+    pub fn input(&self, input: Input) -> Option<bool> {
+        self.upkeep.input(input)
+    }
+
+    /// Switches at the board that are operated, as last reported.
+    pub fn pins(&self) -> Pins {
+        let operated = |input| self.input(input) == Some(true);
+        Pins {
+            x: operated(Input::LimitX),
+            z: operated(Input::LimitZ),
+            emergency: operated(Input::EmergencyStop),
+            door: false,
+        }
+    }
+
+    /// Turns of the spindle since the board was started, and how long the last took.
+    pub fn spindle(&self) -> Option<(u64, Duration)> {
+        self.upkeep.spindle(&self.clock)
+    }
+
+    /// Since when the axes have stood, as far as the board has been told.
+    pub fn standing_since(&self) -> Option<HostTime> {
+        let last = self.motion.last_step()?;
+        let at = self.clock.moment(last);
+        (at <= self.now).then_some(at)
+    }
+
+    /// Figures of the wire.
+    pub const fn traffic(&self) -> Traffic {
+        let mut traffic = self.traffic;
+        traffic.lines = self.delivery.blocks;
+        traffic.resent = self.delivery.resent;
+        traffic.garbage = self.reader.garbage;
+        traffic
+    }
+
+    /// Where the slides stand, as far as that is certain.
+    pub fn position(&self) -> Option<PerAxis<Pulses>> {
+        (self.known && !self.motion.is_under_way()).then_some(self.motion.commanded)
+    }
+
+    /// What happened since the last call.
+    pub fn events(&mut self) -> Vec<Event> {
+        core::mem::take(&mut self.events)
+    }
+
+    /// Bytes to be written to the port.
+    pub fn tx(&self) -> &[u8] {
+        &self.delivery.outgoing
+    }
+
+    /// So many of them were written.
+    pub fn consumed(&mut self, count: usize) {
+        let count = count.min(self.delivery.outgoing.len());
+        self.delivery.outgoing.drain(..count);
+        self.traffic.sent += count as u64;
+    }
+
+    /// Bytes came from the port.
+    pub fn rx(&mut self, bytes: &[u8], now: HostTime) {
+        self.now = self.now.max(now);
+        self.traffic.received += bytes.len() as u64;
+        if matches!(self.state, LinkState::Off | LinkState::Lost) {
+            return;
+        }
+        self.reader.give(bytes);
+        while let Some(block) = self.reader.next() {
+            self.traffic.reports += 1;
+            let heard = self
+                .delivery
+                .hear(block.sequence, block.content.is_empty(), self.now);
+            let Some(Heard::Expects(expects)) = heard else {
+                if heard.is_some() {
+                    self.hear_strange(&block.content);
+                }
+                continue;
+            };
+            if block.content.is_empty() {
+                continue;
+            }
+            match self.dictionary.replies(&block.content) {
+                Some(replies) => {
+                    for reply in replies {
+                        self.take(&reply, expects);
+                    }
+                }
+                None => self.reader.garbage += 1,
+            }
+        }
+    }
+
+    /// A board that counts its blocks anew may say why.
+    fn hear_strange(&mut self, content: &[u8]) {
+        let replies = self.dictionary.replies(content).unwrap_or_default();
+        if self.is_running() && replies.iter().any(|reply| reply.kind == Kind::Starting) {
+            self.board_restarted();
+        }
+    }
+
+    /// Time passes; at least every 5 ms.
+    pub fn tick(&mut self, now: HostTime) {
+        self.now = self.now.max(now);
+        if matches!(self.state, LinkState::Off | LinkState::Lost) {
+            return;
+        }
+        self.open_further();
+        if self.is_running() && !self.down {
+            self.keep_up();
+            self.watch_group();
+            self.ask_again();
+            self.move_on();
+        }
+        // A board that restarts is left alone.
+        if !matches!(self.phase, Phase::Restarting { .. }) {
+            self.send();
+        }
+    }
+
+    /// The port failed: unplugged, or taken away.
+    pub fn lost(&mut self, cause: &str) {
+        if matches!(self.state, LinkState::Off | LinkState::Lost) {
+            return;
+        }
+        self.give_up_motion();
+        self.lose_position();
+        let number = if self.is_running() { 605 } else { 601 };
+        self.alarm(number, cause);
+        self.enter(LinkState::Lost);
+    }
+
+    /// The slides stand where the kernel says: it has made its reference return, or
+    /// the operator has confirmed it. From here on motion is taken.
+    ///
+    /// # Errors
+    /// The board moves, is shut down, or has not said where it stands.
+    pub fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        self.align(kernel, at)?;
+        self.known = true;
+        self.enter(LinkState::Ready);
+        Ok(())
+    }
+
+    /// The operator moves the axes by hand although nobody knows where they stand:
+    /// motion is taken from here on, and the state stays locked.
+    ///
+    /// # Errors
+    /// The position is known, the board moves, or has not said where it stands.
+    pub fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        if self.state != LinkState::Locked {
+            return Err(Refused::NotReady);
+        }
+        self.align(kernel, at)?;
+        self.known = false;
+        self.released = true;
+        Ok(())
+    }
+
+    /// From here on the board's count and the kernel's go together.
+    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        let standing = matches!(self.state, LinkState::Locked | LinkState::Ready)
+            && self.stopping.is_none()
+            && !self.down
+            && !self.motion.is_under_way()
+            && self.upkeep.all_told(self.wiring.as_ref());
+        let (true, Some(board)) = (standing, self.motion.board) else {
+            return Err(Refused::NotReady);
+        };
+        self.motion.take_over(kernel, board, at);
+        self.upkeep.drives_on = true;
+        self.arm_group(None);
+        Ok(())
+    }
+
+    /// The control forgot where the axes stand (power off): so does the link.
+    pub fn forget_position(&mut self) {
+        self.lose_position();
+        match self.state {
+            LinkState::Moving => self.halt(Why::Flush),
+            LinkState::Ready => self.enter(LinkState::Locked),
+            _ => {}
+        }
+    }
+
+    /// Nobody knows where the slides stand.
+    const fn lose_position(&mut self) {
+        self.known = false;
+        self.released = false;
+    }
+
+    /// Whether it is known where the slides stand.
+    pub const fn knows_position(&self) -> bool {
+        self.known
+    }
+
+    /// Whether motion is taken.
+    pub fn takes_motion(&self) -> bool {
+        (self.state.takes_motion() || self.state == LinkState::Locked && self.released)
+            && self.stopping.is_none()
+            && !self.down
+    }
+
+    /// Whether motion is taken now; this board needs no preparation.
+    pub fn is_prepared(&self) -> bool {
+        self.takes_motion()
+    }
+
+    /// The board's count in the kernel's pulses, as last told.
+    pub fn counted(&self) -> Option<PerAxis<Pulses>> {
+        self.motion.counted()
+    }
+
+    /// The most pulses a second an axis can be given.
+    pub fn max_rate(&self) -> f64 {
+        self.motion.max_rate()
+    }
+
+    /// Such a board makes no reference return by itself: the kernel does, with
+    /// [`arm`](Self::arm).
+    ///
+    /// # Errors
+    /// Always.
+    pub const fn home(&mut self, _: PerAxis<bool>) -> Result<(), Refused> {
+        Err(Refused::NotWired)
+    }
+
+    /// Stops the board at once.
+    pub fn stop(&mut self, stop: Stop) {
+        if !self.is_running() || self.down || self.state == LinkState::Lost {
+            return;
+        }
+        match stop {
+            Stop::Flush => self.flush(),
+            Stop::Kill => {
+                self.give_up_motion();
+                self.lose_position();
+                self.say_first(Command::EmergencyStop, &[]);
+                self.send();
+                self.down = true;
+                self.enter(LinkState::Fault);
+            }
+        }
+    }
+
+    /// The operator pressed RESET: faults whose cause is gone are cleared; nothing moves
+    /// before the kernel has taken over where the axes stand.
+    pub fn reset(&mut self) {
+        let still = |input| self.input(input) == Some(true);
+        match self.state {
+            LinkState::Moving => self.flush(),
+            LinkState::Fault if self.down => self.begin(),
+            LinkState::Fault if self.is_running() && self.stopping.is_none() => {
+                self.enter(LinkState::Locked);
+            }
+            LinkState::Tripped
+                if self.stopping.is_none()
+                    && !still(Input::EmergencyStop)
+                    && !still(Input::DriveAlarm) =>
+            {
+                self.enter(LinkState::Locked);
+            }
+            _ => {}
+        }
+    }
+
+    const fn is_running(&self) -> bool {
+        matches!(self.phase, Phase::Running)
+    }
+
+    fn enter(&mut self, state: LinkState) {
+        if self.state != state {
+            self.state = state;
+            self.events.push(Event::State(state));
+        }
+    }
+
+    fn alarm(&mut self, number: u16, detail: &str) {
+        let detail = detail.to_owned();
+        self.events.push(Event::Alarm { number, detail });
+    }
+
+    fn say(&mut self, command: Command, arguments: &[i64]) {
+        let bytes = self.dictionary.message(command, arguments);
+        self.delivery.say(Message::plain(bytes));
+    }
+
+    fn say_first(&mut self, command: Command, arguments: &[i64]) {
+        let bytes = self.dictionary.message(command, arguments);
+        self.delivery.say_first(Message::plain(bytes));
+    }
+
+    /// Something the board must have before a clock; dropped when motion is.
+    fn say_timed(&mut self, command: Command, arguments: &[i64], due: u64) {
+        self.delivery.say(Message {
+            due: Some(due),
+            motion: true,
+            ..Message::plain(self.dictionary.message(command, arguments))
+        });
+    }
+
+    fn say_marked(&mut self, command: Command, arguments: &[i64], mark: Mark) {
+        let bytes = self.dictionary.message(command, arguments);
+        self.delivery.say_first(Message {
+            mark: Some(mark),
+            ..Message::plain(bytes)
+        });
+    }
+
+    fn send(&mut self) {
+        let earliest = self.is_running().then(|| self.earliest());
+        let mut result = self.delivery.send(self.now, earliest);
+        if let (Err(Trouble::Late), Some(earliest)) = (result, earliest) {
+            // What is renewed all the time does no harm when it is missing.
+            self.delivery.drop_late(earliest);
+            result = self.delivery.send(self.now, Some(earliest));
+        }
+        match result {
+            Ok(()) => {}
+            Err(Trouble::Silent) => self.lost("the board has not answered for 500 ms"),
+            Err(Trouble::Restarted) => self.board_restarted(),
+            Err(Trouble::Late) => self.late("a step would have come too late"),
+        }
+    }
+
+    /// Nothing that is sent now is sure to arrive before this clock.
+    fn earliest(&self) -> u64 {
+        self.clock.at(self.now + self.margin())
+    }
+
+    fn margin(&self) -> Duration {
+        LATEST + self.clock.round_trip() / 2
+    }
+
+    /// A clock for things that are to happen soon, and surely not too late.
+    fn soon(&self) -> u64 {
+        self.clock
+            .at(self.now + self.config.lookahead() + self.margin())
+    }
+
+    fn take(&mut self, reply: &Reply, expects: u64) {
+        let numbers = reply.numbers;
+        match reply.kind {
+            Kind::Identify => self.identified(numbers[0], &reply.data),
+            Kind::Config if self.delivery.answers(Mark::Config, expects) => {
+                self.configured(numbers);
+            }
+            Kind::Uptime if self.delivery.answers(Mark::Uptime, expects) => self.uptime(numbers),
+            Kind::Position if self.delivery.answers(Mark::Position, expects) => {
+                self.place_told(i64::from(numbers[0]), numbers[1]);
+            }
+            Kind::Group if self.delivery.answers(Mark::Group, expects) => self.group_told(numbers),
+            Kind::Endstop => {
+                let told = self.wiring.as_ref();
+                self.upkeep
+                    .switch_told(told, i64::from(numbers[0]), numbers[3]);
+            }
+            Kind::Counter => {
+                self.upkeep
+                    .turns_told(numbers[2], numbers[3], self.clock.at(self.now));
+            }
+            Kind::Shutdown => self.shut_down(numbers[1]),
+            Kind::IsShutdown => self.shut_down(numbers[0]),
+            Kind::Starting if self.is_running() => self.board_restarted(),
+            _ => {}
+        }
+    }
+
+    fn shut_down(&mut self, text: u32) {
+        if self.down || self.shut_down_early() {
+            return;
+        }
+        let text = self.dictionary.text(text);
+        self.down = true;
+        self.lose_position();
+        self.give_up_motion();
+        if let Some(number) = shutdown::alarm(&text) {
+            self.alarm(number, &format!("the board has shut down: {text}"));
+        }
+        self.enter(LinkState::Fault);
+    }
+
+    /// The board started by itself: power or its reset line.
+    fn board_restarted(&mut self) {
+        if self.is_running() && self.down && !self.known {
+            // It was to be reset anyway.
+            return;
+        }
+        self.down = true;
+        self.lose_position();
+        self.give_up_motion();
+        self.delivery.begin();
+        self.alarm(
+            606,
+            "the board was reset; the position of the slides is unknown",
+        );
+        self.enter(LinkState::Fault);
+    }
+
+    /// Asks where the axes stand.
+    fn read_place(&mut self, purpose: Purpose) {
+        self.reading = Some(Reading {
+            purpose,
+            since: self.now,
+            asked: self.now,
+            got: [None; 2],
+        });
+        self.ask_place();
+    }
+
+    fn ask_place(&mut self) {
+        if let Some(axes) = self.wiring.as_ref().map(|wiring| wiring.axes) {
+            // Replies to either are newer than the first question.
+            self.say_marked(Command::StepperGetPosition, &[axes.x], Mark::Position);
+            self.say_first(Command::StepperGetPosition, &[axes.z]);
+        }
+    }
+
+    fn ask_again(&mut self) {
+        let Some(reading) = &mut self.reading else {
+            return;
+        };
+        if self.now.saturating_sub(reading.since) >= GIVE_UP {
+            self.lost("the board does not say where the axes stand");
+        } else if self.now.saturating_sub(reading.asked) >= ASK_AGAIN {
+            reading.asked = self.now;
+            self.ask_place();
+        }
+    }
+
+    fn place_told(&mut self, oid: i64, pulses: u32) {
+        let (Some(reading), Some(wiring)) = (&mut self.reading, &self.wiring) else {
+            return;
+        };
+        let axis = [wiring.axes.x, wiring.axes.z]
+            .iter()
+            .position(|&axis| axis == oid);
+        if let Some(axis) = axis {
+            reading.got[axis] = Some(pulses);
+        }
+        if let [Some(x), Some(z)] = reading.got {
+            let purpose = reading.purpose;
+            self.reading = None;
+            let board = self.motion.board_counts([x, z], &self.config);
+            self.place_read(purpose, board);
+        }
+    }
+}

@@ -1,0 +1,9 @@
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
+//! The link with a board of timed steps against the board's twin, in virtual time:
+//! nothing moves by itself, every stop is known, the counts agree to the pulse.
+
+mod bench;
+mod dialogue;
+mod faults;
+mod motion;
+mod stops;

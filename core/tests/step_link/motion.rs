@@ -1,0 +1,86 @@
+//! Motion: counts, times, rates.
+
+use core::time::Duration;
+
+use gsk_core::machine::link::{Event, LinkState, Refused};
+use gsk_twins::klipper::Make;
+
+use crate::bench::{Bench, MS};
+
+#[test]
+fn a_job_ends_on_the_commanded_pulse() {
+    for ppm in [-100, 0, 100] {
+        let mut bench = Bench::new(Make {
+            ppm,
+            ..Make::default()
+        });
+        assert!(bench.gets(LinkState::Locked, 3000));
+        bench.set_position();
+        for count in 1..=3 {
+            assert!(bench.job(), "{:?}", bench.events);
+            assert!(bench.gets(LinkState::Ready, 1000), "{:?}", bench.events);
+            assert_eq!(bench.counted(), (0, -100 * count));
+            assert_eq!(bench.made(), bench.counted());
+        }
+        assert_eq!(bench.alarms(), [0_u16; 0]);
+        assert!(bench.events.contains(&Event::Drained));
+        let figures = bench.twin.figures();
+        assert!(figures.queue <= 657 - 32, "{figures:?}");
+        assert!(figures.lead > 15_000_000, "{figures:?}");
+        // X 800 there and back; Z 2450 there, 2350 back.
+        assert_eq!(figures.steps, 3 * (1600 + 4800));
+    }
+}
+
+#[test]
+fn motion_keeps_the_time_of_the_kernel_and_the_lookahead() {
+    let mut bench = Bench::ready();
+    assert!(bench.feed(-0.5, 100));
+    let (from, run) = (bench.twin.now(), bench.run);
+    for _ in 0..2000 {
+        assert!(bench.feed(-5.0, 1));
+        assert!(bench.link.outstanding() <= Duration::from_millis(135));
+    }
+    let took = (bench.twin.now() - from) as f64 * 1e-9;
+    assert!((took - 2.0).abs() < 0.01, "{took}");
+    bench.link.finish().unwrap();
+    // Shown is what has been executed, never more.
+    let behind = bench.run - bench.link.executed();
+    assert!(
+        (Duration::from_millis(90)..Duration::from_millis(135)).contains(&behind),
+        "{behind:?}"
+    );
+    assert!(run < bench.link.executed());
+    assert!(bench.gets(LinkState::Ready, 500), "{:?}", bench.events);
+    assert_eq!(bench.made(), bench.counted());
+    assert_eq!(bench.link.executed(), bench.run);
+}
+
+#[test]
+fn a_rate_the_board_cannot_make_is_refused() {
+    let mut bench = Bench::ready();
+    assert!(bench.feed(32.0, 50));
+    assert_eq!(bench.give(0.0, bench.at.1 + 40.0), Err(Refused::TooFast));
+    bench.link.finish().unwrap();
+    assert!(bench.gets(LinkState::Ready, 500));
+    assert_eq!(bench.made(), (0, 1600));
+}
+
+#[test]
+fn a_dwell_takes_its_time_and_a_pause_at_rest_is_none() {
+    let mut bench = Bench::ready();
+    assert!(bench.feed(-1.0, 100));
+    let from = bench.twin.now();
+    assert!(bench.feed(0.0, 3000));
+    let took = (bench.twin.now() - from) / MS;
+    assert!((2990..=3010).contains(&took), "{took}");
+    bench.twin.advance(150 * MS);
+    assert!(bench.feed(-1.0, 100));
+    bench.link.finish().unwrap();
+    bench.pass(800);
+    assert_eq!(
+        (bench.link.state(), bench.alarms()),
+        (LinkState::Ready, vec![])
+    );
+    assert_eq!(bench.made(), (0, -200));
+}

@@ -1,0 +1,100 @@
+//! The board's side of the blocks: `len seq content crc crc 7E`.
+
+/// The shortest and the longest block.
+const LEAST: usize = 5;
+const MOST: usize = 64;
+const SYNC: u8 = 0x7E;
+
+/// What the receive buffer holds at its front.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Front {
+    /// Not enough for a judgement.
+    Incomplete,
+    /// So many bytes are to be dropped in silence.
+    Skip(usize),
+    /// A block that is none; what follows up to the next 7E is dropped.
+    Bad,
+    /// A whole block: its length and sequence bits.
+    Block(usize, u8),
+}
+
+pub(super) fn check(bytes: &[u8]) -> u16 {
+    let mut crc = 0xFFFF_u16;
+    for &byte in bytes {
+        let mut low = byte ^ (crc & 0xFF) as u8;
+        low ^= (low & 0x0F) << 4;
+        let low = u16::from(low);
+        crc = ((low << 8) | (crc >> 8)) ^ (low >> 4) ^ (low << 3);
+    }
+    crc
+}
+
+pub(super) fn front(buffer: &[u8]) -> Front {
+    let Some(&first) = buffer.first() else {
+        return Front::Incomplete;
+    };
+    if first == SYNC {
+        return Front::Skip(1);
+    }
+    let length = usize::from(first);
+    if !(LEAST..=MOST).contains(&length) {
+        return Front::Bad;
+    }
+    let Some(&sequence) = buffer.get(1) else {
+        return Front::Incomplete;
+    };
+    if sequence >> 4 != 1 {
+        return Front::Bad;
+    }
+    let Some(block) = buffer.get(..length) else {
+        return Front::Incomplete;
+    };
+    let told = u16::from_be_bytes([block[length - 3], block[length - 2]]);
+    if block[length - 1] != SYNC || told != check(&block[..length - 3]) {
+        return Front::Bad;
+    }
+    Front::Block(length, sequence & 0x0F)
+}
+
+/// A block with this content.
+pub(super) fn block(sequence: u8, content: &[u8]) -> Vec<u8> {
+    let mut block = vec![(content.len() + LEAST) as u8, 0x10 | sequence & 0x0F];
+    block.extend_from_slice(content);
+    let crc = check(&block);
+    block.extend_from_slice(&[(crc >> 8) as u8, crc as u8, SYNC]);
+    block
+}
+
+/// Appends an integer of up to 32 bits.
+pub(super) fn put(out: &mut Vec<u8>, value: i64) {
+    if !(-0x0400_0000..0x0C00_0000).contains(&value) {
+        out.push((value >> 28 & 0x7F) as u8 | 0x80);
+    }
+    if !(-0x8_0000..0x18_0000).contains(&value) {
+        out.push((value >> 21 & 0x7F) as u8 | 0x80);
+    }
+    if !(-0x1000..0x3000).contains(&value) {
+        out.push((value >> 14 & 0x7F) as u8 | 0x80);
+    }
+    if !(-0x20..0x60).contains(&value) {
+        out.push((value >> 7 & 0x7F) as u8 | 0x80);
+    }
+    out.push((value & 0x7F) as u8);
+}
+
+/// Takes an integer from the front.
+pub(super) fn take(content: &mut &[u8]) -> Option<u32> {
+    let mut value = 0_u32;
+    for place in 0..5 {
+        let (&byte, rest) = content.split_first()?;
+        *content = rest;
+        value = value << 7 | u32::from(byte & 0x7F);
+        if place == 0 && byte & 0x60 == 0x60 {
+            value |= 0xFFFF_FFE0;
+        }
+        if byte & 0x80 == 0 {
+            return Some(value);
+        }
+    }
+    None
+}

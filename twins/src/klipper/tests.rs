@@ -1,0 +1,290 @@
+use super::*;
+
+const MS: u64 = 1_000_000;
+
+fn booted() -> KlipperTwin {
+    let mut twin = KlipperTwin::new(Make::default());
+    twin.advance(100 * MS);
+    twin.read();
+    twin
+}
+
+/// Sends commands in one block; the contents that came back within 20 ms.
+fn ask(twin: &mut KlipperTwin, commands: &[(dictionary::Command, &[i64])]) -> Vec<Vec<u8>> {
+    let mut content = Vec::new();
+    for (command, numbers) in commands {
+        block::put(&mut content, dictionary::command_id(*command));
+        for number in *numbers {
+            block::put(&mut content, *number);
+        }
+    }
+    let block = block::block(twin.expected, &content);
+    twin.write(&block);
+    twin.advance(20 * MS);
+    contents(&twin.read())
+}
+
+fn contents(mut bytes: &[u8]) -> Vec<Vec<u8>> {
+    let mut found = Vec::new();
+    while let Front::Block(length, _) = block::front(bytes) {
+        found.push(bytes[2..length - 3].to_vec());
+        bytes = &bytes[length..];
+    }
+    assert_eq!(block::front(bytes), Front::Incomplete);
+    found
+}
+
+use dictionary::Command as C;
+
+/// One stepper, oid 0, in group 1, clock at the given ms from now.
+fn stepper(twin: &mut KlipperTwin) {
+    ask(
+        twin,
+        &[
+            (C::ConfigStepper, &[0, 0, 1, 0, 32]),
+            (C::ConfigTrsync, &[1]),
+            (C::FinalizeConfig, &[77]),
+        ],
+    );
+}
+
+fn soon(twin: &KlipperTwin, ms: i64) -> i64 {
+    i64::from((twin.clock() + ms * 16_000) as u32)
+}
+
+#[test]
+fn blocks_as_in_the_fixtures() {
+    assert_eq!(block::block(0, &[]), [0x05, 0x10, 0x9e, 0x81, 0x7e]);
+    assert_eq!(
+        block::block(1, &[1, 0, 40]),
+        [0x08, 0x11, 0x01, 0x00, 0x28, 0x42, 0x24, 0x7e]
+    );
+}
+
+#[test]
+fn the_dictionary_comes_in_91_pieces() {
+    assert_eq!(dictionary::packed(RATE, 192).len(), 3576);
+    let mut twin = booted();
+    let mut offset = 0;
+    loop {
+        let replies = ask(&mut twin, &[(C::Identify, &[offset, 40])]);
+        let mut reply = replies[0].as_slice();
+        assert_eq!(block::take(&mut reply), Some(0));
+        assert_eq!(block::take(&mut reply), Some(offset as u32));
+        if reply[0] == 0 {
+            break;
+        }
+        offset += i64::from(reply[0]);
+    }
+    assert_eq!((offset, twin.figures().identify), (3576, 91));
+}
+
+#[test]
+fn a_block_out_of_turn_is_not_carried_out() {
+    let mut twin = booted();
+    let block = block::block(twin.expected + 3, &[1, 0, 40]);
+    twin.write(&block);
+    twin.advance(20 * MS);
+    assert_eq!(contents(&twin.read()), [Vec::<u8>::new()]);
+    assert_eq!(twin.figures().commands, 0);
+}
+
+#[test]
+fn steps_come_at_their_clocks() {
+    let mut twin = booted();
+    stepper(&mut twin);
+    let from = twin.clock() + 50 * 16_000;
+    ask(
+        &mut twin,
+        &[
+            (C::ResetStepClock, &[0, i64::from(from as u32)]),
+            (C::SetNextStepDir, &[0, 1]),
+            (C::QueueStep, &[0, 16_000, 10, 160]),
+        ],
+    );
+    twin.advance(60 * MS);
+    assert_eq!(twin.pulses()[0], 10);
+    // 10 intervals of 1 ms, and 45 times 10 µs.
+    let last = twin.moment(from + 10 * 16_000 + 45 * 160);
+    assert_eq!(twin.last_pulse(), last);
+}
+
+#[test]
+fn what_cannot_be_done_ends_in_a_shutdown_that_says_why() {
+    type Commands = Vec<(C, Vec<i64>)>;
+    let mut twin = booted();
+    stepper(&mut twin);
+    let now = twin.clock();
+    let table: [(&str, Commands); 6] = [
+        (
+            "Invalid count parameter",
+            vec![(C::QueueStep, vec![0, 100, 0, 0])],
+        ),
+        (
+            "Timer too close",
+            vec![
+                (C::ResetStepClock, vec![0, now - 16_000]),
+                (C::QueueStep, vec![0, 100, 1, 0]),
+            ],
+        ),
+        (
+            "Can't reset time when stepper active",
+            vec![
+                (C::ResetStepClock, vec![0, now + 160_000]),
+                (C::QueueStep, vec![0, 160_000, 1, 0]),
+                (C::ResetStepClock, vec![0, now]),
+            ],
+        ),
+        ("Invalid oid type", vec![(C::TrsyncTrigger, vec![0, 1])]),
+        ("Command request", vec![(C::EmergencyStop, vec![])]),
+        ("Invalid command", vec![(C::EmergencyStop, vec![0])]),
+    ];
+    for (reason, commands) in table {
+        let mut twin = twin.clone();
+        if reason == "Invalid command" {
+            twin.write(&block::block(twin.expected, &[0x5f]));
+            twin.advance(20 * MS);
+        } else {
+            let commands: Vec<(C, &[i64])> = commands
+                .iter()
+                .map(|(name, numbers)| (*name, numbers.as_slice()))
+                .collect();
+            ask(&mut twin, &commands);
+        }
+        assert_eq!(twin.state(), State::Shutdown(reason));
+    }
+}
+
+#[test]
+fn a_queue_that_is_full_overflows() {
+    let mut twin = booted();
+    stepper(&mut twin);
+    let clock = soon(&twin, 1000);
+    ask(&mut twin, &[(C::ResetStepClock, &[0, clock])]);
+    for _ in 0..690 {
+        ask(&mut twin, &[(C::QueueStep, &[0, 16_000_000, 1, 0])]);
+    }
+    assert_eq!(twin.state(), State::Shutdown("Move queue overflow"));
+}
+
+#[test]
+fn forty_thousand_steps_on_both_axes_are_made_and_fifty_are_not() {
+    for (interval, made) in [(400, true), (320, false)] {
+        let mut twin = booted();
+        stepper(&mut twin);
+        ask(&mut twin, &[(C::ConfigStepper, &[2, 2, 3, 0, 32])]);
+        let clock = soon(&twin, 100);
+        for oid in [0, 2] {
+            ask(
+                &mut twin,
+                &[
+                    (C::ResetStepClock, &[oid, clock]),
+                    (C::QueueStep, &[oid, interval, 20_000, 0]),
+                ],
+            );
+        }
+        twin.advance(1000 * MS);
+        assert_eq!(twin.state() == State::Runs, made, "{:?}", twin.state());
+    }
+}
+
+#[test]
+fn a_group_that_is_not_renewed_stops_its_axes() {
+    let mut twin = booted();
+    stepper(&mut twin);
+    let (clock, timeout) = (soon(&twin, 50), soon(&twin, 250));
+    let from = twin.now();
+    ask(
+        &mut twin,
+        &[
+            (C::TrsyncStart, &[1, clock, 1_600_000, 4]),
+            (C::StepperStopOnTrigger, &[0, 1]),
+            (C::TrsyncSetTimeout, &[1, timeout]),
+            (C::ResetStepClock, &[0, clock]),
+        ],
+    );
+    ask(&mut twin, &[(C::QueueStep, &[0, 1600, 60_000, 0])]);
+    twin.advance(1000 * MS);
+    let stood = twin.last_pulse() - from;
+    assert!((249 * MS..=250 * MS).contains(&stood), "{stood}");
+    // Then nothing moves until the clock is set anew.
+    let count = twin.pulses()[0];
+    ask(&mut twin, &[(C::QueueStep, &[0, 1600, 100, 0])]);
+    twin.advance(1000 * MS);
+    assert_eq!((twin.pulses()[0], twin.state()), (count, State::Runs));
+    // An axis of a group that can still trigger cannot join another.
+    let clock = soon(&twin, 50);
+    ask(
+        &mut twin,
+        &[
+            (C::TrsyncStart, &[1, clock, 0, 4]),
+            (C::StepperStopOnTrigger, &[0, 1]),
+        ],
+    );
+    ask(&mut twin, &[(C::StepperStopOnTrigger, &[0, 1])]);
+    assert_eq!(
+        twin.state(),
+        State::Shutdown("Can't add signal that is already active")
+    );
+}
+
+#[test]
+fn an_output_that_is_not_renewed_ends_it_all() {
+    let mut twin = booted();
+    ask(
+        &mut twin,
+        &[
+            (C::ConfigDigitalOut, &[3, 80, 0, 0, 8_000_000]),
+            (C::FinalizeConfig, &[1]),
+        ],
+    );
+    let clock = soon(&twin, 100);
+    ask(&mut twin, &[(C::QueueDigitalOut, &[3, clock, 1])]);
+    twin.advance(100 * MS);
+    assert_eq!(twin.output("PL0"), Some(1));
+    twin.advance(450 * MS);
+    assert_eq!(twin.state(), State::Runs);
+    twin.advance(60 * MS);
+    assert_eq!(
+        twin.state(),
+        State::Shutdown("Missed scheduling of next digital out event")
+    );
+    assert_eq!(twin.output("PL0"), Some(0));
+}
+
+#[test]
+fn a_configuration_outlives_its_host_and_not_a_reset() {
+    let mut twin = booted();
+    stepper(&mut twin);
+    twin.advance(10_000 * MS);
+    assert_eq!(twin.crc, Some(77));
+    ask(&mut twin, &[(C::Reset, &[])]);
+    twin.advance(100 * MS);
+    assert_eq!(
+        (twin.crc, twin.expected, twin.state()),
+        (None, 1, State::Runs)
+    );
+}
+
+#[test]
+fn turns_are_counted_twice() {
+    let mut twin = booted();
+    ask(
+        &mut twin,
+        &[(C::ConfigCounter, &[5, 19, 0]), (C::FinalizeConfig, &[1])],
+    );
+    twin.turn_spindle("PC3", 600.0);
+    let clock = soon(&twin, 10);
+    ask(&mut twin, &[(C::QueryCounter, &[5, clock, 1600, 320_000])]);
+    twin.advance(1000 * MS);
+    let last = contents(&twin.read())
+        .into_iter()
+        .rfind(|content| !content.is_empty())
+        .unwrap();
+    let mut reply = last.as_slice();
+    for _ in 0..3 {
+        block::take(&mut reply);
+    }
+    let count = block::take(&mut reply).unwrap();
+    assert!((19..=22).contains(&count), "{count}");
+}
