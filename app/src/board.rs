@@ -77,6 +77,8 @@ impl Board {
 
     /// The lines since the last call.
     pub fn traffic(&mut self) -> Vec<Line> {
-        self.carrier.traffic()
+        let link = &self.link;
+        self.carrier
+            .traffic(|outward, collected| link.next_text(outward, collected))
     }
 }

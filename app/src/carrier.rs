@@ -22,10 +22,10 @@ pub struct Line {
 pub struct Carrier {
     port: Port,
     opened: Instant,
-    /// Lines being collected, outward and inward.
+    /// What is not whole yet, outward and inward.
     collected: [Vec<u8>; 2],
     /// The traffic since it was last taken; only while it is watched.
-    lines: Vec<Line>,
+    pieces: Vec<(Duration, bool, Vec<u8>)>,
     watched: bool,
 }
 
@@ -39,7 +39,7 @@ impl Carrier {
             port: Port::open(&config.port, config.baud)?,
             opened: Instant::now(),
             collected: [Vec::new(), Vec::new()],
-            lines: Vec::new(),
+            pieces: Vec::new(),
             watched: false,
         })
     }
@@ -48,7 +48,7 @@ impl Carrier {
     pub fn watch(&mut self, on: bool) {
         self.watched = on;
         if !on {
-            self.lines.clear();
+            self.pieces.clear();
         }
     }
 
@@ -77,39 +77,27 @@ impl Carrier {
         Ok(count)
     }
 
-    /// The lines since the last call.
-    pub fn traffic(&mut self) -> Vec<Line> {
-        core::mem::take(&mut self.lines)
+    /// What was said since the last call, in the pieces that a link makes of it: its
+    /// next text from the bytes of one direction.
+    pub fn traffic(
+        &mut self,
+        mut next_text: impl FnMut(bool, &mut Vec<u8>) -> Option<String>,
+    ) -> Vec<Line> {
+        let mut lines = Vec::new();
+        for (at, outward, bytes) in self.pieces.drain(..) {
+            let collected = &mut self.collected[usize::from(!outward)];
+            collected.extend(bytes);
+            while let Some(text) = next_text(outward, collected) {
+                lines.push(Line { at, outward, text });
+            }
+        }
+        lines
     }
 
     fn note(&mut self, outward: bool, bytes: &[u8]) {
-        if !self.watched {
-            return;
-        }
-        let at = self.opened.elapsed();
-        for &byte in bytes {
-            let collected = &mut self.collected[usize::from(!outward)];
-            // Characters that act at once stand for themselves.
-            let alone = outward && matches!(byte, b'?' | b'!' | b'~' | 0x18);
-            if alone {
-                let text = printable(&[byte]);
-                self.lines.push(Line { at, outward, text });
-            } else if byte == b'\n' {
-                let text = printable(&core::mem::take(collected));
-                self.lines.push(Line { at, outward, text });
-            } else if byte != b'\r' {
-                collected.push(byte);
-            }
+        if self.watched && !bytes.is_empty() {
+            let at = self.opened.elapsed();
+            self.pieces.push((at, outward, bytes.to_vec()));
         }
     }
-}
-
-fn printable(bytes: &[u8]) -> String {
-    bytes
-        .iter()
-        .map(|&byte| match byte {
-            b' '..=b'~' => char::from(byte).to_string(),
-            _ => format!("\\x{byte:02X}"),
-        })
-        .collect()
 }

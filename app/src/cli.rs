@@ -339,6 +339,8 @@ pub enum TwinBoard {
     Grbl,
     /// grblHAL
     Grblhal,
+    /// Klipper, 250000 bits a second
+    Klipper,
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use crate::wire::Wire;
 use block::Front;
+pub use block::block;
 use dictionary::{Response, response_id};
 use objects::{Counter, Endstop, Group, Output};
 use stepper::Stepper;
@@ -316,7 +317,7 @@ impl KlipperTwin {
     }
 
     fn send(&mut self, content: &[u8]) {
-        let block = block::block(self.expected, content);
+        let block = block(self.expected, content);
         self.to_host.give(&block, self.now);
     }
 

@@ -161,7 +161,9 @@ impl Drive {
         if self.watched
             && let Some(carrier) = &mut self.carrier
         {
-            keep(&mut self.exchanges, carrier.traffic(), EXCHANGES);
+            let linked = &self.linked;
+            let said = carrier.traffic(|outward, collected| linked.next_text(outward, collected));
+            keep(&mut self.exchanges, said, EXCHANGES);
         }
     }
 

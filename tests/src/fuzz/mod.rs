@@ -21,6 +21,7 @@ mod program;
 mod script;
 mod settings;
 mod simulation;
+mod step_link;
 pub mod watch;
 
 pub use minimize::minimize;
@@ -39,7 +40,7 @@ pub struct Target {
 const PROGRAM_WORDS: &str = include_str!("words-program.txt");
 
 /// Every target.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 8] = [
     Target {
         name: "program",
         run: program::run,
@@ -74,6 +75,11 @@ pub const TARGETS: [Target; 7] = [
         name: "link",
         run: link::run,
         words: include_str!("words-link.txt"),
+    },
+    Target {
+        name: "step_link",
+        run: step_link::run,
+        words: "",
     },
 ];
 

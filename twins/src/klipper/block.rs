@@ -57,7 +57,7 @@ pub(super) fn front(buffer: &[u8]) -> Front {
 }
 
 /// A block with this content.
-pub(super) fn block(sequence: u8, content: &[u8]) -> Vec<u8> {
+pub fn block(sequence: u8, content: &[u8]) -> Vec<u8> {
     let mut block = vec![(content.len() + LEAST) as u8, 0x10 | sequence & 0x0F];
     block.extend_from_slice(content);
     let crc = check(&block);

@@ -18,7 +18,7 @@ fn ask(twin: &mut KlipperTwin, commands: &[(dictionary::Command, &[i64])]) -> Ve
             block::put(&mut content, *number);
         }
     }
-    let block = block::block(twin.expected, &content);
+    let block = block(twin.expected, &content);
     twin.write(&block);
     twin.advance(20 * MS);
     contents(&twin.read())
@@ -54,9 +54,9 @@ fn soon(twin: &KlipperTwin, ms: i64) -> i64 {
 
 #[test]
 fn blocks_as_in_the_fixtures() {
-    assert_eq!(block::block(0, &[]), [0x05, 0x10, 0x9e, 0x81, 0x7e]);
+    assert_eq!(block(0, &[]), [0x05, 0x10, 0x9e, 0x81, 0x7e]);
     assert_eq!(
-        block::block(1, &[1, 0, 40]),
+        block(1, &[1, 0, 40]),
         [0x08, 0x11, 0x01, 0x00, 0x28, 0x42, 0x24, 0x7e]
     );
 }
@@ -82,7 +82,7 @@ fn the_dictionary_comes_in_91_pieces() {
 #[test]
 fn a_block_out_of_turn_is_not_carried_out() {
     let mut twin = booted();
-    let block = block::block(twin.expected + 3, &[1, 0, 40]);
+    let block = block(twin.expected + 3, &[1, 0, 40]);
     twin.write(&block);
     twin.advance(20 * MS);
     assert_eq!(contents(&twin.read()), [Vec::<u8>::new()]);
@@ -142,7 +142,7 @@ fn what_cannot_be_done_ends_in_a_shutdown_that_says_why() {
     for (reason, commands) in table {
         let mut twin = twin.clone();
         if reason == "Invalid command" {
-            twin.write(&block::block(twin.expected, &[0x5f]));
+            twin.write(&block(twin.expected, &[0x5f]));
             twin.advance(20 * MS);
         } else {
             let commands: Vec<(C, &[i64])> = commands

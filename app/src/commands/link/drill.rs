@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use gsk_core::machine::link::{Event, FINE as PARTS, LinkState, RunTime, Sample};
+use gsk_core::machine::link::{Event, FINE as PARTS, LinkState, Refused, RunTime, Sample};
 use gsk_core::units::{PerAxis, Pulses};
 
 use super::super::{ALARM, FINE, output};
@@ -54,6 +54,7 @@ struct Drill<'a> {
     z: f64,
     speed: f64,
     pulses: i64,
+    refused: Option<Refused>,
 }
 
 impl Drill<'_> {
@@ -75,7 +76,11 @@ impl Drill<'_> {
                 return false;
             }
         }
-        self.board.link.push(sample).is_ok()
+        let pushed = self.board.link.push(sample);
+        if let Err(refused) = pushed {
+            self.refused = Some(refused);
+        }
+        pushed.is_ok()
     }
 
     /// Brakes to rest and waits until the board has made it all.
@@ -111,7 +116,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
     {
         return Err("the board does not stand still, or stays locked".to_owned());
     }
-    let from = board.now();
+    let (from, before) = (board.now(), board.link.traffic());
     let mut drill = Drill {
         board,
         events: Vec::new(),
@@ -119,6 +124,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
         z: 0.0,
         speed: 0.0,
         pulses: 0,
+        refused: None,
     };
     let leg = millimetres * per_mm;
     let mut holds = Vec::new();
@@ -146,12 +152,13 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
     }
     let traffic = drill.board.link.traffic();
     let seconds = drill.board.now().saturating_sub(from).as_secs_f64();
-    let (commanded, events) = (drill.pulses, drill.events);
+    let (commanded, refused, events) = (drill.pulses, drill.refused, drill.events);
     output::print(&format!(
-        "motion    {} segments, {:.0} a second; {:.0} bytes a second\n",
+        "motion    {} segments, {:.0} a second; {:.0} steps a second; {:.0} bytes a second\n",
         traffic.segments,
         traffic.segments as f64 / seconds,
-        traffic.sent as f64 / seconds
+        2.0 * leg.abs() / seconds,
+        (traffic.sent - before.sent) as f64 / seconds
     ))?;
     if let Some((median, worst)) = figures(&mut holds) {
         output::print(&format!(
@@ -172,6 +179,9 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
             Ok(if counted == commanded { FINE } else { ALARM })
         }
         _ => {
+            if refused == Some(Refused::TooFast) {
+                eprintln!("gsk980td: the board does not make so many pulses a second");
+            }
             output::print("pulses    the run broke off; where Z stands is not certain\n")?;
             Ok(ALARM)
         }

@@ -4,7 +4,8 @@
 use std::time::{Duration, Instant};
 
 use gsk_twins::grbl::{GrblTwin, Settings, State, Variant};
-use gsk_twins::wire::Damage;
+use gsk_twins::klipper::{self, KlipperTwin};
+use gsk_twins::wire::{Damage, Wire};
 
 use super::super::{FINE, output};
 use crate::cli::{LinkTwinArgs, TwinBoard};
@@ -13,53 +14,115 @@ use crate::ports::Port;
 /// Bytes ahead for which damage is prepared.
 const AHEAD: u64 = 4096;
 
+/// A board that is played.
+enum Twin {
+    Grbl(Box<GrblTwin>),
+    Klipper(Box<KlipperTwin>),
+}
+
+/// What is printed when it changes.
+#[derive(PartialEq)]
+struct Shown {
+    state: String,
+    stands: bool,
+    pulses: [i64; 2],
+}
+
+impl Twin {
+    fn new(firmware: TwinBoard) -> Self {
+        let grbl = |variant| Self::Grbl(Box::new(GrblTwin::new(variant, Settings::default())));
+        match firmware {
+            TwinBoard::Grbl => grbl(Variant::Grbl),
+            TwinBoard::Grblhal => grbl(Variant::GrblHal),
+            TwinBoard::Klipper => {
+                Self::Klipper(Box::new(KlipperTwin::new(klipper::Make::default())))
+            }
+        }
+    }
+
+    fn wire(&mut self) -> &mut Wire {
+        match self {
+            Self::Grbl(board) => &mut board.to_board,
+            Self::Klipper(board) => &mut board.to_board,
+        }
+    }
+
+    /// The bytes are given, time passes up to a moment; what the board says.
+    fn play(&mut self, bytes: &[u8], until: u64) -> Vec<u8> {
+        match self {
+            Self::Grbl(board) => {
+                board.write(bytes);
+                board.advance(until.saturating_sub(board.now()));
+                board.read()
+            }
+            Self::Klipper(board) => {
+                board.write(bytes);
+                board.advance(until.saturating_sub(board.now()));
+                board.read()
+            }
+        }
+    }
+
+    fn shown(&self) -> Shown {
+        match self {
+            Self::Grbl(board) => Shown {
+                state: format!("{:?}", board.state()),
+                stands: board.state() == State::Idle,
+                pulses: board.pulses(),
+            },
+            Self::Klipper(board) => Shown {
+                state: match board.state() {
+                    klipper::State::Boots => "boots".to_owned(),
+                    klipper::State::Runs => "runs".to_owned(),
+                    klipper::State::Shutdown(reason) => format!("shut down: {reason}"),
+                },
+                // A quarter of a second without a pulse.
+                stands: board.now().saturating_sub(board.last_pulse()) > 250_000_000,
+                pulses: board.pulses(),
+            },
+        }
+    }
+}
+
 /// Plays a board until its time is up.
 pub fn twin(args: &LinkTwinArgs) -> Result<u8, String> {
     let (mut near, _far, name) = Port::pair()?;
-    let variant = match args.firmware {
-        TwinBoard::Grbl => Variant::Grbl,
-        TwinBoard::Grblhal => Variant::GrblHal,
-    };
-    let mut board = GrblTwin::new(variant, Settings::default());
+    let mut board = Twin::new(args.firmware);
     output::print(&format!("{name}\n"))?;
     if args.delay_ms > 0 {
-        board
-            .to_board
-            .damage(0, Damage::HeldUp(args.delay_ms * 1_000_000));
+        let delay = Damage::HeldUp(args.delay_ms * 1_000_000);
+        board.wire().damage(0, delay);
     }
     let start = Instant::now();
     let mut damaged = 0;
-    let mut shown = (State::Idle, [0, 0]);
+    let mut shown = board.shown();
     while args
         .seconds
         .is_none_or(|seconds| start.elapsed() < Duration::from_secs(seconds))
     {
         if let Some(every) = args.lose_every {
-            while damaged < board.to_board.given() + AHEAD {
+            while damaged < board.wire().given() + AHEAD {
                 damaged += every;
-                board.to_board.damage(damaged, Damage::Lost);
+                board.wire().damage(damaged, Damage::Lost);
             }
         }
         let bytes = near.read().map_err(|error| error.to_string())?;
-        board.write(&bytes);
         let elapsed = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
-        board.advance(elapsed.saturating_sub(board.now()));
-        let mut said = board.read();
+        let mut said = board.play(&bytes, elapsed);
         while !said.is_empty() {
             let count = near.write(&said).map_err(|error| error.to_string())?;
             said.drain(..count);
         }
-        let now = (board.state(), board.pulses());
-        let changed = now.0 != shown.0 || (now.0 == State::Idle && now.1 != shown.1);
-        if changed {
-            shown = now;
+        let now = board.shown();
+        if now.state != shown.state || (now.stands && now.pulses != shown.pulses) {
             output::print(&format!(
-                "{:9.3} {:?}, X {} Z {} pulses\n",
+                "{:9.3} {}, X {} Z {} pulses\n",
                 elapsed as f64 * 1e-9,
-                now.0,
-                now.1[0],
-                now.1[1]
+                now.state,
+                now.pulses[0],
+                now.pulses[1]
             ))?;
+            shown = now;
         }
     }
     Ok(FINE)

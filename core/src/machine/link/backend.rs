@@ -206,6 +206,7 @@ impl Link {
     pub fn close(&mut self) {
         match self {
             Self::Line(link) => link.close(),
+            Self::StepQueue(link) => link.close(),
         }
     }
 
@@ -353,6 +354,18 @@ impl Link {
         match self {
             Self::Line(_) => None,
             Self::StepQueue(link) => link.spindle(),
+        }
+    }
+
+    /// The next piece of the traffic as text, taken from the bytes of one direction
+    /// that are collected; none: it is not whole yet.
+    pub fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String> {
+        match self {
+            Self::Line(_) => LineLink::next_text(outward, collected),
+            Self::StepQueue(link) => {
+                let block = StepLink::next_block(collected)?;
+                Some(link.describe(outward, &block))
+            }
         }
     }
 }

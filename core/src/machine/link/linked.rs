@@ -321,6 +321,11 @@ impl Linked {
         &self.config
     }
 
+    /// The next piece of the traffic as text, from bytes that are collected.
+    pub fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String> {
+        self.link.next_text(outward, collected)
+    }
+
     /// What the board said it is.
     pub const fn board(&self) -> &BoardInfo {
         self.link.board()

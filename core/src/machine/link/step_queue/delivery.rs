@@ -34,6 +34,8 @@ pub(super) struct Message {
     pub(super) due: Option<u64>,
     /// It moves an axis: dropped when motion is.
     pub(super) motion: bool,
+    /// It must not be left out when it is late.
+    pub(super) vital: bool,
     /// It asks for a reply that must not be mistaken for an older one.
     pub(super) mark: Option<Mark>,
 }
@@ -45,6 +47,7 @@ impl Message {
             bytes,
             due: None,
             motion: false,
+            vital: false,
             mark: None,
         }
     }
@@ -195,10 +198,10 @@ impl Delivery {
         }
     }
 
-    /// Messages that would come too late are not sent any more, except motion.
+    /// Messages that would come too late are not sent any more, except vital ones.
     pub(super) fn drop_late(&mut self, earliest: u64) {
         let in_time =
-            |message: &Message| message.motion || message.due.is_none_or(|due| due >= earliest);
+            |message: &Message| message.vital || message.due.is_none_or(|due| due >= earliest);
         self.waiting.retain(in_time);
         self.urgent.retain(in_time);
         for sent in &mut self.under_way {
@@ -377,12 +380,7 @@ mod tests {
     }
 
     fn message(byte: u8, size: usize) -> Message {
-        Message {
-            bytes: vec![byte; size],
-            due: None,
-            motion: false,
-            mark: None,
-        }
+        Message::plain(vec![byte; size])
     }
 
     /// Synced, the board expects block 5.
@@ -489,6 +487,7 @@ mod tests {
         delivery.say(Message {
             due: Some(1000),
             motion: true,
+            vital: true,
             ..message(1, 5)
         });
         assert_eq!(delivery.send(ms(4), Some(1001)), Err(Trouble::Late));

@@ -37,6 +37,8 @@ pub(super) struct Dictionary {
     pins: BTreeMap<String, u32>,
     texts: BTreeMap<u32, String>,
     constants: BTreeMap<String, Value>,
+    /// Texts of all messages, to the board and from it.
+    forms: [BTreeMap<u32, String>; 2],
     pub(super) version: String,
 }
 
@@ -71,6 +73,10 @@ impl Default for Dictionary {
             pins: BTreeMap::new(),
             texts: BTreeMap::new(),
             constants: BTreeMap::new(),
+            forms: [
+                BTreeMap::from([(IDENTIFY as u32, COMMANDS[0].2.to_owned())]),
+                BTreeMap::from([(IDENTIFY_RESPONSE, REPLIES[0].2.to_owned())]),
+            ],
             version: String::new(),
         }
     }
@@ -96,6 +102,12 @@ impl Dictionary {
             };
             replies.insert(*id as u32, form);
         }
+        let forms = [&written.commands, &written.responses].map(|texts| {
+            texts
+                .iter()
+                .map(|(text, id)| (*id as u32, text.clone()))
+                .collect()
+        });
         let enumeration = |name: &str| written.enumerations.get(name);
         let mut texts = BTreeMap::new();
         for (text, id) in enumeration("static_string_id").into_iter().flatten() {
@@ -112,6 +124,7 @@ impl Dictionary {
             pins: pins(enumeration("pin"))?,
             texts,
             constants: written.config,
+            forms,
             version: written.version,
         })
     }
@@ -162,6 +175,13 @@ impl Dictionary {
             }
         }
         bytes
+    }
+
+    /// The text of a message.
+    pub(super) fn form(&self, outward: bool, id: u32) -> Option<&str> {
+        self.forms[usize::from(!outward)]
+            .get(&id)
+            .map(String::as_str)
     }
 
     /// The replies in the content of a block; `None` where it makes no sense.

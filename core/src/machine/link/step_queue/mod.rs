@@ -15,6 +15,7 @@ mod block;
 mod clock;
 mod commands;
 mod delivery;
+mod describe;
 mod dictionary;
 mod fit;
 mod rates;

@@ -14,6 +14,7 @@ use super::block::Reader;
 use super::clock::Clock;
 use super::commands::{Command, Kind, Reply};
 use super::delivery::{Delivery, Heard, Mark, Message, Trouble};
+use super::describe;
 use super::dictionary::Dictionary;
 use super::shutdown;
 use super::wiring::Wiring;
@@ -27,6 +28,8 @@ use upkeep::Upkeep;
 
 /// No step is sent that would be made sooner than this.
 const LATEST: Duration = Duration::from_millis(20);
+/// A slower line is not waited for.
+const SLOWEST: Duration = Duration::from_millis(200);
 /// A question is asked again after this, and given up after that.
 const ASK_AGAIN: Duration = Duration::from_millis(100);
 const GIVE_UP: Duration = Duration::from_millis(600);
@@ -196,7 +199,6 @@ impl StepLink {
         }
         self.reader.give(bytes);
         while let Some(block) = self.reader.next() {
-            self.traffic.reports += 1;
             let heard = self
                 .delivery
                 .hear(block.sequence, block.content.is_empty(), self.now);
@@ -312,6 +314,19 @@ impl StepLink {
         }
     }
 
+    /// The port is about to be closed: the board gives up, with all its outputs.
+    pub fn close(&mut self) {
+        self.give_up_motion();
+        if self.is_running() && !self.down {
+            self.say_first(Command::EmergencyStop, &[]);
+            // Whatever the board still has to confirm.
+            self.delivery.set_window(None);
+            self.send();
+        }
+        self.lose_position();
+        self.enter(LinkState::Off);
+    }
+
     /// Nobody knows where the slides stand.
     const fn lose_position(&mut self) {
         self.known = false;
@@ -419,11 +434,22 @@ impl StepLink {
         self.delivery.say_first(Message::plain(bytes));
     }
 
+    /// What a block on the wire says, for who watches the traffic.
+    pub fn describe(&self, outward: bool, block: &[u8]) -> String {
+        describe::block(&self.dictionary, outward, block)
+    }
+
+    /// Takes the next block from bytes of the traffic that are collected.
+    pub fn next_block(collected: &mut Vec<u8>) -> Option<Vec<u8>> {
+        describe::piece(collected)
+    }
+
     /// Something the board must have before a clock; dropped when motion is.
     fn say_timed(&mut self, command: Command, arguments: &[i64], due: u64) {
         self.delivery.say(Message {
             due: Some(due),
             motion: true,
+            vital: true,
             ..Message::plain(self.dictionary.message(command, arguments))
         });
     }
@@ -458,7 +484,7 @@ impl StepLink {
     }
 
     fn margin(&self) -> Duration {
-        LATEST + self.clock.round_trip() / 2
+        LATEST + (self.clock.round_trip() / 2).min(SLOWEST)
     }
 
     /// A clock for things that are to happen soon, and surely not too late.

@@ -105,7 +105,7 @@ impl StepLink {
         self.delivery.say(Message {
             mark: Some(Mark::Group),
             due: Some(at),
-            motion: true,
+            vital: true,
             ..Message::plain(self.dictionary.message(Command::TrsyncStart, &start))
         });
         let timeout = self.clock.at(self.now + FIRST);
@@ -147,14 +147,20 @@ impl StepLink {
                 oid,
                 reason.into(),
             ];
-            self.say_timed(Command::EndstopHome, &arguments, at);
+            self.say_vital(Command::EndstopHome, &arguments, at);
         }
-        self.say_timed(
-            Command::TrsyncSetTimeout,
-            &[oid, i64::from(timeout as u32)],
-            timeout,
-        );
+        let first = [oid, i64::from(timeout as u32)];
+        self.say_vital(Command::TrsyncSetTimeout, &first, timeout);
         self.motion.forget_steps();
+    }
+
+    /// Without it the axes must not move; no stop takes it back.
+    fn say_vital(&mut self, command: Command, arguments: &[i64], due: u64) {
+        self.delivery.say(Message {
+            due: Some(due),
+            vital: true,
+            ..Message::plain(self.dictionary.message(command, arguments))
+        });
     }
 
     /// From now on this input stops the axes as soon as it is operated (or is no

@@ -129,6 +129,7 @@ impl StepLink {
             return;
         };
         let clock = u64::from(numbers[0]) << 32 | u64::from(numbers[1]);
+        self.traffic.reports += 1;
         self.traffic.round_trip = Some(self.now.saturating_sub(asked));
         if self.is_running() && clock < self.clock.at(asked.saturating_sub(CLOCK_EVERY)) {
             self.board_restarted();
