@@ -5,5 +5,6 @@
 mod bench;
 mod dialogue;
 mod faults;
+mod linked;
 mod motion;
 mod stops;

@@ -182,3 +182,47 @@ fn inputs_end_a_move_where_the_board_saw_them() {
     bench.pass(100);
     assert_eq!(bench.alarms(), [622]);
 }
+
+/// The board sees both edges of the switch; the host only drives.
+#[test]
+fn a_reference_return_ends_at_the_switch_whatever_the_time_of_the_host() {
+    let mut places = Vec::new();
+    for delay in [0, 3, 7] {
+        let mut bench = Bench::ready();
+        bench.link.forget_position();
+        bench.twin.advance(delay * 130_000);
+        bench.link.home(PerAxis::new(false, true)).unwrap();
+        for _ in 0..30_000 {
+            let z = bench.made().1;
+            bench.twin.set_pin("PC6", z >= 700);
+            bench.ms();
+            if bench.link.state() != LinkState::Homing {
+                break;
+            }
+        }
+        let homed = Event::Homed(PerAxis::new(false, true));
+        assert!(bench.events.contains(&homed), "{:?}", bench.events);
+        assert_eq!(
+            (bench.link.state(), bench.alarms()),
+            (LinkState::Locked, vec![])
+        );
+        places.push(bench.made());
+    }
+    // 200 pulses off the edge; at 25 mm/min a millisecond of looking is less than one.
+    assert!(
+        places.iter().all(|place| (498..=500).contains(&place.1)),
+        "{places:?}"
+    );
+}
+
+#[test]
+fn a_reference_return_without_a_switch_or_stopped_by_reset_is_over() {
+    let mut bench = Bench::ready();
+    bench.link.forget_position();
+    bench.link.home(PerAxis::new(true, false)).unwrap();
+    bench.pass(500);
+    bench.link.reset();
+    assert!(bench.gets(LinkState::Locked, 500), "{:?}", bench.events);
+    bench.stands(1000);
+    assert!(bench.made().0 > 0 && bench.alarms().is_empty());
+}

@@ -301,7 +301,7 @@ mod tests {
         let wanted: u64 = std::env::var("STEPS")
             .ok()
             .and_then(|text| text.parse().ok())
-            .unwrap_or(30_000);
+            .unwrap_or(100_000);
         let mut seed = 7_u64;
         let mut random = |below: u64| {
             seed = seed

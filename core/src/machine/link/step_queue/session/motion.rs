@@ -1,37 +1,24 @@
-//! Motion in the board: what is sent, what is made, and whether the counts agree.
+//! Motion in the board: what was handed over, and where on it the axes stand.
 
-use core::time::Duration;
 use std::collections::VecDeque;
 
-use super::super::super::{
-    Event, FINE, HostTime, Input, LinkConfig, LinkState, Refused, RunTime, Sample,
-};
-use super::super::commands::Command;
+use super::super::super::{FINE, HostTime, LinkConfig, RunTime, Sample};
 use super::super::fit::Ticks;
 use super::super::rates::Rates;
-use super::super::steps::{Entry, Steps, Stretch};
-use super::{Purpose, StepLink};
-use crate::units::{Axis, PerAxis, Pulses};
+use super::super::steps::{Entry, Steps};
+use crate::units::{PerAxis, Pulses};
 
-/// Pulses are fitted and sent so often.
-const FLUSH_EVERY: Duration = Duration::from_millis(10);
-/// Standing so long before the count is compared.
-const SETTLED: Duration = Duration::from_millis(50);
 /// Places of the board's queue that are never used.
 const SPARE: usize = 32;
-/// Messages that wait for the wire; more motion is not taken.
-const MOST_WAITING: usize = 1500;
-/// Samples remembered behind the axes, to tell where on the path a stop was.
-const REMEMBERED: usize = 800;
 
 /// To either side of the stop, for the speed there.
 const AVERAGED: usize = 10;
 
 /// A sample as the board has it.
 #[derive(Clone, Copy, Debug)]
-struct Piece {
-    sample: Sample,
-    clock: Ticks,
+pub(super) struct Piece {
+    pub(super) sample: Sample,
+    pub(super) clock: Ticks,
 }
 
 /// Where and how the axes were stopped.
@@ -47,34 +34,34 @@ pub(super) struct Stopped {
 /// Motion handed over.
 #[derive(Clone, Debug)]
 pub(super) struct Motion {
-    steps: [Steps; 2],
-    rates: Rates,
+    pub(super) steps: [Steps; 2],
+    pub(super) rates: Rates,
     /// Places of the board's queue.
-    queue: usize,
-    newest: Sample,
+    pub(super) queue: usize,
+    pub(super) newest: Sample,
     /// Place of the last sample taken.
     pub(super) commanded: PerAxis<Pulses>,
     /// Board pulses minus kernel pulses.
-    offset: PerAxis<i64>,
+    pub(super) offset: PerAxis<i64>,
     /// Where the board stood when it was last asked.
     pub(super) board: Option<PerAxis<Pulses>>,
     /// Clock of the end of the newest sample that was more than rest, and its time;
     /// none: no motion runs.
-    end: Option<Ticks>,
-    end_run: RunTime,
+    pub(super) end: Option<Ticks>,
+    pub(super) end_run: RunTime,
     /// The newest sample moved nothing; the kernel said it stands.
-    rested: bool,
-    finished: bool,
-    pieces: VecDeque<Piece>,
-    made: VecDeque<Piece>,
-    executed: RunTime,
-    flush_due: Option<HostTime>,
-    backlog: VecDeque<(usize, Entry)>,
+    pub(super) rested: bool,
+    pub(super) finished: bool,
+    pub(super) pieces: VecDeque<Piece>,
+    pub(super) made: VecDeque<Piece>,
+    pub(super) executed: RunTime,
+    pub(super) flush_due: Option<HostTime>,
+    pub(super) backlog: VecDeque<(usize, Entry)>,
     /// Clocks of the first steps of what the board has in its queue.
-    queued: VecDeque<Ticks>,
-    last_step: Option<Ticks>,
+    pub(super) queued: VecDeque<Ticks>,
+    pub(super) last_step: Option<Ticks>,
     /// Way of each axis on which its operated limit switch lies.
-    blocked: [i64; 2],
+    pub(super) blocked: [i64; 2],
 }
 
 impl Motion {
@@ -135,9 +122,7 @@ impl Motion {
 
     /// Steps are queued or being made.
     pub(super) fn is_under_way(&self) -> bool {
-        self.end.is_some() && !(self.rested && self.pieces.is_empty())
-            || !self.backlog.is_empty()
-            || self.steps.iter().any(|steps| !steps.is_empty())
+        self.end.is_some() && !(self.rested && self.pieces.is_empty()) || self.is_waiting()
     }
 
     /// Everything queued is dropped, here and in the board.
@@ -248,6 +233,11 @@ impl Motion {
         self.blocked = [0; 2];
     }
 
+    /// Pulses have not gone out yet.
+    pub(super) fn is_waiting(&self) -> bool {
+        !self.backlog.is_empty() || self.steps.iter().any(|steps| !steps.is_empty())
+    }
+
     /// The board's count in the kernel's pulses.
     pub(super) fn counted(&self) -> Option<PerAxis<Pulses>> {
         self.board.map(|board| {
@@ -272,269 +262,5 @@ impl Motion {
         piece
             .or(self.pieces.back())
             .map(|piece| piece.clock.unsigned_abs())
-    }
-}
-
-impl StepLink {
-    /// Motion the board has certainly made, as time since the opening.
-    pub const fn executed(&self) -> RunTime {
-        self.motion.executed
-    }
-
-    /// Motion handed over that may not have been made yet.
-    pub fn outstanding(&self) -> Duration {
-        let now = self.clock.at(self.now) as Ticks;
-        let end = self.motion.end.map_or(0, |end| (end - now).max(0));
-        self.clock.duration(end.unsigned_abs())
-    }
-
-    /// How much more motion may be handed over now.
-    pub fn room(&self) -> Duration {
-        if !self.is_prepared()
-            || !self.motion.backlog.is_empty()
-            || self.delivery.backlog() > MOST_WAITING
-        {
-            return Duration::ZERO;
-        }
-        let now = self.clock.at(self.now) as Ticks;
-        let ticks = |duration| self.clock.ticks(duration) as Ticks;
-        let begin = now + ticks(self.config.lookahead());
-        let end = self.motion.end.unwrap_or(begin);
-        // Besides the lookahead, the time it takes to the board: a pause of the host
-        // as long as the lookahead does no harm.
-        let most = begin + ticks(self.margin() + FLUSH_EVERY);
-        self.clock.duration((most - end).max(0).unsigned_abs())
-    }
-
-    /// Hands over where the axes are to be at the end of a tick.
-    ///
-    /// # Errors
-    /// The state takes no motion, or the board could not follow; nothing was sent.
-    pub fn push(&mut self, sample: Sample) -> Result<(), Refused> {
-        if !self.is_prepared() {
-            return Err(Refused::NotReady);
-        }
-        let before = self.motion.newest;
-        let duration = sample.end.saturating_sub(before.end);
-        let moves = [
-            sample.pulses.x.0 - before.pulses.x.0,
-            sample.pulses.z.0 - before.pulses.z.0,
-        ];
-        let moved = moves != [0; 2];
-        if duration.is_zero() {
-            return if moved {
-                Err(Refused::NotReady)
-            } else {
-                Ok(())
-            };
-        }
-        self.motion.rates.allow(moves, duration.as_secs_f64())?;
-        for (axis, input) in [Input::LimitX, Input::LimitZ].into_iter().enumerate() {
-            let blocked = self.motion.blocked[axis];
-            if blocked != 0 && moves[axis].signum() == blocked && self.input(input) == Some(true) {
-                return Err(Refused::TowardLimit([Axis::X, Axis::Z][axis]));
-            }
-        }
-        let now = self.clock.at(self.now) as Ticks;
-        let begin = now + self.clock.ticks(self.config.lookahead()) as Ticks;
-        let late = self.earliest() as Ticks;
-        let rests = !moved && sample.fine == before.fine;
-        if rests && self.motion.finished {
-            // Rest takes no place in the board.
-            self.motion.newest = sample;
-            if self.motion.end.is_none() {
-                self.motion.executed = sample.end;
-            }
-            return Ok(());
-        }
-        let rest = before.end.saturating_sub(self.motion.end_run);
-        let rest = self.clock.ticks(rest) as Ticks;
-        let from = match self.motion.end {
-            Some(end) if end + rest >= late => (end + rest).min(begin).max(end),
-            // Out of rest it may begin later.
-            Some(_) if self.motion.rested || self.motion.finished => begin,
-            Some(_) => {
-                self.late("the kernel has not handed over motion in time");
-                return Err(Refused::NotReady);
-            }
-            None => begin,
-        };
-        self.reading = self
-            .reading
-            .filter(|reading| reading.purpose != Purpose::Verify);
-        let end = from + self.clock.ticks(duration) as Ticks;
-        for (axis, steps) in self.motion.steps.iter_mut().enumerate() {
-            let pair = |values: PerAxis<i64>| if axis == 0 { values.x } else { values.z };
-            let count = |sample: &Sample| pair(PerAxis::new(sample.pulses.x.0, sample.pulses.z.0));
-            steps.sample(Stretch {
-                clock: [from, end],
-                count: [count(&before), count(&sample)],
-                fine: [pair(before.fine), pair(sample.fine)],
-            });
-        }
-        let motion = &mut self.motion;
-        if motion.end != Some(from) {
-            // The place where this motion begins.
-            motion.pieces.push_back(Piece {
-                sample: before,
-                clock: from,
-            });
-        }
-        motion.pieces.push_back(Piece { sample, clock: end });
-        motion.end = Some(end);
-        motion.end_run = sample.end;
-        motion.rested = rests;
-        motion.finished = false;
-        motion.newest = sample;
-        motion.commanded = sample.pulses;
-        motion.flush_due.get_or_insert(self.now + FLUSH_EVERY);
-        if moved {
-            motion.last_step = None;
-            self.enter(LinkState::Moving);
-        }
-        Ok(())
-    }
-
-    /// The kernel stands: what is left of the motion goes out.
-    ///
-    /// # Errors
-    /// None; the other back end has some.
-    pub fn finish(&mut self) -> Result<(), Refused> {
-        self.motion.finished = true;
-        self.fit();
-        self.send();
-        Ok(())
-    }
-
-    /// Pulses due become runs.
-    fn fit(&mut self) {
-        self.motion.flush_due = None;
-        let now = self.clock.at(self.now) as Ticks;
-        let mut entries = Vec::new();
-        for (axis, steps) in self.motion.steps.iter_mut().enumerate() {
-            let mut fitted = Vec::new();
-            steps.fit(now, &mut fitted);
-            entries.extend(fitted.into_iter().map(|entry| (axis, entry)));
-        }
-        entries.sort_by_key(|(_, entry)| entry.first);
-        self.motion.backlog.extend(entries);
-        self.hand_over();
-    }
-
-    /// Runs go out as far as the queue of the board reaches.
-    fn hand_over(&mut self) {
-        let now = self.clock.at(self.now) as Ticks;
-        let Some(axes) = self.wiring.as_ref().map(|wiring| wiring.axes) else {
-            return;
-        };
-        self.motion.queued.retain(|first| *first > now);
-        while self.motion.queued.len() < self.motion.queue {
-            let Some((axis, entry)) = self.motion.backlog.pop_front() else {
-                return;
-            };
-            let (oid, invert) = match axis {
-                0 => (axes.x, self.config.x.invert_direction),
-                _ => (axes.z, self.config.z.invert_direction),
-            };
-            let due = entry.first.unsigned_abs();
-            if let Some(from) = entry.from {
-                self.say_timed(Command::ResetStepClock, &[oid, i64::from(from as u32)], due);
-            }
-            if let Some(up) = entry.up {
-                self.say_timed(
-                    Command::SetNextStepDir,
-                    &[oid, i64::from(up != invert)],
-                    due,
-                );
-            }
-            let run = entry.run;
-            let arguments = [oid, run.interval.into(), run.count.into(), run.add.into()];
-            self.say_timed(Command::QueueStep, &arguments, due);
-            self.traffic.segments += 1;
-            self.motion.queued.push_back(entry.first);
-            let last = self.motion.last_step.unwrap_or(Ticks::MIN);
-            self.motion.last_step = Some(last.max(entry.last));
-        }
-    }
-
-    /// Time passes over the motion.
-    pub(super) fn move_on(&mut self) {
-        let now = self.clock.at(self.now) as Ticks;
-        while let Some(piece) = self.motion.pieces.front().copied()
-            && self.stopping.is_none()
-            && piece.clock <= now
-        {
-            self.motion.pieces.pop_front();
-            self.motion.executed = self.motion.executed.max(piece.sample.end);
-            self.motion.made.push_back(piece);
-            if self.motion.made.len() > REMEMBERED {
-                self.motion.made.pop_front();
-            }
-        }
-        if self.motion.flush_due.is_some_and(|due| self.now >= due) {
-            self.fit();
-        } else {
-            self.hand_over();
-        }
-        let dry = self.motion.end.is_some_and(|end| end <= now);
-        if dry && !self.motion.rested && !self.motion.finished {
-            self.late("the kernel has not handed over motion in time");
-            return;
-        }
-        if dry && self.motion.pieces.is_empty() {
-            self.motion.end = None;
-        }
-        self.verify(now);
-    }
-
-    /// When the board stands and nothing is queued, its count is compared.
-    fn verify(&mut self, now: Ticks) {
-        let settled = self.clock.ticks(SETTLED) as Ticks;
-        let made = self
-            .motion
-            .last_step
-            .is_some_and(|last| now >= last + settled);
-        let queued = !self.motion.backlog.is_empty()
-            || self.motion.steps.iter().any(|steps| !steps.is_empty());
-        let moving = self.state == LinkState::Moving && self.stopping.is_none();
-        if moving && made && !queued && self.reading.is_none() {
-            self.read_place(Purpose::Verify);
-        }
-    }
-
-    /// The board said where the axes stand.
-    pub(super) fn place_read(&mut self, purpose: Purpose, board: PerAxis<Pulses>) {
-        match purpose {
-            Purpose::Stopped => self.stopped(board),
-            Purpose::Opening => {
-                self.motion.board = Some(board);
-                self.enter(LinkState::Locked);
-            }
-            Purpose::Verify => {
-                let motion = &mut self.motion;
-                motion.board = Some(board);
-                let (x, z) = (board.x.0 - motion.offset.x, board.z.0 - motion.offset.z);
-                let kernel = PerAxis::new(Pulses(x), Pulses(z));
-                let commanded = motion.commanded;
-                self.events.push(Event::Position(kernel));
-                if kernel == commanded {
-                    self.events.push(Event::Drained);
-                    self.enter(if self.known {
-                        LinkState::Ready
-                    } else {
-                        LinkState::Locked
-                    });
-                    return;
-                }
-                self.lose_position();
-                let text = format!(
-                    "commanded X {} Z {} pulses, the board counts X {x} Z {z}",
-                    commanded.x.0, commanded.z.0
-                );
-                self.alarm(611, &text);
-                self.give_up_motion();
-                self.enter(LinkState::Locked);
-            }
-        }
     }
 }

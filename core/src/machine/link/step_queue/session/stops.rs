@@ -328,6 +328,10 @@ impl StepLink {
         let keep = self.config.flush_keep_speed.into();
         let now = self.clock.at(self.now);
         let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
+        if stopping.why == Why::Trip(REACHED) && self.homing.is_some() {
+            self.home_reached(stop.kernel);
+            return;
+        }
         let reached = stopping.why == Why::Trip(REACHED);
         // A stepper that was stopped dead may have slipped when it was fast.
         self.known &= stop.on_path && (stop.speed <= keep || reached);

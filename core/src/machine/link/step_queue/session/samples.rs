@@ -1,0 +1,297 @@
+//! Samples of the kernel go to the board as steps, and their counts come back.
+
+use core::time::Duration;
+
+use super::super::super::{Event, Input, LinkState, Refused, RunTime, Sample};
+use super::super::commands::Command;
+use super::super::fit::Ticks;
+use super::super::steps::Stretch;
+use super::motion::Piece;
+use super::{Purpose, StepLink};
+use crate::units::{Axis, PerAxis, Pulses};
+
+/// Pulses are fitted and sent so often.
+const FLUSH_EVERY: Duration = Duration::from_millis(10);
+/// Standing so long before the count is compared.
+const SETTLED: Duration = Duration::from_millis(50);
+/// Messages that wait for the wire; more motion is not taken.
+const MOST_WAITING: usize = 1500;
+/// Samples remembered behind the axes, to tell where on the path a stop was.
+const REMEMBERED: usize = 800;
+impl StepLink {
+    /// Motion the board has certainly made, as time since the opening.
+    pub const fn executed(&self) -> RunTime {
+        self.motion.executed
+    }
+
+    /// Motion handed over that may not have been made yet.
+    pub fn outstanding(&self) -> Duration {
+        let now = self.clock.at(self.now) as Ticks;
+        let end = self.motion.end.map_or(0, |end| (end - now).max(0));
+        self.clock.duration(end.unsigned_abs())
+    }
+
+    /// How much more motion may be handed over now.
+    pub fn room(&self) -> Duration {
+        if !self.is_prepared() {
+            return Duration::ZERO;
+        }
+        self.free_time()
+    }
+
+    /// How much more motion the board may be given.
+    pub(super) fn free_time(&self) -> Duration {
+        if !self.motion.backlog.is_empty() || self.delivery.backlog() > MOST_WAITING {
+            return Duration::ZERO;
+        }
+        let now = self.clock.at(self.now) as Ticks;
+        let ticks = |duration| self.clock.ticks(duration) as Ticks;
+        let begin = now + ticks(self.config.lookahead());
+        let end = self.motion.end.unwrap_or(begin);
+        // Besides the lookahead, the time it takes to the board: a pause of the host
+        // as long as the lookahead does no harm.
+        let most = begin + ticks(self.margin() + FLUSH_EVERY);
+        self.clock.duration((most - end).max(0).unsigned_abs())
+    }
+
+    /// Hands over where the axes are to be at the end of a tick.
+    ///
+    /// # Errors
+    /// The state takes no motion, or the board could not follow; nothing was sent.
+    pub fn push(&mut self, sample: Sample) -> Result<(), Refused> {
+        if !self.is_prepared() {
+            return Err(Refused::NotReady);
+        }
+        self.take_sample(sample)
+    }
+
+    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), Refused> {
+        let before = self.motion.newest;
+        let duration = sample.end.saturating_sub(before.end);
+        let moves = [
+            sample.pulses.x.0 - before.pulses.x.0,
+            sample.pulses.z.0 - before.pulses.z.0,
+        ];
+        let moved = moves != [0; 2];
+        if duration.is_zero() {
+            return if moved {
+                Err(Refused::NotReady)
+            } else {
+                Ok(())
+            };
+        }
+        self.motion.rates.allow(moves, duration.as_secs_f64())?;
+        for (axis, input) in [Input::LimitX, Input::LimitZ].into_iter().enumerate() {
+            let blocked = self.motion.blocked[axis];
+            if blocked != 0 && moves[axis].signum() == blocked && self.input(input) == Some(true) {
+                return Err(Refused::TowardLimit([Axis::X, Axis::Z][axis]));
+            }
+        }
+        let now = self.clock.at(self.now) as Ticks;
+        let begin = now + self.clock.ticks(self.config.lookahead()) as Ticks;
+        let late = self.earliest() as Ticks;
+        let rests = !moved && sample.fine == before.fine;
+        if rests && self.motion.finished {
+            // Rest takes no place in the board.
+            self.motion.newest = sample;
+            if self.motion.end.is_none() {
+                self.motion.executed = sample.end;
+            }
+            return Ok(());
+        }
+        let rest = before.end.saturating_sub(self.motion.end_run);
+        let rest = self.clock.ticks(rest) as Ticks;
+        let from = match self.motion.end {
+            Some(end) if end + rest >= late => (end + rest).min(begin).max(end),
+            // Out of rest it may begin later.
+            Some(_) if self.motion.rested || self.motion.finished => begin,
+            Some(_) => {
+                self.late("the kernel has not handed over motion in time");
+                return Err(Refused::NotReady);
+            }
+            None => begin,
+        };
+        self.reading = self
+            .reading
+            .filter(|reading| reading.purpose != Purpose::Verify);
+        let end = from + self.clock.ticks(duration) as Ticks;
+        for (axis, steps) in self.motion.steps.iter_mut().enumerate() {
+            let pair = |values: PerAxis<i64>| if axis == 0 { values.x } else { values.z };
+            let count = |sample: &Sample| pair(PerAxis::new(sample.pulses.x.0, sample.pulses.z.0));
+            steps.sample(Stretch {
+                clock: [from, end],
+                count: [count(&before), count(&sample)],
+                fine: [pair(before.fine), pair(sample.fine)],
+            });
+        }
+        let motion = &mut self.motion;
+        if motion.end != Some(from) {
+            // The place where this motion begins.
+            motion.pieces.push_back(Piece {
+                sample: before,
+                clock: from,
+            });
+        }
+        motion.pieces.push_back(Piece { sample, clock: end });
+        motion.end = Some(end);
+        motion.end_run = sample.end;
+        motion.rested = rests;
+        motion.finished = false;
+        motion.newest = sample;
+        motion.commanded = sample.pulses;
+        motion.flush_due.get_or_insert(self.now + FLUSH_EVERY);
+        if moved {
+            motion.last_step = None;
+            if self.state != LinkState::Homing {
+                self.enter(LinkState::Moving);
+            }
+        }
+        Ok(())
+    }
+
+    /// The kernel stands: what is left of the motion goes out.
+    ///
+    /// # Errors
+    /// None; the other back end has some.
+    pub fn finish(&mut self) -> Result<(), Refused> {
+        self.motion.finished = true;
+        self.fit();
+        self.send();
+        Ok(())
+    }
+
+    /// Pulses due become runs.
+    fn fit(&mut self) {
+        self.motion.flush_due = None;
+        let now = self.clock.at(self.now) as Ticks;
+        let mut entries = Vec::new();
+        for (axis, steps) in self.motion.steps.iter_mut().enumerate() {
+            let mut fitted = Vec::new();
+            steps.fit(now, &mut fitted);
+            entries.extend(fitted.into_iter().map(|entry| (axis, entry)));
+        }
+        entries.sort_by_key(|(_, entry)| entry.first);
+        self.motion.backlog.extend(entries);
+        self.hand_over();
+    }
+
+    /// Runs go out as far as the queue of the board reaches.
+    fn hand_over(&mut self) {
+        let now = self.clock.at(self.now) as Ticks;
+        let Some(axes) = self.wiring.as_ref().map(|wiring| wiring.axes) else {
+            return;
+        };
+        self.motion.queued.retain(|first| *first > now);
+        while self.motion.queued.len() < self.motion.queue {
+            let Some((axis, entry)) = self.motion.backlog.pop_front() else {
+                return;
+            };
+            let (oid, invert) = match axis {
+                0 => (axes.x, self.config.x.invert_direction),
+                _ => (axes.z, self.config.z.invert_direction),
+            };
+            let due = entry.first.unsigned_abs();
+            if let Some(from) = entry.from {
+                self.say_timed(Command::ResetStepClock, &[oid, i64::from(from as u32)], due);
+            }
+            if let Some(up) = entry.up {
+                self.say_timed(
+                    Command::SetNextStepDir,
+                    &[oid, i64::from(up != invert)],
+                    due,
+                );
+            }
+            let run = entry.run;
+            let arguments = [oid, run.interval.into(), run.count.into(), run.add.into()];
+            self.say_timed(Command::QueueStep, &arguments, due);
+            self.traffic.segments += 1;
+            self.motion.queued.push_back(entry.first);
+            let last = self.motion.last_step.unwrap_or(Ticks::MIN);
+            self.motion.last_step = Some(last.max(entry.last));
+        }
+    }
+
+    /// Time passes over the motion.
+    pub(super) fn move_on(&mut self) {
+        let now = self.clock.at(self.now) as Ticks;
+        while let Some(piece) = self.motion.pieces.front().copied()
+            && self.stopping.is_none()
+            && piece.clock <= now
+        {
+            self.motion.pieces.pop_front();
+            self.motion.executed = self.motion.executed.max(piece.sample.end);
+            self.motion.made.push_back(piece);
+            if self.motion.made.len() > REMEMBERED {
+                self.motion.made.pop_front();
+            }
+        }
+        if self.motion.flush_due.is_some_and(|due| self.now >= due) {
+            self.fit();
+        } else {
+            self.hand_over();
+        }
+        let dry = self.motion.end.is_some_and(|end| end <= now);
+        if dry && !self.motion.rested && !self.motion.finished {
+            self.late("the kernel has not handed over motion in time");
+            return;
+        }
+        if dry && self.motion.pieces.is_empty() {
+            self.motion.end = None;
+        }
+        self.verify(now);
+    }
+
+    /// When the board stands and nothing is queued, its count is compared.
+    fn verify(&mut self, now: Ticks) {
+        let settled = self.clock.ticks(SETTLED) as Ticks;
+        let made = self
+            .motion
+            .last_step
+            .is_some_and(|last| now >= last + settled);
+        let queued = self.motion.is_waiting();
+        let moving = self.state == LinkState::Moving && self.stopping.is_none();
+        if moving && made && !queued && self.reading.is_none() {
+            self.read_place(Purpose::Verify);
+        }
+    }
+
+    /// The board said where the axes stand.
+    pub(super) fn place_read(&mut self, purpose: Purpose, board: PerAxis<Pulses>) {
+        match purpose {
+            Purpose::Stopped => self.stopped(board),
+            Purpose::Homed(axis) => {
+                self.motion.board = Some(board);
+                self.homed(axis);
+            }
+            Purpose::Opening => {
+                self.motion.board = Some(board);
+                self.enter(LinkState::Locked);
+            }
+            Purpose::Verify => {
+                let motion = &mut self.motion;
+                motion.board = Some(board);
+                let (x, z) = (board.x.0 - motion.offset.x, board.z.0 - motion.offset.z);
+                let kernel = PerAxis::new(Pulses(x), Pulses(z));
+                let commanded = motion.commanded;
+                self.events.push(Event::Position(kernel));
+                if kernel == commanded {
+                    self.events.push(Event::Drained);
+                    self.enter(if self.known {
+                        LinkState::Ready
+                    } else {
+                        LinkState::Locked
+                    });
+                    return;
+                }
+                self.lose_position();
+                let text = format!(
+                    "commanded X {} Z {} pulses, the board counts X {x} Z {z}",
+                    commanded.x.0, commanded.z.0
+                );
+                self.alarm(611, &text);
+                self.give_up_motion();
+                self.enter(LinkState::Locked);
+            }
+        }
+    }
+}
