@@ -332,7 +332,7 @@ impl Linked {
     }
 
     /// Switches at the board that are operated.
-    pub const fn pins(&self) -> Pins {
+    pub fn pins(&self) -> Pins {
         self.link.pins()
     }
 
