@@ -20,6 +20,7 @@ struct Bench {
     run: RunTime,
     at: (i64, i64),
     events: Vec<Event>,
+    last_tx: Vec<u8>,
 }
 
 impl Bench {
@@ -41,6 +42,7 @@ impl Bench {
             run: RunTime::ZERO,
             at: (0, 0),
             events: Vec::new(),
+            last_tx: Vec::new(),
         }
     }
 
@@ -85,6 +87,7 @@ impl Bench {
         let tx = self.link.tx().to_vec();
         self.twin.write(&tx);
         self.link.consumed(tx.len());
+        self.last_tx = tx;
         self.events.extend(self.link.events());
     }
 
@@ -391,6 +394,7 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
             run: ready.run,
             at: ready.at,
             events: Vec::new(),
+            last_tx: Vec::new(),
         };
         assert!(bench.job() && bench.ends_ready());
         (bench.twin.to_board.given(), bench.twin.to_host.given())
@@ -407,6 +411,7 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
                 run: ready.run,
                 at: ready.at,
                 events: Vec::new(),
+                last_tx: Vec::new(),
             };
             let damage = damages[index % damages.len()];
             if to_board {
@@ -434,4 +439,32 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
         }
     }
     assert!(proved > 0 && stopped > 0, "{proved} {stopped}");
+}
+
+#[test]
+fn a_report_under_way_when_the_reference_return_begins_tells_no_place() {
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        let mut bench = Bench::ready(variant);
+        assert!(bench.job() && bench.ends_ready());
+        let reports = bench.link.traffic().reports;
+        // The next question has just gone out; its answer comes while the board homes.
+        let mut asked = false;
+        for _ in 0..300 {
+            bench.ms();
+            asked = bench.last_tx.contains(&b'?');
+            if asked {
+                break;
+            }
+        }
+        assert!(asked && bench.link.traffic().reports >= reports);
+        bench.link.home(PerAxis::new(true, true)).unwrap();
+        let homed = |event: &Event| matches!(event, Event::Homed(_));
+        assert!(bench.wait(120_000, |bench| bench.events.iter().any(homed)));
+        let zero = PerAxis::new(Pulses(0), Pulses(0));
+        assert!(bench.wait(1000, |bench| bench.link.status().is_some()));
+        bench.link.set_position(zero, bench.run).unwrap();
+        bench.pass(500);
+        assert_eq!(bench.alarms(), [0_u16; 0], "{variant:?}");
+        assert_eq!(bench.link.state(), LinkState::Ready);
+    }
 }

@@ -64,6 +64,10 @@ impl LineLink {
         let Some(homing) = self.homing.take() else {
             return;
         };
+        // A report that was under way when the return began tells the old place.
+        self.status = None;
+        self.still_since = None;
+        self.asked = None;
         self.enter(LinkState::Locked);
         match error {
             None => self.events.push(Event::Homed(homing.axes)),
