@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
+use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::command::ProgramId;
 use gsk_core::machine::Fault;
@@ -151,6 +152,8 @@ pub struct Snapshot {
     pub speed_percent: u32,
     /// What stands against ladder and sensors.
     pub imposed: Imposed,
+    /// The newest alarm that stands.
+    pub alarm: Option<Alarm>,
 }
 
 /// What views have imposed on control and lathe; it stands until it is taken back,
@@ -335,6 +338,7 @@ impl Kernel {
             pressed: panel.pressed(),
             wheel: panel.wheel(),
             speed_percent: self.speed_percent,
+            alarm: self.emulator.simulation.cnc.alarms().first().cloned(),
             imposed: Imposed {
                 bits: self.emulator.simulation.cnc.plc().forces().len(),
                 inputs: self.emulator.simulation.lathe.forced_inputs(),

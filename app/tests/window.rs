@@ -131,3 +131,17 @@ fn every_machine_key_has_its_contact() {
         }
     }
 }
+
+#[test]
+fn the_line_below_the_panel_says_where_and_why_of_an_alarm() {
+    let mut bench = Bench::new();
+    bench.open("faulty/02-no-feed.CNC");
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    bench.run(2000);
+    let line = bench.harness.query_by_label_contains("011: ");
+    assert!(line.is_some(), "{}", bench.lcd());
+    bench.click("Reset");
+    bench.run(500);
+    assert!(bench.harness.query_by_label_contains("011: ").is_none());
+}

@@ -1,6 +1,7 @@
 //! The window: the panel as it is painted and operated. It knows nothing of
 //! threads and of eframe; a test drives it as the program does.
 
+mod alarm_line;
 pub mod app;
 mod backdrop;
 mod extents;
@@ -182,6 +183,11 @@ impl Window {
     /// Takes what the kernel has sent.
     fn receive(&mut self) {
         if let Some(picture) = self.console.pictures.pop() {
+            let before = self.picture.as_ref().and_then(|it| it.alarm.as_ref());
+            if picture.alarm.is_some() && picture.alarm.as_ref() != before {
+                // The newest word stands on the line.
+                self.message = None;
+            }
             self.picture = Some(picture);
         }
         while let Ok(notice) = self.console.notices.try_recv() {
@@ -272,15 +278,19 @@ impl Window {
             .picture
             .as_ref()
             .is_some_and(|picture| picture.pressed.contains(&Key::EmergencyStop));
-        let hint = if pressed {
-            Text::EmergencyHint
-        } else {
-            Text::Hint
-        };
+        if pressed {
+            return top_bar::status(ui, Some(Text::EmergencyHint.of(language)), true, "");
+        }
+        let alarm = self.picture.as_ref().and_then(|it| it.alarm.as_ref());
+        if let Some(alarm) = alarm
+            && self.message.is_none()
+        {
+            return top_bar::alarm(ui, alarm, language);
+        }
         let message = self.message.as_ref();
         let text = message.map(|message| message.text.as_str());
         let warning = message.is_some_and(|message| message.warning);
-        top_bar::status(ui, text, warning, hint.of(language));
+        top_bar::status(ui, text, warning, Text::Hint.of(language));
     }
 
     /// The PC keyboard; it belongs to the panel unless a text is being typed.

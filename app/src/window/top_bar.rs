@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use egui::{Color32, RichText, Ui};
 
+use gsk_core::alarm::Alarm;
+
+use super::alarm_line;
 use super::texts::{Text, say};
 use super::views::{VIEWS, View, key_name};
 use crate::cli::Language;
@@ -11,6 +14,9 @@ use crate::kernel::Imposed;
 
 /// Ground of the sign that something is imposed.
 const IMPOSED: Color32 = Color32::from_rgb(255, 196, 90);
+
+/// Ink of an alarm.
+const ALARM: Color32 = Color32::from_rgb(255, 120, 96);
 
 /// What was asked for in the bar.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -155,5 +161,15 @@ pub fn status(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
         };
         let label = egui::Label::new(RichText::new(text).color(colour)).truncate();
         ui.add(label).on_hover_text(text);
+    });
+}
+
+/// Draws the alarm that stands on the line of messages.
+pub fn alarm(ui: &mut Ui, alarm: &Alarm, language: Language) {
+    ui.horizontal_centered(|ui| {
+        let text = RichText::new(alarm_line::short(alarm, language)).color(ALARM);
+        let label = egui::Label::new(text).truncate();
+        ui.add(label)
+            .on_hover_text(alarm_line::long(alarm, language));
     });
 }

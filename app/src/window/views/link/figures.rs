@@ -73,9 +73,9 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
                 if let Some(agrees) = agrees {
                     // While slides move the report is always a little behind.
                     let (zh, en, ink) = match (agrees, view.outstanding.is_zero()) {
-                        (true, _) => ("一致", "The counts agree", GOOD),
+                        (true, _) => ("两边计数一致", "The counts agree", GOOD),
                         (false, false) => ("运动中", "On the way", ui.visuals().text_color()),
-                        (false, true) => ("不一致", "The counts differ", BAD),
+                        (false, true) => ("两边计数不一致", "The counts differ", BAD),
                     };
                     ui.label(RichText::new(say(language, zh, en)).color(ink));
                 }

@@ -1,0 +1,90 @@
+//! The alarm that stands, with what its page on the control does not say: where, why,
+//! and what helps.
+
+use gsk_core::alarm::Alarm;
+use gsk_core::command::ProgramId;
+
+use super::texts::say;
+use crate::cli::Language;
+
+/// One line: number, text, reason, place.
+pub fn short(alarm: &Alarm, language: Language) -> String {
+    let mut line = match language {
+        Language::Zh => alarm.line_text(),
+        Language::En => {
+            let meaning = alarm.row().map_or("", |row| row.meaning_en);
+            format!("{:03}: {meaning}", alarm.number)
+        }
+    };
+    if let Some(place) = place(alarm, language) {
+        line.push_str(&format!("  {place}"));
+    }
+    if let Some(detail) = &alarm.detail {
+        line.push_str(&format!("  ({detail})"));
+    }
+    line
+}
+
+/// The line, and under it cause and way out.
+pub fn long(alarm: &Alarm, language: Language) -> String {
+    let mut lines = vec![short(alarm, language)];
+    let Some(row) = alarm.row() else {
+        return lines.join("\n");
+    };
+    match (row.advice, language) {
+        (Some(advice), Language::Zh) => {
+            lines.push(format!("原因: {}", advice.cause_zh));
+            lines.push(format!("处理: {}", advice.way_out_zh));
+        }
+        (Some(advice), Language::En) => {
+            lines.push(format!("Cause: {}", row.cause_en));
+            lines.push(format!("Way out: {}", advice.way_out_en));
+        }
+        (None, Language::En) => {
+            lines.push(format!("Cause: {}", row.cause_en));
+            lines.push(format!("Cleared by: {}", row.cleared_by_en));
+        }
+        (None, Language::Zh) => {}
+    }
+    lines.join("\n")
+}
+
+fn place(alarm: &Alarm, language: Language) -> Option<String> {
+    let source = alarm.source.as_ref()?;
+    let program = match source.program {
+        ProgramId::Stored(number) => format!("O{number:04} "),
+        ProgramId::External => String::new(),
+        ProgramId::Mdi => "MDI ".to_owned(),
+    };
+    let sequence = source
+        .sequence
+        .map_or_else(String::new, |number| format!("N{number:04} "));
+    let line = say(language, "行", "line");
+    Some(format!("{program}{sequence}{line} {}", source.line))
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_core::command::Source;
+
+    use super::*;
+
+    #[test]
+    fn place_reason_and_way_out_are_told_in_the_language_of_the_window() {
+        let alarm = Alarm::new(13).because("R 5 < 7.5").at(Source {
+            program: ProgramId::Stored(12),
+            line: 7,
+            sequence: Some(60),
+        });
+        let zh = short(&alarm, Language::Zh);
+        assert_eq!(
+            zh,
+            "P/S 013: 圆弧数据有错误!  O0012 N0060 行 7  (R 5 < 7.5)"
+        );
+        let en = long(&alarm, Language::En);
+        assert!(en.starts_with("013: "), "{en}");
+        assert!(en.contains("O0012 N0060 line 7"), "{en}");
+        assert!(en.contains("\nWay out: "), "{en}");
+        assert!(long(&alarm, Language::Zh).contains("\n处理: "));
+    }
+}
