@@ -173,6 +173,7 @@ impl LinkPage {
                     ("参数", "setting"),
                     ("驱动板", "board"),
                     ("应为", "must be"),
+                    ("含义", "meaning"),
                 ];
                 for (zh, en) in words {
                     ui.label(RichText::new(say(language, zh, en)).weak());
