@@ -278,25 +278,30 @@ fn a_kill_loses_the_position_and_says_so() {
 
 #[test]
 fn a_limit_switch_stops_the_board_and_names_its_axis() {
-    let mut bench = Bench::ready(Variant::Grbl);
-    for k in 1..=300 {
-        assert!(bench.sample(0, -k * 4));
+    for (x, number) in [(true, 621), (false, 622)] {
+        let mut bench = Bench::ready(Variant::Grbl);
+        for k in 1..=300 {
+            let way = -k * 4;
+            assert!(bench.sample(if x { way } else { 0 }, if x { 0 } else { way }));
+        }
+        bench.twin.pins.limit_x = x;
+        bench.twin.pins.limit_z = !x;
+        bench.pass(500);
+        assert_eq!(bench.link.state(), LinkState::Tripped);
+        assert_eq!(bench.alarms(), [number], "{:?}", bench.events);
+        let stood = bench.twin.pulses();
+        bench.twin.pins.limit_x = false;
+        bench.twin.pins.limit_z = false;
+        bench.pass(3000);
+        assert_eq!(bench.twin.pulses(), stood, "nothing restarts by itself");
+        bench.link.reset();
+        bench.pass(500);
+        assert_eq!(
+            bench.link.state(),
+            LinkState::Locked,
+            "the position has to be found again"
+        );
     }
-    bench.twin.pins.limit_z = true;
-    bench.pass(500);
-    assert_eq!(bench.link.state(), LinkState::Tripped);
-    assert!(bench.alarms().contains(&622), "{:?}", bench.events);
-    let stood = bench.twin.pulses();
-    bench.twin.pins.limit_z = false;
-    bench.pass(3000);
-    assert_eq!(bench.twin.pulses(), stood, "nothing restarts by itself");
-    bench.link.reset();
-    bench.pass(500);
-    assert_eq!(
-        bench.link.state(),
-        LinkState::Locked,
-        "the position has to be found again"
-    );
 }
 
 #[test]
@@ -348,26 +353,37 @@ fn an_unplugged_cable_is_an_alarm_within_a_second() {
 /// path.
 #[test]
 fn a_board_off_the_path_is_stopped() {
-    let mut bench = Bench::ready(Variant::Grbl);
-    for k in 1..=300 {
-        assert!(bench.sample(k, -k * 4));
-    }
-    // Somewhere among the next lines.
-    let from = bench.twin.to_board.given();
-    bench
-        .twin
-        .to_board
-        .damage(from + 4, Damage::Changed(b'.' ^ b'7'));
-    for k in 301..=600 {
-        if !bench.sample(k, -k * 4) {
-            break;
+    let mut alarms = Vec::new();
+    for byte in 0..16 {
+        let mut bench = Bench::ready(Variant::Grbl);
+        for k in 1..=300 {
+            assert!(bench.sample(k, -k * 4));
         }
+        // Somewhere in the next lines: a digit turns into another one, a letter is
+        // refused by the board.
+        let from = bench.twin.to_board.given();
+        bench
+            .twin
+            .to_board
+            .damage(from + byte, Damage::Changed(b'2' ^ b'6'));
+        for k in 301..=600 {
+            if !bench.sample(k, -k * 4) {
+                break;
+            }
+        }
+        bench.pass(2000);
+        if bench.alarms().is_empty() {
+            // Within the tolerance of a report.
+            continue;
+        }
+        assert_eq!(bench.link.state(), LinkState::Fault, "{:?}", bench.events);
+        let stood = bench.twin.pulses();
+        bench.pass(2000);
+        assert_eq!(bench.twin.pulses(), stood);
+        alarms.extend(bench.alarms());
     }
-    bench.pass(2000);
-    assert_eq!(bench.link.state(), LinkState::Fault, "{:?}", bench.events);
-    let stood = bench.twin.pulses();
-    bench.pass(2000);
-    assert_eq!(bench.twin.pulses(), stood);
+    assert!(alarms.iter().all(|alarm| matches!(alarm, 608 | 611)));
+    assert!(alarms.contains(&611), "{alarms:?}");
 }
 
 /// A fault at every byte of a short job, either way: the job ends on the pulse
