@@ -63,6 +63,11 @@ impl Drill<'_> {
         let step = top / RAMP_MS;
         self.speed += (target - self.speed).clamp(-step, step);
         self.z += self.speed;
+        self.push()
+    }
+
+    /// Hands over a tick that ends where Z is, as soon as there is room.
+    fn push(&mut self) -> bool {
         self.run += Duration::from_millis(1);
         self.pulses = self.z.round() as i64;
         let sample = Sample {
@@ -99,6 +104,37 @@ impl Drill<'_> {
         self.events.extend(events);
         self.board.link.state() == LinkState::Ready
     }
+
+    /// A move from rest to rest that ends on pulse 0 exactly.
+    fn return_to_start(&mut self, top: f64) -> bool {
+        let from = self.z;
+        // Half a wave of the cosine: its greatest speed is pi/2 times the mean.
+        let ticks = (core::f64::consts::FRAC_PI_2 * from.abs() / top)
+            .max(RAMP_MS)
+            .ceil();
+        for tick in 1..=ticks as u32 {
+            let share = f64::from(tick) / ticks;
+            self.z = from * 0.5 * (1.0 + (core::f64::consts::PI * share).cos());
+            if !self.push() {
+                return false;
+            }
+        }
+        self.z = 0.0;
+        self.push() && self.stop(top)
+    }
+}
+
+/// Processor time of this process so far, where the system tells.
+fn processor_time() -> Option<f64> {
+    /// Ticks a second in which Linux counts for programs.
+    const TICKS: f64 = 100.0;
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The name of the program, in brackets, may hold blanks.
+    let (_, fields) = stat.rsplit_once(')')?;
+    let mut times = fields.split_whitespace().skip(11);
+    let user: f64 = times.next()?.parse().ok()?;
+    let system: f64 = times.next()?.parse().ok()?;
+    Some((user + system) / TICKS)
 }
 
 /// Moves Z there and back with holds, and compares the counts.
@@ -117,6 +153,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
         return Err("the board does not stand still, or stays locked".to_owned());
     }
     let (from, before) = (board.now(), board.link.traffic());
+    let processor = processor_time();
     let mut drill = Drill {
         board,
         events: Vec::new(),
@@ -152,6 +189,8 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
     }
     let traffic = drill.board.link.traffic();
     let seconds = drill.board.now().saturating_sub(from).as_secs_f64();
+    let load = processor.zip(processor_time());
+    whole = whole && drill.return_to_start(top);
     let (commanded, refused, events) = (drill.pulses, drill.refused, drill.events);
     output::print(&format!(
         "motion    {} segments, {:.0} a second; {:.0} steps a second; {:.0} bytes a second\n",
@@ -160,6 +199,10 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
         2.0 * leg.abs() / seconds,
         (traffic.sent - before.sent) as f64 / seconds
     ))?;
+    if let Some((before, after)) = load {
+        let percent = (after - before) / seconds * 100.0;
+        output::print(&format!("host      {percent:.1} % of a processor\n"))?;
+    }
     if let Some((median, worst)) = figures(&mut holds) {
         output::print(&format!(
             "hold      key to standstill {median:.0} ms, worst {worst:.0} ms ({} holds)\n",
