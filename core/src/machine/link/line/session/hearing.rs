@@ -137,7 +137,7 @@ impl LineLink {
                         wanted: setting.value,
                     });
                 }
-                let text = format!("{} settings of the board differ", differences.len());
+                let text = format!("settings of the board that differ: {}", differences.len());
                 self.alarm(603, &text);
             }
             Outcome::Fails(number, text) => {
