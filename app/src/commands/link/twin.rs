@@ -14,6 +14,9 @@ use crate::ports::Port;
 /// Bytes ahead for which damage is prepared.
 const AHEAD: u64 = 4096;
 
+/// Limit switches of the board of timed steps: pin, axis, pulses at which it closes.
+const SWITCHES: [(&str, usize, i64); 2] = [("PC0", 0, 4000), ("PC1", 1, 8000)];
+
 /// A board that is played.
 enum Twin {
     Grbl(Box<GrblTwin>),
@@ -58,6 +61,10 @@ impl Twin {
             Self::Klipper(board) => {
                 board.write(bytes);
                 board.advance(until.saturating_sub(board.now()));
+                let pulses = board.pulses();
+                for (pin, axis, at) in SWITCHES {
+                    board.set_pin(pin, pulses[axis] >= at);
+                }
                 board.read()
             }
         }
