@@ -7,6 +7,7 @@ mod board;
 mod faults;
 mod programs;
 mod reference;
+mod shift;
 mod stops;
 mod way;
 

@@ -1,0 +1,29 @@
+//! Hours at the machine on a computer that has other things to do.
+
+use gsk_core::operation::RunState;
+use gsk_twins::grbl::Variant;
+
+use crate::board::{FEED_HOLD, Machine};
+use crate::{Dice, SHORT, assert_together};
+
+/// Part after part, with pauses of the computer that the lookahead covers. Two
+/// minutes of machine time; more with `MINUTES=480` in the environment.
+#[test]
+fn a_shift_of_parts_loses_no_pulse() {
+    let wanted = std::env::var("MINUTES").ok();
+    let minutes = wanted.and_then(|text| text.parse().ok()).unwrap_or(2_u64);
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(&SHORT.replace("M30", "M99"), None);
+    machine.start();
+    let mut dice = Dice(7);
+    let begun = machine.ticks;
+    while machine.ticks - begun < minutes * 60_000 {
+        machine.pass(500 + dice.below(3000));
+        assert_eq!(machine.simulation.cnc.run_state(), RunState::Run);
+        machine.pause([10, 50, 90][dice.below(3) as usize]);
+    }
+    machine.press(FEED_HOLD);
+    assert!(machine.wait(5000, |machine| !machine.linked.is_behind()));
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_together(&machine);
+}
