@@ -191,6 +191,11 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
     let seconds = drill.board.now().saturating_sub(from).as_secs_f64();
     let load = processor.zip(processor_time());
     whole = whole && drill.return_to_start(top);
+    if !whole {
+        // Some boards tell the cause only with their next report.
+        let late = drill.board.wait(Duration::from_secs(2), |_, _| false);
+        drill.events.extend(late);
+    }
     let (commanded, refused, events) = (drill.pulses, drill.refused, drill.events);
     output::print(&format!(
         "motion    {} segments, {:.0} a second; {:.0} steps a second; {:.0} bytes a second\n",
