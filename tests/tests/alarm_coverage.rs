@@ -2,8 +2,9 @@
 //! `alarm-coverage.tsv` that says why none can.
 //!
 //! `never` is for alarms that a simulated machine cannot have, `test` names the Rust
-//! test that raises one which no case can, `open` is for those without either so far. An alarm of a program may be open only while a case
-//! marked as a known failure waits for it.
+//! test that raises one which no case can, `open` is for those without either so far.
+//! An alarm of a program may be open only while a case marked as a known failure waits
+//! for it.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
 
