@@ -12,6 +12,7 @@ use super::zero_return::Return;
 use crate::alarm::{Alarm, AlarmClass};
 use crate::cnc::Cnc;
 use crate::command::{Action, SpindleCommand};
+use crate::machine::link::ThreadRights;
 use crate::motion::JogRate;
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
 
@@ -32,8 +33,8 @@ pub(crate) struct BoardDrives {
     pub max_rate: f64,
     /// Pulses per mm of slide travel.
     pub pulses_per_mm: [f64; 2],
-    /// It cuts threads behind its spindle.
-    pub threads: bool,
+    /// Which threads it cuts.
+    pub threads: ThreadRights,
 }
 
 /// Whether an action is motion of the slides.
@@ -137,8 +138,14 @@ impl Cnc {
                 board.max_rate
             )));
         }
+        if let (Action::Thread { .. } | Action::ThreadCycle { .. }, ThreadRights::None(lacks)) =
+            (action, board.threads)
+        {
+            return Err(
+                Alarm::new(604).because(format!("the board cannot cut a thread: {}", lacks.text()))
+            );
+        }
         let what = match action {
-            Action::Thread { .. } | Action::ThreadCycle { .. } if !board.threads => "a thread",
             Action::Tap { .. } => "tapping",
             Action::Spindle(SpindleCommand::Surface(_)) => "constant surface speed (G96)",
             Action::Line {

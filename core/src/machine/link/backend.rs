@@ -5,8 +5,8 @@ use core::time::Duration;
 use super::line::LineLink;
 use super::step_queue::StepLink;
 use super::{
-    BoardInfo, BoardOutputs, Event, HostTime, Input, LinkConfig, LinkState, Output, Pins, Protocol,
-    Refused, RunTime, Sample, Stop, Traffic,
+    BoardInfo, BoardOutputs, Event, HostTime, Input, Lacks, LinkConfig, LinkState, Output, Pins,
+    Protocol, Refused, RunTime, Sample, Stop, ThreadRights, Traffic,
 };
 use crate::memory::Parameters;
 use crate::units::{PerAxis, Pulses};
@@ -44,6 +44,14 @@ impl Link {
         match self {
             Self::Line(link) => link.board(),
             Self::StepQueue(link) => link.board(),
+        }
+    }
+
+    /// Which threads it cuts.
+    pub fn threads(&self) -> ThreadRights {
+        match self {
+            Self::Line(link) => link.threads(),
+            Self::StepQueue(_) => ThreadRights::None(Lacks::default()),
         }
     }
 

@@ -2,6 +2,8 @@
 
 use core::time::Duration;
 
+use serde::{Deserialize, Serialize};
+
 /// What the board is, as far as it said.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BoardInfo {
@@ -13,6 +15,69 @@ pub struct BoardInfo {
     pub receive_bytes: u16,
     /// It can cut threads behind its spindle.
     pub spindle_sync: bool,
+}
+
+/// Which threads the drives behind a board cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ThreadRights {
+    /// None: what is lacking.
+    None(Lacks),
+    /// The control follows the spindle as the board measures it: every thread.
+    Followed,
+    /// The board follows its spindle by itself, one straight pass of one lead at a
+    /// time, from the one-turn signal.
+    Passes,
+}
+
+impl Default for ThreadRights {
+    fn default() -> Self {
+        Self::None(Lacks::default())
+    }
+}
+
+/// What a board lacks for threads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lacks {
+    /// Its firmware synchronises nothing with the spindle.
+    pub sync: bool,
+    /// The owner has not cut the proof thread.
+    pub proof: bool,
+    /// It was not told the pulses of its encoder.
+    pub encoder: bool,
+    /// It corrects the pass while it cuts it, wrongly.
+    pub gains: bool,
+    /// No one-turn signal of the spindle is wired.
+    pub index: bool,
+}
+
+impl Lacks {
+    /// All that is lacking, in words.
+    pub fn text(self) -> String {
+        let lacks = [
+            (
+                self.sync,
+                "its firmware does not synchronise with the spindle (no SS in [NEWOPT:…])",
+            ),
+            (
+                self.proof,
+                "the owner has not proved it: line.thread_proved of the machine file is false",
+            ),
+            (self.encoder, "$38, pulses of the encoder a turn, is 0"),
+            (
+                self.gains,
+                "$90, $91 and $92, gains of the spindle synchronisation, are not all 0",
+            ),
+            (self.index, "io.index of the machine file names no pin"),
+        ];
+        let named: Vec<_> = lacks
+            .into_iter()
+            .filter_map(|(lacks, text)| lacks.then_some(text))
+            .collect();
+        if named.is_empty() {
+            return "it does not see the spindle".into();
+        }
+        named.join("; ")
+    }
 }
 
 /// Switches that a report names as operated.

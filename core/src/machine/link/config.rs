@@ -170,6 +170,8 @@ pub struct LineConfig {
     pub step_pulse_us: u32,
     /// Limit switches open when operated ($5).
     pub invert_limits: bool,
+    /// The owner has cut the proof thread and found its lead right.
+    pub thread_proved: bool,
 }
 
 impl Default for LineConfig {
@@ -180,6 +182,7 @@ impl Default for LineConfig {
             max_rate: 30_000,
             step_pulse_us: 10,
             invert_limits: false,
+            thread_proved: false,
         }
     }
 }

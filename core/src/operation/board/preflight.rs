@@ -5,22 +5,34 @@ use std::collections::BTreeSet;
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
 use crate::command::{ProgramId, Source};
+use crate::machine::link::{Lacks, ThreadRights};
 use crate::program::Program;
 
 /// What one block of text asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Asks {
     /// The board cannot do it.
-    refused: Option<&'static str>,
+    refused: Option<Refused>,
     /// The program it calls.
     calls: Option<u16>,
+}
+
+/// What the board cannot do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Refused {
+    /// A thread, for what it lacks.
+    Thread(Lacks),
+    /// Something that no board of its kind does.
+    Never(&'static str),
 }
 
 impl Cnc {
     /// Looks through a program and what it calls; the first block that the board
     /// cannot carry out. A thread of the dry run is only feed.
     pub(super) fn scan_for_board(&self, main: ProgramId) -> Option<Alarm> {
-        let threads = self.from_plc.dry_run || self.board.is_some_and(|board| board.threads);
+        let rights = self
+            .board
+            .map_or_else(Default::default, |board| board.threads);
         let mut seen = BTreeSet::new();
         let mut next = vec![main];
         while let Some(id) = next.pop() {
@@ -28,9 +40,9 @@ impl Cnc {
                 continue;
             };
             for index in 0..program.block_count() {
-                let asks = asks(program.block(index), threads, self.from_plc.dry_run);
-                if let Some(what) = asks.refused {
-                    return Some(alarm(id, program, index, what));
+                let asks = asks(program.block(index), rights, self.from_plc.dry_run);
+                if let Some(refused) = asks.refused {
+                    return Some(alarm(id, program, index, refused));
                 }
                 if let Some(number) = asks.calls
                     && seen.insert(number)
@@ -43,7 +55,11 @@ impl Cnc {
     }
 }
 
-fn alarm(id: ProgramId, program: &Program, index: u32, what: &str) -> Alarm {
+fn alarm(id: ProgramId, program: &Program, index: u32, refused: Refused) -> Alarm {
+    let what = match refused {
+        Refused::Thread(lacks) => format!("a thread (G32, G34, G76, G92): {}", lacks.text()),
+        Refused::Never(what) => what.to_owned(),
+    };
     Alarm::new(604)
         .because(format!(
             "the board cannot do {what}; nothing of the program was begun"
@@ -56,7 +72,7 @@ fn alarm(id: ProgramId, program: &Program, index: u32, what: &str) -> Alarm {
 }
 
 /// Reads the words of a block as far as they matter here.
-fn asks(block: &str, threads: bool, dry_run: bool) -> Asks {
+fn asks(block: &str, threads: ThreadRights, dry_run: bool) -> Asks {
     let mut asks = Asks::default();
     let (mut call, mut place) = (false, None);
     let mut comment = false;
@@ -68,16 +84,8 @@ fn asks(block: &str, threads: bool, dry_run: bool) -> Asks {
             'G' | 'g' | 'M' | 'm' | 'P' | 'p' => {
                 let number = number(&block[at + 1..]);
                 match (letter.to_ascii_uppercase(), number) {
-                    ('G', Some(32 | 34 | 76 | 92)) if !threads => {
-                        asks.refused = Some("a thread (G32, G34, G76, G92)");
-                    }
-                    ('G', Some(33)) if !dry_run => asks.refused = Some("tapping (G33)"),
-                    ('G', Some(96)) if !dry_run => {
-                        asks.refused = Some("constant surface speed (G96)");
-                    }
-                    ('G', Some(99)) if !dry_run => {
-                        asks.refused = Some("feed per revolution (G99)");
-                    }
+                    // In the dry run everything is feed.
+                    ('G', Some(number)) if !dry_run => asks.refused = refused(number, threads),
                     ('M', Some(98)) => call = true,
                     ('P', number) => place = number,
                     _ => {}
@@ -95,6 +103,17 @@ fn asks(block: &str, threads: bool, dry_run: bool) -> Asks {
     asks
 }
 
+/// What of a G code the board cannot do.
+const fn refused(code: u32, threads: ThreadRights) -> Option<Refused> {
+    match (code, threads) {
+        (32 | 34 | 76 | 92, ThreadRights::None(lacks)) => Some(Refused::Thread(lacks)),
+        (33, _) => Some(Refused::Never("tapping (G33)")),
+        (96, _) => Some(Refused::Never("constant surface speed (G96)")),
+        (99, _) => Some(Refused::Never("feed per revolution (G99)")),
+        _ => None,
+    }
+}
+
 /// The whole number at the start of a text, blanks before it skipped.
 fn number(text: &str) -> Option<u32> {
     let text = text.trim_start_matches([' ', '\t']);
@@ -108,6 +127,14 @@ fn number(text: &str) -> Option<u32> {
 mod tests {
     use super::*;
 
+    const NONE: ThreadRights = ThreadRights::None(Lacks {
+        sync: true,
+        proof: true,
+        encoder: false,
+        gains: false,
+        index: false,
+    });
+
     #[test]
     fn codes_are_found_however_they_are_written() {
         for block in [
@@ -116,21 +143,41 @@ mod tests {
             "G 076 P010060 Q50",
             "G97 G34 Z-1",
         ] {
-            assert!(asks(block, false, false).refused.is_some(), "{block}");
-            assert_eq!(asks(block, true, false).refused, None, "{block}");
+            assert!(asks(block, NONE, false).refused.is_some(), "{block}");
+            assert_eq!(
+                asks(block, ThreadRights::Followed, false).refused,
+                None,
+                "{block}"
+            );
         }
         for block in ["G96 S120", "G99", "X1 G33 Z-5 F1"] {
-            assert!(asks(block, true, false).refused.is_some(), "{block}");
+            assert!(
+                asks(block, ThreadRights::Followed, false).refused.is_some(),
+                "{block}"
+            );
         }
         for block in ["(G92) G01 X1", "G98", "G9", "G920", "G0 X32", "N92 G01"] {
-            assert_eq!(asks(block, false, false), Asks::default(), "{block}");
+            assert_eq!(asks(block, NONE, false), Asks::default(), "{block}");
         }
     }
 
     #[test]
+    fn what_is_lacking_is_named() {
+        let Some(Refused::Thread(lacks)) = asks("G92 X1 Z1 F1", NONE, false).refused else {
+            panic!("not refused");
+        };
+        let text = lacks.text();
+        assert!(
+            text.contains("SS") && text.contains("line.thread_proved"),
+            "{text}"
+        );
+        assert_eq!(asks("G92 X1 Z1 F1", NONE, true).refused, None, "dry run");
+    }
+
+    #[test]
     fn calls_name_their_program() {
-        assert_eq!(asks("N130 M98 P41031", false, false).calls, Some(1031));
-        assert_eq!(asks("M98P7", false, false).calls, Some(7));
-        assert_eq!(asks("G65 H01 P#100", false, false).calls, None);
+        assert_eq!(asks("N130 M98 P41031", NONE, false).calls, Some(1031));
+        assert_eq!(asks("M98P7", NONE, false).calls, Some(7));
+        assert_eq!(asks("G65 H01 P#100", NONE, false).calls, None);
     }
 }

@@ -30,7 +30,7 @@ impl Linked {
             switching,
             max_rate: self.link.max_rate(),
             pulses_per_mm: self.link.pulses_per_mm(),
-            threads: false,
+            threads: self.link.threads(),
         });
     }
 

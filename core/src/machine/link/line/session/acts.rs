@@ -2,7 +2,9 @@
 
 use core::fmt::Write;
 
-use super::super::super::{BoardOutputs, Event, LinkState, Refused, SpindleWay};
+use super::super::super::{
+    BoardOutputs, Event, Lacks, LinkState, Refused, SpindleWay, ThreadRights,
+};
 use super::super::answers::BoardState;
 use super::{EXCUSED, HOMING_WAIT, Halt, Homing, LineLink, RESET};
 use crate::units::PerAxis;
@@ -29,6 +31,16 @@ impl LineLink {
         let firmware = &self.board().firmware;
         firmware.starts_with("FluidNC")
             || firmware.starts_with("grblHAL") && self.opening.setting(22) as u32 & 2 != 0
+    }
+
+    /// Which threads it cuts.
+    pub fn threads(&self) -> ThreadRights {
+        // Handing a pass over is not possible yet.
+        ThreadRights::None(Lacks {
+            sync: !self.board().spindle_sync,
+            proof: !self.config.line.thread_proved,
+            ..Lacks::default()
+        })
     }
 
     /// Begins the reference return of these axes. Boards that know only one for all
