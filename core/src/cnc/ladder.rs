@@ -7,7 +7,6 @@ use gsk_plc::{Ladder, Memory};
 
 use super::Cnc;
 use crate::memory::Parameters;
-use crate::operation::SoftSwitch;
 
 /// How far the halted ladder goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,15 +86,5 @@ impl Cnc {
     /// The ladder that power-on finds.
     pub(super) fn ladder_at_power_on(&self) -> Arc<Ladder> {
         Arc::clone(self.next_ladder.as_ref().unwrap_or(self.plc.ladder()))
-    }
-
-    /// Whether a switch of the soft machine panel is on.
-    pub const fn soft_switch(&self, switch: SoftSwitch) -> bool {
-        self.soft_switches & switch.mask() != 0
-    }
-
-    /// KEY1, G46.3: the ladder forbids changes of programs, offsets and parameters.
-    pub const fn memory_protected(&self) -> bool {
-        self.from_plc.memory_protect
     }
 }

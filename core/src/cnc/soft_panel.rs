@@ -34,6 +34,11 @@ pub(super) struct Turning {
 }
 
 impl Cnc {
+    /// Whether a switch of the soft machine panel is on.
+    pub const fn soft_switch(&self, switch: SoftSwitch) -> bool {
+        self.soft_switches & switch.mask() != 0
+    }
+
     /// Whether what a soft switch asks for is in force.
     pub fn soft_switch_state(&self, switch: SoftSwitch) -> bool {
         self.plc.memory().bit(state(switch))

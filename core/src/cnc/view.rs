@@ -15,7 +15,7 @@ use crate::motion::JogRate;
 use crate::operation::{Mode, Return, RunState, Sensors, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
-use crate::units::{Axis, PerAxis, Point};
+use crate::units::{Axis, PerAxis, Point, Pulses};
 
 /// The block in execution, or the one the next cycle start begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +52,11 @@ impl Cnc {
     /// Machine coordinates of the slides (radius, mm).
     pub fn position_machine(&self) -> Point {
         self.slide()
+    }
+
+    /// Pulses commanded so far.
+    pub fn pulses(&self) -> PerAxis<Pulses> {
+        self.axes.pulses()
     }
 
     /// Absolute coordinates in the work coordinate system (radius, mm).
@@ -225,6 +230,11 @@ impl Cnc {
     /// Whether 程序开关 is on.
     pub const fn program_switch(&self) -> bool {
         self.program_switch
+    }
+
+    /// KEY1, G46.3: the ladder forbids changes of programs, offsets and parameters.
+    pub const fn memory_protected(&self) -> bool {
+        self.from_plc.memory_protect
     }
 
     /// Program memory.

@@ -1,0 +1,108 @@
+//! The motion's part of a tick, and where it has brought the slides.
+
+use super::Cnc;
+use crate::motion::{DryRun, MotionInputs, RapidOverride};
+use crate::operation::{JOG_RATE_MAX, Mode, RunState, jog_rate};
+use crate::units::{Axis, PerAxis, Point};
+
+/// Motions shorter than a tick that are carried out in one.
+const MOTIONS_PER_TICK: usize = 16;
+
+impl Cnc {
+    pub(super) fn motion_tick(&mut self) {
+        let held = self.automatic.state == RunState::Hold
+            && self.held.is_none()
+            && !self.automatic.protected();
+        let mut inputs = MotionInputs {
+            feed_override: self.feed_override_factor(),
+            rapid_override: RapidOverride::from_percent(self.from_plc.rapid_override),
+            spindle_rpm: self.spindle.actual_rpm(),
+            spindle: self.angle.turn(),
+            thread_continues: self.automatic.thread_continues(),
+            cut_continues: self.cut_continues(),
+            hold: held || self.run_interlocked(),
+            dry_run: self.dry_run(),
+        };
+        self.interpolator.tick(&self.limits, &inputs);
+        for _ in 0..MOTIONS_PER_TICK {
+            if !self.begin_within_tick() {
+                break;
+            }
+            inputs.thread_continues = self.automatic.thread_continues();
+            inputs.cut_continues = self.cut_continues();
+            inputs.hold = held || self.run_interlocked();
+            self.interpolator.continue_tick(&self.limits, &inputs);
+        }
+        self.axes
+            .advance(self.position(), self.from_plc.machine_lock);
+        self.watch_gear_speed();
+    }
+
+    pub(crate) fn feed_override_factor(&self) -> f64 {
+        if self.from_plc.override_cancel {
+            return 1.0;
+        }
+        f64::from(self.from_plc.feed_override) / 100.0
+    }
+
+    /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its
+    /// highest step with manual rapid on; rapids at the jog rate unless manual
+    /// rapid is on or 004.6 RDRN = 1.
+    pub(crate) fn dry_run(&self) -> Option<DryRun> {
+        if !self.from_plc.dry_run || self.mode != Mode::Auto {
+            return None;
+        }
+        let jog = jog_rate(self.from_plc.jog_code);
+        let rapid = self.from_plc.rapid;
+        Some(DryRun {
+            cutting: if rapid { JOG_RATE_MAX } else { jog },
+            rapid: (!rapid && !self.parameters.dry_run_keeps_rapid()).then_some(jog),
+        })
+    }
+
+    pub(crate) const fn machine_locked(&self) -> bool {
+        self.from_plc.machine_lock.x && self.from_plc.machine_lock.z
+    }
+
+    /// Before a run: the distance that machine lock kept from the slides moves from
+    /// the motion into the frame. The display stays, the slides stay, and machine
+    /// coordinates are true again.
+    pub(crate) fn settle_coordinates(&mut self) {
+        let slide = self.axes.slide();
+        let away = self.position() - slide;
+        self.interpolator.translate(-away);
+        self.axes.preset(Axis::X, slide.x);
+        self.axes.preset(Axis::Z, slide.z);
+        self.frame.zero = self.frame.zero - away;
+        let frame = self.frame;
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.set_frame(frame, &world);
+    }
+
+    /// Where the slides really are, machine coordinates.
+    pub(crate) fn slide(&self) -> Point {
+        self.axes.slide()
+    }
+
+    /// Where the axes would come to rest if they braked now.
+    pub(crate) fn stopping_point(&self) -> Point {
+        self.interpolator.stopping_point(&self.limits)
+    }
+
+    /// The zero lamps go out when an axis leaves its reference point.
+    pub(super) fn watch_reference(&mut self) {
+        let now = self.position();
+        for axis in [Axis::X, Axis::Z] {
+            let at = self.at_reference.get_mut(axis);
+            *at = at.filter(|at| *at == now.get(axis));
+        }
+    }
+
+    pub(super) fn at_program_zero(&self) -> PerAxis<bool> {
+        let Some(zero) = self.program_zero else {
+            return PerAxis::default();
+        };
+        let position = self.position();
+        PerAxis::new(position.x == zero.x, position.z == zero.z)
+    }
+}

@@ -1,0 +1,65 @@
+//! The spindle's part of a tick.
+
+use gsk_plc::address::{Area, BitAddress};
+
+use super::Cnc;
+use crate::command::Action;
+use crate::machine::Inputs;
+use crate::spindle::SpindleInputs;
+use crate::units::Point;
+
+/// Y0.7, SPZD: spindle brake.
+const BRAKE_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 7);
+
+impl Cnc {
+    pub(super) fn spindle_tick(&mut self, inputs: &Inputs) {
+        let at = Point::new(self.surface_x(), 0.0);
+        self.spindle.set_jog(self.spindle_jog());
+        if !(41..=44).contains(&self.handshake.m) {
+            self.spindle.end_gear_change();
+        }
+        if !self.automatic.threading() {
+            self.spindle_override = self.from_plc.spindle_override;
+        }
+        self.spindle.tick(&SpindleInputs {
+            encoder: inputs.encoder,
+            radius: self.frame.program(at).x,
+            override_percent: self.spindle_override,
+        });
+        self.angle.tick(inputs.encoder, inputs.encoder_index);
+    }
+
+    /// SPHD counts with an analog spindle and in the modes of manual motion
+    /// (manual PLC-II 9.2).
+    pub(super) fn spindle_jog(&self) -> bool {
+        self.from_plc.spindle_jog && self.mode.is_manual() && self.parameters.analog_spindle()
+    }
+
+    /// SPZD: the ladder brakes the spindle.
+    pub(crate) fn brake_output(&self) -> bool {
+        self.plc.memory().bit(BRAKE_OUTPUT)
+    }
+
+    /// The X that the surface speed counts on, machine coordinate: the programmed
+    /// one, and in a rapid that of its end (manual I-2.6.2).
+    fn surface_x(&mut self) -> f64 {
+        let position = self.position();
+        let Some(current) = &self.automatic.current else {
+            return position.x + self.programmed_ahead;
+        };
+        let programmed = current.command.programmed_x.as_deref();
+        let (x, tip) = match (&current.command.action, programmed) {
+            (Action::Rapid { to }, None) => (to.x, to.x),
+            (Action::Rapid { to }, Some(programmed)) => (programmed.end(), to.x),
+            (Action::Line { to, .. } | Action::Arc { to, .. }, Some(programmed)) => {
+                (programmed.at(position, current.from, *to), position.x)
+            }
+            (Action::Line { .. } | Action::Arc { .. } | Action::Thread { .. }, None) => {
+                (position.x, position.x)
+            }
+            _ => return position.x + self.programmed_ahead,
+        };
+        self.programmed_ahead = x - tip;
+        x
+    }
+}
