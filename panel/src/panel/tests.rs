@@ -420,6 +420,22 @@ fn bits_are_walked_and_items_searched() {
 }
 
 #[test]
+fn after_the_self_test_the_alarm_page_comes_up_only_with_an_alarm() {
+    let mut emulator = Emulator::new(Setup::default());
+    emulator.run(100);
+    emulator.press(Key::EmergencyStop);
+    emulator.run(200);
+    assert!(emulator.simulation.cnc.in_alarm());
+    let mut released = emulator.clone();
+    released.press(Key::EmergencyStop);
+    for (mut emulator, expected) in [(emulator, PageId::Alm), (released, PageId::PosRel)] {
+        emulator.run_until(&Condition::SelfTestOver, 5000);
+        emulator.run(2);
+        assert_eq!(page(&emulator), expected);
+    }
+}
+
+#[test]
 fn during_the_self_test_the_display_is_deaf() {
     let mut emulator = Emulator::new(Setup::default());
     emulator.run(100);
