@@ -166,6 +166,14 @@ pub struct Cnc {
 impl Cnc {
     /// One millisecond of the control.
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
+        let seen;
+        let inputs = match self.board.as_ref().and_then(|board| board.spindle.as_ref()) {
+            Some(spindle) => {
+                seen = self.with_board_spindle(inputs, spindle);
+                &seen
+            }
+            None => inputs,
+        };
         self.events.clear();
         self.ticks += 1;
         self.sensors.sense(inputs, &self.parameters);

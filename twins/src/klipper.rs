@@ -11,6 +11,7 @@ mod block;
 mod commands;
 mod dictionary;
 mod objects;
+mod spindle;
 mod stepper;
 mod timers;
 
@@ -21,6 +22,8 @@ use block::Front;
 pub use block::block;
 use dictionary::{Response, response_id};
 use objects::{Counter, Endstop, Group, Output};
+use spindle::Spindle;
+pub use spindle::SpindleMake;
 use stepper::Stepper;
 
 /// Ticks a second, and places of the common queue.
@@ -94,8 +97,9 @@ pub struct KlipperTwin {
     free_at: i64,
     stats_at: i64,
     levels: BTreeMap<u32, bool>,
-    /// A spindle with one pulse a turn: pin, turns a minute, when it started.
-    spindle: Option<(u32, f64, u64)>,
+    spindle: Option<Spindle>,
+    /// Steps made since they are recorded.
+    recorded: Option<Vec<Made>>,
     /// Pulses made since power-on at the steppers, in the order of their oids.
     pulses: [i64; 2],
     last_pulse: u64,
@@ -115,6 +119,17 @@ pub struct Figures {
     pub identify: u64,
     /// Steps made.
     pub steps: u64,
+}
+
+/// A step that was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Made {
+    /// When, ns.
+    pub at: u64,
+    /// First or second stepper.
+    pub axis: usize,
+    /// Pulses behind it.
+    pub place: i64,
 }
 
 #[derive(Clone, Debug)]
@@ -150,6 +165,7 @@ impl KlipperTwin {
             stats_at: 0,
             levels: BTreeMap::new(),
             spindle: None,
+            recorded: None,
             pulses: [0; 2],
             last_pulse: 0,
             figures: Figures {
@@ -171,6 +187,7 @@ impl KlipperTwin {
         self.oids.clear();
         self.crc = None;
         self.shutdown = None;
+        self.drive_spindle(self.now);
     }
 
     /// What the board is doing.
@@ -224,9 +241,17 @@ impl KlipperTwin {
         })
     }
 
-    /// A spindle with one pulse a turn at this pin.
-    pub fn turn_spindle(&mut self, name: &str, rpm: f64) {
-        self.spindle = dictionary::pin(name).map(|pin| (pin, rpm, self.now));
+    /// Every step is written down from now on.
+    pub fn record_steps(&mut self) {
+        self.recorded = Some(Vec::new());
+    }
+
+    /// The steps written down since the last call.
+    pub fn recorded_steps(&mut self) -> Vec<Made> {
+        self.recorded
+            .as_mut()
+            .map(core::mem::take)
+            .unwrap_or_default()
     }
 
     /// The host writes bytes.
@@ -307,13 +332,10 @@ impl KlipperTwin {
     }
 
     fn level(&self, pin: u32) -> bool {
-        match self.spindle {
-            Some((index, rpm, from)) if index == pin => {
-                let turns = (self.now - from) as f64 * 1e-9 * rpm / 60.0;
-                turns.fract() < 0.1
-            }
-            _ => self.levels.get(&pin).copied().unwrap_or(false),
-        }
+        let index = self
+            .spindle
+            .and_then(|spindle| spindle.level(pin, self.now));
+        index.unwrap_or_else(|| self.levels.get(&pin).copied().unwrap_or(false))
     }
 
     fn send(&mut self, content: &[u8]) {
@@ -400,6 +422,7 @@ impl KlipperTwin {
                 Object::Counter(counter) => counter.next = None,
             }
         }
+        self.drive_spindle(self.now);
         let clock = self.clock();
         self.say(
             Response::Shutdown,

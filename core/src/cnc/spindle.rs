@@ -21,12 +21,17 @@ impl Cnc {
         if !self.automatic.threading() {
             self.spindle_override = self.from_plc.spindle_override;
         }
+        let board = self.board.as_ref().and_then(|board| board.spindle);
         self.spindle.tick(&SpindleInputs {
             encoder: inputs.encoder,
+            measured: board.map(|spindle| spindle.rpm),
             radius: self.frame.program(at).x,
             override_percent: self.spindle_override,
         });
-        self.angle.tick(inputs.encoder, inputs.encoder_index);
+        match board {
+            Some(spindle) => self.angle.tell(spindle.turn),
+            None => self.angle.tick(inputs.encoder, inputs.encoder_index),
+        }
     }
 
     /// SPHD counts with an analog spindle and in the modes of manual motion

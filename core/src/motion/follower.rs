@@ -14,6 +14,9 @@ use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
 use crate::units::TICK_S;
 
+/// A beginning so far before the tick was missed: the next one counts, turns.
+const MISSED: f64 = 0.01;
+
 /// What a thread leaves to the one that goes on from it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Handover {
@@ -95,6 +98,10 @@ impl Wait {
         };
         let since = direction * (spindle.now - angle);
         let step = direction * (spindle.now - spindle.before);
+        if since > step + MISSED {
+            *self = Self::Angle(angle);
+            return None;
+        }
         (since > 0.0 && step > 0.0).then(|| Beginning {
             angle,
             direction,

@@ -181,6 +181,11 @@ impl Interpolator {
         matches!(&self.motion, Motion::Thread(thread) if thread.running())
     }
 
+    /// Whether a thread waits for its angle of the spindle.
+    pub const fn waits_for_spindle(&self) -> bool {
+        matches!(&self.motion, Motion::Thread(thread) if !thread.running())
+    }
+
     /// Begins tapping: in phase inwards until [`Interpolator::turn_back`].
     pub fn start_tap(&mut self, to: Point, lead: f64, degrees: f64) {
         let tap = Tap::new(self.position, to, lead, degrees);

@@ -49,6 +49,7 @@ impl Rig {
         let index = self.turns.floor() as i64 * COUNTS as i64;
         self.angle.tick(encoder, index);
         self.spindle.tick(&SpindleInputs {
+            measured: None,
             encoder,
             radius: 0.0,
             override_percent: 100,

@@ -362,6 +362,7 @@ impl Cnc {
         self.automatic.arrival.tick(self.from_plc.speed_arrival);
         self.tap_tick();
         self.watch_spindle();
+        self.watch_board_spindle();
         if !self.automatic.operating() {
             return;
         }
@@ -424,6 +425,9 @@ impl Cnc {
         };
         if self.board_delays(&command.action) {
             self.automatic.ahead = Some(command);
+            return false;
+        }
+        if self.ends_spoilt(&command.action) {
             return false;
         }
         self.begin(command);

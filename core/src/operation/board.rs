@@ -4,8 +4,11 @@
 //! at rest (M, S, T, dwell, a stop between blocks) waits until it has made all of it.
 
 mod preflight;
+mod spindle;
 
 use serde::{Deserialize, Serialize};
+
+pub(crate) use spindle::{BoardSpindle, SpindleTrouble};
 
 use super::automatic::RunState;
 use super::zero_return::Return;
@@ -35,6 +38,8 @@ pub(crate) struct BoardDrives {
     pub pulses_per_mm: [f64; 2],
     /// Which threads it cuts.
     pub threads: ThreadRights,
+    /// The spindle whose index the board sees; none: it stays the simulated one.
+    pub spindle: Option<BoardSpindle>,
 }
 
 /// Whether an action is motion of the slides.
@@ -57,10 +62,11 @@ impl Cnc {
 
     /// Whether a command must not begin yet. M and S that start together with a
     /// motion are over before it: the board switches only at rest.
-    pub(super) fn board_delays(&self, action: &Action) -> bool {
-        self.board.is_some_and(|board| {
+    pub(super) fn board_delays(&mut self, action: &Action) -> bool {
+        let delays = self.board.is_some_and(|board| {
             is_motion(action) && (!board.prepared || board.switching || self.handshake.busy())
-        })
+        });
+        delays || self.board_spindle_delays(action)
     }
 
     /// Whether an axis may be moved by hand.
@@ -155,11 +161,12 @@ impl Cnc {
             | Action::Arc {
                 feed: Feed::PerRevolution(_),
                 ..
-            } => "feed per revolution (G99)",
-            _ => return Ok(()),
+            } if board.spindle.is_none() => "feed per revolution (G99)",
+            _ => return self.check_board_spindle(action),
         };
         Err(Alarm::new(604).because(format!(
-            "{what} needs the spindle's angle or speed in motion"
+            "{what} needs the spindle's angle or speed in motion{}",
+            spindle::why_not(&board, what)
         )))
     }
 
@@ -175,8 +182,9 @@ impl Cnc {
             Action::Arc { feed, .. } => (feed, Point::new(1.0, 1.0)),
             _ => return None,
         };
-        let Feed::PerMinute(feed) = feed else {
-            return None;
+        let feed = match feed {
+            Feed::PerMinute(feed) => *feed,
+            Feed::PerRevolution(way) => way * self.spindle.actual_rpm().abs(),
         };
         let feed = feed * self.feed_override_factor();
         let feed = feed.min(self.parameters.feed_limit()) / 60.0;

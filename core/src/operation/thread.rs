@@ -11,6 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::automatic::{Current, RunState};
+use super::board::SpindleTrouble;
 use super::handshake::Strobe;
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
@@ -73,6 +74,10 @@ pub(crate) struct SpindleWatch {
     ticks: u32,
     /// The spindle has turned in a cut of this run.
     turned: bool,
+    /// Ticks that a command has waited for the spindle.
+    pub waited: u32,
+    /// The thread under way is not what it should be: the run ends behind it.
+    pub spoilt: Option<SpindleTrouble>,
 }
 
 impl super::automatic::Automatic {
@@ -121,6 +126,7 @@ impl super::automatic::Automatic {
         }
         self.watch.rpm = None;
         self.watch.ticks = 0;
+        self.watch.waited = 0;
         // A stop that was programmed is expected.
         if matches!(
             action,
@@ -355,6 +361,10 @@ impl Cnc {
         let number = if stands && watch.turned && self.parameters.watches_spindle() {
             98
         } else if thread && watch.fluctuates(rpm.abs(), self.parameters.fluctuation_limit()) {
+            if self.board.is_some_and(|board| board.spindle.is_some()) {
+                watch.spoilt = Some(SpindleTrouble::Fluctuates(rpm.abs()));
+                return;
+            }
             91
         } else {
             if thread {
@@ -379,7 +389,7 @@ impl Cnc {
         }
     }
 
-    fn raise_at_last(&mut self, alarm: Alarm) {
+    pub(super) fn raise_at_last(&mut self, alarm: Alarm) {
         self.raise(match self.automatic.last {
             Some(source) => alarm.at(source),
             None => alarm,

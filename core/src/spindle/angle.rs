@@ -64,6 +64,16 @@ impl SpindleAngle {
         self.turn
     }
 
+    /// The angle comes from elsewhere: a pulse board sees the spindle.
+    pub const fn tell(&mut self, turn: SpindleTurn) {
+        self.turn = turn;
+        self.count = None;
+        self.index_count = None;
+        self.zero = None;
+        self.beyond = 0.5;
+        self.rate = 0.0;
+    }
+
     /// One tick: the absolute count, and the count at the last one-turn signal of
     /// the encoder.
     pub fn tick(&mut self, count: i64, index: i64) {

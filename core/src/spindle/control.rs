@@ -31,6 +31,8 @@ enum Instead {
 pub struct SpindleInputs {
     /// Encoder count (four a line), absolute.
     pub encoder: i64,
+    /// Speed, r/min, where a pulse board tells it in place of an encoder.
+    pub measured: Option<f64>,
     /// Radius for G96, mm: the programmed X without offset; sign ignored. In a
     /// rapid it is the one of the end point.
     pub radius: f64,
@@ -245,8 +247,12 @@ impl SpindleControl {
 
     /// One millisecond.
     pub fn tick(&mut self, inputs: &SpindleInputs) {
-        self.encoder
-            .tick(inputs.encoder, self.settings.encoder_scale);
+        match inputs.measured {
+            Some(rpm) => self.encoder.tell(rpm),
+            None => self
+                .encoder
+                .tick(inputs.encoder, self.settings.encoder_scale),
+        }
         self.radius = inputs.radius;
         self.factor = f64::from(inputs.override_percent) / 100.0;
         self.command_speed();

@@ -60,6 +60,13 @@ impl Encoder {
         self.rpm += (step as f64 * scale - self.rpm) / FILTER_TICKS;
     }
 
+    /// The speed comes from elsewhere: a pulse board sees the spindle.
+    pub(super) const fn tell(&mut self, rpm: f64) {
+        self.last = None;
+        self.counted |= rpm != 0.0;
+        self.rpm = rpm;
+    }
+
     /// R/min for one count in a tick.
     pub(super) fn scale(parameters: &Parameters) -> f64 {
         Self::counts_per_spindle_turn(parameters).map_or(0.0, |counts| 60.0 / (counts * TICK_S))

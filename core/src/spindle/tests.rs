@@ -15,6 +15,7 @@ fn control(changes: &[(u16, i32)]) -> SpindleControl {
 
 fn tick(control: &mut SpindleControl, radius: f64, override_percent: u8) -> (f64, f64) {
     control.tick(&SpindleInputs {
+        measured: None,
         encoder: 0,
         radius,
         override_percent,
@@ -106,6 +107,7 @@ fn measured_speed_is_smooth_and_goes_back_to_zero() {
     let mut control = control(&[(110, 2), (111, 1)]);
     let per_tick = 666.6 / 60_000.0 * 4096.0;
     let mut inputs = SpindleInputs {
+        measured: None,
         encoder: 0,
         radius: 0.0,
         override_percent: 100,
@@ -135,6 +137,7 @@ fn an_encoder_outside_100_to_5000_lines_measures_nothing() {
     let mut control = SpindleControl::new(&parameters);
     for encoder in 0..1000 {
         control.tick(&SpindleInputs {
+            measured: None,
             encoder,
             radius: 0.0,
             override_percent: 100,

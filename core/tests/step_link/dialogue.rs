@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use gsk_core::machine::link::step_queue::StepLink;
-use gsk_core::machine::link::{Event, Input, LinkState, Output, Refused, Stop};
+use gsk_core::machine::link::{Event, Input, LinkState, Output, Refused, SpindleView, Stop};
 use gsk_twins::klipper::{Make, State};
 
 use crate::bench::{Bench, config, parameters};
@@ -116,11 +116,15 @@ fn outputs_switch_with_the_motion() {
 #[test]
 fn the_index_tells_the_speed_of_the_spindle() {
     let mut bench = Bench::ready();
-    assert_eq!(bench.link.spindle(), None);
+    assert_eq!(bench.link.spindle(None), SpindleView::default());
     bench.twin.turn_spindle("PC3", 600.0);
     bench.pass(3000);
-    let (turns, period) = bench.link.spindle().unwrap();
-    assert!((28..=31).contains(&turns), "{turns}");
-    let off = period.as_secs_f64() - 0.1;
-    assert!(off.abs() < 0.000_2, "{off}");
+    let view = bench.link.spindle(None);
+    assert!((view.rpm - 600.0).abs() < 0.5, "{view:?}");
+    assert!((view.now - view.before - 0.01).abs() < 1e-5, "{view:?}");
+    assert!(view.variation.unwrap() < 0.001, "{view:?}");
+    bench.twin.lose_index(true);
+    bench.pass(600);
+    let view = bench.link.spindle(None);
+    assert!(view.rpm == 0.0 && view.now == view.before, "{view:?}");
 }

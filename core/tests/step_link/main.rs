@@ -5,6 +5,8 @@
 mod bench;
 mod dialogue;
 mod faults;
+mod lathe;
 mod linked;
 mod motion;
 mod stops;
+mod threads;

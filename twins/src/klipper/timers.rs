@@ -1,7 +1,7 @@
 //! What happens at its clock: steps, looks at switches, time-outs, outputs.
 
 use super::dictionary::Response;
-use super::{KlipperTwin, Object, RATE, STATS_S, STEP_NS, TOO_LATE_NS};
+use super::{KlipperTwin, Made, Object, RATE, STATS_S, STEP_NS, TOO_LATE_NS};
 
 const fn ticks(ns: i64) -> i64 {
     ns * (RATE as i64 / 1_000_000) / 1000
@@ -61,11 +61,18 @@ impl KlipperTwin {
                     .range(..oid)
                     .filter(|(_, object)| matches!(object, Object::Stepper(_)))
                     .count();
-                if let Some(count) = self.pulses.get_mut(place) {
-                    *count += if up { 1 } else { -1 };
-                }
                 self.figures.steps += 1;
                 self.last_pulse = self.moment(when);
+                if let Some(count) = self.pulses.get_mut(place) {
+                    *count += if up { 1 } else { -1 };
+                    if let Some(recorded) = &mut self.recorded {
+                        recorded.push(Made {
+                            at: self.last_pulse,
+                            axis: place,
+                            place: *count,
+                        });
+                    }
+                }
             }
             Object::Endstop(endstop) => {
                 let pin = endstop.pin;
@@ -104,6 +111,8 @@ impl KlipperTwin {
                     }
                     output.until = output.queue.is_empty().then_some(until);
                 }
+                let moment = self.moment(clock).min(self.now);
+                self.drive_spindle(moment);
             }
             Object::Counter(counter) => {
                 let pin = counter.pin;

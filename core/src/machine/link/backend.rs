@@ -6,7 +6,7 @@ use super::line::LineLink;
 use super::step_queue::StepLink;
 use super::{
     BoardInfo, BoardOutputs, Event, HostTime, Input, Lacks, LinkConfig, LinkState, Output, Pins,
-    Protocol, Refused, RunTime, Sample, Stop, ThreadRights, Traffic,
+    Protocol, Refused, RunTime, Sample, SpindleView, Stop, ThreadRights, Traffic,
 };
 use crate::memory::Parameters;
 use crate::units::{PerAxis, Pulses};
@@ -51,7 +51,11 @@ impl Link {
     pub fn threads(&self) -> ThreadRights {
         match self {
             Self::Line(link) => link.threads(),
-            Self::StepQueue(_) => ThreadRights::None(Lacks::default()),
+            Self::StepQueue(link) if link.sees_spindle() => ThreadRights::Followed,
+            Self::StepQueue(_) => ThreadRights::None(Lacks {
+                index: true,
+                ..Lacks::default()
+            }),
         }
     }
 
@@ -356,12 +360,29 @@ impl Link {
         }
     }
 
-    /// Turns of the spindle since the board was started, and how long one takes; none
-    /// without its one-turn signal.
-    pub fn spindle(&self) -> Option<(u64, Duration)> {
+    /// The spindle in the kernel's next tick; once before each. `give`: the axes follow
+    /// it, and it may be corrected by so much, turns.
+    pub fn spindle(&mut self, give: Option<f64>) -> Option<SpindleView> {
         match self {
-            Self::Line(_) => None,
-            Self::StepQueue(link) => link.spindle(),
+            Self::StepQueue(link) if link.sees_spindle() => Some(link.spindle(give)),
+            Self::Line(_) | Self::StepQueue(_) => None,
+        }
+    }
+
+    /// The spindle was reversed: what was learned of its turns does not go on.
+    pub fn spindle_reversed(&mut self) {
+        match self {
+            Self::Line(_) => {}
+            Self::StepQueue(link) => link.spindle_reversed(),
+        }
+    }
+
+    /// A time without motion is time all the same, while the axes wait for the
+    /// spindle.
+    pub const fn keep_time(&mut self, on: bool) {
+        match self {
+            Self::Line(_) => {}
+            Self::StepQueue(link) => link.keep_time(on),
         }
     }
 

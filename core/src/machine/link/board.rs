@@ -116,6 +116,29 @@ pub struct BoardOutputs {
     pub coolant: bool,
 }
 
+/// The spindle in a tick of the kernel, as its one-turn signal at the board lets it be
+/// foreseen; turns count up whichever way it goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SpindleView {
+    /// Speed, r/min; 0: it stands, or nothing is known yet.
+    pub rpm: f64,
+    /// Turns at the beginning of the tick and at its end; alike: the angle is not
+    /// known.
+    pub before: f64,
+    /// See `before`.
+    pub now: f64,
+    /// The index came by within the tick.
+    pub passed: bool,
+    /// Greatest difference of the last periods (20 turns, 2 s), a part of their mean;
+    /// none: not so many turns yet.
+    pub variation: Option<f64>,
+    /// An index came farther from where the axes followed than a thread bears, turns;
+    /// told once.
+    pub deviation: Option<f64>,
+    /// The axes follow it, and no index comes any more.
+    pub lost: bool,
+}
+
 /// Figures of the wire for the link page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Traffic {

@@ -15,6 +15,7 @@
 
 mod control;
 mod pace;
+mod spindle;
 
 use core::time::Duration;
 
@@ -78,6 +79,10 @@ pub struct Linked {
     reopen: bool,
     /// It stands as long as its cause, whatever RESET does.
     standing: Option<Alarm>,
+    /// Way the spindle turns as it was last switched, 1 or -1, and the index it last
+    /// passed, turns.
+    spindle_way: f64,
+    spindle_index: f64,
     /// A count that agreed at a standstill and has not been noted yet.
     agreed: Option<PerAxis<Pulses>>,
     /// The program that ended and whose end has not been checked yet.
@@ -109,6 +114,8 @@ impl Linked {
             powered: true,
             reopen: false,
             standing: None,
+            spindle_way: 1.0,
+            spindle_index: 0.0,
             agreed: None,
             ended: None,
             notes: Vec::new(),
@@ -213,6 +220,8 @@ impl Linked {
         if !self.moved && !self.link.is_prepared() {
             return;
         }
+        let waits = simulation.cnc.waits_for_spindle();
+        self.link.keep_time(waits);
         let fine = simulation.cnc.axes.fine();
         let parts = |place: f64| (place * FINE as f64).round() as i64;
         let sample = Sample {
@@ -226,7 +235,8 @@ impl Linked {
         }
         if self.moved {
             self.last_motion = self.run;
-        } else if !simulation.cnc.is_moving()
+        } else if !waits
+            && !simulation.cnc.is_moving()
             && let Err(refused) = self.link.finish()
         {
             self.refuse(simulation, refused);

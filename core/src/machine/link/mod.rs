@@ -22,7 +22,9 @@ use core::time::Duration;
 use crate::units::{Axis, PerAxis, Pulses};
 
 pub use backend::Link;
-pub use board::{BoardInfo, BoardOutputs, Lacks, Pins, SpindleWay, ThreadRights, Traffic};
+pub use board::{
+    BoardInfo, BoardOutputs, Lacks, Pins, SpindleView, SpindleWay, ThreadRights, Traffic,
+};
 pub use config::{
     FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,
     Protocol,

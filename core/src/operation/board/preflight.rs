@@ -107,8 +107,15 @@ fn asks(block: &str, threads: ThreadRights, dry_run: bool) -> Asks {
 const fn refused(code: u32, threads: ThreadRights) -> Option<Refused> {
     match (code, threads) {
         (32 | 34 | 76 | 92, ThreadRights::None(lacks)) => Some(Refused::Thread(lacks)),
+        (33, ThreadRights::Followed) => Some(Refused::Never(
+            "tapping (G33): the index does not tell how the spindle brakes and reverses",
+        )),
         (33, _) => Some(Refused::Never("tapping (G33)")),
         (96, _) => Some(Refused::Never("constant surface speed (G96)")),
+        (99, ThreadRights::Followed) => None,
+        (99, ThreadRights::None(Lacks { index: true, .. })) => Some(Refused::Never(
+            "feed per revolution (G99): io.index of the machine file names no pin",
+        )),
         (99, _) => Some(Refused::Never("feed per revolution (G99)")),
         _ => None,
     }
@@ -150,7 +157,9 @@ mod tests {
                 "{block}"
             );
         }
-        for block in ["G96 S120", "G99", "X1 G33 Z-5 F1"] {
+        assert!(asks("G99", NONE, false).refused.is_some());
+        assert_eq!(asks("G99", ThreadRights::Followed, false).refused, None);
+        for block in ["G96 S120", "X1 G33 Z-5 F1"] {
             assert!(
                 asks(block, ThreadRights::Followed, false).refused.is_some(),
                 "{block}"

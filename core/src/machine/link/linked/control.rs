@@ -22,6 +22,7 @@ impl Linked {
             }
             Some(switched) => switched != wanted,
         };
+        let spindle = self.look_at_spindle(simulation, wanted.spindle);
         simulation.cnc.board = Some(BoardDrives {
             takes_motion: self.link.takes_motion() && !self.flushing,
             prepared: self.link.is_prepared() && !self.flushing,
@@ -31,6 +32,7 @@ impl Linked {
             max_rate: self.link.max_rate(),
             pulses_per_mm: self.link.pulses_per_mm(),
             threads: self.link.threads(),
+            spindle,
         });
     }
 

@@ -22,6 +22,7 @@ mod rates;
 mod session;
 mod shutdown;
 mod steps;
+mod turns;
 mod wiring;
 
 pub use session::StepLink;

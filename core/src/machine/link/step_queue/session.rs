@@ -5,6 +5,7 @@ mod motion;
 mod opening;
 mod place;
 mod samples;
+mod spindle;
 mod stops;
 mod upkeep;
 
@@ -25,6 +26,7 @@ use crate::units::{Axis, PerAxis, Pulses};
 use homing::Homing;
 use motion::Motion;
 use opening::Phase;
+use spindle::Spindle;
 use stops::{Group, Stopping, Why};
 use upkeep::Upkeep;
 
@@ -78,6 +80,7 @@ pub struct StepLink {
     stopping: Option<Stopping>,
     reading: Option<Reading>,
     upkeep: Upkeep,
+    spindle: Spindle,
     /// The board is shut down: it hears nothing but a reset.
     down: bool,
     /// The slides stand where the kernel believes.
@@ -111,6 +114,7 @@ impl StepLink {
             stopping: None,
             reading: None,
             upkeep: Upkeep::default(),
+            spindle: Spindle::new(1.0),
             down: false,
             known: false,
             released: false,
@@ -151,11 +155,6 @@ impl StepLink {
             emergency: operated(Input::EmergencyStop),
             door: false,
         }
-    }
-
-    /// Turns of the spindle since the board was started, and how long the last took.
-    pub fn spindle(&self) -> Option<(u64, Duration)> {
-        self.upkeep.spindle(&self.clock)
     }
 
     /// Since when the axes have stood, as far as the board has been told.
@@ -413,10 +412,7 @@ impl StepLink {
                 self.upkeep
                     .switch_told(told, i64::from(numbers[0]), numbers[3]);
             }
-            Kind::Counter => {
-                self.upkeep
-                    .turns_told(numbers[2], numbers[3], self.clock.at(self.now));
-            }
+            Kind::Counter => self.turns_told(numbers[2], numbers[3]),
             Kind::Shutdown => self.shut_down(numbers[1]),
             Kind::IsShutdown => self.shut_down(numbers[0]),
             Kind::Starting if self.is_running() => self.board_restarted(),

@@ -52,6 +52,8 @@ pub(super) struct Motion {
     /// The newest sample moved nothing; the kernel said it stands.
     pub(super) rested: bool,
     pub(super) finished: bool,
+    /// Rest takes its place all the same.
+    pub(super) keeps_time: bool,
     pub(super) pieces: VecDeque<Piece>,
     pub(super) made: VecDeque<Piece>,
     pub(super) executed: RunTime,
@@ -79,6 +81,7 @@ impl Motion {
             end_run: RunTime::ZERO,
             rested: true,
             finished: true,
+            keeps_time: false,
             pieces: VecDeque::new(),
             made: VecDeque::new(),
             executed: RunTime::ZERO,

@@ -54,6 +54,7 @@ impl StepLink {
         self.reading = None;
         self.group = Group::default();
         self.upkeep = Upkeep::default();
+        self.forget_spindle();
         self.dictionary = Dictionary::default();
         self.wiring = None;
         self.motion.forget_board();
@@ -269,6 +270,7 @@ impl StepLink {
         }
         self.phase = Phase::Running;
         self.take_over_outputs();
+        self.forget_spindle();
         let index = self.wiring.as_ref().and_then(|wiring| wiring.index);
         if let Some(oid) = index {
             let at = self.soon();

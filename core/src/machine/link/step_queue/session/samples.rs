@@ -87,11 +87,8 @@ impl StepLink {
                 return Err(Refused::TowardLimit([Axis::X, Axis::Z][axis]));
             }
         }
-        let now = self.clock.at(self.now) as Ticks;
-        let begin = now + self.clock.ticks(self.config.lookahead()) as Ticks;
-        let late = self.earliest() as Ticks;
         let rests = !moved && sample.fine == before.fine;
-        if rests && self.motion.finished {
+        if rests && self.motion.finished && !self.motion.keeps_time {
             // Rest takes no place in the board.
             self.motion.newest = sample;
             if self.motion.end.is_none() {
@@ -99,21 +96,16 @@ impl StepLink {
             }
             return Ok(());
         }
-        let rest = before.end.saturating_sub(self.motion.end_run);
-        let rest = self.clock.ticks(rest) as Ticks;
-        let from = match self.motion.end {
-            Some(end) if end + rest >= late => (end + rest).min(begin).max(end),
-            // Out of rest it may begin later.
-            Some(_) if self.motion.rested || self.motion.finished => begin,
-            Some(_) => {
-                self.late("the kernel has not handed over motion in time");
-                return Err(Refused::NotReady);
-            }
-            None => begin,
-        };
-        self.reading = self
-            .reading
-            .filter(|reading| reading.purpose != Purpose::Verify);
+        if self.is_too_late() {
+            self.late("the kernel has not handed over motion in time");
+            return Err(Refused::NotReady);
+        }
+        let from = self.next_begin();
+        if !(rests && self.motion.keeps_time) {
+            self.reading = self
+                .reading
+                .filter(|reading| reading.purpose != Purpose::Verify);
+        }
         let end = from + self.clock.ticks(duration) as Ticks;
         for (axis, steps) in self.motion.steps.iter_mut().enumerate() {
             let pair = |values: PerAxis<i64>| if axis == 0 { values.x } else { values.z };
@@ -147,6 +139,32 @@ impl StepLink {
             }
         }
         Ok(())
+    }
+
+    /// Board clock at which the motion handed over so far is over, rest behind it
+    /// counted; none: there is none.
+    fn end_of_rest(&self) -> Option<(Ticks, Ticks)> {
+        let end = self.motion.end?;
+        let rest = (self.motion.newest.end).saturating_sub(self.motion.end_run);
+        Some((end, end + self.clock.ticks(rest) as Ticks))
+    }
+
+    /// Whether moving axes are without motion by now.
+    fn is_too_late(&self) -> bool {
+        let rests = self.motion.rested || self.motion.finished;
+        let late = self.earliest() as Ticks;
+        !rests && self.end_of_rest().is_some_and(|(_, rest)| rest < late)
+    }
+
+    /// Board clock at which motion begins that is handed over now.
+    pub(super) fn next_begin(&self) -> Ticks {
+        let now = self.clock.at(self.now) as Ticks;
+        let begin = now + self.clock.ticks(self.config.lookahead()) as Ticks;
+        match self.end_of_rest() {
+            Some((end, rest)) if rest >= self.earliest() as Ticks => rest.min(begin).max(end),
+            // Out of rest it may begin later.
+            _ => begin,
+        }
     }
 
     /// The kernel stands: what is left of the motion goes out.

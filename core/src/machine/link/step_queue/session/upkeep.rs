@@ -1,12 +1,10 @@
 //! What is renewed all the time: clock, heartbeat, enable of the drives, inputs.
 
 use core::time::Duration;
-use std::collections::VecDeque;
 
 use super::super::super::{
     BoardOutputs, HostTime, Input, LinkState, Output, Refused, RunTime, SpindleWay,
 };
-use super::super::clock::{Clock, near};
 use super::super::commands::Command;
 use super::super::delivery::{Mark, Message};
 use super::super::wiring::{Drain, Wiring};
@@ -27,8 +25,6 @@ const INHERITED: Duration = Duration::from_millis(800);
 /// Between two questions for a switch, standing and moving.
 const SWITCH_EVERY: Duration = Duration::from_millis(10);
 const SWITCH_MOVING: Duration = Duration::from_millis(40);
-/// Turns kept of the spindle.
-const TURNS: usize = 4;
 /// Full spindle voltage, mV.
 const FULL_MV: i64 = 10_000;
 
@@ -49,8 +45,6 @@ pub(super) struct Upkeep {
     switch_due: HostTime,
     next_switch: usize,
     switches: Vec<(Input, bool)>,
-    /// Edges of the index signal and their clocks.
-    turns: VecDeque<(u32, u64)>,
     /// What spindle and coolant are to do, and what the board was told.
     wanted: BoardOutputs,
     told: BoardOutputs,
@@ -83,26 +77,6 @@ impl Upkeep {
             Some((_, told)) => *told = operated,
             None => self.switches.push((switch.input, operated)),
         }
-    }
-
-    pub(super) fn turns_told(&mut self, count: u32, clock: u32, now: u64) {
-        if self.turns.back().is_some_and(|(told, _)| *told == count) {
-            return;
-        }
-        if self.turns.len() > TURNS {
-            self.turns.pop_front();
-        }
-        self.turns.push_back((count, near(clock, now)));
-    }
-
-    /// Both edges of a turn are counted; even counts are the same edge.
-    pub(super) fn spindle(&self, clock: &Clock) -> Option<(u64, Duration)> {
-        let even = |(count, _): &&(u32, u64)| count % 2 == 0;
-        let (newest, at) = self.turns.iter().rev().find(even)?;
-        let (first, from) = self.turns.iter().find(even)?;
-        let turns = u64::from(newest.wrapping_sub(*first) / 2);
-        let period = clock.duration(at.checked_sub(*from)?.checked_div(turns)?);
-        Some((u64::from(newest / 2), period))
     }
 }
 
