@@ -327,6 +327,18 @@ pub struct LinkTwinArgs {
     /// Hold all bytes to the board up by so many ms
     #[arg(long, default_value_t = 0, value_name = "MS")]
     pub delay_ms: u64,
+    /// Klipper: speed of its spindle at full output, turns a minute
+    #[arg(long, default_value_t = 9999.0, value_name = "RPM")]
+    pub spindle_top: f64,
+    /// Klipper: the speed of its spindle goes up and down by so many per cent
+    #[arg(long, default_value_t = 0.0, value_name = "PERCENT")]
+    pub ripple: f64,
+    /// Klipper: so often a second
+    #[arg(long, default_value_t = 0.5, value_name = "HZ")]
+    pub ripple_hz: f64,
+    /// Klipper: the index of its spindle stays away after so many seconds
+    #[arg(long, value_name = "S")]
+    pub lose_index: Option<u64>,
     /// Stop after so many seconds
     #[arg(long, value_name = "S")]
     pub seconds: Option<u64>,

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use gsk_twins::grbl::{GrblTwin, Settings, State, Variant};
-use gsk_twins::klipper::{self, KlipperTwin};
+use gsk_twins::klipper::{self, KlipperTwin, SpindleMake};
 use gsk_twins::wire::{Damage, Wire};
 
 use super::super::{FINE, output};
@@ -16,6 +16,16 @@ const AHEAD: u64 = 4096;
 
 /// Limit switches of the board of timed steps: pin, axis, pulses at which it closes.
 const SWITCHES: [(&str, usize, i64); 2] = [("PC0", 0, 4000), ("PC1", 1, 8000)];
+
+/// The spindle of the board of timed steps.
+const SPINDLE: SpindleMake<'_> = SpindleMake {
+    index: "PC3",
+    forward: "PB4",
+    reverse: "PB5",
+    speed: "PB6",
+    top: 9999.0,
+    inertia: 0.2,
+};
 
 /// A board that is played.
 enum Twin {
@@ -32,13 +42,19 @@ struct Shown {
 }
 
 impl Twin {
-    fn new(firmware: TwinBoard) -> Self {
+    fn new(args: &LinkTwinArgs) -> Self {
         let grbl = |variant| Self::Grbl(Box::new(GrblTwin::new(variant, Settings::default())));
-        match firmware {
+        match args.firmware {
             TwinBoard::Grbl => grbl(Variant::Grbl),
             TwinBoard::Grblhal => grbl(Variant::GrblHal),
             TwinBoard::Klipper => {
-                Self::Klipper(Box::new(KlipperTwin::new(klipper::Make::default())))
+                let mut board = KlipperTwin::new(klipper::Make::default());
+                board.fit_spindle(SpindleMake {
+                    top: args.spindle_top,
+                    ..SPINDLE
+                });
+                board.set_ripple(args.ripple, args.ripple_hz);
+                Self::Klipper(Box::new(board))
             }
         }
     }
@@ -94,7 +110,7 @@ impl Twin {
 /// Plays a board until its time is up.
 pub fn twin(args: &LinkTwinArgs) -> Result<u8, String> {
     let (mut near, _far, name) = Port::pair()?;
-    let mut board = Twin::new(args.firmware);
+    let mut board = Twin::new(args);
     output::print(&format!("{name}\n"))?;
     if args.delay_ms > 0 {
         let delay = Damage::HeldUp(args.delay_ms * 1_000_000);
@@ -115,6 +131,9 @@ pub fn twin(args: &LinkTwinArgs) -> Result<u8, String> {
         }
         let bytes = near.read().map_err(|error| error.to_string())?;
         let elapsed = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
+        if let (Twin::Klipper(board), Some(after)) = (&mut board, args.lose_index) {
+            board.lose_index(start.elapsed() >= Duration::from_secs(after));
+        }
         let mut said = board.play(&bytes, elapsed);
         while !said.is_empty() {
             let count = near.write(&said).map_err(|error| error.to_string())?;
