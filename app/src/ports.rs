@@ -51,16 +51,7 @@ impl Port {
                 "the port was closed",
             )),
             Ok(count) => Ok(buffer[..count].to_vec()),
-            Err(error)
-                if matches!(
-                    error.kind(),
-                    io::ErrorKind::TimedOut
-                        | io::ErrorKind::WouldBlock
-                        | io::ErrorKind::Interrupted
-                ) =>
-            {
-                Ok(Vec::new())
-            }
+            Err(error) if passes(&error) => Ok(Vec::new()),
             Err(error) => Err(error),
         }
     }
@@ -74,32 +65,32 @@ impl Port {
             return Ok(0);
         }
         match self.0.write(bytes) {
-            Err(error)
-                if matches!(
-                    error.kind(),
-                    io::ErrorKind::TimedOut
-                        | io::ErrorKind::WouldBlock
-                        | io::ErrorKind::Interrupted
-                ) =>
-            {
-                Ok(0)
-            }
+            Err(error) if passes(&error) => Ok(0),
             result => result,
         }
     }
 }
 
+/// Whether the port is only busy, not gone.
+fn passes(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted
+    )
+}
+
 fn explain(path: &str, error: &serialport::Error) -> String {
-    let advice = match error.kind() {
-        serialport::ErrorKind::Io(io::ErrorKind::PermissionDenied) => {
-            "; you may not use it: become a member of the group that owns it (often dialout)"
-        }
-        serialport::ErrorKind::NoDevice => {
-            "; there is no such device, or another program has it: `gsk980td link list` shows the ports"
-        }
-        _ => "",
-    };
-    format!("{path} cannot be opened: {error}{advice}")
+    match error.kind() {
+        serialport::ErrorKind::Io(io::ErrorKind::PermissionDenied) => format!(
+            "{path} cannot be opened: {error}; you may not use it: become a member of the group \
+             that owns it (often dialout)"
+        ),
+        serialport::ErrorKind::NoDevice => format!(
+            "{path} cannot be opened: {error}; there is no such device, or another program has \
+             it: `gsk980td link list` shows the ports"
+        ),
+        _ => format!("{path} cannot be opened: {error}"),
+    }
 }
 
 /// A port of this computer.

@@ -247,6 +247,18 @@ pub enum Action {
 }
 
 impl Action {
+    /// Whether it is motion of the slides by itself, one move.
+    pub(crate) const fn is_motion(&self) -> bool {
+        matches!(
+            self,
+            Self::Rapid { .. }
+                | Self::Line { .. }
+                | Self::Arc { .. }
+                | Self::Thread { .. }
+                | Self::Tap { .. }
+        )
+    }
+
     /// The same motion at another place; what does not move stays as it is.
     pub(crate) fn translated(mut self, by: Point) -> Self {
         match &mut self {

@@ -132,14 +132,7 @@ impl Motion {
     pub(crate) fn moves(&self) -> bool {
         match self {
             Self::None => false,
-            Self::One(action) => matches!(
-                action,
-                Action::Rapid { .. }
-                    | Action::Line { .. }
-                    | Action::Arc { .. }
-                    | Action::Thread { .. }
-                    | Action::Tap { .. }
-            ),
+            Self::One(action) => action.is_motion(),
             Self::Box(_) | Self::Reference(_) | Self::Two(_) | Self::Cycle(_) => true,
         }
     }

@@ -42,18 +42,6 @@ pub(crate) struct BoardDrives {
     pub spindle: Option<BoardSpindle>,
 }
 
-/// Whether an action is motion of the slides.
-const fn is_motion(action: &Action) -> bool {
-    matches!(
-        action,
-        Action::Rapid { .. }
-            | Action::Line { .. }
-            | Action::Arc { .. }
-            | Action::Thread { .. }
-            | Action::Tap { .. }
-    )
-}
-
 impl Cnc {
     /// Whether the slides are still on their way to where the control stands.
     pub(crate) fn is_board_behind(&self) -> bool {
@@ -64,7 +52,7 @@ impl Cnc {
     /// motion are over before it: the board switches only at rest.
     pub(super) fn board_delays(&mut self, action: &Action) -> bool {
         let delays = self.board.is_some_and(|board| {
-            is_motion(action) && (!board.prepared || board.switching || self.handshake.busy())
+            action.is_motion() && (!board.prepared || board.switching || self.handshake.busy())
         });
         delays || self.board_spindle_delays(action)
     }

@@ -1,6 +1,6 @@
 //! Threads and taps without ticks.
 
-use super::{Walk, bounds, snapped};
+use super::{Walk, snapped};
 use crate::alarm::Alarm;
 use crate::command::{Command, ExecutedMove, MoveKind, ThreadStart};
 use crate::motion::{ThreadMove, path_length};
@@ -108,9 +108,7 @@ impl Walk<'_> {
             start_s: self.clock.now(),
             duration_s: took,
         };
-        bounds::include(&mut self.so_far.bounds, &executed);
-        self.clock.advance(took);
-        self.so_far.moves += 1;
+        self.count(&executed);
         (self.on_move)(&executed);
     }
 }

@@ -70,15 +70,20 @@ impl Walk<'_> {
             start_s: self.clock.now(),
             duration_s: took,
         };
-        bounds::include(&mut self.so_far.bounds, &executed);
-        self.clock.advance(took);
-        self.so_far.moves += 1;
+        self.count(&executed);
         if over {
             self.unsettled = Some(executed);
         } else {
             (self.on_move)(&executed);
         }
         Ok(())
+    }
+
+    /// A move takes its time and its place.
+    pub(super) fn count(&mut self, executed: &ExecutedMove) {
+        bounds::include(&mut self.so_far.bounds, executed);
+        self.clock.advance(executed.duration_s);
+        self.so_far.moves += 1;
     }
 
     /// The cut that waits for what follows it: unless that is a cut too, the tool

@@ -22,6 +22,20 @@ pub struct Column {
     pub value_end: usize,
 }
 
+/// The halves of a list of three-digit numbers or addresses with their values.
+pub const NUMBERED: [Column; 2] = [
+    Column {
+        cursor: 0,
+        number: 1,
+        value_end: 16,
+    },
+    Column {
+        cursor: 20,
+        number: 21,
+        value_end: 36,
+    },
+];
+
 /// One item: its number as shown, and its value.
 pub type Item = (String, String);
 

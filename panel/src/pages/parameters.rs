@@ -31,18 +31,6 @@ pub const BITS: [Column; 2] = [
         value_end: 35,
     },
 ];
-const VALUES: [Column; 2] = [
-    Column {
-        cursor: 0,
-        number: 1,
-        value_end: 16,
-    },
-    Column {
-        cursor: 20,
-        number: 21,
-        value_end: 36,
-    },
-];
 
 /// The numbers of the state parameters, ascending.
 pub fn state_numbers() -> impl Iterator<Item = u16> {
@@ -112,7 +100,7 @@ pub fn data(screen: &mut Screen, view: &View, cnc: &Cnc) {
         let value = cnc.parameters().value(*number);
         (format!("{number:03}"), value.to_string())
     });
-    lists::draw(screen, &VALUES, shown, item % SCREEN);
+    lists::draw(screen, &lists::NUMBERED, shown, item % SCREEN);
     let Some(number) = values.get(item) else {
         return;
     };

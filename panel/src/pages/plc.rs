@@ -8,7 +8,7 @@ use gsk_core::units::Axis;
 
 use super::format::{self, Display};
 use super::frame;
-use super::lists::{self, Column, HEADING_ROW, LIST_ROWS};
+use super::lists::{self, HEADING_ROW, LIST_ROWS};
 use super::plc_names;
 use super::table::PageId;
 use super::view::View;
@@ -28,19 +28,6 @@ const VALUE_AREAS: [Area; 3] = [Area::D, Area::T, Area::C];
 
 /// Bytes of one screen of the signal page.
 const BIT_SCREEN: usize = 2 * LIST_ROWS;
-
-const BITS: [Column; 2] = [
-    Column {
-        cursor: 0,
-        number: 1,
-        value_end: 16,
-    },
-    Column {
-        cursor: 20,
-        number: 21,
-        value_end: 36,
-    },
-];
 
 /// The address of an item of the signal page; items count through the areas.
 pub fn bit_item(item: usize) -> ByteAddress {
@@ -112,7 +99,12 @@ pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let memory = cnc.plc().memory();
     let shown = screen_of(at, BIT_SCREEN)
         .map(|address| (address.to_string(), format::byte(memory.byte(address))));
-    lists::draw(screen, &BITS, shown, usize::from(at.byte) % BIT_SCREEN);
+    lists::draw(
+        screen,
+        &lists::NUMBERED,
+        shown,
+        usize::from(at.byte) % BIT_SCREEN,
+    );
     let bit = cursor.bit.min(7);
     let ladder = cnc.plc().ladder();
     let name = |bit| plc_names::short(BitAddress::new(at.area, at.byte, bit));
