@@ -22,7 +22,7 @@ use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::units::Point;
 use gsk_panel::emulator::Emulator;
-use gsk_panel::keys::Key;
+use gsk_panel::keys::{Key, Role};
 use gsk_panel::panel::{KeyEvent, SerialFile};
 use gsk_panel::screen::Screen;
 
@@ -44,6 +44,15 @@ pub const PICTURE_TICKS: u64 = 25;
 const MACHINE_TICKS: u64 = 50;
 /// Commands that wait for the kernel.
 const QUEUE: usize = 1024;
+
+/// How long a key stays down at the least. Characters and page keys act when they go
+/// down; held longer, fast typing would run into No.119, the keys accepted at a time.
+const fn shortest_press(key: Key) -> u64 {
+    match key.row().role {
+        Role::Character(..) | Role::Page => 0,
+        _ => SHORTEST_PRESS,
+    }
+}
 
 /// What the window asks of the kernel.
 #[derive(Clone, Debug)]
@@ -350,7 +359,7 @@ impl Kernel {
     fn carry_out(&mut self, command: Command) {
         match command {
             Command::Key { key, down: true } => self.press(key),
-            Command::Key { key, down: false } => self.release_soon(key, SHORTEST_PRESS),
+            Command::Key { key, down: false } => self.release_soon(key, shortest_press(key)),
             Command::Tap(key) => {
                 self.press(key);
                 self.release_soon(key, TAP);

@@ -11,7 +11,8 @@ mod text;
 
 use std::sync::LazyLock;
 
-pub use paint::{FaceState, paint};
+pub use paint::{FaceState, look, paint, paint_part};
+pub use tiny_skia::Pixmap;
 
 use crate::keys::{Key, Role};
 

@@ -106,7 +106,7 @@ impl App {
         };
         let thread = kernel::start(kernel, &console, outside)?;
         let mut window = Window::new(console, settings.clone());
-        window.paint_ahead();
+        window.paint_panel();
         if !restored.complaints.is_empty() {
             window.say(restored.complaints.join("; "));
         }

@@ -77,6 +77,11 @@ impl<K: Copy + PartialEq> Held<K> {
             .collect()
     }
 
+    /// The keys that are down; one with several holders comes several times.
+    pub fn keys(&self) -> impl Iterator<Item = K> {
+        self.by_holder.values().copied()
+    }
+
     /// What a holder is on.
     pub fn of(&self, holder: Holder) -> Option<K> {
         self.by_holder.get(&holder).copied()

@@ -3,8 +3,8 @@
 
 mod alarm_line;
 pub mod app;
-mod backdrop;
 mod extents;
+mod face;
 mod figures;
 pub mod fonts;
 mod held;
@@ -12,7 +12,6 @@ mod help;
 mod keyboard;
 mod lcd;
 mod opener;
-mod paint;
 mod panel_view;
 mod pointing;
 mod settings;
@@ -55,8 +54,7 @@ pub struct Window {
     help: bool,
     views: Views,
     lcd: lcd::Lcd,
-    shade: paint::Shade,
-    backdrop: backdrop::Backdrop,
+    face: face::Face,
 }
 
 /// What the line of messages says.
@@ -83,14 +81,13 @@ impl Window {
             help: false,
             views,
             lcd: lcd::Lcd::default(),
-            shade: paint::Shade::default(),
-            backdrop: backdrop::Backdrop::default(),
+            face: face::Face::default(),
         }
     }
 
-    /// From now on the panel is painted ahead, in a thread: for a real display.
-    pub const fn paint_ahead(&mut self) {
-        self.backdrop.turn_on();
+    /// From now on the panel is painted: for a real display.
+    pub const fn paint_panel(&mut self) {
+        self.face.turn_on();
     }
 
     /// What is remembered for the next start.

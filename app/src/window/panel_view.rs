@@ -1,11 +1,11 @@
 //! The panel inside the window: parts, LCD, accessible names, pointer.
 
 use egui::{Pos2, Role, Sense, Ui, WidgetInfo};
-use gsk_panel::faceplate::{self, Part, What};
+use gsk_panel::faceplate::{self, FaceState, Part, What};
 use gsk_panel::keys::{Key, STRIP};
 
+use super::face::View;
 use super::help::pc_name;
-use super::paint::{Faceplate, Look, View};
 use super::texts::Text;
 use super::{Command, Window};
 use crate::cli::Language;
@@ -16,35 +16,22 @@ impl Window {
         let room = ui.max_rect();
         let view = View::fit(room, ui.pixels_per_point());
         self.point(ui, view);
-        let shade = self.shade.texture(ui.ctx());
         let painter = ui.painter().clone();
         let picture = self.picture.take();
-        let dark = [0; 20];
-        let held = &self.held;
-        let pressed = |key: Key| {
-            held.is_down(key)
-                || picture
-                    .as_ref()
-                    .is_some_and(|picture| picture.pressed.contains(&key))
-        };
-        let look = Look {
-            y: picture.as_ref().map_or(&dark[..], |picture| &picture.y[..]),
+        let mut pressed: Vec<Key> = self.held.keys().collect();
+        if let Some(picture) = &picture {
+            pressed.extend(&picture.pressed);
+        }
+        let state = FaceState {
+            y: picture.as_ref().map_or(&[], |picture| &picture.y[..]),
             pressed: &pressed,
+            lcd: None,
             wheel: picture.as_ref().map_or(0, |picture| picture.wheel),
         };
-        let face = Faceplate::new(&painter, view, shade);
+        self.face.paint(&painter, view, &state);
         let mut taps = Vec::new();
-        let (up, down) = self.backdrop.sheets(ui.ctx(), view);
-        if let Some(up) = &up {
-            up.paint(&painter, view);
-        }
         for part in faceplate::parts() {
-            match &up {
-                Some(_) => face.change(part, &look, down.as_ref()),
-                None => face.part(part, &look),
-            }
-            let tapped = self.describe(ui, part, view, &look);
-            taps.extend(tapped);
+            taps.extend(self.describe(ui, part, view, &state));
         }
         for key in taps {
             self.console.send(Command::Tap(key));
@@ -64,7 +51,7 @@ impl Window {
 
     /// Gives a part its accessible name; returns the key that a screen reader has
     /// pressed.
-    fn describe(&self, ui: &Ui, part: &Part, view: View, look: &Look<'_>) -> Option<Key> {
+    fn describe(&self, ui: &Ui, part: &Part, view: View, state: &FaceState<'_>) -> Option<Key> {
         let language = self.settings.language;
         let rect = view.rect(part.rect);
         match part.what {
@@ -80,14 +67,14 @@ impl Window {
                     Language::Zh => row.name_zh,
                     Language::En => row.name_en,
                 };
-                let lit = row.lamp.map(|lamp| lamp.of(look.y));
-                let state = if key == Key::EmergencyStop {
-                    Some((look.pressed)(key))
+                let lit = row.lamp.map(|lamp| lamp.of(state.y));
+                let selected = if key == Key::EmergencyStop {
+                    Some(state.pressed.contains(&key))
                 } else {
                     lit
                 };
                 response.widget_info(|| WidgetInfo {
-                    selected: state,
+                    selected,
                     ..WidgetInfo::labeled(Role::Button, true, name)
                 });
                 let by_screen_reader =
@@ -106,7 +93,7 @@ impl Window {
                     Language::Zh => format!("{}灯", lamp.name_zh),
                     Language::En => format!("{} lamp", lamp.name_en),
                 };
-                let lit = lamp.lamp.of(look.y);
+                let lit = lamp.lamp.of(state.y);
                 let word = if lit { Text::Lit } else { Text::Dark };
                 response.widget_info(|| WidgetInfo {
                     current_text_value: Some(word.of(language).to_owned()),
@@ -117,7 +104,7 @@ impl Window {
             What::Handwheel => {
                 let response = ui.interact(rect, ui.scope_id().with("handwheel"), Sense::DRAG);
                 response.widget_info(|| WidgetInfo {
-                    value: Some(f64::from(look.wheel)),
+                    value: Some(f64::from(state.wheel)),
                     ..WidgetInfo::labeled(Role::Slider, true, Text::Handwheel.of(language))
                 });
                 response.on_hover_text(Text::HandwheelHint.of(language));

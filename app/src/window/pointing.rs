@@ -6,8 +6,8 @@ use egui::{Event, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
 use gsk_panel::faceplate::{self, What};
 use gsk_panel::keys::Key;
 
+use super::face::View;
 use super::held::{Change, Held, Holder};
-use super::paint::View;
 
 /// Points of scrolling that make one detent of the handwheel.
 const POINTS_A_DETENT: f32 = 24.0;

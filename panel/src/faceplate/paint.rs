@@ -1,20 +1,28 @@
-//! Paints the panel into a picture: what `shot --panel` and the documentation
-//! show.
+//! Paints the panel into a picture, whole or part by part: for the window,
+//! `screen --panel` and the documentation.
 
 mod additional;
 
 use tiny_skia::{
-    Color, FillRule, FilterQuality, GradientStop, LinearGradient, Paint, Path, PathBuilder, Pixmap,
-    PixmapPaint, PixmapRef, Point, RadialGradient, Shader, SpreadMode, Stroke, Transform,
+    Color, FillRule, FilterQuality, GradientStop, IntRect, LinearGradient, Paint, Path,
+    PathBuilder, Pixmap, PixmapPaint, PixmapRef, Point, RadialGradient, Shader, SpreadMode, Stroke,
+    Transform,
 };
 
 use super::text::{draw, opaque};
 use super::{Colour, LINE_HEIGHT, Outline, Part, Rect, SIZE, What, parts};
 use crate::glyphs::text_columns;
-use crate::keys::{Bit, Key, Role, STRIP};
+use crate::keys::{Bit, Key, Role, STRIP, StripLamp};
+use additional::GRADUATIONS;
 
 /// Largest scale of [`paint`].
 const MOST_SCALE: f32 = 8.0;
+/// How far a part paints beyond its rectangle: shadow, glow, pointer of the
+/// handwheel.
+const REACH: f32 = 3.0;
+const REACH_OF_WHEEL: f32 = 8.0;
+/// Painted around a piece of the picture and cut off, pixels.
+const MARGIN: u32 = 4;
 
 /// What changes on the panel.
 #[derive(Clone, Copy, Default)]
@@ -29,6 +37,22 @@ pub struct FaceState<'a> {
     pub wheel: i32,
 }
 
+/// What of the state shows on a part: as long as it is the same, so is the part.
+pub fn look(part: &Part, state: &FaceState<'_>) -> u32 {
+    match part.what {
+        What::Key(key) => {
+            let lit = key.row().lamp.is_some_and(|bit| bit.of(state.y));
+            u32::from(lit) << 1 | u32::from(state.pressed.contains(&key))
+        }
+        What::Strip(index) => {
+            let lit = |lamp: &StripLamp| lamp.fitted && lamp.lamp.of(state.y);
+            u32::from(STRIP.get(index).is_some_and(lit))
+        }
+        What::Handwheel => state.wheel.rem_euclid(GRADUATIONS).unsigned_abs(),
+        _ => 0,
+    }
+}
+
 /// The panel at so many pixels a panel unit.
 pub fn paint(state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
     let scale = scale.clamp(0.1, MOST_SCALE);
@@ -36,6 +60,7 @@ pub fn paint(state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
     let mut painter = Painter {
         pixmap: Pixmap::new(size(SIZE.0), size(SIZE.1))?,
         scale,
+        corner: (0.0, 0.0),
     };
     for part in parts() {
         painter.part(part, state);
@@ -43,12 +68,55 @@ pub fn paint(state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
     Some(painter.pixmap)
 }
 
+/// The piece of the picture of [`paint`] that holds a part, and the place of its
+/// upper left corner there, pixels.
+pub fn paint_part(part: &Part, state: &FaceState<'_>, scale: f32) -> Option<(Pixmap, [u32; 2])> {
+    let scale = scale.clamp(0.1, MOST_SCALE);
+    let area = with_reach(part);
+    let first = |units: f32| (units * scale).floor();
+    let end = |units: f32| (units * scale).ceil();
+    let (left, top) = (first(area.x), first(area.y));
+    let width = (end(area.x + area.w) - left) as u32;
+    let height = (end(area.y + area.h) - top) as u32;
+    // Outlines that cross the edge of a pixmap come out wrong on it.
+    let mut painter = Painter {
+        pixmap: Pixmap::new(width + 2 * MARGIN, height + 2 * MARGIN)?,
+        scale,
+        corner: (left - MARGIN as f32, top - MARGIN as f32),
+    };
+    for other in parts() {
+        if with_reach(other).overlaps(&area) {
+            painter.part(other, state);
+        }
+    }
+    let margin = MARGIN as i32;
+    let inside = IntRect::from_xywh(margin, margin, width, height)?;
+    let piece = painter.pixmap.clone_rect(inside)?;
+    Some((piece, [left as u32, top as u32]))
+}
+
+fn with_reach(part: &Part) -> Rect {
+    let reach = match part.what {
+        What::Handwheel => REACH_OF_WHEEL,
+        _ => REACH,
+    };
+    inset(part.rect, -reach)
+}
+
 struct Painter {
     pixmap: Pixmap,
     scale: f32,
+    /// The pixel of the whole picture that the pixmap begins at.
+    corner: (f32, f32),
 }
 
 impl Painter {
+    /// From panel units to pixels.
+    fn place(&self) -> Transform {
+        let (left, top) = self.corner;
+        Transform::from_row(self.scale, 0.0, 0.0, self.scale, -left, -top)
+    }
+
     fn part(&mut self, part: &Part, state: &FaceState<'_>) {
         match part.what {
             What::Housing => self.housing(part),
@@ -63,7 +131,15 @@ impl Painter {
     }
 
     fn text(&mut self, text: &str, size: f32, rect: Rect, ink: [u8; 3]) {
-        draw(&mut self.pixmap, self.scale, text, size, rect, ink);
+        draw(
+            &mut self.pixmap,
+            self.corner,
+            self.scale,
+            text,
+            size,
+            rect,
+            ink,
+        );
     }
 
     fn fill(&mut self, path: &Path, shader: Shader<'_>) {
@@ -72,7 +148,7 @@ impl Painter {
             anti_alias: true,
             ..Paint::default()
         };
-        let place = Transform::from_scale(self.scale, self.scale);
+        let place = self.place();
         self.pixmap
             .fill_path(path, &paint, FillRule::Winding, place, None);
     }
@@ -91,7 +167,7 @@ impl Painter {
             width,
             ..Stroke::default()
         };
-        let place = Transform::from_scale(self.scale, self.scale);
+        let place = self.place();
         self.pixmap.stroke_path(path, &paint, &stroke, place, None);
     }
 
@@ -158,8 +234,8 @@ impl Painter {
             },
             ..PixmapPaint::default()
         };
-        let x = part.rect.x * self.scale;
-        let y = part.rect.y * self.scale;
+        let x = part.rect.x * self.scale - self.corner.0;
+        let y = part.rect.y * self.scale - self.corner.1;
         let place = Transform::from_row(zoom, 0.0, 0.0, zoom, x, y);
         self.pixmap.draw_pixmap(0, 0, picture, &paint, place, None);
     }

@@ -85,3 +85,58 @@ fn it_is_painted_at_any_scale() {
     assert!(paint(&state, 0.33).is_some());
     assert!(paint(&state, f32::NAN).is_none_or(|picture| picture.width() > 0));
 }
+
+#[test]
+fn a_part_is_painted_as_in_the_whole_picture() {
+    let state = FaceState {
+        y: &[0xff; 20],
+        pressed: &[Key::EmergencyStop, Key::CycleStart, Key::Auto],
+        lcd: None,
+        wheel: -7,
+    };
+    let scale = 1.37;
+    let whole = paint(&state, scale).unwrap();
+    let changing = parts()
+        .iter()
+        .filter(|part| matches!(part.what, What::Key(_) | What::Strip(_) | What::Handwheel));
+    for part in changing {
+        let (piece, [left, top]) = paint_part(part, &state, scale).unwrap();
+        for (index, dot) in piece.pixels().iter().enumerate() {
+            let (x, y) = (index as u32 % piece.width(), index as u32 / piece.width());
+            let there = whole.pixel(left + x, top + y).unwrap();
+            let near = |one: u8, other: u8| one.abs_diff(other) <= 8;
+            assert!(
+                near(dot.red(), there.red())
+                    && near(dot.green(), there.green())
+                    && near(dot.blue(), there.blue()),
+                "{part:?} at {x}, {y}: {dot:?}, {there:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_changes_the_picture_changes_the_look() {
+    let dark = FaceState::default();
+    let lit = FaceState {
+        y: &[0xff; 20],
+        ..dark
+    };
+    let turned = FaceState { wheel: 1, ..dark };
+    for part in parts() {
+        let key = part.key().filter(|key| *key != Key::EmergencyStop);
+        let pressed: Vec<Key> = part.key().into_iter().collect();
+        let down = FaceState {
+            pressed: &pressed,
+            ..dark
+        };
+        assert_eq!(look(part, &dark) != look(part, &down), part.key().is_some());
+        let lamp = match part.what {
+            What::Strip(index) => STRIP[index].fitted,
+            _ => key.is_some_and(|key| key.row().lamp.is_some()),
+        };
+        assert_eq!(look(part, &dark) != look(part, &lit), lamp, "{part:?}");
+        let wheel = part.what == What::Handwheel;
+        assert_eq!(look(part, &dark) != look(part, &turned), wheel);
+    }
+}

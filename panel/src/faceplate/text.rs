@@ -80,9 +80,11 @@ impl Mask {
     }
 }
 
-/// Draws a text centred in a rectangle of panel units; `size` is its height.
+/// Draws a text centred in a rectangle of panel units; `size` is its height. The
+/// target begins at a `corner` of the whole picture, pixels.
 pub(super) fn draw(
     target: &mut Pixmap,
+    corner: (f32, f32),
     scale: f32,
     text: &str,
     size: f32,
@@ -111,7 +113,7 @@ pub(super) fn draw(
         },
         ..PixmapPaint::default()
     };
-    let place = Transform::from_row(left, 0.0, 0.0, left, x, y);
+    let place = Transform::from_row(left, 0.0, 0.0, left, x - corner.0, y - corner.1);
     target.draw_pixmap(0, 0, picture.as_ref(), &paint, place, None);
 }
 

@@ -8,7 +8,7 @@ use crate::faceplate::text::opaque;
 use crate::faceplate::{Colour, Part};
 
 /// Graduations of the handwheel.
-const GRADUATIONS: i32 = 100;
+pub(super) const GRADUATIONS: i32 = 100;
 
 impl Painter {
     /// The emergency stop: a red mushroom on a yellow plate.
