@@ -327,7 +327,7 @@ pub struct LinkTwinArgs {
     /// Hold all bytes to the board up by so many ms
     #[arg(long, default_value_t = 0, value_name = "MS")]
     pub delay_ms: u64,
-    /// Klipper: speed of its spindle at full output, turns a minute
+    /// Speed of its spindle at full output, turns a minute
     #[arg(long, default_value_t = 9999.0, value_name = "RPM")]
     pub spindle_top: f64,
     /// Klipper: the speed of its spindle goes up and down by so many per cent

@@ -170,6 +170,8 @@ pub enum Action {
     ThreadCycle {
         /// How far each axis goes a revolution in its cuts, mm.
         per_revolution: Point,
+        /// What makes a cut more than one straight pass.
+        beyond: Option<BeyondPass>,
     },
     /// Tapping in Z (G33): in, spindle stop, reverse, out. It ends where it began,
     /// with the spindle stopped.
@@ -287,6 +289,35 @@ pub enum ThreadStart {
     },
     /// It goes on in phase from the thread before.
     Continued,
+}
+
+/// What makes a thread more than one straight pass of one lead that begins with the
+/// one-turn signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BeyondPass {
+    /// The lead changes (G34).
+    LeadChange,
+    /// A tail leaves it (J, K, No.019).
+    RunOut,
+    /// Another thread goes on from it without a stop.
+    GoesOn,
+    /// It begins at another angle (L).
+    Start,
+}
+
+impl BeyondPass {
+    /// In words, with what helps.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::LeadChange => "a lead that changes (G34)",
+            Self::RunOut => {
+                "a run-out: J0 in G32 and G92, r = 00 in G76 (No.019 = 0) leave it away; \
+                 the thread then ends in a groove of the part"
+            }
+            Self::GoesOn => "a thread block that goes on from the one before",
+            Self::Start => "a start beside the one-turn signal (L of G92)",
+        }
+    }
 }
 
 /// How an auxiliary function runs against the motion of its block.

@@ -333,7 +333,9 @@ impl<'a> Walk<'a> {
                     self.thread(command, &thread)?;
                 }
             }
-            Action::ThreadCycle { per_revolution } => self.check_thread_cycle(*per_revolution)?,
+            Action::ThreadCycle { per_revolution, .. } => {
+                self.check_thread_cycle(*per_revolution)?;
+            }
             Action::Tap {
                 to,
                 lead,

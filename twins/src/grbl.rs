@@ -11,6 +11,7 @@ mod homing;
 mod planner;
 mod report;
 mod settings;
+mod spindle;
 
 use std::collections::VecDeque;
 
@@ -19,6 +20,8 @@ use block::{Asked, Modal};
 use homing::Homing;
 use planner::Planner;
 pub use settings::Settings;
+use spindle::Pass;
+pub use spindle::{PassTrace, Spindle};
 
 /// One step of virtual time, ns.
 const STEP_NS: u64 = 100_000;
@@ -162,6 +165,15 @@ pub struct GrblTwin {
     error_latch: bool,
     spindle: u8,
     coolant: bool,
+    shaft: Spindle,
+    pass: Option<Pass>,
+    passes: Vec<PassTrace>,
+    /// A hold was asked for in a pass, and comes behind it.
+    hold_pending: bool,
+    /// The main loop waits for what never comes; a reset ends it.
+    stuck: bool,
+    /// Time of this step that a pass has more, or (negative) less, s.
+    head_start: f64,
 }
 
 impl GrblTwin {
@@ -201,6 +213,12 @@ impl GrblTwin {
             error_latch: false,
             spindle: 5,
             coolant: false,
+            shaft: Spindle::default(),
+            pass: None,
+            passes: Vec::new(),
+            hold_pending: false,
+            stuck: false,
+            head_start: 0.0,
         };
         twin.place_switches([20.0, 40.0]);
         twin.press_reset();
@@ -215,6 +233,9 @@ impl GrblTwin {
         self.planner.clear();
         self.waiting = None;
         self.homing = None;
+        self.pass = None;
+        // The output that drives the spindle drops.
+        self.spindle = 5;
     }
 
     /// Whether the limit inputs of X and Z are operated.
@@ -282,6 +303,7 @@ impl GrblTwin {
         while self.now < end {
             let step = STEP_NS.min(end - self.now);
             self.now += step;
+            self.turn_spindle(step);
             self.receive();
             if let Some(at) = self.boots_at {
                 if self.now < at {
@@ -332,6 +354,9 @@ impl GrblTwin {
         self.answers_at = None;
         self.planner.clear();
         self.homing = None;
+        self.pass = None;
+        self.hold_pending = false;
+        self.stuck = false;
         self.hold_from = None;
         self.stands_since = None;
         self.silent = false;
@@ -377,7 +402,9 @@ impl GrblTwin {
     }
 
     fn hold(&mut self) {
-        if self.state == State::Run {
+        if self.pass.is_some() {
+            self.hold_pending = true;
+        } else if self.state == State::Run {
             self.state = State::Hold { complete: false };
             self.hold_from = Some(self.now + PREPARED_NS);
             self.stands_since = None;
@@ -435,6 +462,7 @@ impl GrblTwin {
         if edge && watched && self.settings.is_on(21) && !self.silent {
             self.planner.clear();
             self.waiting = None;
+            self.pass = None;
             self.state = State::Alarm;
             self.say("ALARM:1\r\n[MSG:Reset to continue]\r\n");
             self.silent = true;
@@ -442,7 +470,7 @@ impl GrblTwin {
     }
 
     fn move_axes(&mut self, step: u64) {
-        let seconds = step as f64 * 1e-9;
+        let seconds = step as f64 * 1e-9 + core::mem::take(&mut self.head_start);
         let holding = self.hold_from.is_some_and(|from| self.now >= from);
         match self.state {
             State::Run => self.make_pulses(seconds, false),
@@ -459,8 +487,11 @@ impl GrblTwin {
             State::Home => self.home(seconds),
             _ => {}
         }
-        if self.state == State::Run && self.planner.is_empty() {
+        self.trace_pass();
+        let waiting = self.pass.is_some_and(|pass| pass.is_waiting());
+        if self.state == State::Run && self.planner.is_empty() && !waiting {
             self.state = State::Idle;
+            self.end_pass();
         }
     }
 
@@ -475,6 +506,8 @@ impl GrblTwin {
     fn send_report(&mut self) {
         // The 8 bit board does not answer while it seeks its switches.
         let deaf = self.homing.is_some() && self.variant == Variant::Grbl;
+        // Nor does the larger one while it waits for the one-turn signal.
+        let deaf = deaf || self.pass.is_some_and(|pass| pass.is_waiting());
         if deaf || !core::mem::take(&mut self.report_due) || self.silent {
             return;
         }

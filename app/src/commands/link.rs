@@ -105,6 +105,7 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
     } else {
         output::print("settings  as they must be\n")?;
     }
+    output::print(&format!("threads   {}\n", board.link.threads().text()))?;
     drill::idle(&mut board)?;
     match args.travel {
         Some(millimetres) => drill::motion(&mut board, millimetres, args.feed),

@@ -153,6 +153,12 @@ impl Chain {
         self.correction = self.pitch_here();
     }
 
+    /// The axis is about to go this way: its backlash is given out beforehand.
+    fn lean(&mut self, way: f64) {
+        let increments = (way * self.per_mm).round() as i64;
+        self.backlash.tick(increments.signum());
+    }
+
     /// Makes the place of a pulse count the coordinate zero; the coordinate of the
     /// place where the axis stands now.
     fn zero_at(&mut self, count: i64) -> f64 {
@@ -269,6 +275,13 @@ impl AxisChain {
         Point::new(self.chains.x.slide(), self.chains.z.slide())
     }
 
+    /// The axes are about to go this way, mm: their backlash is given out while they
+    /// stand.
+    pub fn lean(&mut self, way: Point) {
+        self.chains.x.lean(way.x);
+        self.chains.z.lean(way.z);
+    }
+
     /// Whether a backlash is still being given out.
     pub fn is_settling(&self) -> bool {
         !(self.chains.x.backlash.is_settled() && self.chains.z.backlash.is_settled())
@@ -341,6 +354,22 @@ mod tests {
         assert_eq!(rest(&mut chain, 15.0), 14_907);
         assert_eq!(rest(&mut chain, -5.0), -5100);
         assert_eq!(rest(&mut chain, 15.0), 15_007);
+    }
+
+    #[test]
+    fn backlash_can_be_given_out_before_the_way() {
+        let (parameters, table) = corrected();
+        let mut axes = AxisChain::new(&parameters, &table);
+        let still = PerAxis::default();
+        axes.advance(Point::new(0.0, 5.0), still);
+        axes.lean(Point::new(0.0, -3.0));
+        assert!(axes.is_settling());
+        while axes.is_settling() {
+            axes.advance(Point::new(0.0, 5.0), still);
+        }
+        let sign = axes.pulses().z.0.signum();
+        assert_eq!(axes.pulses().z.0 * sign, 4900);
+        assert_eq!(axes.advance(Point::new(0.0, 2.0), still).z.0 * sign, 1900);
     }
 
     #[test]

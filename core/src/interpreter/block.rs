@@ -123,8 +123,10 @@ pub(crate) fn evaluate(
         && let Some(per_revolution) =
             cycle.thread_per_revolution(context.parameters.run_out_rate() <= 0.0)
     {
-        plan.before
-            .push_front(Action::ThreadCycle { per_revolution });
+        plan.before.push_front(Action::ThreadCycle {
+            per_revolution,
+            beyond: cycle.beyond_pass(),
+        });
     }
     state.threading = kind == Kind::Thread && plan.motion.moves();
     if travels && kind == Kind::Nothing {

@@ -13,7 +13,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
-use crate::command::{Action, ThreadStart};
+use crate::command::{Action, BeyondPass, ThreadStart};
 use crate::interpreter::block::Context;
 use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
 use crate::interpreter::exact::{Exact, PER_MM, mm, to_units};
@@ -251,6 +251,12 @@ impl CompoundThread {
         let (cut, tail) = self.shape.thread(begin, &self.pass);
         let from = self.shape.shift.machine(begin);
         thread::per_revolution(from, [cut.as_ref(), tail.as_ref().filter(|_| tied)])
+    }
+
+    /// What makes its cuts more than one straight pass.
+    pub(crate) fn beyond_pass(&self) -> Option<BeyondPass> {
+        let (_, tail) = self.shape.thread(self.shape.begin(&self.pass), &self.pass);
+        tail.map(|_| BeyondPass::RunOut)
     }
 
     pub(crate) fn make(&mut self) -> Option<Move> {

@@ -11,7 +11,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
-use crate::command::Action;
+use crate::command::{Action, BeyondPass};
 use crate::interpreter::compound_thread::CompoundThread;
 use crate::interpreter::exact::Exact;
 use crate::interpreter::explanation::Note;
@@ -190,6 +190,15 @@ impl Cycle {
         match &self.maker {
             Maker::Thread(cycle) => Some(cycle.per_revolution(tied)),
             Maker::CompoundThread(cycle) => Some(cycle.per_revolution(tied)),
+            _ => None,
+        }
+    }
+
+    /// What makes a cut of a cycle of threads more than one straight pass.
+    pub(crate) fn beyond_pass(&self) -> Option<BeyondPass> {
+        match &self.maker {
+            Maker::Thread(cycle) => cycle.beyond_pass(),
+            Maker::CompoundThread(cycle) => cycle.beyond_pass(),
             _ => None,
         }
     }

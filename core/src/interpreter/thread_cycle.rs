@@ -12,7 +12,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
-use crate::command::{Action, ThreadStart};
+use crate::command::{Action, BeyondPass, ThreadStart};
 use crate::interpreter::box_cycle::check_taper;
 use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
 use crate::interpreter::cycle_words::CycleData;
@@ -138,6 +138,15 @@ impl ThreadCycle {
             self.b,
             [self.thread.as_ref(), self.tail.as_ref().filter(|_| tied)],
         )
+    }
+
+    /// What makes its cuts more than one straight pass.
+    pub(crate) const fn beyond_pass(&self) -> Option<BeyondPass> {
+        match (&self.tail, self.starts) {
+            (Some(_), _) => Some(BeyondPass::RunOut),
+            (None, 0 | 1) => None,
+            (None, _) => Some(BeyondPass::Start),
+        }
     }
 
     pub(crate) fn make(&mut self) -> Option<Move> {

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::driven::Driven;
 use super::follower::{Handover, SpindleTick};
 use super::inputs::{MotionInputs, cutting_target, rapid_rate, rapid_target};
 use super::jog::{JogRate, ManualAxis};
@@ -32,6 +33,8 @@ enum Motion {
     },
     Thread(Thread),
     Tap(Tap),
+    /// A cut that the drives make by themselves.
+    Driven(Driven),
 }
 
 /// Produces the positions. Machine coordinates, X in radius; plain data.
@@ -108,6 +111,7 @@ impl Interpolator {
             Motion::Cut { ramp, .. } => ramp.speed > 0.0,
             Motion::Thread(thread) => thread.is_moving(),
             Motion::Tap(tap) => tap.is_moving(),
+            Motion::Driven(cut) => cut.is_moving(),
         };
         programmed || self.manual.x.is_moving() || self.manual.z.is_moving()
     }
@@ -125,6 +129,7 @@ impl Interpolator {
             Motion::Cut { path, .. } | Motion::Led { path, .. } => path.to() - self.position,
             Motion::Thread(thread) => thread.to() - self.position,
             Motion::Tap(tap) => tap.to() - self.position,
+            Motion::Driven(cut) => cut.to() - self.position,
         }
     }
 
@@ -136,6 +141,7 @@ impl Interpolator {
                 self.commanded() + Point::new(way(Axis::X), way(Axis::Z))
             }
             Motion::Led { .. } => self.commanded(),
+            Motion::Driven(cut) => cut.to(),
             Motion::Rapid(rapid) => rapid.stopping_point(limits),
             Motion::Cut { path, ramp, .. } => {
                 path.at(ramp.remaining - limits.cutting_law().braking_distance(ramp.speed))
@@ -184,6 +190,46 @@ impl Interpolator {
     /// Whether a thread waits for its angle of the spindle.
     pub const fn waits_for_spindle(&self) -> bool {
         matches!(&self.motion, Motion::Thread(thread) if !thread.running())
+    }
+
+    /// Begins a straight cut that the drives make by themselves once they are told
+    /// to ([`begin_driven`](Self::begin_driven)).
+    pub fn start_driven(&mut self, to: Point) {
+        self.begin(Motion::Driven(Driven::new(self.position, to)));
+    }
+
+    /// Whether a cut waits for the drives to make it, and its end.
+    pub const fn waits_for_drives(&self) -> Option<Point> {
+        match &self.motion {
+            Motion::Driven(cut) if !cut.is_begun() => Some(cut.to()),
+            _ => None,
+        }
+    }
+
+    /// The drives make the cut: from here on only they end it.
+    pub const fn begin_driven(&mut self) {
+        if let Motion::Driven(cut) = &mut self.motion {
+            cut.begin();
+        }
+    }
+
+    /// The drives have made this part of their cut.
+    pub fn tell_driven(&mut self, share: f64) {
+        if let Motion::Driven(cut) = &mut self.motion {
+            cut.tell(share);
+        }
+    }
+
+    /// The drives stand at the end of their cut; false if there is none.
+    pub fn end_driven(&mut self) -> bool {
+        let Motion::Driven(cut) = &self.motion else {
+            return false;
+        };
+        let to = cut.to();
+        self.motion = Motion::None;
+        self.position = to;
+        self.tick_start = to;
+        true
     }
 
     /// Begins tapping: in phase inwards until [`Interpolator::turn_back`].
@@ -312,6 +358,7 @@ impl Interpolator {
             },
             Motion::Thread(thread) => Motion::Thread(thread.translated(by)),
             Motion::Tap(tap) => Motion::Tap(tap.translated(by)),
+            Motion::Driven(cut) => Motion::Driven(cut.translated(by)),
         };
     }
 
@@ -477,12 +524,18 @@ impl Interpolator {
                 self.position = tap.position();
                 tap.finished().then_some(used)
             }
+            Motion::Driven(cut) => {
+                cut.advance();
+                self.position = cut.position();
+                None
+            }
         };
         if let Some(used) = used {
             self.motion = Motion::None;
             self.carry = (time - used).clamp(0.0, TICK_S);
         }
-        if self.stopping && !self.is_moving() {
+        let ends_itself = matches!(&self.motion, Motion::Driven(cut) if cut.is_begun());
+        if self.stopping && !self.is_moving() && !ends_itself {
             self.motion = Motion::None;
             self.carry = 0.0;
             self.stopping = false;

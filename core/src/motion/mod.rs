@@ -53,6 +53,7 @@
 //! Feed hold, reset and an override of 0 % bring the speed down by the law in
 //! force; the distance left is kept, so that going on loses no position.
 
+mod driven;
 mod duration;
 mod follower;
 mod gear;

@@ -83,6 +83,12 @@ impl ThreadMove {
         2.0 * way / (lead + last.max(0.0).sqrt())
     }
 
+    /// Way along the path at the start, mm per turn.
+    pub(crate) fn lead_along(&self, from: Point) -> f64 {
+        let way = self.way(from).max(1e-9);
+        self.lead.abs() * (self.to - from).length() / way
+    }
+
     /// Lead at the end, mm per turn.
     pub(crate) fn last_lead(&self, from: Point) -> f64 {
         (self.lead + self.increase * self.turns(from)).max(1e-6)

@@ -3,6 +3,7 @@
 //! The board is behind the control by what it holds: whatever must meet the slides
 //! at rest (M, S, T, dwell, a stop between blocks) waits until it has made all of it.
 
+mod pass;
 mod preflight;
 mod spindle;
 
@@ -16,7 +17,7 @@ use crate::alarm::{Alarm, AlarmClass};
 use crate::cnc::Cnc;
 use crate::command::{Action, SpindleCommand};
 use crate::machine::link::ThreadRights;
-use crate::motion::JogRate;
+use crate::motion::{JogRate, ThreadMove};
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
 
 /// The drives behind a board, as the control sees them.
@@ -40,6 +41,9 @@ pub(crate) struct BoardDrives {
     pub threads: ThreadRights,
     /// The spindle whose index the board sees; none: it stays the simulated one.
     pub spindle: Option<BoardSpindle>,
+    /// A pass that the board cuts begins without a ramp: not faster than this,
+    /// mm/min.
+    pub pass_speed: f64,
 }
 
 impl Cnc {
@@ -123,7 +127,7 @@ impl Cnc {
         let Some(board) = self.board else {
             return Ok(());
         };
-        if self.from_plc.dry_run {
+        if self.dry_run().is_some() {
             return Ok(());
         }
         if let Some(axis) = self.cut_too_fast(&board, action) {
@@ -138,6 +142,17 @@ impl Cnc {
             return Err(
                 Alarm::new(604).because(format!("the board cannot cut a thread: {}", lacks.text()))
             );
+        }
+        if self.board_cuts() {
+            if let Action::ThreadCycle {
+                per_revolution,
+                beyond,
+            } = action
+            {
+                self.check_passes(*per_revolution, *beyond)?;
+            } else if let Some(thread) = ThreadMove::of(action) {
+                self.check_pass(&thread)?;
+            }
         }
         let what = match action {
             Action::Tap { .. } => "tapping",

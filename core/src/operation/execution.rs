@@ -84,7 +84,7 @@ impl Cnc {
                 }
                 Ok(Stage::Acting)
             }
-            Action::ThreadCycle { per_revolution } => {
+            Action::ThreadCycle { per_revolution, .. } => {
                 self.check_thread_cycle(*per_revolution)?;
                 Ok(Stage::Acting)
             }

@@ -4,7 +4,7 @@
 use super::manual::Way;
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, Point};
 
 /// Both axes, both ways.
 const SIDES: [(Axis, Way); 4] = [
@@ -71,6 +71,16 @@ impl Cnc {
                     self.raise_travel(axis, way);
                 }
             }
+        }
+    }
+
+    /// Whether a cut that nothing here can stop ends within the limits.
+    pub(super) fn check_pass_end(&self, to: Point) -> Result<(), Alarm> {
+        let over = self.soft_limits.overrun(self.slide(), to, self.watched());
+        let found = SIDES.into_iter().zip(over).find(|(_, over)| *over);
+        match found {
+            Some(((axis, way), _)) => Err(Alarm::new(travel_alarm(axis, way))),
+            None => Ok(()),
         }
     }
 

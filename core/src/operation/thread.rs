@@ -180,6 +180,11 @@ impl Cnc {
         check_standing(self.spindle.actual_rpm())?;
         let (from, rpm) = (self.interpolator.position(), self.thread_rpm());
         check_thread_speed(thread.top_speed(from, rpm, &self.limits), rpm, &self.limits)?;
+        if self.board_cuts() {
+            self.check_pass_end(thread.to)?;
+            self.ask_pass(thread);
+            return Ok(());
+        }
         self.interpolator.start_thread(thread, &self.limits);
         Ok(())
     }
@@ -198,7 +203,7 @@ impl Cnc {
 
     /// The spindle speed that a thread has to reckon with: the measured one, or the
     /// commanded one that it is still coming up to.
-    fn thread_rpm(&self) -> f64 {
+    pub(super) fn thread_rpm(&self) -> f64 {
         let commanded = self.spindle.commanded_rpm().min(self.spindle.top_speed());
         let measured = self.spindle.actual_rpm().abs();
         if measured * WITHIN_MEASUREMENT <= commanded {
@@ -226,6 +231,9 @@ impl Cnc {
         }
         let rpm = self.thread_rpm();
         let source = ahead.source;
+        if let Some(alarm) = self.refuse_ahead(&next) {
+            return self.raise(alarm.at(source));
+        }
         let top = next.top_speed(first.to, rpm, &self.limits);
         if let Err(alarm) = check_thread_speed(top, rpm, &self.limits) {
             self.raise(alarm.at(source));
@@ -389,7 +397,7 @@ impl Cnc {
         }
     }
 
-    pub(super) fn raise_at_last(&mut self, alarm: Alarm) {
+    pub(crate) fn raise_at_last(&mut self, alarm: Alarm) {
         self.raise(match self.automatic.last {
             Some(source) => alarm.at(source),
             None => alarm,

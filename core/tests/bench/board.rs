@@ -68,23 +68,33 @@ pub struct Machine {
 impl Machine {
     /// A training lathe with electronic gear 1/5 and a board as delivered.
     fn new(variant: Variant, flush_keep_speed: u32, divide: i32) -> Self {
+        let config = LinkConfig {
+            flush_keep_speed,
+            ..LinkConfig::default()
+        };
+        let changes = [(17, divide), (18, divide)];
+        Self::wired(variant, config, Settings::default(), &changes)
+    }
+
+    fn wired(
+        variant: Variant,
+        config: LinkConfig,
+        settings: Settings,
+        changes: &[(u16, i32)],
+    ) -> Self {
         let mut setup = Setup::delivered();
-        for number in [17, 18] {
-            setup.parameters.set(number, divide).unwrap();
+        for (number, value) in changes {
+            setup.parameters.set(*number, *value).unwrap();
         }
         let mut simulation = Simulation::new(setup);
         for _ in 0..100 {
             simulation.tick();
         }
-        let config = LinkConfig {
-            flush_keep_speed,
-            ..LinkConfig::default()
-        };
         let linked = Linked::open(config, &mut simulation, Duration::ZERO);
         Self {
             simulation,
             linked,
-            twin: GrblTwin::new(variant, Settings::default()),
+            twin: GrblTwin::new(variant, settings),
             notes: Vec::new(),
             clock_rate: 1.0,
             clock: (0, Duration::ZERO),
@@ -104,7 +114,11 @@ impl Machine {
     }
 
     fn unlocked(variant: Variant, flush_keep_speed: u32, divide: i32) -> Self {
-        let mut machine = Self::new(variant, flush_keep_speed, divide);
+        Self::new(variant, flush_keep_speed, divide).open()
+    }
+
+    fn open(self) -> Self {
+        let mut machine = self;
         machine.wait(6000, |machine| machine.alarms() == [603]);
         machine.linked.write_settings();
         machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
@@ -126,6 +140,16 @@ impl Machine {
     /// The same with electronic gear 1/`divide`.
     pub fn geared(variant: Variant, divide: i32) -> Self {
         Self::unlocked(variant, 10_000, divide).homed()
+    }
+
+    /// A lathe with grblHAL behind an encoder; machine file and settings of the board
+    /// as given, and parameters besides the gear 1/5.
+    pub fn threading(config: LinkConfig, settings: Settings, changes: &[(u16, i32)]) -> Self {
+        let gear = [(17, 5), (18, 5)];
+        let changes = [&gear[..], changes].concat();
+        Self::wired(Variant::GrblHal, config, settings, &changes)
+            .open()
+            .homed()
     }
 
     fn homed(self) -> Self {

@@ -15,6 +15,8 @@ pub(super) struct Asked {
     pub(super) drains: bool,
     /// M02 or M30.
     pub(super) ends: bool,
+    /// G33: way along the path a turn of the spindle, mm.
+    pub(super) lead: Option<f64>,
 }
 
 /// How fast a cut is.
@@ -35,7 +37,7 @@ impl Default for Pace {
 /// What stays in force from block to block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Modal {
-    /// 0 or 1; 80 for none.
+    /// 0, 1 or 33; 80 for none.
     pub(super) motion: u8,
     /// G91.
     pub(super) incremental: bool,
@@ -97,11 +99,12 @@ impl Modal {
 
     /// Reads a block (blanks and comments are gone, letters are capital) and
     /// takes its modal words over; the number of the error otherwise.
-    pub(super) fn read(&mut self, text: &str) -> Result<Asked, u8> {
+    pub(super) fn read(&mut self, text: &str, spindle_sync: bool) -> Result<Asked, u8> {
         let mut next = *self;
         let mut asked = Asked::default();
         let mut axes: [Option<f64>; 3] = [None; 3];
         let (mut feed, mut wait, mut dwells, mut machine) = (None, None, false, false);
+        let (mut lead, mut told) = (None, false);
         let mut rest = text;
         let mut seen = 0_u32;
         while let Some(letter) = rest.chars().next() {
@@ -118,8 +121,10 @@ impl Modal {
             seen |= bit;
             match letter {
                 'G' => match (value * 10.0).round() as i32 {
-                    0 => next.motion = 0,
-                    10 => next.motion = 1,
+                    motion @ (0 | 10 | 330) if motion < 330 || spindle_sync => {
+                        next.motion = (motion / 10) as u8;
+                        told = true;
+                    }
                     40 => dwells = true,
                     170 => next.plane = 17,
                     180 => next.plane = 18,
@@ -162,6 +167,7 @@ impl Modal {
                     next.speed = value;
                 }
                 'P' => wait = Some(value),
+                'K' => lead = Some(value),
                 'N' | 'T' => {}
                 _ => return Err(36),
             }
@@ -173,7 +179,15 @@ impl Modal {
         if dwells {
             asked.dwell = Some(wait.ok_or(28_u8)?);
         }
-        if axes.iter().any(Option::is_some) {
+        let moves = axes.iter().any(Option::is_some);
+        if lead.is_some() && next.motion != 33 {
+            return Err(36);
+        }
+        // A code of motion counts as motion here, with or without a way.
+        if (told || moves) && next.inverse_time && next.motion == 1 && feed.is_none() {
+            return Err(22);
+        }
+        if moves {
             if next.motion == 80 {
                 return Err(31);
             }
@@ -189,7 +203,16 @@ impl Modal {
                 }
             }
             asked.rapid = next.motion == 0;
+            if next.motion == 33 {
+                // A thread waits for the end of all motion before it.
+                asked.drains = true;
+                asked.lead = Some(lead.unwrap_or(0.0) * scale);
+                if asked.lead == Some(0.0) {
+                    return Err(39);
+                }
+            }
             asked.pace = match (next.inverse_time, feed) {
+                _ if next.motion == 33 => Pace::default(),
                 (true, Some(minutes)) if minutes > 0.0 => Pace::Time(60.0 / minutes),
                 (false, _) if next.feed > 0.0 => Pace::Speed(next.feed / 60.0),
                 _ if asked.rapid => Pace::Speed(0.0),
@@ -229,10 +252,10 @@ mod tests {
     #[test]
     fn inverse_time_needs_its_word_in_every_block() {
         let mut modal = Modal::default();
-        let asked = modal.read("G93G1X1.5Z-2F6000").unwrap();
+        let asked = modal.read("G93G1X1.5Z-2F6000", false).unwrap();
         assert_eq!(asked.target, Some([1.5, 0.0, -2.0]));
         assert_eq!(asked.pace, Pace::Time(0.01));
-        assert_eq!(modal.read("X2"), Err(22));
+        assert_eq!(modal.read("X2", false), Err(22));
         assert_eq!(
             modal.position,
             [1.5, 0.0, -2.0],
@@ -243,13 +266,20 @@ mod tests {
     #[test]
     fn errors_have_the_numbers_of_the_firmware() {
         let mut modal = Modal::default();
-        assert_eq!(modal.read("1X"), Err(1));
-        assert_eq!(modal.read("GX"), Err(2));
-        assert_eq!(modal.read("G2X1"), Err(20));
-        assert_eq!(modal.read("G1X1"), Err(22));
-        assert_eq!(modal.read("G4"), Err(28));
+        assert_eq!(modal.read("1X", false), Err(1));
+        assert_eq!(modal.read("GX", false), Err(2));
+        assert_eq!(modal.read("G2X1", false), Err(20));
+        assert_eq!(modal.read("G1X1", false), Err(22));
+        assert_eq!(modal.read("G4", false), Err(28));
+        assert_eq!(modal.read("G33Z-1K1", false), Err(20));
+        assert_eq!(modal.read("G33Z-1", true), Err(39));
+        assert_eq!(modal.read("G1G93", false), Err(22), "no way, but a motion");
         assert_eq!(
-            modal.read("X1F100X2"),
+            modal.read("G1G93F60", false).map(|asked| asked.target),
+            Ok(None)
+        );
+        assert_eq!(
+            modal.read("G94X1F100X2", false),
             Err(25),
             "two lines that ran together"
         );

@@ -7,7 +7,9 @@ use super::{GrblTwin, LEAST_CUT, LINE_BYTES, LINE_NS, SETTING_WRITE_NS, State, V
 impl GrblTwin {
     /// The firmware's main loop: one line after the other.
     pub(super) fn work(&mut self) {
-        while self.now >= self.busy_until && !self.silent && self.homing.is_none() {
+        let busy =
+            |twin: &Self| twin.silent || twin.stuck || twin.homing.is_some() || twin.pass.is_some();
+        while self.now >= self.busy_until && !busy(self) {
             if let Some(until) = self.answers_at {
                 if self.now < until {
                     return;
@@ -74,7 +76,7 @@ impl GrblTwin {
             self.answer(Err(9));
             return;
         }
-        match self.modal.read(&text) {
+        match self.modal.read(&text, self.has_spindle_sync()) {
             Ok(_) if self.state == State::Check => self.answer(Ok(())),
             Ok(asked) => self.waiting = Some(asked),
             Err(number) => self.answer(Err(number)),
@@ -95,6 +97,13 @@ impl GrblTwin {
         }
         self.spindle = self.modal.spindle;
         self.coolant = self.modal.coolant;
+        if let (Some(target), Some(lead)) = (asked.target, asked.lead) {
+            if let Err(number) = self.begin_pass(asked, target, lead) {
+                self.modal.position = self.millimetres();
+                self.answer(Err(number));
+            }
+            return true;
+        }
         if let Some(target) = asked.target {
             if self.planner.is_full() {
                 return false;
@@ -108,7 +117,7 @@ impl GrblTwin {
         true
     }
 
-    fn plan(&mut self, target: [f64; 3], asked: Asked) {
+    pub(super) fn plan(&mut self, target: [f64; 3], asked: Asked) {
         let scale = self.settings.axes(100);
         let from = self.planned_position();
         let wanted = [0, 1, 2].map(|axis| (target[axis] * scale[axis]).round() as i64);

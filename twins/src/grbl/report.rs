@@ -9,6 +9,7 @@ impl GrblTwin {
     pub(super) fn report(&self) -> String {
         let state = match self.state {
             State::Idle => "Idle",
+            State::Run if self.hold_pending => "Run:1",
             State::Run => "Run",
             State::Hold { complete: true } => "Hold:0",
             State::Hold { complete: false } => "Hold:1",
@@ -19,7 +20,7 @@ impl GrblTwin {
         let [x, y, z] = self.millimetres();
         let mut text = format!("<{state}|MPos:{x:.3},{y:.3},{z:.3}");
         // A `String` takes everything that is written to it.
-        if self.settings.value(10) as i32 & 2 != 0 {
+        if self.names(1) {
             let free = self.variant.receive_bytes() - self.received.len();
             let _ = write!(text, "|Bf:{},{free}", self.planner.free());
         }
@@ -29,7 +30,12 @@ impl GrblTwin {
         } else {
             self.modal.speed
         };
-        let _ = write!(text, "|FS:{feed:.0},{speed:.0}");
+        if self.names(3) {
+            let _ = write!(text, "|FS:{feed:.0},{speed:.0}");
+            if self.has_spindle_sync() {
+                let _ = write!(text, ",{:.0}", self.spindle().rpm().abs());
+            }
+        }
         let mut pins = String::new();
         let [limit_x, limit_z] = self.limits();
         let emergency = self.variant.emergency_letter();
@@ -43,31 +49,38 @@ impl GrblTwin {
                 pins.push(letter);
             }
         }
-        if !pins.is_empty() {
+        if !pins.is_empty() && self.names(4) {
             let _ = write!(text, "|Pn:{pins}");
         }
         match self.reports % OFFSET_EVERY {
-            0 => text.push_str("|WCO:0.000,0.000,0.000"),
-            1 => text.push_str("|Ov:100,100,100"),
+            0 if self.names(5) => text.push_str("|WCO:0.000,0.000,0.000"),
+            1 if self.names(6) => text.push_str("|Ov:100,100,100"),
             _ => {}
         }
         text.push_str(">\r\n");
         text
     }
 
+    /// Whether a report names a field: `$10` of the larger board has a switch for
+    /// each, that of the smaller one for the first two.
+    fn names(&self, field: u32) -> bool {
+        let all = self.variant == Variant::Grbl && field > 1;
+        all || self.settings.value(10) as u32 >> field & 1 == 1
+    }
+
     /// The answer to `$I`, without its `ok`.
     pub(super) fn identity(&self) -> String {
         match self.variant {
             Variant::Grbl => "[VER:1.1h.20190825:]\r\n[OPT:V,15,128]\r\n".into(),
-            Variant::GrblHal => concat!(
-                "[VER:1.1f.20260815:]\r\n",
-                "[OPT:VNMSL,100,1024,3,0]\r\n",
-                "[AXS:3:XYZ]\r\n",
-                "[NEWOPT:ENUMS,RT+,SED]\r\n",
-                "[FIRMWARE:grblHAL]\r\n",
-                "[DRIVER:Twin]\r\n",
-            )
-            .into(),
+            Variant::GrblHal => format!(
+                "[VER:1.1f.20260815:]\r\n\
+                 [OPT:VNMSL,100,1024,3,0]\r\n\
+                 [AXS:3:XYZ]\r\n\
+                 [NEWOPT:ENUMS,RT+,{}SED]\r\n\
+                 [FIRMWARE:grblHAL]\r\n\
+                 [DRIVER:Twin]\r\n",
+                if self.has_spindle_sync() { "SS," } else { "" }
+            ),
         }
     }
 }

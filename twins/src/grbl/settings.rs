@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 /// Settings whole numbers; all others are written with three decimals.
-const WHOLE: [u16; 18] = [
-    0, 1, 2, 3, 4, 5, 6, 10, 13, 20, 21, 22, 23, 26, 30, 31, 32, 33,
+const WHOLE: [u16; 19] = [
+    0, 1, 2, 3, 4, 5, 6, 10, 13, 20, 21, 22, 23, 26, 30, 31, 32, 33, 38,
 ];
 
 /// What a board comes with.
@@ -56,6 +56,15 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// Those of a board made with spindle synchronisation (grblHAL), as delivered,
+    /// told of an encoder of so many pulses a turn.
+    pub fn with_encoder(pulses: u16) -> Self {
+        let mut settings = Self::default();
+        let more = [(38, f64::from(pulses)), (90, 1.0), (91, 0.01), (92, 0.0)];
+        settings.0.extend(more);
+        settings
+    }
+
     /// The value of a setting; 0 where there is none.
     pub fn value(&self, number: u16) -> f64 {
         self.0.get(&number).copied().unwrap_or(0.0)

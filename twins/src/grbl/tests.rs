@@ -5,8 +5,9 @@ use super::*;
 /// A Grbl board set up for a lathe, its banner read.
 fn board(variant: Variant) -> GrblTwin {
     let mut settings = Settings::default();
+    let fields = if variant == Variant::Grbl { 3.0 } else { 511.0 };
     for (number, value) in [
-        (10, 3.0),
+        (10, fields),
         (110, 9000.0),
         (112, 9000.0),
         (120, 4000.0),
@@ -201,4 +202,113 @@ fn letting_go_of_a_switch_is_an_edge_on_the_small_board_only() {
         twin.pins.limit_x = false;
         assert_eq!(talk(&mut twin, b"", 20).starts_with("ALARM:1"), again);
     }
+}
+
+/// A lathe board whose spindle turns at so many r/min; gains as given.
+fn lathe(rpm: f64, gain: f64) -> GrblTwin {
+    let mut settings = Settings::with_encoder(1024);
+    for (number, value) in [
+        (10, 511.0),
+        (90, gain),
+        (91, 0.0),
+        (110, 9000.0),
+        (112, 9000.0),
+        (120, 4000.0),
+        (122, 4000.0),
+    ] {
+        settings.set(number, value).unwrap();
+    }
+    let mut twin = GrblTwin::new(Variant::GrblHal, settings);
+    twin.spindle_mut().full_speed = rpm;
+    twin.advance(2_000_000_000);
+    assert!(twin.identity().contains(",SS,"));
+    twin.read();
+    assert_eq!(
+        talk(&mut twin, b"G90G1G93F60\nM3S1000\n", 2000),
+        "ok\r\nok\r\n"
+    );
+    twin
+}
+
+/// Turns of the spindle from one place of Z, mm, to another in the last pass.
+fn turns_between(twin: &GrblTwin, from: f64, to: f64) -> f64 {
+    let trace = &twin.passes().last().unwrap().0;
+    let at = |z: f64| {
+        let pulses = (z * 250.0) as i64;
+        trace.iter().find(|(at, _)| at[1] <= pulses).unwrap().1
+    };
+    at(to) - at(from)
+}
+
+#[test]
+fn a_pass_waits_for_the_signal_and_is_answered_at_its_end() {
+    let mut twin = lathe(300.0, 0.0);
+    assert_eq!(
+        talk(&mut twin, b"G33Z-20K2\n", 100),
+        "",
+        "no answer, no report"
+    );
+    assert_eq!(talk(&mut twin, b"?", 50), "");
+    let text = talk(&mut twin, b"?", 400);
+    assert!(text.contains("<Run|") && !text.contains("ok"), "{text}");
+    assert_eq!(talk(&mut twin, b"", 2000), "ok\r\n");
+    assert_eq!(twin.pulses(), [0, -5000]);
+    let begun = twin.passes()[0].0[0].1;
+    assert!(begun.fract() < 0.01, "{begun}");
+    let turns = turns_between(&twin, -4.0, -16.0);
+    assert!((turns - 6.0).abs() < 0.005, "{turns}");
+    // A segment of the ordinary kind is an error until G1 is said again.
+    assert!(talk(&mut twin, b"Z-19F600\n", 50).contains("error:39"));
+}
+
+#[test]
+fn with_a_gain_the_pass_comes_out_long() {
+    let mut twin = lathe(300.0, 1.0);
+    talk(&mut twin, b"G33Z-20K2\n", 3000);
+    let turns = turns_between(&twin, -4.0, -16.0);
+    assert!((12.0 / turns / 2.0 - 1.0165).abs() < 0.001, "{turns}");
+}
+
+#[test]
+fn a_hold_in_a_pass_comes_behind_it() {
+    let mut twin = lathe(300.0, 0.0);
+    talk(&mut twin, b"G33Z-20K2\n", 700);
+    twin.write(b"!");
+    assert!(talk(&mut twin, b"?", 100).contains("<Run:1|"));
+    twin.advance(2_500_000_000);
+    assert_eq!(twin.state(), State::Hold { complete: true });
+    assert_eq!(twin.pulses(), [0, -5000]);
+}
+
+#[test]
+fn a_spindle_that_stands_or_stops_is_an_error_or_an_alarm() {
+    let mut twin = lathe(300.0, 0.0);
+    twin.spindle_mut().blocked = true;
+    assert_eq!(talk(&mut twin, b"G33Z-20K2\n", 2000), "", "still turning");
+    let text = talk(&mut twin, b"?\n", 4000);
+    assert!(text.starts_with("ALARM:14"), "{text}");
+    assert!(!text.contains("ok"), "nothing is read any more: {text}");
+    let text = talk(&mut twin, &[0x18], 100);
+    assert!(
+        text.contains("GrblHAL") && twin.state() == State::Alarm,
+        "{text}"
+    );
+    assert!(talk(&mut twin, b"$X\n", 100).ends_with("ok\r\n"));
+    assert_eq!(talk(&mut twin, b"G33Z-20K2\n", 100), "error:41\r\n");
+    assert_eq!(twin.pulses(), [0, 0]);
+    let mut fast = lathe(9000.0, 0.0);
+    assert_eq!(talk(&mut fast, b"G33Z-20K2\n", 100), "error:43\r\n");
+}
+
+#[test]
+fn a_reset_in_a_pass_is_alarm_3() {
+    let mut twin = lathe(300.0, 0.0);
+    talk(&mut twin, b"G33Z-20K2\n", 1000);
+    let text = talk(&mut twin, &[0x18], 100);
+    assert!(text.starts_with("ALARM:3"), "{text}");
+    assert_eq!(twin.state(), State::Alarm);
+    let stood = twin.pulses();
+    twin.advance(1_000_000_000);
+    assert_eq!(twin.pulses(), stood);
+    assert!(twin.spindle().rpm() < 1.0);
 }

@@ -14,6 +14,9 @@ use crate::ports::Port;
 /// Bytes ahead for which damage is prepared.
 const AHEAD: u64 = 4096;
 
+/// Pulses a turn of the encoder of a board that threads.
+const ENCODER: u16 = 1024;
+
 /// Limit switches of the board of timed steps: pin, axis, pulses at which it closes.
 const SWITCHES: [(&str, usize, i64); 2] = [("PC0", 0, 4000), ("PC1", 1, 8000)];
 
@@ -43,10 +46,15 @@ struct Shown {
 
 impl Twin {
     fn new(args: &LinkTwinArgs) -> Self {
-        let grbl = |variant| Self::Grbl(Box::new(GrblTwin::new(variant, Settings::default())));
+        let grbl = |variant, settings| {
+            let mut board = GrblTwin::new(variant, settings);
+            board.spindle_mut().full_speed = args.spindle_top;
+            Self::Grbl(Box::new(board))
+        };
         match args.firmware {
-            TwinBoard::Grbl => grbl(Variant::Grbl),
-            TwinBoard::Grblhal => grbl(Variant::GrblHal),
+            TwinBoard::Grbl => grbl(Variant::Grbl, Settings::default()),
+            // Its spindle has an encoder.
+            TwinBoard::Grblhal => grbl(Variant::GrblHal, Settings::with_encoder(ENCODER)),
             TwinBoard::Klipper => {
                 let mut board = KlipperTwin::new(klipper::Make::default());
                 board.fit_spindle(SpindleMake {

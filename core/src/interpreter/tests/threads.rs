@@ -354,7 +354,7 @@ fn per_revolution(bench: &mut Bench, text: &str) -> Point {
     bench.open(text);
     match bench.next() {
         Ok(Step::Command(command)) => match command.action {
-            Action::ThreadCycle { per_revolution } => per_revolution,
+            Action::ThreadCycle { per_revolution, .. } => per_revolution,
             other => panic!("{other:?}"),
         },
         other => panic!("{other:?}"),

@@ -5,8 +5,9 @@ use core::time::Duration;
 use super::line::LineLink;
 use super::step_queue::StepLink;
 use super::{
-    BoardInfo, BoardOutputs, Event, HostTime, Input, Lacks, LinkConfig, LinkState, Output, Pins,
-    Protocol, Refused, RunTime, Sample, SpindleView, Stop, ThreadRights, Traffic,
+    BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, Lacks, LinkConfig, LinkState,
+    Output, Pass, Pins, Protocol, Refused, RunTime, Sample, SpindleView, Stop, ThreadRights,
+    Traffic,
 };
 use crate::memory::Parameters;
 use crate::units::{PerAxis, Pulses};
@@ -56,6 +57,17 @@ impl Link {
                 index: true,
                 ..Lacks::default()
             }),
+        }
+    }
+
+    /// Hands over a pass that the board cuts by itself.
+    ///
+    /// # Errors
+    /// What is not as it must be; nothing was sent.
+    pub fn cut(&mut self, pass: &Pass) -> Result<(), CannotCut> {
+        match self {
+            Self::Line(link) => link.cut(pass),
+            Self::StepQueue(_) => Err(CannotCut::NotReady),
         }
     }
 

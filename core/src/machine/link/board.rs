@@ -29,6 +29,17 @@ pub enum ThreadRights {
     Passes,
 }
 
+impl ThreadRights {
+    /// What it cuts, or what it lacks, in words.
+    pub fn text(self) -> String {
+        match self {
+            Self::None(lacks) => format!("none: {}", lacks.text()),
+            Self::Followed => "all, by the index of the spindle".into(),
+            Self::Passes => "straight passes, which the board cuts by itself (G33)".into(),
+        }
+    }
+}
+
 impl Default for ThreadRights {
     fn default() -> Self {
         Self::None(Lacks::default())

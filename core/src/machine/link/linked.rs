@@ -15,13 +15,14 @@
 
 mod control;
 mod pace;
+mod pass;
 mod spindle;
 
 use core::time::Duration;
 
 use super::{
-    BoardInfo, BoardOutputs, FINE, HostTime, Link, LinkConfig, LinkState, Pins, Refused, RunTime,
-    Sample, Stop, Traffic,
+    BoardInfo, BoardOutputs, FINE, HostTime, Link, LinkConfig, LinkState, Pass, Pins, Refused,
+    RunTime, Sample, Stop, Traffic,
 };
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
@@ -72,6 +73,9 @@ pub struct Linked {
     homing: bool,
     /// The board is being stopped; where it comes to stand the control goes on from.
     flushing: bool,
+    /// The board cuts a pass by itself.
+    pass: Option<Pass>,
+    waiting: Option<pass::Waiting>,
     resetting: bool,
     emergency: bool,
     powered: bool,
@@ -109,6 +113,8 @@ impl Linked {
             pace: pace::Pace::default(),
             homing: false,
             flushing: false,
+            pass: None,
+            waiting: None,
             resetting: false,
             emergency: false,
             powered: true,
@@ -150,6 +156,7 @@ impl Linked {
         if starved {
             self.samples_late(simulation);
         }
+        self.show_pass(simulation);
         self.settle(simulation);
     }
 
@@ -193,6 +200,7 @@ impl Linked {
             self.powered = true;
             self.hand_over(simulation);
             self.follow(simulation);
+            self.offer_pass(simulation);
         }
         self.ticks = ticks;
         let pins = self.link.pins();
@@ -205,6 +213,7 @@ impl Linked {
         if self.powered || !off {
             self.powered = !off;
             self.flushing = false;
+            self.pass = None;
             self.link.forget_position();
             self.link.set_outputs(BoardOutputs::default());
             simulation.cnc.drop_reference();
@@ -216,6 +225,12 @@ impl Linked {
     /// The motion of the tick goes to the board.
     fn hand_over(&mut self, simulation: &mut Simulation) {
         let pulses = simulation.cnc.pulses();
+        if self.pass.is_some() {
+            // The board goes ahead; the control only follows.
+            self.pulses = pulses;
+            self.moved = false;
+            return;
+        }
         self.moved = pulses != self.pulses;
         if !self.moved && !self.link.is_prepared() {
             return;

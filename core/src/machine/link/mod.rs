@@ -193,6 +193,93 @@ pub enum Event {
     },
 }
 
+/// A straight cut of one lead that a board makes by itself behind its spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pass {
+    /// Where it begins: where the axes stand.
+    pub from: PerAxis<Pulses>,
+    /// Where it ends.
+    pub end: PerAxis<Pulses>,
+    /// Way along the path a turn of the spindle, mm.
+    pub lead: f64,
+}
+
+/// Why a pass is not taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CannotCut {
+    /// The axes do not stand yet.
+    NotReady,
+    /// The board does not report the speed of its spindle.
+    Unseen,
+    /// Its speed still changes.
+    Unsteady,
+    /// It stands.
+    Standing,
+    /// Too slow for the time the board waits, r/min.
+    Slow {
+        /// Its speed.
+        rpm: f64,
+        /// What is needed.
+        least: f64,
+    },
+    /// The motors would have to start faster than they can without a ramp, mm/min.
+    Fast {
+        /// Speed along the pass.
+        speed: f64,
+        /// What they can.
+        most: f64,
+    },
+    /// It ends before it has come to its speed, mm.
+    Short {
+        /// Length of the pass.
+        length: f64,
+        /// What coming to the speed and standing again need.
+        ramps: f64,
+    },
+}
+
+impl CannotCut {
+    /// Alarm, cause, and how long it is waited whether it goes.
+    pub fn judged(self) -> (u16, String, Duration) {
+        let (number, text, seconds) = match self {
+            Self::NotReady => (608, "the board does not come to stand".into(), 20),
+            Self::Unseen => (
+                604,
+                "the board does not report the speed of its spindle".into(),
+                2,
+            ),
+            Self::Unsteady => (94, "the spindle does not come to a steady speed".into(), 20),
+            Self::Standing => (
+                94,
+                "the spindle stands, says its encoder at the board".into(),
+                5,
+            ),
+            Self::Slow { rpm, least } => (
+                94,
+                format!("the spindle at {rpm:.0} r/min is too slow, {least:.0} are needed"),
+                5,
+            ),
+            Self::Fast { speed, most } => (
+                604,
+                format!(
+                    "the pass begins without a ramp, at {speed:.0} mm/min: more than \
+                     flush_keep_speed = {most:.0} of the machine file"
+                ),
+                0,
+            ),
+            Self::Short { length, ramps } => (
+                604,
+                format!(
+                    "the pass of {length:.3} mm is too short: coming to its speed and \
+                     standing take {ramps:.3}"
+                ),
+                0,
+            ),
+        };
+        (number, text, Duration::from_secs(seconds))
+    }
+}
+
 /// Why motion was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refused {

@@ -1,12 +1,15 @@
 //! What a program asks for that a board cannot do, found before anything moves.
 
+mod passes;
+
 use std::collections::BTreeSet;
 
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
-use crate::command::{ProgramId, Source};
+use crate::command::{BeyondPass, ProgramId, Source};
 use crate::machine::link::{Lacks, ThreadRights};
 use crate::program::Program;
+use passes::Threads;
 
 /// What one block of text asks for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,6 +25,8 @@ struct Asks {
 enum Refused {
     /// A thread, for what it lacks.
     Thread(Lacks),
+    /// A thread that is no straight pass.
+    Beyond(BeyondPass),
     /// Something that no board of its kind does.
     Never(&'static str),
 }
@@ -33,6 +38,8 @@ impl Cnc {
         let rights = self
             .board
             .map_or_else(Default::default, |board| board.threads);
+        let mut threads = Threads::new(self.parameters.value(19));
+        let passes = rights == ThreadRights::Passes && !self.from_plc.dry_run;
         let mut seen = BTreeSet::new();
         let mut next = vec![main];
         while let Some(id) = next.pop() {
@@ -41,7 +48,9 @@ impl Cnc {
             };
             for index in 0..program.block_count() {
                 let asks = asks(program.block(index), rights, self.from_plc.dry_run);
-                if let Some(refused) = asks.refused {
+                let beyond = || threads.look(program.block(index)).map(Refused::Beyond);
+                let beyond = passes.then(beyond).flatten();
+                if let Some(refused) = asks.refused.or(beyond) {
                     return Some(alarm(id, program, index, refused));
                 }
                 if let Some(number) = asks.calls
@@ -58,6 +67,7 @@ impl Cnc {
 fn alarm(id: ProgramId, program: &Program, index: u32, refused: Refused) -> Alarm {
     let what = match refused {
         Refused::Thread(lacks) => format!("a thread (G32, G34, G76, G92): {}", lacks.text()),
+        Refused::Beyond(beyond) => format!("anything but straight passes: {}", beyond.text()),
         Refused::Never(what) => what.to_owned(),
     };
     Alarm::new(604)

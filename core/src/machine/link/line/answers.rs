@@ -61,6 +61,8 @@ pub struct Status {
     pub position: Option<[f64; 2]>,
     /// Free places in the motion queue.
     pub free_blocks: Option<u16>,
+    /// Speed of the spindle as its encoder counts it, r/min.
+    pub spindle: Option<f64>,
     /// Switches operated.
     pub pins: Pins,
 }
@@ -136,7 +138,8 @@ fn status(report: &str) -> Option<Status> {
     let mut fields = report.split('|');
     let state = match fields.next()? {
         "Idle" => BoardState::Idle,
-        "Run" => BoardState::Run,
+        // A hold that waits for the end of a thread.
+        "Run" | "Run:1" => BoardState::Run,
         "Hold:0" => BoardState::Held,
         "Hold:1" => BoardState::Braking,
         "Home" => BoardState::Home,
@@ -148,6 +151,7 @@ fn status(report: &str) -> Option<Status> {
         state,
         position: None,
         free_blocks: None,
+        spindle: None,
         pins: Pins::default(),
     };
     for field in fields {
@@ -162,6 +166,13 @@ fn status(report: &str) -> Option<Status> {
                 status.position = Some([x, z]);
             }
             "Bf" => status.free_blocks = Some(value.split(',').next()?.parse().ok()?),
+            "FS" => {
+                // Feed, commanded speed, measured speed.
+                status.spindle = match value.split(',').nth(2) {
+                    Some(rpm) => Some(rpm.parse().ok().filter(|rpm: &f64| rpm.is_finite())?),
+                    None => None,
+                };
+            }
             "Pn" => {
                 for letter in value.chars() {
                     match letter {
@@ -193,6 +204,15 @@ mod tests {
         assert_eq!(status.position, Some([-1.005, 12.34]));
         assert_eq!(status.free_blocks, Some(3));
         assert!(status.pins.x && status.pins.z && !status.pins.door);
+        assert_eq!(status.spindle, None);
+        let line = "<Run:1|MPos:0.000,0.000,0.000|FS:600,500,498>";
+        let Answer::Status(status) = Answer::read(line) else {
+            panic!("{line}")
+        };
+        assert_eq!(
+            (status.state, status.spindle),
+            (BoardState::Run, Some(498.0))
+        );
     }
 
     #[test]
@@ -221,6 +241,7 @@ mod tests {
             "<run>",
             "<Run|MPos:1>",
             "<Idle|MPos:1,0,NaN>",
+            "<Idle|MPos:1,0,0|FS:1,2,x>",
             "$1=",
             "\u{fffd}",
         ] {

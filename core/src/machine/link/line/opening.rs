@@ -246,7 +246,8 @@ impl Opening {
         let differences: Vec<_> = required
             .settings
             .iter()
-            .filter_map(|&setting| {
+            .map(|setting| setting.of(&self.board.firmware))
+            .filter_map(|setting| {
                 let board = self
                     .settings
                     .iter()

@@ -15,6 +15,9 @@ const ACCELERATION_MARGIN: f64 = 10.0;
 const HOMING: u16 = 22;
 /// The value of S that stands for 10 V.
 const FULL_SPEED: f64 = 1000.0;
+/// What a report names; the larger board has a switch for each field.
+const REPORT: u16 = 10;
+const ALL_FIELDS: f64 = 511.0;
 /// A value differs when it is off by more than the board's rounding.
 const ROUNDING: f64 = 0.000_6;
 
@@ -28,6 +31,17 @@ pub struct Setting {
 }
 
 impl Setting {
+    /// The same for a board with this firmware.
+    pub fn of(self, firmware: &str) -> Self {
+        if self.number == REPORT && firmware.starts_with("grblHAL") {
+            return Self {
+                value: ALL_FIELDS,
+                ..self
+            };
+        }
+        self
+    }
+
     /// Whether the board's value is the wanted one.
     pub fn is_met_by(self, board: f64) -> bool {
         if self.number == HOMING {
@@ -86,7 +100,7 @@ impl Required {
             (3, directions),
             (4, 0.0),
             (5, f64::from(u8::from(config.line.invert_limits))),
-            (10, 3.0),
+            (REPORT, 3.0),
             (11, 0.02),
             (13, 0.0),
             (20, 0.0),

@@ -3,6 +3,7 @@
 mod acts;
 mod hearing;
 mod motion;
+mod pass;
 mod stops;
 
 use core::time::Duration;
@@ -18,6 +19,7 @@ use super::required::Required;
 use super::segments::{Segment, Segments};
 use crate::memory::Parameters;
 use crate::units::{PerAxis, Pulses};
+use pass::{Cutting, Turning};
 
 /// Between two reports: standing, moving, waiting for a standstill.
 const STATUS_IDLE: Duration = Duration::from_millis(200);
@@ -38,7 +40,8 @@ const AWAY: Duration = Duration::from_millis(100);
 /// No line of a board is longer.
 const LINE_BYTES: usize = 512;
 /// Modal words of all motion.
-const MODES: [&str; 2] = ["G21G18G90", "G1G93"];
+/// A code of motion wants its F here, way or not.
+const MODES: [&str; 2] = ["G21G18G90", "G1G93F60"];
 const RESET: u8 = 0x18;
 /// A reference return ends within this.
 const HOMING_WAIT: Duration = Duration::from_secs(120);
@@ -118,6 +121,10 @@ pub struct LineLink {
     /// A limit switch stopped the board; which one the next report tells.
     limit_hit: bool,
     homing: Option<Homing>,
+    cutting: Option<Cutting>,
+    /// The next sample begins where and when the last pass ended.
+    resumes: bool,
+    turning: Option<Turning>,
     wanted: BoardOutputs,
     switched: BoardOutputs,
     /// A board that gave up restarts; its banner is no surprise until then.
@@ -160,6 +167,9 @@ impl LineLink {
             slipped: false,
             limit_hit: false,
             homing: None,
+            cutting: None,
+            resumes: false,
+            turning: None,
             wanted: BoardOutputs::default(),
             switched: BoardOutputs::default(),
             excused_until: HostTime::ZERO,
@@ -237,7 +247,9 @@ impl LineLink {
 
     /// Whether motion is taken now: the modal words of all motion are confirmed.
     pub fn is_prepared(&self) -> bool {
-        self.takes_motion() && self.unanswered.iter().all(|line| line.is_segment)
+        self.takes_motion()
+            && self.cutting.is_none()
+            && self.unanswered.iter().all(|line| line.is_segment)
     }
 
     /// The most pulses a second an axis can be given.
@@ -305,6 +317,7 @@ impl LineLink {
             return;
         }
         self.watch_silence();
+        self.watch_pass();
         self.watch_halt();
         self.watch_homing();
         self.ask();
@@ -413,6 +426,11 @@ impl LineLink {
             return Err(Refused::NotReady);
         }
         let moved = sample.pulses != self.commanded;
+        if core::mem::take(&mut self.resumes) {
+            let tick = RunTime::from_millis(1);
+            let from = sample.end.saturating_sub(tick);
+            self.segments.begin(self.commanded, from);
+        }
         let segment = self.segments.push(sample, self.offset)?;
         self.commanded = sample.pulses;
         if moved && matches!(self.state, LinkState::Ready | LinkState::Locked) {

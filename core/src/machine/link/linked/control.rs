@@ -33,6 +33,7 @@ impl Linked {
             pulses_per_mm: self.link.pulses_per_mm(),
             threads: self.link.threads(),
             spindle,
+            pass_speed: f64::from(self.config.flush_keep_speed),
         });
     }
 
@@ -50,10 +51,13 @@ impl Linked {
         if self.emergency && !emergency {
             cnc.halt_for_board();
             self.flushing = false;
+            self.pass = None;
             self.link.stop(Stop::Kill);
         } else if self.resetting && !resetting {
             cnc.halt_for_board();
-            self.flushing |= self.link.state() == LinkState::Moving;
+            // A pass is stopped dead: there is no place to go on from.
+            let passing = self.pass.take().is_some();
+            self.flushing |= self.link.state() == LinkState::Moving && !passing;
             self.reopen |= self.link.state() == LinkState::Lost;
             self.link.reset();
         }
@@ -77,7 +81,11 @@ impl Linked {
                 if matches!(number, 601..=603 | 605) {
                     self.standing = Some(alarm.clone());
                 }
-                cnc.raise(alarm);
+                if self.pass.take().is_some() {
+                    cnc.raise_at_last(alarm);
+                } else {
+                    cnc.raise(alarm);
+                }
                 cnc.halt_for_board();
                 self.flushing = false;
             }
@@ -94,7 +102,8 @@ impl Linked {
                 }
                 self.agreed = self.link.knows_position().then_some(pulses);
             }
-            Event::Drained | Event::Reached(..) => {}
+            Event::Drained => self.end_pass(simulation),
+            Event::Reached(..) => {}
             Event::Homed(axes) => cnc.board_returned(axes, self.home()),
             Event::Differs {
                 setting,
@@ -122,6 +131,9 @@ impl Linked {
         if unknown && state != LinkState::Locked {
             simulation.cnc.halt_for_board();
             self.flushing = false;
+        }
+        if unknown {
+            self.pass = None;
         }
         if state == LinkState::Locked {
             self.standing = None;

@@ -45,6 +45,11 @@ impl Linked {
     /// Whether the kernel may make a tick now. While slides move the board sets the
     /// time, else the host's clock does.
     pub fn may_tick(&mut self, simulation: &mut Simulation) -> bool {
+        if self.pass.is_some() {
+            // The board cuts by itself, the control looks on.
+            self.pace.blocked = None;
+            return self.pace.take();
+        }
         let moves = self.moved || simulation.cnc.is_moving();
         if !moves || !self.link.takes_motion() {
             self.pace.blocked = None;
@@ -75,7 +80,8 @@ impl Linked {
     pub(super) fn has_starved(&self, simulation: &Simulation, gap: Duration) -> bool {
         let fast = simulation.cnc.feed_actual() > f64::from(self.config.flush_keep_speed);
         let long = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
-        fast && long && self.link.takes_motion() && self.link.state() == LinkState::Moving
+        let ahead = self.pass.is_none() && self.link.takes_motion();
+        fast && long && ahead && self.link.state() == LinkState::Moving
     }
 
     pub(super) fn samples_late(&mut self, simulation: &mut Simulation) {

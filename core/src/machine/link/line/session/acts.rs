@@ -18,7 +18,7 @@ impl LineLink {
         )
     }
 
-    fn stands_in(&self, states: &[BoardState]) -> bool {
+    pub(super) fn stands_in(&self, states: &[BoardState]) -> bool {
         let state = self.status.map(|status| status.state);
         self.halt == Halt::None
             && self.unanswered.is_empty()
@@ -35,12 +35,19 @@ impl LineLink {
 
     /// Which threads it cuts.
     pub fn threads(&self) -> ThreadRights {
-        // Handing a pass over is not possible yet.
-        ThreadRights::None(Lacks {
-            sync: !self.board().spindle_sync,
+        let sync = self.board().spindle_sync;
+        let told = |number| self.opening.setting(number) != 0.0;
+        let lacks = Lacks {
+            sync: !sync,
             proof: !self.config.line.thread_proved,
-            ..Lacks::default()
-        })
+            encoder: sync && !told(38),
+            gains: sync && [90, 91, 92].into_iter().any(told),
+            index: false,
+        };
+        if lacks == Lacks::default() {
+            return ThreadRights::Passes;
+        }
+        ThreadRights::None(lacks)
     }
 
     /// Begins the reference return of these axes. Boards that know only one for all

@@ -44,6 +44,7 @@ impl LineLink {
         }
         self.traffic.reports += 1;
         self.status = Some(status);
+        self.follow_spindle(&status);
         self.pins = status.pins;
         if core::mem::take(&mut self.limit_hit) {
             self.name_limits(status.pins);
@@ -78,6 +79,12 @@ impl LineLink {
         match status.state {
             BoardState::Held if matches!(self.halt, Halt::Braking(_)) => {
                 self.restart();
+            }
+            BoardState::Held if self.halt == Halt::None && self.state.takes_motion() => {
+                self.alarm(607, "the board was held by an input of its own");
+                self.lose_position();
+                self.flush();
+                self.enter(LinkState::Fault);
             }
             BoardState::Alarm if self.state.takes_motion() => {
                 self.board_alarm(0);
@@ -159,6 +166,7 @@ impl LineLink {
             return;
         }
         self.progressed += gap;
+        self.pass_was_unwatched(gap);
         for line in &mut self.unanswered {
             line.sent += gap;
         }

@@ -41,6 +41,9 @@ impl LineLink {
         if self.homing.is_some() && self.unanswered.is_empty() {
             return self.homed(error);
         }
+        if self.is_cutting() {
+            return self.pass_answered(error);
+        }
         if let Some(number) = error {
             if self.halt == Halt::None && (self.state != LinkState::Locked || self.released) {
                 self.protocol_error(&format!("a line was refused with error:{number}"));

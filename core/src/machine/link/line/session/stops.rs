@@ -7,13 +7,18 @@ impl LineLink {
     pub(super) fn watch_silence(&mut self) {
         let silent = self
             .asked
-            .is_some_and(|asked| self.now.saturating_sub(asked) >= SILENCE);
+            .is_some_and(|asked| self.now.saturating_sub(asked) >= self.patience(SILENCE));
         let unanswered = self
             .unanswered
             .front()
             .is_some_and(|line| self.now.saturating_sub(line.sent) >= ANSWER_WAIT);
         if silent {
-            self.lost("the board has not answered for 500 ms");
+            self.lost(&format!(
+                "the board has not answered for {} ms",
+                self.patience(SILENCE).as_millis()
+            ));
+        } else if self.is_cutting() {
+            // A pass has a patience of its own.
         } else if unanswered && self.halt == Halt::None && self.homing.is_none() && self.is_open() {
             self.protocol_error("a line was never answered");
         } else if self.halt == Halt::None
@@ -42,6 +47,9 @@ impl LineLink {
 
     /// `!`, standstill, Ctrl-X: nothing queued is left, the position is kept.
     pub(super) fn flush(&mut self) {
+        if self.is_cutting() {
+            return self.abandon_pass();
+        }
         if self.halt == Halt::None {
             self.slipped = self.fastest() > f64::from(self.config.flush_keep_speed);
             self.outgoing.push(b'!');
@@ -88,6 +96,8 @@ impl LineLink {
         self.unanswered.clear();
         self.backlog.clear();
         self.queued.clear();
+        self.cutting = None;
+        self.resumes = false;
         self.segments.begin(self.commanded, self.executed);
     }
 
@@ -140,6 +150,12 @@ impl LineLink {
             10 => {
                 self.alarm(207, "emergency stop input of the board");
                 self.enter(LinkState::Tripped);
+            }
+            14 => {
+                self.alarm(94, "the spindle did not turn twice within 5 s (ALARM:14)");
+                // It waits for ever for the motion it has not begun.
+                self.restart();
+                self.enter(LinkState::Fault);
             }
             2 | 4 | 5 | 12 | 13 | 22 => {
                 self.alarm(608, &format!("ALARM:{number} of the board"));

@@ -1,0 +1,415 @@
+//! Threads that the board cuts behind its own spindle, one pass after the other.
+
+use gsk_core::machine::link::{LinkConfig, LinkState, Note};
+use gsk_core::operation::RunState;
+use gsk_twins::grbl::{Settings, State};
+
+use crate::board::{AUTO, CYCLE_START, FEED_HOLD, Machine, RESET, SINGLE_BLOCK};
+use crate::{Dice, assert_together, rounds};
+
+/// 300 r/min, lead 2 mm, three passes.
+const CYCLE: &str = "O1\nN10 G50 X60 Z20\nN20 G98 G97 S300 M03\nN30 G00 X30 Z5\n\
+    N40 G92 X19.4 Z-20 F2 J0\nN50 X19\nN60 X18.6\nN70 G00 X60 Z20\nN80 M05\nN90 M30\n";
+
+fn proved() -> LinkConfig {
+    let mut config = LinkConfig {
+        flush_keep_speed: 10_000,
+        ..LinkConfig::default()
+    };
+    config.line.thread_proved = true;
+    config
+}
+
+/// An encoder of 1024 pulses, gains 0.
+fn tuned() -> Settings {
+    let mut settings = Settings::with_encoder(1024);
+    for number in [90, 91, 92] {
+        settings.set(number, 0.0).unwrap();
+    }
+    settings
+}
+
+fn ready() -> Machine {
+    Machine::threading(proved(), tuned(), &[])
+}
+
+fn run(machine: &mut Machine, text: &str) {
+    machine.load(text, None);
+    machine.start();
+    machine.run_to_end(600_000);
+}
+
+/// Turn of the spindle at which Z (mm from machine zero) was passed in each pass.
+fn turns_at(machine: &Machine, z: f64) -> Vec<f64> {
+    // The count at the pins runs from where the slides stood at the beginning.
+    let shift = machine.twin.pulses()[1] - machine.made()[1] + machine.home_pulses()[1];
+    let place = (z * 200.0).round() as i64 + shift;
+    let mut turns = Vec::new();
+    for pass in machine.twin.passes() {
+        let found = pass.0.iter().find(|(at, _)| at[1] <= place);
+        turns.push(found.unwrap().1);
+    }
+    turns
+}
+
+/// The machine coordinate of a Z of the program.
+fn machine_z(machine: &Machine, z: f64) -> f64 {
+    let cnc = &machine.simulation.cnc;
+    cnc.position_machine().z + z - cnc.position_absolute().z
+}
+
+#[track_caller]
+fn same_phase(turns: &[f64]) {
+    for turn in turns {
+        let off = (turn - turns[0]) - (turn - turns[0]).round();
+        assert!(off.abs() < 0.002, "{turns:?}");
+    }
+}
+
+fn refusal(machine: &Machine, text: &str) -> (String, Option<u32>) {
+    let mut machine = machine.clone();
+    let stood = machine.made();
+    machine.load(text, None);
+    machine.start();
+    machine.pass(30_000);
+    assert_eq!(machine.alarms(), [604], "{text}");
+    assert_eq!(machine.twin.passes().len(), 0, "{text}");
+    let alarm = machine.simulation.cnc.alarms()[0].clone();
+    let moved = machine.made() != stood;
+    let line = alarm.source.map(|source| source.line);
+    (alarm.detail.unwrap_or_default(), line.filter(|_| !moved))
+}
+
+#[test]
+fn the_passes_of_a_cycle_meet_one_groove_and_end_on_the_pulse() {
+    let mut machine = ready();
+    run(&mut machine, CYCLE);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_together(&machine);
+    assert_eq!(machine.twin.passes().len(), 3);
+    let [from, to] = [-2.0, -18.0].map(|z| turns_at(&machine, machine_z(&machine, z)));
+    same_phase(&from);
+    same_phase(&to);
+    for (from, to) in from.iter().zip(&to) {
+        assert!((to - from - 8.0).abs() < 0.004, "{from} {to}");
+    }
+    machine.pass(500);
+    // The count was compared behind each pass, and at the end.
+    let agreed = |note: &&Note| matches!(note, Note::Checked { agrees: true, .. });
+    assert!(machine.notes.iter().any(|note| agreed(&note)));
+}
+
+#[test]
+fn a_taper_has_its_lead_along_z_and_a_face_thread_along_x() {
+    // R: the start of the cut is 2 mm (radius) lower than its end.
+    let mut machine = ready();
+    let text = CYCLE.replace("J0", "J0 R-2");
+    run(&mut machine, &text);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_together(&machine);
+    let [from, to] = [-2.0, -18.0].map(|z| turns_at(&machine, machine_z(&machine, z)));
+    same_phase(&from);
+    assert!((to[0] - from[0] - 8.0).abs() < 0.004, "{from:?} {to:?}");
+    let mut machine = ready();
+    let face = "O1\nG50 X60 Z20\nG98 G97 S300 M03\nG00 X50 Z5\nG32 X20 F1\nG00 X60 Z20\nM30\n";
+    run(&mut machine, face);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_together(&machine);
+    let pass = &machine.twin.passes()[0].0;
+    let (first, last) = (pass[0], *pass.last().unwrap());
+    // 15 mm of radius; coming to the speed and standing take a little longer.
+    assert_eq!((first.0[0] - last.0[0]).abs() / 100, 15 * 400 / 100);
+    assert!((last.1 - first.1 - 15.0).abs() < 0.05);
+}
+
+#[test]
+fn compound_cycle_and_single_threads_end_on_the_pulse() {
+    let single = "O1\nG50 X60 Z20\nG98 G97 S300 M03\nG00 X18.6 Z5\nG32 X19.4 Z-20 F1.5\n\
+        G00 X60\nG00 Z20\nM30\n";
+    let compound = "O1\nG50 X60 Z20\nG98 G97 S300 M03\nG00 X30 Z5\nG76 P010060 Q100 R0.1\n\
+        G76 X18 Z-20 P1000 Q400 F2\nG00 X60 Z20\nM30\n";
+    for (text, least) in [(single, 1), (compound, 4)] {
+        let mut machine = ready();
+        run(&mut machine, text);
+        assert_eq!(machine.alarms(), [0_u16; 0], "{text}");
+        assert_together(&machine);
+        assert!(machine.twin.passes().len() >= least, "{text}");
+    }
+}
+
+#[test]
+fn play_of_the_screw_is_made_up_for_before_the_pass() {
+    let mut machine = Machine::threading(proved(), tuned(), &[(34, 20), (35, 100)]);
+    run(&mut machine, CYCLE);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_together(&machine);
+    let from = turns_at(&machine, machine_z(&machine, -2.0));
+    let to = turns_at(&machine, machine_z(&machine, -18.0));
+    same_phase(&from);
+    assert!((to[0] - from[0] - 8.0).abs() < 0.004, "{from:?} {to:?}");
+}
+
+#[test]
+fn what_is_lacking_is_named_before_anything_moves() {
+    let delivered = Settings::with_encoder(1024);
+    for (config, settings, named) in [
+        (proved(), Settings::default(), &["no SS"][..]),
+        (LinkConfig::default(), tuned(), &["line.thread_proved"]),
+        (
+            LinkConfig::default(),
+            Settings::default(),
+            &["no SS", "line.thread_proved"],
+        ),
+        (proved(), delivered, &["$90, $91 and $92"]),
+    ] {
+        let machine = Machine::threading(config, settings, &[]);
+        let (text, line) = refusal(&machine, CYCLE);
+        assert_eq!(line, Some(5), "{text}");
+        for name in named {
+            assert!(text.contains(name), "{text}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_straight_pass_is_refused() {
+    let machine = ready();
+    let head = "O1\nG50 X60 Z20\nG98 G97 S300 M03\nG00 X30 Z5\n";
+    for (block, named, unmoved) in [
+        ("G34 Z-20 F2 R0.1", "G34", true),
+        ("G33 Z-20 F2", "G33", true),
+        ("G32 Z-20 F2 J2", "run-out", true),
+        ("G92 X19.4 Z-20 F2", "run-out", true),
+        ("G92 X19.4 Z-20 F2 J1 K1", "run-out", true),
+        ("G92 X19.4 Z-20 F2 J0 L2", "L of G92", true),
+        (
+            "G76 P010560 Q100 R0.1\nG76 X18 Z-20 P1000 Q400 F2",
+            "run-out",
+            true,
+        ),
+        ("G32 Z-10 F2\nZ-20", "goes on", false),
+        (
+            "G65 H80 P50\nG92 X19.4 Z-20 F2 J0\nN50 G92 X19.4 Z-20 F2",
+            "run-out",
+            false,
+        ),
+    ] {
+        let (text, line) = refusal(&machine, &format!("{head}{block}\nM30\n"));
+        assert!(text.contains(named), "{block}: {text}");
+        assert_eq!(line.is_some(), unmoved, "{block}: {text}");
+    }
+}
+
+#[test]
+fn a_start_without_ramp_is_not_faster_than_the_motors_can() {
+    let mut slow = proved();
+    slow.flush_keep_speed = 500;
+    let machine = Machine::threading(slow, tuned(), &[]);
+    let (text, _) = refusal(&machine, CYCLE);
+    assert!(
+        text.contains("600 mm/min") && text.contains("flush_keep_speed"),
+        "{text}"
+    );
+    let short = CYCLE.replace("S300", "S3000").replace("Z-20 F2", "Z4.5 F2");
+    let (text, _) = refusal(&ready(), &short);
+    assert!(text.contains("too short"), "{text}");
+}
+
+#[test]
+fn the_pages_follow_the_board_and_a_hold_comes_behind_the_pass() {
+    let mut machine = ready();
+    machine.load(CYCLE, None);
+    machine.start();
+    assert!(machine.wait(20_000, |machine| {
+        machine.twin.state() == State::Run
+            && machine
+                .twin
+                .passes()
+                .last()
+                .is_some_and(|pass| pass.0.len() > 100)
+    }));
+    let mut worst = 0.0_f64;
+    machine.press(FEED_HOLD);
+    while machine.linked.state() == LinkState::Moving && machine.twin.passes().len() == 1 {
+        machine.ms();
+        let shown = machine.simulation.cnc.pulses().z.0;
+        worst = worst.max((shown - machine.made()[1]).abs() as f64 / 200.0);
+        if machine.twin.state() != State::Run {
+            break;
+        }
+    }
+    // 10 mm/s; the board is asked every 50 ms, and shown one answer later.
+    assert!(worst < 1.5, "{worst} mm behind");
+    machine.pass(5000);
+    assert_eq!(machine.simulation.cnc.run_state(), RunState::Stop);
+    assert_eq!(machine.twin.passes().len(), 1);
+    assert_together(&machine);
+    // Behind the thread the first move is still made: X is out of it.
+    let x = machine.simulation.cnc.position_absolute().x;
+    assert!((x - 15.0).abs() < 0.01, "{x}");
+    machine.press(CYCLE_START);
+    machine.run_to_end(600_000);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_eq!(machine.twin.passes().len(), 3);
+    assert_together(&machine);
+}
+
+#[test]
+fn single_block_stands_behind_each_move_of_the_cycle() {
+    let mut machine = ready();
+    machine.load(CYCLE, None);
+    machine.press(SINGLE_BLOCK);
+    machine.start();
+    for _ in 0..40 {
+        machine.wait(30_000, |machine| {
+            machine.simulation.cnc.run_state() != RunState::Run && !machine.linked.is_behind()
+        });
+        assert_together(&machine);
+        if machine.simulation.cnc.run_state() == RunState::Reset {
+            break;
+        }
+        machine.press(CYCLE_START);
+    }
+    assert_eq!(machine.simulation.cnc.run_state(), RunState::Reset);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_eq!(machine.twin.passes().len(), 3);
+}
+
+/// The machine some time after a pass was handed over.
+fn in_pass(ready: &Machine, ms: u32) -> Machine {
+    let mut machine = ready.clone();
+    machine.load(CYCLE, None);
+    machine.start();
+    assert!(machine.wait(20_000, |machine| !machine.twin.passes().is_empty()));
+    machine.pass(ms);
+    machine
+}
+
+#[test]
+fn reset_and_emergency_stop_act_in_the_pass_and_the_place_is_unknown() {
+    let ready = ready();
+    // Waiting for the one-turn signal, and cutting.
+    for (ms, emergency) in [(20, false), (1000, false), (20, true), (1000, true)] {
+        let mut machine = in_pass(&ready, ms);
+        if emergency {
+            machine.simulation.lathe.set_emergency_button(true);
+            machine.pass(50);
+        } else {
+            machine.simulation.cnc.set_panel_key(RESET, true);
+            machine.pass(50);
+            machine.simulation.cnc.set_panel_key(RESET, false);
+        }
+        let stood = machine.made();
+        machine.pass(3000);
+        assert_eq!(machine.made(), stood, "{ms} {emergency}");
+        assert_eq!(machine.linked.state(), LinkState::Locked);
+        assert!(!machine.linked.knows_position());
+        assert!(!machine.simulation.cnc.referenced().z);
+        machine.simulation.lathe.set_emergency_button(false);
+        machine.press(RESET);
+        machine.press(AUTO);
+        machine.press(CYCLE_START);
+        machine.pass(1000);
+        assert_eq!(machine.alarms(), [610]);
+        assert_eq!(machine.made(), stood, "nothing starts by itself");
+    }
+}
+
+#[test]
+fn a_cable_out_or_a_reset_of_the_board_in_the_pass_is_a_defined_stop() {
+    let ready = ready();
+    let mut dice = Dice(5);
+    for round in 0..rounds(8) {
+        let mut machine = in_pass(&ready, dice.below(3000));
+        let wire = round % 2 == 0;
+        if wire {
+            machine.cut_cable();
+        } else {
+            machine.twin.press_reset();
+        }
+        machine.pass(12_000);
+        let stood = machine.made();
+        // A board that starts anew is silent first.
+        let alarms = machine.alarms();
+        let named = if wire {
+            alarms == [605]
+        } else {
+            alarms.contains(&606)
+        };
+        assert!(named, "round {round}: {alarms:?}");
+        assert!(!machine.linked.knows_position());
+        assert!(!machine.simulation.cnc.referenced().x);
+        machine.mend_cable();
+        machine.press(AUTO);
+        machine.press(CYCLE_START);
+        machine.pass(3000);
+        assert_eq!(machine.made(), stood, "round {round}");
+    }
+}
+
+#[test]
+fn a_spindle_that_does_not_turn_is_an_alarm_and_nothing_hangs() {
+    let mut machine = ready();
+    machine.twin.spindle_mut().blocked = true;
+    machine.load(CYCLE, None);
+    machine.start();
+    machine.pass(20_000);
+    assert_eq!(machine.alarms(), [94]);
+    assert!(machine.twin.passes().is_empty());
+    assert_eq!(
+        machine.linked.state(),
+        LinkState::Ready,
+        "the place is known"
+    );
+    assert_together(&machine);
+    assert_eq!(machine.simulation.cnc.alarms()[0].source.unwrap().line, 5);
+
+    // Too slow for the board's patience.
+    let mut machine = ready();
+    machine.twin.spindle_mut().full_speed = 500.0;
+    machine.load(CYCLE, None);
+    machine.start();
+    machine.pass(20_000);
+    assert_eq!(machine.alarms(), [94]);
+    let text = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    assert!(text.contains("r/min is too slow"), "{text}");
+    assert!(machine.twin.passes().is_empty());
+}
+
+#[test]
+fn a_spindle_that_stops_behind_the_order_is_alarm_14_of_the_board() {
+    let mut machine = in_pass(&ready(), 10);
+    machine.twin.spindle_mut().blocked = true;
+    let stood = machine.made();
+    machine.pass(8000);
+    assert_eq!(machine.alarms(), [94]);
+    assert_eq!(machine.made(), stood);
+    assert_eq!(machine.linked.state(), LinkState::Fault);
+    machine.press(RESET);
+    machine.pass(500);
+    assert_eq!(machine.linked.state(), LinkState::Locked);
+    assert_eq!(machine.made(), stood);
+
+    // Standing in the cut is seen by nobody there: the pass goes on at the speed it
+    // was begun with, and the control sees it come to its end.
+    let mut machine = in_pass(&ready(), 1000);
+    machine.twin.spindle_mut().blocked = true;
+    machine.wait(20_000, |machine| machine.twin.state() != State::Run);
+    machine.pass(20_000);
+    assert_eq!(machine.alarms(), [94], "the next pass is not begun");
+    assert_eq!(machine.twin.passes().len(), 1);
+    assert_together(&machine);
+}
+
+#[test]
+fn a_busy_computer_does_not_disturb_a_pass() {
+    let mut machine = in_pass(&ready(), 700);
+    for pause in [150, 400, 1200] {
+        machine.pause(pause);
+        machine.pass(30);
+    }
+    machine.run_to_end(600_000);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_eq!(machine.twin.passes().len(), 3);
+    assert_together(&machine);
+}
