@@ -165,7 +165,7 @@ impl Cnc {
         };
         let rpm = spindle.rpm.abs();
         let (top, begins) = match action {
-            Action::ThreadCycle { per_revolution } => (*per_revolution * rpm, true),
+            Action::ThreadCycle { per_revolution, .. } => (*per_revolution * rpm, true),
             Action::Thread { start, .. } => {
                 let from = self.interpolator.position();
                 let top = ThreadMove::of(action)
