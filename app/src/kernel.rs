@@ -140,8 +140,10 @@ pub enum Notice {
     Opened(String),
     /// The control has sent something: what, and where it is.
     Sent(String),
-    /// Something went wrong, or should be known.
+    /// Something went wrong, or should be known: in English.
     Said(String),
+    /// The control refused what was asked of it.
+    Refused(Alarm),
 }
 
 /// The panel as it is seen at one moment.
@@ -163,6 +165,8 @@ pub struct Snapshot {
     pub imposed: Imposed,
     /// The newest alarm that stands.
     pub alarm: Option<Alarm>,
+    /// The slides behind a pulse board want their reference return.
+    pub place_unknown: bool,
 }
 
 /// What views have imposed on control and lathe; it stands until it is taken back,
@@ -348,6 +352,7 @@ impl Kernel {
             wheel: panel.wheel(),
             speed_percent: self.speed_percent,
             alarm: self.emulator.simulation.cnc.alarms().first().cloned(),
+            place_unknown: self.emulator.simulation.cnc.is_place_unknown(),
             imposed: Imposed {
                 bits: self.emulator.simulation.cnc.plc().forces().len(),
                 inputs: self.emulator.simulation.lathe.forced_inputs(),
@@ -383,7 +388,7 @@ impl Kernel {
             Command::Fault(fault, on) => self.emulator.simulation.lathe.set_fault(fault, on),
             Command::Ask(request) => {
                 if let Err(alarm) = self.emulator.simulation.cnc.request(*request) {
-                    self.say(Notice::Said(alarm.line_text()));
+                    self.say(Notice::Refused(alarm));
                 }
             }
             Command::PowerCycle => self.emulator.power_cycle(),
@@ -456,7 +461,7 @@ impl Kernel {
             RunState::Run | RunState::Hold
         ) {
             self.say(Notice::Said(format!(
-                "{}: 程序正在运行, 复位后再打开 / a program is running: open it after [RESET]",
+                "{}: a program is running: open it after [RESET]",
                 opened.name
             )));
             return;
@@ -473,7 +478,7 @@ impl Kernel {
                     .cnc
                     .request(Request::StoreProgram(program.text().to_owned()))
             {
-                self.say(Notice::Said(alarm.line_text()));
+                self.say(Notice::Refused(alarm));
             }
         }
         match self.emulator.load_external(opened.program) {
@@ -481,7 +486,7 @@ impl Kernel {
                 self.opened = Some(opened.name.clone());
                 self.say(Notice::Opened(opened.name));
             }
-            Err(alarm) => self.say(Notice::Said(alarm.line_text())),
+            Err(alarm) => self.say(Notice::Refused(alarm)),
         }
     }
 

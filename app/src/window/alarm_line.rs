@@ -4,6 +4,7 @@
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 
+use super::chinese;
 use super::texts::say;
 use crate::cli::Language;
 
@@ -20,7 +21,7 @@ pub fn short(alarm: &Alarm, language: Language) -> String {
         line.push_str(&format!("  {place}"));
     }
     if let Some(detail) = &alarm.detail {
-        line.push_str(&format!("  ({detail})"));
+        line.push_str(&format!("  ({})", chinese::say(detail, language)));
     }
     line
 }
@@ -71,19 +72,24 @@ mod tests {
 
     #[test]
     fn place_reason_and_way_out_are_told_in_the_language_of_the_window() {
-        let alarm = Alarm::new(13).because("R 5 < 7.5").at(Source {
-            program: ProgramId::Stored(12),
-            line: 7,
-            sequence: Some(60),
-        });
+        let alarm = Alarm::new(13)
+            .because("neither R nor I, K is given")
+            .at(Source {
+                program: ProgramId::Stored(12),
+                line: 7,
+                sequence: Some(60),
+            });
         let zh = short(&alarm, Language::Zh);
         assert_eq!(
             zh,
-            "P/S 013: 圆弧数据有错误!  O0012 N0060 行 7  (R 5 < 7.5)"
+            "P/S 013: 圆弧数据有错误!  O0012 N0060 行 7  (没有指定 R, 也没有指定 I、K)"
         );
         let en = long(&alarm, Language::En);
         assert!(en.starts_with("013: "), "{en}");
-        assert!(en.contains("O0012 N0060 line 7"), "{en}");
+        assert!(
+            en.contains("O0012 N0060 line 7  (neither R nor I, K is given)"),
+            "{en}"
+        );
         assert!(en.contains("\nWay out: "), "{en}");
         assert!(long(&alarm, Language::Zh).contains("\n处理: "));
     }

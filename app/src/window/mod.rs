@@ -3,6 +3,7 @@
 
 mod alarm_line;
 pub mod app;
+mod chinese;
 mod extents;
 mod face;
 mod figures;
@@ -190,10 +191,10 @@ impl Window {
         while let Ok(notice) = self.console.notices.try_recv() {
             match notice {
                 Notice::Said(text) => {
-                    self.message = Some(Message {
-                        text,
-                        warning: true,
-                    });
+                    self.say(chinese::say(&text, self.settings.language));
+                }
+                Notice::Refused(alarm) => {
+                    self.say(alarm_line::short(&alarm, self.settings.language));
                 }
                 Notice::Sent(what) => {
                     let word = Text::Sent.of(self.settings.language);
@@ -284,10 +285,16 @@ impl Window {
         {
             return top_bar::alarm(ui, alarm, language);
         }
+        let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
+        let hint = if unknown {
+            Text::ReturnHint
+        } else {
+            Text::Hint
+        };
         let message = self.message.as_ref();
         let text = message.map(|message| message.text.as_str());
         let warning = message.is_some_and(|message| message.warning);
-        top_bar::status(ui, text, warning, Text::Hint.of(language));
+        top_bar::status(ui, text, warning, hint.of(language));
     }
 
     /// The PC keyboard; it belongs to the panel unless a text is being typed.

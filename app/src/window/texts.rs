@@ -66,6 +66,8 @@ pub enum Text {
     NothingChosen,
     /// Hint on an empty status line.
     Hint,
+    /// Hint while real slides want their reference return.
+    ReturnHint,
     /// Lamp lit, for screen readers.
     Lit,
     /// Lamp dark, for screen readers.
@@ -141,6 +143,11 @@ impl Text {
             Self::Hint => (
                 "打开程序, 按 [自动] 再按 [运行]",
                 "Open a program, press [自动] AUTO, then [运行] START",
+            ),
+            Self::ReturnHint => (
+                "滑板的位置未知: 按 [机械零点], 再按 X、Z 轴的方向键返回机械零点",
+                "Nobody knows where the slides stand: press [机械零点] machine zero, then the keys \
+                 of X and Z",
             ),
             Self::Lit => ("亮", "on"),
             Self::Dark => ("灭", "off"),

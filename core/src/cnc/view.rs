@@ -282,7 +282,12 @@ impl Cnc {
 
     /// Whether 准备未绪 stands on the status line.
     pub fn not_ready(&self) -> bool {
-        self.is_not_ready() || self.board.is_some_and(|board| !board.known)
+        self.is_not_ready() || self.is_place_unknown()
+    }
+
+    /// Whether real slides stand where nobody knows: they want their reference return.
+    pub fn is_place_unknown(&self) -> bool {
+        self.board.is_some_and(|board| !board.known)
     }
 
     /// Whether an alarm or a message stands (AL, F1.0).

@@ -4,12 +4,13 @@ use gsk_core::memory::Refusal;
 use gsk_core::plc::{CompileError, Fault, Rule};
 
 use crate::cli::Language;
+use crate::window::chinese;
 use crate::window::texts::say;
 
 /// An error or warning of the compiler: its code, in Chinese what the rule is, and
 /// what is wrong here.
 pub fn finding(error: &CompileError, language: Language) -> String {
-    let (code, message) = (error.code, &error.message);
+    let (code, message) = (error.code, chinese::say(&error.message, language));
     match language {
         Language::Zh => format!("{code} {}: {message}", rule(code)),
         Language::En => format!("{code} {message}"),

@@ -1,0 +1,206 @@
+//! What control, link and compiler say of a fault, in Chinese.
+//!
+//! They speak English, with values in it. `assets/tables/sentences.tsv` has their
+//! sentences, `{}` where a value stands, and the Chinese, `{1}` for the first value.
+//! A value may be a sentence of the table itself.
+
+use std::borrow::Cow;
+use std::sync::LazyLock;
+
+use crate::cli::Language;
+
+const TABLE: &str = include_str!("../../../assets/tables/sentences.tsv");
+/// Sentences in sentences.
+const DEPTH: u32 = 4;
+
+/// A row of the table.
+struct Sentence {
+    /// The English between the values.
+    pieces: Vec<&'static str>,
+    chinese: &'static str,
+}
+
+/// A sentence in a language; one that the table does not have stays English.
+pub fn say(text: &str, language: Language) -> Cow<'_, str> {
+    match language {
+        Language::Zh => chinese(text, DEPTH).map_or(Cow::Borrowed(text), Cow::Owned),
+        Language::En => Cow::Borrowed(text),
+    }
+}
+
+fn chinese(text: &str, depth: u32) -> Option<String> {
+    let depth = depth.checked_sub(1)?;
+    let found = rows().iter().find_map(|row| Some((row, row.values(text)?)));
+    let Some((row, values)) = found else {
+        // A file, and what is wrong with it.
+        let (what, rest) = text.split_once(": ")?;
+        return Some(format!("{what}: {}", chinese(rest, depth)?));
+    };
+    let mut said = row.chinese.to_owned();
+    for (number, value) in (1..).zip(values) {
+        let inner = chinese(value, depth);
+        let inner = inner.as_deref().unwrap_or(value);
+        said = said.replacen(&format!("{{{number}}}"), inner, 1);
+    }
+    Some(said)
+}
+
+/// The table; what says most stands first.
+fn rows() -> &'static [Sentence] {
+    static ROWS: LazyLock<Vec<Sentence>> = LazyLock::new(|| {
+        let rows = TABLE.lines().skip(1);
+        let rows = rows.filter_map(|line| line.split_once('\t'));
+        let mut rows: Vec<Sentence> = rows
+            .map(|(english, chinese)| Sentence {
+                pieces: english.split("{}").collect(),
+                chinese,
+            })
+            .collect();
+        let length = |row: &Sentence| row.pieces.iter().map(|piece| piece.len()).sum::<usize>();
+        rows.sort_by_key(|row| core::cmp::Reverse(length(row)));
+        rows
+    });
+    &ROWS
+}
+
+impl Sentence {
+    /// The values of a text that is this sentence.
+    fn values<'a>(&self, text: &'a str) -> Option<Vec<&'a str>> {
+        let (first, others) = self.pieces.split_first()?;
+        let mut rest = text.strip_prefix(first)?;
+        let Some((last, between)) = others.split_last() else {
+            return rest.is_empty().then(Vec::new);
+        };
+        let mut values = Vec::new();
+        for piece in between {
+            let (value, after) = rest.split_once(piece)?;
+            values.push(value);
+            rest = after;
+        }
+        values.push(rest.strip_suffix(last)?);
+        Some(values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn values_keep_their_places_and_may_be_sentences() {
+        for (english, expected) in [
+            (
+                "commanded X 5 Z -7 pulses, the board counts X 5 Z -8",
+                "指令脉冲 X 5 Z -7, 驱动板计数 X 5 Z -8",
+            ),
+            (
+                "no answer from the board: it says nothing",
+                "驱动板没有可用的应答: 它不发送任何数据",
+            ),
+            (
+                "the board cannot do tapping (G33); nothing of the program was begun",
+                "驱动板不能执行攻丝 (G33); 程序尚未开始",
+            ),
+            ("O0012 exists", "O0012 已存在"),
+            ("/a/b.nc: there is no such file", "/a/b.nc: 没有该文件"),
+            ("said by nobody", "said by nobody"),
+        ] {
+            assert_eq!(say(english, Language::Zh), expected);
+            assert_eq!(say(english, Language::En), english);
+        }
+    }
+
+    #[test]
+    fn every_value_stands_once_in_the_chinese() {
+        for row in rows() {
+            let values = row.pieces.len() - 1;
+            for number in 1..=values {
+                let count = row.chinese.matches(&format!("{{{number}}}")).count();
+                assert_eq!(count, 1, "{}", row.chinese);
+            }
+            assert_eq!(row.chinese.matches('{').count(), values, "{}", row.chinese);
+        }
+    }
+
+    /// The texts of a source file, `{}` for whatever is put in.
+    fn texts(source: &str, into: &mut BTreeSet<String>) {
+        let source = source.replace("'\"'", "");
+        let mut rest = source.as_str();
+        while let Some((_, after)) = rest.split_once('"') {
+            let mut text = String::new();
+            let mut characters = after.char_indices();
+            let mut end = after.len();
+            let mut inside = 0;
+            while let Some((at, character)) = characters.next() {
+                match character {
+                    '"' => {
+                        end = at + 1;
+                        break;
+                    }
+                    '\\' => match characters.next() {
+                        Some((_, '\n')) => {
+                            let blanks = characters.as_str();
+                            let indent = blanks.len() - blanks.trim_start().len();
+                            for _ in 0..indent {
+                                characters.next();
+                            }
+                        }
+                        Some((_, escaped)) => text.push(escaped),
+                        None => {}
+                    },
+                    '{' => {
+                        inside += 1;
+                        text.push('{');
+                    }
+                    '}' => {
+                        inside = 0;
+                        text.push('}');
+                    }
+                    _ if inside > 0 => {}
+                    _ => text.push(character),
+                }
+            }
+            into.insert(text);
+            rest = &after[end..];
+        }
+    }
+
+    fn read(folder: &Path, into: &mut BTreeSet<String>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                read(&path, into);
+            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                let source = std::fs::read_to_string(&path).unwrap();
+                let code = source
+                    .lines()
+                    .filter(|line| !line.trim_start().starts_with("//"));
+                texts(&code.collect::<Vec<_>>().join("\n"), into);
+            }
+        }
+    }
+
+    /// A sentence that nobody says any more harms nobody; many of them mean that the
+    /// table has been forgotten.
+    #[test]
+    fn the_sentences_are_still_said() {
+        let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let mut said = BTreeSet::new();
+        for folder in ["app/src", "core/src", "panel/src", "plc/src"] {
+            read(&top.join(folder), &mut said);
+        }
+        let lost: Vec<String> = rows()
+            .iter()
+            .map(|row| row.pieces.join("{}"))
+            .filter(|english| !said.contains(english))
+            .collect();
+        assert!(
+            lost.len() * 20 < rows().len(),
+            "sentences.tsv has what no source says any more; change its rows too:\n{}",
+            lost.join("\n")
+        );
+    }
+}
