@@ -52,6 +52,10 @@ impl Cnc {
         self.handshake.reset();
         self.spindle.abandon_gear_change();
         self.alarms.reset();
+        if !self.emergency_stop {
+            // A board tells of a chain that opened too shortly to be seen here.
+            self.alarms.remove(EMERGENCY_STOP);
+        }
         self.mdi.clear();
         self.programmed_ahead = 0.0;
         let (interpreter, world) = self.interpreter_and_world(true);
@@ -101,5 +105,31 @@ impl Cnc {
             .list()
             .iter()
             .any(|alarm| matches!(alarm.class(), AlarmClass::EmergencyStop | AlarmClass::Servo))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_plc::address::{Area, BitAddress};
+
+    use super::*;
+    use crate::setup::Setup;
+    use crate::simulation::Simulation;
+
+    #[test]
+    fn an_emergency_stop_too_short_to_be_seen_is_told_until_reset() {
+        let mut simulation = Simulation::new(Setup::default());
+        let run = |simulation: &mut Simulation, reset| {
+            let key = BitAddress::new(Area::X, 26, 0);
+            simulation.cnc.set_panel_key(key, reset);
+            for _ in 0..100 {
+                simulation.tick();
+            }
+            simulation.cnc.alarms.contains(EMERGENCY_STOP)
+        };
+        assert!(!run(&mut simulation, false));
+        simulation.cnc.raise(Alarm::new(EMERGENCY_STOP));
+        assert!(run(&mut simulation, false));
+        assert!(!run(&mut simulation, true));
     }
 }
