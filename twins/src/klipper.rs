@@ -103,6 +103,8 @@ pub struct KlipperTwin {
     /// Pulses made since power-on at the steppers, in the order of their oids.
     pulses: [i64; 2],
     last_pulse: u64,
+    /// When the commands of the last second were carried out.
+    recent: VecDeque<u64>,
     figures: Figures,
 }
 
@@ -115,6 +117,8 @@ pub struct Figures {
     pub lead: i64,
     /// Commands carried out.
     pub commands: u64,
+    /// Most commands carried out in any second.
+    pub busiest: u32,
     /// Requests for a piece of the dictionary.
     pub identify: u64,
     /// Steps made.
@@ -168,10 +172,12 @@ impl KlipperTwin {
             recorded: None,
             pulses: [0; 2],
             last_pulse: 0,
+            recent: VecDeque::new(),
             figures: Figures {
                 queue: 0,
                 lead: i64::MAX,
                 commands: 0,
+                busiest: 0,
                 identify: 0,
                 steps: 0,
             },

@@ -17,6 +17,9 @@ pub enum Damage {
     Doubled,
     /// It and everything behind it arrives so much later, ns.
     HeldUp(u64),
+    /// It waits so much longer, ns, and so does what is behind it; then the line is as
+    /// before.
+    Stalled(u64),
     /// It and everything behind it never arrives: the cable is out.
     Cut,
 }
@@ -86,6 +89,7 @@ impl Wire {
                     Damage::Changed(bits) => copies[0] = Some(byte ^ bits),
                     Damage::Doubled => copies[1] = Some(byte),
                     Damage::HeldUp(ns) => self.held_up += ns,
+                    Damage::Stalled(ns) => self.busy_until += ns,
                     Damage::Cut => self.cut = true,
                 }
             }
@@ -151,5 +155,17 @@ mod tests {
         assert_eq!(arrived(&mut wire, 100_000), [b'b' ^ 3, b'c', b'c']);
         assert_eq!(arrived(&mut wire, 2_000_000), b"d");
         assert_eq!(arrived(&mut wire, u64::MAX), b"");
+    }
+
+    #[test]
+    fn a_stall_ends() {
+        let mut wire = Wire::new(1_000_000);
+        wire.damage(1, Damage::Stalled(5_000_000));
+        wire.give(b"abc", 0);
+        assert_eq!(arrived(&mut wire, 5_019_000), b"a");
+        assert_eq!(arrived(&mut wire, 5_020_000), b"b");
+        assert_eq!(arrived(&mut wire, 5_030_000), b"c");
+        wire.give(b"d", 6_000_000);
+        assert_eq!(arrived(&mut wire, 6_010_000), b"d");
     }
 }

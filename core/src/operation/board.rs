@@ -5,7 +5,9 @@
 
 mod pass;
 mod preflight;
+mod rates;
 mod spindle;
+mod walk;
 
 use serde::{Deserialize, Serialize};
 
@@ -16,8 +18,8 @@ use super::zero_return::Return;
 use crate::alarm::{Alarm, AlarmClass};
 use crate::cnc::Cnc;
 use crate::command::{Action, SpindleCommand};
-use crate::machine::link::ThreadRights;
-use crate::motion::{JogRate, ThreadMove};
+use crate::machine::link::{PulseRates, ThreadRights};
+use crate::motion::ThreadMove;
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
 
 /// The drives behind a board, as the control sees them.
@@ -33,8 +35,8 @@ pub(crate) struct BoardDrives {
     pub behind: bool,
     /// Spindle or coolant have still to be switched before the axes go on.
     pub switching: bool,
-    /// Most pulses a second of an axis.
-    pub max_rate: f64,
+    /// Most pulses a second.
+    pub rates: PulseRates,
     /// Pulses per mm of slide travel.
     pub pulses_per_mm: [f64; 2],
     /// Which threads it cuts.
@@ -68,18 +70,6 @@ impl Cnc {
         })
     }
 
-    /// Manual motion of slides whose place is not known is slow (No.033).
-    pub(super) fn board_slows(&self, rate: JogRate) -> JogRate {
-        if self.board.is_none_or(|board| board.known) {
-            return rate;
-        }
-        let slow = self.parameters.zero_low_rate();
-        match rate {
-            JogRate::Feed(feed) => JogRate::Feed(feed.min(slow)),
-            JogRate::Rapid | JogRate::Approach(_) => JogRate::Feed(slow),
-        }
-    }
-
     /// Whether the slides are being stopped: where from is not known yet.
     pub(super) fn board_is_stopping(&self) -> bool {
         self.board
@@ -87,38 +77,20 @@ impl Cnc {
     }
 
     /// Why a program must not be started.
-    pub(super) fn board_refuses_start(&self, mdi: bool) -> Option<Alarm> {
+    pub(super) fn board_refuses_start(&mut self, mdi: bool) -> Option<Alarm> {
         let board = self.board?;
         if !(board.known && self.referenced.x && self.referenced.z) {
             return Some(Alarm::new(610).because(
                 "nobody knows where the slides stand: make the reference return of both axes",
             ));
         }
-        self.rate_too_high(&board).or_else(|| {
+        self.rapids_too_fast(&board).or_else(|| {
             // What goes on was looked through when it began.
             let begins = !mdi && self.automatic.state == RunState::Reset;
             let program = self.programs.current().filter(|_| begins)?;
             self.scan_for_board(program)
+                .or_else(|| self.walk_for_board(&board, program))
         })
-    }
-
-    /// The rapids against what the board can make.
-    fn rate_too_high(&self, board: &BoardDrives) -> Option<Alarm> {
-        let parameters = &self.parameters;
-        let axes = [(Axis::X, 22), (Axis::Z, 23)];
-        axes.into_iter()
-            .zip(board.pulses_per_mm)
-            .find_map(|((axis, number), per_mm)| {
-                let rate = parameters.rapid_rate(axis);
-                let pulses = rate / 60.0 * per_mm;
-                (pulses > board.max_rate).then(|| {
-                    Alarm::new(604).because(format!(
-                        "No.{number:03} = {rate} mm/min makes {pulses:.0} pulses/s of {axis:?}, \
-                         the board {:.0} at most: lower it, or set the electronic gear 015-018",
-                        board.max_rate
-                    ))
-                })
-            })
     }
 
     /// What the board cannot do, once more when it is to be done: macros and texts
@@ -130,11 +102,12 @@ impl Cnc {
         if self.dry_run().is_some() {
             return Ok(());
         }
-        if let Some(axis) = self.cut_too_fast(&board, action) {
-            return Err(Alarm::new(604).because(format!(
-                "at this feed {axis:?} needs more than the {:.0} pulses/s of the board",
-                board.max_rate
-            )));
+        let from = self.interpolator.commanded();
+        let rpm = board
+            .spindle
+            .map_or(self.spindle.actual_rpm(), |real| real.rpm);
+        if let Some(alarm) = self.too_fast_for_board(&board, action, from, Some(rpm)) {
+            return Err(alarm);
         }
         if let (Action::Thread { .. } | Action::ThreadCycle { .. }, ThreadRights::None(lacks)) =
             (action, board.threads)
@@ -171,30 +144,6 @@ impl Cnc {
             "{what} needs the spindle's angle or speed in motion{}",
             spindle::why_not(&board, what)
         )))
-    }
-
-    /// The axis that a cut would drive faster than the board can: on a line its share
-    /// of the feed, on an arc, somewhere, all of it.
-    fn cut_too_fast(&self, board: &BoardDrives, action: &Action) -> Option<Axis> {
-        let (feed, share) = match action {
-            Action::Line { to, feed } => {
-                let way = *to - self.interpolator.commanded();
-                let length = way.length().max(1e-9);
-                (feed, Point::new(way.x.abs() / length, way.z.abs() / length))
-            }
-            Action::Arc { feed, .. } => (feed, Point::new(1.0, 1.0)),
-            _ => return None,
-        };
-        let feed = match feed {
-            Feed::PerMinute(feed) => *feed,
-            Feed::PerRevolution(way) => way * self.spindle.actual_rpm().abs(),
-        };
-        let feed = feed * self.feed_override_factor();
-        let feed = feed.min(self.parameters.feed_limit()) / 60.0;
-        let rates = [Axis::X, Axis::Z].into_iter().zip(board.pulses_per_mm);
-        let mut too_fast =
-            rates.filter(|(axis, per_mm)| feed * share.get(*axis) * per_mm > board.max_rate);
-        too_fast.next().map(|(axis, _)| axis)
     }
 
     /// The board makes the return of this axis.

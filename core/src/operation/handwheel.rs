@@ -62,6 +62,7 @@ impl Cnc {
     /// The selected axis follows the wheel, at no more than its rapid rate.
     pub(super) fn follow_wheel(&mut self, axis: Axis, counts: i32) {
         let rate = JogRate::Feed(self.limits.rapid_rate(axis));
+        let rate = self.board_slows(axis, rate);
         self.guide_step(axis, rate);
         if self.from_plc.wheel_axis != Some(axis) || self.interlocked(axis) {
             return;

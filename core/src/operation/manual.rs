@@ -171,11 +171,12 @@ impl Cnc {
         let referenced = *self.referenced.get(axis);
         let rapid =
             self.from_plc.rapid && (referenced || self.parameters.rapid_without_reference());
-        self.board_slows(if rapid {
+        let rate = if rapid {
             JogRate::Rapid
         } else {
             JogRate::Feed(jog_rate(self.from_plc.jog_code))
-        })
+        };
+        self.board_slows(axis, rate)
     }
 
     /// A mode change: what moved by hand stops, and keys that are down count

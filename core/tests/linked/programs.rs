@@ -142,6 +142,66 @@ fn a_board_too_slow_for_the_rapids_is_named_before_the_start() {
     );
 }
 
+/// The first block whose cut needs more pulses than the board makes is named before
+/// anything moves, wherever its feed comes from.
+#[test]
+fn a_cut_too_fast_for_the_board_is_named_before_the_start() {
+    // 400 pulses/mm of X, 200 of Z, 30 000 pulses/s: 4500 and 9000 mm/min.
+    let called = "O5\nG98 G01 Z-5 F7000\nX40\nG04 X1\nM99\n";
+    for (text, sub, line, axis) in [
+        (
+            "O1\nG00 X60\nG98 G01 Z-5 F7000\nX59 Z-9\nX52 F4000\nX54 F6000\nM30\n",
+            None,
+            6,
+            "X",
+        ),
+        (
+            "O1\nG50 X40 Z0\nG98 G02 X50 Z-5 R5 F5000\nM30\n",
+            None,
+            3,
+            "X",
+        ),
+        ("O6\nG00 X60\nM98 P5\nM30\n", Some(called), 3, "X"),
+        (
+            "O7\nG65 H01 P#200 Q5000\nG98 G01 X50 F#200\nM30\n",
+            None,
+            3,
+            "X",
+        ),
+    ] {
+        let mut machine = Machine::referenced(Variant::Grbl);
+        let stood = machine.made();
+        machine.load(text, sub);
+        machine.start();
+        machine.pass(1000);
+        assert_eq!(machine.alarms(), [604], "{text}");
+        let alarm = machine.simulation.cnc.alarms()[0].clone();
+        assert_eq!(alarm.source.unwrap().line, line, "{alarm}");
+        let detail = alarm.detail.clone().unwrap();
+        assert!(
+            detail.contains(&format!("pulses/s of {axis} are needed")),
+            "{detail}"
+        );
+        assert_eq!(machine.made(), stood, "nothing moves");
+    }
+}
+
+/// What lies too far behind to be looked at before the start is refused at its block.
+#[test]
+fn a_cut_too_fast_far_behind_is_refused_at_its_block() {
+    let mut text = "O1\nG50 X60 Z20\nG98 G01 X59.9 F100\n".to_owned();
+    text.push_str(&"G98\n".repeat(25_000));
+    text.push_str("X50 F6000\nM30\n");
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.load(&text, None);
+    machine.start();
+    machine.run_to_end(20_000);
+    assert_eq!(machine.alarms(), [604]);
+    let alarm = machine.simulation.cnc.alarms()[0].clone();
+    assert_eq!(alarm.source.unwrap().line, 25_004, "{alarm}");
+    assert_together(&machine);
+}
+
 #[test]
 fn under_machine_lock_the_board_stands() {
     let mut machine = Machine::referenced(Variant::Grbl);

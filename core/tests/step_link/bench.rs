@@ -162,6 +162,15 @@ impl Bench {
         self.link.finish().is_ok()
     }
 
+    /// Along a path, tick by tick from where it stands; false when it broke off.
+    pub fn follow(&mut self, ms: u32, path: impl Fn(f64) -> (f64, f64)) -> bool {
+        let (x, z) = self.at;
+        (1..=ms).all(|tick| {
+            let (dx, dz) = path(f64::from(tick));
+            self.sample(x + dx, z + dz)
+        })
+    }
+
     /// Z at a speed, pulses a ms, for some ms.
     pub fn feed(&mut self, speed: f64, ms: u32) -> bool {
         (0..ms).all(|_| self.sample(self.at.0, self.at.1 + speed))

@@ -195,6 +195,8 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
         (bench.twin.to_board.given(), bench.twin.to_host.given())
     };
     let (mut proved, mut stopped) = (0, 0);
+    // Jobs on a line that becomes slow at this byte, and those that broke off.
+    let (mut slow, mut too_slow) = (0, 0);
     for (to_board, first, last) in [
         (true, ready.twin.to_board.given(), clean.0),
         (false, ready.twin.to_host.given(), clean.1),
@@ -207,11 +209,11 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
             } else {
                 bench.twin.to_host.damage(byte, damage);
             }
-            // On a line that is suddenly slow a step may come late: the board stops.
-            let slow = damage == Damage::HeldUp(100 * MS);
             let place = format!("{damage:?} at {byte}, to the board: {to_board}");
             let (proves, lead) = ends_defined(bench, &place);
-            assert!(slow || lead > 0, "{place}: a step came late");
+            assert!(lead > 0, "{place}: a step came late");
+            slow += i32::from(damage == Damage::HeldUp(100 * MS));
+            too_slow += i32::from(damage == Damage::HeldUp(100 * MS) && !proves);
             if proves {
                 proved += 1;
                 assert_ne!(damage, Damage::Cut);
@@ -221,6 +223,8 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
         }
     }
     println!("{proved} jobs ended on the pulse, {stopped} in the defined stop");
+    println!("of {slow} on a line that became slow {too_slow} broke off");
+    assert!(slow > 0 && too_slow * 50 <= slow, "{too_slow} of {slow}");
     assert!(proved > stopped && stopped > 0, "{proved} {stopped}");
 }
 
@@ -276,28 +280,6 @@ fn a_bad_line_is_survived() {
         "{:?}",
         bench.link.traffic()
     );
-}
-
-/// A line that is suddenly slower is survived as long as the lookahead covers it.
-#[test]
-fn a_slower_line_is_survived() {
-    for delay in [10, 25, 40] {
-        for late in [0, 500, 3000, 6000] {
-            let mut bench = Bench::ready();
-            let byte = bench.twin.to_board.given() + late;
-            bench.twin.to_board.damage(byte, Damage::HeldUp(delay * MS));
-            for _ in 0..4 {
-                assert!(bench.job(), "{delay} {late}: {:?}", bench.events);
-                assert!(
-                    bench.gets(LinkState::Ready, 1000),
-                    "{delay} {late}: {:?}",
-                    bench.events
-                );
-            }
-            assert_eq!((bench.made(), bench.alarms()), ((0, -400), vec![]));
-            assert!(bench.twin.figures().lead > 0);
-        }
-    }
 }
 
 /// What the board gives as its reason becomes the alarm of the table.

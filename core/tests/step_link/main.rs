@@ -6,6 +6,7 @@ mod bench;
 mod dialogue;
 mod faults;
 mod lathe;
+mod lines;
 mod linked;
 mod motion;
 mod stops;

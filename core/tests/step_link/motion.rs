@@ -75,7 +75,12 @@ fn a_dwell_takes_its_time_and_a_pause_at_rest_is_none() {
     let took = (bench.twin.now() - from) / MS;
     assert!((2990..=3010).contains(&took), "{took}");
     bench.twin.advance(150 * MS);
-    assert!(bench.feed(-1.0, 100));
+    assert!(
+        bench.feed(-1.0, 100),
+        "{:?} {:?}",
+        bench.link.state(),
+        bench.events
+    );
     bench.link.finish().unwrap();
     bench.pass(800);
     assert_eq!(

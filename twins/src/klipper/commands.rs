@@ -11,6 +11,8 @@ const MOST: usize = 8;
 /// Later than this a step of a moving axis is not made, ticks.
 const TOO_FAR: i64 = RATE as i64 / 1000;
 
+const SECOND: u64 = 1_000_000_000;
+
 /// A reason to shut down.
 type Reason = &'static str;
 
@@ -35,7 +37,7 @@ impl KlipperTwin {
                 }
             }
             count += 1;
-            self.figures.commands += 1;
+            self.note_command();
             let result = match self.shutdown {
                 Some(reason) => self.command_when_down(command, numbers, reason),
                 None => self.command(command, numbers),
@@ -45,6 +47,19 @@ impl KlipperTwin {
             }
         }
         count
+    }
+
+    fn note_command(&mut self) {
+        self.figures.commands += 1;
+        self.recent.push_back(self.now);
+        while self
+            .recent
+            .front()
+            .is_some_and(|at| at + SECOND <= self.now)
+        {
+            self.recent.pop_front();
+        }
+        self.figures.busiest = self.figures.busiest.max(self.recent.len() as u32);
     }
 
     fn command_when_down(

@@ -6,7 +6,7 @@ use super::line::LineLink;
 use super::step_queue::StepLink;
 use super::{
     BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, Lacks, LinkConfig, LinkState,
-    Output, Pass, Pins, Protocol, Refused, RunTime, Sample, SpindleView, Stop, ThreadRights,
+    Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView, Stop, ThreadRights,
     Traffic,
 };
 use crate::memory::Parameters;
@@ -135,11 +135,11 @@ impl Link {
         }
     }
 
-    /// The most pulses a second an axis can be given.
-    pub fn max_rate(&self) -> f64 {
+    /// The most pulses a second that can be given.
+    pub fn rates(&self) -> PulseRates {
         match self {
-            Self::Line(link) => link.max_rate(),
-            Self::StepQueue(link) => link.max_rate(),
+            Self::Line(link) => link.rates(),
+            Self::StepQueue(link) => link.rates(),
         }
     }
 

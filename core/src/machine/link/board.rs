@@ -17,6 +17,15 @@ pub struct BoardInfo {
     pub spindle_sync: bool,
 }
 
+/// The most pulses a second that a board makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PulseRates {
+    /// Of X and of Z.
+    pub each: [f64; 2],
+    /// Of both together.
+    pub both: f64,
+}
+
 /// Which threads the drives behind a board cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ThreadRights {

@@ -23,7 +23,8 @@ use crate::units::{Axis, PerAxis, Pulses};
 
 pub use backend::Link;
 pub use board::{
-    BoardInfo, BoardOutputs, Lacks, Pins, SpindleView, SpindleWay, ThreadRights, Traffic,
+    BoardInfo, BoardOutputs, Lacks, Pins, PulseRates, SpindleView, SpindleWay, ThreadRights,
+    Traffic,
 };
 pub use config::{
     FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,

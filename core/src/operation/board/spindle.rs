@@ -13,9 +13,8 @@ use crate::cnc::Cnc;
 use crate::command::{Action, ThreadStart};
 use crate::machine::Inputs;
 use crate::machine::link::{Lacks, ThreadRights};
-use crate::motion::ThreadMove;
 use crate::spindle::{Encoder, SpindleTurn};
-use crate::units::{Axis, Feed, PerAxis};
+use crate::units::Feed;
 
 /// A thread bears no greater variation of the spindle's speed, %.
 const VARIATION: f64 = 0.2;
@@ -156,39 +155,18 @@ impl Cnc {
         }
     }
 
-    /// A thread needs a steady spindle (alarm 091), and a board that makes its pulses
-    /// (604). A spindle that stands has its own alarm.
+    /// A thread needs a steady spindle (alarm 091). A spindle that stands has its own
+    /// alarm.
     pub(super) fn check_board_spindle(&self, action: &Action) -> Result<(), Alarm> {
-        let Some((board, spindle)) = self.board.and_then(|board| Some((board, board.spindle?)))
-        else {
+        let Some(spindle) = self.board.and_then(|board| board.spindle) else {
             return Ok(());
         };
         let rpm = spindle.rpm.abs();
-        let (top, begins) = match action {
-            Action::ThreadCycle { per_revolution, .. } => (*per_revolution * rpm, true),
-            Action::Thread { start, .. } => {
-                let from = self.interpolator.position();
-                let top = ThreadMove::of(action)
-                    .map(|thread| thread.top_speed(from, rpm, &self.limits))
-                    .unwrap_or_default();
-                (top, matches!(start, ThreadStart::AtIndex { .. }))
-            }
+        let begins = match action {
+            Action::ThreadCycle { .. } => true,
+            Action::Thread { start, .. } => matches!(start, ThreadStart::AtIndex { .. }),
             _ => return Ok(()),
         };
-        let pulses = PerAxis::new(
-            top.x / 60.0 * board.pulses_per_mm[0],
-            top.z / 60.0 * board.pulses_per_mm[1],
-        );
-        for axis in [Axis::X, Axis::Z] {
-            if *pulses.get(axis) > board.max_rate {
-                return Err(Alarm::new(604).because(format!(
-                    "the thread needs {:.0} pulses/s of {axis:?} at {rpm:.0} r/min, the board \
-                     makes {:.0} at most",
-                    pulses.get(axis),
-                    board.max_rate
-                )));
-            }
-        }
         if !begins || rpm < STANDING_RPM || self.steady(&spindle) {
             return Ok(());
         }

@@ -10,8 +10,8 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use super::super::{
-    BoardInfo, BoardOutputs, Event, HostTime, LinkConfig, LinkState, Pins, Refused, RunTime,
-    Sample, Stop, Traffic,
+    BoardInfo, BoardOutputs, Event, HostTime, LinkConfig, LinkState, Pins, PulseRates, Refused,
+    RunTime, Sample, Stop, Traffic,
 };
 use super::answers::{Answer, BoardState, Status};
 use super::opening::Opening;
@@ -252,9 +252,14 @@ impl LineLink {
             && self.unanswered.iter().all(|line| line.is_segment)
     }
 
-    /// The most pulses a second an axis can be given.
-    pub fn max_rate(&self) -> f64 {
-        self.config.line.max_rate.into()
+    /// The most pulses a second that can be given: the faster axis sets the pace of
+    /// this board, the other one costs nothing.
+    pub fn rates(&self) -> PulseRates {
+        let each = f64::from(self.config.line.max_rate);
+        PulseRates {
+            each: [each; 2],
+            both: 2.0 * each,
+        }
     }
 
     /// What happened since the last call.

@@ -29,7 +29,7 @@ impl Linked {
             known: self.link.knows_position(),
             behind: self.is_behind(),
             switching,
-            max_rate: self.link.max_rate(),
+            rates: self.link.rates(),
             pulses_per_mm: self.link.pulses_per_mm(),
             threads: self.link.threads(),
             spindle,

@@ -4,7 +4,7 @@ use core::time::Duration;
 
 use super::Linked;
 use crate::alarm::Alarm;
-use crate::machine::link::{HostTime, LinkState};
+use crate::machine::link::{HostTime, LinkState, Protocol};
 use crate::simulation::Simulation;
 
 /// Ticks of the host's clock that are caught up at most.
@@ -80,7 +80,9 @@ impl Linked {
     pub(super) fn has_starved(&self, simulation: &Simulation, gap: Duration) -> bool {
         let fast = simulation.cnc.feed_actual() > f64::from(self.config.flush_keep_speed);
         let long = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
-        let ahead = self.pass.is_none() && self.link.takes_motion();
+        // A board of timed steps notices by itself.
+        let lines = self.config.protocol == Protocol::Line;
+        let ahead = lines && self.pass.is_none() && self.link.takes_motion();
         fast && long && ahead && self.link.state() == LinkState::Moving
     }
 

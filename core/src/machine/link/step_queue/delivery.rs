@@ -9,6 +9,7 @@ use std::collections::VecDeque;
 
 use super::super::HostTime;
 use super::block::{self, CONTENT, LEAST};
+use super::meter::Meter;
 
 /// Unanswered bytes before the board has said how many it can keep, and when it
 /// does not say.
@@ -19,6 +20,20 @@ const MOST_BLOCKS: u64 = 12;
 /// Sent again after this or four round trips; doubled to the most.
 const LEAST_WAIT: Duration = Duration::from_millis(25);
 const MOST_WAIT: Duration = Duration::from_secs(1);
+/// Blocks and bytes of the window that motion leaves to what is urgent.
+const KEPT_BLOCKS: u64 = 2;
+const KEPT_BYTES: usize = 20;
+/// A line that takes longer than this to answer is slow; it is not waited for longer
+/// than that.
+const USUAL_TRIP: Duration = Duration::from_millis(25);
+/// A block that has waited so long for its answer tells of a line that may take as
+/// long as that.
+const LONG_TRIP: Duration = Duration::from_millis(8);
+const SUSPECTED_TRIP: Duration = Duration::from_millis(75);
+const TRIPS: usize = 8;
+/// Bytes of a message.
+const USUAL_MESSAGE: f64 = 8.0;
+const SLOWEST_TRIP: Duration = Duration::from_millis(200);
 /// Without progress for so long the board is lost.
 const SILENCE: Duration = Duration::from_millis(500);
 /// Between two tries to learn the next number, and how many.
@@ -51,6 +66,10 @@ impl Message {
             mark: None,
         }
     }
+
+    fn is_late(&self, earliest: u64) -> bool {
+        self.due.is_some_and(|due| due < earliest)
+    }
 }
 
 /// Replies that must belong to the newest question.
@@ -71,6 +90,17 @@ pub(super) enum Heard {
     Strange,
 }
 
+/// Board clocks that tell what is still in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Times {
+    /// The clock now.
+    pub(super) now: u64,
+    /// Nothing that is sent now is sure to arrive before this.
+    pub(super) earliest: u64,
+    /// The same, on a line that does not answer.
+    pub(super) again: u64,
+}
+
 /// What went wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Trouble {
@@ -86,8 +116,9 @@ pub(super) enum Trouble {
 struct Sent {
     messages: Vec<Message>,
     bytes: usize,
+    /// When it was sent first, and when last.
+    first: HostTime,
     at: HostTime,
-    again: bool,
 }
 
 /// What is on its way to the board.
@@ -106,12 +137,15 @@ pub(super) struct Delivery {
     deaf_below: u64,
     again: bool,
     round_trip: Option<Duration>,
+    /// The last ones.
+    trips: VecDeque<Duration>,
     wait: Duration,
     progressed: HostTime,
     strange_since: Option<HostTime>,
     /// Tries to learn the number the board expects; none: it is known.
     resync: Option<(u32, HostTime)>,
     marks: [u64; 4],
+    meter: Meter,
     pub(super) outgoing: Vec<u8>,
     pub(super) blocks: u64,
     pub(super) resent: u64,
@@ -130,11 +164,13 @@ impl Delivery {
             deaf_below: 0,
             again: false,
             round_trip: None,
+            trips: VecDeque::new(),
             wait: LEAST_WAIT,
             progressed: HostTime::ZERO,
             strange_since: None,
             resync: None,
             marks: [u64::MAX; 4],
+            meter: Meter::unlimited(),
             outgoing: Vec::new(),
             blocks: 0,
             resent: 0,
@@ -143,12 +179,12 @@ impl Delivery {
 
     /// Forgets everything and learns anew which block the board expects.
     pub(super) fn begin(&mut self) {
-        let (blocks, resent, window) = (self.blocks, self.resent, self.window);
         *self = Self {
             resync: Some((0, HostTime::ZERO)),
-            blocks,
-            resent,
-            window,
+            blocks: self.blocks,
+            resent: self.resent,
+            window: self.window,
+            meter: self.meter.clone(),
             ..Self::new()
         };
     }
@@ -157,6 +193,62 @@ impl Delivery {
     pub(super) fn set_window(&mut self, bytes: Option<u32>) {
         let bytes = bytes.map_or(USUAL_WINDOW, |bytes| bytes as usize);
         self.window = bytes.clamp(FIRST_WINDOW, 1 << 16);
+    }
+
+    /// In no second the board is given more messages; none: as many as the wire takes.
+    pub(super) fn set_most_messages(&mut self, a_second: Option<u32>) {
+        self.meter.set_most(a_second);
+    }
+
+    /// Motion waits for the wire, for answers, or for its share of the messages.
+    pub(super) fn is_congested(&self) -> bool {
+        self.waiting.iter().any(|message| message.motion)
+    }
+
+    /// Time until all messages that wait, and so many more, have gone.
+    pub(super) fn time_for(&self, more: f64) -> Duration {
+        let bytes = self.backlog() as f64 + more * USUAL_MESSAGE;
+        let windows = bytes / self.window.saturating_sub(KEPT_BYTES).max(1) as f64;
+        let trip = self.round_trip.unwrap_or_default().min(SLOWEST_TRIP);
+        let by_window = trip.mul_f64(windows);
+        let by_count = self.meter.time_for(self.waiting.len() as f64 + more);
+        by_count.max(by_window)
+    }
+
+    /// The host was away for so long: what came meanwhile is heard only now.
+    pub(super) fn was_away(&mut self, gap: Duration) {
+        for sent in &mut self.under_way {
+            sent.first += gap;
+        }
+    }
+
+    /// Motion waits because the board is not to be given more messages now.
+    pub(super) fn is_rationed(&self) -> bool {
+        self.is_congested() && self.meter.is_short()
+    }
+
+    /// How much longer than usual every message took of late.
+    pub(super) fn least_slowness(&self) -> Duration {
+        let quickest = self.trips.iter().min().copied().unwrap_or_default();
+        quickest.min(SLOWEST_TRIP).saturating_sub(USUAL_TRIP)
+    }
+
+    /// How much longer than usual a message took of late.
+    pub(super) fn slowness(&self) -> Duration {
+        let trip = self.round_trip.unwrap_or_default();
+        trip.min(SLOWEST_TRIP).saturating_sub(USUAL_TRIP)
+    }
+
+    /// How much longer than usual it may take now.
+    pub(super) fn slowness_now(&self, now: HostTime) -> Duration {
+        let oldest = self.under_way.front();
+        let waits = oldest.map_or(Duration::ZERO, |sent| now.saturating_sub(sent.first));
+        if waits < LONG_TRIP {
+            return self.slowness();
+        }
+        // What goes now may be all that goes before the line answers again.
+        let waits = waits.clamp(SUSPECTED_TRIP, SLOWEST_TRIP);
+        waits.saturating_sub(USUAL_TRIP).max(self.slowness())
     }
 
     pub(super) const fn is_synced(&self) -> bool {
@@ -195,17 +287,6 @@ impl Delivery {
         self.waiting.retain(|message| !message.motion);
         for sent in &mut self.under_way {
             sent.messages.retain(|message| !message.motion);
-        }
-    }
-
-    /// Messages that would come too late are not sent any more, except vital ones.
-    pub(super) fn drop_late(&mut self, earliest: u64) {
-        let in_time =
-            |message: &Message| message.vital || message.due.is_none_or(|due| due >= earliest);
-        self.waiting.retain(in_time);
-        self.urgent.retain(in_time);
-        for sent in &mut self.under_way {
-            sent.messages.retain(in_time);
         }
     }
 
@@ -253,12 +334,16 @@ impl Delivery {
 
     fn confirm(&mut self, count: u64, now: HostTime) {
         for _ in 0..count {
-            if let Some(sent) = self.under_way.pop_front()
-                && !sent.again
-            {
-                let trip = now.saturating_sub(sent.at);
+            if let Some(sent) = self.under_way.pop_front() {
+                // From its first sending: a line that has become slow shows at once,
+                // and a lost block does not make much of a difference.
+                let trip = now.saturating_sub(sent.first);
                 let smooth = self.round_trip.map_or(trip, |old| (old * 7 + trip) / 8);
                 self.round_trip = Some(smooth);
+                self.trips.push_back(trip);
+                if self.trips.len() > TRIPS {
+                    self.trips.pop_front();
+                }
             }
         }
         self.progressed = now;
@@ -266,9 +351,9 @@ impl Delivery {
         self.wait = (trip * 4).clamp(LEAST_WAIT, MOST_WAIT);
     }
 
-    /// Puts on the wire what may go; `earliest` is the board clock before which
-    /// nothing timed can arrive any more.
-    pub(super) fn send(&mut self, now: HostTime, earliest: Option<u64>) -> Result<(), Trouble> {
+    /// Puts on the wire what may go.
+    pub(super) fn send(&mut self, now: HostTime, times: Option<Times>) -> Result<(), Trouble> {
+        self.meter.pass(now);
         if let Some((tries, last)) = self.resync {
             if tries == 0 || now.saturating_sub(last) >= RESYNC_EVERY {
                 self.outgoing.extend(block::block(0, &[]));
@@ -289,26 +374,50 @@ impl Delivery {
             .under_way
             .front()
             .is_some_and(|sent| now.saturating_sub(sent.at) >= self.wait);
+        if (overdue || self.again) && self.outgoing.is_empty() {
+            self.send_again(now, times, overdue)?;
+        }
+        self.send_new(now, times)
+    }
+
+    /// Blocks that are in doubt go once more, unless a step in them would come late:
+    /// they may have arrived, and their confirmation be on its way. Only when the step
+    /// should have been made there is nothing left to wait for.
+    fn send_again(
+        &mut self,
+        now: HostTime,
+        times: Option<Times>,
+        overdue: bool,
+    ) -> Result<(), Trouble> {
+        if let Some(times) = times {
+            for sent in &mut self.under_way {
+                sent.messages
+                    .retain(|message| message.vital || !message.is_late(times.again));
+            }
+            let due_in = |sent: &Sent| {
+                let vital = sent.messages.iter().filter(|message| message.vital);
+                vital.filter_map(|message| message.due).min()
+            };
+            // Longer than that no confirmation takes.
+            let patience = 2 * self.round_trip.unwrap_or_default() + USUAL_TRIP;
+            let missed = |sent: &Sent| {
+                due_in(sent).is_some_and(|due| due < times.now)
+                    && now.saturating_sub(sent.first) >= patience
+            };
+            if self.under_way.iter().any(missed) {
+                return Err(Trouble::Late);
+            }
+            let due = self.under_way.iter().filter_map(due_in).min();
+            if due.is_some_and(|due| due < times.again) {
+                return Ok(());
+            }
+        }
+        self.again = false;
         if overdue {
             self.wait = (self.wait * 2).min(MOST_WAIT);
         }
-        if (overdue || self.again) && self.outgoing.is_empty() {
-            self.again = false;
-            self.send_again(now, earliest)?;
-        }
-        self.send_new(now, earliest)
-    }
-
-    fn send_again(&mut self, now: HostTime, earliest: Option<u64>) -> Result<(), Trouble> {
-        let late = |message: &Message| message.due.zip(earliest).is_some_and(|(due, at)| due < at);
-        if self
-            .under_way
-            .iter()
-            .any(|sent| sent.messages.iter().any(late))
-        {
-            self.again = true;
-            return Err(Trouble::Late);
-        }
+        // Blocks that come twice are answered as if something were missing.
+        self.deaf_below = self.next;
         let first = self.next - self.under_way.len() as u64;
         for (number, sent) in (first..).zip(&mut self.under_way) {
             let content: Vec<u8> = sent
@@ -318,33 +427,51 @@ impl Delivery {
                 .collect();
             self.outgoing.extend(block::block(number, &content));
             sent.at = now;
-            sent.again = true;
             self.resent += 1;
         }
         Ok(())
     }
 
-    fn send_new(&mut self, now: HostTime, earliest: Option<u64>) -> Result<(), Trouble> {
+    fn send_new(&mut self, now: HostTime, times: Option<Times>) -> Result<(), Trouble> {
         loop {
             let under_way: usize = self.under_way.iter().map(|sent| sent.bytes).sum();
-            let space = self.window.saturating_sub(under_way).min(CONTENT + LEAST);
-            if self.under_way.len() as u64 >= MOST_BLOCKS || space <= LEAST {
-                return Ok(());
-            }
+            let blocks = self.under_way.len() as u64;
             let mut messages = Vec::new();
             let mut content = Vec::new();
-            for queue in [&mut self.urgent, &mut self.waiting] {
+            for urgent in [true, false] {
+                let (queue, kept_blocks, kept_bytes) = match urgent {
+                    true => (&mut self.urgent, 0, 0),
+                    false => (
+                        &mut self.waiting,
+                        KEPT_BLOCKS,
+                        KEPT_BYTES.min(self.window / 4),
+                    ),
+                };
+                let space = self.window.saturating_sub(under_way + kept_bytes);
+                let space = space.min(CONTENT + LEAST).saturating_sub(LEAST);
+                if blocks + kept_blocks >= MOST_BLOCKS {
+                    break;
+                }
                 while let Some(message) = queue.front() {
-                    if message.due.zip(earliest).is_some_and(|(due, at)| due < at) {
-                        return Err(Trouble::Late);
+                    if let Some(times) = times
+                        && message.is_late(times.earliest)
+                    {
+                        if message.vital {
+                            return Err(Trouble::Late);
+                        }
+                        // What is renewed all the time does no harm when it is missing.
+                        queue.pop_front();
+                        continue;
                     }
-                    if content.len() + message.bytes.len() > space - LEAST {
+                    let full = content.len() + message.bytes.len() > space;
+                    if full || !(urgent || self.meter.allows()) {
                         break;
                     }
+                    self.meter.count();
                     content.extend_from_slice(&message.bytes);
                     messages.extend(queue.pop_front());
                 }
-                if !queue.is_empty() {
+                if urgent && !queue.is_empty() {
                     break;
                 }
             }
@@ -361,8 +488,8 @@ impl Delivery {
             self.under_way.push_back(Sent {
                 messages,
                 bytes: bytes.len(),
+                first: now,
                 at: now,
-                again: false,
             });
             self.outgoing.extend(bytes);
             self.next += 1;

@@ -29,6 +29,8 @@ impl Run {
 pub(super) struct Limits {
     /// Farthest a step may lie from its time.
     pub(super) off: Ticks,
+    /// Or this part of the way from the step before, if that is more.
+    pub(super) part: Option<Ticks>,
     /// Least time between two steps.
     pub(super) apart: Ticks,
     /// Least time from the step before the run to its first.
@@ -85,12 +87,16 @@ fn reach(last: Ticks, due: &[Ticks], limits: Limits, add: Ticks) -> Option<Run> 
     let mut least = limits.first;
     let mut most = Ticks::from(u32::MAX >> 1);
     let mut found = None;
+    let mut before = last;
     for (k, due) in (1..).zip(due.iter().take(MOST_STEPS)) {
         let bend = add * (k * (k - 1) / 2);
         let away = due - last - bend;
-        let at_least = div_up(away - limits.off, k).max(limits.apart - add * (k - 1));
+        let part = limits.part.map_or(0, |part| (due - before) / part);
+        let off = limits.off.max(part);
+        before = *due;
+        let at_least = div_up(away - off, k).max(limits.apart - add * (k - 1));
         least = least.max(at_least);
-        most = most.min((away + limits.off).div_euclid(k));
+        most = most.min((away + off).div_euclid(k));
         if least > most {
             break;
         }
@@ -116,6 +122,7 @@ mod tests {
 
     const LIMITS: Limits = Limits {
         off: 80,
+        part: None,
         apart: 500,
         first: 500,
     };

@@ -18,6 +18,8 @@ mod delivery;
 mod describe;
 mod dictionary;
 mod fit;
+mod meter;
+mod pace;
 mod rates;
 mod session;
 mod shutdown;

@@ -1,6 +1,6 @@
 //! How many steps a second a board makes.
 
-use super::super::{LinkConfig, Refused};
+use super::super::{LinkConfig, PulseRates, Refused};
 use super::fit::Ticks;
 use super::steps::Timing;
 
@@ -19,6 +19,8 @@ const MEASURED: [(&str, u32); 7] = [
 const UNKNOWN: u32 = 100_000;
 /// Of each axis of the small AVR boards, which are also coarser in time.
 const AVR: u32 = 32_000;
+/// Messages a second of such a board.
+const AVR_MESSAGES: u32 = 700;
 /// Farthest a step may lie from its time, µs.
 const AVR_OFF: f64 = 5.0;
 const USUAL_OFF: f64 = 2.0;
@@ -28,8 +30,9 @@ const USUAL_OFF: f64 = 2.0;
 pub(super) struct Rates {
     pub(super) timing: [Timing; 2],
     /// Steps a second of each axis, and of both.
-    each: [f64; 2],
-    both: f64,
+    pub(super) most: PulseRates,
+    /// Most messages a second, where they are counted.
+    pub(super) messages: Option<u32>,
 }
 
 impl Rates {
@@ -67,23 +70,22 @@ impl Rates {
         });
         Self {
             timing,
-            each,
-            both: f64::from(both),
+            most: PulseRates {
+                each,
+                both: f64::from(both),
+            },
+            messages: avr.then_some(AVR_MESSAGES),
         }
-    }
-
-    /// Steps a second that either axis can make.
-    pub(super) const fn each(&self) -> f64 {
-        self.each[0].min(self.each[1])
     }
 
     /// Whether so many pulses in so many seconds can be made.
     pub(super) fn allow(&self, moves: [i64; 2], seconds: f64) -> Result<(), Refused> {
         let counts = moves.map(|count| count.unsigned_abs() as f64);
         let too_fast = |count: f64, rate: f64| count > rate * seconds + 1.0;
-        if too_fast(counts[0], self.each[0])
-            || too_fast(counts[1], self.each[1])
-            || too_fast(counts[0] + counts[1] - 1.0, self.both)
+        let PulseRates { each, both } = self.most;
+        if too_fast(counts[0], each[0])
+            || too_fast(counts[1], each[1])
+            || too_fast(counts[0] + counts[1] - 1.0, both)
         {
             return Err(Refused::TooFast);
         }

@@ -15,7 +15,7 @@ use super::super::{BoardInfo, Event, HostTime, Input, LinkConfig, LinkState, Pin
 use super::block::Reader;
 use super::clock::Clock;
 use super::commands::{Command, Kind, Reply};
-use super::delivery::{Delivery, Heard, Mark, Message, Trouble};
+use super::delivery::{Delivery, Heard, Mark, Message, Times, Trouble};
 use super::describe;
 use super::dictionary::Dictionary;
 use super::shutdown;
@@ -34,6 +34,8 @@ use upkeep::Upkeep;
 const LATEST: Duration = Duration::from_millis(20);
 /// A slower line is not waited for.
 const SLOWEST: Duration = Duration::from_millis(200);
+/// A host that looks at its port so late has done something else.
+const AWAY: Duration = Duration::from_millis(10);
 /// A question is asked again after this, and given up after that.
 const ASK_AGAIN: Duration = Duration::from_millis(100);
 const GIVE_UP: Duration = Duration::from_millis(600);
@@ -197,7 +199,7 @@ impl StepLink {
 
     /// Bytes came from the port.
     pub fn rx(&mut self, bytes: &[u8], now: HostTime) {
-        self.now = self.now.max(now);
+        self.pass(now);
         self.traffic.received += bytes.len() as u64;
         if matches!(self.state, LinkState::Off | LinkState::Lost) {
             return;
@@ -227,6 +229,14 @@ impl StepLink {
         }
     }
 
+    fn pass(&mut self, now: HostTime) {
+        let gap = now.saturating_sub(self.now);
+        self.now += gap;
+        if gap >= AWAY {
+            self.delivery.was_away(gap);
+        }
+    }
+
     /// A board that counts its blocks anew may say why.
     fn hear_strange(&mut self, content: &[u8]) {
         let replies = self.dictionary.replies(content).unwrap_or_default();
@@ -237,7 +247,7 @@ impl StepLink {
 
     /// Time passes; at least every 5 ms.
     pub fn tick(&mut self, now: HostTime) {
-        self.now = self.now.max(now);
+        self.pass(now);
         if matches!(self.state, LinkState::Off | LinkState::Lost) {
             return;
         }
@@ -365,34 +375,47 @@ impl StepLink {
     }
 
     fn send(&mut self) {
-        let earliest = self.is_running().then(|| self.earliest());
-        let mut result = self.delivery.send(self.now, earliest);
-        if let (Err(Trouble::Late), Some(earliest)) = (result, earliest) {
-            // What is renewed all the time does no harm when it is missing.
-            self.delivery.drop_late(earliest);
-            result = self.delivery.send(self.now, Some(earliest));
-        }
-        match result {
+        let times = self.is_running().then(|| Times {
+            now: self.clock.at(self.now),
+            earliest: self.earliest(),
+            again: self
+                .clock
+                .at(self.now + self.margin() + self.delivery.slowness_now(self.now)),
+        });
+        match self.delivery.send(self.now, times) {
             Ok(()) => {}
             Err(Trouble::Silent) => self.lost("the board has not answered for 500 ms"),
             Err(Trouble::Restarted) => self.board_restarted(),
+            Err(Trouble::Late) if self.delivery.is_rationed() => self.too_fine(),
             Err(Trouble::Late) => self.late("a step would have come too late"),
         }
     }
 
     /// Nothing that is sent now is sure to arrive before this clock.
     fn earliest(&self) -> u64 {
-        self.clock.at(self.now + self.margin())
+        let there = self.delivery.least_slowness();
+        let there = there.saturating_sub(self.clock.back());
+        self.clock.at(self.now + self.margin() + there)
     }
 
     fn margin(&self) -> Duration {
         LATEST + (self.clock.round_trip() / 2).min(SLOWEST)
     }
 
+    /// How far ahead the motion is that is handed over now: the lookahead, and on a
+    /// line that has become slow what it takes longer, there and to say it again.
+    fn ahead(&self) -> Duration {
+        self.config.lookahead() + 2 * self.delivery.slowness_now(self.now)
+    }
+
+    /// A question is asked again after this.
+    fn patience(&self) -> Duration {
+        ASK_AGAIN + 2 * self.delivery.slowness_now(self.now)
+    }
+
     /// A clock for things that are to happen soon, and surely not too late.
     fn soon(&self) -> u64 {
-        self.clock
-            .at(self.now + self.config.lookahead() + self.margin())
+        self.clock.at(self.now + self.ahead() + self.margin())
     }
 
     fn take(&mut self, reply: &Reply, expects: u64) {

@@ -8,6 +8,10 @@ use super::fit::{Limits, Run, Ticks, longest};
 /// Before it may be set, the board's step clock must have stood for so long, s.
 const SETTLED: f64 = 0.008;
 
+/// Where steps may lie farther from their time: this part of the way between two of
+/// them, at the finest.
+const FINEST_PART: Ticks = 64;
+
 /// A pulse and when it is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Due {
@@ -26,6 +30,13 @@ pub(super) struct Entry {
     /// Clock of its first and of its last step.
     pub(super) first: Ticks,
     pub(super) last: Ticks,
+}
+
+impl Entry {
+    /// Messages it takes.
+    pub(super) fn messages(&self) -> u32 {
+        1 + u32::from(self.from.is_some()) + u32::from(self.up.is_some())
+    }
 }
 
 /// How steps are timed at this board.
@@ -60,6 +71,8 @@ pub(super) struct Steps {
     last: Option<Ticks>,
     /// Direction the board has been told.
     up: Option<bool>,
+    /// How far the last step fitted lies from its time.
+    off: Ticks,
 }
 
 impl Steps {
@@ -70,6 +83,7 @@ impl Steps {
             newest: None,
             last: None,
             up: None,
+            off: 0,
         }
     }
 
@@ -80,6 +94,11 @@ impl Steps {
 
     pub(super) fn is_empty(&self) -> bool {
         self.due.is_empty()
+    }
+
+    /// When the first pulse is due that is not fitted.
+    pub(super) fn first(&self) -> Option<Ticks> {
+        self.due.front().map(|due| due.at)
     }
 
     /// Each pulse of a sample is due where the place, straight in between, passes the
@@ -122,8 +141,9 @@ impl Steps {
         }
     }
 
-    /// All pulses due as runs. `now` is the board's clock, at most a little late.
-    pub(super) fn fit(&mut self, now: Ticks, entries: &mut Vec<Entry>) {
+    /// All pulses due as runs. `now` is the board's clock, at most a little late; a
+    /// step may lie `coarse` times as far from its time as usual.
+    pub(super) fn fit(&mut self, now: Ticks, coarse: Ticks, entries: &mut Vec<Entry>) {
         let due: Vec<Due> = self.due.drain(..).collect();
         for same in due.chunk_by(|a, b| a.up == b.up) {
             let times: Vec<Ticks> = same.iter().map(|due| due.at).collect();
@@ -144,7 +164,9 @@ impl Steps {
                     }
                 };
                 let limits = Limits {
-                    off: self.timing.off,
+                    // What lies farther off already is made up for without haste.
+                    off: (self.timing.off * coarse).max(self.off),
+                    part: (coarse > 1).then_some(FINEST_PART / coarse),
                     apart: self.timing.apart,
                     first: if turns && from.is_none() {
                         self.timing.turn - 2 * self.timing.off
@@ -164,6 +186,7 @@ impl Steps {
                     last: end,
                 });
                 self.up = Some(up);
+                self.off = (end - rest[usize::from(run.count).min(rest.len()) - 1]).abs();
                 self.last = Some(end);
                 turns = false;
                 rest = &rest[usize::from(run.count).min(rest.len())..];
@@ -201,11 +224,11 @@ mod tests {
             });
             if index % flush == 0 {
                 due.extend(steps.due.iter().copied());
-                steps.fit(begin - 100 * ms, &mut entries);
+                steps.fit(begin - 100 * ms, 1, &mut entries);
             }
         }
         due.extend(steps.due.iter().copied());
-        steps.fit(path.len() as Ticks * ms + 1_000_000, &mut entries);
+        steps.fit(path.len() as Ticks * ms + 1_000_000, 1, &mut entries);
         let (mut place, mut wanted, mut made) = (count(path[0]), due.iter(), 0);
         let (mut last, mut up) = (Ticks::MIN, None);
         for entry in &entries {
@@ -285,7 +308,7 @@ mod tests {
                 fine: [from * FINE, (from + 1) * FINE],
             });
             entries.clear();
-            steps.fit(now, &mut entries);
+            steps.fit(now, 1, &mut entries);
             entries[0]
         };
         assert!(one(&mut steps, 2_000_000, 400_000, 0).from.is_some());

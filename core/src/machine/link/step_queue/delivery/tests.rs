@@ -36,8 +36,16 @@ fn the_window_is_kept() {
         delivery.say(message(byte, 40));
     }
     delivery.send(ms(4), None).unwrap();
-    assert_eq!(sequences(&mut delivery), [5, 6, 7, 8], "45 bytes each");
+    assert_eq!(
+        sequences(&mut delivery),
+        [5, 6, 7],
+        "45 bytes each, some are kept"
+    );
     delivery.hear(6, true, ms(6));
+    delivery.send(ms(6), None).unwrap();
+    assert_eq!(sequences(&mut delivery), [8]);
+    // What is urgent has the rest.
+    delivery.say_first(message(1, 4));
     delivery.send(ms(6), None).unwrap();
     assert_eq!(sequences(&mut delivery), [9]);
     let mut delivery = synced();
@@ -46,7 +54,12 @@ fn the_window_is_kept() {
         delivery.say(message(byte, 50));
     }
     delivery.send(ms(4), None).unwrap();
-    assert_eq!(sequences(&mut delivery).len(), 12);
+    assert_eq!(sequences(&mut delivery).len(), 10);
+    for byte in 0..4 {
+        delivery.say_first(message(byte, 50));
+    }
+    delivery.send(ms(4), None).unwrap();
+    assert_eq!(sequences(&mut delivery).len(), 2);
 }
 
 #[test]
@@ -106,26 +119,74 @@ fn silence_sends_again_ever_later_and_ends() {
     panic!("never ends: {sent:?}");
 }
 
-#[test]
-fn what_would_come_late_is_not_sent_again() {
-    let mut delivery = synced();
-    delivery.say(Message {
-        due: Some(1000),
+fn times(now: u64, earliest: u64) -> Option<Times> {
+    let again = earliest;
+    Some(Times {
+        now,
+        earliest,
+        again,
+    })
+}
+
+fn step(due: u64) -> Message {
+    Message {
+        due: Some(due),
         motion: true,
         vital: true,
         ..message(1, 5)
-    });
-    assert_eq!(delivery.send(ms(4), Some(1001)), Err(Trouble::Late));
-    delivery.send(ms(5), Some(999)).unwrap();
+    }
+}
+
+#[test]
+fn what_would_come_late_is_not_sent() {
+    let mut delivery = synced();
+    delivery.say(step(1000));
+    assert_eq!(delivery.send(ms(4), times(900, 1001)), Err(Trouble::Late));
+    delivery.send(ms(5), times(900, 999)).unwrap();
     assert_eq!(sequences(&mut delivery), [5]);
-    assert_eq!(delivery.send(ms(60), Some(1001)), Err(Trouble::Late));
+    // It may have arrived, its confirmation be on its way.
+    delivery.send(ms(60), times(999, 1001)).unwrap();
+    assert_eq!(sequences(&mut delivery), [0_u8; 0]);
+    // Now it should have been made.
+    assert_eq!(delivery.send(ms(61), times(1001, 1003)), Err(Trouble::Late));
     delivery.drop_motion();
-    delivery.send(ms(61), Some(1001)).unwrap();
+    delivery.send(ms(61), times(1001, 1003)).unwrap();
     let again = core::mem::take(&mut delivery.outgoing);
     assert_eq!(
         again,
         block::block(5, &[]),
         "the number stays, the motion is gone"
+    );
+}
+
+#[test]
+fn a_line_that_becomes_slow_is_waited_for() {
+    let mut delivery = synced();
+    let mut sent: Vec<(u64, u8)> = Vec::new();
+    for now in 4..2000_u64 {
+        if now % 20 == 0 {
+            delivery.say(message(1, 5));
+        }
+        delivery.send(ms(now), None).unwrap();
+        for number in sequences(&mut delivery) {
+            if !sent.iter().any(|(_, sent)| *sent == number) {
+                sent.push((now, number));
+            }
+        }
+        // Every block is confirmed 103 ms after it came, once.
+        while let Some(&(at, number)) = sent.first()
+            && now >= at + 103
+        {
+            sent.remove(0);
+            delivery.hear(number.wrapping_add(1) & 0x0F, true, ms(now));
+        }
+    }
+    assert!(delivery.slowness() >= ms(70));
+    assert!(
+        delivery.resent <= 40,
+        "{} of {} blocks came twice",
+        delivery.resent,
+        delivery.blocks
     );
 }
 

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::super::super::{FINE, HostTime, LinkConfig, RunTime, Sample};
 use super::super::fit::Ticks;
+use super::super::pace::Pace;
 use super::super::rates::Rates;
 use super::super::steps::{Entry, Steps};
 use crate::units::{PerAxis, Pulses};
@@ -58,6 +59,7 @@ pub(super) struct Motion {
     pub(super) made: VecDeque<Piece>,
     pub(super) executed: RunTime,
     pub(super) flush_due: Option<HostTime>,
+    pub(super) pace: Pace,
     pub(super) backlog: VecDeque<(usize, Entry)>,
     /// Clocks of the first steps of what the board has in its queue.
     pub(super) queued: VecDeque<Ticks>,
@@ -86,6 +88,7 @@ impl Motion {
             made: VecDeque::new(),
             executed: RunTime::ZERO,
             flush_due: None,
+            pace: Pace::default(),
             backlog: VecDeque::new(),
             queued: VecDeque::new(),
             last_step: None,
@@ -134,6 +137,7 @@ impl Motion {
         self.backlog.clear();
         self.queued.clear();
         self.flush_due = None;
+        self.pace = Pace::default();
         self.end = None;
         self.finished = true;
         self.rested = true;
@@ -249,10 +253,6 @@ impl Motion {
                 Pulses(board.z.0 - self.offset.z),
             )
         })
-    }
-
-    pub(super) const fn max_rate(&self) -> f64 {
-        self.rates.each()
     }
 
     pub(super) const fn newest_end(&self) -> RunTime {

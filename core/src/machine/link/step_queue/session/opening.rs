@@ -175,6 +175,7 @@ impl StepLink {
         self.clock = Clock::new(rate.into());
         self.motion
             .set_up(&self.config, board.processor(), rate.into());
+        self.delivery.set_most_messages(self.motion.rates.messages);
         self.dictionary = board;
         self.wiring = Some(wiring);
         self.enter(LinkState::Configure);

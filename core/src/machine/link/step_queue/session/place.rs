@@ -1,9 +1,9 @@
 //! Where the slides stand: what the kernel says, and what the board counts.
 
-use super::super::super::{LinkState, Refused, RunTime};
+use super::super::super::{LinkState, PulseRates, Refused, RunTime};
 use super::super::commands::Command;
 use super::super::delivery::Mark;
-use super::{ASK_AGAIN, GIVE_UP, Purpose, Reading, StepLink, Why};
+use super::{GIVE_UP, Purpose, Reading, StepLink, Why};
 use crate::units::{PerAxis, Pulses};
 
 impl StepLink {
@@ -101,9 +101,9 @@ impl StepLink {
         self.motion.counted()
     }
 
-    /// The most pulses a second an axis can be given.
-    pub fn max_rate(&self) -> f64 {
-        self.motion.max_rate()
+    /// The most pulses a second that can be given.
+    pub const fn rates(&self) -> PulseRates {
+        self.motion.rates.most
     }
 
     /// Asks where the axes stand.
@@ -126,12 +126,13 @@ impl StepLink {
     }
 
     pub(super) fn ask_again(&mut self) {
+        let patience = self.patience();
         let Some(reading) = &mut self.reading else {
             return;
         };
         if self.now.saturating_sub(reading.since) >= GIVE_UP {
             self.lost("the board does not say where the axes stand");
-        } else if self.now.saturating_sub(reading.asked) >= ASK_AGAIN {
+        } else if self.now.saturating_sub(reading.asked) >= patience {
             reading.asked = self.now;
             self.ask_place();
         }

@@ -5,19 +5,31 @@ use core::time::Duration;
 use super::super::super::{Event, Input, LinkState, Refused, RunTime, Sample};
 use super::super::commands::Command;
 use super::super::fit::Ticks;
-use super::super::steps::Stretch;
+use super::super::steps::{Steps, Stretch};
 use super::motion::Piece;
 use super::{Purpose, StepLink};
 use crate::units::{Axis, PerAxis, Pulses};
 
 /// Pulses are fitted and sent so often.
 const FLUSH_EVERY: Duration = Duration::from_millis(10);
+/// Pulses that can wait are fitted together with later ones, up to this before they
+/// have to be on their way.
+const LEAST_SLACK: Duration = Duration::from_millis(45);
+/// How many times as far from its time a step may lie, by the time it has left.
+const COARSER: [(Duration, Ticks); 4] = [
+    (Duration::from_millis(70), 1),
+    (Duration::from_millis(50), 2),
+    (Duration::from_millis(30), 4),
+    (Duration::from_millis(10), 8),
+];
+const COARSEST: Ticks = 16;
 /// Standing so long before the count is compared.
 const SETTLED: Duration = Duration::from_millis(50);
 /// Messages that wait for the wire; more motion is not taken.
 const MOST_WAITING: usize = 1500;
 /// Samples remembered behind the axes, to tell where on the path a stop was.
 const REMEMBERED: usize = 800;
+
 impl StepLink {
     /// Motion the board has certainly made, as time since the opening.
     pub const fn executed(&self) -> RunTime {
@@ -44,14 +56,17 @@ impl StepLink {
         if !self.motion.backlog.is_empty() || self.delivery.backlog() > MOST_WAITING {
             return Duration::ZERO;
         }
-        let now = self.clock.at(self.now) as Ticks;
-        let ticks = |duration| self.clock.ticks(duration) as Ticks;
-        let begin = now + ticks(self.config.lookahead());
-        let end = self.motion.end.unwrap_or(begin);
-        // Besides the lookahead, the time it takes to the board: a pause of the host
-        // as long as the lookahead does no harm.
-        let most = begin + ticks(self.margin() + FLUSH_EVERY);
+        let most = self.farthest();
+        let room = self.clock.ticks(self.margin() + FLUSH_EVERY) as Ticks;
+        let end = self.motion.end.unwrap_or(most - room);
         self.clock.duration((most - end).max(0).unsigned_abs())
+    }
+
+    /// How far the motion handed over now may reach. Besides the lookahead, the time it
+    /// takes to the board: a pause of the host as long as the lookahead does no harm.
+    fn farthest(&self) -> Ticks {
+        let reach = self.ahead() + self.margin() + FLUSH_EVERY;
+        self.clock.at(self.now + reach) as Ticks
     }
 
     /// Hands over where the axes are to be at the end of a tick.
@@ -101,12 +116,17 @@ impl StepLink {
             return Err(Refused::NotReady);
         }
         let from = self.next_begin();
-        if !(rests && self.motion.keeps_time) {
+        if !rests {
+            // A question where the axes stand is idle now.
             self.reading = self
                 .reading
                 .filter(|reading| reading.purpose != Purpose::Verify);
         }
-        let end = from + self.clock.ticks(duration) as Ticks;
+        let need = self.delivery.time_for(self.motion.pace.expected());
+        let need = need.saturating_sub(self.slowness() / 2);
+        let slower = self.motion.pace.slower(duration, need);
+        let slower = if self.motion.keeps_time { 1.0 } else { slower };
+        let end = from + self.clock.ticks(duration.mul_f64(slower)) as Ticks;
         for (axis, steps) in self.motion.steps.iter_mut().enumerate() {
             let pair = |values: PerAxis<i64>| if axis == 0 { values.x } else { values.z };
             let count = |sample: &Sample| pair(PerAxis::new(sample.pulses.x.0, sample.pulses.z.0));
@@ -158,8 +178,7 @@ impl StepLink {
 
     /// Board clock at which motion begins that is handed over now.
     pub(super) fn next_begin(&self) -> Ticks {
-        let now = self.clock.at(self.now) as Ticks;
-        let begin = now + self.clock.ticks(self.config.lookahead()) as Ticks;
+        let begin = self.farthest();
         match self.end_of_rest() {
             Some((end, rest)) if rest >= self.earliest() as Ticks => rest.min(begin).max(end),
             // Out of rest it may begin later.
@@ -178,17 +197,36 @@ impl StepLink {
         Ok(())
     }
 
-    /// Pulses due become runs.
+    /// Time until the first pulse that is not fitted has to be on its way, so that
+    /// there is time to say it again.
+    fn slack(&self) -> Duration {
+        let first = self.motion.steps.iter().filter_map(Steps::first).min();
+        let first = first.map_or(0, Ticks::unsigned_abs);
+        let slack = self.clock.duration(first.saturating_sub(self.earliest()));
+        slack.saturating_sub(self.slowness())
+    }
+
+    fn slowness(&self) -> Duration {
+        self.delivery.slowness_now(self.now)
+    }
+
+    /// Pulses due become runs. What has had to wait becomes fewer and longer ones:
+    /// they keep the times of the pulses less exactly.
     fn fit(&mut self) {
+        let slack = self.slack().saturating_sub(self.slowness());
+        let coarse = COARSER.iter().find(|(least, _)| slack >= *least);
+        let coarse = coarse.map_or(COARSEST, |(_, coarse)| *coarse);
         self.motion.flush_due = None;
         let now = self.clock.at(self.now) as Ticks;
         let mut entries = Vec::new();
         for (axis, steps) in self.motion.steps.iter_mut().enumerate() {
             let mut fitted = Vec::new();
-            steps.fit(now, &mut fitted);
+            steps.fit(now, coarse, &mut fitted);
             entries.extend(fitted.into_iter().map(|entry| (axis, entry)));
         }
         entries.sort_by_key(|(_, entry)| entry.first);
+        let messages = entries.iter().map(|(_, entry)| entry.messages());
+        self.motion.pace.fitted(messages.sum());
         self.motion.backlog.extend(entries);
         self.hand_over();
     }
@@ -243,7 +281,11 @@ impl StepLink {
                 self.motion.made.pop_front();
             }
         }
-        if self.motion.flush_due.is_some_and(|due| self.now >= due) {
+        let due = self.motion.flush_due.is_some_and(|due| self.now >= due);
+        // On a line that is slow, or full, longer runs are better than more of them.
+        let narrow = self.delivery.is_congested() || !self.slowness().is_zero();
+        let may_wait = narrow && self.slack() >= LEAST_SLACK;
+        if due && !may_wait {
             self.fit();
         } else {
             self.hand_over();
@@ -266,7 +308,7 @@ impl StepLink {
             .motion
             .last_step
             .is_some_and(|last| now >= last + settled);
-        let queued = self.motion.is_waiting();
+        let queued = self.motion.is_waiting() || self.delivery.is_congested();
         let moving = self.state == LinkState::Moving && self.stopping.is_none();
         if moving && made && !queued && self.reading.is_none() {
             self.read_place(Purpose::Verify);

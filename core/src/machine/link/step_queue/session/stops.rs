@@ -10,7 +10,7 @@ use super::super::super::{Event, HostTime, Input, LinkState, Refused};
 use super::super::commands::Command;
 use super::super::delivery::{Mark, Message};
 use super::super::wiring::Wiring;
-use super::{ASK_AGAIN, GIVE_UP, Purpose, StepLink};
+use super::{GIVE_UP, Purpose, StepLink};
 use crate::units::{PerAxis, Pulses};
 
 /// Reasons of the group.
@@ -61,6 +61,8 @@ pub(super) enum Why {
     Flush,
     /// Motion came late, or could not be brought to the board in time.
     Late(&'static str),
+    /// Motion of so many turns and bends that the board cannot be told in time.
+    TooFine,
     /// The group has not reported itself.
     Doubt,
     /// The group was triggered.
@@ -188,12 +190,13 @@ impl StepLink {
     }
 
     /// The group says how it is.
-    pub(super) fn group_told(&mut self, [oid, can_trigger, reason, _]: [u32; 4]) {
+    pub(super) fn group_told(&mut self, [oid, can_trigger, reason, clock]: [u32; 4]) {
         if self.group.armed_oid(self.wiring.as_ref()) != Some(i64::from(oid)) {
             return;
         }
         self.group.reported = self.now;
         if can_trigger != 0 {
+            self.clock.told(self.now, clock);
             return;
         }
         self.group.armed = false;
@@ -248,6 +251,14 @@ impl StepLink {
         self.delivery.drop_motion();
     }
 
+    /// The motion needs more messages than the board may be given.
+    pub(super) fn too_fine(&mut self) {
+        if self.stopping.is_none() && self.is_running() {
+            self.halt(Why::TooFine);
+        }
+        self.delivery.drop_motion();
+    }
+
     pub(super) fn halt(&mut self, why: Why) {
         if self.stopping.is_some() {
             return;
@@ -272,13 +283,14 @@ impl StepLink {
     }
 
     pub(super) fn watch_group(&mut self) {
+        let patience = self.patience();
         if let Some(stopping) = &mut self.stopping {
             if stopping.stands {
                 return;
             }
             if self.now.saturating_sub(stopping.since) >= GIVE_UP {
                 self.lost("the board does not confirm that the axes were stopped");
-            } else if self.now.saturating_sub(stopping.asked) >= ASK_AGAIN {
+            } else if self.now.saturating_sub(stopping.asked) >= patience {
                 stopping.asked = self.now;
                 self.trigger();
             }
@@ -352,6 +364,12 @@ impl StepLink {
             }
             Why::Late(detail) => {
                 self.alarm(612, detail);
+                self.enter(LinkState::Fault);
+            }
+            Why::TooFine => {
+                let text = "the motion turns and bends more often than the board can be told: \
+                            a lower feed, or longer blocks";
+                self.alarm(604, text);
                 self.enter(LinkState::Fault);
             }
             Why::Doubt => self.enter(LinkState::Fault),

@@ -209,6 +209,9 @@ impl StepLink {
             return;
         }
         let moving = self.state == LinkState::Moving;
+        if moving && self.delivery.is_congested() {
+            return;
+        }
         self.upkeep.switch_due = self.now + if moving { SWITCH_MOVING } else { SWITCH_EVERY };
         self.upkeep.next_switch = (self.upkeep.next_switch + 1) % wiring.switches.len();
         let oid = wiring.switches[self.upkeep.next_switch].oid;

@@ -1,0 +1,184 @@
+//! Lines and clocks as they are: slow, lossy, drifting; and motion that is much to be
+//! told.
+
+use core::f64::consts::TAU;
+use core::time::Duration;
+
+use gsk_core::machine::link::LinkState;
+use gsk_twins::klipper::{KlipperTwin, Make};
+use gsk_twins::wire::{Damage, Wire};
+
+use crate::bench::{Bench, MS};
+
+/// What a line does to the traffic that is to come.
+type Trouble = fn(&mut KlipperTwin);
+
+fn again_and_again(wire: &mut Wire, every: u64, damage: Damage) {
+    let from = wire.given();
+    for count in 1..400 {
+        wire.damage(from + count * every, damage);
+    }
+}
+
+const LINES: [(&str, i32, Trouble); 13] = [
+    ("whole", 0, |_| {}),
+    ("the board's clock is fast", 100, |_| {}),
+    ("the board's clock is slow", -100, |_| {}),
+    ("bytes are lost", 100, |twin| {
+        again_and_again(&mut twin.to_board, 601, Damage::Lost);
+        again_and_again(&mut twin.to_host, 907, Damage::Lost);
+    }),
+    ("bytes are changed", -100, |twin| {
+        again_and_again(&mut twin.to_board, 701, Damage::Changed(0x40));
+        again_and_again(&mut twin.to_host, 503, Damage::Changed(0x01));
+    }),
+    ("bytes come twice", 0, |twin| {
+        again_and_again(&mut twin.to_board, 607, Damage::Doubled);
+        again_and_again(&mut twin.to_host, 809, Damage::Doubled);
+    }),
+    ("it waits, to the board", 0, |twin| {
+        again_and_again(&mut twin.to_board, 1500, Damage::Stalled(100 * MS));
+    }),
+    ("it waits, to the host", 0, |twin| {
+        again_and_again(&mut twin.to_host, 1500, Damage::Stalled(100 * MS));
+    }),
+    ("it waits both ways", 100, |twin| {
+        again_and_again(&mut twin.to_board, 2000, Damage::Stalled(60 * MS));
+        again_and_again(&mut twin.to_host, 1700, Damage::Stalled(40 * MS));
+    }),
+    ("it becomes slow, to the board", 0, |twin| {
+        let byte = twin.to_board.given() + 700;
+        twin.to_board.damage(byte, Damage::HeldUp(50 * MS));
+    }),
+    ("it becomes very slow, to the board", 0, |twin| {
+        let byte = twin.to_board.given() + 700;
+        twin.to_board.damage(byte, Damage::HeldUp(100 * MS));
+    }),
+    ("it becomes very slow, to the host", 0, |twin| {
+        let byte = twin.to_host.given() + 700;
+        twin.to_host.damage(byte, Damage::HeldUp(100 * MS));
+    }),
+    ("it becomes slow both ways", -100, |twin| {
+        let byte = twin.to_board.given() + 700;
+        twin.to_board.damage(byte, Damage::HeldUp(50 * MS));
+        let byte = twin.to_host.given() + 900;
+        twin.to_host.damage(byte, Damage::HeldUp(50 * MS));
+    }),
+];
+
+/// No pulse is lost, none comes late, and nobody sees anything of it.
+#[test]
+fn lines_as_they_are_are_survived() {
+    for (name, ppm, trouble) in LINES {
+        let mut bench = Bench::new(Make {
+            ppm,
+            ..Make::default()
+        });
+        assert!(bench.gets(LinkState::Locked, 3000), "{name}");
+        bench.set_position();
+        bench.pass(1000);
+        trouble(&mut bench.twin);
+        let (began, run) = (bench.twin.now(), bench.run);
+        for count in 1..=3 {
+            assert!(bench.job(), "{name}, {count}: {:?}", bench.events);
+            assert!(
+                bench.gets(LinkState::Ready, 1000),
+                "{name}, {count}: {:?}",
+                bench.events
+            );
+            assert_eq!(bench.made(), (0, -100 * count), "{name}");
+        }
+        assert_eq!(bench.alarms(), [0_u16; 0], "{name}");
+        let figures = bench.twin.figures();
+        assert!(figures.lead > 0, "{name}: a step came late, {figures:?}");
+        assert!(figures.busiest <= 800 && figures.queue <= 625, "{name}");
+        // The kernel's time is kept.
+        let took = Duration::from_nanos(bench.twin.now() - began);
+        let more = took.as_secs_f64() / (bench.run - run).as_secs_f64();
+        println!(
+            "{name}: {more:.3} of the time, lead {} ms",
+            figures.lead / 1_000_000
+        );
+        assert!(more < 1.8, "{name}: {more}");
+    }
+}
+
+/// A circle of so many pulses, once in so many ms, begun slowly.
+fn circle(radius: f64, around: f64) -> impl Fn(f64) -> (f64, f64) {
+    move |tick| {
+        let turned = if tick < 200.0 {
+            tick * tick / 400.0
+        } else {
+            tick - 100.0
+        };
+        let (sin, cos) = libm::sincos(turned / around * TAU);
+        (radius * (1.0 - cos), radius / 2.0 * sin)
+    }
+}
+
+/// To and fro in both axes.
+fn shaking(amplitude: f64, every: f64) -> impl Fn(f64) -> (f64, f64) {
+    move |tick| {
+        let (sin, cos) = libm::sincos(tick / every * TAU);
+        (amplitude * sin, amplitude * (cos - 1.0))
+    }
+}
+
+/// The board never hears more than 700 messages in a second: what turns more often is
+/// made slower, and what turns much more often is refused. No step is late.
+#[test]
+fn the_board_is_told_no_more_than_it_can_hear() {
+    let (whole, slower, refused) = ((true, false), (true, true), (false, false));
+    let circles = [
+        // R5 at 1200 mm/min, 400 and 200 pulses/mm; R0.3 and R0.1.
+        (2000.0, 1570.0, whole),
+        (120.0, 94.0, slower),
+        (40.0, 31.4, refused),
+        (4000.0, 1000.0, whole),
+        (1000.0, 200.0, slower),
+    ];
+    for (radius, around, wanted) in circles {
+        tell(circle(radius, around), wanted, &format!("R {radius}"));
+    }
+    for (amplitude, every, wanted) in [
+        (1.0, 100.0, whole),
+        (2.0, 50.0, whole),
+        (2.0, 12.0, slower),
+        (2.0, 8.0, refused),
+        (50.0, 20.0, refused),
+    ] {
+        let name = format!("{amplitude} pulses in {every} ms");
+        tell(shaking(amplitude, every), wanted, &name);
+    }
+}
+
+fn tell(path: impl Fn(f64) -> (f64, f64), (ends, slower): (bool, bool), name: &str) {
+    let mut bench = Bench::ready();
+    let from = bench.twin.now();
+    let whole = bench.follow(4000, path);
+    let took = (bench.twin.now() - from) / MS;
+    let figures = bench.twin.figures();
+    println!(
+        "{name}: {whole}, 4000 ms in {took}, {} messages/s",
+        figures.busiest
+    );
+    assert_eq!(whole, ends, "{name}: {:?}", bench.events);
+    if ends {
+        assert_eq!(took > 4200, slower, "{name}: {took}");
+        bench.link.finish().unwrap();
+        assert!(
+            bench.gets(LinkState::Ready, 1000),
+            "{name}: {:?}",
+            bench.events
+        );
+        assert_eq!(bench.made(), bench.counted(), "{name}");
+    } else {
+        bench.pass(1000);
+        assert_eq!(bench.alarms(), [604], "{name}");
+        assert_eq!(bench.link.state(), LinkState::Fault, "{name}");
+    }
+    let figures = bench.twin.figures();
+    assert!(figures.busiest <= 700, "{name}: {figures:?}");
+    assert!(figures.lead > 15_000_000, "{name}: {figures:?}");
+    bench.stands(500);
+}
