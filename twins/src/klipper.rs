@@ -60,6 +60,9 @@ pub struct Make {
     pub baud: u32,
     /// Its clock is so much too fast, millionths.
     pub ppm: i32,
+    /// It knows the command `reset`; if not, it forgets its configuration only when it
+    /// is shut down.
+    pub resets: bool,
 }
 
 impl Default for Make {
@@ -67,6 +70,7 @@ impl Default for Make {
         Self {
             baud: 250_000,
             ppm: 0,
+            resets: true,
         }
     }
 }
@@ -162,7 +166,7 @@ impl KlipperTwin {
             out_of_step: false,
             expected: 1,
             busy_until: 0,
-            dictionary: dictionary::packed(RATE, WINDOW as u32),
+            dictionary: dictionary::packed(RATE, WINDOW as u32, make.resets),
             crc: None,
             oids: BTreeMap::new(),
             free_at: 0,
@@ -229,6 +233,15 @@ impl KlipperTwin {
     /// Something in the board makes it give up, with this text of its firmware.
     pub fn shut_down_for(&mut self, reason: &'static str) {
         self.shut_down(reason);
+    }
+
+    /// Another host has been here and left its configuration behind.
+    pub fn configure_for_another_host(&mut self) {
+        self.boots_at = self.boots_at.map(|_| self.now);
+        if self.boots_at.is_some() {
+            self.start();
+        }
+        self.crc = Some(1);
     }
 
     /// Gives an input pin a level; pins nobody gave one are low.

@@ -91,8 +91,11 @@ fn connection(
         return Ok(None);
     }
     config.check().map_err(|error| error.to_string())?;
-    let log = Some(data.join("link.log"));
-    Ok(Some(Connection { config, log }))
+    Ok(Some(Connection {
+        config,
+        log: Some(data.join("link.log")),
+        boards: Some(data.join("boards")),
+    }))
 }
 
 fn without_display(program: Option<&Path>) -> String {

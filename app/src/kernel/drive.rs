@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::fs::OpenOptions;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use gsk_core::command::ProgramId;
@@ -14,7 +14,7 @@ use gsk_core::simulation::Simulation;
 use super::Snapshot;
 use super::link_view::{Difference, LinkView};
 use crate::carrier::{Carrier, Line};
-use crate::files::time::utc;
+use crate::files::{atomic, time::utc};
 
 /// Lines of the traffic that are kept for the link page.
 const EXCHANGES: usize = 200;
@@ -25,6 +25,13 @@ const VIEW_INTERVAL: Duration = Duration::from_millis(100);
 /// Lines of the log that are kept for the link page.
 const LOG_LINES: usize = 20;
 
+/// End of the names of the files with dictionaries of boards; how many are read, and
+/// how long they and their names may be.
+const DICTIONARY: &str = "dictionary";
+const MOST_BOARDS: usize = 16;
+const LONGEST_FILE: u64 = 1 << 17;
+const LONGEST_NAME: usize = 80;
+
 /// Which board, and where its log goes.
 #[derive(Clone, Debug)]
 pub struct Connection {
@@ -32,6 +39,8 @@ pub struct Connection {
     pub config: LinkConfig,
     /// The log of position checks, if there is a place for it.
     pub log: Option<PathBuf>,
+    /// Folder for what boards say they understand.
+    pub boards: Option<PathBuf>,
 }
 
 /// A board that drives the control's slides.
@@ -68,6 +77,12 @@ impl Drive {
     pub fn open(connection: Connection, simulation: &mut Simulation) -> Self {
         let opened = Instant::now();
         let mut linked = Linked::open(connection.config.clone(), simulation, Duration::ZERO);
+        linked.know(
+            connection
+                .boards
+                .as_deref()
+                .map_or_else(Vec::new, met_before),
+        );
         let carrier = match Carrier::open(&connection.config) {
             Ok(carrier) => Some(carrier),
             Err(cause) => {
@@ -168,8 +183,9 @@ impl Drive {
     }
 
     fn note(&mut self, note: &Note, program: Option<&str>) {
-        match *note {
-            Note::Differs {
+        match note {
+            Note::Learned { name, packed } => self.remember(name, packed),
+            &Note::Differs {
                 setting,
                 board,
                 wanted,
@@ -178,7 +194,7 @@ impl Drive {
                 board: board.map(|value| value as f64 / 1000.0),
                 wanted: wanted as f64 / 1000.0,
             }),
-            Note::Checked {
+            &Note::Checked {
                 program: ended,
                 commanded,
                 counted,
@@ -203,6 +219,21 @@ impl Drive {
                 keep(&mut self.log, [line], LOG_LINES);
             }
         }
+    }
+
+    /// What is not kept is read from the board again.
+    fn remember(&self, name: &str, packed: &[u8]) {
+        let Some(folder) = &self.connection.boards else {
+            return;
+        };
+        let plain = |letter: char| letter.is_ascii_alphanumeric() || "._-".contains(letter);
+        let name: String = name
+            .chars()
+            .map(|letter| if plain(letter) { letter } else { '-' })
+            .take(LONGEST_NAME)
+            .collect();
+        let file = folder.join(format!("{name}.{DICTIONARY}"));
+        let _ = std::fs::create_dir_all(folder).and_then(|()| atomic::write(&file, packed));
     }
 
     fn write_log(&mut self, line: &str) {
@@ -306,6 +337,28 @@ impl Drive {
             log: self.log.iter().cloned().collect(),
         }
     }
+}
+
+/// What boards met before said they understand. A damaged file is as good as none.
+fn met_before(folder: &Path) -> Vec<Vec<u8>> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let mut files: Vec<PathBuf> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|end| end == DICTIONARY))
+        .collect();
+    files.sort();
+    let short = |path: &PathBuf| {
+        std::fs::metadata(path).is_ok_and(|file| file.is_file() && file.len() <= LONGEST_FILE)
+    };
+    files
+        .iter()
+        .filter(|path| short(path))
+        .take(MOST_BOARDS)
+        .filter_map(|path| std::fs::read(path).ok())
+        .collect()
 }
 
 /// Appends to what is kept of the newest.

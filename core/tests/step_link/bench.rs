@@ -58,12 +58,24 @@ impl Bench {
 
     /// Set up, position confirmed.
     pub fn ready() -> Self {
-        let mut bench = Self::new(Make::default());
+        Self::ready_with(Make::default())
+    }
+
+    /// The same with another board.
+    pub fn ready_with(make: Make) -> Self {
+        let mut bench = Self::new(make);
         assert!(bench.gets(LinkState::Locked, 5000), "{:?}", bench.events);
         bench.set_position();
         bench.pass(300);
         bench.events.clear();
         bench
+    }
+
+    /// The port is closed and opened again, without a word to the board.
+    pub fn open_again(&mut self) {
+        let now = Duration::from_nanos(self.twin.now());
+        self.link = StepLink::open(config(), &parameters(), now);
+        self.events.clear();
     }
 
     pub fn set_position(&mut self) {
@@ -182,6 +194,15 @@ impl Bench {
             _ => None,
         };
         self.events.iter().filter_map(number).collect()
+    }
+
+    /// Dictionaries that were read.
+    pub fn learned(&self) -> Vec<(String, Vec<u8>)> {
+        let learned = |event: &Event| match event {
+            Event::Learned { name, packed } => Some((name.clone(), packed.clone())),
+            _ => None,
+        };
+        self.events.iter().filter_map(learned).collect()
     }
 
     pub fn counted(&self) -> (i64, i64) {

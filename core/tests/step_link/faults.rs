@@ -281,34 +281,3 @@ fn a_bad_line_is_survived() {
         bench.link.traffic()
     );
 }
-
-/// What the board gives as its reason becomes the alarm of the table.
-#[test]
-fn a_shutdown_is_told_with_its_text() {
-    // Switched on by somebody else and not renewed.
-    let mut bench = Bench::ready();
-    assert!(bench.feed(-3.0, 300));
-    bench.twin.shut_down_for("Rescheduled timer in the past");
-    bench.pass(100);
-    assert_eq!(
-        (bench.link.state(), bench.alarms()),
-        (LinkState::Fault, vec![612])
-    );
-    let told = bench.events.iter().any(|event| {
-        matches!(event, Event::Alarm { detail, .. } if detail.contains("Rescheduled timer in the past"))
-    });
-    assert!(told, "{:?}", bench.events);
-    assert_eq!(bench.link.position(), None);
-    bench.stands(500);
-    for (text, number) in [
-        ("Move queue overflow", 608),
-        ("Command parser error", 608),
-        ("Missed scheduling of next digital out event", 605),
-        ("Scheduled digital out event will exceed max_duration", 607),
-    ] {
-        let mut bench = Bench::ready();
-        bench.twin.shut_down_for(text);
-        bench.pass(100);
-        assert_eq!(bench.alarms(), [number], "{text}");
-    }
-}

@@ -9,5 +9,6 @@ mod lathe;
 mod lines;
 mod linked;
 mod motion;
+mod shutdowns;
 mod stops;
 mod threads;

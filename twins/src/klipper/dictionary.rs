@@ -129,7 +129,7 @@ pub(super) fn pin(name: &str) -> Option<u32> {
 }
 
 /// The dictionary of an ATmega2560 board as it goes over the wire.
-pub(super) fn packed(rate: u32, window: u32) -> Vec<u8> {
+pub(super) fn packed(rate: u32, window: u32, resets: bool) -> Vec<u8> {
     let mut text = String::from("{\"build_versions\":\"");
     let mut state = 12_345_u32;
     for _ in 0..REST {
@@ -138,7 +138,8 @@ pub(super) fn packed(rate: u32, window: u32) -> Vec<u8> {
     }
     // A `String` takes everything that is written to it.
     text.push_str("\",\"commands\":{");
-    for (place, (name, form)) in COMMANDS.iter().enumerate() {
+    let known = |name: &Command| resets || *name != Command::Reset;
+    for (place, (name, form)) in COMMANDS.iter().filter(|(name, _)| known(name)).enumerate() {
         let comma = if place == 0 { "" } else { "," };
         let _ = write!(text, "{comma}\"{form}\":{}", command_id(*name));
     }

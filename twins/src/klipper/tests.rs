@@ -63,7 +63,7 @@ fn blocks_as_in_the_fixtures() {
 
 #[test]
 fn the_dictionary_comes_in_91_pieces() {
-    assert_eq!(dictionary::packed(RATE, 192).len(), 3576);
+    assert_eq!(dictionary::packed(RATE, 192, true).len(), 3576);
     let mut twin = booted();
     let mut offset = 0;
     loop {

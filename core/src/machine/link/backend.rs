@@ -32,6 +32,15 @@ impl Link {
         }
     }
 
+    /// What boards met before said they understand: [`Event::Learned`].
+    pub fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
+        match self {
+            // Such a board is asked a few questions only.
+            Self::Line(_) => {}
+            Self::StepQueue(link) => link.know(dictionaries),
+        }
+    }
+
     /// Where the link stands.
     pub const fn state(&self) -> LinkState {
         match self {

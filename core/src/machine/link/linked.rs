@@ -43,6 +43,13 @@ pub enum Note {
         /// They agree.
         agrees: bool,
     },
+    /// What a board said it understands, for [`Linked::know`] at the next opening.
+    Learned {
+        /// Processor and version.
+        name: String,
+        /// As it goes over the wire.
+        packed: Vec<u8>,
+    },
     /// A setting of the board is not what it has to be.
     Differs {
         /// Number of the setting.
@@ -128,6 +135,12 @@ impl Linked {
         };
         linked.show_board(simulation);
         linked
+    }
+
+    /// What boards met before said they understand; to be told before the first
+    /// [`pump`](Self::pump).
+    pub fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
+        self.link.know(dictionaries);
     }
 
     /// The link is over; the slides are simulated again. The last bytes for the board

@@ -183,6 +183,14 @@ pub enum Event {
         /// The cause.
         detail: String,
     },
+    /// What a board of timed steps says it understands was read: it need not be read
+    /// again when it is handed in at the next opening.
+    Learned {
+        /// Processor and version.
+        name: String,
+        /// As it goes over the wire.
+        packed: Vec<u8>,
+    },
     /// A setting of the board is not what it has to be.
     Differs {
         /// Number of the setting.

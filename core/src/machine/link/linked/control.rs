@@ -105,6 +105,7 @@ impl Linked {
             Event::Drained => self.end_pass(simulation),
             Event::Reached(..) => {}
             Event::Homed(axes) => cnc.board_returned(axes, self.home()),
+            Event::Learned { name, packed } => self.notes.push(Note::Learned { name, packed }),
             Event::Differs {
                 setting,
                 board,

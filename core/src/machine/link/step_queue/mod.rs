@@ -22,6 +22,7 @@ mod meter;
 mod pace;
 mod rates;
 mod session;
+mod shelf;
 mod shutdown;
 mod steps;
 mod turns;

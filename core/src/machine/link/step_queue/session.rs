@@ -18,6 +18,7 @@ use super::commands::{Command, Kind, Reply};
 use super::delivery::{Delivery, Heard, Mark, Message, Times, Trouble};
 use super::describe;
 use super::dictionary::Dictionary;
+use super::shelf::Shelf;
 use super::shutdown;
 use super::wiring::Wiring;
 use crate::axis::pulse_weight;
@@ -73,6 +74,7 @@ pub struct StepLink {
     phase: Phase,
     info: BoardInfo,
     dictionary: Dictionary,
+    shelf: Shelf,
     wiring: Option<Wiring>,
     reader: Reader,
     delivery: Delivery,
@@ -107,6 +109,7 @@ impl StepLink {
             phase: Phase::Sync,
             info: BoardInfo::default(),
             dictionary: Dictionary::default(),
+            shelf: Shelf::default(),
             wiring: None,
             reader: Reader::default(),
             delivery: Delivery::new(),
@@ -126,6 +129,13 @@ impl StepLink {
         };
         link.begin();
         link
+    }
+
+    /// Dictionaries of boards met before, as told by [`Event::Learned`].
+    pub fn know(&mut self, dictionaries: Vec<Vec<u8>>) {
+        for packed in dictionaries {
+            self.shelf.put(packed);
+        }
     }
 
     /// Where the link stands.
@@ -451,8 +461,8 @@ impl StepLink {
         self.down = true;
         self.lose_position();
         self.give_up_motion();
-        if let Some(number) = shutdown::alarm(&text) {
-            self.alarm(number, &format!("the board has shut down: {text}"));
+        if let Some((number, help)) = shutdown::alarm(&text) {
+            self.alarm(number, &format!("the board has shut down: {text}; {help}"));
         }
         self.enter(LinkState::Fault);
     }

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use super::super::super::{HostTime, LinkState};
+use super::super::super::{Event, HostTime, LinkState};
 use super::super::clock::Clock;
 use super::super::commands::Command;
 use super::super::delivery::Mark;
@@ -26,8 +26,12 @@ const MOST_RESTARTS: u32 = 2;
 pub(super) enum Phase {
     /// Which block does the board expect?
     Sync,
-    /// Its dictionary so far.
-    Identify { packed: Vec<u8>, asked: HostTime },
+    /// Its dictionary so far, or the known one whose end is compared.
+    Identify {
+        packed: Vec<u8>,
+        known: Option<usize>,
+        asked: HostTime,
+    },
     /// It is asked how it is set up; how often it was reset, and whether it has
     /// been told.
     Ask {
@@ -77,17 +81,17 @@ impl StepLink {
                 self.enter(LinkState::Identify);
                 self.phase = Phase::Identify {
                     packed: Vec::new(),
+                    known: None,
                     asked: self.now,
                 };
-                self.say(Command::Identify, &[0, PIECE as i64]);
+                self.ask_who();
             }
-            Phase::Identify { packed, asked }
+            Phase::Identify { asked, .. }
                 if now.saturating_sub(*asked) >= ASK_AGAIN && self.delivery.is_empty() =>
             {
                 // It has arrived; its answer was lost.
                 *asked = now;
-                let have = packed.len() as i64;
-                self.say(Command::Identify, &[have, PIECE as i64]);
+                self.ask_who();
             }
             Phase::Ask { asked, .. }
                 if self.delivery.is_synced()
@@ -130,28 +134,70 @@ impl StepLink {
         self.enter(LinkState::Fault);
     }
 
+    /// Asks for the next piece of the dictionary, or for the end that it would have.
+    fn ask_who(&mut self) {
+        if let Phase::Identify { packed, known, .. } = &self.phase {
+            let end = known.and_then(|known| self.shelf.end(known));
+            let from = end.map_or(packed.len(), |(from, _)| from) as i64;
+            self.say(Command::Identify, &[from, PIECE as i64]);
+        }
+    }
+
     pub(super) fn identified(&mut self, offset: u32, data: &[u8]) {
         let now = self.now;
-        let Phase::Identify { packed, asked } = &mut self.phase else {
+        let Phase::Identify {
+            packed,
+            known,
+            asked,
+        } = &mut self.phase
+        else {
             return;
         };
-        if offset as usize != packed.len() {
-            return;
-        }
-        packed.extend_from_slice(data);
-        *asked = now;
-        let (have, whole) = (packed.len(), data.is_empty());
-        if have > LONGEST_PACKED {
-            self.refuse(602, "the dictionary of the board never ends");
-        } else if !whole {
-            // A board that is known takes time: silence is counted from here.
-            self.opened = now;
-            self.say(Command::Identify, &[have as i64, PIECE as i64]);
-        } else {
-            let packed = core::mem::take(packed);
-            if let Err((number, text)) = self.understand(&packed) {
-                self.refuse(number, &text);
+        if let Some(place) = *known {
+            let Some((from, end)) = self.shelf.end(place) else {
+                return;
+            };
+            if offset as usize != from {
+                return;
             }
+            if data == end {
+                let whole = self.shelf.whole(place).unwrap_or_default().to_vec();
+                self.identified_as(&whole);
+                return;
+            }
+            *known = self.shelf.find(place + 1, packed);
+        } else {
+            if offset as usize != packed.len() {
+                return;
+            }
+            packed.extend_from_slice(data);
+            if data.is_empty() {
+                let packed = core::mem::take(packed);
+                self.shelf.put(packed.clone());
+                self.identified_as(&packed);
+                if self.wiring.is_some() {
+                    let name = self.info.firmware.clone();
+                    self.events.push(Event::Learned { name, packed });
+                }
+                return;
+            }
+            if packed.len() > LONGEST_PACKED {
+                self.refuse(602, "the dictionary of the board never ends");
+                return;
+            }
+            if offset == 0 {
+                *known = self.shelf.find(0, packed);
+            }
+        }
+        *asked = now;
+        // A board that is known takes time: silence is counted from here.
+        self.opened = now;
+        self.ask_who();
+    }
+
+    fn identified_as(&mut self, packed: &[u8]) {
+        if let Err((number, text)) = self.understand(packed) {
+            self.refuse(number, &text);
         }
     }
 
@@ -190,7 +236,8 @@ impl StepLink {
     /// The board said how it is set up: configured, check, shut down, queue.
     pub(super) fn configured(&mut self, [configured, crc, shut_down, queue]: [u32; 4]) {
         if self.is_running() {
-            if configured == 0 {
+            let ours = self.wiring.as_ref().map(|wiring| wiring.crc);
+            if configured == 0 || ours != Some(crc) {
                 self.board_restarted();
             }
             return;
