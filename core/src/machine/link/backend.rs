@@ -6,8 +6,8 @@ use super::line::LineLink;
 use super::step_queue::StepLink;
 use super::{
     BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, Lacks, LinkConfig, LinkState,
-    Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView, Stop, ThreadRights,
-    Traffic,
+    Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView, Stop,
+    ThreadRights, Traffic,
 };
 use crate::memory::Parameters;
 use crate::units::{PerAxis, Pulses};
