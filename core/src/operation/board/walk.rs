@@ -11,7 +11,7 @@ use crate::units::{PerAxis, Point};
 
 /// Commands that are looked at: as many as take no time that matters to a board that
 /// waits for its heartbeat. What comes behind them is looked at block by block.
-const MOST_COMMANDS: u32 = 20_000;
+const MOST_COMMANDS: u32 = 100_000;
 
 /// The control as it stands, in a copy that a program may write to.
 struct AsItStands<'a> {
