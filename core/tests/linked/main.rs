@@ -5,6 +5,7 @@
 #[path = "../bench/board.rs"]
 mod board;
 mod faults;
+mod lines;
 mod passes;
 mod programs;
 mod reference;

@@ -1,0 +1,157 @@
+//! Lines and clocks as they are, and a computer that pauses, on a line board: what it
+//! has in its buffer covers them, or there is a defined stop.
+
+use gsk_core::machine::link::LinkState;
+use gsk_core::operation::RunState;
+use gsk_twins::grbl::{GrblTwin, Variant};
+use gsk_twins::wire::{Damage, Wire};
+
+use crate::board::{Machine, RESET};
+use crate::{SHORT, assert_together};
+
+const MS: u64 = 1_000_000;
+
+/// What a line does to the traffic that is to come.
+type Trouble = fn(&mut GrblTwin);
+
+fn again_and_again(wire: &mut Wire, every: u64, damage: Damage) {
+    let from = wire.given();
+    for count in 1..400 {
+        wire.damage(from + count * every, damage);
+    }
+}
+
+fn once(wire: &mut Wire, damage: Damage) {
+    let byte = wire.given() + 1500;
+    wire.damage(byte, damage);
+}
+
+/// Name, the computer's clock against the board's, what the line does, and whether
+/// nobody may notice; nothing on this wire is said twice, so that what is damaged is a
+/// stop.
+const LINES: [(&str, f64, Trouble, bool); 11] = [
+    ("whole", 1.0, |_| {}, true),
+    ("the board's clock is fast", 1.0 - 100e-6, |_| {}, true),
+    ("the board's clock is slow", 1.0 + 100e-6, |_| {}, true),
+    (
+        "it waits, to the board",
+        1.0,
+        |twin| again_and_again(&mut twin.to_board, 900, Damage::Stalled(100 * MS)),
+        true,
+    ),
+    (
+        "it waits, to the host",
+        1.0,
+        |twin| again_and_again(&mut twin.to_host, 900, Damage::Stalled(100 * MS)),
+        true,
+    ),
+    (
+        "it becomes slow, to the board",
+        1.0,
+        |twin| once(&mut twin.to_board, Damage::HeldUp(50 * MS)),
+        true,
+    ),
+    (
+        "it becomes slow, to the host",
+        1.0,
+        |twin| once(&mut twin.to_host, Damage::HeldUp(100 * MS)),
+        true,
+    ),
+    (
+        "it becomes very slow, to the board",
+        1.0,
+        |twin| once(&mut twin.to_board, Damage::HeldUp(100 * MS)),
+        true,
+    ),
+    (
+        "bytes are lost",
+        1.0,
+        |twin| again_and_again(&mut twin.to_board, 700, Damage::Lost),
+        false,
+    ),
+    (
+        "bytes are changed",
+        1.0,
+        |twin| again_and_again(&mut twin.to_board, 700, Damage::Changed(0x10)),
+        false,
+    ),
+    (
+        "bytes come twice",
+        1.0,
+        |twin| again_and_again(&mut twin.to_board, 700, Damage::Doubled),
+        false,
+    ),
+];
+
+#[test]
+fn lines_as_they_are_are_survived_or_stop_the_board() {
+    let ready = Machine::referenced(Variant::Grbl);
+    let mut whole_ms = 0;
+    for (name, clock_rate, trouble, unnoticed) in LINES {
+        let mut machine = ready.clone();
+        machine.clock_rate = clock_rate;
+        machine.load(SHORT, None);
+        trouble(&mut machine.twin);
+        let from = machine.twin.now();
+        machine.start();
+        let over = machine.wait(60_000, |machine| {
+            let idle = machine.simulation.cnc.run_state() == RunState::Reset;
+            !machine.alarms().is_empty() || (idle && !machine.linked.is_behind())
+        });
+        assert!(over, "{name}: it hangs");
+        let took = (machine.twin.now() - from) / MS;
+        machine.pass(2000);
+        println!("{name}: {took} ms, {:?}", machine.alarms());
+        if machine.alarms().is_empty() {
+            assert_together(&machine);
+            if whole_ms == 0 {
+                whole_ms = took;
+            }
+            // On a line that stays slow the buffer of the board is the bound.
+            assert!(took <= 2 * whole_ms, "{name}: {took} ms");
+            continue;
+        }
+        assert!(!unnoticed, "{name}: {:?}", machine.alarms());
+        let stood = machine.twin.pulses();
+        machine.press(RESET);
+        machine.pass(1500);
+        assert_eq!(machine.twin.pulses(), stood, "{name}: it moves on");
+        if machine.linked.state() == LinkState::Ready {
+            assert_together(&machine);
+        }
+    }
+}
+
+/// Up to 90 ms nobody notices; what is longer than the lookahead is 612, and the count
+/// is proved.
+#[test]
+fn a_computer_that_pauses_is_not_noticed_or_stops_the_slides() {
+    let ready = Machine::referenced(Variant::Grbl);
+    for (pause, noticed) in [
+        (10, false),
+        (50, false),
+        (90, false),
+        (250, true),
+        (400, true),
+    ] {
+        let mut machine = ready.clone();
+        machine.load("O1\nG50 X60 Z20\nG98 G01 X50 Z-180 F600\nM30\n", None);
+        machine.start();
+        machine.wait(5000, |machine| machine.simulation.cnc.feed_actual() > 590.0);
+        for _ in 0..3 {
+            machine.pass(400);
+            if machine.alarms().is_empty() {
+                machine.pause(pause);
+            }
+        }
+        machine.pass(2000);
+        if noticed {
+            assert_eq!(machine.alarms(), [612], "{pause}");
+            assert_together(&machine);
+        } else {
+            assert_eq!(machine.alarms(), [0_u16; 0], "{pause}");
+            machine.run_to_end(120_000);
+            assert_together(&machine);
+        }
+    }
+}
