@@ -3,6 +3,7 @@
 use gsk_core::machine::link::{LinkConfig, LinkState, Note};
 use gsk_core::operation::RunState;
 use gsk_twins::grbl::{Settings, State};
+use gsk_twins::wire::Damage;
 
 use crate::board::{AUTO, CYCLE_START, FEED_HOLD, Machine, RESET, SINGLE_BLOCK};
 use crate::{Dice, assert_together, rounds};
@@ -412,4 +413,99 @@ fn a_busy_computer_does_not_disturb_a_pass() {
     assert_eq!(machine.alarms(), [0_u16; 0]);
     assert_eq!(machine.twin.passes().len(), 3);
     assert_together(&machine);
+}
+
+/// One pass, and out of it.
+const ONE: &str = "O1\nG50 X60 Z20\nG98 G97 S300 M03\nG00 X30 Z5\nG92 X19.4 Z-20 F2 J0\n\
+    G00 X60 Z20\nM30\n";
+
+/// The machine with its program, and the bytes on both wires before the pass, when
+/// its order was given, and behind it.
+fn wires_of_a_pass(ready: &Machine) -> ([u64; 2], [u64; 2]) {
+    let mut machine = ready.clone();
+    machine.load(ONE, None);
+    machine.start();
+    let given = |machine: &Machine| {
+        let twin = &machine.twin;
+        [twin.to_board.given(), twin.to_host.given()]
+    };
+    machine.wait(20_000, |machine| !machine.twin.passes().is_empty());
+    let begun = given(&machine);
+    machine.run_to_end(60_000);
+    (begun, given(&machine))
+}
+
+/// Whatever happens to a byte: the thread is cut with its lead, or the machine stands
+/// with an alarm and nothing moves any more.
+#[test]
+fn a_damaged_byte_around_a_pass_ends_known_or_stopped() {
+    let ready = ready();
+    let (begun, over) = wires_of_a_pass(&ready);
+    let mut dice = Dice(23);
+    let (mut made, mut stopped) = (0, 0);
+    for round in 0..rounds(16) {
+        let mut machine = ready.clone();
+        let damage = [
+            Damage::Lost,
+            Damage::Changed(1 << dice.below(4)),
+            Damage::Doubled,
+            Damage::Cut,
+        ][dice.below(4) as usize];
+        let wire = dice.below(2) as usize;
+        // The order itself, and what is said until the end.
+        let from = begun[wire] - if wire == 0 { 30 } else { 0 };
+        let byte = from + u64::from(dice.below((over[wire] - from) as u32));
+        let twin = &mut machine.twin;
+        let wires = [&mut twin.to_board, &mut twin.to_host];
+        wires[wire].damage(byte, damage);
+        machine.load(ONE, None);
+        machine.start();
+        let ended = machine.wait(60_000, |machine| {
+            let idle = machine.simulation.cnc.run_state() == RunState::Reset;
+            !machine.alarms().is_empty() || (idle && !machine.linked.is_behind())
+        });
+        let place = format!("{round}: {damage:?} at {byte} of wire {wire}");
+        assert!(ended, "{place}: it hangs");
+        machine.pass(20_000);
+        if machine.alarms().is_empty() {
+            assert_together(&machine);
+            let [from, to] = [-2.0, -18.0].map(|z| turns_at(&machine, machine_z(&machine, z)));
+            assert!((to[0] - from[0] - 8.0).abs() < 0.8, "{place}");
+            made += 1;
+        } else {
+            stopped += 1;
+        }
+        let stood = machine.twin.pulses();
+        machine.press(RESET);
+        machine.pass(1500);
+        assert_eq!(machine.twin.pulses(), stood, "{place}: it moves on");
+        if machine.linked.state() == LinkState::Ready {
+            assert_together(&machine);
+        }
+    }
+    assert!(made > 0 && stopped > 0, "{made} {stopped}");
+}
+
+/// The lead of the order is not what was asked for: seen by the speed, and stopped.
+#[test]
+fn a_lead_that_was_damaged_on_its_way_is_seen_in_the_cut() {
+    let ready = ready();
+    let (begun, _) = wires_of_a_pass(&ready);
+    // "K2.000000" and a line end: the 2 becomes a 3; the answers to `?` come behind.
+    let mut stopped = 0;
+    for back in 8..14 {
+        let mut machine = ready.clone();
+        machine
+            .twin
+            .to_board
+            .damage(begun[0] - back, Damage::Changed(1));
+        machine.load(ONE, None);
+        machine.start();
+        machine.pass(30_000);
+        stopped += u32::from(machine.simulation.cnc.alarms().iter().any(|alarm| {
+            let text = alarm.detail.as_deref().unwrap_or_default();
+            text.contains("900 mm/min instead of 600")
+        }));
+    }
+    assert_eq!(stopped, 1);
 }

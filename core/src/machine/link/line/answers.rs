@@ -61,6 +61,8 @@ pub struct Status {
     pub position: Option<[f64; 2]>,
     /// Free places in the motion queue.
     pub free_blocks: Option<u16>,
+    /// Speed along the path, mm/min.
+    pub feed: Option<f64>,
     /// Speed of the spindle as its encoder counts it, r/min.
     pub spindle: Option<f64>,
     /// Switches operated.
@@ -151,6 +153,7 @@ fn status(report: &str) -> Option<Status> {
         state,
         position: None,
         free_blocks: None,
+        feed: None,
         spindle: None,
         pins: Pins::default(),
     };
@@ -168,8 +171,13 @@ fn status(report: &str) -> Option<Status> {
             "Bf" => status.free_blocks = Some(value.split(',').next()?.parse().ok()?),
             "FS" => {
                 // Feed, commanded speed, measured speed.
-                status.spindle = match value.split(',').nth(2) {
-                    Some(rpm) => Some(rpm.parse().ok().filter(|rpm: &f64| rpm.is_finite())?),
+                let mut figures = value.split(',').map(|figure| {
+                    let figure = figure.parse::<f64>().ok();
+                    figure.filter(|figure| figure.is_finite())
+                });
+                status.feed = Some(figures.next()??);
+                status.spindle = match figures.nth(1) {
+                    Some(rpm) => Some(rpm?),
                     None => None,
                 };
             }
@@ -204,7 +212,7 @@ mod tests {
         assert_eq!(status.position, Some([-1.005, 12.34]));
         assert_eq!(status.free_blocks, Some(3));
         assert!(status.pins.x && status.pins.z && !status.pins.door);
-        assert_eq!(status.spindle, None);
+        assert_eq!((status.feed, status.spindle), (Some(600.0), None));
         let line = "<Run:1|MPos:0.000,0.000,0.000|FS:600,500,498>";
         let Answer::Status(status) = Answer::read(line) else {
             panic!("{line}")

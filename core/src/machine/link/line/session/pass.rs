@@ -14,7 +14,7 @@ use core::time::Duration;
 use super::super::super::{CannotCut, HostTime, LinkState, Pass};
 use super::super::answers::{BoardState, Status};
 use super::{LineLink, MODES, Queued, RunTime};
-use crate::units::{Axis, Point};
+use crate::units::{Axis, PerAxis, Point, Pulses};
 
 /// The board waits so long for its one-turn signals, and reports nothing meanwhile.
 const INDEX_WAIT: Duration = Duration::from_secs(5);
@@ -27,6 +27,10 @@ const LEAST_RPM: f64 = 30.0;
 /// A spindle is steady that has kept its speed to this part for so long.
 const STEADY: f64 = 0.01;
 const STEADY_FOR: Duration = Duration::from_millis(600);
+/// A board that goes by more than this part beside the speed asked for has misread it.
+const MISREAD: f64 = 0.1;
+/// A report tells the speed of what is prepared, so far ahead.
+const PREPARED: f64 = 0.1;
 /// Reports name whole turns a minute.
 const ROUNDING_RPM: f64 = 1.5;
 
@@ -36,6 +40,9 @@ pub(super) struct Cutting {
     pass: Pass,
     /// It is over by then.
     until: HostTime,
+    /// Speed along it, mm/min, and where that is not kept at either end, mm.
+    speed: f64,
+    ramps: f64,
     /// The board was seen beyond the start.
     begun: bool,
 }
@@ -44,7 +51,9 @@ pub(super) struct Cutting {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turning {
     since: HostTime,
+    /// The speed then, and now.
     rpm: f64,
+    latest: f64,
 }
 
 impl LineLink {
@@ -64,7 +73,7 @@ impl LineLink {
         if self.now.saturating_sub(turning.since) < STEADY_FOR {
             return Err(CannotCut::Unsteady);
         }
-        let rpm = turning.rpm;
+        let rpm = turning.latest;
         if rpm < 1.0 {
             return Err(CannotCut::Standing);
         }
@@ -74,7 +83,7 @@ impl LineLink {
                 least: LEAST_RPM,
             });
         }
-        let way = self.way(pass);
+        let way = self.between(self.commanded, pass.end);
         let (length, speed) = (way.length(), rpm * pass.lead);
         let most = f64::from(self.config.flush_keep_speed);
         if speed > most {
@@ -96,18 +105,20 @@ impl LineLink {
         self.cutting = Some(Cutting {
             pass: *pass,
             until: self.now + INDEX_WAIT + cutting + MARGIN,
+            speed,
+            ramps: ramps + speed / 60.0 * PREPARED,
             begun: false,
         });
         self.enter(LinkState::Moving);
         Ok(())
     }
 
-    /// From the start of a pass to its end as the board goes, mm.
-    fn way(&self, pass: &Pass) -> Point {
+    /// From one place to another as the board goes, mm.
+    fn between(&self, from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> Point {
         let [per_x, per_z] = self.required.pulses_per_mm;
         Point::new(
-            (pass.end.x.0 - self.commanded.x.0) as f64 / per_x,
-            (pass.end.z.0 - self.commanded.z.0) as f64 / per_z,
+            (to.x.0 - from.x.0) as f64 / per_x,
+            (to.z.0 - from.z.0) as f64 / per_z,
         )
     }
 
@@ -177,16 +188,40 @@ impl LineLink {
     /// A report while a pass is under way, or of the spindle before it.
     pub(super) fn follow_spindle(&mut self, status: &Status) {
         self.turning = status.spindle.map(|rpm| match self.turning {
-            Some(turning) if (rpm - turning.rpm).abs() <= ROUNDING_RPM.max(STEADY * rpm) => turning,
+            Some(turning) if (rpm - turning.rpm).abs() <= ROUNDING_RPM.max(STEADY * rpm) => {
+                Turning {
+                    latest: rpm,
+                    ..turning
+                }
+            }
             _ => Turning {
                 since: self.now,
                 rpm,
+                latest: rpm,
             },
         });
         let at = self.pulses(*status).map(|board| self.to_kernel(board));
         let from = self.commanded;
-        if let (Some(cutting), Some(at)) = (&mut self.cutting, at) {
-            cutting.begun |= at != from;
+        let (Some(cutting), Some(at)) = (&mut self.cutting, at) else {
+            return;
+        };
+        cutting.begun |= at != from;
+        let cutting = *cutting;
+        let ends = [from, cutting.pass.end].map(|end| self.between(end, at).length());
+        let between = ends.into_iter().all(|way| way > cutting.ramps);
+        if let (true, Some(feed)) = (between, status.feed)
+            && (feed - cutting.speed).abs() > MISREAD * cutting.speed
+        {
+            // Nothing but this tells that a figure was damaged on its way.
+            self.alarm(
+                608,
+                &format!(
+                    "the board cuts the thread at {feed:.0} mm/min instead of {:.0}",
+                    cutting.speed
+                ),
+            );
+            self.abandon_pass();
+            self.enter(LinkState::Fault);
         }
     }
 
