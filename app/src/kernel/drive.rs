@@ -326,6 +326,7 @@ impl Drive {
             traffic: linked.traffic(),
             pins: linked.pins(),
             outputs: linked.outputs(),
+            spindle: linked.spindle(),
             commanded: linked.commanded(),
             counted: linked.counted(),
             differences: if settled {

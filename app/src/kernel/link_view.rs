@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
-use gsk_core::machine::link::{BoardInfo, BoardOutputs, LinkState, Pins, Protocol, Traffic};
+use gsk_core::machine::link::{
+    BoardInfo, BoardOutputs, LinkState, Pins, Protocol, SpindleView, Traffic,
+};
 use gsk_core::units::{PerAxis, Pulses};
 
 use crate::carrier::Line;
@@ -43,6 +45,8 @@ pub struct LinkView {
     pub pins: Pins,
     /// What the board has switched; none while an order is under way.
     pub outputs: Option<BoardOutputs>,
+    /// The spindle whose index the board sees.
+    pub spindle: Option<SpindleView>,
     /// Pulses commanded.
     pub commanded: PerAxis<Pulses>,
     /// Pulses the board has counted, as last reported.

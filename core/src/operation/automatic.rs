@@ -423,11 +423,11 @@ impl Cnc {
                 None => return false,
             },
         };
-        if self.board_delays(&command.action) {
-            self.automatic.ahead = Some(command);
+        if self.ends_spoilt(&command.action) {
             return false;
         }
-        if self.ends_spoilt(&command.action) {
+        if self.board_delays(&command.action) {
+            self.automatic.ahead = Some(command);
             return false;
         }
         self.begin(command);

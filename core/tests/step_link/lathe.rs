@@ -64,6 +64,11 @@ pub fn wires(index: bool) -> LinkConfig {
 impl Lathe {
     /// Referenced; gear 1/5: a pulse of Z is 5 µm.
     pub fn new(index: bool, parameters: &[(u16, i32)]) -> Self {
+        Self::made(Make::default(), index, parameters)
+    }
+
+    /// The same with another board.
+    pub fn made(make: Make, index: bool, parameters: &[(u16, i32)]) -> Self {
         let mut setup = Setup::delivered();
         for (number, value) in [(17, 5), (18, 5), (37, 2000)] {
             setup.parameters.set(number, value).unwrap();
@@ -75,7 +80,7 @@ impl Lathe {
         for _ in 0..100 {
             simulation.tick();
         }
-        let mut twin = KlipperTwin::new(Make::default());
+        let mut twin = KlipperTwin::new(make);
         twin.set_pin("PC2", true);
         twin.fit_spindle(SpindleMake {
             index: "PC3",
@@ -115,7 +120,14 @@ impl Lathe {
         lathe
     }
 
-    pub fn ms(&mut self) {
+    /// The host does nothing for some ms.
+    pub fn be_away(&mut self, ms: u32) {
+        for _ in 0..ms {
+            self.board_ms();
+        }
+    }
+
+    fn board_ms(&mut self) {
         self.twin.advance(MS);
         let [x, z] = self.twin.pulses();
         self.twin.set_pin("PC4", x >= 800);
@@ -129,6 +141,10 @@ impl Lathe {
                 });
             }
         }
+    }
+
+    pub fn ms(&mut self) {
+        self.board_ms();
         if !(self.twin.now() / MS).is_multiple_of(self.sleep) {
             return;
         }

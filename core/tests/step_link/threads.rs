@@ -1,6 +1,9 @@
 //! Threads behind the index of a real spindle: every pass in the same groove, and
 //! none cut by a spindle that does not keep its speed.
 
+use gsk_core::machine::link::LinkState;
+use gsk_twins::klipper::Make;
+
 use crate::lathe::{CYCLE_START, Cut, FEED_HOLD, Lathe, RESET};
 
 /// A pulse of Z, mm.
@@ -308,4 +311,76 @@ fn what_needs_an_index_names_its_setting() {
         alarms[0].contains("604") && alarms[0].contains("reverses"),
         "{alarms:?}"
     );
+}
+
+/// The computer is busy for up to 80 ms now and then, the clock of the board is off.
+#[test]
+fn a_busy_computer_and_a_fast_board_cut_the_same_groove() {
+    let mut lathe = Lathe::made(
+        Make {
+            ppm: 100,
+            ..Make::default()
+        },
+        true,
+        &[],
+    );
+    lathe.start(&(head("M03 S600") + FIVE));
+    let mut away = 0;
+    for _ in 0..40 {
+        away = (away + 37) % 80;
+        lathe.be_away(away);
+        lathe.pass(431);
+    }
+    lathe.finish(60_000);
+    assert_eq!(lathe.alarms(), [""; 0]);
+    lathe.agrees();
+    let grooves = grooves(&lathe, 2.0, (-24.0, -5.0), 1.0);
+    assert_eq!(grooves.len(), 5);
+    assert!(spread(&grooves) <= SAME, "{grooves:#?}");
+}
+
+/// A spark on the wire of the index in a pass: that pass is spoilt, no later one.
+#[test]
+fn a_spark_on_the_index_is_found() {
+    let mut lathe = Lathe::new(true, &[]);
+    lathe.start(&(head("M03 S600") + LONG));
+    assert!(lathe.wait(60_000, |lathe| {
+        lathe.simulation.cnc.position_absolute().z < -10.0
+    }));
+    lathe.twin.spark(true);
+    lathe.pass(1);
+    lathe.twin.spark(false);
+    lathe.finish(60_000);
+    assert!(lathe.alarms()[0].contains("091"), "{:?}", lathe.alarms());
+    lathe.agrees();
+    let at = lathe.simulation.cnc.position_absolute();
+    assert!((at.z + 80.0).abs() < 1e-9 && at.x > 14.9, "{at:?}");
+}
+
+/// A thread that waits for its index can be given up, and the axes go on from where they
+/// stand.
+#[test]
+fn reset_while_a_thread_waits_for_its_index() {
+    let mut lathe = Lathe::new(true, &[]);
+    // 23 r/min: it waits for more than a second on average.
+    lathe.start(&(head("M03 S30") + "G00 X29\nG32 Z-25 F2\nG00 X40\nM30\n"));
+    assert!(lathe.wait(120_000, |lathe| {
+        let at = lathe.simulation.cnc.position_absolute();
+        at.x == 14.5 && lathe.simulation.cnc.modal().motion == 32
+    }));
+    lathe.pass(300);
+    let at = lathe.simulation.cnc.position_absolute();
+    assert_eq!((at.x, at.z), (14.5, 5.0));
+    assert!(lathe.linked.is_behind(), "time goes on in the board");
+    lathe.press(RESET);
+    lathe.pass(3000);
+    assert_eq!(lathe.alarms(), [""; 0]);
+    let at = lathe.simulation.cnc.position_absolute();
+    assert_eq!((at.x, at.z), (14.5, 5.0));
+    assert_eq!(lathe.linked.state(), LinkState::Ready);
+    lathe.agrees();
+    lathe.start("O1\nG98 G00 X40\nG01 X30 F500\nM30\n");
+    lathe.finish(60_000);
+    assert_eq!(lathe.alarms(), [""; 0]);
+    lathe.agrees();
 }

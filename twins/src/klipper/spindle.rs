@@ -43,6 +43,7 @@ pub(super) struct Spindle {
     /// Part of the speed, turns a second of it, and since when, ns.
     ripple: (f64, f64, u64),
     lost: bool,
+    spark: bool,
 }
 
 fn seconds(from: u64, to: u64) -> f64 {
@@ -62,6 +63,7 @@ impl Spindle {
             target: 0.0,
             ripple: (0.0, 1.0, now),
             lost: false,
+            spark: false,
         }
     }
 
@@ -99,7 +101,8 @@ impl Spindle {
 
     /// Level of the index signal, if it is at this pin.
     pub(super) fn level(&self, pin: u32, now: u64) -> Option<bool> {
-        (pin == self.index).then(|| !self.lost && self.turns(now).rem_euclid(1.0) < INDEX)
+        let high = || self.spark || (!self.lost && self.turns(now).rem_euclid(1.0) < INDEX);
+        (pin == self.index).then(high)
     }
 }
 
@@ -142,6 +145,13 @@ impl KlipperTwin {
     pub const fn lose_index(&mut self, lost: bool) {
         if let Some(spindle) = &mut self.spindle {
             spindle.lost = lost;
+        }
+    }
+
+    /// The index signal is high whatever the spindle does: a disturbance.
+    pub const fn spark(&mut self, on: bool) {
+        if let Some(spindle) = &mut self.spindle {
+            spindle.spark = on;
         }
     }
 

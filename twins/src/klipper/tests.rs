@@ -288,3 +288,62 @@ fn turns_are_counted_twice() {
     let count = block::take(&mut reply).unwrap();
     assert!((19..=22).contains(&count), "{count}");
 }
+
+#[test]
+fn the_outputs_drive_the_spindle() {
+    let mut twin = booted();
+    twin.fit_spindle(SpindleMake {
+        index: "PC3",
+        forward: "PB4",
+        reverse: "PB5",
+        speed: "PB6",
+        top: 2550.0,
+        inertia: 0.1,
+    });
+    let pin = |name| i64::from(dictionary::pin(name).unwrap());
+    ask(
+        &mut twin,
+        &[
+            (C::ConfigDigitalOut, &[3, pin("PB4"), 0, 0, 0]),
+            (C::ConfigPwmOut, &[4, pin("PB6"), 16_000, 0, 0, 0]),
+            (C::FinalizeConfig, &[1]),
+        ],
+    );
+    let clock = soon(&twin, 100);
+    ask(
+        &mut twin,
+        &[
+            (C::QueueDigitalOut, &[3, clock, 1]),
+            (C::QueuePwmOut, &[4, clock, 60]),
+        ],
+    );
+    twin.advance(80 * MS);
+    assert_eq!(twin.spindle_rpm(), 0.0);
+    // After its time constant it has two thirds of its speed, then all of it.
+    twin.advance(100 * MS);
+    assert!(
+        (twin.spindle_rpm() - 379.0).abs() < 5.0,
+        "{}",
+        twin.spindle_rpm()
+    );
+    twin.advance(2000 * MS);
+    assert!((twin.spindle_rpm() - 600.0).abs() < 0.01);
+    // A ripple neither jumps nor changes the mean: 10 turns a second.
+    let turns = |twin: &KlipperTwin| twin.spindle_turns(twin.now());
+    let begin = turns(&twin);
+    twin.set_ripple(1.0, 0.5);
+    assert!((turns(&twin) - begin).abs() < 1e-9);
+    let (mut least, mut most) = (f64::MAX, 0.0_f64);
+    for _ in 0..200 {
+        let before = turns(&twin);
+        twin.advance(10 * MS);
+        let turned = turns(&twin) - before;
+        (least, most) = (least.min(turned), most.max(turned));
+    }
+    assert!((turns(&twin) - begin - 20.0).abs() < 1e-6);
+    assert!((least - 0.099).abs() < 1e-5 && (most - 0.101).abs() < 1e-5);
+    // A board that gives up lets it run out.
+    twin.shut_down_for("test");
+    twin.advance(2000 * MS);
+    assert!(twin.spindle_rpm().abs() < 0.01);
+}

@@ -22,7 +22,7 @@ use core::time::Duration;
 
 use super::{
     BoardInfo, BoardOutputs, FINE, HostTime, Link, LinkConfig, LinkState, Pass, Pins, Refused,
-    RunTime, Sample, Stop, Traffic,
+    RunTime, Sample, SpindleView, Stop, Traffic,
 };
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
@@ -94,6 +94,7 @@ pub struct Linked {
     /// passed, turns.
     spindle_way: f64,
     spindle_index: f64,
+    spindle_view: Option<SpindleView>,
     /// A count that agreed at a standstill and has not been noted yet.
     agreed: Option<PerAxis<Pulses>>,
     /// The program that ended and whose end has not been checked yet.
@@ -129,6 +130,7 @@ impl Linked {
             standing: None,
             spindle_way: 1.0,
             spindle_index: 0.0,
+            spindle_view: None,
             agreed: None,
             ended: None,
             notes: Vec::new(),
@@ -347,6 +349,11 @@ impl Linked {
     /// Writes the settings that differ; the operator was asked.
     pub fn write_settings(&mut self) {
         self.link.write_settings();
+    }
+
+    /// The spindle whose index the board sees, as the control was last shown it.
+    pub const fn spindle(&self) -> Option<SpindleView> {
+        self.spindle_view
     }
 
     /// Where the link stands.

@@ -228,8 +228,28 @@ fn contacts(language: Language, view: &LinkView) -> Section {
             ),
             (say(language, "防护门", "door"), pin(view.pins.door)),
             (say(language, "主轴、冷却", "spindle, coolant"), outputs),
+            (
+                say(language, "主轴一转信号", "index of the spindle"),
+                index(language, view),
+            ),
         ],
     }
+}
+
+/// What the index tells of the spindle.
+fn index(language: Language, view: &LinkView) -> String {
+    let Some(spindle) = view.spindle else {
+        return say(language, "未接", "not wired").to_owned();
+    };
+    if spindle.rpm <= 0.0 {
+        return say(language, "主轴停止", "it stands").to_owned();
+    }
+    let varies = spindle.variation.map_or_else(
+        || "-".to_owned(),
+        |variation| format!("{:.2} %", variation * 100.0),
+    );
+    let word = say(language, "波动", "varies by");
+    format!("{:.1} r/min, {word} {varies}", spindle.rpm)
 }
 
 fn whole(time: Duration) -> u128 {

@@ -26,7 +26,8 @@ impl Linked {
             self.link.spindle_reversed();
         }
         let lead = simulation.cnc.lead_followed();
-        let view = self.link.spindle(lead.map(|lead| GIVE / lead))?;
+        self.spindle_view = self.link.spindle(lead.map(|lead| GIVE / lead));
+        let view = self.spindle_view?;
         if view.passed {
             self.spindle_index = way * view.now.floor();
         }

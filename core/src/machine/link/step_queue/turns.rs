@@ -54,7 +54,8 @@ struct Line {
 pub(super) struct Turns {
     /// Ticks a second.
     rate: f64,
-    /// The even count of the newest passing.
+    /// The count last reported, and the last even one.
+    reported: Option<u32>,
     count: Option<u32>,
     /// Clock of the newest edge of either kind: reports may show the other one for a
     /// while.
@@ -68,6 +69,7 @@ impl Turns {
     pub(super) const fn new(rate: f64) -> Self {
         Self {
             rate,
+            reported: None,
             count: None,
             alive: 0,
             passings: VecDeque::new(),
@@ -89,19 +91,23 @@ impl Turns {
     /// The board reports its count and the clock of the newest edge; the passing of
     /// the index that it tells of, if that is a new one.
     pub(super) fn hear(&mut self, count: u32, clock: u64) -> Option<Passing> {
+        if self.reported == Some(count) {
+            return None;
+        }
+        if self.reported.replace(count).is_none() {
+            // Whenever that was.
+            self.count = count.is_multiple_of(2).then_some(count);
+            return None;
+        }
         let over = self.is_over(clock as Ticks);
         self.alive = clock as Ticks;
-        if !count.is_multiple_of(2) || self.count == Some(count) {
+        if !count.is_multiple_of(2) {
             return None;
         }
         let more = self
             .count
             .map_or(0, |before| count.wrapping_sub(before) / 2);
-        let first = self.count.replace(count).is_none();
-        if first && count == 0 {
-            // Nothing has been counted yet.
-            return None;
-        }
+        self.count = Some(count);
         let late = (POLL * self.rate / 2.0) as Ticks;
         let passing = Passing {
             turn: self.passings.back().map_or(0, |last| last.turn) + i64::from(more),
@@ -319,6 +325,23 @@ mod tests {
         assert!(slower > 0.0 && slower < 7.0, "{slower}");
         assert!(turns.is_lost(now + turns.ticks(0.35)));
         assert_eq!(turns.speed(now + turns.ticks(0.6)), 0.0);
+    }
+
+    #[test]
+    fn a_spindle_that_has_stood_for_long_stands() {
+        // 180 MHz: after 12 s the low half of a clock says nothing any more.
+        let mut turns = Turns::new(180e6);
+        for turn in 0..30_u32 {
+            turns.hear(turn * 2, u64::from(turn) * 18_000_000);
+        }
+        let stopped = 29 * 18_000_000_u64;
+        for seconds in 0..60 {
+            let now = stopped + seconds * 180_000_000;
+            let told = super::super::clock::near(stopped as u32, now);
+            turns.hear(58, told);
+            let speed = turns.speed(now as Ticks);
+            assert!(seconds == 0 || speed == 0.0, "{speed} after {seconds} s");
+        }
     }
 
     #[test]
