@@ -266,12 +266,13 @@ impl Keeper {
     ) -> std::io::Result<Self> {
         let (to_disk, from_kernel) = bounded::<Job>(1);
         let (say, complaints) = bounded(16);
+        let last = Memory::of_emulator(emulator);
         let mut writer = Writer {
             data,
             encodings: restored.encodings.clone(),
-            written: Memory::of_emulator(emulator),
+            knows: true,
+            written: last.clone(),
         };
-        let last = writer.written.clone();
         let thread = thread::Builder::new()
             .name("memory".to_owned())
             .spawn(move || {
@@ -358,6 +359,9 @@ impl Keeper {
 struct Writer {
     data: Arc<DataDir>,
     encodings: BTreeMap<u16, Encoding>,
+    /// `written` is what is on the disk. Else all of it is written: a value that was
+    /// set back to its default is no reason to leave the old one there.
+    knows: bool,
     written: Memory,
 }
 
@@ -368,6 +372,7 @@ impl Writer {
         Self {
             data,
             encodings: restored.encodings.clone(),
+            knows: false,
             written: Memory {
                 parameters: Parameters::default(),
                 offsets: Offsets::default(),
@@ -389,21 +394,28 @@ impl Writer {
 
     fn write(&mut self, now: Memory) -> Result<(), String> {
         let data = &self.data;
+        let knows = self.knows;
         let was = &mut self.written;
-        store(data, "parameters", &mut was.parameters, now.parameters)?;
-        store(data, "offsets", &mut was.offsets, now.offsets)?;
-        store(data, "pitch", &mut was.pitch, now.pitch)?;
-        store(data, "counters", &mut was.counters, now.counters)?;
-        store(data, "variables", &mut was.variables, now.variables)?;
-        store(data, "settings", &mut was.settings, now.settings)?;
-        store(data, "authority", &mut was.authority, now.authority)?;
-        store(data, "disks", &mut was.disks, now.disks)?;
-        store(data, "plc", &mut was.plc, now.plc)?;
+        store(
+            data,
+            "parameters",
+            knows,
+            &mut was.parameters,
+            now.parameters,
+        )?;
+        store(data, "offsets", knows, &mut was.offsets, now.offsets)?;
+        store(data, "pitch", knows, &mut was.pitch, now.pitch)?;
+        store(data, "counters", knows, &mut was.counters, now.counters)?;
+        store(data, "variables", knows, &mut was.variables, now.variables)?;
+        store(data, "settings", knows, &mut was.settings, now.settings)?;
+        store(data, "authority", knows, &mut was.authority, now.authority)?;
+        store(data, "disks", knows, &mut was.disks, now.disks)?;
+        store(data, "plc", knows, &mut was.plc, now.plc)?;
         if now.standing.is_some() {
-            store(data, "standing", &mut was.standing, now.standing)?;
+            store(data, "standing", knows, &mut was.standing, now.standing)?;
         }
         if now.panel.is_some() {
-            store(data, "panel", &mut was.panel, now.panel)?;
+            store(data, "panel", knows, &mut was.panel, now.panel)?;
         }
         // New texts first: a program that gets another number is never nowhere.
         for (number, program) in &now.programs {
@@ -421,17 +433,20 @@ impl Writer {
             data.store_ladder(&now.ladder)?;
             was.ladder = now.ladder;
         }
-        let gone: Vec<u16> = was
-            .programs
-            .keys()
-            .filter(|number| !now.programs.contains_key(number))
-            .copied()
-            .collect();
+        let on_disk: Vec<u16> = match knows {
+            true => was.programs.keys().copied().collect(),
+            false => self.encodings.keys().copied().collect(),
+        };
+        let gone = on_disk
+            .into_iter()
+            .filter(|number| !now.programs.contains_key(number));
         for number in gone {
             data.remove_program(number)?;
             was.programs.remove(&number);
         }
-        store(data, "selected", &mut was.selected, now.selected)
+        store(data, "selected", knows, &mut was.selected, now.selected)?;
+        self.knows = true;
+        Ok(())
     }
 }
 
@@ -439,10 +454,11 @@ impl Writer {
 fn store<T: Serialize + PartialEq>(
     data: &DataDir,
     name: &str,
+    knows: bool,
     written: &mut T,
     now: T,
 ) -> Result<(), String> {
-    if *written != now {
+    if !knows || *written != now {
         data.store(name, &now)?;
         *written = now;
     }
@@ -489,6 +505,34 @@ mod tests {
         let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
         keeper.finish(&emulator);
         assert_eq!(data.ladder(), Loaded::Missing);
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn what_is_set_back_or_deleted_is_so_on_the_disk_too() {
+        let folder = crate::files::test_folder("set-back");
+        let keep = |change: fn(&mut Setup)| {
+            let data = DataDir::open(&folder).expect("open");
+            let mut setup = Setup::default();
+            let restored = load(&data, &mut setup);
+            change(&mut setup);
+            save(data, &restored, &Emulator::new(setup).simulation.cnc).expect("saved");
+        };
+        keep(|setup| {
+            setup.parameters.set(24, 584).expect("in range");
+            setup.programs.store("O0007;\nM30;\n").expect("stored");
+        });
+        keep(|setup| {
+            let delivered = Parameters::default().value(24);
+            assert_eq!(setup.parameters.value(24), 584);
+            setup.parameters.set(24, delivered).expect("in range");
+            setup.programs.delete(7).expect("deleted");
+        });
+        let data = DataDir::open(&folder).expect("open");
+        let mut setup = Setup::default();
+        load(&data, &mut setup);
+        assert_eq!(setup.parameters.value(24), Parameters::default().value(24));
+        assert!(setup.programs.stored(7).is_none());
         std::fs::remove_dir_all(folder).expect("clean");
     }
 

@@ -38,15 +38,15 @@ impl Random {
 }
 
 /// The emulator as the data directory has it; the power has just been switched on.
-fn begin(data: &DataDir) -> (Emulator, Restored, Setup) {
+fn begin(data: &DataDir) -> (Emulator, Restored) {
     let mut setup = Setup::delivered();
     let restored = retained::load(data, &mut setup);
     restored.place(&mut setup);
     setup.alarms.clear();
-    let mut emulator = Emulator::new(setup.clone());
+    let mut emulator = Emulator::new(setup);
     restored.restore_panel(&mut emulator);
     emulator.run_until(&Condition::SelfTestOver, 10_000);
-    (emulator, restored, setup)
+    (emulator, restored)
 }
 
 fn keys(emulator: &mut Emulator, keys: &[Key]) {
@@ -122,7 +122,7 @@ fn operating() {
     };
     let seed = std::env::var("KILL_SEED").unwrap().parse().unwrap();
     let data = Arc::new(DataDir::open(Path::new(&folder)).unwrap());
-    let (mut emulator, restored, _) = begin(&data);
+    let (mut emulator, restored) = begin(&data);
     let mut keeper = Keeper::start(data, &restored, &emulator).unwrap();
     let mut random = Random(seed);
     for operation in 1..=OPERATIONS {
@@ -167,13 +167,13 @@ fn run_and_kill(folder: &Path, seed: u64, random: &mut Random) -> u64 {
     said.try_iter().last().unwrap_or(confirmed)
 }
 
-/// What is on the disk is, part by part, what one of the two emulators has.
-fn compare(found: &Setup, before: &Emulator, after: &Emulator, place: &str) {
-    let (before, after) = (&before.simulation.cnc, &after.simulation.cnc);
+/// What the power brings back from the disk is, part by part, what one of the two emulators has.
+fn compare(found: &Emulator, before: &Emulator, after: &Emulator, place: &str) {
+    let [found, before, after] = [found, before, after].map(|emulator| &emulator.simulation.cnc);
     macro_rules! same {
         ($part:ident) => {
             assert!(
-                found.$part == *before.$part() || found.$part == *after.$part(),
+                found.$part() == before.$part() || found.$part() == after.$part(),
                 "{place}: {} is neither old nor new",
                 stringify!($part)
             );
@@ -185,7 +185,7 @@ fn compare(found: &Setup, before: &Emulator, after: &Emulator, place: &str) {
     same!(disks);
     for number in 0..=9999 {
         let text = |program: Option<&Program>| program.map(|program| program.text().to_owned());
-        let found = text(found.programs.stored(number));
+        let found = text(found.programs().stored(number));
         let old = text(before.programs().stored(number));
         let new = text(after.programs().stored(number));
         assert!(
@@ -218,7 +218,7 @@ fn what_was_confirmed_survives_a_kill() {
         let mut after = before.clone();
         operate(&mut after, &mut operations);
         let data = DataDir::open(&folder).unwrap();
-        let (_, restored, found) = begin(&data);
+        let (found, restored) = begin(&data);
         let place = format!("kill {kill} after {confirmed} operations");
         assert_eq!(restored.complaints, [""; 0], "{place}");
         compare(&found, &before, &after, &place);
