@@ -4,7 +4,7 @@ use gsk_plc::address::{Area, BitAddress};
 use serde::{Deserialize, Serialize};
 
 use crate::cnc::Cnc;
-use crate::machine::{Inputs, Lathe};
+use crate::machine::{BoardContacts, Inputs, Lathe};
 use crate::operation::RunState;
 use crate::setup::Setup;
 use crate::units::TICK_MS;
@@ -86,9 +86,8 @@ impl Simulation {
     }
 
     /// The contacts that a pulse board has wired, over the simulated ones.
-    pub(crate) fn add_board_contacts(&mut self, emergency: bool, door: bool) {
-        let lathe = &self.lathe;
-        lathe.add_board_contacts(&mut self.inputs, emergency, door);
+    pub(crate) fn add_board_contacts(&mut self, board: &BoardContacts) {
+        self.lathe.add_board_contacts(&mut self.inputs, board);
     }
 
     /// Ticks until the condition holds, at most `limit_ms` of machine time. The

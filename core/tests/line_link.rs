@@ -5,7 +5,7 @@
 use core::time::Duration;
 
 use gsk_core::machine::link::line::LineLink;
-use gsk_core::machine::link::{Event, LinkConfig, LinkState, RunTime, Sample, Stop};
+use gsk_core::machine::link::{Event, Input, LinkConfig, LinkState, RunTime, Sample, Stop};
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_twins::grbl::{GrblTwin, Settings, Variant};
@@ -483,4 +483,28 @@ fn a_report_under_way_when_the_reference_return_begins_tells_no_place() {
         assert_eq!(bench.alarms(), [0_u16; 0], "{variant:?}");
         assert_eq!(bench.link.state(), LinkState::Ready);
     }
+}
+
+#[test]
+fn letters_of_a_report_are_contacts_of_the_control() {
+    let mut bench = Bench::new(Variant::Grbl);
+    let config: LinkConfig = ron::from_str(r#"(inputs: {"X2.0": "P", "X2.1": "!D"})"#).unwrap();
+    config.check().unwrap();
+    bench.link = LineLink::open(config, &Parameters::default(), Duration::ZERO);
+    let contact = |bit| Input::Contact { byte: 2, bit };
+    assert_eq!(
+        bench.link.input(contact(0)),
+        None,
+        "nothing was reported yet"
+    );
+    bench.open();
+    bench.pass(500);
+    let both = |bench: &Bench| [0, 1].map(|bit| bench.link.input(contact(bit)));
+    assert_eq!(both(&bench), [Some(false), Some(true)]);
+    bench.twin.pins.probe = true;
+    bench.twin.pins.door = true;
+    bench.pass(500);
+    assert_eq!(both(&bench), [Some(true), Some(false)]);
+    assert_eq!(bench.link.input(contact(2)), None, "not wired");
+    assert_eq!(bench.link.input(Input::LimitX), Some(false));
 }

@@ -111,6 +111,8 @@ pub struct Pins {
     pub limit_z: bool,
     /// Door.
     pub door: bool,
+    /// Probe.
+    pub probe: bool,
     /// Emergency stop (the larger board), or reset (the 8 bit board).
     pub emergency: bool,
 }

@@ -75,6 +75,30 @@ impl Default for Make {
     }
 }
 
+/// A switch, or the zero signal of a motor, on the way of a slide: high while the
+/// count of its stepper is from `from` to `to`, once or once a turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Travel {
+    /// First or second stepper.
+    pub axis: usize,
+    /// First pulse on it.
+    pub from: i64,
+    /// Last pulse on it.
+    pub to: i64,
+    /// Pulses of a turn, when it comes once a turn.
+    pub turn: Option<i64>,
+}
+
+impl Travel {
+    const fn is_on(self, pulses: [i64; 2]) -> bool {
+        let at = pulses[self.axis % 2];
+        match self.turn {
+            Some(turn) => (at - self.from).rem_euclid(turn) <= self.to - self.from,
+            None => self.from <= at && at <= self.to,
+        }
+    }
+}
+
 /// A board, its two wires and its pins, in virtual time.
 #[derive(Clone, Debug)]
 pub struct KlipperTwin {
@@ -101,6 +125,8 @@ pub struct KlipperTwin {
     free_at: i64,
     stats_at: i64,
     levels: BTreeMap<u32, bool>,
+    /// Switches on the way of the slides.
+    travel: BTreeMap<u32, Travel>,
     spindle: Option<Spindle>,
     /// Steps made since they are recorded.
     recorded: Option<Vec<Made>>,
@@ -127,6 +153,8 @@ pub struct Figures {
     pub identify: u64,
     /// Steps made.
     pub steps: u64,
+    /// Orders for outputs.
+    pub outputs: u64,
 }
 
 /// A step that was made.
@@ -172,6 +200,7 @@ impl KlipperTwin {
             free_at: 0,
             stats_at: 0,
             levels: BTreeMap::new(),
+            travel: BTreeMap::new(),
             spindle: None,
             recorded: None,
             pulses: [0; 2],
@@ -184,6 +213,7 @@ impl KlipperTwin {
                 busiest: 0,
                 identify: 0,
                 steps: 0,
+                outputs: 0,
             },
         };
         twin.press_reset();
@@ -244,11 +274,25 @@ impl KlipperTwin {
         self.crc = Some(1);
     }
 
-    /// Gives an input pin a level; pins nobody gave one are low.
+    /// Gives an input pin a level, whatever switch is there; pins nobody gave one are
+    /// low.
     pub fn set_pin(&mut self, name: &str, level: bool) {
         if let Some(pin) = dictionary::pin(name) {
+            self.travel.remove(&pin);
             self.levels.insert(pin, level);
         }
+    }
+
+    /// Puts a switch on the way of a slide; its pin follows the pulses.
+    pub fn put_switch(&mut self, name: &str, travel: Travel) {
+        if let Some(pin) = dictionary::pin(name) {
+            self.travel.insert(pin, travel);
+        }
+    }
+
+    /// The slides stand elsewhere when the power comes on.
+    pub const fn put_slides(&mut self, pulses: [i64; 2]) {
+        self.pulses = pulses;
     }
 
     /// What an output pin was last given.
@@ -354,7 +398,12 @@ impl KlipperTwin {
         let index = self
             .spindle
             .and_then(|spindle| spindle.level(pin, self.now));
-        index.unwrap_or_else(|| self.levels.get(&pin).copied().unwrap_or(false))
+        let travel = || {
+            let travel = self.travel.get(&pin)?;
+            Some(travel.is_on(self.pulses))
+        };
+        let level = || self.levels.get(&pin).copied();
+        index.or_else(travel).or_else(level).unwrap_or(false)
     }
 
     fn send(&mut self, content: &[u8]) {

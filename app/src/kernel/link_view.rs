@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use gsk_core::machine::link::{
-    BoardInfo, BoardOutputs, LinkState, Pins, Protocol, SpindleView, Traffic,
+    BoardInfo, BoardOutputs, Input, LinkState, Output, Protocol, SpindleView, Traffic,
 };
 use gsk_core::units::{PerAxis, Pulses};
 
@@ -41,8 +41,11 @@ pub struct LinkView {
     pub lookahead: Duration,
     /// Counters of the wire.
     pub traffic: Traffic,
-    /// Switches at the board that are operated.
-    pub pins: Pins,
+    /// Inputs of the board: whether each is operated, a contact closed; none: not
+    /// wired.
+    pub inputs: Vec<(Input, Option<bool>)>,
+    /// Outputs that are not wired.
+    pub missing_outputs: Vec<Output>,
     /// What the board has switched; none while an order is under way.
     pub outputs: Option<BoardOutputs>,
     /// The spindle whose index the board sees.

@@ -23,6 +23,8 @@ pub(crate) struct World<'a> {
     pub referenced: PerAxis<bool>,
     pub block_skip: bool,
     pub settled: bool,
+    /// The slides have made all that was commanded.
+    pub stands: bool,
     pub cursor_line: u32,
 }
 
@@ -83,5 +85,9 @@ impl Host for World<'_> {
 
     fn settled(&self) -> bool {
         self.settled
+    }
+
+    fn slides_stand(&self) -> bool {
+        self.settled && self.stands
     }
 }

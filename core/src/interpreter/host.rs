@@ -35,6 +35,10 @@ pub trait Host {
     fn block_skip(&self) -> bool;
     /// Whether every earlier command is finished, FIN included.
     fn settled(&self) -> bool;
+    /// Whether besides the slides stand where they were commanded to.
+    fn slides_stand(&self) -> bool {
+        self.settled()
+    }
 }
 
 /// One answer of the interpreter.

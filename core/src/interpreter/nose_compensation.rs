@@ -233,4 +233,8 @@ impl<H: Host> Host for Ahead<'_, H> {
     fn settled(&self) -> bool {
         !self.held && self.host.settled()
     }
+
+    fn slides_stand(&self) -> bool {
+        !self.held && self.host.slides_stand()
+    }
 }

@@ -89,7 +89,7 @@ impl Slot {
         if let Self::Common(number) = self {
             return Ok(host.variables().get(number).unwrap_or(0));
         }
-        if !host.settled() {
+        if !host.slides_stand() {
             return Err(NotNow::Wait);
         }
         let word = match self {
@@ -125,7 +125,7 @@ impl Slot {
                 ))
                 .into());
         }
-        if host.settled() {
+        if host.slides_stand() {
             Ok(())
         } else {
             Err(NotNow::Wait)

@@ -37,6 +37,22 @@ impl Inputs {
     }
 }
 
+/// What a pulse board says of the inputs that are wired to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct BoardContacts {
+    /// The emergency stop chain is open.
+    pub emergency: bool,
+    /// The door is open.
+    pub door: bool,
+    /// The deceleration switch is pressed; none: not wired.
+    pub switch: PerAxis<Option<bool>>,
+    /// The zero signal stands; none: not wired.
+    pub signal: PerAxis<Option<bool>>,
+    /// Contacts X0 to X3: which are wired, and which of them are closed.
+    pub wired: [u8; 4],
+    pub closed: [u8; 4],
+}
+
 /// What the control tells the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outputs {

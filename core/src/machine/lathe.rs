@@ -7,7 +7,7 @@ use super::axis_drive::AxisDrive;
 use super::chuck::{Cylinder, Gearbox};
 use super::config::LatheConfig;
 use super::faults::{Disturbance, Fault, Faults};
-use super::io::{Inputs, Outputs};
+use super::io::{BoardContacts, Inputs, Outputs};
 use super::pins::{self, Pin};
 use super::spindle_drive::{SpindleDemand, SpindleDrive};
 use super::turret::Turret;
@@ -94,19 +94,35 @@ impl Lathe {
     }
 
     /// The contacts that a pulse board has wired, over the simulated ones.
-    pub(crate) fn add_board_contacts(&self, inputs: &mut Inputs, emergency: bool, door: bool) {
+    pub(crate) fn add_board_contacts(&self, inputs: &mut Inputs, board: &BoardContacts) {
+        for (byte, (wired, closed)) in board.wired.iter().zip(board.closed).enumerate() {
+            inputs.x[byte] = inputs.x[byte] & !wired | wired & closed;
+        }
         let mut set = |pin: Pin, level: bool| {
             let mask = 1 << pin.1;
             let byte = &mut inputs.x[usize::from(pin.0)];
             *byte = if level { *byte | mask } else { *byte & !mask };
         };
-        if emergency {
+        if board.emergency {
             set(pins::EMERGENCY_STOP, false);
         }
         if let Some(closed) = self.wiring.door
-            && door
+            && board.door
         {
             set(pins::DOOR, !closed);
+        }
+        let wiring = &self.wiring;
+        for (axis, pin) in [
+            (Axis::X, pins::DECELERATION_X),
+            (Axis::Z, pins::DECELERATION_Z),
+        ] {
+            let switch = *board.switch.get(axis);
+            if let Some(pressed) = switch {
+                set(pin, pressed == wiring.on_dog);
+            }
+            let one = switch.filter(|_| *wiring.one_switch.get(axis));
+            *inputs.index_pulse.get_mut(axis) = board.signal.get(axis).or(one).unwrap_or(false);
+            *inputs.index_latch.get_mut(axis) = None;
         }
     }
 

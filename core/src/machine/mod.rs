@@ -30,5 +30,6 @@ pub use config::{
 };
 pub use config_check::ConfigError;
 pub use faults::{FAULTS, Fault, FaultRow};
+pub(crate) use io::BoardContacts;
 pub use io::{Inputs, Outputs};
 pub use lathe::Lathe;

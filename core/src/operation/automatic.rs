@@ -457,8 +457,10 @@ impl Cnc {
             }
             return None;
         }
-        let settled = settled && !self.handshake.busy() && !self.is_board_behind();
+        let settled = settled && !self.handshake.busy() && !self.board_holds_reading();
+        let stands = !self.is_board_behind();
         let (interpreter, mut world) = self.interpreter_and_world(settled);
+        world.stands = stands;
         let step = interpreter.next(&mut world);
         match step {
             Ok(Step::Command(command)) => {
@@ -519,6 +521,7 @@ impl Cnc {
                 referenced: self.referenced,
                 block_skip: self.from_plc.block_skip,
                 settled,
+                stands: true,
                 cursor_line: self.cursor_line,
             },
         )

@@ -8,6 +8,7 @@ mod preflight;
 mod rates;
 mod spindle;
 mod walk;
+mod zero;
 
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,8 @@ use crate::machine::link::{PulseRates, ThreadRights};
 use crate::motion::ThreadMove;
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
 
+pub(crate) use zero::ZeroWiring;
+
 /// The drives behind a board, as the control sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct BoardDrives {
@@ -35,6 +38,10 @@ pub(crate) struct BoardDrives {
     pub behind: bool,
     /// Spindle or coolant have still to be switched before the axes go on.
     pub switching: bool,
+    /// Spindle and coolant switch at their place in the motion, without a standstill.
+    pub timed: bool,
+    /// The spindle speed follows the motion.
+    pub surface: bool,
     /// Most pulses a second.
     pub rates: PulseRates,
     /// Pulses per mm of slide travel.
@@ -46,6 +53,37 @@ pub(crate) struct BoardDrives {
     /// A pass that the board cuts begins without a ramp: not faster than this,
     /// mm/min.
     pub pass_speed: f64,
+    /// What the axes return to when the control drives the return; none: the board
+    /// makes it by itself.
+    pub zero: Option<PerAxis<ZeroWiring>>,
+    /// The board looks at the switch that the return of the axis waits for.
+    pub armed: PerAxis<bool>,
+}
+
+/// Why constant surface speed is refused.
+const fn without_surface(timed: bool) -> &'static str {
+    if timed {
+        "constant surface speed (G96): io.spindle_pwm of the machine file names no pin"
+    } else {
+        "constant surface speed (G96): the board switches its spindle only at rest"
+    }
+}
+
+/// Whether an action must find the slides at rest, whose spindle and coolant switch
+/// with the motion.
+const fn needs_rest(action: &Action) -> bool {
+    match action {
+        // M03, M04, M05, M08, M09.
+        Action::Miscellaneous { code, .. } => !matches!(*code, 3..=5 | 8 | 9),
+        Action::Spindle(command) => matches!(command, SpindleCommand::Step(_)),
+        Action::Tool { .. }
+        | Action::Dwell { .. }
+        | Action::ProgramStop
+        | Action::End { .. }
+        | Action::ZeroReturn { .. }
+        | Action::Macro => true,
+        _ => false,
+    }
 }
 
 impl Cnc {
@@ -54,11 +92,22 @@ impl Cnc {
         self.board.is_some_and(|board| board.behind)
     }
 
-    /// Whether a command must not begin yet. M and S that start together with a
-    /// motion are over before it: the board switches only at rest.
+    /// Whether blocks that act on the machine are read only when the slides stand. A
+    /// board whose outputs switch with the motion lets each command see to that itself.
+    pub(super) fn board_holds_reading(&self) -> bool {
+        self.board.is_some_and(|board| board.behind && !board.timed)
+    }
+
+    /// Whether a command must not begin yet. Where the board switches only at rest, M
+    /// and S that start together with a motion are over before it; where it switches
+    /// with the motion, spindle and coolant wait for nothing, all else for the slides.
     pub(super) fn board_delays(&mut self, action: &Action) -> bool {
         let delays = self.board.is_some_and(|board| {
-            action.is_motion() && (!board.prepared || board.switching || self.handshake.busy())
+            if action.is_motion() {
+                let switches = board.switching || self.handshake.busy();
+                return !board.prepared || (switches && !board.timed);
+            }
+            board.timed && board.behind && needs_rest(action)
         });
         delays || self.board_spindle_delays(action)
     }
@@ -129,7 +178,9 @@ impl Cnc {
         }
         let what = match action {
             Action::Tap { .. } => "tapping",
-            Action::Spindle(SpindleCommand::Surface(_)) => "constant surface speed (G96)",
+            Action::Spindle(SpindleCommand::Surface(_)) if !board.surface => {
+                return Err(Alarm::new(604).because(without_surface(board.timed)));
+            }
             Action::Line {
                 feed: Feed::PerRevolution(_),
                 ..
@@ -188,13 +239,16 @@ impl Cnc {
         self.jog_blocked = PerAxis::new(true, true);
     }
 
-    /// The slides came to stand at this count, which is not where the control was.
+    /// The slides came to stand at this count, which is not where the control was. An
+    /// axis that stood keeps its coordinate to the increment.
     pub(crate) fn stand_at(&mut self, pulses: PerAxis<Pulses>) {
-        self.halt_for_board();
         let mut shift = Point::default();
         for axis in [Axis::X, Axis::Z] {
-            let place = self.axes.stand_at(axis, *pulses.get(axis));
-            *shift.get_mut(axis) = place - self.position().get(axis);
+            let count = *pulses.get(axis);
+            if count != *self.pulses().get(axis) {
+                let place = self.axes.stand_at(axis, count);
+                *shift.get_mut(axis) = place - self.position().get(axis);
+            }
         }
         self.interpolator.translate(shift);
         let frame = self.frame;

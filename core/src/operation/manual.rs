@@ -93,7 +93,9 @@ impl Cnc {
                     self.follow_wheel(axis, if allowed && by_hand { counts } else { 0 });
                 }
                 Mode::MachineZero => {
-                    self.return_keys(axis, key.is_some(), pressed.is_some());
+                    // One that returns by itself is asked once it can.
+                    let begins = by_hand || self.board_seeks() || self.board_homes();
+                    self.return_keys(axis, key.is_some(), pressed.is_some() && begins);
                 }
                 Mode::ProgramZero => {
                     self.return_keys(axis, key.is_some(), pressed.is_some() && by_hand);

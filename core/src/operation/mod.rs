@@ -25,7 +25,7 @@ mod zero_return;
 
 pub use active_alarms::ActiveAlarms;
 pub use automatic::{Automatic, RunState};
-pub(crate) use board::{BoardDrives, BoardSpindle, SpindleTrouble};
+pub(crate) use board::{BoardDrives, BoardSpindle, SpindleTrouble, ZeroWiring};
 pub(crate) use drives::DriveWatch;
 pub(crate) use gear_speed::check_gear_speed;
 pub use handshake::{Handshake, Phase, Strobe};

@@ -46,6 +46,11 @@ pub(crate) enum Return {
     Turning,
     /// Method C: back at the low rate, until the switch is met again.
     Back,
+    /// At a pulse board, the limit switch being the reference: back off it.
+    Leave,
+    /// At a pulse board: at the low rate to this machine coordinate, µm, past the edge
+    /// of the switch.
+    Past(i64),
     /// A pulse board seeks its switch by itself.
     Board,
 }
@@ -83,8 +88,13 @@ impl Cnc {
 
     /// Begins the return of an axis to its machine zero.
     fn seek_reference(&mut self, axis: Axis) -> Result<(), Alarm> {
-        if self.board.is_some() && self.parameters.has_zero_switch(axis) {
-            self.board_makes_return(axis);
+        if let Some(board) = self.board
+            && self.parameters.has_zero_switch(axis)
+        {
+            return self.seek_with_board(axis, &board);
+        }
+        if self.board_seeks() {
+            // The switch of the other axis would stop this one dead.
             return Ok(());
         }
         let stage = if !self.parameters.has_zero_switch(axis) {
@@ -109,7 +119,10 @@ impl Cnc {
     /// G28: seeks the reference points of axes that have none; those that have one
     /// stand on it already.
     pub(super) fn begin_zero_return(&mut self, x: bool, z: bool) -> Result<(), Alarm> {
-        for (axis, taken) in [(Axis::X, x), (Axis::Z, z)] {
+        let mut axes = [(Axis::X, x), (Axis::Z, z)];
+        // Those without a switch first.
+        axes.sort_by_key(|(axis, _)| self.parameters.has_zero_switch(*axis));
+        for (axis, taken) in axes {
             if taken && *self.referenced.get(axis) {
                 self.stand_on_reference(axis);
             } else if taken {
@@ -150,12 +163,15 @@ impl Cnc {
     }
 
     fn go_on(&mut self, axis: Axis, stage: Return, latch: Option<Pulses>) {
+        if self.return_with_board(axis, stage) {
+            return;
+        }
         let low = self.parameters.zero_low_rate();
         // A dog too short to brake on: the signal counts only at the low rate.
         let slow = self.interpolator.manual_speed(axis) <= low * 1.001;
         let next = match stage {
             Return::Straight => return self.go_straight(axis),
-            Return::Board => return,
+            Return::Board | Return::Leave | Return::Past(_) => return,
             Return::Approach if self.on_zero_switch(axis) => Return::OnSwitch,
             Return::OnSwitch if !self.on_zero_switch(axis) => {
                 if self.parameters.one_zero_switch(axis) {
@@ -191,15 +207,15 @@ impl Cnc {
     }
 
     /// Speed and direction of a return, as the locks allow.
-    fn drive_return(&mut self, axis: Axis, stage: Return) {
-        let negative = self.parameters.zero_is_negative(axis) != (stage == Return::Back);
+    pub(super) fn drive_return(&mut self, axis: Axis, stage: Return) {
+        let back = matches!(stage, Return::Back | Return::Leave);
+        let negative = self.parameters.zero_is_negative(axis) != back;
         let way = if negative {
             super::manual::Way::Minus
         } else {
             super::manual::Way::Plus
         };
-        let by_program = self.automatic.state == RunState::Run && self.from_plc.start_lock;
-        let held = by_program || self.automatic.state == RunState::Hold || self.interlocked(axis);
+        let held = self.return_held(axis) || !self.board_lets_return(axis);
         let rate = match stage {
             Return::Approach => self.approach_rate(axis),
             _ => self.parameters.zero_low_rate(),
@@ -207,6 +223,12 @@ impl Cnc {
         let stands = stage == Return::Turning || held || !self.may_go(axis, way);
         let command = (!stands).then_some((!negative, JogRate::Approach(rate)));
         self.command_axis(axis, command);
+    }
+
+    /// Whether something keeps a return from going on.
+    pub(super) fn return_held(&self, axis: Axis) -> bool {
+        let by_program = self.automatic.state == RunState::Run && self.from_plc.start_lock;
+        by_program || self.automatic.state == RunState::Hold || self.interlocked(axis)
     }
 
     fn approach_rate(&self, axis: Axis) -> f64 {
@@ -218,7 +240,7 @@ impl Cnc {
     }
 
     /// Whether the deceleration switch is pressed (004.5 DECI).
-    fn on_zero_switch(&self, axis: Axis) -> bool {
+    pub(super) fn on_zero_switch(&self, axis: Axis) -> bool {
         let byte = match axis {
             Axis::X => 0,
             Axis::Z => 1,
@@ -228,7 +250,7 @@ impl Cnc {
     }
 
     /// The zero signal came: the place of its pulse is the machine zero.
-    fn meet_zero(&mut self, axis: Axis, latch: Option<Pulses>) {
+    pub(super) fn meet_zero(&mut self, axis: Axis, latch: Option<Pulses>) {
         let Some(count) = latch else { return };
         let here = self.axes.zero_at(axis, count);
         let mut shift = Point::default();

@@ -4,9 +4,11 @@ use core::time::Duration;
 
 use gsk_core::machine::link::step_queue::StepLink;
 use gsk_core::machine::link::{Event, Input, LinkState, Output, Refused, SpindleView, Stop};
+use gsk_core::plc::address::{Area, BitAddress};
 use gsk_twins::klipper::{Make, State};
 
 use crate::bench::{Bench, config, parameters};
+use crate::linked::Machine;
 
 #[test]
 fn a_board_is_identified_set_up_and_locked() {
@@ -127,4 +129,33 @@ fn the_index_tells_the_speed_of_the_spindle() {
     bench.pass(600);
     let view = bench.link.spindle(None);
     assert!(view.rpm == 0.0 && view.now == view.before, "{view:?}");
+}
+
+#[test]
+fn contacts_of_the_control_are_read_at_the_board() {
+    let mut config = config();
+    for (contact, pin) in [("X2.0", "PD0"), ("X1.4", "^!PD1")] {
+        config.inputs.insert(contact.to_owned(), pin.to_owned());
+    }
+    config.check().unwrap();
+    let mut machine = Machine::with(config, &[]);
+    machine.twin.set_pin("PD1", true);
+    machine.return_axes();
+    let closed = |machine: &Machine| {
+        [(2, 0), (1, 4)].map(|(byte, bit)| {
+            let contact = BitAddress::new(Area::X, byte, bit);
+            machine.simulation.cnc.plc().memory().bit(contact)
+        })
+    };
+    assert_eq!(closed(&machine), [false, false]);
+    machine.twin.set_pin("PD0", true);
+    machine.twin.set_pin("PD1", false);
+    machine.pass(150);
+    assert_eq!(closed(&machine), [true, true]);
+    let inputs = machine.linked.inputs();
+    let state = |input| inputs.iter().find(|(told, _)| *told == input).unwrap().1;
+    assert_eq!(state(Input::Contact { byte: 2, bit: 0 }), Some(true));
+    assert_eq!(state(Input::LimitZ), Some(false));
+    assert_eq!(state(Input::DriveAlarm), None, "not wired");
+    assert_eq!(machine.linked.missing_outputs(), [Output::SpindleReverse]);
 }

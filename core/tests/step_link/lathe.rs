@@ -9,7 +9,8 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
-use gsk_twins::klipper::{KlipperTwin, Make, SpindleMake};
+use gsk_core::units::Axis;
+use gsk_twins::klipper::{KlipperTwin, Make, SpindleMake, Travel};
 
 use crate::bench::{MS, WIRED};
 
@@ -76,12 +77,28 @@ impl Lathe {
         for (number, value) in parameters {
             setup.parameters.set(*number, *value).unwrap();
         }
+        // One switch for each axis.
+        for bit in [0, 1] {
+            setup.parameters.set_bit(7, bit, true).unwrap();
+        }
         let mut simulation = Simulation::new(setup);
         for _ in 0..100 {
             simulation.tick();
         }
         let mut twin = KlipperTwin::new(make);
         twin.set_pin("PC2", true);
+        for (pin, axis, from, to) in [("PC4", 0, 800, 4800), ("PC6", 1, 400, 2400)] {
+            let turn = None;
+            twin.put_switch(
+                pin,
+                Travel {
+                    axis,
+                    from,
+                    to,
+                    turn,
+                },
+            );
+        }
         twin.fit_spindle(SpindleMake {
             index: "PC3",
             forward: "PB4",
@@ -102,11 +119,10 @@ impl Lathe {
         assert!(lathe.wait(3000, |lathe| lathe.linked.state() == LinkState::Locked));
         lathe.press(RESET);
         lathe.press(ZERO);
-        for axis in [X_PLUS, Z_PLUS] {
-            lathe.press(axis);
-            lathe.wait(60_000, |lathe| {
-                !matches!(lathe.linked.state(), LinkState::Homing)
-            });
+        for (key, axis) in [(X_PLUS, Axis::X), (Z_PLUS, Axis::Z)] {
+            lathe.simulation.cnc.set_panel_key(key, true);
+            lathe.wait(60_000, |lathe| *lathe.simulation.cnc.referenced().get(axis));
+            lathe.simulation.cnc.set_panel_key(key, false);
             lathe.pass(500);
         }
         assert_eq!(
@@ -129,9 +145,7 @@ impl Lathe {
 
     fn board_ms(&mut self) {
         self.twin.advance(MS);
-        let [x, z] = self.twin.pulses();
-        self.twin.set_pin("PC4", x >= 800);
-        self.twin.set_pin("PC6", z >= 400);
+        let [x, _] = self.twin.pulses();
         for step in self.twin.recorded_steps() {
             if step.axis == 1 {
                 self.cuts.push(Cut {

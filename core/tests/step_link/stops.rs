@@ -1,6 +1,6 @@
 //! What stops the axes, and where they stand then.
 
-use gsk_core::machine::link::{Event, Input, LinkState, Refused, Stop};
+use gsk_core::machine::link::{Awaited, Event, Input, LinkState, Refused, Stop, Until};
 use gsk_core::units::{Axis, PerAxis, Pulses};
 use gsk_twins::klipper::State;
 
@@ -134,8 +134,21 @@ fn the_emergency_stop_trips_the_board_and_holds_until_it_is_released() {
 #[test]
 fn inputs_end_a_move_where_the_board_saw_them() {
     let mut bench = Bench::ready();
-    assert_eq!(bench.link.arm(Input::ZeroZ, true), Err(Refused::NotWired));
-    bench.link.arm(Input::DecelerationZ, true).unwrap();
+    let awaited = |input, until| Awaited {
+        input,
+        until,
+        rate: 1000.0,
+    };
+    assert_eq!(
+        bench.link.arm(awaited(Input::ZeroZ, Until::Operated)),
+        Err(Refused::NotWired)
+    );
+    bench
+        .link
+        .arm(awaited(Input::DecelerationZ, Until::Operated))
+        .unwrap();
+    assert!(!bench.link.is_armed(Axis::Z));
+    assert!(bench.wait(300, |bench| bench.link.is_armed(Axis::Z)));
     for k in 0..300 {
         if !bench.feed(-0.9, 1) {
             break;
@@ -161,7 +174,11 @@ fn inputs_end_a_move_where_the_board_saw_them() {
     // Off the switch again: the same the other way round.
     bench.at = (x as f64, z as f64);
     bench.events.clear();
-    bench.link.arm(Input::DecelerationZ, false).unwrap();
+    bench
+        .link
+        .arm(awaited(Input::DecelerationZ, Until::Free))
+        .unwrap();
+    assert!(bench.wait(300, |bench| bench.link.is_armed(Axis::Z)));
     assert!(bench.feed(0.5, 150));
     bench.twin.set_pin("PC6", false);
     bench.pass(100);
@@ -181,48 +198,4 @@ fn inputs_end_a_move_where_the_board_saw_them() {
     bench.twin.set_pin("PC1", true);
     bench.pass(100);
     assert_eq!(bench.alarms(), [622]);
-}
-
-/// The board sees both edges of the switch; the host only drives.
-#[test]
-fn a_reference_return_ends_at_the_switch_whatever_the_time_of_the_host() {
-    let mut places = Vec::new();
-    for delay in [0, 3, 7] {
-        let mut bench = Bench::ready();
-        bench.link.forget_position();
-        bench.twin.advance(delay * 130_000);
-        bench.link.home(PerAxis::new(false, true)).unwrap();
-        for _ in 0..30_000 {
-            let z = bench.made().1;
-            bench.twin.set_pin("PC6", z >= 700);
-            bench.ms();
-            if bench.link.state() != LinkState::Homing {
-                break;
-            }
-        }
-        let homed = Event::Homed(PerAxis::new(false, true));
-        assert!(bench.events.contains(&homed), "{:?}", bench.events);
-        assert_eq!(
-            (bench.link.state(), bench.alarms()),
-            (LinkState::Locked, vec![])
-        );
-        places.push(bench.made());
-    }
-    // 200 pulses off the edge; at 25 mm/min a millisecond of looking is less than one.
-    assert!(
-        places.iter().all(|place| (498..=500).contains(&place.1)),
-        "{places:?}"
-    );
-}
-
-#[test]
-fn a_reference_return_without_a_switch_or_stopped_by_reset_is_over() {
-    let mut bench = Bench::ready();
-    bench.link.forget_position();
-    bench.link.home(PerAxis::new(true, false)).unwrap();
-    bench.pass(500);
-    bench.link.reset();
-    assert!(bench.gets(LinkState::Locked, 500), "{:?}", bench.events);
-    bench.stands(1000);
-    assert!(bench.made().0 > 0 && bench.alarms().is_empty());
 }

@@ -10,7 +10,7 @@ use core::time::Duration;
 use std::cell::OnceCell;
 
 use gsk_core::machine::link::step_queue::StepLink;
-use gsk_core::machine::link::{Input, LinkConfig, RunTime, Sample, Stop};
+use gsk_core::machine::link::{Awaited, Input, LinkConfig, RunTime, Sample, Stop, Until};
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_twins::klipper::{KlipperTwin, Make, block};
@@ -120,7 +120,16 @@ fn act(desk: &mut Desk, byte: u8) {
             let _ = desk.link.finish();
         }
         0xFA => {
-            let _ = desk.link.arm(Input::DecelerationZ, desk.z % 4 == 0);
+            let until = match desk.z.rem_euclid(3) {
+                0 => Until::Operated,
+                1 => Until::Free,
+                _ => Until::Changed,
+            };
+            let _ = desk.link.arm(Awaited {
+                input: Input::DecelerationZ,
+                until,
+                rate: 1000.0,
+            });
         }
         0xFB => desk.twin.set_pin("PC1", desk.z % 4 == 0),
         0xFC => {

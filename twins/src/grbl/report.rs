@@ -42,6 +42,7 @@ impl GrblTwin {
         for (operated, letter) in [
             (limit_x, 'X'),
             (limit_z, 'Z'),
+            (self.pins.probe, 'P'),
             (self.pins.door, 'D'),
             (self.pins.emergency, emergency),
         ] {

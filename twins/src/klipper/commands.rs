@@ -156,7 +156,10 @@ impl KlipperTwin {
                     ],
                 );
             }
-            Command::QueueDigitalOut | Command::QueuePwmOut => return self.queue_output(n),
+            Command::QueueDigitalOut | Command::QueuePwmOut => {
+                self.figures.outputs += 1;
+                return self.queue_output(n);
+            }
             Command::QueryCounter => {
                 let clock = self.in_time(n[1])?;
                 let Some(Object::Counter(counter)) = self.oids.get_mut(&n[0]) else {

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use gsk_twins::grbl::{GrblTwin, Settings, State, Variant};
-use gsk_twins::klipper::{self, KlipperTwin, SpindleMake};
+use gsk_twins::klipper::{self, KlipperTwin, SpindleMake, Travel};
 use gsk_twins::wire::{Damage, Wire};
 
 use super::super::{FINE, output};
@@ -17,8 +17,18 @@ const AHEAD: u64 = 4096;
 /// Pulses a turn of the encoder of a board that threads.
 const ENCODER: u16 = 1024;
 
-/// Limit switches of the board of timed steps: pin, axis, pulses at which it closes.
-const SWITCHES: [(&str, usize, i64); 2] = [("PC0", 0, 4000), ("PC1", 1, 8000)];
+/// Switches of the board of timed steps: pin, axis, pulses from and to, and pulses of a
+/// turn when it comes once a turn. Limit, deceleration switch and zero signal of X and
+/// of Z; behind its deceleration switch the first zero signal of X comes at 3200, that
+/// of Z at 6400.
+const SWITCHES: [(&str, usize, i64, i64, Option<i64>); 6] = [
+    ("PC0", 0, 4000, i64::MAX, None),
+    ("PC4", 0, 1200, 2400, None),
+    ("PC5", 0, 0, 31, Some(1600)),
+    ("PC1", 1, 8000, i64::MAX, None),
+    ("PC6", 1, 2400, 5600, None),
+    ("PC7", 1, 0, 31, Some(1600)),
+];
 
 /// The spindle of the board of timed steps.
 const SPINDLE: SpindleMake<'_> = SpindleMake {
@@ -57,6 +67,15 @@ impl Twin {
             TwinBoard::Grblhal => grbl(Variant::GrblHal, Settings::with_encoder(ENCODER)),
             TwinBoard::Klipper => {
                 let mut board = KlipperTwin::new(klipper::Make::default());
+                for (pin, axis, from, to, turn) in SWITCHES {
+                    let travel = Travel {
+                        axis,
+                        from,
+                        to,
+                        turn,
+                    };
+                    board.put_switch(pin, travel);
+                }
                 board.fit_spindle(SpindleMake {
                     top: args.spindle_top,
                     ..SPINDLE
@@ -85,10 +104,6 @@ impl Twin {
             Self::Klipper(board) => {
                 board.write(bytes);
                 board.advance(until.saturating_sub(board.now()));
-                let pulses = board.pulses();
-                for (pin, axis, at) in SWITCHES {
-                    board.set_pin(pin, pulses[axis] >= at);
-                }
                 board.read()
             }
         }

@@ -5,12 +5,12 @@ use core::time::Duration;
 use super::line::LineLink;
 use super::step_queue::StepLink;
 use super::{
-    BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, Lacks, LinkConfig, LinkState,
-    Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView, Stop,
-    ThreadRights, Traffic,
+    Awaited, BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, Lacks, LinkConfig,
+    LinkState, Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView,
+    Stop, ThreadRights, Traffic,
 };
 use crate::memory::Parameters;
-use crate::units::{PerAxis, Pulses};
+use crate::units::{Axis, PerAxis, Pulses};
 
 /// A link to one board, whatever it speaks.
 #[derive(Clone, Debug)]
@@ -276,14 +276,20 @@ impl Link {
         }
     }
 
+    /// Whether the board makes the reference return by itself; else the kernel does,
+    /// with [`arm`](Self::arm).
+    pub const fn homes(&self) -> bool {
+        matches!(self, Self::Line(_))
+    }
+
     /// Begins the reference return of these axes, which the board makes by itself.
     ///
     /// # Errors
-    /// The board moves or has not said how it stands.
+    /// The board moves or has not said how it stands, or does not do so.
     pub fn home(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
         match self {
             Self::Line(link) => link.home(axes),
-            Self::StepQueue(link) => link.home(axes),
+            Self::StepQueue(_) => Err(Refused::NotReady),
         }
     }
 
@@ -293,6 +299,11 @@ impl Link {
             Self::Line(link) => link.set_outputs(outputs),
             Self::StepQueue(link) => link.set_outputs(outputs),
         }
+    }
+
+    /// Whether outputs switch at their place in the motion, without a standstill.
+    pub const fn times_outputs(&self) -> bool {
+        matches!(self, Self::StepQueue(_))
     }
 
     /// What the board has switched; none while an order is under way.
@@ -342,23 +353,61 @@ impl Link {
         }
     }
 
-    /// From now on this input stops the axes in the board as soon as it is operated
-    /// (or is no longer, with `operated` false): [`Event::Reached`] tells where.
+    /// From now on this input stops the axes in the board as soon as it does what is
+    /// awaited, once [`is_armed`](Self::is_armed) says so: [`Event::Reached`] tells
+    /// where.
     ///
     /// # Errors
-    /// The axes do not stand, or the board has no such input.
-    pub fn arm(&mut self, input: Input, operated: bool) -> Result<(), Refused> {
+    /// No motion is taken, or the board has no such input.
+    pub fn arm(&mut self, awaited: Awaited) -> Result<(), Refused> {
         match self {
             Self::Line(_) => Err(Refused::NotWired),
-            Self::StepQueue(link) => link.arm(input, operated),
+            Self::StepQueue(link) => link.arm(awaited),
         }
     }
 
-    /// The input that was waited for does not stop the axes any more.
-    pub fn disarm(&mut self) {
+    /// What is waited for at an axis.
+    pub fn awaited(&self, axis: Axis) -> Option<Awaited> {
+        match self {
+            Self::Line(_) => None,
+            Self::StepQueue(link) => link.awaited(axis),
+        }
+    }
+
+    /// Whether the board looks at what is waited for.
+    pub fn is_armed(&self, axis: Axis) -> bool {
+        match self {
+            Self::Line(_) => false,
+            Self::StepQueue(link) => link.is_armed(axis),
+        }
+    }
+
+    /// Nothing is waited for at an axis any more.
+    pub fn disarm(&mut self, axis: Axis) {
         match self {
             Self::Line(_) => {}
-            Self::StepQueue(link) => link.disarm(),
+            Self::StepQueue(link) => link.forget_awaited(axis),
+        }
+    }
+
+    /// A limit switch has stopped the axes, and it is known where: they may be moved
+    /// off it, before the operator presses RESET.
+    ///
+    /// # Errors
+    /// Something else stopped them, or the position is not known.
+    pub fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        match self {
+            Self::Line(_) => Err(Refused::NotReady),
+            Self::StepQueue(link) => link.retreat(kernel, at),
+        }
+    }
+
+    /// Whether axes that have made their reference return stand where the kernel
+    /// says, although that of another is missing.
+    pub const fn keeps_count(&self) -> bool {
+        match self {
+            Self::Line(_) => false,
+            Self::StepQueue(link) => link.keeps_count(),
         }
     }
 
@@ -376,7 +425,7 @@ impl Link {
     /// Whether a switch at the board is operated; `None`: not wired, or not told yet.
     pub fn input(&self, input: Input) -> Option<bool> {
         match self {
-            Self::Line(_) => None,
+            Self::Line(link) => link.input(input),
             Self::StepQueue(link) => link.input(input),
         }
     }

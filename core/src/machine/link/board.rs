@@ -111,6 +111,26 @@ pub struct Pins {
     pub emergency: bool,
     /// Door.
     pub door: bool,
+    /// Probe.
+    pub probe: bool,
+    /// Feed hold.
+    pub hold: bool,
+    /// Cycle start.
+    pub start: bool,
+}
+
+impl Pins {
+    /// Whether the pin is operated for which a report has this letter.
+    pub(super) const fn letter(self, letter: char) -> bool {
+        match letter {
+            'P' => self.probe,
+            'D' => self.door,
+            'H' => self.hold,
+            'R' | 'E' => self.emergency,
+            'S' => self.start,
+            _ => false,
+        }
+    }
 }
 
 /// Which way the spindle is to turn.

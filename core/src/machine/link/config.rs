@@ -4,6 +4,9 @@ use core::fmt;
 use core::time::Duration;
 
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+use super::contacts;
 
 /// A pulse board and how it is wired.
 ///
@@ -34,6 +37,9 @@ pub struct LinkConfig {
     pub z: LinkAxis,
     /// Wiring of the rest, where the board has no fixed pins.
     pub io: LinkIo,
+    /// Contacts X0.0 to X3.7 of the control that are wired to the board, closed while
+    /// the pin is high (`!`: low): `{"X1.4": "^PD0"}`. A line board tells letters.
+    pub inputs: BTreeMap<String, String>,
     /// Boards that read lines (Grbl, grblHAL, FluidNC).
     pub line: LineConfig,
 }
@@ -49,6 +55,7 @@ impl Default for LinkConfig {
             x: LinkAxis::default(),
             z: LinkAxis::default(),
             io: LinkIo::default(),
+            inputs: BTreeMap::new(),
             line: LineConfig::default(),
         }
     }
@@ -87,9 +94,10 @@ pub struct LinkAxis {
     pub dec: String,
     /// Zero signal of the drive.
     pub zero: String,
-    /// The reference switch is at the end of falling board positions ($23).
+    /// On a board that returns by itself the reference switch is at the end of falling
+    /// board positions ($23).
     pub home_negative: bool,
-    /// Machine coordinate of the place where the reference return ends, mm (X in
+    /// Machine coordinate of the place where a return to a limit switch ends, mm (X in
     /// diameter).
     pub home_at: f64,
 }
@@ -210,6 +218,8 @@ pub enum FaultyLinkConfig {
     },
     /// A pin without which nothing works.
     Missing,
+    /// A contact or its pin.
+    Contact(&'static str),
 }
 
 impl fmt::Display for FaultyLinkConfig {
@@ -219,6 +229,7 @@ impl fmt::Display for FaultyLinkConfig {
                 write!(f, "{value} is not from {least} to {most}")
             }
             Self::Missing => f.write_str("must name a pin of the board"),
+            Self::Contact(text) => f.write_str(text),
         }
     }
 }
@@ -279,6 +290,12 @@ impl LinkConfig {
                 let fault = FaultyLinkConfig::Range { value, least, most };
                 return Err(LinkConfigError { field, fault });
             }
+        }
+        if let Err(text) = contacts::check(&self.inputs, self.protocol == Protocol::Line) {
+            return Err(LinkConfigError {
+                field: "inputs",
+                fault: FaultyLinkConfig::Contact(text),
+            });
         }
         let pins = [
             ("x.step", &self.x.step),

@@ -21,11 +21,12 @@ mod spindle;
 use core::time::Duration;
 
 use super::{
-    BoardInfo, BoardOutputs, FINE, HostTime, Link, LinkConfig, LinkState, Pass, Pins, Refused,
-    RunTime, Sample, SpindleView, Stop, Traffic,
+    BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output, Pass,
+    Pins, Protocol, Refused, RunTime, Sample, SpindleView, Stop, Traffic, contacts,
 };
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
+use crate::machine::BoardContacts;
 use crate::simulation::Simulation;
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
@@ -83,6 +84,8 @@ pub struct Linked {
     /// The board cuts a pass by itself.
     pass: Option<Pass>,
     waiting: Option<pass::Waiting>,
+    /// The board stops the axes by itself; whether at a switch that was waited for.
+    halting: Option<bool>,
     resetting: bool,
     emergency: bool,
     powered: bool,
@@ -123,6 +126,7 @@ impl Linked {
             flushing: false,
             pass: None,
             waiting: None,
+            halting: None,
             resetting: false,
             emergency: false,
             powered: true,
@@ -218,8 +222,62 @@ impl Linked {
             self.offer_pass(simulation);
         }
         self.ticks = ticks;
+        simulation.add_board_contacts(&self.contacts());
+    }
+
+    /// What the board says of its switches.
+    fn contacts(&self) -> BoardContacts {
         let pins = self.link.pins();
-        simulation.add_board_contacts(pins.emergency, pins.door);
+        let input = |x, z| PerAxis::new(self.link.input(x), self.link.input(z));
+        let mut contacts = BoardContacts {
+            emergency: pins.emergency,
+            door: pins.door,
+            switch: input(Input::DecelerationX, Input::DecelerationZ),
+            signal: input(Input::ZeroX, Input::ZeroZ),
+            ..BoardContacts::default()
+        };
+        for (contact, _) in contacts::wired(&self.config.inputs) {
+            if let Input::Contact { byte, bit } = contact
+                && let Some(closed) = self.link.input(contact)
+            {
+                contacts.wired[usize::from(byte)] |= 1 << bit;
+                contacts.closed[usize::from(byte)] |= u8::from(closed) << bit;
+            }
+        }
+        contacts
+    }
+
+    /// Every input that a board may have, with its state; `None`: not wired.
+    pub fn inputs(&self) -> Vec<(Input, Option<bool>)> {
+        let usual = [
+            Input::LimitX,
+            Input::LimitZ,
+            Input::EmergencyStop,
+            Input::DriveAlarm,
+            Input::DecelerationX,
+            Input::DecelerationZ,
+            Input::ZeroX,
+            Input::ZeroZ,
+        ];
+        let contacts = contacts::wired(&self.config.inputs).map(|(input, _)| input);
+        let all = usual.into_iter().chain(contacts);
+        all.map(|input| (input, self.link.input(input))).collect()
+    }
+
+    /// Outputs that are not wired to the board and stay with the simulated lathe.
+    pub fn missing_outputs(&self) -> Vec<Output> {
+        if self.config.protocol == Protocol::Line {
+            return Vec::new();
+        }
+        let io = &self.config.io;
+        let outputs = [
+            (Output::SpindleForward, &io.spindle_cw),
+            (Output::SpindleReverse, &io.spindle_ccw),
+            (Output::SpindleSpeed, &io.spindle_pwm),
+            (Output::Coolant, &io.coolant),
+        ];
+        let missing = outputs.into_iter().filter(|(_, pin)| pin.is_empty());
+        missing.map(|(output, _)| output).collect()
     }
 
     /// The power of the control is off, or has just come back: its count of pulses
@@ -229,6 +287,7 @@ impl Linked {
             self.powered = !off;
             self.flushing = false;
             self.pass = None;
+            self.halting = None;
             self.link.forget_position();
             self.link.set_outputs(BoardOutputs::default());
             simulation.cnc.drop_reference();

@@ -13,6 +13,7 @@
 mod backend;
 mod board;
 mod config;
+mod contacts;
 pub mod line;
 mod linked;
 pub mod step_queue;
@@ -146,6 +147,46 @@ pub enum Input {
     ZeroX,
     /// Zero signal of Z.
     ZeroZ,
+    /// A contact of the control, X0.0 to X3.7.
+    Contact {
+        /// Byte of X.
+        byte: u8,
+        /// Bit.
+        bit: u8,
+    },
+}
+
+impl Input {
+    /// The axis at whose return to the machine zero it may be met.
+    pub const fn axis(self) -> Option<Axis> {
+        match self {
+            Self::LimitX | Self::DecelerationX | Self::ZeroX => Some(Axis::X),
+            Self::LimitZ | Self::DecelerationZ | Self::ZeroZ => Some(Axis::Z),
+            Self::EmergencyStop | Self::DriveAlarm | Self::Contact { .. } => None,
+        }
+    }
+}
+
+/// What an input has to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Until {
+    /// Be operated.
+    Operated,
+    /// Be free.
+    Free,
+    /// Be another than it was: either edge counts.
+    Changed,
+}
+
+/// What stops both axes in the board, as soon as the board sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Awaited {
+    /// The input; it is one of an axis.
+    pub input: Input,
+    /// What it has to do.
+    pub until: Until,
+    /// Pulses a second at which it is sought: no pulse more is made.
+    pub rate: f64,
 }
 
 /// An output of a board that switches with the motion.
@@ -170,9 +211,15 @@ pub enum Event {
     State(LinkState),
     /// All motion handed over has been made, and the board's count agrees.
     Drained,
+    /// The axes are being stopped at once: nothing that was handed over is made any
+    /// more, and the next [`Event::Position`] tells where they stand.
+    Halting {
+        /// By an input that was waited for.
+        reached: bool,
+    },
     /// The board's count at a standstill.
     Position(PerAxis<Pulses>),
-    /// The board stands off the switches of these axes: its reference return is made.
+    /// A board that returns by itself stands off the switches of these axes.
     Homed(PerAxis<bool>),
     /// The input that was waited for stopped the axes in the board, there.
     Reached(Input, PerAxis<Pulses>),

@@ -16,6 +16,8 @@ use passes::Threads;
 struct Asks {
     /// The board cannot do it.
     refused: Option<Refused>,
+    /// It has the spindle speed follow X (G96).
+    surface: bool,
     /// The program it calls.
     calls: Option<u16>,
 }
@@ -40,6 +42,10 @@ impl Cnc {
             .map_or_else(Default::default, |board| board.threads);
         let mut threads = Threads::new(self.parameters.value(19));
         let passes = rights == ThreadRights::Passes && !self.from_plc.dry_run;
+        let without_surface = self
+            .board
+            .filter(|board| !board.surface)
+            .map(|board| super::without_surface(board.timed));
         let mut seen = BTreeSet::new();
         let mut next = vec![main];
         while let Some(id) = next.pop() {
@@ -50,7 +56,9 @@ impl Cnc {
                 let asks = asks(program.block(index), rights, self.from_plc.dry_run);
                 let beyond = || threads.look(program.block(index)).map(Refused::Beyond);
                 let beyond = passes.then(beyond).flatten();
-                if let Some(refused) = asks.refused.or(beyond) {
+                let surface = without_surface.filter(|_| asks.surface);
+                let surface = surface.map(Refused::Never);
+                if let Some(refused) = asks.refused.or(surface).or(beyond) {
                     return Some(alarm(id, program, index, refused));
                 }
                 if let Some(number) = asks.calls
@@ -95,6 +103,7 @@ fn asks(block: &str, threads: ThreadRights, dry_run: bool) -> Asks {
                 let number = number(&block[at + 1..]);
                 match (letter.to_ascii_uppercase(), number) {
                     // In the dry run everything is feed.
+                    ('G', Some(96)) if !dry_run => asks.surface = true,
                     ('G', Some(number)) if !dry_run => asks.refused = refused(number, threads),
                     ('M', Some(98)) => call = true,
                     ('P', number) => place = number,
@@ -121,7 +130,6 @@ const fn refused(code: u32, threads: ThreadRights) -> Option<Refused> {
             "tapping (G33): the index does not tell how the spindle brakes and reverses",
         )),
         (33, _) => Some(Refused::Never("tapping (G33)")),
-        (96, _) => Some(Refused::Never("constant surface speed (G96)")),
         (99, ThreadRights::Followed) => None,
         (99, ThreadRights::None(Lacks { index: true, .. })) => Some(Refused::Never(
             "feed per revolution (G99): io.index of the machine file names no pin",
@@ -167,14 +175,11 @@ mod tests {
                 "{block}"
             );
         }
+        assert!(asks("G96 S120", NONE, false).surface && !asks("G96 S120", NONE, true).surface);
         assert!(asks("G99", NONE, false).refused.is_some());
         assert_eq!(asks("G99", ThreadRights::Followed, false).refused, None);
-        for block in ["G96 S120", "X1 G33 Z-5 F1"] {
-            assert!(
-                asks(block, ThreadRights::Followed, false).refused.is_some(),
-                "{block}"
-            );
-        }
+        let tap = asks("X1 G33 Z-5 F1", ThreadRights::Followed, false);
+        assert!(tap.refused.is_some());
         for block in ["(G92) G01 X1", "G98", "G9", "G920", "G0 X32", "N92 G01"] {
             assert_eq!(asks(block, NONE, false), Asks::default(), "{block}");
         }

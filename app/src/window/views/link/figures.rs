@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use egui::{Align, Layout, ProgressBar, RichText, Ui};
-use gsk_core::machine::link::{Protocol, SpindleWay, Traffic};
+use gsk_core::machine::link::{Input, Protocol, SpindleWay, Traffic};
 use gsk_core::units::{Axis, Pulses};
 
-use super::{BAD, GOOD};
+use super::{BAD, GOOD, words};
 use crate::cli::Language;
 use crate::kernel::link_view::LinkView;
 use crate::window::texts::say;
@@ -197,13 +197,32 @@ fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
 }
 
 fn contacts(language: Language, view: &LinkView) -> Section {
-    let pin = |operated: bool| {
-        let words = match operated {
-            true => say(language, "动作", "operated"),
-            false => say(language, "正常", "free"),
+    let missing = || say(language, "未接线", "not wired").to_owned();
+    let mut rows = Vec::new();
+    let mut contacts = String::new();
+    for (input, state) in &view.inputs {
+        if let Input::Contact { byte, bit } = input {
+            let state = state.map_or('-', |closed| if closed { '1' } else { '0' });
+            let space = if contacts.is_empty() { "" } else { "  " };
+            contacts.push_str(&format!("{space}X{byte}.{bit}={state}"));
+            continue;
+        }
+        let value = match state {
+            None => missing(),
+            Some(true) => say(language, "动作", "operated").to_owned(),
+            Some(false) => say(language, "正常", "free").to_owned(),
         };
-        words.to_owned()
-    };
+        rows.push((words::input(*input, language), value));
+    }
+    let name = say(language, "其他触点", "other contacts");
+    rows.push((
+        name,
+        if contacts.is_empty() {
+            missing()
+        } else {
+            contacts
+        },
+    ));
     let outputs = view.outputs.map_or_else(
         || say(language, "切换中", "being switched").to_owned(),
         |outputs| {
@@ -217,22 +236,21 @@ fn contacts(language: Language, view: &LinkView) -> Section {
             format!("{spindle} {volts:.2} V  {coolant}")
         },
     );
+    rows.push((say(language, "主轴、冷却", "spindle, coolant"), outputs));
+    let name = say(language, "主轴一转信号", "index of the spindle");
+    rows.push((name, index(language, view)));
+    if !view.missing_outputs.is_empty() {
+        let names: Vec<_> = view
+            .missing_outputs
+            .iter()
+            .map(|output| words::output(*output))
+            .collect();
+        let name = say(language, "未接线的输出", "outputs not wired");
+        rows.push((name, names.join(" ")));
+    }
     Section {
         title: say(language, "输入和输出", "Inputs and outputs"),
-        rows: vec![
-            (say(language, "X 限位", "limit of X"), pin(view.pins.x)),
-            (say(language, "Z 限位", "limit of Z"), pin(view.pins.z)),
-            (
-                say(language, "急停", "emergency stop"),
-                pin(view.pins.emergency),
-            ),
-            (say(language, "防护门", "door"), pin(view.pins.door)),
-            (say(language, "主轴、冷却", "spindle, coolant"), outputs),
-            (
-                say(language, "主轴一转信号", "index of the spindle"),
-                index(language, view),
-            ),
-        ],
+        rows,
     }
 }
 

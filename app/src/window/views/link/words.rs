@@ -1,6 +1,6 @@
 //! The states of the link in words, and what to do in each.
 
-use gsk_core::machine::link::LinkState;
+use gsk_core::machine::link::{Input, LinkState, Output};
 
 use crate::cli::Language;
 use crate::window::texts::say;
@@ -58,6 +58,33 @@ pub const fn advice(state: LinkState, language: Language) -> &'static str {
         | LinkState::Verify => ("", ""),
     };
     say(language, chinese, english)
+}
+
+/// Name of an input.
+pub const fn input(input: Input, language: Language) -> &'static str {
+    let (chinese, english) = match input {
+        Input::LimitX => ("X 限位", "limit of X"),
+        Input::LimitZ => ("Z 限位", "limit of Z"),
+        Input::EmergencyStop => ("急停", "emergency stop"),
+        Input::DriveAlarm => ("驱动器报警", "alarm of the drives"),
+        Input::DecelerationX => ("X 减速开关 *DECX", "deceleration switch *DECX"),
+        Input::DecelerationZ => ("Z 减速开关 *DECZ", "deceleration switch *DECZ"),
+        Input::ZeroX => ("X 零点信号 XPC", "zero signal XPC"),
+        Input::ZeroZ => ("Z 零点信号 ZPC", "zero signal ZPC"),
+        Input::Contact { .. } => ("触点", "contact"),
+    };
+    say(language, chinese, english)
+}
+
+/// What an output switches.
+pub const fn output(output: Output) -> &'static str {
+    match output {
+        Output::Enable => "nEN",
+        Output::SpindleForward => "M03",
+        Output::SpindleReverse => "M04",
+        Output::SpindleSpeed => "SVC",
+        Output::Coolant => "M08",
+    }
 }
 
 /// What a setting of a line board means.

@@ -188,6 +188,9 @@ fn status(report: &str) -> Option<Status> {
                         'Z' => status.pins.z = true,
                         'E' | 'R' => status.pins.emergency = true,
                         'D' => status.pins.door = true,
+                        'P' => status.pins.probe = true,
+                        'H' => status.pins.hold = true,
+                        'S' => status.pins.start = true,
                         _ => {}
                     }
                 }
@@ -204,14 +207,17 @@ mod tests {
 
     #[test]
     fn reports_are_read() {
-        let line = "<Run|MPos:-1.005,0.000,12.340|Bf:3,101|FS:600,0|Pn:XZ|WCO:0.000,0.000,0.000>";
+        let line =
+            "<Run|MPos:-1.005,0.000,12.340|Bf:3,101|FS:600,0|Pn:XZPHS|WCO:0.000,0.000,0.000>";
         let Answer::Status(status) = Answer::read(line) else {
             panic!("{line}")
         };
         assert_eq!(status.state, BoardState::Run);
         assert_eq!(status.position, Some([-1.005, 12.34]));
         assert_eq!(status.free_blocks, Some(3));
-        assert!(status.pins.x && status.pins.z && !status.pins.door);
+        let pins = status.pins;
+        assert!(pins.x && pins.z && pins.probe && pins.hold && pins.start);
+        assert!(!pins.door && !pins.emergency);
         assert_eq!((status.feed, status.spindle), (Some(600.0), None));
         let line = "<Run:1|MPos:0.000,0.000,0.000|FS:600,500,498>";
         let Answer::Status(status) = Answer::read(line) else {

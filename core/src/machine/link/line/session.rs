@@ -10,8 +10,8 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use super::super::{
-    BoardInfo, BoardOutputs, Event, HostTime, LinkConfig, LinkState, Pins, PulseRates, Refused,
-    RunTime, Sample, Stop, Traffic,
+    BoardInfo, BoardOutputs, Event, HostTime, Input, LinkConfig, LinkState, Pins, PulseRates,
+    Refused, RunTime, Sample, Stop, Traffic, contacts,
 };
 use super::answers::{Answer, BoardState, Status};
 use super::opening::Opening;
@@ -201,6 +201,24 @@ impl LineLink {
     /// Switches at the board that are operated, as last reported.
     pub const fn pins(&self) -> Pins {
         self.pins
+    }
+
+    /// Whether a switch is operated, a contact closed; `None`: not wired, or nothing
+    /// was reported yet.
+    pub fn input(&self, input: Input) -> Option<bool> {
+        self.status?;
+        match input {
+            Input::LimitX => Some(self.pins.x),
+            Input::LimitZ => Some(self.pins.z),
+            Input::EmergencyStop => Some(self.pins.emergency),
+            Input::Contact { .. } => {
+                let mut wired = contacts::wired(&self.config.inputs);
+                let (_, pin) = wired.find(|(contact, _)| *contact == input)?;
+                let letter = pin.chars().last()?;
+                Some(self.pins.letter(letter) != pin.contains('!'))
+            }
+            _ => None,
+        }
     }
 
     /// Since when the board has reported itself standing.

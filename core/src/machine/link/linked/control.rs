@@ -5,7 +5,7 @@ use crate::alarm::Alarm;
 use crate::cnc::Event as Happened;
 use crate::machine::link::{BoardOutputs, Event, LinkState, SpindleWay, Stop};
 use crate::machine::pins;
-use crate::operation::{BoardDrives, RunState};
+use crate::operation::{BoardDrives, RunState, ZeroWiring};
 use crate::simulation::Simulation;
 use crate::units::{Axis, PerAxis, Pulses};
 
@@ -13,7 +13,9 @@ impl Linked {
     /// What the control knows of its drives in the next tick.
     pub(super) fn show_board(&mut self, simulation: &mut Simulation) {
         let wanted = outputs(simulation);
+        let timed = self.link.times_outputs();
         let switching = match self.link.switched() {
+            _ if timed => false,
             None => true,
             Some(switched) if self.is_behind() => {
                 // Another speed waits for the next standstill, a spindle that stands
@@ -23,18 +25,65 @@ impl Linked {
             Some(switched) => switched != wanted,
         };
         let spindle = self.look_at_spindle(simulation, wanted.spindle);
+        let stopping = self.flushing || self.halting.is_some();
+        let armed = |axis| {
+            let awaited = self.link.awaited(axis);
+            awaited.is_some()
+                && awaited == simulation.cnc.board_awaits(axis)
+                && self.link.is_armed(axis)
+        };
+        let armed = PerAxis::new(armed(Axis::X), armed(Axis::Z));
         simulation.cnc.board = Some(BoardDrives {
-            takes_motion: self.link.takes_motion() && !self.flushing,
-            prepared: self.link.is_prepared() && !self.flushing,
+            takes_motion: self.link.takes_motion() && !stopping,
+            prepared: self.link.is_prepared() && !stopping,
             known: self.link.knows_position(),
             behind: self.is_behind(),
             switching,
+            timed,
+            surface: timed && !self.config.io.spindle_pwm.is_empty(),
             rates: self.link.rates(),
             pulses_per_mm: self.link.pulses_per_mm(),
             threads: self.link.threads(),
             spindle,
             pass_speed: f64::from(self.config.flush_keep_speed),
+            zero: (!self.link.homes())
+                .then(|| PerAxis::new(self.zero_wiring(Axis::X), self.zero_wiring(Axis::Z))),
+            armed,
         });
+    }
+
+    /// What an axis has at the board to return to.
+    fn zero_wiring(&self, axis: Axis) -> ZeroWiring {
+        let (wires, at) = match axis {
+            Axis::X => (&self.config.x, self.config.x.home_at / 2.0),
+            Axis::Z => (&self.config.z, self.config.z.home_at),
+        };
+        let pins = self.link.pins();
+        ZeroWiring {
+            switch: !wires.dec.is_empty(),
+            signal: !wires.zero.is_empty(),
+            limit: !wires.limit.is_empty(),
+            on_limit: match axis {
+                Axis::X => pins.x,
+                Axis::Z => pins.z,
+            },
+            off: f64::from(self.config.line.home.pull_off_um) / 1000.0,
+            at,
+        }
+    }
+
+    /// The board looks at what the returns of the control wait for.
+    fn await_switches(&mut self, simulation: &Simulation) {
+        for axis in [Axis::X, Axis::Z] {
+            let wanted = simulation.cnc.board_awaits(axis);
+            if wanted != self.link.awaited(axis) {
+                match wanted {
+                    // Not yet possible: once more with the next look.
+                    Some(awaited) => drop(self.link.arm(awaited)),
+                    None => self.link.disarm(axis),
+                }
+            }
+        }
     }
 
     /// Keys, outputs and the ends of programs go to the link.
@@ -90,20 +139,41 @@ impl Linked {
                 self.flushing = false;
             }
             Event::Position(pulses) => {
-                if core::mem::take(&mut self.flushing) {
+                let halted = self.halting.take();
+                let reached = halted == Some(true);
+                if core::mem::take(&mut self.flushing) || halted.is_some() {
+                    if !reached {
+                        cnc.halt_for_board();
+                    }
                     cnc.stand_at(pulses);
                     self.pulses = cnc.pulses();
                     self.moved = false;
                     let parameters = cnc.parameters();
-                    if [Axis::X, Axis::Z].map(|axis| parameters.backlash(axis)) != [0.0; 2] {
+                    // On the way to its zero an axis has long made up for it.
+                    if !reached
+                        && [Axis::X, Axis::Z].map(|axis| parameters.backlash(axis)) != [0.0; 2]
+                    {
                         // Whether the play was made up for there nobody knows.
                         self.link.forget_position();
                     }
                 }
                 self.agreed = self.link.knows_position().then_some(pulses);
             }
+            Event::Halting { reached } => {
+                let first = self.halting.is_none() && !self.flushing;
+                self.halting = Some(reached && first);
+                if reached && first {
+                    cnc.pause_for_board();
+                } else {
+                    cnc.halt_for_board();
+                }
+            }
+            Event::Reached(input, _) => {
+                if let Some(axis) = input.axis() {
+                    cnc.board_reached(axis);
+                }
+            }
             Event::Drained => self.end_pass(simulation),
-            Event::Reached(..) => {}
             Event::Homed(axes) => cnc.board_returned(axes, self.home()),
             Event::Learned { name, packed } => self.notes.push(Note::Learned { name, packed }),
             Event::Differs {
@@ -126,12 +196,13 @@ impl Linked {
             state,
             LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
         );
-        if unknown && !self.homing {
+        if unknown && !self.homing && !self.link.keeps_count() {
             simulation.cnc.drop_reference();
         }
         if unknown && state != LinkState::Locked {
             simulation.cnc.halt_for_board();
             self.flushing = false;
+            self.halting = None;
         }
         if unknown {
             self.pass = None;
@@ -174,8 +245,21 @@ impl Linked {
                     self.pulses = pulses;
                 }
             }
+            LinkState::Tripped if !self.link.takes_motion() => {
+                let referenced = cnc.referenced();
+                let quiet = !cnc.emergency_stop && !cnc.resetting();
+                let pulses = cnc.pulses();
+                if quiet
+                    && referenced.x
+                    && referenced.z
+                    && self.link.retreat(pulses, self.run).is_ok()
+                {
+                    self.pulses = pulses;
+                }
+            }
             _ => {}
         }
+        self.await_switches(simulation);
         self.note_stops(simulation.cnc.run_state());
     }
 

@@ -79,6 +79,7 @@ pub(super) enum Mark {
     Position,
     Group,
     Config,
+    Switch,
 }
 
 /// What a block of the board tells of the blocks sent.
@@ -144,7 +145,7 @@ pub(super) struct Delivery {
     strange_since: Option<HostTime>,
     /// Tries to learn the number the board expects; none: it is known.
     resync: Option<(u32, HostTime)>,
-    marks: [u64; 4],
+    marks: [u64; 5],
     meter: Meter,
     pub(super) outgoing: Vec<u8>,
     pub(super) blocks: u64,
@@ -169,7 +170,7 @@ impl Delivery {
             progressed: HostTime::ZERO,
             strange_since: None,
             resync: None,
-            marks: [u64::MAX; 4],
+            marks: [u64::MAX; 5],
             meter: Meter::unlimited(),
             outgoing: Vec::new(),
             blocks: 0,

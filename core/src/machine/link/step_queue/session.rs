@@ -1,6 +1,5 @@
 //! The link with a board of timed steps, from the first byte to the last.
 
-mod homing;
 mod motion;
 mod opening;
 mod place;
@@ -24,11 +23,10 @@ use super::wiring::Wiring;
 use crate::axis::pulse_weight;
 use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis, Pulses};
-use homing::Homing;
 use motion::Motion;
 use opening::Phase;
 use spindle::Spindle;
-use stops::{Group, Stopping, Why};
+use stops::{Group, Stopping};
 use upkeep::Upkeep;
 
 /// No step is sent that would be made sooner than this.
@@ -50,8 +48,6 @@ enum Purpose {
     Verify,
     /// The axes were stopped.
     Stopped,
-    /// This axis has made its reference return.
-    Homed(Axis),
 }
 
 /// The place of the axes, asked and not answered.
@@ -91,7 +87,11 @@ pub struct StepLink {
     known: bool,
     /// Motion is taken although the position is not known: by hand.
     released: bool,
-    homing: Option<Homing>,
+    /// The board's count is that of the kernel, since both were put together: no
+    /// step was lost, no drive was without power.
+    exact: bool,
+    /// Levels of the pins whose change is awaited, of X and of Z.
+    edges: [Option<i64>; 2],
     events: Vec<Event>,
     traffic: Traffic,
 }
@@ -123,7 +123,8 @@ impl StepLink {
             down: false,
             known: false,
             released: false,
-            homing: None,
+            exact: false,
+            edges: [None; 2],
             events: Vec::new(),
             traffic: Traffic::default(),
         };
@@ -165,7 +166,7 @@ impl StepLink {
             x: operated(Input::LimitX),
             z: operated(Input::LimitZ),
             emergency: operated(Input::EmergencyStop),
-            door: false,
+            ..Pins::default()
         }
     }
 
@@ -267,7 +268,7 @@ impl StepLink {
             self.watch_group();
             self.ask_again();
             self.move_on();
-            self.home_on();
+            self.ask_levels_again();
         }
         // A board that restarts is left alone.
         if !matches!(self.phase, Phase::Restarting { .. }) {
@@ -311,7 +312,6 @@ impl StepLink {
         let still = |input| self.input(input) == Some(true);
         match self.state {
             LinkState::Moving => self.flush(),
-            LinkState::Homing => self.halt(Why::Flush),
             LinkState::Fault if self.down => self.begin(),
             LinkState::Fault if self.is_running() && self.stopping.is_none() => {
                 self.enter(LinkState::Locked);
@@ -333,9 +333,6 @@ impl StepLink {
 
     fn enter(&mut self, state: LinkState) {
         if self.state != state {
-            if self.state == LinkState::Homing {
-                self.homing = None;
-            }
             self.state = state;
             self.events.push(Event::State(state));
         }
@@ -444,6 +441,9 @@ impl StepLink {
                 let told = self.wiring.as_ref();
                 self.upkeep
                     .switch_told(told, i64::from(numbers[0]), numbers[3]);
+                if self.delivery.answers(Mark::Switch, expects) {
+                    self.level_told(numbers[0].into(), numbers[3].into());
+                }
             }
             Kind::Counter => self.turns_told(numbers[2], numbers[3]),
             Kind::Shutdown => self.shut_down(numbers[1]),

@@ -2,7 +2,7 @@
 
 use core::fmt::Write;
 
-use super::super::{Input, LinkConfig, Output};
+use super::super::{Input, LinkConfig, Output, contacts};
 use super::commands::{COMMANDS, Command};
 use super::dictionary::Dictionary;
 use crate::units::PerAxis;
@@ -233,6 +233,19 @@ impl Writer<'_> {
                 continue;
             }
             let pin = self.pin(key, name)?;
+            let oid = self.oid();
+            self.say(
+                Command::ConfigEndstop,
+                &[oid, pin.number, i64::from(pin.pull_up)],
+            );
+            switches.push(Switch {
+                input,
+                oid,
+                level: i64::from(!pin.inverted),
+            });
+        }
+        for (input, name) in contacts::wired(&config.inputs) {
+            let pin = self.pin("inputs", name)?;
             let oid = self.oid();
             self.say(
                 Command::ConfigEndstop,

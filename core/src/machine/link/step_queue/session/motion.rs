@@ -233,7 +233,14 @@ impl Motion {
 
     /// Beyond its limit switch the axis is not moved.
     pub(super) const fn block(&mut self, axis: usize, way: [i64; 2]) {
-        self.blocked[axis] = way[axis];
+        if way[axis] != 0 {
+            self.blocked[axis] = way[axis];
+        }
+    }
+
+    /// A limit switch lies on the way of an axis.
+    pub(super) const fn is_blocked(&self) -> bool {
+        self.blocked[0] != 0 || self.blocked[1] != 0
     }
 
     pub(super) const fn unblock(&mut self) {
@@ -259,11 +266,9 @@ impl Motion {
         self.newest.end
     }
 
-    /// Board clock of a time of commanded motion.
-    pub(super) fn clock_of(&self, at: RunTime) -> Option<u64> {
-        let piece = self.pieces.iter().find(|piece| piece.sample.end >= at);
-        piece
-            .or(self.pieces.back())
-            .map(|piece| piece.clock.unsigned_abs())
+    /// The piece of motion under way at a time, or the last one before it.
+    pub(super) fn piece_at(&self, at: RunTime) -> Option<Piece> {
+        let piece = self.pieces.partition_point(|piece| piece.sample.end < at);
+        self.pieces.get(piece).or(self.pieces.back()).copied()
     }
 }

@@ -3,7 +3,8 @@
 use super::super::super::{LinkState, PulseRates, Refused, RunTime};
 use super::super::commands::Command;
 use super::super::delivery::Mark;
-use super::{GIVE_UP, Purpose, Reading, StepLink, Why};
+use super::stops::Why;
+use super::{GIVE_UP, Purpose, Reading, StepLink};
 use crate::units::{PerAxis, Pulses};
 
 impl StepLink {
@@ -34,9 +35,24 @@ impl StepLink {
         Ok(())
     }
 
+    /// A limit switch has stopped the axes, and it is known where: they may be moved
+    /// off it, before the operator presses RESET.
+    ///
+    /// # Errors
+    /// Something else stopped them, or the position is not known.
+    pub fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        if !(self.state == LinkState::Tripped && self.known && self.motion.is_blocked()) {
+            return Err(Refused::NotReady);
+        }
+        self.align(kernel, at)?;
+        self.released = true;
+        Ok(())
+    }
+
     /// From here on the board's count and the kernel's go together.
     pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
-        let standing = matches!(self.state, LinkState::Locked | LinkState::Ready)
+        let by_limit = self.state == LinkState::Tripped && self.motion.is_blocked();
+        let standing = (matches!(self.state, LinkState::Locked | LinkState::Ready) || by_limit)
             && self.stopping.is_none()
             && !self.down
             && !self.motion.is_under_way()
@@ -46,7 +62,9 @@ impl StepLink {
         };
         self.motion.take_over(kernel, board, at);
         self.upkeep.drives_on = true;
-        self.arm_group(None);
+        self.exact = true;
+        self.edges = [None; 2];
+        self.arm_group();
         Ok(())
     }
 
@@ -77,6 +95,13 @@ impl StepLink {
     pub(super) const fn lose_position(&mut self) {
         self.known = false;
         self.released = false;
+        self.exact = false;
+    }
+
+    /// Whether the board's count is still that of the kernel: an axis that has made
+    /// its reference return stands where the kernel says.
+    pub const fn keeps_count(&self) -> bool {
+        self.exact
     }
 
     /// Whether it is known where the slides stand.
@@ -86,7 +111,8 @@ impl StepLink {
 
     /// Whether motion is taken.
     pub fn takes_motion(&self) -> bool {
-        (self.state.takes_motion() || self.state == LinkState::Locked && self.released)
+        let by_hand = matches!(self.state, LinkState::Locked | LinkState::Tripped);
+        (self.state.takes_motion() || by_hand && self.released)
             && self.stopping.is_none()
             && !self.down
     }

@@ -48,11 +48,6 @@ impl StepLink {
         if !self.is_prepared() {
             return Duration::ZERO;
         }
-        self.free_time()
-    }
-
-    /// How much more motion the board may be given.
-    pub(super) fn free_time(&self) -> Duration {
         if !self.motion.backlog.is_empty() || self.delivery.backlog() > MOST_WAITING {
             return Duration::ZERO;
         }
@@ -77,10 +72,6 @@ impl StepLink {
         if !self.is_prepared() {
             return Err(Refused::NotReady);
         }
-        self.take_sample(sample)
-    }
-
-    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), Refused> {
         let before = self.motion.newest;
         let duration = sample.end.saturating_sub(before.end);
         let moves = [
@@ -154,9 +145,7 @@ impl StepLink {
         motion.flush_due.get_or_insert(self.now + FLUSH_EVERY);
         if moved {
             motion.last_step = None;
-            if self.state != LinkState::Homing {
-                self.enter(LinkState::Moving);
-            }
+            self.enter(LinkState::Moving);
         }
         Ok(())
     }
@@ -319,10 +308,6 @@ impl StepLink {
     pub(super) fn place_read(&mut self, purpose: Purpose, board: PerAxis<Pulses>) {
         match purpose {
             Purpose::Stopped => self.stopped(board),
-            Purpose::Homed(axis) => {
-                self.motion.board = Some(board);
-                self.homed(axis);
-            }
             Purpose::Opening => {
                 self.motion.board = Some(board);
                 self.enter(LinkState::Locked);

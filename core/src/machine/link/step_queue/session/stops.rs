@@ -6,12 +6,12 @@
 
 use core::time::Duration;
 
-use super::super::super::{Event, HostTime, Input, LinkState, Refused};
+use super::super::super::{Awaited, Event, HostTime, Input, LinkState, Refused, Until};
 use super::super::commands::Command;
 use super::super::delivery::{Mark, Message};
-use super::super::wiring::Wiring;
+use super::super::wiring::{Switch, Wiring};
 use super::{GIVE_UP, Purpose, StepLink};
-use crate::units::{PerAxis, Pulses};
+use crate::units::{Axis, PerAxis, Pulses};
 
 /// Reasons of the group.
 const LIMIT_X: u32 = 1;
@@ -19,13 +19,19 @@ const LIMIT_Z: u32 = 2;
 const EMERGENCY: u32 = 3;
 const SILENT_HOST: u32 = 4;
 const DRIVES: u32 = 5;
+/// An input that was waited for, of X and of Z.
 const REACHED: u32 = 6;
+const REACHED_Z: u32 = 7;
 const FLUSH: u32 = 9;
 /// A switch counts when it was operated in so many samples, so far apart; between
 /// two looks.
 const SAMPLES: i64 = 4;
 const SAMPLE: Duration = Duration::from_micros(15);
 const LOOK: Duration = Duration::from_millis(1);
+/// At an input that is waited for it looks so often between two pulses, but not
+/// more often than this.
+const LOOKS: f64 = 4.0;
+const OFTEN: Duration = Duration::from_micros(50);
 /// The group reports itself so often, and is doubted when it has not for longer.
 const REPORT: Duration = Duration::from_millis(100);
 const DOUBT: Duration = Duration::from_millis(450);
@@ -40,13 +46,30 @@ pub(super) struct Group {
     used: bool,
     armed: bool,
     reported: HostTime,
-    /// Input that ends a move, and the switches left out because they were
-    /// operated.
-    until: Option<Input>,
+    /// Inputs that are waited for, of X and of Z.
+    waits: [Option<Wait>; 2],
+    /// Limit switches left out because they were operated.
     left_out: [bool; 2],
 }
 
+/// An input that is waited for.
+#[derive(Clone, Copy, Debug)]
+struct Wait {
+    awaited: Awaited,
+    /// When the board was asked for its level, which it has not told yet.
+    asked: Option<HostTime>,
+    /// Level of the pin that stops the axes, and from when on it does.
+    level: i64,
+    from: u64,
+}
+
 impl Group {
+    fn wait_for(&self, input: Input) -> Option<(usize, Wait)> {
+        let mut waits = self.waits.iter().enumerate();
+        waits
+            .find_map(|(axis, wait)| Some((axis, wait.filter(|wait| wait.awaited.input == input)?)))
+    }
+
     pub(super) fn armed_oid(&self, wiring: Option<&Wiring>) -> Option<i64> {
         wiring
             .filter(|_| self.armed)
@@ -81,7 +104,7 @@ pub(super) struct Stopping {
 
 impl StepLink {
     /// Arms the group: at a standstill, with everything that may stop the axes.
-    pub(super) fn arm_group(&mut self, until: Option<(Input, bool)>) {
+    pub(super) fn arm_group(&mut self) {
         let Some(wiring) = self.wiring.clone() else {
             return;
         };
@@ -95,15 +118,13 @@ impl StepLink {
             used: true,
             armed: true,
             reported: self.now,
-            until: until.map(|(input, _)| input),
+            waits: [None; 2],
             left_out: [false; 2],
         };
         let oid = wiring.groups[self.group.which];
-        let clock = self.clock.clone();
-        let ticks = |duration| clock.ticks(duration) as i64;
         let at = self.soon();
-        let begin = i64::from(at as u32);
-        let start = [oid, begin, ticks(REPORT), SILENT_HOST.into()];
+        let report = self.clock.ticks(REPORT) as i64;
+        let start = [oid, i64::from(at as u32), report, SILENT_HOST.into()];
         self.delivery.say(Message {
             mark: Some(Mark::Group),
             due: Some(at),
@@ -114,46 +135,60 @@ impl StepLink {
         for axis in [wiring.axes.x, wiring.axes.z] {
             self.say(Command::StepperStopOnTrigger, &[axis, oid]);
         }
-        let (sample, look) = (ticks(SAMPLE), ticks(LOOK));
         for switch in &wiring.switches {
-            let reason = match switch.input {
-                Input::LimitX => Some(LIMIT_X),
-                Input::LimitZ => Some(LIMIT_Z),
-                Input::EmergencyStop => Some(EMERGENCY),
-                Input::DriveAlarm => Some(DRIVES),
-                _ => None,
-            };
-            let operated = self.input(switch.input) == Some(true);
-            let waited = until.filter(|(input, _)| *input == switch.input);
-            let (reason, level) = match (waited, reason) {
-                (Some((_, wanted)), _) if wanted => (REACHED, switch.level),
-                (Some(_), _) => (REACHED, 1 - switch.level),
-                (None, Some(reason)) if !operated => (reason, switch.level),
-                (None, reason) => {
-                    match reason {
-                        Some(LIMIT_X) => self.group.left_out[0] = true,
-                        Some(LIMIT_Z) => self.group.left_out[1] = true,
-                        _ => {}
-                    }
-                    self.say(Command::EndstopHome, &[switch.oid, 0, 0, 0, 0, 0, 0, 0]);
-                    continue;
-                }
-            };
-            let arguments = [
-                switch.oid,
-                begin,
-                sample,
-                SAMPLES,
-                look,
-                level,
-                oid,
-                reason.into(),
-            ];
-            self.say_vital(Command::EndstopHome, &arguments, at);
+            self.watch_switch(*switch, at);
         }
         let first = [oid, i64::from(timeout as u32)];
         self.say_vital(Command::TrsyncSetTimeout, &first, timeout);
         self.motion.forget_steps();
+    }
+
+    /// From a clock on the board looks at a switch, when the group has to do with it.
+    fn watch_switch(&mut self, switch: Switch, at: u64) {
+        let Some(wiring) = &self.wiring else {
+            return;
+        };
+        let oid = wiring.groups[self.group.which];
+        let limit = match switch.input {
+            Input::LimitX => Some(0),
+            Input::LimitZ => Some(1),
+            _ => None,
+        };
+        let stops = match switch.input {
+            Input::LimitX => Some(LIMIT_X),
+            Input::LimitZ => Some(LIMIT_Z),
+            Input::EmergencyStop => Some(EMERGENCY),
+            Input::DriveAlarm => Some(DRIVES),
+            _ => None,
+        };
+        let operated = self.input(switch.input) == Some(true);
+        let (reason, level, look) = match (self.group.wait_for(switch.input), stops) {
+            (Some((axis, wait)), _) if wait.asked.is_none() => {
+                let between = Duration::from_secs_f64(1.0 / (LOOKS * wait.awaited.rate.max(1.0)));
+                let reason = [REACHED, REACHED_Z][axis];
+                (reason, wait.level, between.clamp(OFTEN, LOOK))
+            }
+            (None, Some(reason)) if !operated => (reason, switch.level, LOOK),
+            (wait, _) => {
+                if let (None, Some(axis)) = (wait, limit) {
+                    self.group.left_out[axis] = true;
+                }
+                self.say(Command::EndstopHome, &[switch.oid, 0, 0, 0, 0, 0, 0, 0]);
+                return;
+            }
+        };
+        let ticks = |duration| self.clock.ticks(duration) as i64;
+        let arguments = [
+            switch.oid,
+            i64::from(at as u32),
+            ticks(SAMPLE),
+            SAMPLES,
+            ticks(look),
+            level,
+            oid,
+            reason.into(),
+        ];
+        self.say_vital(Command::EndstopHome, &arguments, at);
     }
 
     /// Without it the axes must not move; no stop takes it back.
@@ -165,27 +200,121 @@ impl StepLink {
         });
     }
 
-    /// From now on this input stops the axes as soon as it is operated (or is no
-    /// longer, with `operated` false): the board sees it, and tells where.
+    fn switch_at(&self, input: Input) -> Option<Switch> {
+        let mut switches = self.wiring.iter().flat_map(|wiring| &wiring.switches);
+        switches.find(|switch| switch.input == input).copied()
+    }
+
+    /// From now on this input stops the axes as soon as it does what is awaited: the
+    /// board sees it, and tells where. [`is_armed`](Self::is_armed) says from when on.
     ///
     /// # Errors
-    /// The axes do not stand with a position that is certain, or it is not wired.
-    pub fn arm(&mut self, input: Input, operated: bool) -> Result<(), Refused> {
-        let mut switches = self.wiring.iter().flat_map(|wiring| &wiring.switches);
-        if !switches.any(|switch| switch.input == input) {
+    /// No motion is taken, or it is not wired.
+    pub fn arm(&mut self, awaited: Awaited) -> Result<(), Refused> {
+        let (Some(switch), Some(axis)) = (self.switch_at(awaited.input), awaited.input.axis())
+        else {
             return Err(Refused::NotWired);
-        }
-        if self.state != LinkState::Ready || self.stopping.is_some() {
+        };
+        if !self.takes_motion() || !self.group.armed {
             return Err(Refused::NotReady);
         }
-        self.arm_group(Some((input, operated)));
+        self.disarm(axis);
+        let level = match awaited.until {
+            Until::Operated => Some(switch.level),
+            Until::Free => Some(1 - switch.level),
+            // Across a stop that another input has made, it is the same edge.
+            Until::Changed => self.edges[axis as usize],
+        };
+        let from = self.soon();
+        self.group.waits[axis as usize] = Some(Wait {
+            awaited,
+            asked: level.is_none().then_some(self.now),
+            level: level.unwrap_or_default(),
+            from,
+        });
+        if level.is_some() {
+            self.watch_switch(switch, from);
+        } else {
+            self.say_marked(Command::EndstopQueryState, &[switch.oid], Mark::Switch);
+        }
         Ok(())
     }
 
+    /// What is waited for at an axis.
+    pub fn awaited(&self, axis: Axis) -> Option<Awaited> {
+        self.group.waits[axis as usize].map(|wait| wait.awaited)
+    }
+
+    /// Whether the board looks at what is waited for.
+    pub fn is_armed(&self, axis: Axis) -> bool {
+        let now = self.clock.at(self.now);
+        self.group.armed
+            && self.group.waits[axis as usize]
+                .is_some_and(|wait| wait.asked.is_none() && now >= wait.from)
+    }
+
     /// The input that was waited for does not stop the axes any more.
-    pub fn disarm(&mut self) {
-        if self.state == LinkState::Ready && self.stopping.is_none() && self.group.until.is_some() {
-            self.arm_group(None);
+    pub fn disarm(&mut self, axis: Axis) {
+        let Some(wait) = self.group.waits[axis as usize].take() else {
+            return;
+        };
+        if wait.awaited.until != Until::Changed {
+            self.edges[axis as usize] = None;
+        }
+        if let Some(switch) = self.switch_at(wait.awaited.input)
+            && self.group.armed
+            && self.stopping.is_none()
+        {
+            let at = self.soon();
+            self.watch_switch(switch, at);
+        }
+    }
+
+    /// Nothing is waited for at an axis any more, not even by and by.
+    pub fn forget_awaited(&mut self, axis: Axis) {
+        self.disarm(axis);
+        self.edges[axis as usize] = None;
+    }
+
+    /// The level of a pin, in answer to the newest question.
+    pub(super) fn level_told(&mut self, oid: i64, level: i64) {
+        for axis in 0..2 {
+            let Some(wait) = &mut self.group.waits[axis] else {
+                continue;
+            };
+            let input = wait.awaited.input;
+            let asked = wait.asked.is_some();
+            let Some(switch) = self
+                .switch_at(input)
+                .filter(|switch| asked && switch.oid == oid)
+            else {
+                continue;
+            };
+            let from = self.soon();
+            if let Some(wait) = &mut self.group.waits[axis] {
+                wait.asked = None;
+                wait.level = 1 - level;
+                wait.from = from;
+            }
+            self.edges[axis] = Some(1 - level);
+            self.watch_switch(switch, from);
+        }
+    }
+
+    /// A question for a level whose answer was lost is asked again.
+    pub(super) fn ask_levels_again(&mut self) {
+        let patience = self.patience();
+        for axis in 0..2 {
+            if let Some(wait) = &mut self.group.waits[axis]
+                && let Some(asked) = wait.asked
+                && self.now.saturating_sub(asked) >= patience
+            {
+                wait.asked = Some(self.now);
+                let input = wait.awaited.input;
+                if let Some(switch) = self.switch_at(input) {
+                    self.say_marked(Command::EndstopQueryState, &[switch.oid], Mark::Switch);
+                }
+            }
         }
     }
 
@@ -206,6 +335,10 @@ impl StepLink {
         };
         self.give_up_motion();
         if let Why::Trip(reason) = why {
+            if self.stopping.is_none() {
+                let reached = is_reached(reason);
+                self.events.push(Event::Halting { reached });
+            }
             self.tell_trip(reason);
         }
         self.stopping = Some(Stopping {
@@ -227,7 +360,7 @@ impl StepLink {
             }
             SILENT_HOST => self.alarm(605, "the board has not heard of the PC for 250 ms"),
             DRIVES => self.alarm(221, "alarm input of the drives at the board"),
-            REACHED => {}
+            REACHED | REACHED_Z => {}
             _ => self.alarm(
                 607,
                 &format!("the axes were stopped in the board, reason {reason}"),
@@ -264,6 +397,7 @@ impl StepLink {
             return;
         }
         self.give_up_motion();
+        self.events.push(Event::Halting { reached: false });
         self.stopping = Some(Stopping {
             why,
             since: self.now,
@@ -310,7 +444,7 @@ impl StepLink {
         if released && stands && self.takes_motion() {
             // The switch that was left out is free: it counts again.
             self.motion.unblock();
-            self.arm_group(None);
+            self.arm_group();
         }
     }
 
@@ -325,7 +459,7 @@ impl StepLink {
     /// again.
     fn go_on(&mut self) {
         if self.known {
-            self.arm_group(None);
+            self.arm_group();
             self.enter(LinkState::Ready);
         } else {
             self.enter(LinkState::Locked);
@@ -340,24 +474,40 @@ impl StepLink {
         let keep = self.config.flush_keep_speed.into();
         let now = self.clock.at(self.now);
         let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
-        if stopping.why == Why::Trip(REACHED) && self.homing.is_some() {
-            self.home_reached(stop.kernel);
-            return;
-        }
-        let reached = stopping.why == Why::Trip(REACHED);
+        let reached = matches!(stopping.why, Why::Trip(reason) if is_reached(reason));
+        let powerless = matches!(stopping.why, Why::Trip(EMERGENCY | DRIVES));
         // A stepper that was stopped dead may have slipped when it was fast.
-        self.known &= stop.on_path && (stop.speed <= keep || reached);
+        let exact = stop.on_path && (stop.speed <= keep || reached) && !powerless;
+        self.known &= exact;
+        self.exact &= exact;
         self.released = false;
+        let waits = core::mem::take(&mut self.group.waits);
+        if !reached {
+            self.edges = [None; 2];
+        }
         if let Why::Trip(reason @ (LIMIT_X | LIMIT_Z)) = stopping.why {
-            self.motion
-                .block(if reason == LIMIT_X { 0 } else { 1 }, stop.way);
+            let (axis, input) = match reason {
+                LIMIT_X => (0, Input::LimitX),
+                _ => (1, Input::LimitZ),
+            };
+            self.motion.block(axis, stop.way);
+            // It was seen before it is asked for again.
+            if let Some(switch) = self.switch_at(input) {
+                self.upkeep.level_met(switch, switch.level);
+            }
         }
         self.events.push(Event::Position(stop.kernel));
         self.tell_outputs_again();
         match stopping.why {
             Why::Flush => self.go_on(),
-            Why::Trip(REACHED) => {
-                if let Some(input) = self.group.until {
+            Why::Trip(reason @ (REACHED | REACHED_Z)) => {
+                let axis = (reason - REACHED) as usize;
+                self.edges[axis] = None;
+                if let Some(wait) = waits[axis] {
+                    let input = wait.awaited.input;
+                    if let Some(switch) = self.switch_at(input) {
+                        self.upkeep.level_met(switch, wait.level);
+                    }
                     self.events.push(Event::Reached(input, stop.kernel));
                 }
                 self.go_on();
@@ -376,4 +526,9 @@ impl StepLink {
             Why::Trip(_) => self.enter(LinkState::Tripped),
         }
     }
+}
+
+/// Whether the group was triggered by an input that was waited for.
+const fn is_reached(reason: u32) -> bool {
+    matches!(reason, REACHED | REACHED_Z)
 }

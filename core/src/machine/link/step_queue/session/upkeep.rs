@@ -7,7 +7,7 @@ use super::super::super::{
 };
 use super::super::commands::Command;
 use super::super::delivery::{Mark, Message};
-use super::super::wiring::{Drain, Wiring};
+use super::super::wiring::{Drain, Switch, Wiring};
 use super::StepLink;
 
 /// Between two questions for the clock; while it is being learned.
@@ -25,6 +25,12 @@ const INHERITED: Duration = Duration::from_millis(800);
 /// Between two questions for a switch, standing and moving.
 const SWITCH_EVERY: Duration = Duration::from_millis(10);
 const SWITCH_MOVING: Duration = Duration::from_millis(40);
+/// Between two questions for a contact of the control.
+const CONTACT_EVERY: Duration = Duration::from_millis(20);
+/// Another spindle speed is told at most so often: under G96 it changes every tick.
+const SPEED_EVERY: Duration = Duration::from_millis(20);
+/// An output is told so long before nothing is sure to arrive in time any more.
+const AHEAD: Duration = Duration::from_millis(30);
 /// Full spindle voltage, mV.
 const FULL_MV: i64 = 10_000;
 
@@ -44,10 +50,14 @@ pub(super) struct Upkeep {
     enable_due: HostTime,
     switch_due: HostTime,
     next_switch: usize,
+    contact_due: HostTime,
+    next_contact: usize,
     switches: Vec<(Input, bool)>,
     /// What spindle and coolant are to do, and what the board was told.
     wanted: BoardOutputs,
     told: BoardOutputs,
+    /// Motion and host time at which it was last told a speed.
+    speed_told: (RunTime, HostTime),
     /// What each output was last told, and for when.
     outputs: Vec<(Drain, i64, u64)>,
 }
@@ -76,6 +86,14 @@ impl Upkeep {
         {
             Some((_, told)) => *told = operated,
             None => self.switches.push((switch.input, operated)),
+        }
+    }
+
+    /// The board was stopped by a pin that came to this level.
+    pub(super) fn level_met(&mut self, switch: Switch, level: i64) {
+        let told = self.switches.iter_mut();
+        for (_, operated) in told.filter(|(input, _)| *input == switch.input) {
+            *operated = level == switch.level;
         }
     }
 }
@@ -139,8 +157,9 @@ impl StepLink {
 
     /// What spindle and coolant are to do: it is switched where the motion handed over
     /// so far ends.
-    pub const fn set_outputs(&mut self, outputs: BoardOutputs) {
+    pub fn set_outputs(&mut self, outputs: BoardOutputs) {
         self.upkeep.wanted = outputs;
+        self.tell_wanted();
     }
 
     /// What the board was told; orders do not wait for a standstill.
@@ -149,11 +168,19 @@ impl StepLink {
     }
 
     fn tell_wanted(&mut self) {
-        let (wanted, told) = (self.upkeep.wanted, self.upkeep.told);
-        if wanted == told {
+        let (mut wanted, told) = (self.upkeep.wanted, self.upkeep.told);
+        if wanted == told || !self.is_running() || self.down || self.state == LinkState::Lost {
             return;
         }
         let at = self.motion.newest_end();
+        let (run, host) = self.upkeep.speed_told;
+        let soon =
+            at.saturating_sub(run) < SPEED_EVERY && self.now.saturating_sub(host) < SPEED_EVERY;
+        if wanted.spindle == told.spindle && soon {
+            wanted.millivolts = told.millivolts;
+        } else if wanted.millivolts != told.millivolts {
+            self.upkeep.speed_told = (at, self.now);
+        }
         let turns = |way| i32::from(wanted.spindle == way);
         // What is not wired stays simulated.
         for (output, value) in [
@@ -205,17 +232,29 @@ impl StepLink {
         let Some(wiring) = &self.wiring else {
             return;
         };
-        if self.now < self.upkeep.switch_due || wiring.switches.is_empty() {
-            return;
-        }
+        // The contacts of the control stand behind the switches of the axes.
+        let is_contact = |switch: &Switch| matches!(switch.input, Input::Contact { .. });
+        let (switches, contacts) = wiring.switches.split_at(
+            wiring
+                .switches
+                .partition_point(|switch| !is_contact(switch)),
+        );
+        let mut asked = [None; 2];
         let moving = self.state == LinkState::Moving;
-        if moving && self.delivery.is_congested() {
-            return;
+        let waits = moving && self.delivery.is_congested();
+        if self.now >= self.upkeep.switch_due && !switches.is_empty() && !waits {
+            self.upkeep.switch_due = self.now + if moving { SWITCH_MOVING } else { SWITCH_EVERY };
+            self.upkeep.next_switch = (self.upkeep.next_switch + 1) % switches.len();
+            asked[0] = Some(switches[self.upkeep.next_switch].oid);
         }
-        self.upkeep.switch_due = self.now + if moving { SWITCH_MOVING } else { SWITCH_EVERY };
-        self.upkeep.next_switch = (self.upkeep.next_switch + 1) % wiring.switches.len();
-        let oid = wiring.switches[self.upkeep.next_switch].oid;
-        self.say(Command::EndstopQueryState, &[oid]);
+        if self.now >= self.upkeep.contact_due && !contacts.is_empty() && !waits {
+            self.upkeep.contact_due = self.now + CONTACT_EVERY;
+            self.upkeep.next_contact = (self.upkeep.next_contact + 1) % contacts.len();
+            asked[1] = Some(contacts[self.upkeep.next_contact].oid);
+        }
+        for oid in asked.into_iter().flatten() {
+            self.say(Command::EndstopQueryState, &[oid]);
+        }
     }
 
     /// Switches an output when the motion up to a time has been made.
@@ -235,8 +274,16 @@ impl StepLink {
         } else {
             i64::from((value != 0) != drain.inverted)
         };
-        let clock = self.motion.clock_of(at).unwrap_or(0).max(self.soon());
-        self.switch(drain, value, clock);
+        let told = self.upkeep.outputs.iter();
+        if told.copied().any(|told| (told.0, told.1) == (drain, value)) {
+            return Ok(());
+        }
+        let made = self.motion.piece_at(at).map_or(0, |piece| {
+            let rest = at.saturating_sub(piece.sample.end);
+            piece.clock.unsigned_abs() + self.clock.ticks(rest)
+        });
+        let earliest = self.clock.at(self.now + self.margin() + AHEAD);
+        self.switch(drain, value, made.max(earliest));
         Ok(())
     }
 

@@ -1,0 +1,69 @@
+//! Contacts of the control that are wired to a board: which X address is which pin.
+
+use std::collections::BTreeMap;
+
+use super::Input;
+
+/// Contacts that have settings of their own.
+const OWN: [((u8, u8), &str); 3] = [
+    ((0, 3), "X0.3 is *DECX: name its pin in x.dec"),
+    ((0, 5), "X0.5 is *ESP: name its pin in io.estop"),
+    ((1, 3), "X1.3 is *DECZ: name its pin in z.dec"),
+];
+/// Letters of a line board behind `Pn:` that may be wired to a contact.
+const LETTERS: &str = "PDHRSE";
+
+/// X0.0 to X3.7, as byte and bit.
+fn address(text: &str) -> Option<(u8, u8)> {
+    let (byte, bit) = text.strip_prefix('X')?.split_once('.')?;
+    let (byte, bit) = (byte.parse().ok()?, bit.parse().ok()?);
+    (byte <= 3 && bit <= 7).then_some((byte, bit))
+}
+
+/// Whether every entry names a contact and, on a line board, one of its letters.
+pub(super) fn check(inputs: &BTreeMap<String, String>, letters: bool) -> Result<(), &'static str> {
+    for (key, pin) in inputs {
+        let Some(address) = address(key) else {
+            return Err("each name must be a contact from X0.0 to X3.7");
+        };
+        if let Some((_, text)) = OWN.iter().find(|(own, _)| *own == address) {
+            return Err(text);
+        }
+        let name = pin.trim_start_matches(['^', '!', ' ']);
+        if name.is_empty() {
+            return Err("each contact must name a pin of the board");
+        }
+        if letters && !(name.len() == 1 && LETTERS.contains(name)) {
+            return Err("a line board tells P, D, H, R, S and E, with ! in front turned over");
+        }
+    }
+    Ok(())
+}
+
+/// The contacts with their pins, in the order of their names.
+pub(super) fn wired(inputs: &BTreeMap<String, String>) -> impl Iterator<Item = (Input, &str)> {
+    inputs.iter().filter_map(|(key, pin)| {
+        let (byte, bit) = address(key)?;
+        Some((Input::Contact { byte, bit }, pin.as_str()))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checked(key: &str, pin: &str, letters: bool) -> Result<(), &'static str> {
+        check(&BTreeMap::from([(key.to_owned(), pin.to_owned())]), letters)
+    }
+
+    #[test]
+    fn entries_are_checked() {
+        assert_eq!(checked("X1.4", "^!PD0", false), Ok(()));
+        assert_eq!(checked("X1.5", "!H", true), Ok(()));
+        assert!(checked("X1.5", "Q", true).is_err());
+        assert!(checked("X4.0", "PD0", false).is_err());
+        assert!(checked("Y1.0", "PD0", false).is_err());
+        assert!(checked("X1.0", "^", false).is_err());
+        assert!(checked("X0.5", "PD0", false).is_err_and(|text| text.contains("io.estop")));
+    }
+}

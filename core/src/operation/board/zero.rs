@@ -1,0 +1,221 @@
+//! The return to the machine zero on a board that sees its switches itself (manual
+//! III-7): the same stages, but the edge of a switch stops the axes in the board,
+//! and the next stage begins where the board says it stopped them.
+//!
+//! ```text
+//!  B    113 ────────╮ dead stop on the switch
+//!       033         ╰────────┬──────┤ zero
+//!       switch _____/‾‾‾‾‾‾‾‾\_______
+//!       zero signal __________________/‾
+//!
+//!  C    113 ────────╮
+//!       033         ╰────────┬───╮
+//!       033             zero ├───╯ back
+//!       switch _____/‾‾‾‾‾‾‾‾\_____
+//!
+//!  Without such a switch the limit switch takes its place: back off it, and a little
+//!  farther.
+//! ```
+
+use serde::{Deserialize, Serialize};
+
+use super::BoardDrives;
+use crate::alarm::Alarm;
+use crate::cnc::Cnc;
+use crate::machine::link::{Awaited, Input, Until};
+use crate::motion::JogRate;
+use crate::operation::manual::Way;
+use crate::operation::zero_return::Return;
+use crate::units::{Axis, PerAxis, Point};
+
+/// What an axis has at the board to return to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ZeroWiring {
+    /// Deceleration switch, zero signal, limit switch.
+    pub switch: bool,
+    pub signal: bool,
+    pub limit: bool,
+    /// The limit switch is operated.
+    pub on_limit: bool,
+    /// How far it goes past the edge before it turns, or off the limit switch, mm.
+    pub off: f64,
+    /// Machine coordinate there, when the limit switch is the reference.
+    pub at: f64,
+}
+
+impl Cnc {
+    /// Begins the return of an axis with a switch at the board.
+    pub(in crate::operation) fn seek_with_board(
+        &mut self,
+        axis: Axis,
+        board: &BoardDrives,
+    ) -> Result<(), Alarm> {
+        let Some(wiring) = board.zero.map(|zero| *zero.get(axis)) else {
+            self.board_makes_return(axis);
+            return Ok(());
+        };
+        if self.at_reference.get(axis).is_some() || *self.from_plc.machine_lock.get(axis) {
+            return Ok(());
+        }
+        let (name, bit) = match axis {
+            Axis::X => ('x', 0),
+            Axis::Z => ('z', 1),
+        };
+        if !(wiring.switch || wiring.limit) {
+            return Err(Alarm::new(609).because(format!(
+                "there is no switch to return to: link.{name}.dec names no pin"
+            )));
+        }
+        if wiring.switch && !wiring.signal && !self.parameters.one_zero_switch(axis) {
+            return Err(Alarm::new(609).because(format!(
+                "007.{bit} = 0 (method B) needs the zero signal, but link.{name}.zero names no pin: \
+                 wire it, or set 007.{bit} = 1 (method C)"
+            )));
+        }
+        if wiring.switch && self.on_zero_switch(axis) {
+            return Err(Alarm::new(90)
+                .because("the return begins on the deceleration switch: move off it first"));
+        }
+        let rate = self.parameters.zero_approach_rate(axis);
+        let pulses = rate / 60.0 * board.pulses_per_mm[axis as usize];
+        let most = board.rates.each[axis as usize];
+        if pulses > most {
+            return Err(Alarm::new(604).because(format!(
+                "No.113 makes {pulses:.0} pulses/s of {axis:?}, the board {most:.0} at most"
+            )));
+        }
+        let leaves = !wiring.switch && wiring.on_limit;
+        // Stopped dead by its switch, a fast stepper may slip.
+        *self.referenced.get_mut(axis) = false;
+        *self.at_reference.get_mut(axis) = None;
+        *self.returns.get_mut(axis) = Some(if leaves {
+            Return::Leave
+        } else {
+            Return::Approach
+        });
+        Ok(())
+    }
+
+    /// Whether returns to a switch are under way that the board must not stop other
+    /// motion for.
+    pub(in crate::operation) fn board_seeks(&self) -> bool {
+        let seeks = |stage: Option<Return>| stage.is_some_and(|stage| stage != Return::Straight);
+        self.board.is_some_and(|board| board.zero.is_some())
+            && (seeks(self.returns.x) || seeks(self.returns.z))
+    }
+
+    /// Whether the board makes the return by itself.
+    pub(in crate::operation) fn board_homes(&self) -> bool {
+        self.board.is_some_and(|board| board.zero.is_none())
+    }
+
+    /// What the return of an axis waits for at the board.
+    pub(crate) fn board_awaits(&self, axis: Axis) -> Option<Awaited> {
+        let board = self.board?;
+        let wiring = *board.zero?.get(axis);
+        let stage = (*self.returns.get(axis))?;
+        if [self.returns.x, self.returns.z].contains(&Some(Return::Straight)) {
+            // A rapid to a known place is not stopped dead.
+            return None;
+        }
+        let [switch, signal, limit] = match axis {
+            Axis::X => [Input::DecelerationX, Input::ZeroX, Input::LimitX],
+            Axis::Z => [Input::DecelerationZ, Input::ZeroZ, Input::LimitZ],
+        };
+        let reference = if wiring.switch { switch } else { limit };
+        let low = self.parameters.zero_low_rate();
+        let (input, until, rate) = match stage {
+            Return::Approach => {
+                let rate = self.parameters.zero_approach_rate(axis);
+                (reference, Until::Operated, rate)
+            }
+            Return::OnSwitch => (switch, Until::Free, low),
+            Return::Leave => (limit, Until::Free, low),
+            Return::Search => (signal, Until::Changed, low),
+            Return::Back => (switch, Until::Operated, low),
+            Return::Straight | Return::Turning | Return::Past(_) | Return::Board => return None,
+        };
+        Some(Awaited {
+            input,
+            until,
+            rate: rate / 60.0 * board.pulses_per_mm[axis as usize],
+        })
+    }
+
+    /// Whether the board looks at the switch that the return of an axis waits for.
+    pub(in crate::operation) fn board_lets_return(&self, axis: Axis) -> bool {
+        self.board.is_none_or(|board| {
+            board.zero.is_none() || (*board.armed.get(axis) && board.prepared && board.takes_motion)
+        })
+    }
+
+    /// The board has stopped the axes at a switch: the control waits for where.
+    pub(crate) fn pause_for_board(&mut self) {
+        self.interpolator.stop_now();
+        self.jog_command = PerAxis::default();
+    }
+
+    /// An axis stands where its switch was met.
+    pub(crate) fn board_reached(&mut self, axis: Axis) {
+        let Some(wiring) = self.board.and_then(|board| board.zero) else {
+            return;
+        };
+        let wiring = *wiring.get(axis);
+        let toward = if self.parameters.zero_is_negative(axis) {
+            -1.0
+        } else {
+            1.0
+        };
+        let here = self.position().get(axis);
+        let past = |way: f64| Return::Past(libm::round((here + way * wiring.off) * 1000.0) as i64);
+        let next = match *self.returns.get(axis) {
+            Some(Return::Approach) if !wiring.switch => Return::Leave,
+            Some(Return::Approach) => Return::OnSwitch,
+            Some(Return::OnSwitch) if self.parameters.one_zero_switch(axis) => past(toward),
+            Some(Return::OnSwitch) => Return::Search,
+            Some(Return::Leave) => past(-toward),
+            Some(Return::Search | Return::Back) => {
+                let count = *self.pulses().get(axis);
+                return self.meet_zero(axis, Some(count));
+            }
+            _ => return,
+        };
+        *self.returns.get_mut(axis) = Some(next);
+    }
+
+    /// A tick of a return at the board; whether there is nothing more to do for it.
+    pub(in crate::operation) fn return_with_board(&mut self, axis: Axis, stage: Return) -> bool {
+        let Some(board) = self.board else {
+            return false;
+        };
+        let (Some(zero), false) = (board.zero, stage == Return::Straight) else {
+            return false;
+        };
+        if let Return::Past(target) = stage {
+            let target = target as f64 / 1000.0;
+            let way = Way::of(target - self.position().get(axis));
+            let waits = self.return_held(axis) || !(board.prepared && board.takes_motion);
+            match way {
+                None if zero.get(axis).switch => {
+                    self.interpolator.release(axis);
+                    *self.returns.get_mut(axis) = Some(Return::Back);
+                }
+                None => {
+                    let mut place = Point::default();
+                    *place.get_mut(axis) = zero.get(axis).at;
+                    let axes = PerAxis::new(axis == Axis::X, axis == Axis::Z);
+                    self.board_returned(axes, place);
+                }
+                Some(way) if waits || !self.may_go(axis, way) => self.interpolator.release(axis),
+                Some(_) if !self.interpolator.stepping(axis) => {
+                    let rate = JogRate::Approach(self.parameters.zero_low_rate());
+                    self.interpolator.go_to(axis, target, rate);
+                }
+                Some(_) => {}
+            }
+        } else {
+            self.drive_return(axis, stage);
+        }
+        true
+    }
+}

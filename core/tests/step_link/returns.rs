@@ -1,0 +1,396 @@
+//! The return to the machine zero, driven by the control and stopped by the board.
+
+use gsk_core::machine::link::{LinkConfig, LinkState};
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_twins::klipper::Travel;
+
+use crate::bench::config;
+use crate::linked::{Machine, RESET, X_PLUS, Z_PLUS, ZERO, key};
+
+const FEED_HOLD: BitAddress = key(24, 7);
+const JOG: BitAddress = key(20, 5);
+/// Arrows up and left: X-, Z-.
+const X_MINUS: BitAddress = key(22, 3);
+const Z_MINUS: BitAddress = key(22, 5);
+
+/// Switches of the lathe: X closes at -6000 and lets go at -4000 (5 mm at 400
+/// pulses/mm), Z at -3000 and -2000; the motors turn once in 1600 and 1000 pulses. When
+/// the switch of Z lets go its zero signal stands.
+const DOG_X: Travel = travel(0, -6000, -4000, None);
+const DOG_Z: Travel = travel(1, -3000, -2000, None);
+const ZERO_X: Travel = travel(0, 0, 31, Some(1600));
+const ZERO_Z: Travel = travel(1, 0, 19, Some(1000));
+/// First edges behind the dogs; their own far edges.
+const PLACE_B: [i64; 2] = [-3200, -1980];
+const PLACE_C: [i64; 2] = [-4000, -2000];
+
+const fn travel(axis: usize, from: i64, to: i64, turn: Option<i64>) -> Travel {
+    Travel {
+        axis,
+        from,
+        to,
+        turn,
+    }
+}
+
+fn wires() -> LinkConfig {
+    let mut config = config();
+    config.z.zero = "PC7".to_owned();
+    config
+}
+
+/// `one`: one switch for each axis (method C); the keys need not be held.
+fn machine(one: bool, slides: [i64; 2]) -> Machine {
+    let mut machine = power_on(wires(), one, slides);
+    machine.press(RESET);
+    machine.press(ZERO);
+    machine.pass(300);
+    machine
+}
+
+fn power_on(config: LinkConfig, one: bool, slides: [i64; 2]) -> Machine {
+    keyed(config, one, true, slides)
+}
+
+/// `press`: a press of the key is enough (011.2 ZNIK).
+fn keyed(config: LinkConfig, one: bool, press: bool, slides: [i64; 2]) -> Machine {
+    let bits = [(7, 0, one), (7, 1, one), (11, 2, press)];
+    let mut machine = Machine::wired(config, &bits, slides);
+    for (pin, travel) in [
+        ("PC4", DOG_X),
+        ("PC6", DOG_Z),
+        ("PC5", ZERO_X),
+        ("PC7", ZERO_Z),
+        ("PC0", travel(0, 8000, 1 << 40, None)),
+        ("PC1", travel(1, 8000, 1 << 40, None)),
+    ] {
+        machine.twin.put_switch(pin, travel);
+    }
+    assert!(machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked));
+    machine.press(RESET);
+    machine.press(ZERO);
+    machine.pass(300);
+    machine
+}
+
+#[track_caller]
+fn returned(machine: &mut Machine) -> [i64; 2] {
+    let ready = machine.wait(120_000, |machine| {
+        let referenced = machine.simulation.cnc.referenced();
+        let returned = referenced.x && referenced.z;
+        returned && machine.linked.state() == LinkState::Ready || !machine.alarms().is_empty()
+    });
+    assert!(
+        ready && machine.alarms().is_empty(),
+        "{:?} {:?} {:?}",
+        machine.linked.state(),
+        machine.alarms(),
+        machine.twin.pulses()
+    );
+    machine.pass(300);
+    let referenced = machine.simulation.cnc.referenced();
+    assert!(referenced.x && referenced.z);
+    let at = machine.simulation.cnc.position_machine();
+    assert_eq!((at.x, at.z), (0.0, 0.0));
+    machine.twin.pulses()
+}
+
+/// Numbers that look random and are the same each time.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, most: u32) -> u32 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        ((self.0 >> 33) % u64::from(most)) as u32
+    }
+}
+
+/// More rounds with `ROUNDS=200` in the environment.
+fn rounds(usual: u32) -> u32 {
+    let wanted = std::env::var("ROUNDS").ok();
+    wanted.and_then(|text| text.parse().ok()).unwrap_or(usual)
+}
+
+/// Wherever the slides start, whenever the keys are pressed: the same pulse.
+#[test]
+fn all_starts_end_on_the_same_pulse() {
+    let mut dice = Dice(5);
+    for round in 0..rounds(6) {
+        let one = dice.below(2) == 0;
+        let slides = [
+            -6100 - i64::from(dice.below(20_000)),
+            -3100 - i64::from(dice.below(12_000)),
+        ];
+        let mut machine = machine(one, slides);
+        machine.pass(dice.below(50));
+        machine.twin.advance(u64::from(dice.below(1_000_000)));
+        let keys = match dice.below(2) {
+            0 => [X_PLUS, Z_PLUS],
+            _ => [Z_PLUS, X_PLUS],
+        };
+        machine.press(keys[0]);
+        machine.pass(dice.below(4000));
+        // It holds programs only.
+        machine.press(FEED_HOLD);
+        machine.press(keys[1]);
+        let place = if one { PLACE_C } else { PLACE_B };
+        assert_eq!(returned(&mut machine), place, "{round}: {one} {slides:?}");
+    }
+}
+
+#[test]
+fn both_axes_at_once_return_to_the_first_edge_behind_the_switch() {
+    let mut machine = machine(false, [-40_000, -20_000]);
+    machine.press(X_PLUS);
+    machine.press(Z_PLUS);
+    machine.pass(1000);
+    let before = machine.twin.pulses();
+    machine.pass(500);
+    let now = machine.twin.pulses();
+    assert!(now[0] > before[0] && now[1] > before[1], "both move");
+    assert_eq!(returned(&mut machine), PLACE_B);
+    // The lamps, and once more: it stands on its zero.
+    for bit in [5, 7] {
+        let lamp = BitAddress::new(Area::Y, 4, bit);
+        assert!(machine.simulation.cnc.plc().memory().bit(lamp));
+    }
+    machine.press(X_PLUS);
+    machine.pass(500);
+    assert_eq!(machine.twin.pulses(), PLACE_B);
+}
+
+/// What the return is doing, as far as it can be seen from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    Approach,
+    OnSwitch,
+    Behind,
+}
+
+fn phase(machine: &Machine) -> Phase {
+    match machine.twin.pulses()[1] {
+        ..-3000 => Phase::Approach,
+        -3000..-1995 => Phase::OnSwitch,
+        _ => Phase::Behind,
+    }
+}
+
+/// A return of both axes in some phase of Z's, and a little later.
+fn under_way(one: bool, wanted: Phase, later: u32) -> Machine {
+    let mut machine = machine(one, [-30_000, -9000]);
+    machine.press(X_PLUS);
+    machine.press(Z_PLUS);
+    assert!(machine.wait(60_000, |machine| phase(machine) == wanted));
+    machine.pass(later);
+    machine
+}
+
+const PHASES: [(Phase, u32); 7] = [
+    (Phase::Approach, 10),
+    (Phase::Approach, 1300),
+    (Phase::OnSwitch, 0),
+    (Phase::OnSwitch, 5),
+    (Phase::OnSwitch, 700),
+    (Phase::Behind, 3),
+    (Phase::Behind, 120),
+];
+
+/// All of them with `ROUNDS` in the environment.
+fn some_phases() -> impl Iterator<Item = (Phase, u32)> {
+    PHASES
+        .into_iter()
+        .step_by(if rounds(6) > 6 { 1 } else { 3 })
+}
+
+/// Off the switch by hand, and back to the mode of the return.
+#[track_caller]
+fn off_the_switch(machine: &mut Machine, key: BitAddress, axis: usize, below: i64) {
+    machine.press(JOG);
+    machine.simulation.cnc.set_panel_key(key, true);
+    let off = machine.wait(60_000, |machine| machine.twin.pulses()[axis] < below);
+    assert!(off, "{:?}", machine.twin.pulses());
+    machine.simulation.cnc.set_panel_key(key, false);
+    machine.pass(500);
+    machine.press(ZERO);
+}
+
+/// RESET does, and so does another mode.
+#[test]
+fn reset_ends_the_return_in_every_phase_and_another_one_ends_at_the_zero() {
+    for one in [false, true] {
+        for (wanted, later) in some_phases() {
+            let mut machine = under_way(one, wanted, later);
+            machine.press(if later % 2 == 0 { RESET } else { JOG });
+            machine.pass(500);
+            let stood = machine.twin.pulses();
+            machine.pass(1000);
+            let place = format!("{one} {wanted:?} {later}");
+            assert_eq!(machine.twin.pulses(), stood, "{place}");
+            assert_eq!(machine.alarms(), Vec::<String>::new(), "{place}");
+            for (key, axis, from) in [(X_MINUS, 0, -6500), (Z_MINUS, 1, -3500)] {
+                off_the_switch(&mut machine, key, axis, from);
+            }
+            machine.press(X_PLUS);
+            machine.press(Z_PLUS);
+            let home = if one { PLACE_C } else { PLACE_B };
+            assert_eq!(returned(&mut machine), home, "{place}");
+        }
+    }
+}
+
+/// With 011.2 ZNIK = 0 the axis goes only while its key is held.
+#[test]
+fn a_key_let_go_stops_the_axis_and_pressed_again_it_goes_on() {
+    for one in [false, true] {
+        for (wanted, later) in some_phases() {
+            let mut machine = keyed(wires(), one, false, [-7000, -9000]);
+            machine.press(RESET);
+            machine.press(ZERO);
+            machine.simulation.cnc.set_panel_key(X_PLUS, true);
+            assert!(machine.wait(60_000, |machine| machine.simulation.cnc.referenced().x));
+            machine.simulation.cnc.set_panel_key(X_PLUS, false);
+            machine.pass(300);
+            machine.simulation.cnc.set_panel_key(Z_PLUS, true);
+            assert!(machine.wait(60_000, |machine| phase(machine) == wanted));
+            machine.pass(later);
+            machine.simulation.cnc.set_panel_key(Z_PLUS, false);
+            machine.pass(1000);
+            let stood = machine.twin.pulses();
+            machine.pass(1000);
+            assert_eq!(machine.twin.pulses(), stood);
+            assert!(machine.simulation.cnc.referenced().x, "X keeps its own");
+            if wanted != Phase::Approach {
+                off_the_switch(&mut machine, Z_MINUS, 1, -3500);
+            }
+            machine.simulation.cnc.set_panel_key(Z_PLUS, true);
+            machine.pass(300);
+            let home = if one { PLACE_C } else { PLACE_B };
+            assert_eq!(returned(&mut machine), home, "{one} {wanted:?} {later}");
+        }
+    }
+}
+
+#[test]
+fn a_board_that_fails_in_any_phase_ends_the_return() {
+    for (wanted, later) in some_phases() {
+        let start = under_way(false, wanted, later);
+        for fault in 0..3 {
+            let mut machine = start.clone();
+            let number = match fault {
+                0 => {
+                    machine.twin.press_reset();
+                    606
+                }
+                1 => {
+                    machine.twin.to_host.set_cut(true);
+                    machine.twin.to_board.set_cut(true);
+                    605
+                }
+                _ => {
+                    machine.twin.set_pin("PC2", false);
+                    207
+                }
+            };
+            machine.pass(1500);
+            let stood = machine.twin.pulses();
+            machine.pass(1000);
+            let place = format!("{wanted:?} {later} {number}");
+            assert_eq!(machine.twin.pulses(), stood, "{place}");
+            let alarm = format!("{number}");
+            let alarms = machine.alarms();
+            assert!(
+                alarms.iter().any(|text| text.contains(&alarm)),
+                "{place}: {alarms:?}"
+            );
+            let referenced = machine.simulation.cnc.referenced();
+            assert!(!referenced.x && !referenced.z, "{place}");
+        }
+    }
+}
+
+#[test]
+fn what_is_not_wired_is_named_and_nothing_moves() {
+    let mut without_zero = wires();
+    without_zero.z.zero = String::new();
+    let mut without_switch = wires();
+    without_switch.z.dec = String::new();
+    without_switch.z.limit = String::new();
+    for (config, one, text) in [
+        (&without_zero, false, Some("link.z.zero names no pin")),
+        (&without_zero, true, None),
+        (&without_switch, true, Some("link.z.dec names no pin")),
+    ] {
+        let mut machine = power_on(config.clone(), one, [-7000, -4000]);
+        for (pin, travel) in [("PC4", DOG_X), ("PC6", DOG_Z), ("PC5", ZERO_X)] {
+            machine.twin.put_switch(pin, travel);
+        }
+        machine.press(RESET);
+        machine.press(ZERO);
+        machine.press(Z_PLUS);
+        let Some(text) = text else {
+            machine.press(X_PLUS);
+            assert_eq!(
+                returned(&mut machine),
+                PLACE_C,
+                "method C needs no zero signal"
+            );
+            continue;
+        };
+        machine.pass(500);
+        assert_eq!(machine.twin.pulses()[1], -4000);
+        let alarms = machine.alarms();
+        assert!(
+            alarms[0].contains("609") && alarms[0].contains(text),
+            "{alarms:?}"
+        );
+    }
+}
+
+#[test]
+fn a_return_that_begins_on_the_switch_is_alarm_090_and_the_ladder_sees_switch_and_signal() {
+    let mut machine = machine(false, [-5000, -3500]);
+    let contact = |machine: &Machine, byte, bit| {
+        let address = BitAddress::new(Area::X, byte, bit);
+        machine.simulation.cnc.plc().memory().bit(address)
+    };
+    // Open when pressed (004.5 DECI = 0).
+    assert!(!contact(&machine, 0, 3) && contact(&machine, 1, 3));
+    machine.press(X_PLUS);
+    machine.pass(200);
+    assert!(
+        machine.alarms()[0].contains("090"),
+        "{:?}",
+        machine.alarms()
+    );
+    assert_eq!(machine.twin.pulses(), [-5000, -3500]);
+    machine.twin.set_pin("PC5", true);
+    machine.pass(500);
+    assert!(machine.simulation.cnc.sensors().zero_signal.x);
+}
+
+/// Without a deceleration switch the limit switch is the reference.
+#[test]
+fn without_another_switch_the_limit_switch_is_the_reference() {
+    let mut config = wires();
+    for axis in [&mut config.x, &mut config.z] {
+        axis.dec = String::new();
+        axis.zero = String::new();
+        axis.home_at = 4.0;
+    }
+    let mut machine = power_on(config, false, [-3000, -4000]);
+    machine.press(RESET);
+    machine.press(ZERO);
+    machine.press(X_PLUS);
+    machine.press(Z_PLUS);
+    assert!(machine.wait(120_000, |machine| machine.linked.state()
+        == LinkState::Ready));
+    machine.pass(500);
+    // A millimetre off the place where it lets go.
+    assert_eq!(machine.twin.pulses(), [7999 - 400, 7999 - 200]);
+    assert_eq!(machine.alarms(), Vec::<String>::new());
+    let at = machine.simulation.cnc.position_machine();
+    assert_eq!((at.x, at.z), (2.0, 4.0));
+}

@@ -1,0 +1,156 @@
+//! Spindle and coolant that switch while the slides move.
+
+use gsk_core::cnc::Request;
+use gsk_core::operation::RunState;
+use gsk_core::program::Program;
+
+use crate::bench::config;
+use crate::lathe::Lathe;
+use crate::linked::{AUTO, CYCLE_START, Machine};
+
+const BUSHING: &str = include_str!("../../../assets/programs/02-bushing.CNC");
+
+/// With an analog spindle.
+fn analog(pwm: bool) -> Machine {
+    let mut config = config();
+    if !pwm {
+        config.io.spindle_pwm = String::new();
+    }
+    let mut machine = Machine::with(config, &[(1, 4, true)]);
+    machine.return_axes();
+    machine
+}
+
+fn start(machine: &mut Machine, text: &str) {
+    let opened = Request::OpenExternal(Program::new(text));
+    machine.simulation.cnc.request(opened).unwrap();
+    machine.press(AUTO);
+    machine.press(CYCLE_START);
+}
+
+/// Runs on to the end, looking every millisecond.
+fn run(machine: &mut Machine, mut look: impl FnMut(&Machine)) {
+    for _ in 0..3_600_000 {
+        machine.ms();
+        look(machine);
+        let cnc = &machine.simulation.cnc;
+        if !machine.linked.is_behind() && !cnc.is_moving() && cnc.run_state() != RunState::Run {
+            return;
+        }
+    }
+    panic!("it does not end");
+}
+
+#[test]
+fn the_speed_follows_the_slide_and_not_the_kernel() {
+    let mut machine = analog(true);
+    let kernel = machine.simulation.cnc.pulses();
+    let offset = machine.twin.pulses()[0] - kernel.x.0;
+    start(
+        &mut machine,
+        "O1\nG50 X120 Z20\nG50 S3000\nG96 S120 M03\nG98 G00 X64 Z2\nG04 X1\nG01 X20 F1200\nM30\n",
+    );
+    machine.wait(30_000, |machine| machine.simulation.cnc.cursor().line == 7);
+    let begun = machine.twin.figures().outputs;
+    let since = machine.twin.now();
+    let (mut seen, mut worst) = (0, 0.0_f64);
+    run(&mut machine, |machine| {
+        let cnc = &machine.simulation.cnc;
+        let here = cnc.position_machine().x;
+        let per_mm = 400.0;
+        let made = (machine.twin.pulses()[0] - offset) as f64;
+        let at = here + (made - cnc.pulses().x.0 as f64) / per_mm;
+        let diameter = 2.0 * (at - cnc.frame().zero.x);
+        if (22.0..60.0).contains(&diameter) && cnc.modal().motion == 1 {
+            let rpm = 1000.0 * 120.0 / (core::f64::consts::PI * diameter);
+            let duty = f64::from(machine.twin.output("PB6").unwrap());
+            worst = worst.max((rpm / 9999.0 * 255.0 - duty).abs());
+            seen += 1;
+        }
+    });
+    assert!(seen > 500, "{seen}");
+    // A step of the output, and what the speed changes in 20 ms.
+    assert!(worst < 2.5, "{worst}");
+    // 50 a second, and the enable of the drives every 100 ms.
+    let seconds = (machine.twin.now() - since) as f64 * 1e-9;
+    let orders = (machine.twin.figures().outputs - begun) as f64;
+    assert!(orders < 61.0 * seconds + 10.0, "{orders} in {seconds} s");
+}
+
+/// M08 in the middle of the way: neither the kernel waits for the slides, nor is it
+/// switched before they are there.
+#[test]
+fn coolant_switches_at_its_place_without_waiting_for_the_slides() {
+    let mut machine = analog(true);
+    let start_at = machine.twin.pulses()[1];
+    start(
+        &mut machine,
+        "O1\nG98 G01 W-10 F600\nM08\nG01 W-10\nM09\nG01 W-10\nM30\n",
+    );
+    let (mut on, mut off, mut waits) = (None, None, [0, 0]);
+    run(&mut machine, |machine| {
+        let z = machine.twin.pulses()[1];
+        // Turned over.
+        let flows = machine.twin.output("PB7") == Some(0);
+        if flows && on.is_none() {
+            on = Some(z - start_at);
+        }
+        if !flows && on.is_some() && off.is_none() {
+            off = Some(z - start_at);
+        }
+        let cnc = &machine.simulation.cnc;
+        if !cnc.is_moving() && matches!(cnc.cursor().line, 3 | 5) {
+            waits[usize::from(cnc.cursor().line == 5)] += 1;
+        }
+    });
+    assert_eq!(machine.alarms(), Vec::<String>::new());
+    // At the ends of the cuts, 10 mm of 200 pulses.
+    assert_eq!((on, off), (Some(-2000), Some(-4000)));
+    // As long as the ladder takes for an M (081 = 500 ms); until the slides stand it is
+    // 200 ms more.
+    assert!(waits.iter().all(|wait| *wait < 600), "{waits:?}");
+}
+
+#[test]
+fn without_the_output_the_setting_is_named() {
+    let mut machine = analog(false);
+    let stood = machine.twin.pulses();
+    start(&mut machine, "O1\nG96 S100 M03\nG98 G01 W-5 F100\nM30\n");
+    machine.pass(500);
+    let alarms = machine.alarms();
+    assert!(
+        alarms[0].contains("604") && alarms[0].contains("io.spindle_pwm"),
+        "{alarms:?}"
+    );
+    assert_eq!(machine.twin.pulses(), stood);
+}
+
+/// The sample as it is: feed per revolution behind the index of the real spindle.
+#[test]
+fn the_bushing_as_it_is_ends_on_the_pulse_of_the_kernel() {
+    let mut lathe = Lathe::new(true, &[]);
+    let opened = Request::OpenExternal(Program::new(BUSHING));
+    lathe.simulation.cnc.request(opened).unwrap();
+    lathe.press(AUTO);
+    lathe.press(CYCLE_START);
+    let mut duties = std::collections::BTreeSet::new();
+    for _ in 0..3_600_000 {
+        lathe.ms();
+        duties.extend(lathe.twin.output("PB6"));
+        let cnc = &lathe.simulation.cnc;
+        if !lathe.linked.is_behind() && !cnc.is_moving() && cnc.run_state() != RunState::Run {
+            break;
+        }
+    }
+    assert_eq!(lathe.alarms(), Vec::<String>::new());
+    assert_eq!(lathe.simulation.cnc.run_state(), RunState::Reset);
+    let kernel = lathe.simulation.cnc.pulses();
+    let [x, z] = lathe.twin.pulses();
+    assert_eq!(
+        [x - lathe.origin[0], z - lathe.origin[1]],
+        [kernel.x.0, kernel.z.0]
+    );
+    // From 120 m/min at 64 mm to 2000 r/min, which is 10 V.
+    assert!(duties.contains(&0) && duties.contains(&255) && duties.len() > 20);
+    assert_eq!(lathe.twin.output("PB4"), Some(0), "M05");
+}
