@@ -508,3 +508,69 @@ fn letters_of_a_report_are_contacts_of_the_control() {
     assert_eq!(bench.link.input(contact(2)), None, "not wired");
     assert_eq!(bench.link.input(Input::LimitX), Some(false));
 }
+
+/// Old or other firmware is named and refused; nothing is written into it.
+#[test]
+fn another_firmware_is_602() {
+    for (identity, named) in [
+        ("[VER:1.1e.20161219:]\r\n[OPT:V,15,128]\r\nok\r\n", "1.1e"),
+        ("[0.9j.20160316:]\r\nok\r\n", "older than 1.1f"),
+        ("echo:Unknown command: \"$I\"\r\nok\r\n", "older than 1.1f"),
+        (
+            "[VER:1.1f.2020:]\r\n[OPT:V,35,255]\r\n[AXS:2:XY]\r\n[FIRMWARE:grblHAL]\r\nok\r\n",
+            "axes XY",
+        ),
+        (
+            "[VER:3.0:]\r\n[OPT:,15,128]\r\n[FIRMWARE:Other]\r\nok\r\n",
+            "firmware Other",
+        ),
+        ("error:1\r\n", "error:1"),
+    ] {
+        let mut link = LineLink::open(
+            LinkConfig::default(),
+            &Parameters::default(),
+            Duration::ZERO,
+        );
+        let (mut sent, mut events) = (Vec::new(), Vec::new());
+        for ms in 0..6000 {
+            let now = Duration::from_millis(ms);
+            if ms == 100 {
+                link.rx(b"\r\nHello\r\n", now);
+            }
+            link.tick(now);
+            let tx = link.tx().to_vec();
+            link.consumed(tx.len());
+            if tx.starts_with(b"$I") {
+                link.rx(identity.as_bytes(), now);
+            }
+            sent.extend(tx);
+            events.extend(link.events());
+        }
+        let told = events.iter().any(
+            |event| matches!(event, Event::Alarm { number: 602, detail } if detail.contains(named)),
+        );
+        assert!(told, "{identity}: {events:?}");
+        assert_eq!(link.state(), LinkState::Fault);
+        assert_eq!(sent, b"\x18\n$I\n", "{identity}");
+    }
+}
+
+/// Somebody opened its door, or put it into another state: it is stopped, and said.
+#[test]
+fn a_state_nobody_asked_for_is_607() {
+    for state in ["Door:0", "Tool", "Sleep", "Check", "Jog"] {
+        let mut bench = Bench::ready(Variant::GrblHal);
+        for k in 1..=300 {
+            assert!(bench.sample(0, -k * 4));
+        }
+        let said = format!("<{state}|MPos:0.000,0.000,-4.000|Bf:90,1000|FS:0,0>\r\n");
+        let now = bench.twin.now();
+        bench.twin.to_host.give(said.as_bytes(), now);
+        bench.pass(2000);
+        assert_eq!(bench.alarms(), [607], "{state}: {:?}", bench.events);
+        assert_eq!(bench.link.state(), LinkState::Fault, "{state}");
+        let stood = bench.twin.pulses();
+        bench.pass(1000);
+        assert_eq!(bench.twin.pulses(), stood, "{state}");
+    }
+}

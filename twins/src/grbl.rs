@@ -157,6 +157,8 @@ pub struct GrblTwin {
     pulses: [i64; 3],
     /// What the firmware believes, pulses.
     position: [i64; 3],
+    /// By so much it reports another place.
+    miscounted: [i64; 3],
     state: State,
     /// After a hard limit: nothing but a reset is heard.
     silent: bool,
@@ -206,6 +208,7 @@ impl GrblTwin {
             planner: Planner::new(variant.blocks()),
             pulses: [0; 3],
             position: [0; 3],
+            miscounted: [0; 3],
             state: State::Idle,
             silent: false,
             hold_from: None,
@@ -273,6 +276,22 @@ impl GrblTwin {
         [self.pulses[0], self.pulses[2]]
     }
 
+    /// The firmware loses count: it believes to stand so many pulses beside its place.
+    pub const fn miscount(&mut self, [x, z]: [i64; 2]) {
+        self.miscounted[0] += x;
+        self.miscounted[2] += z;
+    }
+
+    /// The board stops itself with this alarm of its firmware; from the smaller numbers
+    /// it has to be unlocked.
+    pub fn give_up(&mut self, number: u8) {
+        self.planner.clear();
+        self.waiting = None;
+        self.homing = None;
+        self.state = State::Alarm;
+        self.say(&format!("ALARM:{number}\r\n"));
+    }
+
     /// Its settings.
     pub const fn settings(&self) -> &Settings {
         &self.settings
@@ -337,6 +356,7 @@ impl GrblTwin {
     fn power_on(&mut self) {
         self.boots_at = None;
         self.position = [0; 3];
+        self.miscounted = [0; 3];
         self.modal = Modal::default();
         self.state = if self.settings.is_on(22) {
             State::Alarm
@@ -350,6 +370,10 @@ impl GrblTwin {
     fn start_firmware(&mut self) {
         self.received.clear();
         self.line.clear();
+        let off = core::mem::take(&mut self.miscounted);
+        for (place, off) in self.position.iter_mut().zip(off) {
+            *place += off;
+        }
         self.in_comment = false;
         self.too_long = false;
         self.waiting = None;
@@ -379,7 +403,9 @@ impl GrblTwin {
 
     fn millimetres(&self) -> [f64; 3] {
         let scale = self.settings.axes(100);
-        [0, 1, 2].map(|axis| self.position[axis] as f64 / scale[axis].max(1e-9))
+        [0, 1, 2].map(|axis| {
+            (self.position[axis] + self.miscounted[axis]) as f64 / scale[axis].max(1e-9)
+        })
     }
 
     /// The receive interrupt: some characters act at once, the others go into

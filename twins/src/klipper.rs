@@ -274,6 +274,17 @@ impl KlipperTwin {
         self.crc = Some(1);
     }
 
+    /// The firmware loses count: its steppers believe to stand so many pulses beside
+    /// their places.
+    pub fn miscount(&mut self, pulses: [i64; 2]) {
+        let mut off = pulses.into_iter();
+        for object in self.oids.values_mut() {
+            if let Object::Stepper(stepper) = object {
+                stepper.position += off.next().unwrap_or_default();
+            }
+        }
+    }
+
     /// Gives an input pin a level, whatever switch is there; pins nobody gave one are
     /// low.
     pub fn set_pin(&mut self, name: &str, level: bool) {

@@ -108,7 +108,11 @@ impl Drive {
     }
 
     /// Gives the slides back to the simulation; the board stops.
-    pub fn close(self, simulation: &mut Simulation) -> Connection {
+    pub fn close(mut self, simulation: &mut Simulation) -> Connection {
+        self.linked.check_last();
+        for note in self.linked.notes() {
+            self.note(&note, None);
+        }
         let Self {
             connection,
             linked,

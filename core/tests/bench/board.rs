@@ -1,4 +1,4 @@
-//! A control, its link and a board, in virtual time.
+//! A control, its link and a board of either kind, in virtual time.
 
 use core::time::Duration;
 
@@ -9,10 +9,15 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
+use gsk_core::units::Axis;
 use gsk_twins::grbl::{GrblTwin, Settings, Variant};
+use gsk_twins::klipper::{self, KlipperTwin, Make};
+use gsk_twins::wire::Wire;
 
 /// One millisecond of all three.
 const MS: u64 = 1_000_000;
+/// Pulses of X and Z from where the slides stand first to the reference switches.
+const SWITCHES: [i64; 2] = [800, 400];
 
 /// Keys of the machine panel.
 pub const AUTO: BitAddress = key(20, 1);
@@ -25,6 +30,11 @@ pub const FEED_HOLD: BitAddress = key(24, 7);
 pub const SINGLE_BLOCK: BitAddress = key(20, 6);
 pub const DRY_RUN: BitAddress = key(21, 2);
 pub const MACHINE_LOCK: BitAddress = key(21, 0);
+/// Feed override down.
+pub const SLOWER: BitAddress = key(24, 6);
+/// Rapid by hand.
+pub const RAPID: BitAddress = key(22, 6);
+pub const MDI: BitAddress = key(20, 2);
 pub const STEP: BitAddress = key(20, 4);
 pub const INCREMENT_100: BitAddress = key(21, 6);
 pub const JOG: BitAddress = key(20, 5);
@@ -40,11 +50,119 @@ const fn key(byte: u16, bit: u8) -> BitAddress {
     }
 }
 
+/// What the tests of both kinds of board need of a twin.
+pub trait Board: Clone {
+    fn now(&self) -> u64;
+    fn advance(&mut self, ns: u64);
+    fn read(&mut self) -> Vec<u8>;
+    fn write(&mut self, bytes: &[u8]);
+    /// Pulses at the pins.
+    fn pulses(&self) -> [i64; 2];
+    /// The board counts wrong from here on.
+    fn miscount(&mut self, pulses: [i64; 2]);
+    /// Power or the reset line.
+    fn press_reset(&mut self);
+    /// Its firmware gives up by itself.
+    fn fail(&mut self);
+    /// The limit switch of Z, and the contact of the emergency stop.
+    fn press_limit(&mut self, operated: bool);
+    fn press_emergency(&mut self, operated: bool);
+    /// To the board, and to the host.
+    fn wires(&mut self) -> [&mut Wire; 2];
+}
+
+impl Board for GrblTwin {
+    fn now(&self) -> u64 {
+        self.now()
+    }
+    fn advance(&mut self, ns: u64) {
+        self.advance(ns);
+    }
+    fn read(&mut self) -> Vec<u8> {
+        self.read()
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        self.write(bytes);
+    }
+    fn pulses(&self) -> [i64; 2] {
+        self.pulses()
+    }
+    fn miscount(&mut self, pulses: [i64; 2]) {
+        self.miscount(pulses);
+    }
+    fn press_reset(&mut self) {
+        self.press_reset();
+    }
+    fn fail(&mut self) {
+        self.give_up(5);
+    }
+    fn press_limit(&mut self, operated: bool) {
+        self.pins.limit_z = operated;
+    }
+    fn press_emergency(&mut self, operated: bool) {
+        self.pins.emergency = operated;
+    }
+    fn wires(&mut self) -> [&mut Wire; 2] {
+        [&mut self.to_board, &mut self.to_host]
+    }
+}
+
+/// A board of timed steps, with reference switches of X and Z at these pulses.
 #[derive(Clone)]
-pub struct Machine {
+pub struct Timed(pub KlipperTwin, pub [i64; 2]);
+
+impl Board for Timed {
+    fn now(&self) -> u64 {
+        self.0.now()
+    }
+    fn advance(&mut self, ns: u64) {
+        let end = self.0.now() + ns;
+        while self.0.now() < end {
+            self.0.advance(MS.min(end - self.0.now()));
+            for (pin, (at, switch)) in ["PC4", "PC6"]
+                .into_iter()
+                .zip(self.0.pulses().into_iter().zip(self.1))
+            {
+                self.0.set_pin(pin, at >= switch);
+            }
+        }
+    }
+    fn read(&mut self) -> Vec<u8> {
+        self.0.read()
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        self.0.write(bytes);
+    }
+    fn pulses(&self) -> [i64; 2] {
+        self.0.pulses()
+    }
+    fn miscount(&mut self, pulses: [i64; 2]) {
+        self.0.miscount(pulses);
+    }
+    fn press_reset(&mut self) {
+        self.0.press_reset();
+    }
+    fn fail(&mut self) {
+        if self.0.state() == klipper::State::Runs {
+            self.0.shut_down_for("Command parser error");
+        }
+    }
+    fn press_limit(&mut self, operated: bool) {
+        self.0.set_pin("PC1", operated);
+    }
+    fn press_emergency(&mut self, operated: bool) {
+        self.0.set_pin("PC2", !operated);
+    }
+    fn wires(&mut self) -> [&mut Wire; 2] {
+        [&mut self.0.to_board, &mut self.0.to_host]
+    }
+}
+
+#[derive(Clone)]
+pub struct Machine<T = GrblTwin> {
     pub simulation: Simulation,
     pub linked: Linked,
-    pub twin: GrblTwin,
+    pub twin: T,
     pub notes: Vec<Note>,
     /// The computer's clock against the board's.
     pub clock_rate: f64,
@@ -59,53 +177,27 @@ pub struct Machine {
     /// The kernel's way: pulses after each tick that made one.
     pub path: Vec<[i64; 2]>,
     recording: bool,
-    /// Ticks of the kernel in motion.
+    /// Bytes to the board while the way is noted.
+    pub sent: Vec<u8>,
+    /// Ticks of the kernel between two pulses that belong together.
     pub moving_ticks: u64,
+    last_pulse: u64,
     /// Looked at after every millisecond.
     pub watch: Option<fn(&Self)>,
 }
 
+/// Two pulses farther apart, in ms, do not belong to one motion.
+pub const APART: u64 = 120;
+
 impl Machine {
     /// A training lathe with electronic gear 1/5 and a board as delivered.
-    fn new(variant: Variant, flush_keep_speed: u32, divide: i32) -> Self {
+    pub fn new(variant: Variant, flush_keep_speed: u32, divide: i32) -> Self {
         let config = LinkConfig {
             flush_keep_speed,
             ..LinkConfig::default()
         };
-        let changes = [(17, divide), (18, divide)];
-        Self::wired(variant, config, Settings::default(), &changes)
-    }
-
-    fn wired(
-        variant: Variant,
-        config: LinkConfig,
-        settings: Settings,
-        changes: &[(u16, i32)],
-    ) -> Self {
-        let mut setup = Setup::delivered();
-        for (number, value) in changes {
-            setup.parameters.set(*number, *value).unwrap();
-        }
-        let mut simulation = Simulation::new(setup);
-        for _ in 0..100 {
-            simulation.tick();
-        }
-        let linked = Linked::open(config, &mut simulation, Duration::ZERO);
-        Self {
-            simulation,
-            linked,
-            twin: GrblTwin::new(variant, settings),
-            notes: Vec::new(),
-            clock_rate: 1.0,
-            clock: (0, Duration::ZERO),
-            ticks: 0,
-            origin: [0, 0],
-            home: [0, 0],
-            path: Vec::new(),
-            recording: false,
-            moving_ticks: 0,
-            watch: None,
-        }
+        let twin = GrblTwin::new(variant, Settings::default());
+        Self::wired(twin, config, &[(17, divide), (18, divide)])
     }
 
     /// Settings written, board unlocked; nobody knows where it stands.
@@ -147,21 +239,126 @@ impl Machine {
     pub fn threading(config: LinkConfig, settings: Settings, changes: &[(u16, i32)]) -> Self {
         let gear = [(17, 5), (18, 5)];
         let changes = [&gear[..], changes].concat();
-        Self::wired(Variant::GrblHal, config, settings, &changes)
+        Self::wired(GrblTwin::new(Variant::GrblHal, settings), config, &changes)
             .open()
             .homed()
+    }
+}
+
+impl Machine<Timed> {
+    /// A training lathe with electronic gear 1/5 and a board of timed steps that has
+    /// just got power.
+    pub fn timed(flush_keep_speed: u32) -> Self {
+        let config: LinkConfig = ron::from_str(
+            r#"(
+                protocol: StepQueue,
+                baud: 250000,
+                x: (step: "PA0", dir: "PA1", limit: "^PC0", dec: "PC4"),
+                z: (step: "PA2", dir: "PA3", limit: "^PC1", dec: "PC6"),
+                io: (enable: "PL0", estop: "!PC2", drive_alarm: "PC7", spindle_cw: "PB4", coolant: "!PB7"),
+            )"#,
+        )
+        .unwrap();
+        let mut twin = KlipperTwin::new(Make::default());
+        twin.set_pin("PC2", true);
+        let config = LinkConfig {
+            flush_keep_speed,
+            ..config
+        };
+        Self::wired(Timed(twin, SWITCHES), config, &[(17, 5), (18, 5)])
+    }
+
+    /// Set up; nobody knows where it stands.
+    pub fn timed_connected() -> Self {
+        let mut machine = Self::timed(10_000);
+        machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
+        machine.press(RESET);
+        machine.pass(500);
+        machine
+    }
+
+    /// The reference return is made.
+    pub fn timed_referenced() -> Self {
+        Self::timed_connected().homed()
+    }
+}
+
+impl<T: Board> Machine<T> {
+    fn wired(twin: T, config: LinkConfig, changes: &[(u16, i32)]) -> Self {
+        let mut setup = Setup::delivered();
+        for (number, value) in changes {
+            setup.parameters.set(*number, *value).unwrap();
+        }
+        let mut simulation = Simulation::new(setup);
+        for _ in 0..100 {
+            simulation.tick();
+        }
+        let linked = Linked::open(config, &mut simulation, Duration::ZERO);
+        Self {
+            simulation,
+            linked,
+            twin,
+            notes: Vec::new(),
+            clock_rate: 1.0,
+            clock: (0, Duration::ZERO),
+            ticks: 0,
+            origin: [0, 0],
+            home: [0, 0],
+            path: Vec::new(),
+            recording: false,
+            sent: Vec::new(),
+            moving_ticks: 0,
+            last_pulse: 0,
+            watch: None,
+        }
     }
 
     fn homed(self) -> Self {
         let mut machine = self;
-        machine.press(ZERO);
-        machine.press(X_PLUS);
-        let ready = machine.wait(60_000, |machine| machine.linked.state() == LinkState::Ready);
-        assert!(ready, "{:?} {:?}", machine.linked.state(), machine.alarms());
-        let (board, kernel) = (machine.twin.pulses(), machine.simulation.cnc.pulses());
-        machine.origin = [board[0] - kernel.x.0, board[1] - kernel.z.0];
-        machine.home = [kernel.x.0, kernel.z.0];
+        machine.reference();
         machine
+    }
+
+    /// Makes the reference return; a board that seeks both switches with one key has
+    /// done with the first.
+    pub fn reference(&mut self) {
+        self.press(ZERO);
+        for (key, axis) in [(X_PLUS, Axis::X), (Z_PLUS, Axis::Z)] {
+            if !self.simulation.cnc.referenced().get(axis) {
+                self.press(key);
+                self.wait(60_000, |machine| {
+                    *machine.simulation.cnc.referenced().get(axis) || !machine.alarms().is_empty()
+                });
+                self.pass(300);
+            }
+        }
+        let ready = self.wait(2000, |machine| machine.linked.state() == LinkState::Ready);
+        assert!(ready, "{:?} {:?}", self.linked.state(), self.alarms());
+        let (board, kernel) = (self.twin.pulses(), self.simulation.cnc.pulses());
+        self.origin = [board[0] - kernel.x.0, board[1] - kernel.z.0];
+        self.home = [kernel.x.0, kernel.z.0];
+    }
+
+    /// A short program runs to its end, on the pulse.
+    pub fn works(&mut self) {
+        self.load(
+            "O1\nG50 X60 Z20\nG98 G00 X50 Z5\nG01 Z0 F600\nG00 X60 Z20\nM30\n",
+            None,
+        );
+        self.start();
+        self.run_to_end(60_000);
+        assert_eq!(self.alarms(), [0_u16; 0]);
+        let stood = self.simulation.cnc.pulses();
+        assert_eq!(self.made(), [stood.x.0, stood.z.0]);
+        assert_eq!(self.linked.state(), LinkState::Ready);
+    }
+
+    /// Asked for a program the machine stands.
+    pub fn starts_nothing(&mut self) {
+        let stood = self.twin.pulses();
+        self.start();
+        self.pass(1000);
+        assert_eq!(self.twin.pulses(), stood, "{:?}", self.alarms());
     }
 
     pub fn ms(&mut self) {
@@ -181,6 +378,9 @@ impl Machine {
         let tx = self.linked.tx().to_vec();
         self.twin.write(&tx);
         self.linked.consumed(tx.len());
+        if self.recording {
+            self.sent.extend(&tx);
+        }
         self.notes.extend(self.linked.notes());
         if let Some(watch) = self.watch {
             watch(self);
@@ -197,9 +397,12 @@ impl Machine {
         let cnc = &self.simulation.cnc;
         let pulses = cnc.pulses();
         let at = [pulses.x.0, pulses.z.0];
-        self.moving_ticks += u64::from(cnc.is_moving());
         if self.path.last() != Some(&at) {
             self.path.push(at);
+            let gap = self.ticks - core::mem::replace(&mut self.last_pulse, self.ticks);
+            if gap < APART {
+                self.moving_ticks += gap;
+            }
         }
     }
 
@@ -240,13 +443,15 @@ impl Machine {
     }
 
     pub fn cut_cable(&mut self) {
-        self.twin.to_host.set_cut(true);
-        self.twin.to_board.set_cut(true);
+        for wire in self.twin.wires() {
+            wire.set_cut(true);
+        }
     }
 
     pub fn mend_cable(&mut self) {
-        self.twin.to_host.set_cut(false);
-        self.twin.to_board.set_cut(false);
+        for wire in self.twin.wires() {
+            wire.set_cut(false);
+        }
     }
 
     /// The port is closed and opened again; this board does not mind.

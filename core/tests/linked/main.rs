@@ -2,18 +2,22 @@
 //! The whole control with a board in place of its simulated slides, in virtual time:
 //! what the kernel commands is what the board makes, and every stop is a defined one.
 
+mod alarms;
 #[path = "../bench/board.rs"]
 mod board;
+mod checks;
 mod faults;
 mod lines;
+mod motion;
 mod passes;
 mod programs;
 mod reference;
 mod shift;
+mod states;
 mod stops;
 mod way;
 
-use board::Machine;
+use board::{Board, Machine};
 
 const SHAFT: &str = include_str!("../../../assets/programs/01-stepped-shaft.CNC");
 const BUSHING: &str = include_str!("../../../assets/programs/02-bushing.CNC");
@@ -45,7 +49,7 @@ fn rounds(usual: u32) -> u32 {
 }
 
 #[track_caller]
-fn assert_together(machine: &Machine) {
+fn assert_together<T: Board>(machine: &Machine<T>) {
     let stood = machine.simulation.cnc.pulses();
     assert_eq!(machine.made(), [stood.x.0, stood.z.0]);
 }

@@ -5,8 +5,8 @@ use gsk_core::operation::RunState;
 use gsk_twins::grbl::{State, Variant};
 
 use crate::board::{
-    CYCLE_START, DRY_RUN, INCREMENT_100, JOG, MACHINE_LOCK, Machine, RESET, SINGLE_BLOCK, STEP,
-    Z_MINUS,
+    Board, CYCLE_START, DRY_RUN, INCREMENT_100, JOG, MACHINE_LOCK, Machine, RESET, SINGLE_BLOCK,
+    STEP, Z_MINUS,
 };
 use crate::{BUSHING, GROOVE, PIN, SHAFT, SHORT, assert_together};
 
@@ -54,7 +54,11 @@ fn what_the_board_cannot_do_is_refused_before_anything_moves() {
 
 #[test]
 fn single_block_stands_between_the_blocks_and_is_checked_there() {
-    let mut machine = Machine::referenced(Variant::GrblHal);
+    go_block_by_block(Machine::referenced(Variant::GrblHal));
+    go_block_by_block(Machine::timed_referenced());
+}
+
+fn go_block_by_block<T: Board>(mut machine: Machine<T>) {
     machine.load(SHORT, None);
     machine.press(SINGLE_BLOCK);
     machine.notes.clear();
@@ -88,7 +92,11 @@ fn single_block_stands_between_the_blocks_and_is_checked_there() {
 
 #[test]
 fn a_dry_run_ends_on_the_same_pulse() {
-    let mut machine = Machine::referenced(Variant::Grbl);
+    go_dry(Machine::referenced(Variant::Grbl));
+    go_dry(Machine::timed_referenced());
+}
+
+fn go_dry<T: Board>(mut machine: Machine<T>) {
     machine.load(
         "O5\nG50 X60 Z20\nM03 S300\nG00 X30 Z5\nG92 X20 Z-5 F2\nG00 X60 Z20\nM30\n",
         None,

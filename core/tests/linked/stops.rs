@@ -3,12 +3,16 @@
 use gsk_core::machine::link::LinkState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{AUTO, CYCLE_START, FEED_HOLD, JOG, Machine, RESET, Z_MINUS};
+use crate::board::{AUTO, Board, CYCLE_START, FEED_HOLD, JOG, Machine, RESET, Z_MINUS};
 use crate::{Dice, SHORT, assert_together, rounds};
 
 #[test]
 fn holds_at_any_time_lose_no_pulse() {
-    let ready = Machine::referenced(Variant::Grbl);
+    hold_at_any_time(&Machine::referenced(Variant::Grbl));
+    hold_at_any_time(&Machine::timed_referenced());
+}
+
+fn hold_at_any_time<T: Board>(ready: &Machine<T>) {
     let plain = {
         let mut machine = ready.clone();
         machine.load(SHORT, None);
@@ -40,7 +44,11 @@ fn holds_at_any_time_lose_no_pulse() {
 
 #[test]
 fn after_reset_the_control_stands_where_the_board_does() {
-    let ready = Machine::referenced(Variant::Grbl);
+    reset_at_any_time(&Machine::referenced(Variant::Grbl));
+    reset_at_any_time(&Machine::timed_referenced());
+}
+
+fn reset_at_any_time<T: Board>(ready: &Machine<T>) {
     let mut dice = Dice(3);
     for _ in 0..rounds(8) {
         let mut machine = ready.clone();

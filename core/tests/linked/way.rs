@@ -4,17 +4,21 @@ use core::time::Duration;
 use std::collections::VecDeque;
 
 use gsk_core::operation::RunState;
-use gsk_twins::grbl::{State, Variant};
+use gsk_twins::grbl::Variant;
 
-use crate::board::{AUTO, CYCLE_START, Machine};
-use crate::{SHAFT, assert_together};
+use crate::board::{APART, AUTO, Board, CYCLE_START, Machine};
+use crate::{GROOVE, PIN, SHAFT, assert_together};
 
 /// At most a pulse and 2 µm beside the commanded way, within 1 % of its time; and no
 /// picture shows more than was made.
 #[test]
 fn the_board_goes_the_kernels_way_in_the_kernels_time() {
-    let mut machine = Machine::referenced(Variant::Grbl);
-    machine.load(SHAFT, None);
+    follow(Machine::referenced(Variant::Grbl), SHAFT, None);
+    follow(Machine::timed_referenced(), PIN, Some(GROOVE));
+}
+
+fn follow<T: Board>(mut machine: Machine<T>, main: &str, sub: Option<&str>) {
+    machine.load(main, sub);
     machine.press(AUTO);
     machine.record();
     machine.press(CYCLE_START);
@@ -22,10 +26,14 @@ fn the_board_goes_the_kernels_way_in_the_kernels_time() {
     for _ in 0..3_600_000 {
         machine.ms();
         follower.look(&machine);
-        if machine.simulation.cnc.run_state() == RunState::Reset && !machine.linked.is_behind() {
-            break;
+        match machine.simulation.cnc.run_state() {
+            RunState::Reset if !machine.linked.is_behind() => break,
+            // M00 waits for the operator.
+            RunState::Stop if !machine.linked.is_behind() => machine.press(CYCLE_START),
+            _ => {}
         }
     }
+    assert_eq!(machine.alarms(), [0_u16; 0]);
     assert_together(&machine);
     let (made, commanded) = (follower.moving as f64, machine.moving_ticks as f64);
     assert!(
@@ -69,7 +77,9 @@ fn clocks_that_differ_are_no_matter() {
 struct Follower {
     at: usize,
     off: f64,
+    /// Time between two pulses that belong together, ms.
     moving: u64,
+    last_pulse: ([i64; 2], u64),
     /// Pictures that wait: the moment of their motion, their place on the way, and
     /// when they were taken.
     pictures: VecDeque<(Duration, usize, Duration)>,
@@ -78,9 +88,14 @@ struct Follower {
 }
 
 impl Follower {
-    fn look(&mut self, machine: &Machine) {
+    fn look<T: Board>(&mut self, machine: &Machine<T>) {
         let [x, z] = machine.made();
-        self.moving += u64::from(machine.twin.state() == State::Run);
+        let ms = machine.twin.now() / 1_000_000;
+        if self.last_pulse.0 != [x, z] {
+            let gap = ms - self.last_pulse.1;
+            self.moving += if gap < APART { gap } else { 0 };
+            self.last_pulse = ([x, z], ms);
+        }
         let mm = |[x, z]: [i64; 2]| [x as f64 / 400.0, z as f64 / 200.0];
         let here = mm([x, z]);
         let way = &machine.path;

@@ -105,6 +105,7 @@ impl GrblTwin {
                     -pull_off
                 };
                 self.position[number] = (place * scale).round() as i64;
+                self.miscounted[number] = 0;
                 homing.axes.pop_front();
                 Some(Stage::Seek)
             }

@@ -200,6 +200,15 @@ impl Link {
         }
     }
 
+    /// Asks a standing board for its count: [`Event::Position`] tells it when it agrees.
+    /// False: it tells it all the time.
+    pub fn compare(&mut self) -> bool {
+        match self {
+            Self::Line(_) => false,
+            Self::StepQueue(link) => link.compare(),
+        }
+    }
+
     /// Writes the settings that differ; the operator was asked.
     pub fn write_settings(&mut self) {
         match self {

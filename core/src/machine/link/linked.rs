@@ -98,6 +98,8 @@ pub struct Linked {
     spindle_way: f64,
     spindle_index: f64,
     spindle_view: Option<SpindleView>,
+    /// Somebody wants to know whether the counts agree; the board has been asked.
+    checking: bool,
     /// A count that agreed at a standstill and has not been noted yet.
     agreed: Option<PerAxis<Pulses>>,
     /// The program that ended and whose end has not been checked yet.
@@ -135,6 +137,7 @@ impl Linked {
             spindle_way: 1.0,
             spindle_index: 0.0,
             spindle_view: None,
+            checking: false,
             agreed: None,
             ended: None,
             notes: Vec::new(),
@@ -390,7 +393,17 @@ impl Linked {
     /// Compares the counts, when the slides stand.
     pub fn check(&mut self) {
         if self.link.state() == LinkState::Ready && !self.is_behind() {
-            // What differs is an alarm as soon as it is reported.
+            self.checking = self.link.compare();
+            if !self.checking {
+                // What differs is an alarm as soon as it is reported.
+                self.checked(true, None);
+            }
+        }
+    }
+
+    /// The port is about to be closed: the last comparison is noted.
+    pub fn check_last(&mut self) {
+        if self.link.state() == LinkState::Ready && !self.is_behind() {
             self.checked(true, None);
         }
     }

@@ -15,6 +15,8 @@ const QUIET: Duration = Duration::from_millis(200);
 const GIVE_UP: Duration = Duration::from_secs(5);
 /// Time for the answer to one question.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// Acts at once, wherever it stands.
+const RESET: &str = "\x18";
 const QUESTIONS: [&str; 4] = ["$I", "$$", "$#", "$G"];
 
 /// Where the opening stands.
@@ -107,8 +109,9 @@ impl Opening {
         match self.step {
             Step::Greeting if waited >= BANNER_WAIT => {
                 self.go(Step::Quiet, now);
-                // An unfinished line may still lie in the board.
-                Outcome::Send(String::new())
+                // It was not reset with its port: what an earlier host has left in it,
+                // perhaps half a line of motion, must never be carried out.
+                Outcome::Send(RESET.into())
             }
             Step::Quiet
                 if self.heard

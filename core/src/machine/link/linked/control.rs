@@ -157,7 +157,14 @@ impl Linked {
                         self.link.forget_position();
                     }
                 }
-                self.agreed = self.link.knows_position().then_some(pulses);
+                let agreed = self.link.knows_position().then_some(pulses);
+                if core::mem::take(&mut self.checking) {
+                    if agreed.is_some() {
+                        self.checked(true, agreed);
+                    }
+                } else {
+                    self.agreed = agreed;
+                }
             }
             Event::Halting { reached } => {
                 let first = self.halting.is_none() && !self.flushing;

@@ -75,15 +75,14 @@ impl Linked {
         false
     }
 
-    /// Whether the host was away for longer than the motion it had handed over lasts,
-    /// while the slides were too fast to be stopped at once.
+    /// Whether the host was away for longer than the motion it had handed over lasts.
     pub(super) fn has_starved(&self, simulation: &Simulation, gap: Duration) -> bool {
-        let fast = simulation.cnc.feed_actual() > f64::from(self.config.flush_keep_speed);
+        let moves = simulation.cnc.feed_actual() > 0.0;
         let long = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
         // A board of timed steps notices by itself.
         let lines = self.config.protocol == Protocol::Line;
         let ahead = lines && self.pass.is_none() && self.link.takes_motion();
-        fast && long && ahead && self.link.state() == LinkState::Moving
+        moves && long && ahead && self.link.state() == LinkState::Moving
     }
 
     pub(super) fn samples_late(&mut self, simulation: &mut Simulation) {

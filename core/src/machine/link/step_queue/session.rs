@@ -46,6 +46,8 @@ enum Purpose {
     Opening,
     /// All motion is made: does the count agree?
     Verify,
+    /// Does it still agree? Told when somebody wants to know.
+    Look { asked: bool },
     /// The axes were stopped.
     Stopped,
 }
@@ -79,6 +81,8 @@ pub struct StepLink {
     group: Group,
     stopping: Option<Stopping>,
     reading: Option<Reading>,
+    /// When the place of standing axes is looked at again.
+    look_due: HostTime,
     upkeep: Upkeep,
     spindle: Spindle,
     /// The board is shut down: it hears nothing but a reset.
@@ -118,6 +122,7 @@ impl StepLink {
             group: Group::default(),
             stopping: None,
             reading: None,
+            look_due: HostTime::ZERO,
             upkeep: Upkeep::default(),
             spindle: Spindle::new(1.0),
             down: false,
@@ -295,6 +300,9 @@ impl StepLink {
         }
         match stop {
             Stop::Flush => self.flush(),
+            // Its own contact: the stop group does it, and a board that is not shut down
+            // tells when it is released.
+            Stop::Kill if self.input(Input::EmergencyStop) == Some(true) => self.trip(),
             Stop::Kill => {
                 self.give_up_motion();
                 self.lose_position();

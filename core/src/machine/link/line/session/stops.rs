@@ -108,6 +108,8 @@ impl LineLink {
         self.halt = Halt::None;
         self.homing = None;
         self.status = None;
+        // What was asked before is never answered.
+        self.asked = None;
         self.switched = BoardOutputs::default();
         self.alarm(
             606,
@@ -157,12 +159,23 @@ impl LineLink {
                 self.restart();
                 self.enter(LinkState::Fault);
             }
+            17 => {
+                for (number, axis) in [(221, 'X'), (222, 'Z')] {
+                    let text = format!("ALARM:17 of the board: motor fault, perhaps of {axis}");
+                    self.alarm(number, &text);
+                }
+                self.restart();
+                self.enter(LinkState::Tripped);
+            }
             2 | 4 | 5 | 12 | 13 | 22 => {
                 self.alarm(608, &format!("ALARM:{number} of the board"));
+                // Whatever it still holds it shall not carry out after an unlock.
+                self.restart();
                 self.enter(LinkState::Fault);
             }
             _ => {
                 self.alarm(607, "the board is locked");
+                self.restart();
                 self.enter(LinkState::Fault);
             }
         }

@@ -23,6 +23,8 @@ const COARSER: [(Duration, Ticks); 4] = [
     (Duration::from_millis(10), 8),
 ];
 const COARSEST: Ticks = 16;
+/// The count of standing axes is compared so often.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
 /// Standing so long before the count is compared.
 const SETTLED: Duration = Duration::from_millis(50);
 /// Messages that wait for the wire; more motion is not taken.
@@ -109,9 +111,9 @@ impl StepLink {
         let from = self.next_begin();
         if !rests {
             // A question where the axes stand is idle now.
-            self.reading = self
-                .reading
-                .filter(|reading| reading.purpose != Purpose::Verify);
+            self.reading = self.reading.filter(|reading| {
+                !matches!(reading.purpose, Purpose::Verify | Purpose::Look { .. })
+            });
         }
         let need = self.delivery.time_for(self.motion.pace.expected());
         let need = need.saturating_sub(self.slowness() / 2);
@@ -301,7 +303,27 @@ impl StepLink {
         let moving = self.state == LinkState::Moving && self.stopping.is_none();
         if moving && made && !queued && self.reading.is_none() {
             self.read_place(Purpose::Verify);
+        } else if self.now >= self.look_due && self.may_look() {
+            self.look_due = self.now + LOOK_EVERY;
+            self.read_place(Purpose::Look { asked: false });
         }
+    }
+
+    fn may_look(&self) -> bool {
+        self.state == LinkState::Ready
+            && self.stopping.is_none()
+            && self.reading.is_none()
+            && !self.motion.is_under_way()
+    }
+
+    /// Compares the counts of standing axes now: [`Event::Position`] when they agree.
+    /// Whether the board is asked.
+    pub fn compare(&mut self) -> bool {
+        let asks = self.may_look();
+        if asks {
+            self.read_place(Purpose::Look { asked: true });
+        }
+        asks
     }
 
     /// The board said where the axes stand.
@@ -312,13 +334,18 @@ impl StepLink {
                 self.motion.board = Some(board);
                 self.enter(LinkState::Locked);
             }
-            Purpose::Verify => {
+            Purpose::Verify | Purpose::Look { .. } => {
                 let motion = &mut self.motion;
                 motion.board = Some(board);
                 let (x, z) = (board.x.0 - motion.offset.x, board.z.0 - motion.offset.z);
                 let kernel = PerAxis::new(Pulses(x), Pulses(z));
                 let commanded = motion.commanded;
-                self.events.push(Event::Position(kernel));
+                if purpose != (Purpose::Look { asked: false }) {
+                    self.events.push(Event::Position(kernel));
+                }
+                if kernel == commanded && purpose != Purpose::Verify {
+                    return;
+                }
                 if kernel == commanded {
                     self.events.push(Event::Drained);
                     self.enter(if self.known {

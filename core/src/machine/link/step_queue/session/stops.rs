@@ -253,6 +253,17 @@ impl StepLink {
                 .is_some_and(|wait| wait.asked.is_none() && now >= wait.from)
     }
 
+    /// The emergency stop contact of the board is open.
+    pub(super) fn trip(&mut self) {
+        self.upkeep.drives_on = false;
+        if self.takes_motion() || self.state == LinkState::Homing {
+            self.halt(Why::Trip(EMERGENCY));
+        } else if self.stopping.is_none() {
+            self.lose_position();
+            self.enter(LinkState::Tripped);
+        }
+    }
+
     /// The input that was waited for does not stop the axes any more.
     pub fn disarm(&mut self, axis: Axis) {
         let Some(wait) = self.group.waits[axis as usize].take() else {

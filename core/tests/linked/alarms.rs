@@ -1,0 +1,238 @@
+//! The alarms of the link: how each comes about, that nothing runs before its cause is
+//! gone, and what it takes to go on.
+
+use gsk_core::machine::link::LinkState;
+use gsk_twins::grbl::{GrblTwin, Variant};
+
+use crate::SHORT;
+use crate::board::{Board, JOG, Machine, RESET, Timed, Z_PLUS};
+
+/// A program in its cut.
+fn working<T: Board>(ready: &Machine<T>) -> Machine<T> {
+    let mut machine = ready.clone();
+    machine.load(SHORT, None);
+    machine.start();
+    assert!(machine.wait(5000, |machine| {
+        machine.simulation.cnc.cursor().line >= 5 && machine.simulation.cnc.is_moving()
+    }));
+    machine.pass(200);
+    machine
+}
+
+/// The alarm stands, nothing runs, RESET alone brings back no program.
+fn stops<T: Board>(machine: &mut Machine<T>, number: u16) {
+    assert!(
+        machine.wait(6000, |machine| machine.alarms().contains(&number)),
+        "{number}: {:?} {:?}",
+        machine.alarms(),
+        machine.linked.state()
+    );
+    machine.pass(2000);
+    machine.starts_nothing();
+    assert!(machine.alarms().contains(&number), "{:?}", machine.alarms());
+}
+
+/// RESET and, where the place was lost, the reference return.
+#[track_caller]
+fn goes_on<T: Board>(mut machine: Machine<T>) {
+    machine.press(RESET);
+    machine.pass(3000);
+    assert!(
+        machine.alarms().is_empty(),
+        "{:?} {:?}",
+        machine.simulation.cnc.alarms(),
+        machine.linked.state()
+    );
+    let referenced = machine.simulation.cnc.referenced();
+    if !(referenced.x && referenced.z) {
+        machine.starts_nothing();
+        assert_eq!(machine.alarms(), [610]);
+        machine.press(RESET);
+        machine.reference();
+    }
+    machine.works();
+}
+
+fn reconnects<T: Board>(machine: &mut Machine<T>) {
+    machine.mend_cable();
+    machine.press(RESET);
+    assert!(machine.linked.is_to_be_reopened());
+    machine.reconnect();
+    machine.wait(8000, |machine| machine.linked.state() == LinkState::Locked);
+}
+
+fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine<T>) {
+    // 601: no answer.
+    let mut machine = opened.clone();
+    machine.cut_cable();
+    stops(&mut machine, 601);
+    machine.press(RESET);
+    assert_eq!(machine.alarms(), [601], "it stands until the board answers");
+    machine.mend_cable();
+    machine.reconnect();
+    machine.wait(8000, |machine| {
+        matches!(
+            machine.linked.state(),
+            LinkState::Locked | LinkState::Configure
+        )
+    });
+    machine.pass(1500);
+    if machine.alarms().contains(&603) {
+        // 603: the settings of a board as delivered differ.
+        machine.press(RESET);
+        assert!(machine.alarms().contains(&603), "until they are written");
+        machine.starts_nothing();
+        machine.linked.write_settings();
+        machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
+    }
+    goes_on(machine);
+
+    // 604: what the board cannot do; another program goes.
+    let mut machine = ready.clone();
+    machine.load("O1\nM03 S300\nG01 X50 F100\nG33 Z-5 F1\nM30\n", None);
+    machine.starts_nothing();
+    assert_eq!(machine.alarms(), [604]);
+    goes_on(machine);
+
+    // 605: the link is lost.
+    let mut machine = working(ready);
+    machine.cut_cable();
+    stops(&mut machine, 605);
+    reconnects(&mut machine);
+    goes_on(machine);
+
+    // 606: the board was reset.
+    let mut machine = working(ready);
+    machine.twin.press_reset();
+    stops(&mut machine, 606);
+    goes_on(machine);
+
+    // 608: it gave up.
+    let mut machine = working(ready);
+    machine.twin.fail();
+    stops(&mut machine, 608);
+    goes_on(machine);
+
+    // 610: no reference.
+    let mut machine = connected.clone();
+    machine.load(SHORT, None);
+    machine.starts_nothing();
+    stops(&mut machine, 610);
+    goes_on(machine);
+
+    // 611: the counts differ.
+    let mut machine = ready.clone();
+    machine.twin.miscount([3, 0]);
+    stops(&mut machine, 611);
+    goes_on(machine);
+
+    // 612: the computer was busy.
+    let mut machine = working(ready);
+    machine.pause(220);
+    stops(&mut machine, 612);
+    goes_on(machine);
+
+    // 622: the limit switch; off it by hand.
+    let mut machine = working(ready);
+    machine.twin.press_limit(true);
+    stops(&mut machine, 622);
+    machine.press(RESET);
+    machine.pass(500);
+    machine.press(JOG);
+    machine.hold(Z_PLUS, 2000);
+    machine.pass(1000);
+    machine.twin.press_limit(false);
+    machine.pass(1000);
+    goes_on(machine);
+
+    // 207: the emergency stop.
+    let mut machine = working(ready);
+    machine.twin.press_emergency(true);
+    stops(&mut machine, 207);
+    machine.press(RESET);
+    machine.pass(500);
+    assert!(machine.alarms().contains(&207), "as long as it is pressed");
+    machine.twin.press_emergency(false);
+    machine.pass(500);
+    goes_on(machine);
+}
+
+#[test]
+fn alarms_of_a_line_board_and_what_it_takes_to_go_on() {
+    common(
+        &Machine::new(Variant::Grbl, 10_000, 5),
+        &Machine::connected(Variant::Grbl),
+        &Machine::referenced(Variant::Grbl),
+    );
+}
+
+#[test]
+fn alarms_of_a_board_of_timed_steps_and_what_it_takes_to_go_on() {
+    common(
+        &Machine::timed(10_000),
+        &Machine::timed_connected(),
+        &Machine::timed_referenced(),
+    );
+}
+
+/// What only the firmware of a line board says: each number is the alarm of the table.
+#[test]
+fn alarms_of_the_firmware_are_those_of_the_table() {
+    let ready = Machine::referenced(Variant::GrblHal);
+    for (said, raised) in [
+        (2, vec![608]),
+        (4, vec![608]),
+        (12, vec![608]),
+        (13, vec![608]),
+        (14, vec![94]),
+        (16, vec![607]),
+        (17, vec![221, 222]),
+        (22, vec![608]),
+    ] {
+        let mut machine: Machine<GrblTwin> = working(&ready);
+        machine.twin.give_up(said);
+        machine.pass(500);
+        let mut alarms = machine.alarms();
+        alarms.sort_unstable();
+        assert_eq!(alarms, raised, "ALARM:{said}");
+        assert!(!machine.linked.knows_position());
+        machine.pass(1500);
+        machine.starts_nothing();
+        goes_on(machine);
+    }
+}
+
+fn tells(ready: &Machine<Timed>, breaks: impl Fn(&mut Timed), number: u16) {
+    let mut machine = working(ready);
+    breaks(&mut machine.twin);
+    stops(&mut machine, number);
+    machine.twin.0.set_pin("PC7", false);
+    machine.pass(500);
+    goes_on(machine);
+}
+
+/// And what only a board of timed steps does.
+#[test]
+fn a_board_of_timed_steps_tells_its_own_faults() {
+    let ready = Machine::timed_referenced();
+    let shut_down = |text: &'static str| move |board: &mut Timed| board.0.shut_down_for(text);
+    tells(
+        &ready,
+        shut_down("Scheduled digital out event will exceed max_duration"),
+        607,
+    );
+    tells(&ready, shut_down("Timer too close"), 612);
+    tells(
+        &ready,
+        |board: &mut Timed| board.0.set_pin("PC7", true),
+        221,
+    );
+    let mut machine = Machine::timed_connected();
+    machine.twin.1 = [400_000, 400_000];
+    machine.press(crate::board::ZERO);
+    machine.press(crate::board::X_PLUS);
+    assert!(machine.wait(125_000, |machine| machine.alarms() == [609]));
+    stops(&mut machine, 609);
+    machine.twin.1 = machine.twin.pulses().map(|at| at + 100);
+    goes_on(machine);
+}

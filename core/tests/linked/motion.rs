@@ -1,0 +1,189 @@
+//! What the operator does while a board moves the slides.
+
+use core::time::Duration;
+
+use gsk_core::cnc::Request;
+use gsk_core::machine::link::LinkState;
+use gsk_core::operation::RunState;
+use gsk_core::units::Axis;
+use gsk_twins::grbl::Variant;
+
+use crate::board::{
+    AUTO, Board, CYCLE_START, FEED_HOLD, JOG, MDI, Machine, RAPID, RESET, SLOWER, Z_MINUS,
+};
+use crate::{SHORT, assert_together};
+
+const CUT: &str = "O1\nG50 X60 Z20\nG98 G01 Z-100 F600\nM30\n";
+
+/// Pulses of Z in so many ms.
+fn speed<T: Board>(machine: &mut Machine<T>, ms: u32) -> i64 {
+    let [_, from] = machine.made();
+    machine.pass(ms);
+    (machine.made()[1] - from).abs()
+}
+
+fn overrides_act<T: Board>(ready: &Machine<T>) {
+    let mut machine = ready.clone();
+    machine.load(CUT, None);
+    machine.start();
+    machine.wait(5000, |machine| machine.simulation.cnc.feed_actual() > 590.0);
+    machine.pass(500);
+    // 600 mm/min are 2000 pulses/s of Z.
+    let before = speed(&mut machine, 500);
+    assert!((985..=1015).contains(&before), "{before}");
+    for _ in 0..5 {
+        machine.press(SLOWER);
+    }
+    machine.pass(400);
+    let after = speed(&mut machine, 500);
+    assert!((492..=508).contains(&after), "{after}");
+    machine.press(FEED_HOLD);
+    machine.pass(1000);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_together(&machine);
+}
+
+/// Feed override is the control's, and acts behind what is handed over.
+#[test]
+fn the_feed_override_slows_the_board_down() {
+    overrides_act(&Machine::referenced(Variant::Grbl));
+    overrides_act(&Machine::timed_referenced());
+}
+
+fn another_mode<T: Board>(ready: &Machine<T>) {
+    let mut machine = ready.clone();
+    machine.load(CUT, None);
+    machine.start();
+    machine.wait(5000, |machine| machine.simulation.cnc.feed_actual() > 590.0);
+    let from = machine.made();
+    machine.press(JOG);
+    assert!(machine.wait(2000, |machine| !machine.linked.is_behind()));
+    assert_together(&machine);
+    assert_eq!(machine.linked.state(), LinkState::Ready);
+    assert!(machine.made()[1] < from[1]);
+    let stood = machine.made();
+    machine.pass(1000);
+    assert_eq!(machine.made(), stood);
+    machine.press(AUTO);
+    machine.press(CYCLE_START);
+    machine.run_to_end(60_000);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+    assert_together(&machine);
+}
+
+#[test]
+fn another_mode_in_motion_brakes_with_the_ramp() {
+    another_mode(&Machine::referenced(Variant::Grbl));
+    another_mode(&Machine::timed_referenced());
+}
+
+fn mdi_and_hold<T: Board>(ready: &Machine<T>) {
+    let mut machine = ready.clone();
+    machine.press(MDI);
+    for word in ["G98", "G01", "W-5", "F300"] {
+        let word = Request::MdiWord(word.to_owned());
+        machine.simulation.cnc.request(word).unwrap();
+    }
+    let [_, from] = machine.made();
+    machine.press(CYCLE_START);
+    machine.pass(1500);
+    assert!(machine.wait(3000, |machine| !machine.linked.is_behind()));
+    assert_eq!(machine.made()[1], from - 1000, "200 pulses a mm");
+    assert_together(&machine);
+    assert_eq!(machine.alarms(), [0_u16; 0]);
+}
+
+#[test]
+fn an_mdi_block_ends_on_the_pulse() {
+    mdi_and_hold(&Machine::referenced(Variant::Grbl));
+    mdi_and_hold(&Machine::timed_referenced());
+}
+
+/// As long as nobody knows where the slides stand they go no faster than No.033.
+fn is_slow<T: Board>(connected: &Machine<T>) {
+    let mut machine = connected.clone();
+    machine.press(JOG);
+    machine.press(RAPID);
+    machine.simulation.cnc.set_panel_key(Z_MINUS, true);
+    machine.pass(2000);
+    assert_eq!(machine.linked.state(), LinkState::Moving);
+    let before = machine.twin.pulses()[1];
+    machine.pass(1000);
+    let rate = machine.simulation.cnc.parameters().zero_low_rate();
+    let most = (rate / 60.0 * 200.0).ceil() as i64;
+    let way = (machine.twin.pulses()[1] - before).abs();
+    assert!((most - 10..=most + 1).contains(&way), "{way} of {most}");
+    machine.simulation.cnc.set_panel_key(Z_MINUS, false);
+    assert!(machine.wait(2000, |machine| machine.linked.state() == LinkState::Locked));
+    assert!(!machine.simulation.cnc.referenced().get(Axis::Z));
+}
+
+#[test]
+fn unknown_slides_are_jogged_slowly() {
+    is_slow(&Machine::connected(Variant::Grbl));
+    is_slow(&Machine::timed_connected());
+}
+
+/// At rest no motion goes out, and the lookahead bounds what is handed over.
+fn is_bounded<T: Board>(ready: &Machine<T>, most: Duration) {
+    let mut machine = ready.clone();
+    machine.pass(500);
+    let before = machine.linked.traffic().segments;
+    machine.pass(3000);
+    assert_eq!(machine.linked.traffic().segments, before);
+    machine.load(SHORT, None);
+    machine.start();
+    while machine.simulation.cnc.run_state() == RunState::Run {
+        machine.ms();
+        assert!(
+            machine.linked.outstanding() <= most,
+            "{:?}",
+            machine.linked.outstanding()
+        );
+    }
+}
+
+#[test]
+fn the_control_is_ahead_by_no_more_than_the_lookahead() {
+    is_bounded(
+        &Machine::referenced(Variant::Grbl),
+        Duration::from_millis(160),
+    );
+    is_bounded(&Machine::timed_referenced(), Duration::from_millis(140));
+}
+
+/// A line board acts at once on some characters wherever they stand: none but these
+/// ever goes out, whatever the operator does.
+#[test]
+fn only_harmless_characters_go_to_a_line_board() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.record();
+    machine.load(SHORT, None);
+    machine.start();
+    machine.pass(1500);
+    machine.press(FEED_HOLD);
+    machine.press(SLOWER);
+    machine.press(CYCLE_START);
+    machine.pass(500);
+    machine.press(RESET);
+    machine.pass(2000);
+    machine.start();
+    machine.pass(3000);
+    machine.simulation.lathe.set_emergency_button(true);
+    machine.pass(2000);
+    assert!(machine.sent.len() > 2000);
+    for line in machine.sent.split(|byte| *byte == b'\n') {
+        let text = line.iter().filter(|byte| !b"?!\x18".contains(byte));
+        let text: Vec<u8> = text.copied().collect();
+        assert!(text.len() < 70);
+        for byte in &text {
+            let plain = byte.is_ascii_uppercase() || byte.is_ascii_digit();
+            let setting = text.first() == Some(&b'$') && b"$#=".contains(byte);
+            assert!(
+                plain || setting || b".-".contains(byte),
+                "{:?}",
+                String::from_utf8_lossy(&text)
+            );
+        }
+    }
+}
