@@ -1,0 +1,299 @@
+//! The control and a board in two processes, wired by a pseudo terminal, in real time.
+//!
+//! Nothing here depends on how fast the computer is: a computer that was too busy is an
+//! alarm of the control, and what the operator does then the tests do, too.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "tests fail by panicking"
+)]
+
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdout, Command as Process, Stdio};
+use std::time::{Duration, Instant};
+
+use gsk_app::carrier::Carrier;
+use gsk_app::kernel::{Command, Connection, Console, Kernel, LinkOrder, Opened};
+use gsk_core::machine::link::{LinkConfig, LinkState};
+use gsk_core::operation::RunState;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::Emulator;
+use gsk_panel::keys::Key;
+
+const PROGRAM: &str = "O0007\nG50 X60 Z20\nG98 G97 S500 M03\nG00 X50 Z10 M08\n\
+    G01 Z5 F600\nG02 X56 Z2 R3\nG00 X60 Z20\nM05\nM09\nM30\n";
+const LINE: &str = "(lookahead_ms: Some(400), line: (home: (seek: 3000, locate: 200)))";
+const TIMED: &str = r#"(
+    protocol: StepQueue,
+    lookahead_ms: Some(400),
+    x: (step: "PA0", dir: "PA1", limit: "^PC0"),
+    z: (step: "PA2", dir: "PA3", limit: "^PC1"),
+    io: (enable: "PL0", coolant: "PB7"),
+    line: (home: (seek: 3000, locate: 200)),
+)"#;
+/// So often a computer may be too busy, and so long anything may take.
+const ATTEMPTS: u32 = 20;
+const LONGEST: Duration = Duration::from_secs(120);
+
+/// A board in a process of its own.
+struct Twin {
+    child: Child,
+    /// Its end would end the board.
+    _said: BufReader<ChildStdout>,
+    port: String,
+}
+
+impl Twin {
+    fn play(firmware: &str) -> Self {
+        let mut child = Process::new(env!("CARGO_BIN_EXE_gsk980td"))
+            .args(["link", "twin", "--seconds", "1800", "--firmware", firmware])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(child.stdout.take().unwrap());
+        let mut port = String::new();
+        said.read_line(&mut port).unwrap();
+        Self {
+            child,
+            _said: said,
+            port: port.trim().to_owned(),
+        }
+    }
+}
+
+impl Drop for Twin {
+    fn drop(&mut self) {
+        // One that has ended cannot be ended again.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A control with a board.
+struct Lathe {
+    kernel: Kernel,
+    console: Console,
+    state: LinkState,
+    differs: bool,
+    log: PathBuf,
+}
+
+impl Lathe {
+    fn at(port: &str, config: &str) -> Self {
+        let mut setup = Setup::delivered();
+        for number in [17, 18] {
+            setup.parameters.set(number, 5).unwrap();
+        }
+        let config = LinkConfig {
+            port: port.to_owned(),
+            ..ron::from_str(config).unwrap()
+        };
+        config.check().unwrap();
+        let name = format!(
+            "gsk980td-board-{}-{}.log",
+            std::process::id(),
+            port.replace('/', "-")
+        );
+        let log = std::env::temp_dir().join(name);
+        let _ = std::fs::remove_file(&log);
+        let (mut kernel, console) = Kernel::new(Emulator::new(setup));
+        kernel.run(4000);
+        console.send(Command::WatchLink(true));
+        kernel.connect(Connection {
+            config,
+            log: Some(log.clone()),
+        });
+        Self {
+            kernel,
+            console,
+            state: LinkState::Opening,
+            differs: false,
+            log,
+        }
+    }
+
+    fn alarms(&self) -> Vec<u16> {
+        let alarms = self.kernel.emulator().simulation.cnc.alarms();
+        alarms.iter().map(|alarm| alarm.number).collect()
+    }
+
+    fn log(&self) -> String {
+        std::fs::read_to_string(&self.log).unwrap_or_default()
+    }
+
+    /// Lets time pass until something is so; whether it came to be.
+    fn until(&mut self, longest: Duration, so: impl Fn(&Self) -> bool) -> bool {
+        let begun = Instant::now();
+        while begun.elapsed() < longest {
+            self.kernel.run_linked();
+            if let Some(view) = self.console.link.pop() {
+                self.state = view.state;
+                self.differs = !view.differences.is_empty();
+            }
+            if so(self) {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn gets(&mut self, state: LinkState) -> bool {
+        self.until(LONGEST, |lathe| {
+            lathe.state == state || !lathe.alarms().is_empty()
+        }) && self.state == state
+    }
+
+    fn tap(&mut self, key: Key) {
+        self.console.send(Command::Tap(key));
+        let ticks = self.kernel.emulator().simulation.cnc.ticks();
+        self.until(LONGEST, |lathe| {
+            lathe.kernel.emulator().simulation.cnc.ticks() >= ticks + 300
+        });
+    }
+
+    /// Connected, settings as they must be.
+    fn opens(&mut self) -> bool {
+        let known = |lathe: &Self| {
+            matches!(
+                lathe.state,
+                LinkState::Locked | LinkState::Fault | LinkState::Lost
+            )
+        };
+        self.until(LONGEST, |lathe| known(lathe) || lathe.differs);
+        if self.differs {
+            self.console.send(Command::Link(LinkOrder::WriteSettings));
+            self.until(LONGEST, known);
+        }
+        self.tap(Key::Reset);
+        self.state == LinkState::Locked
+    }
+
+    fn finds_its_reference(&mut self) -> bool {
+        self.tap(Key::MachineZero);
+        for key in [Key::XDown, Key::ZRight] {
+            if self.state != LinkState::Ready {
+                self.tap(key);
+                self.until(LONGEST, |lathe| lathe.state != LinkState::Homing);
+                self.until(Duration::from_millis(700), |lathe| {
+                    lathe.state == LinkState::Ready
+                });
+            }
+        }
+        self.gets(LinkState::Ready)
+    }
+
+    fn starts(&mut self) {
+        self.console.send(Command::Open(Box::new(Opened {
+            name: "seven.CNC".to_owned(),
+            program: Program::new(PROGRAM),
+            subprograms: Vec::new(),
+        })));
+        self.tap(Key::Auto);
+        self.tap(Key::CycleStart);
+    }
+
+    /// The program to its end, and its check in the log.
+    fn works(&mut self) -> bool {
+        self.starts();
+        self.until(LONGEST, |lathe| {
+            let over = lathe.kernel.emulator().simulation.cnc.run_state() == RunState::Reset
+                && lathe.state == LinkState::Ready
+                && lathe.log().contains("seven.CNC");
+            over || !lathe.alarms().is_empty()
+        });
+        self.alarms().is_empty() && self.state == LinkState::Ready
+    }
+
+    /// What the operator does after an alarm.
+    fn begins_again(&mut self) {
+        eprintln!("busy: {:?} {:?}", self.alarms(), self.state);
+        self.console.send(Command::Link(LinkOrder::Reconnect));
+        self.state = LinkState::Opening;
+        self.tap(Key::Reset);
+    }
+}
+
+/// Connect, reference return, a part, its check; then the plug is pulled in motion.
+fn works_and_is_unplugged(firmware: &str, config: &str) {
+    let mut twin = Twin::play(firmware);
+    let mut lathe = Lathe::at(&twin.port, config);
+    let made = (0..ATTEMPTS).any(|_| {
+        let made = lathe.opens() && lathe.finds_its_reference() && lathe.works();
+        if !made {
+            lathe.begins_again();
+        }
+        made
+    });
+    assert!(made, "{:?} {:?}", lathe.alarms(), lathe.state);
+    let log = lathe.log();
+    let line = log.lines().find(|line| line.contains("seven.CNC")).unwrap();
+    let (_, counts) = line.split_once(" commanded ").unwrap();
+    let (commanded, counted) = counts.split_once(" counted ").unwrap();
+    assert_eq!(counted, format!("{commanded} agrees"), "{line}");
+
+    lathe.starts();
+    lathe.until(LONGEST, |lathe| {
+        lathe.kernel.emulator().simulation.cnc.is_moving() || !lathe.alarms().is_empty()
+    });
+    twin.child.kill().unwrap();
+    twin.child.wait().unwrap();
+    assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost));
+    assert!(lathe.alarms().contains(&605), "{:?}", lathe.alarms());
+    let cnc = &lathe.kernel.emulator().simulation.cnc;
+    assert!(!cnc.referenced().x && !cnc.is_moving());
+    // RESET asks for the port again: it is not there, and says so.
+    lathe.tap(Key::Reset);
+    lathe.until(Duration::from_secs(1), |_| false);
+    let alarms = lathe.kernel.emulator().simulation.cnc.alarms();
+    let told = alarms
+        .iter()
+        .find(|alarm| matches!(alarm.number, 601 | 605))
+        .and_then(|alarm| alarm.detail.clone())
+        .unwrap_or_default();
+    assert!(told.contains(&twin.port), "{alarms:?}");
+    let _ = std::fs::remove_file(&lathe.log);
+}
+
+#[test]
+fn a_line_board_in_another_process_makes_a_part_and_is_unplugged() {
+    works_and_is_unplugged("grbl", LINE);
+}
+
+#[test]
+fn a_board_of_timed_steps_in_another_process_makes_a_part_and_is_unplugged() {
+    works_and_is_unplugged("klipper", TIMED);
+}
+
+/// One client has the board: the next one is told, whoever it is.
+#[test]
+fn a_port_in_use_is_refused_with_its_name() {
+    let twin = Twin::play("grbl");
+    let config = LinkConfig {
+        port: twin.port.clone(),
+        ..LinkConfig::default()
+    };
+    let first = Carrier::open(&config).unwrap();
+    let refused = Carrier::open(&config).err().expect("a second client");
+    assert!(refused.contains(&twin.port), "{refused}");
+    assert!(refused.contains("another program"), "{refused}");
+    let test = Process::new(env!("CARGO_BIN_EXE_gsk980td"))
+        .args(["link", "test", &twin.port])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&test.stderr);
+    assert_eq!(test.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains(&twin.port) && said.contains("another program"),
+        "{said}"
+    );
+    // The panel says it, too.
+    let mut lathe = Lathe::at(&twin.port, LINE);
+    assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost));
+    assert_eq!(lathe.alarms(), [601]);
+    drop(first);
+    assert!(Carrier::open(&config).is_ok());
+}
