@@ -85,6 +85,10 @@ fn explain(path: &str, error: &serialport::Error) -> String {
             "{path} cannot be opened: {error}; you may not use it: become a member of the group \
              that owns it (often dialout)"
         ),
+        serialport::ErrorKind::Io(io::ErrorKind::NotFound) => format!(
+            "{path} cannot be opened: {error}; is it plugged in? `gsk980td link list` shows the \
+             ports"
+        ),
         serialport::ErrorKind::NoDevice => format!(
             "{path} cannot be opened: {error}; there is no such device, or another program has \
              it: `gsk980td link list` shows the ports"

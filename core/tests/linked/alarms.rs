@@ -236,3 +236,32 @@ fn a_board_of_timed_steps_tells_its_own_faults() {
     machine.twin.1 = machine.twin.pulses().map(|at| at + 100);
     goes_on(machine);
 }
+
+/// A spindle that ran when the board was lost does not start again with the board.
+#[test]
+fn the_spindle_does_not_come_back_with_the_board() {
+    let mut machine = working(&Machine::referenced(Variant::Grbl));
+    assert_eq!(machine.twin.outputs().0, 3);
+    machine.cut_cable();
+    assert!(machine.wait(3000, |machine| machine.linked.state() == LinkState::Lost));
+    // As by the button of the link page: nobody has pressed RESET.
+    machine.mend_cable();
+    machine.reconnect();
+    for _ in 0..6000 {
+        machine.ms();
+        let (way, _, coolant) = machine.twin.outputs();
+        let opened = machine.linked.state() == LinkState::Locked;
+        assert!(!opened || (way == 5 && !coolant), "{way} {coolant}");
+    }
+    assert_eq!(machine.linked.state(), LinkState::Locked);
+    goes_on(machine.clone());
+    // Switched off and on again it turns.
+    machine.press(RESET);
+    machine.reference();
+    let mut machine = working(&machine);
+    machine.pass(100);
+    assert_eq!(
+        (machine.twin.outputs().0, machine.twin.outputs().2),
+        (3, true)
+    );
+}

@@ -281,3 +281,29 @@ fn a_bad_line_is_survived() {
         bench.link.traffic()
     );
 }
+
+/// The PC is away for longer than the heartbeat lasts, not for as long as the drives
+/// keep their enable: standing slides lose neither drives nor count.
+#[test]
+fn a_heartbeat_lost_at_rest_leaves_the_board_running() {
+    for lookahead in [100, 400] {
+        for phase in (0..100).step_by(13) {
+            let mut bench = Bench::ready();
+            let mut config = config();
+            config.lookahead_ms = Some(lookahead);
+            let now = Duration::from_nanos(bench.twin.now());
+            bench.link = StepLink::open(config, &parameters(), now);
+            bench.pass(2000);
+            bench.set_position();
+            bench.pass(500 + phase);
+            bench.events.clear();
+            bench.twin.advance(430 * MS);
+            bench.pass(500);
+            let place = format!("{lookahead} {phase}: {:?}", bench.events);
+            assert_eq!(bench.twin.state(), State::Runs, "{place}");
+            assert_eq!(bench.link.state(), LinkState::Tripped, "{place}");
+            assert_eq!(bench.alarms(), [605], "{place}");
+            assert!(bench.link.position().is_some(), "{place}");
+        }
+    }
+}

@@ -98,6 +98,9 @@ pub struct Linked {
     spindle_way: f64,
     spindle_index: f64,
     spindle_view: Option<SpindleView>,
+    /// Spindle and coolant were on when the board was lost, or before it was there: they
+    /// stay off until they have been switched off.
+    withheld: bool,
     /// Somebody wants to know whether the counts agree; the board has been asked.
     checking: bool,
     /// A count that agreed at a standstill and has not been noted yet.
@@ -137,6 +140,7 @@ impl Linked {
             spindle_way: 1.0,
             spindle_index: 0.0,
             spindle_view: None,
+            withheld: true,
             checking: false,
             agreed: None,
             ended: None,

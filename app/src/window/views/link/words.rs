@@ -37,9 +37,9 @@ pub const fn advice(state: LinkState, language: Language) -> &'static str {
              They may be moved by hand, slowly.",
         ),
         LinkState::Tripped => (
-            "限位或急停停止了驱动板: 排除原因, 按 [复位], 离开限位。",
-            "A limit or the emergency stop stopped the board: take away the cause, press RESET, \
-             move off the limit.",
+            "限位、急停或电脑无响应停止了驱动板: 排除原因, 按 [复位], 离开限位。",
+            "A limit, the emergency stop or a silent PC stopped the board: take away the cause, \
+             press RESET, move off a limit.",
         ),
         LinkState::Fault => (
             "报警页面有说明: 排除原因, 按 [复位], 再返回机械零点。",

@@ -129,6 +129,12 @@ impl Opening {
                 };
                 Outcome::Fails(601, format!("no answer from the board: {cause}"))
             }
+            Step::Asking(0) if waited >= PATIENCE => Outcome::Fails(
+                602,
+                "what the board says is no answer: another firmware (`protocol` in the machine \
+                 file), or another baud rate"
+                    .into(),
+            ),
             Step::Asking(_) | Step::Writing(_) | Step::Rereading if waited >= PATIENCE => {
                 Outcome::Fails(601, "no answer from the board within 1 s".into())
             }

@@ -88,7 +88,12 @@ impl Linked {
 
     /// Keys, outputs and the ends of programs go to the link.
     pub(super) fn follow(&mut self, simulation: &mut Simulation) {
-        self.link.set_outputs(outputs(simulation));
+        let mut wanted = outputs(simulation);
+        self.withheld &= wanted.spindle != SpindleWay::Stop || wanted.coolant;
+        if self.withheld {
+            wanted = BoardOutputs::default();
+        }
+        self.link.set_outputs(wanted);
         let cnc = &mut simulation.cnc;
         for event in cnc.events() {
             if let Happened::ProgramEnded { .. } = event {
@@ -210,6 +215,7 @@ impl Linked {
             simulation.cnc.halt_for_board();
             self.flushing = false;
             self.halting = None;
+            self.withheld = true;
         }
         if unknown {
             self.pass = None;

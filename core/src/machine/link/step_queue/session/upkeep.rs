@@ -20,6 +20,8 @@ const HEARTBEAT_EVERY: Duration = Duration::from_millis(50);
 const HEARTBEAT_LASTS: Duration = Duration::from_millis(250);
 /// The enable of the drives is renewed so often.
 const ENABLE_EVERY: Duration = Duration::from_millis(100);
+/// Between two moments of the enable lies no more than this; the board lets 500 ms pass.
+const ENABLE_APART: Duration = Duration::from_millis(400);
 /// What an earlier host did not renew has its effect within this.
 const INHERITED: Duration = Duration::from_millis(800);
 /// Between two questions for a switch, standing and moving.
@@ -203,7 +205,14 @@ impl StepLink {
         if !renew && on == self.upkeep.enabled {
             return;
         }
-        let at = self.soon().max(self.upkeep.enabled_at + 1);
+        let mut at = self.soon();
+        if renew && self.upkeep.enabled {
+            // However long the host was away: before the board gives up, if that is still
+            // to be had.
+            let latest = self.upkeep.enabled_at + self.clock.ticks(ENABLE_APART);
+            at = at.min(latest.max(self.earliest()));
+        }
+        let at = at.max(self.upkeep.enabled_at + 1);
         self.upkeep.enable_due = self.now + ENABLE_EVERY;
         self.upkeep.enabled = on;
         self.upkeep.enabled_at = at;
