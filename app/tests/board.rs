@@ -21,6 +21,7 @@ use gsk_core::machine::link::{LinkConfig, LinkState};
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use gsk_core::units::Axis;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 
@@ -88,6 +89,8 @@ impl Lathe {
         for number in [17, 18] {
             setup.parameters.set(number, 5).unwrap();
         }
+        // A press of the axis key is enough for the whole return.
+        setup.parameters.set_bit(11, 2, true).unwrap();
         let config = LinkConfig {
             port: port.to_owned(),
             ..ron::from_str(config).unwrap()
@@ -174,13 +177,14 @@ impl Lathe {
 
     fn finds_its_reference(&mut self) -> bool {
         self.tap(Key::MachineZero);
-        for key in [Key::XDown, Key::ZRight] {
-            if self.state != LinkState::Ready {
+        for (key, axis) in [(Key::XDown, Axis::X), (Key::ZRight, Axis::Z)] {
+            let found = move |lathe: &Self| {
+                let cnc = &lathe.kernel.emulator().simulation.cnc;
+                *cnc.referenced().get(axis) || !cnc.alarms().is_empty()
+            };
+            if !found(self) {
                 self.tap(key);
-                self.until(LONGEST, |lathe| lathe.state != LinkState::Homing);
-                self.until(Duration::from_millis(700), |lathe| {
-                    lathe.state == LinkState::Ready
-                });
+                self.until(LONGEST, found);
             }
         }
         self.gets(LinkState::Ready)

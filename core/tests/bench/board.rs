@@ -107,9 +107,10 @@ impl Board for GrblTwin {
     }
 }
 
-/// A board of timed steps, with reference switches of X and Z at these pulses.
+/// A board of timed steps, with limit switches of X and Z at these pulses, which are
+/// the reference, too; that of Z may be pressed by hand.
 #[derive(Clone)]
-pub struct Timed(pub KlipperTwin, pub [i64; 2]);
+pub struct Timed(pub KlipperTwin, pub [i64; 2], pub bool);
 
 impl Board for Timed {
     fn now(&self) -> u64 {
@@ -119,12 +120,9 @@ impl Board for Timed {
         let end = self.0.now() + ns;
         while self.0.now() < end {
             self.0.advance(MS.min(end - self.0.now()));
-            for (pin, (at, switch)) in ["PC4", "PC6"]
-                .into_iter()
-                .zip(self.0.pulses().into_iter().zip(self.1))
-            {
-                self.0.set_pin(pin, at >= switch);
-            }
+            let ([x, z], [at_x, at_z]) = (self.0.pulses(), self.1);
+            self.0.set_pin("PC0", x >= at_x);
+            self.0.set_pin("PC1", z >= at_z || self.2);
         }
     }
     fn read(&mut self) -> Vec<u8> {
@@ -148,7 +146,7 @@ impl Board for Timed {
         }
     }
     fn press_limit(&mut self, operated: bool) {
-        self.0.set_pin("PC1", operated);
+        self.2 = operated;
     }
     fn press_emergency(&mut self, operated: bool) {
         self.0.set_pin("PC2", !operated);
@@ -253,8 +251,8 @@ impl Machine<Timed> {
             r#"(
                 protocol: StepQueue,
                 baud: 250000,
-                x: (step: "PA0", dir: "PA1", limit: "^PC0", dec: "PC4"),
-                z: (step: "PA2", dir: "PA3", limit: "^PC1", dec: "PC6"),
+                x: (step: "PA0", dir: "PA1", limit: "^PC0"),
+                z: (step: "PA2", dir: "PA3", limit: "^PC1"),
                 io: (enable: "PL0", estop: "!PC2", drive_alarm: "PC7", spindle_cw: "PB4", coolant: "!PB7"),
             )"#,
         )
@@ -265,7 +263,7 @@ impl Machine<Timed> {
             flush_keep_speed,
             ..config
         };
-        Self::wired(Timed(twin, SWITCHES), config, &[(17, 5), (18, 5)])
+        Self::wired(Timed(twin, SWITCHES, false), config, &[(17, 5), (18, 5)])
     }
 
     /// Set up; nobody knows where it stands.
@@ -325,10 +323,12 @@ impl<T: Board> Machine<T> {
         self.press(ZERO);
         for (key, axis) in [(X_PLUS, Axis::X), (Z_PLUS, Axis::Z)] {
             if !self.simulation.cnc.referenced().get(axis) {
-                self.press(key);
+                // 011.2 ZNIK is off: where the control makes the return the key is held.
+                self.simulation.cnc.set_panel_key(key, true);
                 self.wait(60_000, |machine| {
                     *machine.simulation.cnc.referenced().get(axis) || !machine.alarms().is_empty()
                 });
+                self.simulation.cnc.set_panel_key(key, false);
                 self.pass(300);
             }
         }

@@ -227,14 +227,6 @@ fn a_board_of_timed_steps_tells_its_own_faults() {
         |board: &mut Timed| board.0.set_pin("PC7", true),
         221,
     );
-    let mut machine = Machine::timed_connected();
-    machine.twin.1 = [400_000, 400_000];
-    machine.press(crate::board::ZERO);
-    machine.press(crate::board::X_PLUS);
-    assert!(machine.wait(125_000, |machine| machine.alarms() == [609]));
-    stops(&mut machine, 609);
-    machine.twin.1 = machine.twin.pulses().map(|at| at + 100);
-    goes_on(machine);
 }
 
 /// A spindle that ran when the board was lost does not start again with the board.
