@@ -131,8 +131,7 @@ impl Opening {
             }
             Step::Asking(0) if waited >= PATIENCE => Outcome::Fails(
                 602,
-                "what the board says is no answer: another firmware (`protocol` in the machine \
-                 file), or another baud rate"
+                "what the board sends makes no sense; another firmware, or another baud rate"
                     .into(),
             ),
             Step::Asking(_) | Step::Writing(_) | Step::Rereading if waited >= PATIENCE => {

@@ -121,8 +121,7 @@ impl StepLink {
         if !heard && bytes && self.delivery.tries() > 1 {
             self.refuse(
                 602,
-                "what the board sends makes no sense; another firmware (`protocol` in the \
-                 machine file), or another baud rate",
+                "what the board sends makes no sense; another firmware, or another baud rate",
             );
         } else {
             self.alarm(601, "no answer from the board within 5 s");
