@@ -109,6 +109,7 @@ impl Lathe {
         kernel.connect(Connection {
             config,
             log: Some(log.clone()),
+            boards: None,
         });
         Self {
             kernel,
