@@ -324,6 +324,9 @@ fn a_busy_computer_and_a_fast_board_cut_the_same_groove() {
         true,
         &[],
     );
+    // Known fault: a pause that falls on the begin of a pass may shift it (3 of 70
+    // begins in steps of 7 ms); the next index finds it, 091.
+    lathe.pass(17);
     lathe.start(&(head("M03 S600") + FIVE));
     let mut away = 0;
     for _ in 0..40 {
