@@ -313,9 +313,18 @@ fn what_needs_an_index_names_its_setting() {
     );
 }
 
-/// The computer is busy for up to 80 ms now and then, the clock of the board is off.
+/// The computer is busy for up to 80 ms now and then, the clock of the board is off. A
+/// pause may fall on the begin of a pass.
 #[test]
 fn a_busy_computer_and_a_fast_board_cut_the_same_groove() {
+    // BEGINS=N tries as many moments, 7 ms apart.
+    let begins = std::env::var("BEGINS").map_or(2, |begins| begins.parse().unwrap());
+    for begin in 0..begins {
+        busy_and_fast(7 * begin);
+    }
+}
+
+fn busy_and_fast(begin: u32) {
     let mut lathe = Lathe::made(
         Make {
             ppm: 100,
@@ -324,9 +333,7 @@ fn a_busy_computer_and_a_fast_board_cut_the_same_groove() {
         true,
         &[],
     );
-    // Known fault: a pause that falls on the begin of a pass may shift it (3 of 70
-    // begins in steps of 7 ms); the next index finds it, 091.
-    lathe.pass(17);
+    lathe.pass(begin);
     lathe.start(&(head("M03 S600") + FIVE));
     let mut away = 0;
     for _ in 0..40 {
@@ -335,11 +342,13 @@ fn a_busy_computer_and_a_fast_board_cut_the_same_groove() {
         lathe.pass(431);
     }
     lathe.finish(60_000);
-    assert_eq!(lathe.alarms(), [""; 0]);
+    assert_eq!(lathe.alarms(), [""; 0], "{begin}");
     lathe.agrees();
     let grooves = grooves(&lathe, 2.0, (-24.0, -5.0), 1.0);
     assert_eq!(grooves.len(), 5);
-    assert!(spread(&grooves) <= SAME, "{grooves:#?}");
+    // What the spindle does between two looks at its index is learned anew.
+    let poll = 600.0 / 60.0 * 0.0001 * 2.0;
+    assert!(spread(&grooves) <= SAME + poll, "{begin}: {grooves:#?}");
 }
 
 /// A spark on the wire of the index in a pass: that pass is spoilt, no later one.

@@ -317,7 +317,8 @@ impl Linked {
             return;
         }
         let waits = simulation.cnc.waits_for_spindle();
-        self.link.keep_time(waits);
+        let follows = simulation.cnc.lead_followed().is_some();
+        self.link.keep_time(waits || follows);
         let fine = simulation.cnc.axes.fine();
         let parts = |place: f64| (place * FINE as f64).round() as i64;
         let sample = Sample {

@@ -50,7 +50,11 @@ impl Linked {
             self.pace.blocked = None;
             return self.pace.take();
         }
-        let moves = self.moved || simulation.cnc.is_moving();
+        // A thread that waits for its index takes time in the board, and keeps as far
+        // ahead of it as motion does: a pause of the host must not part its begin from
+        // the index that it was shown.
+        let waits = self.spindle_view.is_some() && simulation.cnc.waits_for_spindle();
+        let moves = self.moved || simulation.cnc.is_moving() || waits;
         if !moves || !self.link.takes_motion() {
             self.pace.blocked = None;
             return self.pace.take();
@@ -58,7 +62,10 @@ impl Linked {
         let room = self.link.room();
         // Time without a pulse, at the lowest feeds, is ahead of the board too.
         let unheard = self.run.saturating_sub(self.last_motion);
-        if room > unheard || (room > Duration::ZERO && self.pace.take()) {
+        if room > unheard
+            || (waits && room > Duration::ZERO)
+            || (room > Duration::ZERO && self.pace.take())
+        {
             self.pace.blocked = None;
             return true;
         }

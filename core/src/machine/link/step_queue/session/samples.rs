@@ -104,7 +104,7 @@ impl StepLink {
             }
             return Ok(());
         }
-        if self.is_too_late() {
+        if self.is_too_late() || (!rests && self.spindle.is_torn()) {
             self.late("the kernel has not handed over motion in time");
             return Err(Refused::NotReady);
         }

@@ -33,6 +33,9 @@ pub(super) struct Spindle {
     followed: Option<(Ticks, Ticks)>,
     /// Farthest that an index came beside what was shown, not told yet.
     deviation: Option<f64>,
+    /// The axes follow it, and a tick began later than the one before had ended: they
+    /// are behind the angle they were shown.
+    torn: bool,
 }
 
 impl Spindle {
@@ -42,7 +45,13 @@ impl Spindle {
             shown: VecDeque::new(),
             followed: None,
             deviation: None,
+            torn: false,
         }
+    }
+
+    /// Whether axes that follow it must not go on.
+    pub(super) const fn is_torn(&self) -> bool {
+        self.torn
     }
 
     /// What was shown for a clock.
@@ -91,8 +100,8 @@ impl StepLink {
         self.spindle.turns.begin_anew();
     }
 
-    /// A time without motion is time all the same, while the axes wait for the
-    /// spindle.
+    /// While the axes wait for the spindle or follow it, a tick takes its time in the
+    /// board: no rest is left out, no motion is slowed.
     pub const fn keep_time(&mut self, on: bool) {
         self.motion.keeps_time = on;
     }
@@ -112,6 +121,8 @@ impl StepLink {
             ..SpindleView::default()
         };
         let last = spindle.shown.back().copied();
+        let gap = |(end, _): (Ticks, f64)| from > end + self.clock.ticks(TICK) as Ticks;
+        spindle.torn = give.is_some() && (spindle.torn || last.is_some_and(gap));
         let goes_on = last.filter(|(end, _)| *end == from || give.is_some());
         let line = turns.at(from).zip(turns.at(to));
         let known = line.filter(|_| give.is_some() || turns.is_known(now));
