@@ -7,12 +7,12 @@ mod spindle;
 mod thread;
 mod travel;
 
-use core::cell::OnceCell;
+use core::cell::LazyCell;
 
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, ThreadStart, Timing};
-use crate::interpreter::{Advance, Host, Interpreter, MachineCodes, Modal};
-use crate::memory::{Offsets, Parameters, Variables};
+use crate::interpreter::{Advance, Immediate, Interpreter, MachineCodes, Modal};
+use crate::memory::Parameters;
 use crate::motion::{MotionLimits, Sequel, ThreadMove};
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
@@ -110,15 +110,18 @@ pub fn preview(
     programs: &ProgramMemory,
     on_move: &mut dyn FnMut(&ExecutedMove),
 ) -> Preview {
-    let mut host = DryRun {
+    let mut host = Immediate {
         parameters: setup.parameters.clone(),
         offsets: &setup.offsets,
         variables: setup.variables.clone(),
-        idle_inputs: OnceCell::new(),
+        inputs: LazyCell::new(Box::new(|| idle_inputs(setup))),
         outputs: 0,
-        setup,
         programs,
-        machine: setup.start.unwrap_or_default(),
+        position: setup.start.unwrap_or_default(),
+        // The work is drawn where the machine coordinates put it, whether the real
+        // reference point has been sought or not.
+        referenced: PerAxis::new(true, true),
+        block_skip: false,
     };
     let mut interpreter = Interpreter::new(&host.parameters);
     interpreter.set_inch_input(setup.settings.inch);
@@ -140,63 +143,6 @@ pub fn preview(
     }
     preview.parameters = host.parameters;
     preview
-}
-
-/// The idle lathe as the interpreter sees it.
-struct DryRun<'a> {
-    parameters: Parameters,
-    offsets: &'a Offsets,
-    variables: Variables,
-    /// Worked out when a program asks for them.
-    idle_inputs: OnceCell<u16>,
-    outputs: u64,
-    setup: &'a Setup,
-    programs: &'a ProgramMemory,
-    machine: Point,
-}
-
-impl Host for DryRun<'_> {
-    fn parameters(&self) -> &Parameters {
-        &self.parameters
-    }
-    fn parameters_mut(&mut self) -> &mut Parameters {
-        &mut self.parameters
-    }
-    fn offsets(&self) -> &Offsets {
-        self.offsets
-    }
-    fn variables(&self) -> &Variables {
-        &self.variables
-    }
-    fn variables_mut(&mut self) -> &mut Variables {
-        &mut self.variables
-    }
-    fn interface_inputs(&self) -> u16 {
-        *self.idle_inputs.get_or_init(|| idle_inputs(self.setup))
-    }
-    fn interface_outputs(&self) -> u64 {
-        self.outputs
-    }
-    fn set_interface_outputs(&mut self, outputs: u64) {
-        self.outputs = outputs;
-    }
-    fn programs(&self) -> &ProgramMemory {
-        self.programs
-    }
-    fn machine_position(&self) -> Point {
-        self.machine
-    }
-    /// The work is drawn where the machine coordinates put it, whether the real
-    /// reference point has been sought or not.
-    fn referenced(&self) -> PerAxis<bool> {
-        PerAxis::new(true, true)
-    }
-    fn block_skip(&self) -> bool {
-        false
-    }
-    fn settled(&self) -> bool {
-        true
-    }
 }
 
 /// What the ladder gives to macros while the lathe stands idle.
@@ -267,7 +213,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    fn run(&mut self, interpreter: &mut Interpreter, host: &mut DryRun<'_>) {
+    fn run(&mut self, interpreter: &mut Interpreter, host: &mut Immediate<'_>) {
         while self.motionless < MOTIONLESS_BLOCKS && self.clock.now() < LONGEST_S {
             match interpreter.advance(host) {
                 Ok(Advance::Command(command)) => match self.carry_out(&command) {

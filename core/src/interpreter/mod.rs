@@ -27,6 +27,7 @@ mod explanation;
 mod facing_cycle;
 mod finishing;
 mod host;
+mod immediate;
 mod inch;
 mod jump;
 mod lookahead;
@@ -61,6 +62,7 @@ mod tests;
 
 pub use explanation::Explanation;
 pub use host::{Host, Step};
+pub use immediate::Immediate;
 pub use miscellaneous::MachineCodes;
 pub use modal::Modal;
 pub use reader::Interpreter;

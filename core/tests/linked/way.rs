@@ -9,6 +9,9 @@ use gsk_twins::grbl::Variant;
 use crate::board::{APART, AUTO, Board, CYCLE_START, Machine};
 use crate::{GROOVE, PIN, SHAFT, assert_together};
 
+/// Lengths that differ by less are the same, mm.
+const SAME: f64 = 1e-9;
+
 /// At most a pulse and 2 µm beside the commanded way, within 1 % of its time; and no
 /// picture shows more than was made.
 #[test]
@@ -75,7 +78,9 @@ fn clocks_that_differ_are_no_matter() {
 /// Looks how far the board is beside the recorded way.
 #[derive(Default)]
 struct Follower {
+    /// The stretch of the way the board is on, and how far on it, mm.
     at: usize,
+    on: f64,
     off: f64,
     /// Time between two pulses that belong together, ms.
     moving: u64,
@@ -89,26 +94,14 @@ struct Follower {
 
 impl Follower {
     fn look<T: Board>(&mut self, machine: &Machine<T>) {
-        let [x, z] = machine.made();
-        let ms = machine.twin.now() / 1_000_000;
-        if self.last_pulse.0 != [x, z] {
-            let gap = ms - self.last_pulse.1;
-            self.moving += if gap < APART { gap } else { 0 };
-            self.last_pulse = ([x, z], ms);
-        }
-        let mm = |[x, z]: [i64; 2]| [x as f64 / 400.0, z as f64 / 200.0];
-        let here = mm([x, z]);
+        let pulses = machine.made();
         let way = &machine.path;
-        let mut best = (f64::INFINITY, self.at);
-        for index in self.at..way.len().saturating_sub(1).min(self.at + 400) {
-            let off = distance(here, mm(way[index]), mm(way[index + 1]));
-            if off < best.0 {
-                best = (off, index);
-            }
-        }
-        if best.0.is_finite() {
-            self.at = best.1;
-            self.off = self.off.max(best.0);
+        if self.last_pulse.0 != pulses {
+            let ms = machine.twin.now() / 1_000_000;
+            let before = core::mem::replace(&mut self.last_pulse, (pulses, ms));
+            let gap = ms - before.1;
+            self.moving += if gap < APART { gap } else { 0 };
+            self.go_on(way, mm(pulses), distance(mm(before.0), mm(pulses)));
         }
         let now = Duration::from_nanos(machine.twin.now());
         let place = way.len().saturating_sub(1);
@@ -119,20 +112,47 @@ impl Follower {
         {
             self.pictures.pop_front();
             self.behind = self.behind.max(now - taken);
-            // Where the way turns back on itself the nearest place may be the earlier one.
-            assert!(place <= self.at + 4, "shown {place}, made {}", self.at);
+            assert!(place <= self.at + 1, "shown {place}, made {}", self.at);
+        }
+    }
+
+    /// The board has come to a place. Where the way turns back on itself, of places that
+    /// are equally near that one counts which is as far along the way as the board went.
+    fn go_on(&mut self, way: &[[i64; 2]], here: [f64; 2], went: f64) {
+        let expected = self.on + went;
+        let mut best = (f64::INFINITY, f64::INFINITY, self.at, self.on);
+        let mut passed = 0.0;
+        for index in self.at..way.len().saturating_sub(1).min(self.at + 400) {
+            let (from, to) = (mm(way[index]), mm(way[index + 1]));
+            let (off, on) = beside(here, from, to);
+            let astray = (passed + on - expected).abs();
+            let nearer = off < best.0 - SAME;
+            if nearer || off < best.0 + SAME && astray < best.1 - SAME {
+                best = (off, astray, index, on);
+            }
+            passed += distance(from, to);
+        }
+        if best.0.is_finite() {
+            self.at = best.2;
+            self.on = best.3;
+            self.off = self.off.max(best.0);
         }
     }
 }
 
-fn distance(at: [f64; 2], from: [f64; 2], to: [f64; 2]) -> f64 {
-    let (ax, az) = (to[0] - from[0], to[1] - from[1]);
-    let (wx, wz) = (at[0] - from[0], at[1] - from[1]);
-    let square = ax * ax + az * az;
-    let share = if square > 0.0 {
-        ((wx * ax + wz * az) / square).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    libm::hypot(wx - ax * share, wz - az * share)
+fn mm([x, z]: [i64; 2]) -> [f64; 2] {
+    [x as f64 / 400.0, z as f64 / 200.0]
+}
+
+fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
+    libm::hypot(to[0] - from[0], to[1] - from[1])
+}
+
+/// How far a place is beside a stretch, and where along it.
+fn beside(at: [f64; 2], from: [f64; 2], to: [f64; 2]) -> (f64, f64) {
+    let length = distance(from, to);
+    let [ax, az] = [0, 1].map(|axis| (to[axis] - from[axis]) / length);
+    let along = (at[0] - from[0]) * ax + (at[1] - from[1]) * az;
+    let on = along.clamp(0.0, length);
+    (distance(at, [from[0] + ax * on, from[1] + az * on]), on)
 }

@@ -394,3 +394,42 @@ fn without_another_switch_the_limit_switch_is_the_reference() {
     let at = machine.simulation.cnc.position_machine();
     assert_eq!((at.x, at.z), (2.0, 4.0));
 }
+
+/// A broken switch is an alarm before the slide meets the end of its bed.
+#[test]
+fn a_switch_that_does_not_come_within_the_length_of_the_slide_is_alarm_609() {
+    for (key, axis, name, most) in [
+        // 320 mm of diameter, 400 pulses/mm of radius; 510 mm, 200 pulses/mm.
+        (X_PLUS, 0, "link.x.dec", 64_000),
+        (Z_PLUS, 1, "link.z.dec", 102_000),
+    ] {
+        let start = [-90_000, -130_000];
+        let mut machine = machine(false, start);
+        machine
+            .twin
+            .put_switch("PC4", travel(0, 1 << 39, 1 << 40, None));
+        machine
+            .twin
+            .put_switch("PC6", travel(1, 1 << 39, 1 << 40, None));
+        machine.press(key);
+        assert!(machine.wait(60_000, |machine| !machine.alarms().is_empty()));
+        machine.pass(2000);
+        let alarms = machine.alarms();
+        assert!(
+            alarms[0].contains("609") && alarms[0].contains(name),
+            "{alarms:?}"
+        );
+        // It brakes with its ramp.
+        let way = machine.twin.pulses()[axis] - start[axis];
+        assert!((most..most + 4000).contains(&way), "{way}");
+        // The count is good: the next return finds its switch.
+        machine.press(RESET);
+        assert_eq!(machine.linked.state(), LinkState::Locked);
+        machine.twin.put_switch("PC4", DOG_X);
+        machine.twin.put_switch("PC6", DOG_Z);
+        machine.press(ZERO);
+        machine.press(X_PLUS);
+        machine.press(Z_PLUS);
+        assert_eq!(returned(&mut machine), PLACE_B);
+    }
+}

@@ -1,67 +1,16 @@
 //! The interpreter alone, one timed step after another, and the preview.
 
+use core::cell::LazyCell;
 use core::mem::discriminant;
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{Action, Command};
-use gsk_core::interpreter::{Host, Interpreter, Step};
-use gsk_core::memory::{Offsets, Parameters, Variables};
+use gsk_core::interpreter::{Immediate, Interpreter, Step};
 use gsk_core::preview::{End, preview};
-use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_core::units::{PerAxis, Point};
 
 use super::watch;
-
-/// A machine on which everything is done at once.
-struct Immediate<'a> {
-    setup: &'a Setup,
-    parameters: Parameters,
-    variables: Variables,
-    outputs: u64,
-}
-
-impl Host for Immediate<'_> {
-    fn parameters(&self) -> &Parameters {
-        &self.parameters
-    }
-    fn parameters_mut(&mut self) -> &mut Parameters {
-        &mut self.parameters
-    }
-    fn offsets(&self) -> &Offsets {
-        &self.setup.offsets
-    }
-    fn variables(&self) -> &Variables {
-        &self.variables
-    }
-    fn variables_mut(&mut self) -> &mut Variables {
-        &mut self.variables
-    }
-    fn interface_inputs(&self) -> u16 {
-        0b1010
-    }
-    fn interface_outputs(&self) -> u64 {
-        self.outputs
-    }
-    fn set_interface_outputs(&mut self, outputs: u64) {
-        self.outputs = outputs;
-    }
-    fn programs(&self) -> &ProgramMemory {
-        &self.setup.programs
-    }
-    fn machine_position(&self) -> Point {
-        self.setup.start.unwrap_or_default()
-    }
-    fn referenced(&self) -> PerAxis<bool> {
-        PerAxis::new(true, true)
-    }
-    fn block_skip(&self) -> bool {
-        true
-    }
-    fn settled(&self) -> bool {
-        true
-    }
-}
 
 /// Steps through the selected program, at most so many steps. Whether it ended
 /// within them.
@@ -70,10 +19,15 @@ pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
         return true;
     };
     let mut host = Immediate {
-        setup,
         parameters: setup.parameters.clone(),
+        offsets: &setup.offsets,
         variables: setup.variables.clone(),
+        inputs: LazyCell::new(Box::new(|| 0b1010)),
         outputs: 0,
+        programs: &setup.programs,
+        position: setup.start.unwrap_or_default(),
+        referenced: PerAxis::new(true, true),
+        block_skip: true,
     };
     let mut interpreter = Interpreter::new(&host.parameters);
     interpreter.start(program, 1, &host);

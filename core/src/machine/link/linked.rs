@@ -79,6 +79,8 @@ pub struct Linked {
     pace: pace::Pace,
     /// The board seeks its switches.
     homing: bool,
+    /// The count from which the control seeks a switch.
+    sought_from: PerAxis<Pulses>,
     /// The board is being stopped; where it comes to stand the control goes on from.
     flushing: bool,
     /// The board cuts a pass by itself.
@@ -128,6 +130,7 @@ impl Linked {
             moved: false,
             pace: pace::Pace::default(),
             homing: false,
+            sought_from: PerAxis::default(),
             flushing: false,
             pass: None,
             waiting: None,

@@ -1,72 +1,16 @@
 //! A program walked through before it begins: how fast it will drive the axes.
 
+use core::cell::LazyCell;
+
 use super::BoardDrives;
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
 use crate::command::{Action, ProgramId, SpindleCommand};
-use crate::interpreter::{Advance, Host};
-use crate::memory::{Offsets, Parameters, Variables};
-use crate::program::ProgramMemory;
-use crate::units::{PerAxis, Point};
+use crate::interpreter::{Advance, Host, Immediate};
 
 /// Commands that are looked at: as many as take no time that matters to a board that
 /// waits for its heartbeat. What comes behind them is looked at block by block.
 const MOST_COMMANDS: u32 = 100_000;
-
-/// The control as it stands, in a copy that a program may write to.
-struct AsItStands<'a> {
-    parameters: Parameters,
-    offsets: &'a Offsets,
-    variables: Variables,
-    programs: &'a ProgramMemory,
-    inputs: u16,
-    outputs: u64,
-    position: Point,
-    referenced: PerAxis<bool>,
-    block_skip: bool,
-}
-
-impl Host for AsItStands<'_> {
-    fn parameters(&self) -> &Parameters {
-        &self.parameters
-    }
-    fn parameters_mut(&mut self) -> &mut Parameters {
-        &mut self.parameters
-    }
-    fn offsets(&self) -> &Offsets {
-        self.offsets
-    }
-    fn variables(&self) -> &Variables {
-        &self.variables
-    }
-    fn variables_mut(&mut self) -> &mut Variables {
-        &mut self.variables
-    }
-    fn interface_inputs(&self) -> u16 {
-        self.inputs
-    }
-    fn interface_outputs(&self) -> u64 {
-        self.outputs
-    }
-    fn set_interface_outputs(&mut self, outputs: u64) {
-        self.outputs = outputs;
-    }
-    fn programs(&self) -> &ProgramMemory {
-        self.programs
-    }
-    fn machine_position(&self) -> Point {
-        self.position
-    }
-    fn referenced(&self) -> PerAxis<bool> {
-        self.referenced
-    }
-    fn block_skip(&self) -> bool {
-        self.block_skip
-    }
-    fn settled(&self) -> bool {
-        true
-    }
-}
 
 impl Cnc {
     /// The first cut of a program that the board could not follow, with the offsets,
@@ -90,13 +34,13 @@ impl Cnc {
             let (_, world) = self.interpreter_and_world(true);
             (world.interface_inputs(), world.interface_outputs())
         };
-        let mut host = AsItStands {
+        let mut host = Immediate {
             parameters: self.parameters.clone(),
             offsets: &self.offsets,
             variables: self.variables.clone(),
-            programs: &self.programs,
-            inputs,
+            inputs: LazyCell::new(Box::new(move || inputs)),
             outputs,
+            programs: &self.programs,
             position: self.position(),
             referenced: self.referenced,
             block_skip: self.from_plc.block_skip,

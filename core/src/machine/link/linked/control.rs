@@ -3,7 +3,7 @@
 use super::{Linked, Note};
 use crate::alarm::Alarm;
 use crate::cnc::Event as Happened;
-use crate::machine::link::{BoardOutputs, Event, LinkState, SpindleWay, Stop};
+use crate::machine::link::{Awaited, BoardOutputs, Event, Input, LinkState, SpindleWay, Stop};
 use crate::machine::pins;
 use crate::operation::{BoardDrives, RunState, ZeroWiring};
 use crate::simulation::Simulation;
@@ -73,17 +73,47 @@ impl Linked {
     }
 
     /// The board looks at what the returns of the control wait for.
-    fn await_switches(&mut self, simulation: &Simulation) {
+    fn await_switches(&mut self, simulation: &mut Simulation) {
         for axis in [Axis::X, Axis::Z] {
             let wanted = simulation.cnc.board_awaits(axis);
-            if wanted != self.link.awaited(axis) {
-                match wanted {
-                    // Not yet possible: once more with the next look.
-                    Some(awaited) => drop(self.link.arm(awaited)),
-                    None => self.link.disarm(axis),
+            if wanted == self.link.awaited(axis) {
+                if let Some(awaited) = wanted {
+                    self.mind_length(simulation, axis, awaited);
                 }
+                continue;
+            }
+            *self.sought_from.get_mut(axis) = *simulation.cnc.pulses().get(axis);
+            match wanted {
+                // Not yet possible: once more with the next look.
+                Some(awaited) => drop(self.link.arm(awaited)),
+                None => self.link.disarm(axis),
             }
         }
+    }
+
+    /// A switch that does not come within the length of the slide will never come.
+    fn mind_length(&self, simulation: &mut Simulation, axis: Axis, awaited: Awaited) {
+        let lathe = simulation.lathe.config();
+        let (limits, scale, name) = match axis {
+            Axis::X => (lathe.x.limits, 2.0, 'x'),
+            Axis::Z => (lathe.z.limits, 1.0, 'z'),
+        };
+        let Some(limits) = limits else { return };
+        let length = limits.plus - limits.minus;
+        let most = length / scale * self.link.pulses_per_mm()[axis as usize];
+        let way = simulation.cnc.pulses().get(axis).0 - self.sought_from.get(axis).0;
+        if way.unsigned_abs() as f64 <= most {
+            return;
+        }
+        let pin = match awaited.input {
+            Input::DecelerationX | Input::DecelerationZ => "dec",
+            Input::ZeroX | Input::ZeroZ => "zero",
+            _ => "limit",
+        };
+        simulation.cnc.abandon_returns();
+        simulation.cnc.raise(Alarm::new(609).because(format!(
+            "link.{name}.{pin} did not change within {length} mm, the whole length of {name}.limits"
+        )));
     }
 
     /// Keys, outputs and the ends of programs go to the link.

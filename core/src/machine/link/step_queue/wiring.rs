@@ -218,8 +218,7 @@ impl Writer<'_> {
     }
 
     fn switches(&mut self, config: &LinkConfig) -> Result<Vec<Switch>, String> {
-        let mut switches = Vec::new();
-        for (key, name, input) in [
+        let own = [
             ("x.limit", &config.x.limit, Input::LimitX),
             ("z.limit", &config.z.limit, Input::LimitZ),
             ("io.estop", &config.io.estop, Input::EmergencyStop),
@@ -228,24 +227,15 @@ impl Writer<'_> {
             ("z.dec", &config.z.dec, Input::DecelerationZ),
             ("x.zero", &config.x.zero, Input::ZeroX),
             ("z.zero", &config.z.zero, Input::ZeroZ),
-        ] {
+        ];
+        let own = own.map(|(key, name, input)| (key, name.as_str(), input));
+        let contacts = contacts::wired(&config.inputs).map(|(input, name)| ("inputs", name, input));
+        let mut switches = Vec::new();
+        for (key, name, input) in own.into_iter().chain(contacts) {
             if name.is_empty() {
                 continue;
             }
             let pin = self.pin(key, name)?;
-            let oid = self.oid();
-            self.say(
-                Command::ConfigEndstop,
-                &[oid, pin.number, i64::from(pin.pull_up)],
-            );
-            switches.push(Switch {
-                input,
-                oid,
-                level: i64::from(!pin.inverted),
-            });
-        }
-        for (input, name) in contacts::wired(&config.inputs) {
-            let pin = self.pin("inputs", name)?;
             let oid = self.oid();
             self.say(
                 Command::ConfigEndstop,
