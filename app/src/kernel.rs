@@ -17,7 +17,7 @@ use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::command::ProgramId;
 use gsk_core::machine::Fault;
-use gsk_core::operation::RunState;
+use gsk_core::operation::{Mode, RunState};
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::units::Point;
@@ -370,7 +370,7 @@ impl Kernel {
                 self.release_soon(key, TAP);
             }
             Command::Type(character) => self.emulator.key(KeyEvent::Type(character)),
-            Command::Turn(detents) => self.emulator.turn(detents),
+            Command::Turn(detents) => self.turn(detents),
             Command::Open(opened) => self.open(*opened),
             Command::Receive(file) => {
                 if let Err(said) = self.emulator.receive(*file) {
@@ -412,6 +412,17 @@ impl Kernel {
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}
             Command::Quit => self.quit = true,
+        }
+    }
+
+    /// Turns the handwheel; in step mode it moves nothing and says why.
+    fn turn(&mut self, detents: i32) {
+        self.emulator.turn(detents);
+        let cnc = &self.emulator.simulation.cnc;
+        // An alarm says more.
+        if cnc.mode() == Mode::Step && cnc.alarms().is_empty() {
+            let why = "step mode (001.3 = 0): the axis keys move the axes, the handwheel does not";
+            self.say(Notice::Said(why.to_owned()));
         }
     }
 

@@ -13,9 +13,12 @@
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, ChildStdout, Command as Process, Stdio};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crossbeam::queue::ArrayQueue;
 use gsk_app::carrier::Carrier;
+use gsk_app::kernel::probe::Probe;
 use gsk_app::kernel::{Command, Connection, Console, Kernel, LinkOrder, Opened};
 use gsk_core::machine::link::{LinkConfig, LinkState};
 use gsk_core::operation::RunState;
@@ -271,6 +274,21 @@ fn a_line_board_in_another_process_makes_a_part_and_is_unplugged() {
 #[test]
 fn a_board_of_timed_steps_in_another_process_makes_a_part_and_is_unplugged() {
     works_and_is_unplugged("klipper", TIMED);
+}
+
+/// The simulated slides and spindle beside a board are not the ones that move.
+#[test]
+fn the_scope_shows_what_is_known_of_the_real_lathe() {
+    let mut lathe = Lathe::at("/nowhere/at/all", TIMED);
+    let queue = Arc::new(ArrayQueue::new(10));
+    lathe.console.send(Command::Probe(Some(Probe {
+        queue: Arc::clone(&queue),
+        bits: Vec::new(),
+    })));
+    assert!(lathe.until(LONGEST, |_| queue.is_full()));
+    let sample = queue.pop().unwrap();
+    assert_eq!(sample.actual, sample.commanded);
+    assert_eq!((sample.following, sample.spindle), (None, None));
 }
 
 /// One client has the board: the next one is told, whoever it is.

@@ -5,6 +5,7 @@ mod common;
 
 use common::Bench;
 use egui_kittest::kittest::Queryable;
+use gsk_core::setup::Setup;
 use gsk_panel::keys::{KEYS, Key, Role};
 
 #[test]
@@ -144,4 +145,26 @@ fn the_line_below_the_panel_says_where_and_why_of_an_alarm() {
     bench.click("Reset");
     bench.run(500);
     assert!(bench.harness.query_by_label_contains("011: ").is_none());
+}
+
+#[test]
+fn a_handwheel_that_moves_nothing_says_why() {
+    let mut bench = Bench::new();
+    bench.click("Step or handwheel mode");
+    bench.lcd_shows("单步方式");
+    bench.harness.key_press(egui::Key::CloseBracket);
+    bench.run(200);
+    let why = "step mode (001.3 = 0)";
+    assert!(bench.harness.query_by_label_contains(why).is_some());
+
+    let mut setup = Setup::default();
+    setup.parameters.set_bit(1, 3, true).unwrap();
+    let mut bench = Bench::with(setup);
+    bench.click("Step or handwheel mode");
+    bench.lcd_shows("手轮方式");
+    let before = bench.shown_u();
+    bench.harness.key_press(egui::Key::CloseBracket);
+    bench.run(500);
+    assert_ne!(bench.shown_u(), before, "{}", bench.lcd());
+    assert!(bench.harness.query_by_label_contains(why).is_none());
 }

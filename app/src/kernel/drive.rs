@@ -22,6 +22,8 @@ const EXCHANGES: usize = 200;
 const TRIPS: usize = 100;
 /// Between two looks of the link page.
 const VIEW_INTERVAL: Duration = Duration::from_millis(100);
+/// Two of them are "of late" for the time the port was not looked at.
+const AWAY_INTERVAL: Duration = Duration::from_secs(5);
 /// Lines of the log that are kept for the link page.
 const LOG_LINES: usize = 20;
 
@@ -43,6 +45,35 @@ pub struct Connection {
     pub boards: Option<PathBuf>,
 }
 
+/// How long the board was not heard, because the computer did something else.
+#[derive(Clone, Copy, Debug, Default)]
+struct Away {
+    heard: Duration,
+    /// The longest of the interval that runs, and of the one before it.
+    late: [Duration; 2],
+    turns: Duration,
+    longest: Duration,
+}
+
+impl Away {
+    /// The board is heard.
+    fn hear(&mut self, now: Duration) {
+        let away = now.saturating_sub(self.heard);
+        self.heard = now;
+        if now >= self.turns {
+            self.turns = now + AWAY_INTERVAL;
+            self.late = [Duration::ZERO, self.late[0]];
+        }
+        self.late[0] = self.late[0].max(away);
+        self.longest = self.longest.max(away);
+    }
+
+    /// The longest of late, and of all.
+    fn longest(&self) -> (Duration, Duration) {
+        (self.late[0].max(self.late[1]), self.longest)
+    }
+}
+
 /// A board that drives the control's slides.
 pub(super) struct Drive {
     connection: Connection,
@@ -56,6 +87,7 @@ pub(super) struct Drive {
     pictures: VecDeque<(RunTime, Snapshot)>,
     exchanges: VecDeque<Line>,
     trips: VecDeque<Duration>,
+    away: Away,
     reports: u64,
     differences: Vec<Difference>,
     log: VecDeque<String>,
@@ -100,6 +132,7 @@ impl Drive {
             pictures: VecDeque::new(),
             exchanges: VecDeque::new(),
             trips: VecDeque::new(),
+            away: Away::default(),
             reports: 0,
             differences: Vec::new(),
             log: VecDeque::new(),
@@ -139,7 +172,16 @@ impl Drive {
             }
             None => Vec::new(),
         };
-        self.linked.pump(simulation, &bytes, self.opened.elapsed());
+        let now = self.opened.elapsed();
+        if self.linked.is_opening() {
+            // What a board says of itself for the first time is put on the disk.
+            self.away = Away {
+                heard: now,
+                ..Away::default()
+            };
+        }
+        self.away.hear(now);
+        self.linked.pump(simulation, &bytes, now);
         let traffic = self.linked.traffic();
         if traffic.reports != self.reports {
             self.reports = traffic.reports;
@@ -325,6 +367,7 @@ impl Drive {
             board: linked.board().clone(),
             position_known: linked.knows_position(),
             round_trip: worst.map(|worst| (trips[trips.len() / 2], worst)),
+            away: self.away.longest(),
             outstanding: linked.outstanding(),
             lookahead: linked.config().lookahead(),
             traffic: linked.traffic(),

@@ -35,6 +35,9 @@ pub struct LinkView {
     pub position_known: bool,
     /// Median and worst of the last round trips.
     pub round_trip: Option<(Duration, Duration)>,
+    /// The longest that the computer was away from the port, in the last seconds and
+    /// since the board was connected.
+    pub away: (Duration, Duration),
     /// Motion handed over that may not have been made yet.
     pub outstanding: Duration,
     /// How much that may be.

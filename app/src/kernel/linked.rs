@@ -8,8 +8,10 @@ use crate::pace::Pace;
 
 /// How often a link without a port is looked at.
 const WITHOUT_PORT: Duration = Duration::from_millis(4);
-/// Ticks that a board may let the kernel make in one go.
-const MOST_AHEAD: u32 = 500;
+/// So long the kernel makes ticks before it hears the board again: on a slow computer
+/// a whole lookahead of them would take too long.
+const AT_ONCE: Duration = Duration::from_millis(3);
+
 impl Kernel {
     /// A board moves the slides from now on. Its port may be missing: that is an
     /// alarm of the control.
@@ -25,12 +27,13 @@ impl Kernel {
         Some(drive.close(&mut self.emulator.simulation))
     }
 
-    /// When the thread has something to do again: a board is heard all the time.
-    pub(super) fn wakes_at(&self, now: Instant, pace: &Pace) -> Instant {
+    /// When the thread has something to do again; none: at once, a board is heard all
+    /// the time.
+    pub(super) fn wakes_at(&self, now: Instant, pace: &Pace) -> Option<Instant> {
         match &self.drive {
-            None => pace.next(),
-            Some(drive) if drive.has_port() => now,
-            Some(_) => now + WITHOUT_PORT,
+            None => Some(pace.next()),
+            Some(drive) if drive.has_port() => None,
+            Some(_) => Some(now + WITHOUT_PORT),
         }
     }
 
@@ -48,10 +51,8 @@ impl Kernel {
             return false;
         };
         drive.hear(&mut self.emulator.simulation);
-        for _ in 0..MOST_AHEAD {
-            if !drive.may_tick(&mut self.emulator.simulation) {
-                break;
-            }
+        let begun = Instant::now();
+        while begun.elapsed() < AT_ONCE && drive.may_tick(&mut self.emulator.simulation) {
             drive.before(&mut self.emulator.simulation);
             self.tick();
             drive.after(&mut self.emulator.simulation);

@@ -19,12 +19,14 @@ pub struct Sample {
     pub tick: u64,
     /// Commanded machine coordinate, mm (X in radius).
     pub commanded: Point,
-    /// Where the slides are in the same coordinates, mm (X in radius).
+    /// Where the slides are in the same coordinates, mm (X in radius); with a pulse
+    /// board where its pulses put them.
     pub actual: Point,
-    /// How far the motors are behind their pulses, mm (X in radius).
-    pub following: Point,
-    /// Spindle speed, r/min; negative in reverse.
-    pub spindle: f64,
+    /// How far the motors are behind their pulses, mm (X in radius); none: a pulse
+    /// board does not see that.
+    pub following: Option<Point>,
+    /// Spindle speed, r/min; negative in reverse. None: the board has no index.
+    pub spindle: Option<f64>,
     /// Spindle speed that is commanded, r/min.
     pub spindle_commanded: f64,
     /// The watched bits, the first in bit 0.
@@ -65,6 +67,7 @@ impl Probing {
     pub fn take(&mut self, tick: u64, emulator: &Emulator) {
         let cnc = &emulator.simulation.cnc;
         let lathe = &emulator.simulation.lathe;
+        let real = cnc.has_board();
         let commanded = cnc.position_machine();
         let slides = lathe.slides();
         let origin = match self.origin {
@@ -84,9 +87,13 @@ impl Probing {
         let sample = Sample {
             tick,
             commanded,
-            actual: slides + origin,
-            following: lathe.following_error(),
-            spindle: lathe.spindle_rpm(),
+            actual: if real { commanded } else { slides + origin },
+            following: (!real).then(|| lathe.following_error()),
+            spindle: if real {
+                cnc.spindle_of_board()
+            } else {
+                Some(lathe.spindle_rpm())
+            },
             spindle_commanded: cnc.spindle_commanded(),
             bits,
         };

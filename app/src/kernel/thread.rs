@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use crossbeam::channel::RecvTimeoutError;
+use crossbeam::channel::{RecvTimeoutError, TryRecvError};
 
 use super::{Command, Console, Kernel, Notice, PICTURE_TICKS};
 use crate::pace::Pace;
@@ -19,7 +19,7 @@ const KEEP: Duration = Duration::from_millis(100);
 
 /// What the kernel thread needs from outside.
 pub struct Outside {
-    /// Called when there is a new picture or a notice.
+    /// Called when there is a new picture or a notice; must not wait for the window.
     pub wake: Box<dyn Fn() + Send>,
     /// Saves the memory, if there is a data directory.
     pub keeper: Option<Keeper>,
@@ -119,13 +119,26 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
                 (outside.wake)();
             }
         }
-        match kernel.commands.recv_deadline(kernel.wakes_at(now, &pace)) {
+        let told = match kernel.wakes_at(now, &pace) {
+            Some(until) => {
+                let told = kernel.commands.recv_deadline(until);
+                told.map_err(|none| none == RecvTimeoutError::Disconnected)
+            }
+            // Whoever waits yields the processor first, even when there is no time to
+            // wait: on a busy computer it is back tens of milliseconds later, and the
+            // board has heard nothing meanwhile.
+            None => {
+                let told = kernel.commands.try_recv();
+                told.map_err(|none| none == TryRecvError::Disconnected)
+            }
+        };
+        match told {
             Ok(command) => {
                 heard = Instant::now();
                 kernel.carry_out(command);
             }
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => break,
+            Err(over) if over => break,
+            Err(_) => {}
         }
     }
     kernel.release_all();

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread;
 use std::time::{Duration, Instant};
 
+use crossbeam::channel::bounded;
 use eframe::egui;
 
 use super::figures::Figures;
@@ -84,6 +86,24 @@ struct App {
     figures: Option<Figures>,
 }
 
+/// What the kernel rings when there is something new to be seen. The window is locked
+/// while it is drawn: a thread of its own waits for it, not the kernel.
+fn bell(context: egui::Context) -> std::io::Result<Box<dyn Fn() + Send>> {
+    let (ring, rung) = bounded::<()>(1);
+    thread::Builder::new()
+        .name("bell".to_owned())
+        .spawn(move || {
+            for () in rung {
+                // With a delay it is drawn once; without one egui draws twice.
+                context.request_repaint_after(Duration::from_millis(1));
+            }
+        })?;
+    // One ring that is not heard yet stands for this one, too.
+    Ok(Box::new(move || {
+        let _ = ring.try_send(());
+    }))
+}
+
 impl App {
     fn new(start: Start, context: &egui::Context) -> std::io::Result<Self> {
         let Start {
@@ -97,10 +117,8 @@ impl App {
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
-        let waker = context.clone();
         let outside = Outside {
-            // With a delay it is drawn once; without one egui draws twice.
-            wake: Box::new(move || waker.request_repaint_after(Duration::from_millis(1))),
+            wake: bell(context.clone())?,
             keeper: Some(keeper),
             partner: Some(data.path().join(transfer::FOLDER)),
         };

@@ -181,8 +181,11 @@ impl Window {
     /// Takes what the kernel has sent.
     fn receive(&mut self) {
         if let Some(picture) = self.console.pictures.pop() {
-            let before = self.picture.as_ref().and_then(|it| it.alarm.as_ref());
-            if picture.alarm.is_some() && picture.alarm.as_ref() != before {
+            let before = self.picture.as_ref();
+            let alarm = before.and_then(|it| it.alarm.as_ref());
+            let alarms = picture.alarm.is_some() && picture.alarm.as_ref() != alarm;
+            let was_known = before.is_some_and(|it| !it.place_unknown);
+            if alarms || (picture.place_unknown && was_known) {
                 // The newest word stands on the line.
                 self.message = None;
             }

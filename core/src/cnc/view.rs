@@ -290,6 +290,17 @@ impl Cnc {
         self.board.is_some_and(|board| !board.known)
     }
 
+    /// Whether a pulse board makes the motion: the slides of the lathe beside the
+    /// control are not the real ones.
+    pub const fn has_board(&self) -> bool {
+        self.board.is_some()
+    }
+
+    /// The speed of the spindle whose index the board sees, r/min; negative in reverse.
+    pub fn spindle_of_board(&self) -> Option<f64> {
+        Some(self.board?.spindle?.rpm)
+    }
+
     /// Whether an alarm or a message stands (AL, F1.0).
     pub fn in_alarm(&self) -> bool {
         self.alarm_state()

@@ -59,6 +59,7 @@ fn reconnects<T: Board>(machine: &mut Machine<T>) {
     assert!(machine.linked.is_to_be_reopened());
     machine.reconnect();
     machine.wait(8000, |machine| machine.linked.state() == LinkState::Locked);
+    assert_eq!(machine.alarms(), [0_u16; 0], "the board is there again");
 }
 
 fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine<T>) {
@@ -85,6 +86,7 @@ fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine
         machine.linked.write_settings();
         machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
     }
+    assert_eq!(machine.alarms(), [0_u16; 0], "there, and set as it must be");
     goes_on(machine);
 
     // 604: what the board cannot do; another program goes.

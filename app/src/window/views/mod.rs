@@ -81,7 +81,7 @@ pub static VIEWS: [ViewRow; 4] = [
         view: View::Link,
         name: Text::Link,
         key: Key::F5,
-        size: [1000.0, 660.0],
+        size: [1040.0, 740.0],
         least: [760.0, 320.0],
     },
 ];

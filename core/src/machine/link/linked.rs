@@ -93,6 +93,8 @@ pub struct Linked {
     powered: bool,
     /// RESET was pressed while the board was lost.
     reopen: bool,
+    /// The board is being asked who it is and how it is set.
+    opening: bool,
     /// It stands as long as its cause, whatever RESET does.
     standing: Option<Alarm>,
     /// Way the spindle turns as it was last switched, 1 or -1, and the index it last
@@ -139,6 +141,7 @@ impl Linked {
             emergency: false,
             powered: true,
             reopen: false,
+            opening: true,
             standing: None,
             spindle_way: 1.0,
             spindle_index: 0.0,
@@ -439,6 +442,11 @@ impl Linked {
     /// Where the link stands.
     pub const fn state(&self) -> LinkState {
         self.link.state()
+    }
+
+    /// Whether the board is still being asked who it is and how it is set.
+    pub const fn is_opening(&self) -> bool {
+        self.opening
     }
 
     /// Its settings in the machine file.

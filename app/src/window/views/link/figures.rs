@@ -179,6 +179,14 @@ fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
                 trip,
             ),
             (
+                say(
+                    language,
+                    "电脑未查看端口 近来/最长",
+                    "computer away, of late / longest",
+                ),
+                format!("{} / {} ms", tenths(view.away.0), tenths(view.away.1)),
+            ),
+            (
                 say(language, "字节/秒 发送/接收", "bytes/s out / in"),
                 format!("{:.0} / {:.0}", rate(0), rate(1)),
             ),
@@ -197,30 +205,39 @@ fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
 }
 
 fn contacts(language: Language, view: &LinkView) -> Section {
-    let missing = || say(language, "未接线", "not wired").to_owned();
-    let mut rows = Vec::new();
-    let mut contacts = String::new();
-    for (input, state) in &view.inputs {
-        if let Input::Contact { byte, bit } = input {
-            let state = state.map_or('-', |closed| if closed { '1' } else { '0' });
-            let space = if contacts.is_empty() { "" } else { "  " };
-            contacts.push_str(&format!("{space}X{byte}.{bit}={state}"));
-            continue;
+    let missing = say(language, "未接线", "not wired");
+    let told = |input: &Input| {
+        let mut inputs = view.inputs.iter();
+        match inputs.find(|(other, _)| other == input)?.1 {
+            None => Some(missing),
+            Some(true) => Some(say(language, "动作", "operated")),
+            Some(false) => Some(say(language, "正常", "free")),
         }
-        let value = match state {
-            None => missing(),
-            Some(true) => say(language, "动作", "operated").to_owned(),
-            Some(false) => say(language, "正常", "free").to_owned(),
-        };
-        rows.push((words::input(*input, language), value));
-    }
-    let name = say(language, "其他触点", "other contacts");
+    };
+    let mut rows: Vec<(&'static str, String)> = words::INPUTS
+        .iter()
+        .map(|(inputs, zh, en)| {
+            let states: Vec<_> = inputs.iter().filter_map(told).collect();
+            (say(language, zh, en), states.join(" / "))
+        })
+        .collect();
+    let contacts: Vec<String> = view
+        .inputs
+        .iter()
+        .filter_map(|(input, state)| match input {
+            Input::Contact { byte, bit } => {
+                let state = state.map_or('-', |closed| if closed { '1' } else { '0' });
+                Some(format!("X{byte}.{bit}={state}"))
+            }
+            _ => None,
+        })
+        .collect();
     rows.push((
-        name,
+        say(language, "其他触点", "other contacts"),
         if contacts.is_empty() {
-            missing()
+            missing.to_owned()
         } else {
-            contacts
+            contacts.join("  ")
         },
     ));
     let outputs = view.outputs.map_or_else(
@@ -257,7 +274,7 @@ fn contacts(language: Language, view: &LinkView) -> Section {
 /// What the index tells of the spindle.
 fn index(language: Language, view: &LinkView) -> String {
     let Some(spindle) = view.spindle else {
-        return say(language, "未接", "not wired").to_owned();
+        return say(language, "未接线", "not wired").to_owned();
     };
     if spindle.rpm <= 0.0 {
         return say(language, "主轴停止", "it stands").to_owned();

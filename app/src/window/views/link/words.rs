@@ -60,21 +60,22 @@ pub const fn advice(state: LinkState, language: Language) -> &'static str {
     say(language, chinese, english)
 }
 
-/// Name of an input.
-pub const fn input(input: Input, language: Language) -> &'static str {
-    let (chinese, english) = match input {
-        Input::LimitX => ("X 限位", "limit of X"),
-        Input::LimitZ => ("Z 限位", "limit of Z"),
-        Input::EmergencyStop => ("急停", "emergency stop"),
-        Input::DriveAlarm => ("驱动器报警", "alarm of the drives"),
-        Input::DecelerationX => ("X 减速开关 *DECX", "deceleration switch *DECX"),
-        Input::DecelerationZ => ("Z 减速开关 *DECZ", "deceleration switch *DECZ"),
-        Input::ZeroX => ("X 零点信号 XPC", "zero signal XPC"),
-        Input::ZeroZ => ("Z 零点信号 ZPC", "zero signal ZPC"),
-        Input::Contact { .. } => ("触点", "contact"),
-    };
-    say(language, chinese, english)
-}
+/// Inputs of the board that stand in one row, and their name in Chinese and English.
+pub const INPUTS: [(&[Input], &str, &str); 5] = [
+    (&[Input::LimitX, Input::LimitZ], "限位 X / Z", "limit X / Z"),
+    (
+        &[Input::DecelerationX, Input::DecelerationZ],
+        "减速开关 *DECX / *DECZ",
+        "deceleration *DECX / *DECZ",
+    ),
+    (
+        &[Input::ZeroX, Input::ZeroZ],
+        "零点信号 XPC / ZPC",
+        "zero signal XPC / ZPC",
+    ),
+    (&[Input::EmergencyStop], "急停", "emergency stop"),
+    (&[Input::DriveAlarm], "驱动器报警", "alarm of the drives"),
+];
 
 /// What an output switches.
 pub const fn output(output: Output) -> &'static str {

@@ -91,9 +91,9 @@ impl Record {
         let now = self.at(tick)?;
         match (trace.quantity, trace.of) {
             (Quantity::Position, Of::Axis(axis)) => Some(place(now, trace).get(axis)),
-            (Quantity::Following, Of::Axis(axis)) => Some(now.following.get(axis)),
+            (Quantity::Following, Of::Axis(axis)) => Some(now.following?.get(axis)),
             (Quantity::Spindle, _) if trace.commanded => Some(now.spindle_commanded),
-            (Quantity::Spindle, _) => Some(now.spindle),
+            (Quantity::Spindle, _) => now.spindle,
             (Quantity::Speed, of) => self.speed(trace, of, tick, over),
             (Quantity::Acceleration, Of::Axis(axis)) => {
                 let middle = tick.checked_sub(over)?;
@@ -149,7 +149,7 @@ mod tests {
                 tick,
                 commanded: Point::new(0.0, z),
                 actual: Point::new(0.0, z - 0.25),
-                following: Point::new(0.0, 0.25),
+                following: Some(Point::new(0.0, 0.25)),
                 ..Sample::default()
             });
         }

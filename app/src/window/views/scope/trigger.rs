@@ -108,7 +108,12 @@ impl Trigger {
                 way.length() > 0.0 && self.still >= STANDSTILL
             }
             Source::Spindle => {
-                last.spindle.abs() < SPINDLE_STANDS && now.spindle.abs() >= SPINDLE_STANDS
+                // One that nobody sees turns as it is told.
+                let speed = |sample: &Sample| {
+                    let seen = sample.spindle.unwrap_or(sample.spindle_commanded);
+                    seen.abs()
+                };
+                speed(last) < SPINDLE_STANDS && speed(now) >= SPINDLE_STANDS
             }
             Source::BitRises(place) => !bit(last, place) && bit(now, place),
             Source::BitFalls(place) => bit(last, place) && !bit(now, place),

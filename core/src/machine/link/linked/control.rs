@@ -9,6 +9,9 @@ use crate::operation::{BoardDrives, RunState, ZeroWiring};
 use crate::simulation::Simulation;
 use crate::units::{Axis, PerAxis, Pulses};
 
+/// Alarms of a board that is not connected: its connection ends them.
+const OPENING: [u16; 4] = [601, 602, 603, 605];
+
 impl Linked {
     /// What the control knows of its drives in the next tick.
     pub(super) fn show_board(&mut self, simulation: &mut Simulation) {
@@ -250,8 +253,19 @@ impl Linked {
         if unknown {
             self.pass = None;
         }
+        let opening = matches!(
+            state,
+            LinkState::Opening | LinkState::Identify | LinkState::Configure
+        );
+        let was_opening = core::mem::replace(&mut self.opening, opening);
         if state == LinkState::Locked {
             self.standing = None;
+            if was_opening {
+                // The board is there, is the right one and is set as it must be.
+                for number in OPENING {
+                    simulation.cnc.alarms.remove(number);
+                }
+            }
         }
         self.homing = state == LinkState::Homing;
     }
