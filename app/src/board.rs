@@ -7,6 +7,7 @@ use gsk_core::machine::link::{Event, Link, LinkConfig, LinkState};
 use gsk_core::memory::Parameters;
 
 use crate::carrier::{Carrier, Line};
+use crate::ports;
 
 /// A board and its link.
 pub struct Board {
@@ -42,13 +43,13 @@ impl Board {
     pub fn pump(&mut self) -> Vec<Event> {
         match self.carrier.read() {
             Ok(bytes) => self.link.rx(&bytes, self.carrier.now()),
-            Err(error) => self.link.lost(&format!("the port failed: {error}")),
+            Err(error) => self.link.lost(&ports::gone(&error)),
         }
         self.link.tick(self.carrier.now());
         let bytes = self.link.tx().to_vec();
         match self.carrier.write(&bytes) {
             Ok(count) => self.link.consumed(count),
-            Err(error) => self.link.lost(&format!("the port failed: {error}")),
+            Err(error) => self.link.lost(&ports::gone(&error)),
         }
         self.link.events()
     }

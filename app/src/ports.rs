@@ -79,6 +79,18 @@ fn passes(error: &io::Error) -> bool {
     )
 }
 
+/// What an open port's failure means.
+pub fn gone(error: &io::Error) -> String {
+    // EIO, ENXIO and ENODEV: the device behind the name is no more.
+    let pulled = error.kind() == io::ErrorKind::BrokenPipe
+        || matches!(error.raw_os_error(), Some(5 | 6 | 19));
+    if pulled {
+        "the port is gone: was the cable pulled, or the board switched off?".to_owned()
+    } else {
+        format!("the port failed: {error}")
+    }
+}
+
 fn explain(path: &str, error: &serialport::Error) -> String {
     match error.kind() {
         serialport::ErrorKind::Io(io::ErrorKind::PermissionDenied) => format!(

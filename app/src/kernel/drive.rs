@@ -15,6 +15,7 @@ use super::Snapshot;
 use super::link_view::{Difference, LinkView};
 use crate::carrier::{Carrier, Line};
 use crate::files::{atomic, time::utc};
+use crate::ports;
 
 /// Lines of the traffic that are kept for the link page.
 const EXCHANGES: usize = 200;
@@ -22,6 +23,8 @@ const EXCHANGES: usize = 200;
 const TRIPS: usize = 100;
 /// Between two looks of the link page.
 const VIEW_INTERVAL: Duration = Duration::from_millis(100);
+/// A computer that was away for so long is busy.
+const BUSY: Duration = Duration::from_millis(20);
 /// Two of them are "of late" for the time the port was not looked at.
 const AWAY_INTERVAL: Duration = Duration::from_secs(5);
 /// Lines of the log that are kept for the link page.
@@ -116,7 +119,11 @@ impl Drive {
                 .map_or_else(Vec::new, met_before),
         );
         let carrier = match Carrier::open(&connection.config) {
-            Ok(carrier) => Some(carrier),
+            Ok(mut carrier) => {
+                // Who opens the link page after a fault wants to see what came before it.
+                carrier.watch(true);
+                Some(carrier)
+            }
             Err(cause) => {
                 linked.lost(simulation, &cause);
                 None
@@ -166,8 +173,7 @@ impl Drive {
             Some(Ok(bytes)) => bytes,
             Some(Err(error)) => {
                 self.carrier = None;
-                self.linked
-                    .lost(simulation, &format!("the port failed: {error}"));
+                self.linked.lost(simulation, &ports::gone(&error));
                 Vec::new()
             }
             None => Vec::new(),
@@ -187,6 +193,11 @@ impl Drive {
             self.reports = traffic.reports;
             keep(&mut self.trips, traffic.round_trip, TRIPS);
         }
+    }
+
+    /// Whether the computer has other things to do than to look at the port.
+    pub fn is_hurried(&self) -> bool {
+        self.away.longest().0 > BUSY
     }
 
     /// Whether the kernel may make a tick.
@@ -211,17 +222,14 @@ impl Drive {
             Some(Ok(count)) => self.linked.consumed(count),
             Some(Err(error)) => {
                 self.carrier = None;
-                self.linked
-                    .lost(simulation, &format!("the port failed: {error}"));
+                self.linked.lost(simulation, &ports::gone(&error));
             }
             None => self.linked.consumed(bytes.len()),
         }
         for note in self.linked.notes() {
             self.note(&note, program);
         }
-        if self.watched
-            && let Some(carrier) = &mut self.carrier
-        {
+        if let Some(carrier) = &mut self.carrier {
             let linked = &self.linked;
             let said = carrier.traffic(|outward, collected| linked.next_text(outward, collected));
             keep(&mut self.exchanges, said, EXCHANGES);
@@ -248,7 +256,7 @@ impl Drive {
             } => {
                 let name = match ended {
                     Some(ProgramId::Stored(number)) => format!("O{number:04}"),
-                    Some(_) => program.unwrap_or("-").to_owned(),
+                    Some(_) => file_name(program.unwrap_or("-")),
                     None => "-".to_owned(),
                 };
                 let counted = counted.map_or("X - Z -".to_owned(), |counted| {
@@ -326,12 +334,9 @@ impl Drive {
         self.linked.check();
     }
 
-    /// Keeps the traffic for the link page, or no more.
-    pub fn watch(&mut self, on: bool) {
+    /// The link page is open, or no more.
+    pub const fn watch(&mut self, on: bool) {
         self.watched = on;
-        if let Some(carrier) = &mut self.carrier {
-            carrier.watch(on);
-        }
     }
 
     /// Whether a read of the port paces the kernel.
@@ -362,6 +367,8 @@ impl Drive {
         let settled = linked.state() == LinkState::Configure;
         LinkView {
             state: linked.state(),
+            connected: !linked.is_opening()
+                && !matches!(linked.state(), LinkState::Off | LinkState::Lost),
             protocol: linked.config().protocol,
             port: linked.config().port.clone(),
             board: linked.board().clone(),
@@ -386,6 +393,15 @@ impl Drive {
             log: self.log.iter().cloned().collect(),
         }
     }
+}
+
+/// Name of a program's file without its folder.
+fn file_name(path: &str) -> String {
+    let name = Path::new(path).file_name();
+    name.map_or_else(
+        || path.to_owned(),
+        |name| name.to_string_lossy().into_owned(),
+    )
 }
 
 /// What boards met before said they understand. A damaged file is as good as none.

@@ -25,6 +25,8 @@ pub struct Difference {
 pub struct LinkView {
     /// Where the link stands.
     pub state: LinkState,
+    /// The board is there and has said how it is set: what it tells holds now.
+    pub connected: bool,
     /// What the board understands.
     pub protocol: Protocol,
     /// Its port.

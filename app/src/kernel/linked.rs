@@ -11,6 +11,8 @@ const WITHOUT_PORT: Duration = Duration::from_millis(4);
 /// So long the kernel makes ticks before it hears the board again: on a slow computer
 /// a whole lookahead of them would take too long.
 const AT_ONCE: Duration = Duration::from_millis(3);
+/// Ticks between two pictures of a computer that is busy.
+const HURRIED_PICTURE_TICKS: u64 = 4 * PICTURE_TICKS;
 
 impl Kernel {
     /// A board moves the slides from now on. Its port may be missing: that is an
@@ -51,12 +53,17 @@ impl Kernel {
             return false;
         };
         drive.hear(&mut self.emulator.simulation);
+        // Drawing may be what keeps a busy computer from the port.
+        let between = match drive.is_hurried() {
+            true => HURRIED_PICTURE_TICKS,
+            false => PICTURE_TICKS,
+        };
         let begun = Instant::now();
         while begun.elapsed() < AT_ONCE && drive.may_tick(&mut self.emulator.simulation) {
             drive.before(&mut self.emulator.simulation);
             self.tick();
             drive.after(&mut self.emulator.simulation);
-            if self.tick.is_multiple_of(PICTURE_TICKS) {
+            if self.tick.is_multiple_of(between) {
                 drive.keep_picture(self.snapshot());
             }
         }

@@ -10,6 +10,7 @@ use super::aside;
 use crate::cli::Language;
 use crate::kernel::link_view::LinkView;
 use crate::kernel::{Command, Console, LinkOrder};
+use crate::window::chinese;
 use crate::window::texts::say;
 
 const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
@@ -132,8 +133,8 @@ impl LinkPage {
             for line in view.log.iter().rev().take(4).rev() {
                 let good = !line.ends_with("DIFFERS");
                 let ink = if good { Color32::from_gray(190) } else { BAD };
-                let text = RichText::new(line).monospace().color(ink);
-                ui.add(Label::new(text).truncate()).on_hover_text(line);
+                let text = RichText::new(chinese::say(line, language));
+                ui.add(Label::new(text.monospace().color(ink)).wrap());
             }
             ui.separator();
         }

@@ -184,7 +184,10 @@ fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
                     "电脑未查看端口 近来/最长",
                     "computer away, of late / longest",
                 ),
-                format!("{} / {} ms", tenths(view.away.0), tenths(view.away.1)),
+                match view.connected {
+                    true => format!("{} / {} ms", tenths(view.away.0), tenths(view.away.1)),
+                    false => "-".to_owned(),
+                },
             ),
             (
                 say(language, "字节/秒 发送/接收", "bytes/s out / in"),
@@ -209,6 +212,7 @@ fn contacts(language: Language, view: &LinkView) -> Section {
     let told = |input: &Input| {
         let mut inputs = view.inputs.iter();
         match inputs.find(|(other, _)| other == input)?.1 {
+            _ if !view.connected => Some("-"),
             None => Some(missing),
             Some(true) => Some(say(language, "动作", "operated")),
             Some(false) => Some(say(language, "正常", "free")),
@@ -234,14 +238,22 @@ fn contacts(language: Language, view: &LinkView) -> Section {
         .collect();
     rows.push((
         say(language, "其他触点", "other contacts"),
-        if contacts.is_empty() {
+        if !view.connected {
+            "-".to_owned()
+        } else if contacts.is_empty() {
             missing.to_owned()
         } else {
             contacts.join("  ")
         },
     ));
-    let outputs = view.outputs.map_or_else(
-        || say(language, "切换中", "being switched").to_owned(),
+    let outputs = view.outputs.filter(|_| view.connected).map_or_else(
+        || {
+            if !view.connected {
+                "-".to_owned()
+            } else {
+                say(language, "切换中", "being switched").to_owned()
+            }
+        },
         |outputs| {
             let spindle = match outputs.spindle {
                 SpindleWay::Stop => "M05",
@@ -273,6 +285,9 @@ fn contacts(language: Language, view: &LinkView) -> Section {
 
 /// What the index tells of the spindle.
 fn index(language: Language, view: &LinkView) -> String {
+    if !view.connected {
+        return "-".to_owned();
+    }
     let Some(spindle) = view.spindle else {
         return say(language, "未接线", "not wired").to_owned();
     };
