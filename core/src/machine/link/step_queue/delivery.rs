@@ -30,7 +30,6 @@ const USUAL_TRIP: Duration = Duration::from_millis(25);
 /// long as that.
 const LONG_TRIP: Duration = Duration::from_millis(8);
 const SUSPECTED_TRIP: Duration = Duration::from_millis(75);
-const TRIPS: usize = 8;
 /// Bytes of a message.
 const USUAL_MESSAGE: f64 = 8.0;
 const SLOWEST_TRIP: Duration = Duration::from_millis(200);
@@ -138,8 +137,7 @@ pub(super) struct Delivery {
     deaf_below: u64,
     again: bool,
     round_trip: Option<Duration>,
-    /// The last ones.
-    trips: VecDeque<Duration>,
+    last_trip: Duration,
     wait: Duration,
     progressed: HostTime,
     strange_since: Option<HostTime>,
@@ -165,7 +163,7 @@ impl Delivery {
             deaf_below: 0,
             again: false,
             round_trip: None,
-            trips: VecDeque::new(),
+            last_trip: Duration::ZERO,
             wait: LEAST_WAIT,
             progressed: HostTime::ZERO,
             strange_since: None,
@@ -228,10 +226,11 @@ impl Delivery {
         self.is_congested() && self.meter.is_short()
     }
 
-    /// How much longer than usual every message took of late.
-    pub(super) fn least_slowness(&self) -> Duration {
-        let quickest = self.trips.iter().min().copied().unwrap_or_default();
-        quickest.min(SLOWEST_TRIP).saturating_sub(USUAL_TRIP)
+    /// How long the last block that was confirmed was under way, there and back. One
+    /// that was lost on the way counts from its first sending: what goes now may be
+    /// lost as well.
+    pub(super) fn last_trip(&self) -> Duration {
+        self.last_trip.min(SLOWEST_TRIP)
     }
 
     /// How much longer than usual a message took of late.
@@ -341,10 +340,7 @@ impl Delivery {
                 let trip = now.saturating_sub(sent.first);
                 let smooth = self.round_trip.map_or(trip, |old| (old * 7 + trip) / 8);
                 self.round_trip = Some(smooth);
-                self.trips.push_back(trip);
-                if self.trips.len() > TRIPS {
-                    self.trips.pop_front();
-                }
+                self.last_trip = trip;
             }
         }
         self.progressed = now;

@@ -408,9 +408,10 @@ impl StepLink {
 
     /// Nothing that is sent now is sure to arrive before this clock.
     fn earliest(&self) -> u64 {
-        let there = self.delivery.least_slowness();
-        let there = there.saturating_sub(self.clock.back());
-        self.clock.at(self.now + self.margin() + there)
+        // Of the last trip all but what is known to belong to the way back.
+        let there = self.delivery.last_trip().saturating_sub(self.clock.back());
+        self.clock
+            .at(self.now + self.margin().max(there + LATEST / 2))
     }
 
     fn margin(&self) -> Duration {

@@ -3,7 +3,7 @@
 use super::super::super::{Event, HostTime, LinkState};
 use super::super::answers::{Answer, BoardState, Status};
 use super::super::opening::Outcome;
-use super::{AWAY, Halt, LineLink, STATUS_IDLE, STATUS_MOVING, STATUS_URGENT};
+use super::{AWAY, Halt, LineLink, STATUS_IDLE, STATUS_MOVING};
 
 impl LineLink {
     pub(super) fn take(&mut self, answer: &Answer) {
@@ -62,7 +62,9 @@ impl LineLink {
                     611,
                     &format!("the board is {off:.3} mm off the commanded path"),
                 );
-                self.flush();
+                // On a ramp it would go on toward a place nobody commanded.
+                self.forget_motion();
+                self.restart();
                 self.enter(LinkState::Fault);
                 return;
             }
@@ -106,8 +108,7 @@ impl LineLink {
             return;
         }
         let interval = match self.state {
-            _ if self.halt != Halt::None => STATUS_URGENT,
-            LinkState::Moving if self.queued.is_empty() => STATUS_URGENT,
+            _ if self.halt != Halt::None => STATUS_MOVING,
             LinkState::Moving => STATUS_MOVING,
             _ => STATUS_IDLE,
         };
