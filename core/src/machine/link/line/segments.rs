@@ -32,6 +32,8 @@ pub(super) struct Segments {
     at: PerAxis<Pulses>,
     /// The newest sample behind it.
     newest: Option<Sample>,
+    /// The next segment ends with its first pulse and takes this long at least.
+    run_up: RunTime,
 }
 
 impl Segments {
@@ -43,7 +45,15 @@ impl Segments {
             from: RunTime::ZERO,
             at: PerAxis::default(),
             newest: None,
+            run_up: RunTime::ZERO,
         }
+    }
+
+    /// The board stands with nothing to make, and keeps a few lines only that it has not
+    /// read: while it makes the first pulse, slowly, it reads the next ones. Without that
+    /// a short pause of the host at the begin of a motion would leave it without motion.
+    pub(super) const fn begin_slowly(&mut self, run_up: RunTime) {
+        self.run_up = run_up;
     }
 
     /// Begins anew at a place and time.
@@ -68,7 +78,8 @@ impl Segments {
     ) -> Result<Option<Segment>, Refused> {
         self.newest = Some(sample);
         let duration = sample.end.saturating_sub(self.from);
-        if duration < self.period {
+        let first = self.run_up > RunTime::ZERO && sample.pulses != self.at;
+        if duration < self.period && !first {
             return Ok(None);
         }
         if sample.pulses == self.at {
@@ -99,6 +110,7 @@ impl Segments {
             return Ok(None);
         };
         let duration = sample.end.saturating_sub(self.from);
+        let duration = duration.max(core::mem::take(&mut self.run_up));
         let seconds = duration.as_secs_f64().max(1e-3);
         let steps = [
             sample.pulses.x.0 - self.at.x.0,
@@ -161,6 +173,20 @@ mod tests {
         let segment = segments.push(sample(10, 0, -10), offset).unwrap().unwrap();
         assert_eq!(segment.line, "Z-0.0500F6000.0\n");
         assert_eq!(segments.pending(), RunTime::ZERO);
+    }
+
+    #[test]
+    fn the_first_pulse_takes_its_time() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::default();
+        segments.begin_slowly(RunTime::from_millis(80));
+        assert_eq!(segments.push(sample(1, 0, 0), offset), Ok(None));
+        let segment = segments.push(sample(2, 0, -1), offset).unwrap().unwrap();
+        assert_eq!(segment.line, "Z-0.0050F750.0\n");
+        assert_eq!(segment.duration, RunTime::from_millis(80));
+        assert_eq!(segments.push(sample(3, 0, -2), offset), Ok(None));
+        let segment = segments.push(sample(12, 0, -9), offset).unwrap().unwrap();
+        assert_eq!(segment.line, "Z-0.0450F6000.0\n");
     }
 
     #[test]

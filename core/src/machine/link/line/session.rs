@@ -25,6 +25,8 @@ use pass::{Cutting, Turning};
 /// damaged on the wire takes the slides.
 const STATUS_IDLE: Duration = Duration::from_millis(200);
 const STATUS_MOVING: Duration = Duration::from_millis(20);
+/// The first pulse of a motion takes this long.
+const RUN_UP: Duration = Duration::from_millis(80);
 /// A board that was asked and is silent for so long is lost.
 const SILENCE: Duration = Duration::from_millis(500);
 /// A line that is not answered by then was lost on the way.
@@ -453,6 +455,10 @@ impl LineLink {
             let tick = RunTime::from_millis(1);
             let from = sample.end.saturating_sub(tick);
             self.segments.begin(self.commanded, from);
+        }
+        let stands = self.queued.is_empty() && self.backlog.is_empty();
+        if stands && self.segments.pending() == RunTime::ZERO {
+            self.segments.begin_slowly(RUN_UP);
         }
         let segment = self.segments.push(sample, self.offset)?;
         self.commanded = sample.pulses;

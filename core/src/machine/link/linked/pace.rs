@@ -11,8 +11,8 @@ use crate::simulation::Simulation;
 const MOST_DUE: u64 = 40;
 /// Shorter gaps between two looks at the port are everyday.
 const EVERYDAY: Duration = Duration::from_millis(30);
-/// The board may have made so much more than it has reported.
-const UNREPORTED: Duration = Duration::from_millis(50);
+/// The board may have made so much more than it has reported: it is asked every 20 ms.
+const UNREPORTED: Duration = Duration::from_millis(25);
 /// The board may make motion this much later than the host's clock says.
 const PATIENCE: Duration = Duration::from_millis(100);
 const TICK: Duration = Duration::from_millis(1);

@@ -226,11 +226,11 @@ impl Delivery {
         self.is_congested() && self.meter.is_short()
     }
 
-    /// How long the last block that was confirmed was under way, there and back. One
-    /// that was lost on the way counts from its first sending: what goes now may be
-    /// lost as well.
-    pub(super) fn last_trip(&self) -> Duration {
-        self.last_trip.min(SLOWEST_TRIP)
+    /// How long the last block that was confirmed was under way, there and back, when
+    /// that is longer than a line takes whose blocks wait for one another. One that was
+    /// lost counts from its first sending: what goes now may be lost as well.
+    pub(super) fn last_slow_trip(&self) -> Option<Duration> {
+        (self.last_trip > USUAL_TRIP).then_some(self.last_trip.min(SLOWEST_TRIP))
     }
 
     /// How much longer than usual a message took of late.

@@ -409,9 +409,11 @@ impl StepLink {
     /// Nothing that is sent now is sure to arrive before this clock.
     fn earliest(&self) -> u64 {
         // Of the last trip all but what is known to belong to the way back.
-        let there = self.delivery.last_trip().saturating_sub(self.clock.back());
-        self.clock
-            .at(self.now + self.margin().max(there + LATEST / 2))
+        let there = self.delivery.last_slow_trip();
+        let there = there.map_or(Duration::ZERO, |trip| {
+            trip.saturating_sub(self.clock.back()) + LATEST / 2
+        });
+        self.clock.at(self.now + self.margin().max(there))
     }
 
     fn margin(&self) -> Duration {

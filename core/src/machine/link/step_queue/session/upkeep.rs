@@ -161,7 +161,10 @@ impl StepLink {
     /// so far ends.
     pub fn set_outputs(&mut self, outputs: BoardOutputs) {
         self.upkeep.wanted = outputs;
-        self.tell_wanted();
+        if self.tell_wanted() {
+            // At once: when the host looks at its port again it may be too late.
+            self.send();
+        }
     }
 
     /// What the board was told; orders do not wait for a standstill.
@@ -169,10 +172,11 @@ impl StepLink {
         Some(self.upkeep.told)
     }
 
-    fn tell_wanted(&mut self) {
+    /// Whether there was something to tell.
+    fn tell_wanted(&mut self) -> bool {
         let (mut wanted, told) = (self.upkeep.wanted, self.upkeep.told);
         if wanted == told || !self.is_running() || self.down || self.state == LinkState::Lost {
-            return;
+            return false;
         }
         let at = self.motion.newest_end();
         let (run, host) = self.upkeep.speed_told;
@@ -194,6 +198,7 @@ impl StepLink {
             let _ = self.output(at, output, value);
         }
         self.upkeep.told = wanted;
+        true
     }
 
     fn keep_enabled(&mut self) {
