@@ -17,16 +17,19 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crossbeam::queue::ArrayQueue;
-use gsk_app::carrier::Carrier;
+use gsk_app::carrier::{Carrier, Line};
 use gsk_app::kernel::probe::Probe;
 use gsk_app::kernel::{Command, Connection, Console, Kernel, LinkOrder, Opened};
-use gsk_core::machine::link::{LinkConfig, LinkState};
+use gsk_core::machine::link::step_queue::StepLink;
+use gsk_core::machine::link::{Event, LinkConfig, LinkState};
+use gsk_core::memory::Parameters;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
+use gsk_twins::klipper::{KlipperTwin, Make};
 
 const PROGRAM: &str = "O0007\nG50 X60 Z20\nG98 G97 S500 M03\nG00 X50 Z10 M08\n\
     G01 Z5 F600\nG02 X56 Z2 R3\nG00 X60 Z20\nM05\nM09\nM30\n";
@@ -83,11 +86,19 @@ struct Lathe {
     console: Console,
     state: LinkState,
     differs: bool,
+    /// The most questions for what the board understands that one view of the link
+    /// has shown.
+    asked: usize,
     log: PathBuf,
 }
 
 impl Lathe {
     fn at(port: &str, config: &str) -> Self {
+        Self::with_boards(port, config, None)
+    }
+
+    /// `boards`: the folder with what boards met before said they understand.
+    fn with_boards(port: &str, config: &str, boards: Option<PathBuf>) -> Self {
         let mut setup = Setup::delivered();
         for number in [17, 18] {
             setup.parameters.set(number, 5).unwrap();
@@ -112,13 +123,14 @@ impl Lathe {
         kernel.connect(Connection {
             config,
             log: Some(log.clone()),
-            boards: None,
+            boards,
         });
         Self {
             kernel,
             console,
             state: LinkState::Opening,
             differs: false,
+            asked: 0,
             log,
         }
     }
@@ -140,6 +152,8 @@ impl Lathe {
             if let Some(view) = self.console.link.pop() {
                 self.state = view.state;
                 self.differs = !view.differences.is_empty();
+                let asks = |line: &&Line| line.outward && line.text.contains("identify offset");
+                self.asked = self.asked.max(view.exchanges.iter().filter(asks).count());
             }
             if so(self) {
                 return true;
@@ -319,4 +333,99 @@ fn a_port_in_use_is_refused_with_its_name() {
     assert_eq!(lathe.alarms(), [601]);
     drop(first);
     assert!(Carrier::open(&config).is_ok());
+}
+
+/// What another board says it understands.
+fn foreign() -> Vec<u8> {
+    let mut twin = KlipperTwin::new(Make {
+        resets: false,
+        ..Make::default()
+    });
+    let config = ron::from_str(TIMED).unwrap();
+    let mut link = StepLink::open(config, &Parameters::default(), Duration::ZERO);
+    for ms in 1..5000 {
+        twin.advance(1_000_000);
+        let now = Duration::from_millis(ms);
+        link.rx(&twin.read(), now);
+        link.tick(now);
+        let bytes = link.tx().to_vec();
+        twin.write(&bytes);
+        link.consumed(bytes.len());
+        for event in link.events() {
+            if let Event::Learned { packed, .. } = event {
+                return packed;
+            }
+        }
+    }
+    panic!("the board says nothing");
+}
+
+/// A connection with these files in the folder of the boards: how much was asked, and
+/// the files afterwards.
+fn meets(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>) {
+    let folder = std::env::temp_dir().join(format!("gsk980td-boards-{}", std::process::id()));
+    for _ in 0..ATTEMPTS {
+        let _ = std::fs::remove_dir_all(&folder);
+        std::fs::create_dir_all(&folder).unwrap();
+        for (name, content) in files {
+            std::fs::write(folder.join(name), content).unwrap();
+        }
+        let mut lathe = Lathe::with_boards(port, TIMED, Some(folder.clone()));
+        let over = [LinkState::Locked, LinkState::Fault, LinkState::Lost];
+        lathe.until(LONGEST, |lathe| over.contains(&lathe.state));
+        if lathe.state == LinkState::Locked {
+            let mut found: Vec<_> = std::fs::read_dir(&folder)
+                .unwrap()
+                .map(|entry| entry.unwrap().path())
+                .map(|path| {
+                    let name = path.file_name().unwrap().to_string_lossy().into_owned();
+                    (name, std::fs::read(&path).unwrap())
+                })
+                .collect();
+            found.sort();
+            std::fs::remove_dir_all(&folder).unwrap();
+            return (lathe.asked, found);
+        }
+    }
+    panic!("the board is never set up");
+}
+
+/// Whatever lies in the folder: the board understands what it says it does.
+#[test]
+fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
+    const FEW: usize = 3;
+    let twin = Twin::play("klipper");
+    let (asked, files) = meets(&twin.port, &[]);
+    assert!(asked > FEW, "{asked}");
+    let [(name, good)] = &files[..] else {
+        panic!("{files:?}");
+    };
+    assert!(name.ends_with(".dictionary"), "{name}");
+
+    let (asked, files) = meets(&twin.port, &[(name, good)]);
+    assert!((1..=FEW).contains(&asked), "{asked}");
+    assert_eq!(files, [(name.clone(), good.clone())]);
+
+    let mut damaged = good.clone();
+    damaged[good.len() / 2] ^= 4;
+    let long = [&good[..], &[0; 10]].concat();
+    let foreign = foreign();
+    assert!(foreign != *good);
+    for (what, content) in [
+        // It begins and ends as the right one.
+        ("a flipped bit", &damaged[..]),
+        ("half of it", &good[..good.len() / 2]),
+        ("more than it", &long),
+        ("nothing", b""),
+        ("another file", b"(protocol: StepQueue)"),
+        ("that of another board", &foreign),
+    ] {
+        // Asked anew, and right from then on.
+        let (asked, files) = meets(&twin.port, &[(name, content)]);
+        assert!(asked > FEW, "{what}: {asked}");
+        assert_eq!(files, [(name.clone(), good.clone())], "{what}");
+    }
+    // Beside others the right one is found.
+    let (asked, _) = meets(&twin.port, &[("a.dictionary", &foreign), (name, good)]);
+    assert!((1..=FEW + 1).contains(&asked), "{asked}");
 }

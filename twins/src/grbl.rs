@@ -297,6 +297,11 @@ impl GrblTwin {
         &self.settings
     }
 
+    /// Its settings, for somebody who has another way into the board.
+    pub const fn settings_mut(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
     /// The spindle word in force (3, 4, 5), its speed, and coolant.
     pub const fn outputs(&self) -> (u8, f64, bool) {
         (self.spindle, self.modal.speed, self.coolant)

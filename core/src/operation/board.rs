@@ -34,6 +34,8 @@ pub(crate) struct BoardDrives {
     pub prepared: bool,
     /// The place of the slides is known.
     pub known: bool,
+    /// Parameters of the drives have changed since the board was set up for them.
+    pub outdated: bool,
     /// Motion was handed over that has not been made yet.
     pub behind: bool,
     /// Spindle or coolant have still to be switched before the axes go on.
@@ -131,6 +133,11 @@ impl Cnc {
         if !(board.known && self.referenced.x && self.referenced.z) {
             return Some(Alarm::new(610).because(
                 "nobody knows where the slides stand: make the reference return of both axes",
+            ));
+        }
+        if board.outdated {
+            return Some(Alarm::new(603).because(
+                "015-018, 022-025 or 027 have changed since the board was set up: connect it anew",
             ));
         }
         self.rapids_too_fast(&board).or_else(|| {

@@ -5,7 +5,7 @@ use core::time::Duration;
 use gsk_core::cnc::Request;
 use gsk_core::machine::link::{LinkConfig, LinkState, Linked, Note};
 use gsk_core::operation::RunState;
-use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
@@ -14,41 +14,12 @@ use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, Make};
 use gsk_twins::wire::Wire;
 
+use crate::keys::{AUTO, CYCLE_START, RESET, X_PLUS, Z_PLUS, ZERO};
+
 /// One millisecond of all three.
 const MS: u64 = 1_000_000;
 /// Pulses of X and Z from where the slides stand first to the reference switches.
 const SWITCHES: [i64; 2] = [800, 400];
-
-/// Keys of the machine panel.
-pub const AUTO: BitAddress = key(20, 1);
-pub const ZERO: BitAddress = key(20, 3);
-pub const CYCLE_START: BitAddress = key(25, 0);
-/// Arrow down: X+.
-pub const X_PLUS: BitAddress = key(23, 1);
-pub const RESET: BitAddress = key(26, 0);
-pub const FEED_HOLD: BitAddress = key(24, 7);
-pub const SINGLE_BLOCK: BitAddress = key(20, 6);
-pub const DRY_RUN: BitAddress = key(21, 2);
-pub const MACHINE_LOCK: BitAddress = key(21, 0);
-/// Feed override down.
-pub const SLOWER: BitAddress = key(24, 6);
-/// Rapid by hand.
-pub const RAPID: BitAddress = key(22, 6);
-pub const MDI: BitAddress = key(20, 2);
-pub const STEP: BitAddress = key(20, 4);
-pub const INCREMENT_100: BitAddress = key(21, 6);
-pub const JOG: BitAddress = key(20, 5);
-/// Arrows right and left: Z+, Z-.
-pub const Z_PLUS: BitAddress = key(22, 7);
-pub const Z_MINUS: BitAddress = key(22, 5);
-
-const fn key(byte: u16, bit: u8) -> BitAddress {
-    BitAddress {
-        area: Area::X,
-        byte,
-        bit,
-    }
-}
 
 /// What the tests of both kinds of board need of a twin.
 pub trait Board: Clone {

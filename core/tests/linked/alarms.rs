@@ -1,11 +1,13 @@
 //! The alarms of the link: how each comes about, that nothing runs before its cause is
 //! gone, and what it takes to go on.
 
+use gsk_core::cnc::Request;
 use gsk_core::machine::link::LinkState;
 use gsk_twins::grbl::{GrblTwin, Variant};
 
 use crate::SHORT;
-use crate::board::{Board, JOG, Machine, RESET, Timed, Z_PLUS};
+use crate::board::{Board, Machine, Timed};
+use crate::keys::{JOG, MDI, RESET, Z_PLUS};
 
 /// A program in its cut.
 fn working<T: Board>(ready: &Machine<T>) -> Machine<T> {
@@ -258,4 +260,57 @@ fn the_spindle_does_not_come_back_with_the_board() {
         (machine.twin.outputs().0, machine.twin.outputs().2),
         (3, true)
     );
+}
+
+/// Nothing is driven through a board that comes back with other settings.
+#[test]
+fn a_board_that_restarts_with_other_settings_is_603() {
+    let mut machine = working(&Machine::referenced(Variant::Grbl));
+    // X turns the other way.
+    machine.twin.settings_mut().set(3, 1.0).unwrap();
+    machine.twin.press_reset();
+    stops(&mut machine, 606);
+    machine.press(RESET);
+    assert!(machine.wait(3000, |machine| machine.alarms() == [603]));
+    assert_eq!(machine.linked.state(), LinkState::Configure);
+    machine.starts_nothing();
+    machine.press(RESET);
+    assert!(machine.alarms().contains(&603), "{:?}", machine.alarms());
+    machine.linked.write_settings();
+    machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
+    goes_on(machine);
+}
+
+/// Gears and rates of the control are those that the board was set up for.
+#[test]
+fn parameters_of_the_drives_that_were_changed_are_603() {
+    fn changed<T: Board>(mut machine: Machine<T>, number: u16, value: i32) -> Machine<T> {
+        machine.press(MDI);
+        for request in [
+            Request::SetParameterSwitch(true),
+            Request::SetParameter { number, value },
+            Request::SetParameterSwitch(false),
+        ] {
+            machine.simulation.cnc.request(request).unwrap();
+        }
+        machine.press(RESET);
+        machine.load(SHORT, None);
+        machine.starts_nothing();
+        assert_eq!(machine.alarms(), [603], "{number}");
+        machine.press(RESET);
+        assert!(machine.alarms().is_empty());
+        machine
+    }
+    let line = Machine::referenced(Variant::Grbl);
+    // Rapid of X, which $110 has to let pass.
+    let mut machine = changed(line, 22, 4100);
+    machine.reconnect();
+    machine.wait(8000, |machine| machine.alarms() == [603]);
+    machine.linked.write_settings();
+    machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
+    goes_on(machine);
+    let mut machine = changed(Machine::timed_referenced(), 17, 6);
+    machine.reconnect();
+    machine.wait(8000, |machine| machine.linked.state() == LinkState::Locked);
+    goes_on(machine);
 }

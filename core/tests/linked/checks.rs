@@ -5,7 +5,8 @@ use gsk_core::machine::link::{LinkState, Note};
 use gsk_twins::grbl::Variant;
 
 use crate::SHORT;
-use crate::board::{Board, CYCLE_START, FEED_HOLD, Machine, RESET, SINGLE_BLOCK, X_PLUS, ZERO};
+use crate::board::{Board, Machine};
+use crate::keys::{CYCLE_START, FEED_HOLD, RESET, SINGLE_BLOCK, X_PLUS, ZERO};
 
 /// A line of Z, then what makes the slides stand.
 fn program(behind: &str) -> String {

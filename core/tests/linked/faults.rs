@@ -5,8 +5,10 @@ use gsk_core::operation::RunState;
 use gsk_twins::grbl::Variant;
 use gsk_twins::wire::Damage;
 
-use crate::board::{AUTO, CYCLE_START, JOG, Machine, RESET, Z_MINUS, Z_PLUS};
-use crate::{Dice, SHORT, assert_together, rounds};
+use crate::board::Machine;
+use crate::dice::{Dice, rounds};
+use crate::keys::{AUTO, CYCLE_START, JOG, RESET, Z_MINUS, Z_PLUS};
+use crate::{SHORT, assert_together};
 
 #[test]
 fn a_limit_of_the_board_is_left_by_hand() {

@@ -6,7 +6,8 @@ use gsk_core::operation::RunState;
 use gsk_twins::grbl::{GrblTwin, Variant};
 use gsk_twins::wire::{Damage, Wire};
 
-use crate::board::{Machine, RESET};
+use crate::board::Machine;
+use crate::keys::RESET;
 use crate::{SHORT, assert_together};
 
 const MS: u64 = 1_000_000;

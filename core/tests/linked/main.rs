@@ -6,7 +6,11 @@ mod alarms;
 #[path = "../bench/board.rs"]
 mod board;
 mod checks;
+#[path = "../bench/dice.rs"]
+mod dice;
 mod faults;
+#[path = "../bench/keys.rs"]
+mod keys;
 mod lines;
 mod motion;
 mod passes;
@@ -28,25 +32,6 @@ const GROOVE: &str = include_str!("../../../assets/programs/O1031.CNC");
 const SHORT: &str = "O9\nN10 G50 X60 Z20\nN20 G98 G97 S500 M03\nN30 G00 X40 Z5 M08\n\
     N40 G01 Z-10 F300\nN50 G02 X50 Z-15 R5\nN60 G01 X52\nN70 G04 X0.2\n\
     N80 G00 X60 Z20\nN90 M05\nN95 M09\nN99 M30\n";
-
-/// Numbers that look random and are the same each time.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, most: u32) -> u32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        ((self.0 >> 33) % u64::from(most)) as u32
-    }
-}
-
-/// More rounds with `ROUNDS=200` in the environment.
-fn rounds(usual: u32) -> u32 {
-    let wanted = std::env::var("ROUNDS").ok();
-    wanted.and_then(|text| text.parse().ok()).unwrap_or(usual)
-}
 
 #[track_caller]
 fn assert_together<T: Board>(machine: &Machine<T>) {

@@ -8,9 +8,8 @@ use gsk_core::operation::RunState;
 use gsk_core::units::Axis;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{
-    AUTO, Board, CYCLE_START, FEED_HOLD, JOG, MDI, Machine, RAPID, RESET, SLOWER, Z_MINUS,
-};
+use crate::board::{Board, Machine};
+use crate::keys::{AUTO, CYCLE_START, FEED_HOLD, JOG, MDI, RAPID, RESET, SLOWER, Z_MINUS};
 use crate::{SHORT, assert_together};
 
 const CUT: &str = "O1\nG50 X60 Z20\nG98 G01 Z-100 F600\nM30\n";

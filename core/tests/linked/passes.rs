@@ -5,8 +5,10 @@ use gsk_core::operation::RunState;
 use gsk_twins::grbl::{Settings, State};
 use gsk_twins::wire::Damage;
 
-use crate::board::{AUTO, CYCLE_START, FEED_HOLD, Machine, RESET, SINGLE_BLOCK};
-use crate::{Dice, assert_together, rounds};
+use crate::assert_together;
+use crate::board::Machine;
+use crate::dice::{Dice, rounds};
+use crate::keys::{AUTO, CYCLE_START, FEED_HOLD, RESET, SINGLE_BLOCK};
 
 /// 300 r/min, lead 2 mm, three passes.
 const CYCLE: &str = "O1\nN10 G50 X60 Z20\nN20 G98 G97 S300 M03\nN30 G00 X30 Z5\n\

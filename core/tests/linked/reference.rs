@@ -4,7 +4,8 @@ use gsk_core::machine::link::LinkState;
 use gsk_twins::grbl::Variant;
 
 use crate::SHAFT;
-use crate::board::{Machine, RESET, X_PLUS, Z_PLUS, ZERO};
+use crate::board::Machine;
+use crate::keys::{RESET, X_PLUS, Z_PLUS, ZERO};
 
 #[test]
 fn without_a_reference_no_program_starts() {

@@ -3,8 +3,10 @@
 use gsk_core::operation::RunState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{Board, FEED_HOLD, Machine};
-use crate::{Dice, SHORT, assert_together};
+use crate::board::{Board, Machine};
+use crate::dice::Dice;
+use crate::keys::FEED_HOLD;
+use crate::{SHORT, assert_together};
 
 fn minutes() -> u64 {
     let wanted = std::env::var("MINUTES").ok();

@@ -4,7 +4,8 @@
 use gsk_core::machine::link::LinkState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{Board, JOG, Machine, RESET, X_PLUS, Z_MINUS, ZERO};
+use crate::board::{Board, Machine};
+use crate::keys::{JOG, RESET, X_PLUS, Z_MINUS, ZERO};
 use crate::{SHORT, assert_together};
 
 /// A state, and for some how it came about.

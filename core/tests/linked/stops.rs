@@ -3,8 +3,10 @@
 use gsk_core::machine::link::LinkState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{AUTO, Board, CYCLE_START, FEED_HOLD, JOG, Machine, RESET, Z_MINUS};
-use crate::{Dice, SHORT, assert_together, rounds};
+use crate::board::{Board, Machine};
+use crate::dice::{Dice, rounds};
+use crate::keys::{AUTO, CYCLE_START, FEED_HOLD, JOG, RESET, Z_MINUS};
+use crate::{SHORT, assert_together};
 
 #[test]
 fn holds_at_any_time_lose_no_pulse() {

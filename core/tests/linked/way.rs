@@ -6,7 +6,8 @@ use std::collections::VecDeque;
 use gsk_core::operation::RunState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{APART, AUTO, Board, CYCLE_START, Machine};
+use crate::board::{APART, Board, Machine};
+use crate::keys::{AUTO, CYCLE_START};
 use crate::{GROOVE, PIN, SHAFT, assert_together};
 
 /// Lengths that differ by less are the same, mm.

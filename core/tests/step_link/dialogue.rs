@@ -8,7 +8,7 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_twins::klipper::{Make, State};
 
 use crate::bench::{Bench, config, parameters};
-use crate::linked::Machine;
+use crate::machine::Machine;
 
 #[test]
 fn a_board_is_identified_set_up_and_locked() {

@@ -4,10 +4,15 @@
 
 mod bench;
 mod dialogue;
+#[path = "../bench/dice.rs"]
+mod dice;
 mod faults;
+#[path = "../bench/keys.rs"]
+mod keys;
 mod lathe;
 mod lines;
 mod linked;
+mod machine;
 mod motion;
 mod returns;
 mod shutdowns;

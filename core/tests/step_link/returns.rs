@@ -2,16 +2,13 @@
 
 use gsk_core::machine::link::{LinkConfig, LinkState};
 use gsk_core::plc::address::{Area, BitAddress};
-use gsk_twins::klipper::Travel;
+use gsk_core::setup::Setup;
+use gsk_twins::klipper::{Make, Travel};
 
 use crate::bench::config;
-use crate::linked::{Machine, RESET, X_PLUS, Z_PLUS, ZERO, key};
-
-const FEED_HOLD: BitAddress = key(24, 7);
-const JOG: BitAddress = key(20, 5);
-/// Arrows up and left: X-, Z-.
-const X_MINUS: BitAddress = key(22, 3);
-const Z_MINUS: BitAddress = key(22, 5);
+use crate::dice::{Dice, rounds};
+use crate::keys::{FEED_HOLD, JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
+use crate::machine::Machine;
 
 /// Switches of the lathe: X closes at -6000 and lets go at -4000 (5 mm at 400
 /// pulses/mm), Z at -3000 and -2000; the motors turn once in 1600 and 1000 pulses. When
@@ -54,8 +51,12 @@ fn power_on(config: LinkConfig, one: bool, slides: [i64; 2]) -> Machine {
 
 /// `press`: a press of the key is enough (011.2 ZNIK).
 fn keyed(config: LinkConfig, one: bool, press: bool, slides: [i64; 2]) -> Machine {
-    let bits = [(7, 0, one), (7, 1, one), (11, 2, press)];
-    let mut machine = Machine::wired(config, &bits, slides);
+    let mut setup = Setup::delivered();
+    for (number, bit, value) in [(7, 0, one), (7, 1, one), (11, 2, press)] {
+        setup.parameters.set_bit(number, bit, value).unwrap();
+    }
+    let mut machine = Machine::wired(Make::default(), config, setup);
+    machine.twin.put_slides(slides);
     for (pin, travel) in [
         ("PC4", DOG_X),
         ("PC6", DOG_Z),
@@ -93,25 +94,6 @@ fn returned(machine: &mut Machine) -> [i64; 2] {
     let at = machine.simulation.cnc.position_machine();
     assert_eq!((at.x, at.z), (0.0, 0.0));
     machine.twin.pulses()
-}
-
-/// Numbers that look random and are the same each time.
-struct Dice(u64);
-
-impl Dice {
-    fn below(&mut self, most: u32) -> u32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        ((self.0 >> 33) % u64::from(most)) as u32
-    }
-}
-
-/// More rounds with `ROUNDS=200` in the environment.
-fn rounds(usual: u32) -> u32 {
-    let wanted = std::env::var("ROUNDS").ok();
-    wanted.and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 
 /// Wherever the slides start, whenever the keys are pressed: the same pulse.

@@ -1,12 +1,10 @@
 //! Spindle and coolant that switch while the slides move.
 
-use gsk_core::cnc::Request;
 use gsk_core::operation::RunState;
-use gsk_core::program::Program;
 
 use crate::bench::config;
-use crate::lathe::Lathe;
-use crate::linked::{AUTO, CYCLE_START, Machine};
+use crate::lathe::turning;
+use crate::machine::Machine;
 
 const BUSHING: &str = include_str!("../../../assets/programs/02-bushing.CNC");
 
@@ -19,13 +17,6 @@ fn analog(pwm: bool) -> Machine {
     let mut machine = Machine::with(config, &[(1, 4, true)]);
     machine.return_axes();
     machine
-}
-
-fn start(machine: &mut Machine, text: &str) {
-    let opened = Request::OpenExternal(Program::new(text));
-    machine.simulation.cnc.request(opened).unwrap();
-    machine.press(AUTO);
-    machine.press(CYCLE_START);
 }
 
 /// Runs on to the end, looking every millisecond.
@@ -46,8 +37,7 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
     let mut machine = analog(true);
     let kernel = machine.simulation.cnc.pulses();
     let offset = machine.twin.pulses()[0] - kernel.x.0;
-    start(
-        &mut machine,
+    machine.start(
         "O1\nG50 X120 Z20\nG50 S3000\nG96 S120 M03\nG98 G00 X64 Z2\nG04 X1\nG01 X20 F1200\nM30\n",
     );
     machine.wait(30_000, |machine| machine.simulation.cnc.cursor().line == 7);
@@ -83,10 +73,7 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
 fn coolant_switches_at_its_place_without_waiting_for_the_slides() {
     let mut machine = analog(true);
     let start_at = machine.twin.pulses()[1];
-    start(
-        &mut machine,
-        "O1\nG98 G01 W-10 F600\nM08\nG01 W-10\nM09\nG01 W-10\nM30\n",
-    );
+    machine.start("O1\nG98 G01 W-10 F600\nM08\nG01 W-10\nM09\nG01 W-10\nM30\n");
     let (mut on, mut off, mut waits) = (None, None, [0, 0]);
     run(&mut machine, |machine| {
         let z = machine.twin.pulses()[1];
@@ -115,7 +102,7 @@ fn coolant_switches_at_its_place_without_waiting_for_the_slides() {
 fn without_the_output_the_setting_is_named() {
     let mut machine = analog(false);
     let stood = machine.twin.pulses();
-    start(&mut machine, "O1\nG96 S100 M03\nG98 G01 W-5 F100\nM30\n");
+    machine.start("O1\nG96 S100 M03\nG98 G01 W-5 F100\nM30\n");
     machine.pass(500);
     let alarms = machine.alarms();
     assert!(
@@ -128,11 +115,8 @@ fn without_the_output_the_setting_is_named() {
 /// The sample as it is: feed per revolution behind the index of the real spindle.
 #[test]
 fn the_bushing_as_it_is_ends_on_the_pulse_of_the_kernel() {
-    let mut lathe = Lathe::new(true, &[]);
-    let opened = Request::OpenExternal(Program::new(BUSHING));
-    lathe.simulation.cnc.request(opened).unwrap();
-    lathe.press(AUTO);
-    lathe.press(CYCLE_START);
+    let mut lathe = turning(true, &[]);
+    lathe.start(BUSHING);
     let mut duties = std::collections::BTreeSet::new();
     for _ in 0..3_600_000 {
         lathe.ms();
@@ -144,12 +128,7 @@ fn the_bushing_as_it_is_ends_on_the_pulse_of_the_kernel() {
     }
     assert_eq!(lathe.alarms(), Vec::<String>::new());
     assert_eq!(lathe.simulation.cnc.run_state(), RunState::Reset);
-    let kernel = lathe.simulation.cnc.pulses();
-    let [x, z] = lathe.twin.pulses();
-    assert_eq!(
-        [x - lathe.origin[0], z - lathe.origin[1]],
-        [kernel.x.0, kernel.z.0]
-    );
+    lathe.agrees();
     // From 120 m/min at 64 mm to 2000 r/min, which is 10 V.
     assert!(duties.contains(&0) && duties.contains(&255) && duties.len() > 20);
     assert_eq!(lathe.twin.output("PB4"), Some(0), "M05");

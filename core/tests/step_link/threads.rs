@@ -4,7 +4,9 @@
 use gsk_core::machine::link::LinkState;
 use gsk_twins::klipper::Make;
 
-use crate::lathe::{CYCLE_START, Cut, FEED_HOLD, Lathe, RESET};
+use crate::keys::{CYCLE_START, FEED_HOLD, RESET};
+use crate::lathe::{turning, turning_with};
+use crate::machine::{Cut, Machine};
 
 /// A pulse of Z, mm.
 const PULSE: f64 = 0.005;
@@ -18,7 +20,7 @@ struct Groove {
 }
 
 /// The passes of a lathe between two places, `way` being the direction of its spindle.
-fn grooves(lathe: &Lathe, lead: f64, between: (f64, f64), way: f64) -> Vec<Groove> {
+fn grooves(lathe: &Machine, lead: f64, between: (f64, f64), way: f64) -> Vec<Groove> {
     let (_, offset) = lathe.offset();
     let mut passes: Vec<Vec<f64>> = Vec::new();
     let mut cutting = false;
@@ -83,7 +85,7 @@ fn five_passes_of_g92_meet_in_one_groove() {
         ("M03 S1000", 1.0, 3),
         ("M04 S600", -1.0, 1),
     ] {
-        let mut lathe = Lathe::new(true, &[]);
+        let mut lathe = turning(true, &[]);
         lathe.sleep = sleep;
         lathe.start(&(head(spindle) + FIVE));
         lathe.finish(300_000);
@@ -99,7 +101,7 @@ fn five_passes_of_g92_meet_in_one_groove() {
 /// Two starts half a turn apart, passes that begin whenever it happens.
 #[test]
 fn starts_and_passes_lie_where_they_belong() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     let text = "G92 X29 Z-25 F2 L2\nG04 X0.777\nG92 X28.6 Z-25 F2 L2\nG04 X3.333\n\
                 G92 X28.3 Z-25 F2 L2\nG00 X40 Z5\nM30\n";
     lathe.start(&(head("M03 S500") + text));
@@ -120,7 +122,7 @@ fn starts_and_passes_lie_where_they_belong() {
 
 #[test]
 fn g76_g32_and_g34_are_cut_behind_the_index() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     lathe.start(
         &(head("M03 S600")
             + "G76 P021060 Q100 R0.1\nG76 X28 Z-25 P1000 Q400 F2\nG00 X29\n\
@@ -129,13 +131,13 @@ fn g76_g32_and_g34_are_cut_behind_the_index() {
     lathe.finish(300_000);
     assert_eq!(lathe.alarms(), [""; 0]);
     lathe.agrees();
-    let depths = |lathe: &Lathe| lathe.cuts.iter().map(|cut| cut.x).min();
+    let depths = |lathe: &Machine| lathe.cuts.iter().map(|cut| cut.x).min();
     let (x, _) = lathe.offset();
     let deepest = depths(&lathe).unwrap_or_default() as f64 / 400.0 + x;
     assert!((deepest - 14.0).abs() < 0.01, "{deepest}");
 
     // The lead of G34 grows by 0.1 mm a turn: after n turns 2 n + 0.05 n².
-    let mut lathe = Lathe::new(true, &[(28, 3000)]);
+    let mut lathe = turning(true, &[(28, 3000)]);
     lathe.start(&(head("M03 S300") + "G34 Z-25 F2 R0.1\nG00 X40\nZ5\nM30\n"));
     lathe.finish(300_000);
     assert_eq!(lathe.alarms(), [""; 0]);
@@ -165,7 +167,7 @@ fn g76_g32_and_g34_are_cut_behind_the_index() {
 
 #[test]
 fn a_spindle_that_does_not_keep_its_speed_cuts_nothing() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     lathe.twin.set_ripple(1.0, 0.5);
     lathe.start(&(head("M03 S600") + FIVE));
     lathe.finish(60_000);
@@ -179,7 +181,7 @@ fn a_spindle_that_does_not_keep_its_speed_cuts_nothing() {
 
 #[test]
 fn a_spindle_that_begins_to_waver_spoils_one_pass_only() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     lathe.start(&(head("M03 S600") + LONG));
     assert!(lathe.wait(60_000, |lathe| {
         lathe.simulation.cnc.position_absolute().z < -10.0
@@ -208,7 +210,7 @@ fn a_spindle_that_begins_to_waver_spoils_one_pass_only() {
 
 #[test]
 fn without_an_index_the_thread_ends_where_it_is() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     lathe.start(&(head("M03 S600") + LONG));
     assert!(lathe.wait(60_000, |lathe| {
         lathe.simulation.cnc.position_absolute().z < -10.0
@@ -233,7 +235,7 @@ fn without_an_index_the_thread_ends_where_it_is() {
 
 #[test]
 fn feed_hold_in_a_thread_stops_behind_its_retract() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     // So deep that the run-out alone does not lead out of it.
     lathe.start(&(head("M03 S600") + &LONG.replace("X28.6", "X25.8").replace("X29", "X26")));
     assert!(lathe.wait(60_000, |lathe| {
@@ -258,7 +260,7 @@ fn feed_hold_in_a_thread_stops_behind_its_retract() {
 
 #[test]
 fn reset_in_a_thread_stops_at_once_and_the_place_is_known() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     lathe.start(&(head("M03 S100") + LONG));
     assert!(lathe.wait(60_000, |lathe| {
         lathe.simulation.cnc.position_absolute().z < -10.0
@@ -273,7 +275,7 @@ fn reset_in_a_thread_stops_at_once_and_the_place_is_known() {
 
 #[test]
 fn a_cut_per_revolution_goes_at_the_measured_speed() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     lathe.start("O1\nG50 X40 Z5\nG97 M03 S600\nG00 X30 Z5\nG99 G01 Z-35 F0.1\nG98\nM30\n");
     assert!(lathe.wait(60_000, |lathe| {
         lathe.simulation.cnc.position_absolute().z < -5.0
@@ -294,7 +296,7 @@ fn what_needs_an_index_names_its_setting() {
         ("G92 X29 Z-25 F2", "io.index"),
         ("G99 G01 Z-5 F0.1", "io.index"),
     ] {
-        let mut lathe = Lathe::new(false, &[]);
+        let mut lathe = turning(false, &[]);
         lathe.start(&(head("M03 S600") + block + "\nM30\n"));
         lathe.finish(10_000);
         let alarms = lathe.alarms();
@@ -303,7 +305,7 @@ fn what_needs_an_index_names_its_setting() {
             "{alarms:?}"
         );
     }
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     lathe.start(&(head("M03 S600") + "G33 Z-5 F1\nM30\n"));
     lathe.finish(10_000);
     let alarms = lathe.alarms();
@@ -325,7 +327,7 @@ fn a_busy_computer_and_a_fast_board_cut_the_same_groove() {
 }
 
 fn busy_and_fast(begin: u32) {
-    let mut lathe = Lathe::made(
+    let mut lathe = turning_with(
         Make {
             ppm: 100,
             ..Make::default()
@@ -354,7 +356,7 @@ fn busy_and_fast(begin: u32) {
 /// A spark on the wire of the index in a pass: that pass is spoilt, no later one.
 #[test]
 fn a_spark_on_the_index_is_found() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     lathe.start(&(head("M03 S600") + LONG));
     assert!(lathe.wait(60_000, |lathe| {
         lathe.simulation.cnc.position_absolute().z < -10.0
@@ -373,7 +375,7 @@ fn a_spark_on_the_index_is_found() {
 /// stand.
 #[test]
 fn reset_while_a_thread_waits_for_its_index() {
-    let mut lathe = Lathe::new(true, &[]);
+    let mut lathe = turning(true, &[]);
     // 23 r/min: it waits for more than a second on average.
     lathe.start(&(head("M03 S30") + "G00 X29\nG32 Z-25 F2\nG00 X40\nM30\n"));
     assert!(lathe.wait(120_000, |lathe| {

@@ -1,27 +1,15 @@
 //! A limit switch that was hit: the board proves the place, so the reference stays.
 
-use gsk_core::cnc::Request;
 use gsk_core::machine::link::LinkState;
 use gsk_core::operation::RunState;
-use gsk_core::plc::address::BitAddress;
-use gsk_core::program::Program;
 
-use crate::linked::{AUTO, CYCLE_START, Machine, RESET, Z_PLUS, key};
-
-const JOG: BitAddress = key(20, 5);
-const Z_MINUS: BitAddress = key(22, 5);
+use crate::keys::{CYCLE_START, JOG, RESET, Z_MINUS, Z_PLUS};
+use crate::machine::Machine;
 
 fn referenced() -> Machine {
     let mut machine = Machine::new();
     machine.return_axes();
     machine
-}
-
-fn run(machine: &mut Machine, text: &str) {
-    let opened = Request::OpenExternal(Program::new(text));
-    machine.simulation.cnc.request(opened).unwrap();
-    machine.press(AUTO);
-    machine.press(CYCLE_START);
 }
 
 fn ends(machine: &mut Machine) {
@@ -31,21 +19,10 @@ fn ends(machine: &mut Machine) {
     assert!(ended);
 }
 
-/// Pulses at the pins beside the kernel's.
-#[track_caller]
-fn together(machine: &Machine, home: [i64; 2]) {
-    let kernel = machine.simulation.cnc.pulses();
-    let [x, z] = machine.twin.pulses();
-    assert_eq!([x - home[0], z - home[1]], [kernel.x.0, kernel.z.0]);
-}
-
 #[test]
 fn a_slow_trip_keeps_the_reference() {
     let mut machine = referenced();
-    let kernel = machine.simulation.cnc.pulses();
-    let [x, z] = machine.twin.pulses();
-    let home = [x - kernel.x.0, z - kernel.z.0];
-    run(&mut machine, "O1\nG98 G01 Z-20 F250\nM30\n");
+    machine.start("O1\nG98 G01 Z-20 F250\nM30\n");
     machine.pass(2500);
     machine.twin.set_pin("PC1", true);
     machine.pass(300);
@@ -55,7 +32,7 @@ fn a_slow_trip_keeps_the_reference() {
         "{:?}",
         machine.alarms()
     );
-    together(&machine, home);
+    machine.agrees();
     assert!(machine.linked.knows_position());
     let referenced = machine.simulation.cnc.referenced();
     assert!(referenced.x && referenced.z);
@@ -77,11 +54,11 @@ fn a_slow_trip_keeps_the_reference() {
     machine.press(RESET);
     assert_eq!(machine.alarms(), Vec::<String>::new());
     assert_eq!(machine.linked.state(), LinkState::Ready);
-    together(&machine, home);
-    run(&mut machine, "O1\nG98 G01 Z-20 F800\nG00 Z0 X3\nM30\n");
+    machine.agrees();
+    machine.start("O1\nG98 G01 Z-20 F800\nG00 Z0 X3\nM30\n");
     ends(&mut machine);
     assert_eq!(machine.alarms(), Vec::<String>::new());
-    together(&machine, home);
+    machine.agrees();
     let at = machine.simulation.cnc.position_machine();
     assert_eq!(machine.simulation.cnc.run_state(), RunState::Reset);
     assert!(at.z.abs() < 30.0);
@@ -90,7 +67,7 @@ fn a_slow_trip_keeps_the_reference() {
 #[test]
 fn reset_first_and_then_off_the_switch_does_as_well() {
     let mut machine = referenced();
-    run(&mut machine, "O1\nG98 G01 Z-20 F250\nM30\n");
+    machine.start("O1\nG98 G01 Z-20 F250\nM30\n");
     machine.pass(2500);
     machine.twin.set_pin("PC1", true);
     machine.pass(500);
@@ -119,7 +96,7 @@ fn reset_first_and_then_off_the_switch_does_as_well() {
 #[test]
 fn a_fast_trip_needs_a_new_reference() {
     let mut machine = referenced();
-    run(&mut machine, "O1\nG98 G01 Z-60 F2000\nM30\n");
+    machine.start("O1\nG98 G01 Z-60 F2000\nM30\n");
     machine.pass(1500);
     machine.twin.set_pin("PC1", true);
     machine.pass(500);

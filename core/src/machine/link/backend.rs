@@ -2,8 +2,8 @@
 
 use core::time::Duration;
 
-use super::line::LineLink;
-use super::step_queue::StepLink;
+use super::line::{self, LineLink, Required};
+use super::step_queue::{StepLink, pulses_per_mm};
 use super::{
     Awaited, BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, Lacks, LinkConfig,
     LinkState, Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView,
@@ -85,6 +85,14 @@ impl Link {
         match self {
             Self::Line(link) => link.required().pulses_per_mm,
             Self::StepQueue(link) => link.pulses_per_mm(),
+        }
+    }
+
+    /// Whether the board is set up as these parameters want it.
+    pub fn fits(&self, config: &LinkConfig, parameters: &Parameters) -> bool {
+        match self {
+            Self::Line(link) => *link.required() == Required::new(parameters, config),
+            Self::StepQueue(link) => link.pulses_per_mm() == pulses_per_mm(parameters),
         }
     }
 
@@ -469,7 +477,7 @@ impl Link {
     /// that are collected; none: it is not whole yet.
     pub fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String> {
         match self {
-            Self::Line(_) => LineLink::next_text(outward, collected),
+            Self::Line(_) => line::piece(outward, collected),
             Self::StepQueue(link) => {
                 let block = StepLink::next_block(collected)?;
                 Some(link.describe(outward, &block))

@@ -14,6 +14,7 @@
 //! open port.
 
 mod control;
+mod drives;
 mod pace;
 mod pass;
 mod spindle;
@@ -79,6 +80,8 @@ pub struct Linked {
     pace: pace::Pace,
     /// The board seeks its switches.
     homing: bool,
+    /// Parameters that the board is set up for.
+    drives: drives::Drives,
     /// The count from which the control seeks a switch.
     sought_from: PerAxis<Pulses>,
     /// The board is being stopped; where it comes to stand the control goes on from.
@@ -119,6 +122,7 @@ impl Linked {
     /// where they stand.
     pub fn open(config: LinkConfig, simulation: &mut Simulation, now: HostTime) -> Self {
         let link = Link::open(config.clone(), simulation.cnc.parameters(), now);
+        let drives = drives::Drives::of(simulation.cnc.parameters());
         simulation.lathe.set_real_slides(true);
         simulation.cnc.drop_reference();
         let mut linked = Self {
@@ -132,6 +136,7 @@ impl Linked {
             moved: false,
             pace: pace::Pace::default(),
             homing: false,
+            drives,
             sought_from: PerAxis::default(),
             flushing: false,
             pass: None,

@@ -49,15 +49,20 @@ impl Cnc {
     pub(super) fn rapids_too_fast(&self, board: &BoardDrives) -> Option<Alarm> {
         let [x, z] = [Axis::X, Axis::Z].map(|axis| self.parameters.rapid_rate(axis));
         let (axes, needed, made) = board.exceeded(Point::new(x, z), false)?;
-        let rates = match axes {
-            "X" => format!("No.022 = {x} mm/min makes"),
-            "Z" => format!("No.023 = {z} mm/min makes"),
-            _ => format!("No.022 = {x} and No.023 = {z} mm/min make"),
+        let one = |number, rate| {
+            format!(
+                "No.{number} = {rate} mm/min makes {needed:.0} pulses/s of {axes}, the board \
+                 {made:.0} at most: lower it, or set the electronic gear 015-018"
+            )
         };
-        Some(Alarm::new(604).because(format!(
-            "{rates} {needed:.0} pulses/s of {axes}, the board {made:.0} at most: lower it, or \
-             set the electronic gear 015-018"
-        )))
+        Some(Alarm::new(604).because(match axes {
+            "X" => one("022", x),
+            "Z" => one("023", z),
+            _ => format!(
+                "No.022 = {x} and No.023 = {z} mm/min make {needed:.0} pulses/s together, the \
+                 board {made:.0} at most: lower them, or set the electronic gear 015-018"
+            ),
+        }))
     }
 
     /// Manual motion is no faster than the board can make it, and slow (No.033) while
@@ -116,15 +121,17 @@ impl Cnc {
             _ => return None,
         };
         let (axes, needed, made) = board.exceeded(speed, on_arc)?;
-        let cause = match (action, rpm) {
-            (Action::Thread { .. } | Action::ThreadCycle { .. }, Some(rpm)) => {
-                format!("at {:.0} r/min", rpm.abs())
-            }
-            _ => "at this feed".to_owned(),
-        };
-        Some(Alarm::new(604).because(format!(
-            "{cause} {needed:.0} pulses/s of {axes} are needed, the board makes {made:.0} at most"
-        )))
+        Some(Alarm::new(604).because(match (action, rpm) {
+            (Action::Thread { .. } | Action::ThreadCycle { .. }, Some(rpm)) => format!(
+                "at {:.0} r/min {axes} would need {needed:.0} pulses/s, the board makes {made:.0} \
+                 at most",
+                rpm.abs()
+            ),
+            _ => format!(
+                "at this feed {axes} would need {needed:.0} pulses/s, the board makes {made:.0} \
+                 at most"
+            ),
+        }))
     }
 }
 

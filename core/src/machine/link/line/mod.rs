@@ -6,11 +6,13 @@
 //! lookahead.
 
 mod answers;
+mod describe;
 mod opening;
 mod required;
 mod segments;
 mod session;
 
 pub use answers::{Answer, BoardState, Status};
+pub(super) use describe::piece;
 pub use required::{Required, Setting};
 pub use session::LineLink;

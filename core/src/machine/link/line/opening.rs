@@ -283,6 +283,13 @@ impl Opening {
         Outcome::Differs(differences)
     }
 
+    /// A board that has restarted may have other settings: they are read once more.
+    pub(super) fn read_again(&mut self, now: HostTime) -> Outcome {
+        self.settings.clear();
+        self.go(Step::Asking(1), now);
+        Outcome::Configures(QUESTIONS[1].into())
+    }
+
     /// Writes what differs: the operator has said so.
     pub(super) fn write_settings(&mut self, now: HostTime) -> Outcome {
         if self.step != Step::Differs {

@@ -4,6 +4,7 @@ mod acts;
 mod hearing;
 mod motion;
 mod pass;
+mod place;
 mod stops;
 
 use core::time::Duration;
@@ -44,7 +45,7 @@ const LINE_BYTES: usize = 512;
 /// Modal words of all motion.
 /// A code of motion wants its F here, way or not.
 const MODES: [&str; 2] = ["G21G18G90", "G1G93F60"];
-const RESET: u8 = 0x18;
+pub(super) const RESET: u8 = 0x18;
 /// A reference return ends within this.
 const HOMING_WAIT: Duration = Duration::from_secs(120);
 /// A board that gave up a reference return has restarted by then.
@@ -120,6 +121,8 @@ pub struct LineLink {
     released: bool,
     /// The stop under way was too sudden for the motors to keep their steps.
     slipped: bool,
+    /// It started by itself, and its settings have not been looked at since.
+    restarted: bool,
     /// A limit switch stopped the board; which one the next report tells.
     limit_hit: bool,
     homing: Option<Homing>,
@@ -167,6 +170,7 @@ impl LineLink {
             position_known: false,
             released: false,
             slipped: false,
+            restarted: false,
             limit_hit: false,
             homing: None,
             cutting: None,
@@ -287,34 +291,6 @@ impl LineLink {
         core::mem::take(&mut self.events)
     }
 
-    /// The next line of the traffic, taken from bytes that are collected; bytes that
-    /// are no text are shown as `\\xNN`.
-    pub fn next_text(outward: bool, collected: &mut Vec<u8>) -> Option<String> {
-        // Characters that act at once stand for themselves.
-        let acts = |byte: &u8| outward && matches!(byte, b'?' | b'!' | b'~' | &RESET);
-        loop {
-            let end = match collected
-                .iter()
-                .position(|byte| *byte == b'\n' || acts(byte))?
-            {
-                0 if acts(&collected[0]) => 1,
-                end if acts(&collected[end]) => end,
-                end => end + 1,
-            };
-            let line: Vec<u8> = collected.drain(..end).collect();
-            let text = line.iter().filter(|byte| !matches!(byte, b'\n' | b'\r'));
-            let text: String = text
-                .map(|&byte| match byte {
-                    b' '..=b'~' => char::from(byte).to_string(),
-                    _ => format!("\\x{byte:02X}"),
-                })
-                .collect();
-            if !text.is_empty() {
-                return Some(text);
-            }
-        }
-    }
-
     /// Bytes to be written to the port.
     pub fn tx(&self) -> &[u8] {
         &self.outgoing
@@ -391,57 +367,6 @@ impl LineLink {
         self.open_further(outcome);
     }
 
-    /// The slides stand where the kernel says: it has made its reference return, or
-    /// the operator has confirmed it. From here on motion is taken.
-    ///
-    /// # Errors
-    /// The board moves, is locked, or has not said where it stands.
-    pub fn set_position(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
-        self.align(kernel, at)?;
-        self.position_known = true;
-        self.enter(LinkState::Ready);
-        Ok(())
-    }
-
-    /// The operator moves the axes by hand although nobody knows where they stand:
-    /// motion is taken from here on, and the state stays locked.
-    ///
-    /// # Errors
-    /// The position is known, the board moves, is locked, or has not said where it
-    /// stands.
-    pub fn release(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
-        if self.state != LinkState::Locked {
-            return Err(Refused::NotReady);
-        }
-        self.align(kernel, at)?;
-        self.released = true;
-        Ok(())
-    }
-
-    /// From here on the board's count and the kernel's go together.
-    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
-        let standing = self
-            .status
-            .filter(|status| status.state == BoardState::Idle);
-        let (LinkState::Locked | LinkState::Ready, Some(board)) =
-            (self.state, standing.and_then(|status| self.pulses(status)))
-        else {
-            return Err(Refused::NotReady);
-        };
-        self.offset = PerAxis::new(
-            Pulses(board.x.0 - kernel.x.0),
-            Pulses(board.z.0 - kernel.z.0),
-        );
-        self.commanded = kernel;
-        self.executed = at;
-        self.made = kernel;
-        self.segments.begin(kernel, at);
-        for modes in MODES {
-            self.send(modes, false);
-        }
-        Ok(())
-    }
-
     /// Hands over where the axes are to be at the end of a tick.
     ///
     /// # Errors
@@ -504,6 +429,11 @@ impl LineLink {
     /// is unlocked; without a position nothing moves yet.
     pub fn reset(&mut self) {
         match self.state {
+            LinkState::Fault if self.restarted => {
+                self.forget_motion();
+                let outcome = self.opening.read_again(self.now);
+                self.open_further(outcome);
+            }
             LinkState::Tripped | LinkState::Fault if self.opening.is_done() => {
                 self.forget_motion();
                 self.send("$X", false);

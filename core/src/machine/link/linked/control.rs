@@ -40,6 +40,7 @@ impl Linked {
             takes_motion: self.link.takes_motion() && !stopping,
             prepared: self.link.is_prepared() && !stopping,
             known: self.link.knows_position(),
+            outdated: self.is_outdated(simulation.cnc.parameters()),
             behind: self.is_behind(),
             switching,
             timed,

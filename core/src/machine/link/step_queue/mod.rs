@@ -29,3 +29,4 @@ mod turns;
 mod wiring;
 
 pub use session::StepLink;
+pub(super) use session::pulses_per_mm;

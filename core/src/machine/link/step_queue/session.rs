@@ -100,13 +100,17 @@ pub struct StepLink {
     traffic: Traffic,
 }
 
+/// Pulses per mm of slide travel, X and Z (015–018).
+pub(in crate::machine::link) fn pulses_per_mm(parameters: &Parameters) -> [f64; 2] {
+    [Axis::X, Axis::Z].map(|axis| 1.0 / pulse_weight(axis, parameters))
+}
+
 impl StepLink {
     /// A link whose port has just been opened.
     pub fn open(config: LinkConfig, parameters: &Parameters, now: HostTime) -> Self {
-        let pulses_per_mm = [Axis::X, Axis::Z].map(|axis| 1.0 / pulse_weight(axis, parameters));
         let mut link = Self {
             config,
-            pulses_per_mm,
+            pulses_per_mm: pulses_per_mm(parameters),
             state: LinkState::Opening,
             now,
             opened: now,

@@ -135,6 +135,10 @@ impl LineLink {
             }
             Outcome::Done => {
                 self.unanswered.clear();
+                if core::mem::take(&mut self.restarted) {
+                    // RESET has asked for it.
+                    self.send("$X", false);
+                }
                 self.enter(LinkState::Locked);
             }
             Outcome::Differs(differences) => {

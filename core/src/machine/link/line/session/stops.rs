@@ -111,6 +111,7 @@ impl LineLink {
         // What was asked before is never answered.
         self.asked = None;
         self.switched = BoardOutputs::default();
+        self.restarted |= self.opening.is_done();
         self.alarm(
             606,
             "the board was reset; the position of the slides is unknown",

@@ -1,0 +1,223 @@
+//! A control, its link and a board of timed steps, in virtual time.
+
+use core::time::Duration;
+
+use gsk_core::cnc::Request;
+use gsk_core::machine::link::{LinkConfig, LinkState, Linked};
+use gsk_core::operation::RunState;
+use gsk_core::plc::address::BitAddress;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
+use gsk_core::units::Axis;
+use gsk_twins::klipper::{KlipperTwin, Make, Travel};
+
+use crate::bench::{MS, config};
+use crate::keys::{AUTO, CYCLE_START, RESET, X_PLUS, Z_PLUS, ZERO};
+
+/// A step of Z and the turns of the spindle at that moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Cut {
+    pub place: i64,
+    pub turns: f64,
+    /// X, pulses.
+    pub x: i64,
+}
+
+#[derive(Clone)]
+pub struct Machine {
+    pub simulation: Simulation,
+    pub linked: Linked,
+    pub twin: KlipperTwin,
+    /// Board pulses minus the kernel's.
+    origin: [i64; 2],
+    /// The steps since the last start, when they are recorded.
+    pub cuts: Vec<Cut>,
+    /// The host sleeps so many ms between two looks.
+    pub sleep: u64,
+    pub worst_queue: usize,
+}
+
+impl Machine {
+    /// Electronic gear 1/5, one switch for each axis 2 mm beyond where the slides stand.
+    pub fn new() -> Self {
+        Self::with(config(), &[])
+    }
+
+    /// The same with other wires and parameter bits.
+    pub fn with(config: LinkConfig, bits: &[(u16, u8, bool)]) -> Self {
+        let mut setup = Setup::delivered();
+        for (number, bit, value) in bits {
+            setup.parameters.set_bit(*number, *bit, *value).unwrap();
+        }
+        Self::one_switch(Make::default(), config, setup)
+    }
+
+    /// The same with another board and control.
+    pub fn one_switch(make: Make, config: LinkConfig, mut setup: Setup) -> Self {
+        for bit in [0, 1] {
+            setup.parameters.set_bit(7, bit, true).unwrap();
+        }
+        let mut machine = Self::wired(make, config, setup);
+        for (pin, axis, from, to) in [("PC4", 0, 800, 4800), ("PC6", 1, 400, 2400)] {
+            let turn = None;
+            let travel = Travel {
+                axis,
+                from,
+                to,
+                turn,
+            };
+            machine.twin.put_switch(pin, travel);
+        }
+        machine
+    }
+
+    /// Electronic gear 1/5; no switches yet.
+    pub fn wired(make: Make, config: LinkConfig, mut setup: Setup) -> Self {
+        for number in [17, 18] {
+            setup.parameters.set(number, 5).unwrap();
+        }
+        let mut simulation = Simulation::new(setup);
+        for _ in 0..100 {
+            simulation.tick();
+        }
+        let mut twin = KlipperTwin::new(make);
+        twin.set_pin("PC2", true);
+        let linked = Linked::open(config, &mut simulation, Duration::ZERO);
+        Self {
+            simulation,
+            linked,
+            twin,
+            origin: [0; 2],
+            cuts: Vec::new(),
+            sleep: 1,
+            worst_queue: 0,
+        }
+    }
+
+    /// The host does nothing for some ms.
+    pub fn be_away(&mut self, ms: u32) {
+        for _ in 0..ms {
+            self.board_ms();
+        }
+    }
+
+    fn board_ms(&mut self) {
+        self.twin.advance(MS);
+        let [x, _] = self.twin.pulses();
+        for step in self.twin.recorded_steps() {
+            if step.axis == 1 {
+                self.cuts.push(Cut {
+                    place: step.place - self.origin[1],
+                    turns: self.twin.spindle_turns(step.at),
+                    x: x - self.origin[0],
+                });
+            }
+        }
+    }
+
+    pub fn ms(&mut self) {
+        self.board_ms();
+        if !(self.twin.now() / MS).is_multiple_of(self.sleep) {
+            return;
+        }
+        let now = Duration::from_nanos(self.twin.now());
+        let bytes = self.twin.read();
+        self.linked.pump(&mut self.simulation, &bytes, now);
+        while self.linked.may_tick(&mut self.simulation) {
+            self.linked.tick(&mut self.simulation);
+        }
+        let tx = self.linked.tx().to_vec();
+        self.twin.write(&tx);
+        self.linked.consumed(tx.len());
+        self.worst_queue = self.worst_queue.max(self.twin.figures().queue);
+    }
+
+    pub fn pass(&mut self, ms: u32) {
+        for _ in 0..ms {
+            self.ms();
+        }
+    }
+
+    pub fn wait(&mut self, limit_ms: u32, until: impl Fn(&Self) -> bool) -> bool {
+        (0..limit_ms).any(|_| {
+            self.ms();
+            until(self)
+        })
+    }
+
+    pub fn press(&mut self, key: BitAddress) {
+        for down in [true, false] {
+            self.simulation.cnc.set_panel_key(key, down);
+            self.pass(100);
+        }
+    }
+
+    /// Both axes return to their machine zero.
+    pub fn return_axes(&mut self) {
+        assert!(self.wait(3000, |machine| machine.linked.state() == LinkState::Locked));
+        self.press(RESET);
+        self.press(ZERO);
+        for (key, axis) in [(X_PLUS, Axis::X), (Z_PLUS, Axis::Z)] {
+            // 011.2 ZNIK is off: the key has to be held.
+            self.simulation.cnc.set_panel_key(key, true);
+            self.wait(60_000, |machine| {
+                *machine.simulation.cnc.referenced().get(axis)
+            });
+            self.simulation.cnc.set_panel_key(key, false);
+            self.pass(500);
+        }
+        assert_eq!(
+            (self.linked.state(), self.alarms()),
+            (LinkState::Ready, vec![])
+        );
+        let [x, z] = self.twin.pulses();
+        let kernel = self.simulation.cnc.pulses();
+        self.origin = [x - kernel.x.0, z - kernel.z.0];
+    }
+
+    pub fn alarms(&self) -> Vec<String> {
+        let alarms = self.simulation.cnc.alarms();
+        alarms.iter().map(ToString::to_string).collect()
+    }
+
+    /// Loads a program and starts it.
+    pub fn start(&mut self, text: &str) {
+        let opened = Request::OpenExternal(Program::new(text));
+        self.simulation.cnc.request(opened).unwrap();
+        self.press(AUTO);
+        self.cuts.clear();
+        self.press(CYCLE_START);
+    }
+
+    /// Until nothing runs and moves any more.
+    pub fn finish(&mut self, limit_ms: u32) {
+        let over = self.wait(limit_ms, |machine| {
+            let stands = !machine.linked.is_behind() && !machine.simulation.cnc.is_moving();
+            stands && machine.simulation.cnc.run_state() != RunState::Run
+        });
+        assert!(over, "it goes on and on: {:?}", self.alarms());
+        self.pass(300);
+    }
+
+    /// The board has made what the kernel has commanded.
+    #[track_caller]
+    pub fn agrees(&self) {
+        let kernel = self.simulation.cnc.pulses();
+        let [x, z] = self.twin.pulses();
+        let made = [x - self.origin[0], z - self.origin[1]];
+        assert_eq!(made, [kernel.x.0, kernel.z.0]);
+    }
+
+    /// Program coordinates at a count, X as radius: at rest.
+    pub fn offset(&self) -> (f64, f64) {
+        let (at, kernel) = (
+            self.simulation.cnc.position_absolute(),
+            self.simulation.cnc.pulses(),
+        );
+        (
+            at.x - kernel.x.0 as f64 / 400.0,
+            at.z - kernel.z.0 as f64 / 200.0,
+        )
+    }
+}
