@@ -278,6 +278,98 @@ fn a_kill_loses_the_position_and_says_so() {
     assert_eq!(bench.twin.pulses(), stood);
 }
 
+/// Nothing on this wire is said twice, but the reset is: until the board is there again.
+#[test]
+fn a_reset_that_is_lost_on_the_way_is_sent_again() {
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        for lost in [0, 1, 4] {
+            let mut bench = Bench::ready(variant);
+            for k in 1..=300 {
+                assert!(bench.sample(0, -k * 4));
+            }
+            let next = bench.twin.to_board.given();
+            for byte in next..next + lost {
+                bench.twin.to_board.damage(byte, Damage::Changed(0x01));
+            }
+            bench.link.stop(Stop::Kill);
+            bench.pass(100 * lost as u32 + 60);
+            let stood = bench.twin.pulses();
+            bench.pass(3000);
+            assert_eq!(bench.twin.pulses(), stood);
+            assert_eq!(bench.link.state(), LinkState::Locked, "{lost}");
+            assert_eq!(bench.alarms(), [0_u16; 0], "{:?}", bench.events);
+            bench.at = (0, 0);
+            bench.set_position();
+            assert!(bench.job() && bench.ends_ready());
+        }
+    }
+}
+
+/// A line that becomes slow brings a banner for each of them, late.
+#[test]
+fn the_banners_of_a_reset_that_was_sent_again_are_no_restart() {
+    for held_up in [150, 300] {
+        let mut bench = Bench::ready(Variant::Grbl);
+        for k in 1..=300 {
+            assert!(bench.sample(0, -k * 4));
+        }
+        let next = bench.twin.to_host.given();
+        bench
+            .twin
+            .to_host
+            .damage(next, Damage::HeldUp(held_up * MS));
+        bench.link.stop(Stop::Kill);
+        bench.pass(3000);
+        assert_eq!(bench.link.state(), LinkState::Locked);
+        bench.link.reset();
+        bench.pass(1500);
+        let set = bench.link.set_position(PerAxis::default(), bench.run);
+        assert_eq!(set, Ok(()));
+        bench.pass(1500);
+        assert_eq!(bench.alarms(), [0_u16; 0], "{:?}", bench.events);
+        assert_eq!(bench.link.state(), LinkState::Ready);
+    }
+}
+
+/// What the board has in its queue tells the way on which its switch was met; where the
+/// axis turned round about then nobody knows it.
+#[test]
+fn the_way_into_a_limit_switch_is_that_of_the_motion_that_met_it() {
+    for (turned, known) in [(0, true), (30, false), (100, false), (600, true)] {
+        let mut bench = Bench::ready(Variant::Grbl);
+        for k in 1..=300 {
+            assert!(bench.sample(0, -k * 2));
+        }
+        for k in 1..=turned {
+            assert!(bench.sample(0, -600 + k * 2));
+        }
+        bench.twin.pins.limit_z = true;
+        bench.pass(500);
+        assert_eq!(bench.link.state(), LinkState::Tripped);
+        bench.link.reset();
+        bench.pass(500);
+        let [_, z] = bench.twin.pulses();
+        bench.at = (0, z);
+        bench.set_position();
+        bench.pass(200);
+        let into = if turned == 600 { 1 } else { -1 };
+        let mut gone = [0; 2];
+        for (gone, way) in gone.iter_mut().zip([into, -into]) {
+            let (mut link, run) = (bench.link.clone(), bench.run);
+            for k in 1..=400 {
+                let end = run + Duration::from_millis(k as u64);
+                let pulses = PerAxis::new(Pulses(0), Pulses(z + way * k));
+                if link.push(Sample::new(end, pulses)).is_err() {
+                    break;
+                }
+                *gone = k;
+            }
+        }
+        let wanted = if known { [0, 400] } else { [200, 200] };
+        assert_eq!(gone, wanted, "turned {turned} ms before");
+    }
+}
+
 #[test]
 fn a_limit_switch_stops_the_board_and_names_its_axis() {
     for (x, number) in [(true, 621), (false, 622)] {

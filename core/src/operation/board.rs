@@ -55,6 +55,8 @@ pub(crate) struct BoardDrives {
     /// A pass that the board cuts begins without a ramp: not faster than this,
     /// mm/min.
     pub pass_speed: f64,
+    /// The return of one axis leaves the other where it is.
+    pub alone: bool,
     /// What the axes return to when the control drives the return; none: the board
     /// makes it by itself.
     pub zero: Option<PerAxis<ZeroWiring>>,

@@ -178,7 +178,8 @@ impl Machine {
         Self::new(variant, flush_keep_speed, divide).open()
     }
 
-    fn open(self) -> Self {
+    /// Settings written, board unlocked.
+    pub fn open(self) -> Self {
         let mut machine = self;
         machine.wait(6000, |machine| machine.alarms() == [603]);
         machine.linked.write_settings();
@@ -253,7 +254,8 @@ impl Machine<Timed> {
 }
 
 impl<T: Board> Machine<T> {
-    fn wired(twin: T, config: LinkConfig, changes: &[(u16, i32)]) -> Self {
+    /// A board with these wires and parameters.
+    pub fn wired(twin: T, config: LinkConfig, changes: &[(u16, i32)]) -> Self {
         let mut setup = Setup::delivered();
         for (number, value) in changes {
             setup.parameters.set(*number, *value).unwrap();

@@ -11,6 +11,7 @@ mod dice;
 mod faults;
 #[path = "../bench/keys.rs"]
 mod keys;
+mod limits;
 mod lines;
 mod motion;
 mod passes;

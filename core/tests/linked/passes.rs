@@ -291,9 +291,21 @@ fn in_pass(ready: &Machine, ms: u32) -> Machine {
 #[test]
 fn reset_and_emergency_stop_act_in_the_pass_and_the_place_is_unknown() {
     let ready = ready();
-    // Waiting for the one-turn signal, and cutting.
-    for (ms, emergency) in [(20, false), (1000, false), (20, true), (1000, true)] {
+    // Waiting for the one-turn signal, and cutting; an order that is lost is given again.
+    for (ms, emergency, lost) in [
+        (20, false, false),
+        (1000, false, false),
+        (1000, false, true),
+        (20, true, false),
+        (1000, true, false),
+        (1000, true, true),
+    ] {
         let mut machine = in_pass(&ready, ms);
+        let next = machine.twin.to_board.given();
+        for byte in next..next + 2 * u64::from(lost) {
+            // A question, perhaps, and the order.
+            machine.twin.to_board.damage(byte, Damage::Lost);
+        }
         if emergency {
             machine.simulation.lathe.set_emergency_button(true);
             machine.pass(50);
@@ -302,9 +314,10 @@ fn reset_and_emergency_stop_act_in_the_pass_and_the_place_is_unknown() {
             machine.pass(50);
             machine.simulation.cnc.set_panel_key(RESET, false);
         }
+        machine.pass(if lost { 300 } else { 0 });
         let stood = machine.made();
         machine.pass(3000);
-        assert_eq!(machine.made(), stood, "{ms} {emergency}");
+        assert_eq!(machine.made(), stood, "{ms} {emergency} {lost}");
         assert_eq!(machine.linked.state(), LinkState::Locked);
         assert!(!machine.linked.knows_position());
         assert!(!machine.simulation.cnc.referenced().z);

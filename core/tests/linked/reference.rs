@@ -1,11 +1,11 @@
 //! Nothing runs before the reference return, which the board makes by itself.
 
-use gsk_core::machine::link::LinkState;
-use gsk_twins::grbl::Variant;
+use gsk_core::machine::link::{LinkConfig, LinkState};
+use gsk_twins::grbl::{Settings, Variant};
 
 use crate::SHAFT;
 use crate::board::Machine;
-use crate::keys::{RESET, X_PLUS, Z_PLUS, ZERO};
+use crate::keys::{JOG, RESET, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
 
 #[test]
 fn without_a_reference_no_program_starts() {
@@ -84,4 +84,68 @@ fn a_board_that_can_returns_each_axis_by_its_key() {
     assert!(machine.wait(40_000, |machine| machine.linked.state() == LinkState::Ready));
     let referenced = machine.simulation.cnc.referenced();
     assert!(referenced.x && referenced.z);
+}
+
+/// However a return of both axes ends, neither stands where it did; one that moves a
+/// single axis and breaks off leaves a board that proves nothing.
+#[test]
+fn a_return_that_breaks_off_leaves_no_reference() {
+    type End = fn(&mut Machine);
+    let ends: [(&str, End); 5] = [
+        ("RESET", |machine| machine.press(RESET)),
+        ("the board is reset", |machine| machine.twin.press_reset()),
+        ("the cable is out", |machine| machine.cut_cable()),
+        ("emergency stop", |machine| {
+            machine.simulation.lathe.set_emergency_button(true);
+            machine.pass(500);
+            machine.simulation.lathe.set_emergency_button(false);
+        }),
+        ("no switch comes", |machine| {
+            machine.twin.place_switches([900.0, 900.0]);
+            machine.wait(120_000, |machine| machine.alarms() == [609]);
+        }),
+    ];
+    let alone = {
+        let mut settings = Settings::default();
+        settings.set(22, 3.0).unwrap();
+        Machine::threading(LinkConfig::default(), settings, &[])
+    };
+    for ready in [Machine::referenced(Variant::Grbl), alone] {
+        for (name, end) in ends {
+            let mut machine = ready.clone();
+            machine.press(JOG);
+            machine.hold(Z_MINUS, 2000);
+            machine.pass(1000);
+            machine.press(ZERO);
+            machine.press(X_PLUS);
+            assert!(machine.wait(3000, |machine| machine.linked.state() == LinkState::Homing));
+            machine.pass(300);
+            end(&mut machine);
+            machine.pass(2500);
+            machine.wait(120_000, |machine| {
+                machine.linked.state() != LinkState::Homing
+            });
+            let referenced = machine.simulation.cnc.referenced();
+            assert!(!referenced.x && !referenced.z, "{name}");
+            machine.press(RESET);
+            machine.pass(2500);
+            assert_ne!(machine.linked.state(), LinkState::Ready, "{name}");
+            assert!(!machine.linked.knows_position(), "{name}");
+        }
+    }
+}
+
+/// While it is under way neither lamp is lit: both axes move.
+#[test]
+fn a_return_of_both_axes_takes_both_references_at_once() {
+    let mut machine = Machine::referenced(Variant::Grbl);
+    machine.press(JOG);
+    machine.hold(Z_MINUS, 2000);
+    machine.pass(1000);
+    machine.press(ZERO);
+    machine.press(X_PLUS);
+    assert!(machine.wait(3000, |machine| machine.linked.state() == LinkState::Homing));
+    machine.pass(300);
+    assert!(!machine.simulation.cnc.referenced().z);
+    assert!(machine.wait(60_000, |machine| machine.linked.state() == LinkState::Ready));
 }

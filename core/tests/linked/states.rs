@@ -273,3 +273,43 @@ fn a_computer_away_for_two_seconds_in_every_state() {
     is_left_alone(&line(), "line");
     is_left_alone(&timed(), "timed");
 }
+
+/// What the operator asks of a board that is not known yet it does not do later: a jog
+/// key has to be let go and pressed, a return asked for again.
+fn is_asked_too_early<T: Board>(opened: &Machine<T>) {
+    for (mode, key) in [(JOG, Z_MINUS), (ZERO, X_PLUS)] {
+        for held in [true, false] {
+            let mut machine = opened.clone();
+            machine.press(mode);
+            machine.simulation.cnc.set_panel_key(key, true);
+            machine.pass(100);
+            machine.simulation.cnc.set_panel_key(key, held);
+            assert_ne!(machine.linked.state(), LinkState::Locked);
+            let stood = machine.twin.pulses();
+            machine.wait(6000, |machine| {
+                machine.linked.state() == LinkState::Locked || machine.alarms().contains(&603)
+            });
+            machine.linked.write_settings();
+            assert!(
+                machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked),
+                "{mode:?} {held} {:?} {:?}",
+                machine.linked.state(),
+                machine.alarms()
+            );
+            machine.pass(3000);
+            assert_eq!(machine.twin.pulses(), stood, "held {held}");
+            machine.simulation.cnc.set_panel_key(key, false);
+            machine.press(RESET);
+            machine.pass(1500);
+            assert_eq!(machine.twin.pulses(), stood, "held {held}");
+            machine.hold(key, 2000);
+            assert_ne!(machine.twin.pulses(), stood, "{:?}", machine.alarms());
+        }
+    }
+}
+
+#[test]
+fn what_is_asked_while_the_board_is_being_opened_is_not_done_later() {
+    is_asked_too_early(&line().opened);
+    is_asked_too_early(&timed().opened);
+}

@@ -45,10 +45,15 @@ pub fn parameters() -> Parameters {
 impl Bench {
     /// A board that has just got power, on a control with electronic gear 1/5.
     pub fn new(make: Make) -> Self {
+        Self::wired(config(), make)
+    }
+
+    /// The same with other wires.
+    pub fn wired(config: LinkConfig, make: Make) -> Self {
         let mut twin = KlipperTwin::new(make);
         twin.set_pin("PC2", true);
         Self {
-            link: StepLink::open(config(), &parameters(), Duration::ZERO),
+            link: StepLink::open(config, &parameters(), Duration::ZERO),
             twin,
             run: RunTime::ZERO,
             at: (0.0, 0.0),

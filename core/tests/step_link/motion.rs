@@ -5,7 +5,7 @@ use core::time::Duration;
 use gsk_core::machine::link::{Event, LinkState, Refused};
 use gsk_twins::klipper::Make;
 
-use crate::bench::{Bench, MS};
+use crate::bench::{Bench, MS, config};
 
 #[test]
 fn a_job_ends_on_the_commanded_pulse() {
@@ -88,4 +88,30 @@ fn a_dwell_takes_its_time_and_a_pause_at_rest_is_none() {
         (LinkState::Ready, vec![])
     );
     assert_eq!(bench.made(), (0, -200));
+}
+
+/// `!` before the pin of a direction counts as it does before every other: it turns the
+/// axis over, and `invert_direction` turns it back.
+#[test]
+fn a_direction_is_turned_over_by_its_pin_or_by_its_axis() {
+    for (sign, invert, way) in [
+        ("", false, 1),
+        ("!", false, -1),
+        ("", true, -1),
+        ("!", true, 1),
+    ] {
+        let mut config = config();
+        config.z.dir = format!("{sign}PA3");
+        config.z.invert_direction = invert;
+        config.x.dir = format!("{sign}PA1");
+        config.x.invert_direction = invert;
+        let mut bench = Bench::wired(config, Make::default());
+        assert!(bench.gets(LinkState::Locked, 3000));
+        bench.set_position();
+        assert!(bench.follow(500, |ms| (0.4 * ms, -0.8 * ms)));
+        bench.link.finish().unwrap();
+        assert!(bench.gets(LinkState::Ready, 1000), "{:?}", bench.events);
+        assert_eq!(bench.alarms(), [0_u16; 0]);
+        assert_eq!(bench.made(), (way * 200, way * -400), "{sign:?} {invert}");
+    }
 }

@@ -299,6 +299,14 @@ impl Link {
         matches!(self, Self::Line(_))
     }
 
+    /// Whether the return of one axis leaves the other where it is.
+    pub fn homes_alone(&self) -> bool {
+        match self {
+            Self::Line(link) => link.homes_single_axes(),
+            Self::StepQueue(_) => true,
+        }
+    }
+
     /// Begins the reference return of these axes, which the board makes by itself.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use super::contacts;
+use super::pin::PinName;
 
 /// A pulse board and how it is wired.
 ///
@@ -76,7 +77,8 @@ pub enum Protocol {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinkAxis {
-    /// The direction pin is turned over in the board ($3).
+    /// The direction is turned over: in a board that reads lines by $3, in one of timed
+    /// steps together with the `!` of the pin.
     pub invert_direction: bool,
     /// Step pin.
     pub step: String,
@@ -117,6 +119,13 @@ impl Default for LinkAxis {
             home_negative: false,
             home_at: 0.0,
         }
+    }
+}
+
+impl LinkAxis {
+    /// On a board of timed steps: the level of the direction pin is turned over.
+    pub(super) fn is_turned_over(&self) -> bool {
+        self.invert_direction != PinName::read(&self.dir).inverted
     }
 }
 
@@ -220,6 +229,12 @@ pub enum FaultyLinkConfig {
     Missing,
     /// A contact or its pin.
     Contact(&'static str),
+    /// A `^` or `!` that has no meaning there.
+    Sign(&'static str),
+    /// The pin of this other field, too.
+    Twice(&'static str),
+    /// No place on an axis.
+    Place,
 }
 
 impl fmt::Display for FaultyLinkConfig {
@@ -229,7 +244,9 @@ impl fmt::Display for FaultyLinkConfig {
                 write!(f, "{value} is not from {least} to {most}")
             }
             Self::Missing => f.write_str("must name a pin of the board"),
-            Self::Contact(text) => f.write_str(text),
+            Self::Contact(text) | Self::Sign(text) => f.write_str(text),
+            Self::Twice(other) => write!(f, "is the pin of link.{other}, too"),
+            Self::Place => write!(f, "must be from -{MOST_PLACE} to {MOST_PLACE}"),
         }
     }
 }
@@ -241,6 +258,11 @@ impl fmt::Display for LinkConfigError {
 }
 
 impl core::error::Error for LinkConfigError {}
+
+/// The greatest coordinate of the control, mm.
+const MOST_PLACE: f64 = 9999.999;
+const NO_PULL_UP: &str = "an output has no pull-up (^)";
+const NO_TURN: &str = "the index counts both edges: ! has no meaning";
 
 impl LinkConfig {
     /// How far the kernel may run ahead of the board.
@@ -297,21 +319,81 @@ impl LinkConfig {
                 fault: FaultyLinkConfig::Contact(text),
             });
         }
-        let pins = [
-            ("x.step", &self.x.step),
-            ("x.dir", &self.x.dir),
-            ("z.step", &self.z.step),
-            ("z.dir", &self.z.dir),
-            ("io.enable", &self.io.enable),
-        ];
-        let missing = pins.into_iter().find(|(_, pin)| pin.is_empty());
-        match missing {
-            Some((field, _)) if self.protocol == Protocol::StepQueue => Err(LinkConfigError {
-                field,
-                fault: FaultyLinkConfig::Missing,
-            }),
-            _ => Ok(()),
+        for (field, place) in [("x.home_at", self.x.home_at), ("z.home_at", self.z.home_at)] {
+            if !(-MOST_PLACE..=MOST_PLACE).contains(&place) {
+                let fault = FaultyLinkConfig::Place;
+                return Err(LinkConfigError { field, fault });
+            }
         }
+        match self.protocol {
+            // Such a board has its pins.
+            Protocol::Line => Ok(()),
+            Protocol::StepQueue => self.check_pins(),
+        }
+    }
+
+    fn check_pins(&self) -> Result<(), LinkConfigError> {
+        let (x, z, io) = (&self.x, &self.z, &self.io);
+        let needed = [
+            ("x.step", &x.step),
+            ("x.dir", &x.dir),
+            ("z.step", &z.step),
+            ("z.dir", &z.dir),
+            ("io.enable", &io.enable),
+        ];
+        let missing = needed
+            .iter()
+            .find(|(_, pin)| PinName::read(pin).name.is_empty());
+        if let Some((field, _)) = missing {
+            let fault = FaultyLinkConfig::Missing;
+            return Err(LinkConfigError { field, fault });
+        }
+        let switched = [
+            ("io.spindle_cw", &io.spindle_cw),
+            ("io.spindle_ccw", &io.spindle_ccw),
+            ("io.spindle_pwm", &io.spindle_pwm),
+            ("io.coolant", &io.coolant),
+        ];
+        let read = [
+            ("x.limit", &x.limit),
+            ("z.limit", &z.limit),
+            ("x.dec", &x.dec),
+            ("z.dec", &z.dec),
+            ("x.zero", &x.zero),
+            ("z.zero", &z.zero),
+            ("io.estop", &io.estop),
+            ("io.drive_alarm", &io.drive_alarm),
+            ("io.index", &io.index),
+        ];
+        let contacts = self.inputs.values().map(|pin| ("inputs", pin));
+        let named =
+            |(field, pin): (&'static str, &'_ String)| (field, PinName::read(pin).name.to_owned());
+        // Two inputs may be one switch; an output is one thing only.
+        let outputs = needed.into_iter().chain(switched);
+        let mut known: Vec<_> = read.into_iter().chain(contacts).map(named).collect();
+        for (field, pin) in outputs {
+            let (_, name) = named((field, pin));
+            if name.is_empty() {
+                continue;
+            }
+            if PinName::read(pin).pull_up {
+                let fault = FaultyLinkConfig::Sign(NO_PULL_UP);
+                return Err(LinkConfigError { field, fault });
+            }
+            if let Some((other, _)) = known.iter().find(|(_, pin)| *pin == name) {
+                let fault = FaultyLinkConfig::Twice(other);
+                return Err(LinkConfigError { field, fault });
+            }
+            known.push((field, name));
+        }
+        if PinName::read(&io.index).inverted {
+            let fault = FaultyLinkConfig::Sign(NO_TURN);
+            return Err(LinkConfigError {
+                field: "io.index",
+                fault,
+            });
+        }
+        Ok(())
     }
 }
 
@@ -330,6 +412,59 @@ mod tests {
             error.to_string(),
             "link.lookahead_ms: 20 is not from 50 to 400"
         );
+    }
+
+    fn refused(text: &str) -> String {
+        let config: LinkConfig = ron::from_str(text).unwrap();
+        config.check().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_return_ends_at_a_place() {
+        for text in ["NaN", "inf", "1e300", "-10000.0"] {
+            assert_eq!(
+                refused(&format!("(z: (home_at: {text}))")),
+                "link.z.home_at: must be from -9999.999 to 9999.999"
+            );
+        }
+    }
+
+    #[test]
+    fn an_output_has_a_pin_of_its_own_and_signs_have_a_meaning() {
+        let with = |x: &str, io: &str| {
+            format!(
+                r#"(protocol: StepQueue, x: (step: "PA0", dir: "PA1", {x}),
+                z: (step: "PA2", dir: "!PA3"), io: (enable: "!PL0", {io}))"#
+            )
+        };
+        for (x, io, text) in [
+            (
+                "",
+                r#"coolant: "!PA0""#,
+                "io.coolant: is the pin of link.x.step, too",
+            ),
+            (
+                r#"limit: "^PA3""#,
+                "",
+                "z.dir: is the pin of link.x.limit, too",
+            ),
+            (
+                "",
+                r#"spindle_cw: "^PB4""#,
+                "io.spindle_cw: an output has no pull-up (^)",
+            ),
+            (
+                "",
+                r#"index: "^!PC3""#,
+                "io.index: the index counts both edges: ! has no meaning",
+            ),
+        ] {
+            assert_eq!(refused(&with(x, io)), format!("link.{text}"));
+        }
+        // One switch may do for both axes.
+        let shared = r#"limit: "^PC0", dec: "^PC0""#;
+        let config: LinkConfig = ron::from_str(&with(shared, r#"index: "^PC3""#)).unwrap();
+        assert_eq!(config.check(), Ok(()));
     }
 
     #[test]

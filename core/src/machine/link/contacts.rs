@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Input;
+use super::pin::PinName;
 
 /// Contacts that have settings of their own.
 const OWN: [((u8, u8), &str); 3] = [
@@ -29,12 +30,15 @@ pub(super) fn check(inputs: &BTreeMap<String, String>, letters: bool) -> Result<
         if let Some((_, text)) = OWN.iter().find(|(own, _)| *own == address) {
             return Err(text);
         }
-        let name = pin.trim_start_matches(['^', '!', ' ']);
+        let PinName { name, pull_up, .. } = PinName::read(pin);
         if name.is_empty() {
             return Err("each contact must name a pin of the board");
         }
         if letters && !(name.len() == 1 && LETTERS.contains(name)) {
             return Err("a line board tells P, D, H, R, S and E, with ! in front turned over");
+        }
+        if letters && pull_up {
+            return Err("a line board has no pull-up (^) to turn on");
         }
     }
     Ok(())
@@ -61,6 +65,7 @@ mod tests {
         assert_eq!(checked("X1.4", "^!PD0", false), Ok(()));
         assert_eq!(checked("X1.5", "!H", true), Ok(()));
         assert!(checked("X1.5", "Q", true).is_err());
+        assert!(checked("X1.5", "^H", true).is_err_and(|text| text.contains("pull-up")));
         assert!(checked("X4.0", "PD0", false).is_err());
         assert!(checked("Y1.0", "PD0", false).is_err());
         assert!(checked("X1.0", "^", false).is_err());

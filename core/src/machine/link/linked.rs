@@ -31,6 +31,9 @@ use crate::machine::BoardContacts;
 use crate::simulation::Simulation;
 use crate::units::{Axis, PerAxis, Point, Pulses};
 
+const UPON_LIMIT: &str = "the limit switch is operated, and nobody knows on which end of the axis: \
+                          look which way leads off it, then RESET; each RESET lets it go 1 mm";
+
 /// Something for the log of the link.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Note {
@@ -78,12 +81,14 @@ pub struct Linked {
     last_motion: RunTime,
     moved: bool,
     pace: pace::Pace,
-    /// The board seeks its switches.
-    homing: bool,
     /// Parameters that the board is set up for.
     drives: drives::Drives,
     /// The count from which the control seeks a switch.
     sought_from: PerAxis<Pulses>,
+    /// The board has just found its switches.
+    homed: bool,
+    /// The board is not known yet: what is asked of it now it does not make later.
+    opening: bool,
     /// The board is being stopped; where it comes to stand the control goes on from.
     flushing: bool,
     /// The board cuts a pass by itself.
@@ -135,9 +140,10 @@ impl Linked {
             last_motion: RunTime::ZERO,
             moved: false,
             pace: pace::Pace::default(),
-            homing: false,
             drives,
             sought_from: PerAxis::default(),
+            homed: false,
+            opening: true,
             flushing: false,
             pass: None,
             waiting: None,
@@ -362,6 +368,8 @@ impl Linked {
             Refused::TooSlow => (604, "slower than the slowest feed of the board"),
             Refused::TowardLimit(Axis::X) => (621, "that way lies the limit switch"),
             Refused::TowardLimit(Axis::Z) => (622, "that way lies the limit switch"),
+            Refused::UponLimit(Axis::X) => (621, UPON_LIMIT),
+            Refused::UponLimit(Axis::Z) => (622, UPON_LIMIT),
             Refused::NotReady | Refused::NotWired => {
                 (608, "motion was made that the board does not take")
             }
@@ -369,11 +377,11 @@ impl Linked {
         simulation.cnc.raise(Alarm::new(number).because(text));
         simulation.cnc.halt_for_board();
         self.moved = false;
+        simulation.cnc.stand_at(self.pulses);
         if self.link.state() == LinkState::Moving {
+            // Where that is, the board tells when it stands.
             self.link.stop(Stop::Flush);
             self.flushing = true;
-        } else {
-            simulation.cnc.stand_at(self.pulses);
         }
     }
 

@@ -14,8 +14,10 @@ mod backend;
 mod board;
 mod config;
 mod contacts;
+mod limits;
 pub mod line;
 mod linked;
+mod pin;
 pub mod step_queue;
 
 use core::time::Duration;
@@ -285,6 +287,8 @@ pub enum CannotCut {
         /// What they can.
         most: f64,
     },
+    /// A limit switch is operated.
+    Limit(Axis),
     /// It ends before it has come to its speed, mm.
     Short {
         /// Length of the pass.
@@ -323,6 +327,8 @@ impl CannotCut {
                 ),
                 0,
             ),
+            Self::Limit(Axis::X) => (621, "the limit switch is operated".into(), 0),
+            Self::Limit(Axis::Z) => (622, "the limit switch is operated".into(), 0),
             Self::Short { length, ramps } => (
                 604,
                 format!(
@@ -347,6 +353,9 @@ pub enum Refused {
     TooSlow,
     /// The limit switch of the axis is operated and that way lies its stop.
     TowardLimit(Axis),
+    /// The limit switch of the axis is operated, nobody knows on which end, and the piece
+    /// is made after which somebody has to look.
+    UponLimit(Axis),
     /// The board has no such input or output.
     NotWired,
 }

@@ -51,6 +51,7 @@ impl Cnc {
         board: &BoardDrives,
     ) -> Result<(), Alarm> {
         let Some(wiring) = board.zero.map(|zero| *zero.get(axis)) else {
+            self.check_other_switch(axis, board)?;
             self.board_makes_return(axis);
             return Ok(());
         };
@@ -94,6 +95,23 @@ impl Cnc {
             Return::Approach
         });
         Ok(())
+    }
+
+    /// A board that seeks all switches with one order seeks one that is not there to the
+    /// end of the axis.
+    fn check_other_switch(&self, axis: Axis, board: &BoardDrives) -> Result<(), Alarm> {
+        let (other, bit) = match axis {
+            Axis::X => (Axis::Z, 1),
+            Axis::Z => (Axis::X, 0),
+        };
+        if board.alone || self.parameters.has_zero_switch(other) {
+            return Ok(());
+        }
+        Err(Alarm::new(609).because(format!(
+            "this board seeks the switches of both axes with one order ($H), and 014.{bit} = 0 \
+             says that {other:?} has none: wire it and set 014.{bit} = 1, or return without \
+             switches (014 = 0 for both)"
+        )))
     }
 
     /// Whether returns to a switch are under way that the board must not stop other

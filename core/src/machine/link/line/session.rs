@@ -10,6 +10,7 @@ mod stops;
 use core::time::Duration;
 use std::collections::VecDeque;
 
+use super::super::limits::Limits;
 use super::super::{
     BoardInfo, BoardOutputs, Event, HostTime, Input, LinkConfig, LinkState, Pins, PulseRates,
     Refused, RunTime, Sample, Stop, Traffic, contacts,
@@ -50,6 +51,8 @@ pub(super) const RESET: u8 = 0x18;
 const HOMING_WAIT: Duration = Duration::from_secs(120);
 /// A board that gave up a reference return has restarted by then.
 const EXCUSED: Duration = Duration::from_secs(1);
+/// Ctrl-X is sent again after this, while no banner comes.
+const RESET_AGAIN: Duration = Duration::from_millis(100);
 
 /// A line that the board has not answered.
 #[derive(Clone, Debug)]
@@ -75,7 +78,17 @@ enum Halt {
     /// `!` was sent; waits for the standstill.
     Braking(HostTime),
     /// Ctrl-X was sent; waits for the banner.
-    Restarting(HostTime),
+    Restarting(Restart),
+}
+
+/// How far a restart of the board has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Restart {
+    since: HostTime,
+    /// When Ctrl-X was sent last; what is sent once may be lost.
+    sent: HostTime,
+    /// A banner came, and one for each further Ctrl-X may come until then.
+    quiet_at: Option<HostTime>,
 }
 
 /// A reference return that the board makes.
@@ -123,8 +136,12 @@ pub struct LineLink {
     slipped: bool,
     /// It started by itself, and its settings have not been looked at since.
     restarted: bool,
-    /// A limit switch stopped the board; which one the next report tells.
-    limit_hit: bool,
+    /// A limit switch stopped the board on these ways of the axes; which one the next
+    /// report tells. None of an axis: its switch was operated before.
+    limit_hit: Option<[Option<i64>; 2]>,
+    limits: Limits,
+    /// When motion of X and Z was last made, that up and that down.
+    went: [[Option<HostTime>; 2]; 2],
     homing: Option<Homing>,
     cutting: Option<Cutting>,
     /// The next sample begins where and when the last pass ended.
@@ -144,6 +161,7 @@ impl LineLink {
         let required = Required::new(parameters, &config);
         let period = Duration::from_millis(config.line.period_ms.into());
         let segments = Segments::new(period, config.line.max_rate, required.pulses_per_mm);
+        let limits = Limits::new(required.pulses_per_mm);
         Self {
             config,
             required,
@@ -171,7 +189,9 @@ impl LineLink {
             released: false,
             slipped: false,
             restarted: false,
-            limit_hit: false,
+            limit_hit: None,
+            limits,
+            went: [[None; 2]; 2],
             homing: None,
             cutting: None,
             resumes: false,
@@ -375,7 +395,13 @@ impl LineLink {
         if !self.is_prepared() {
             return Err(Refused::NotReady);
         }
-        let moved = sample.pulses != self.commanded;
+        let moves = [
+            sample.pulses.x.0 - self.commanded.x.0,
+            sample.pulses.z.0 - self.commanded.z.0,
+        ];
+        let moved = moves != [0; 2];
+        self.limits
+            .allow(moves, [Some(self.pins.x), Some(self.pins.z)])?;
         if core::mem::take(&mut self.resumes) {
             let tick = RunTime::from_millis(1);
             let from = sample.end.saturating_sub(tick);
@@ -428,6 +454,7 @@ impl LineLink {
     /// The operator pressed RESET: faults whose cause is gone are cleared, the board
     /// is unlocked; without a position nothing moves yet.
     pub fn reset(&mut self) {
+        self.limits.look();
         match self.state {
             LinkState::Fault if self.restarted => {
                 self.forget_motion();

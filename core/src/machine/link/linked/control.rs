@@ -50,6 +50,7 @@ impl Linked {
             threads: self.link.threads(),
             spindle,
             pass_speed: f64::from(self.config.flush_keep_speed),
+            alone: self.link.homes_alone(),
             zero: (!self.link.homes())
                 .then(|| PerAxis::new(self.zero_wiring(Axis::X), self.zero_wiring(Axis::Z))),
             armed,
@@ -220,7 +221,10 @@ impl Linked {
                 }
             }
             Event::Drained => self.end_pass(simulation),
-            Event::Homed(axes) => cnc.board_returned(axes, self.home()),
+            Event::Homed(axes) => {
+                self.homed = true;
+                cnc.board_returned(axes, self.home());
+            }
             Event::Learned { name, packed } => self.notes.push(Note::Learned { name, packed }),
             Event::Differs {
                 setting,
@@ -242,8 +246,19 @@ impl Linked {
             state,
             LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
         );
-        if unknown && !self.homing && !self.link.keeps_count() {
+        let found = core::mem::take(&mut self.homed) && state == LinkState::Locked;
+        // A return that moves both axes leaves none where it was, however it ends.
+        let moves_all = state == LinkState::Homing && !self.link.homes_alone();
+        if moves_all || unknown && !found && !self.link.keeps_count() {
             simulation.cnc.drop_reference();
+        }
+        self.opening |= matches!(
+            state,
+            LinkState::Opening | LinkState::Identify | LinkState::Configure
+        );
+        if state == LinkState::Locked && core::mem::take(&mut self.opening) {
+            // Nothing begins by itself: a key that is held, a return that was asked for.
+            simulation.cnc.halt_for_board();
         }
         if unknown && state != LinkState::Locked {
             simulation.cnc.halt_for_board();
@@ -268,7 +283,6 @@ impl Linked {
                 }
             }
         }
-        self.homing = state == LinkState::Homing;
     }
 
     pub(super) fn checked(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {

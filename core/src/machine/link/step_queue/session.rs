@@ -122,7 +122,7 @@ impl StepLink {
             reader: Reader::default(),
             delivery: Delivery::new(),
             clock: Clock::new(1.0),
-            motion: Motion::new(),
+            motion: Motion::new(pulses_per_mm),
             group: Group::default(),
             stopping: None,
             reading: None,
@@ -321,6 +321,7 @@ impl StepLink {
     /// The operator pressed RESET: faults whose cause is gone are cleared; nothing moves
     /// before the kernel has taken over where the axes stand.
     pub fn reset(&mut self) {
+        self.motion.limits.look();
         let still = |input| self.input(input) == Some(true);
         match self.state {
             LinkState::Moving => self.flush(),

@@ -2,6 +2,7 @@
 
 use core::fmt::Write;
 
+use super::super::pin::PinName;
 use super::super::{Input, LinkConfig, Output, contacts};
 use super::commands::{COMMANDS, Command};
 use super::dictionary::Dictionary;
@@ -48,7 +49,7 @@ pub(super) struct Wiring {
     pub(super) crc: u32,
 }
 
-/// `^` pull-up, `!` level turned over, name.
+/// A pin of the board.
 struct Pin {
     number: i64,
     pull_up: bool,
@@ -69,22 +70,14 @@ impl Writer<'_> {
     }
 
     fn pin(&self, key: &str, name: &str) -> Result<Pin, String> {
-        let (mut pull_up, mut inverted, mut rest) = (false, false, name.trim());
-        while let Some(letter) = rest
-            .chars()
-            .next()
-            .filter(|letter| matches!(letter, '^' | '!'))
-        {
-            pull_up |= letter == '^';
-            inverted |= letter == '!';
-            rest = rest[1..].trim_start();
-        }
-        let number = self.board.pin(rest);
-        let number = number.ok_or_else(|| format!("link.{key}: the board has no pin {rest}"))?;
+        let pin = PinName::read(name);
+        let number = self.board.pin(pin.name);
+        let number =
+            number.ok_or_else(|| format!("link.{key}: the board has no pin {}", pin.name))?;
         Ok(Pin {
             number: number.into(),
-            pull_up,
-            inverted,
+            pull_up: pin.pull_up,
+            inverted: pin.inverted,
         })
     }
 

@@ -7,7 +7,7 @@ use super::super::super::{
 };
 use super::super::answers::BoardState;
 use super::{EXCUSED, HOMING_WAIT, Halt, Homing, LineLink, RESET};
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 impl LineLink {
     /// Whether questions and orders are answered now.
@@ -27,7 +27,7 @@ impl LineLink {
     }
 
     /// Whether the board can seek the switch of one axis alone.
-    fn homes_single_axes(&self) -> bool {
+    pub fn homes_single_axes(&self) -> bool {
         let firmware = &self.board().firmware;
         firmware.starts_with("FluidNC")
             || firmware.starts_with("grblHAL") && self.opening.setting(22) as u32 & 2 != 0
@@ -65,6 +65,16 @@ impl LineLink {
             (true, false, true) => ("$HZ", axes),
             _ => ("$H", all),
         };
+        if let Some(axis) = self.stands_beyond(axes) {
+            let text = format!(
+                "{axis:?} stands upon a limit switch that does not lie where the return goes: \
+                 jog off it first"
+            );
+            self.alarm(609, &text);
+            return Err(Refused::TowardLimit(axis));
+        }
+        self.limits.forget();
+        self.went = [[None; 2]; 2];
         self.lose_position();
         self.status = None;
         self.still_since = None;
@@ -78,6 +88,21 @@ impl LineLink {
         Ok(())
     }
 
+    /// An axis upon the limit switch of its other end: the board would take it for that of
+    /// its reference, and go farther when it means to go off it.
+    fn stands_beyond(&self, axes: PerAxis<bool>) -> Option<Axis> {
+        [
+            (Axis::X, self.config.x.home_negative, self.pins.x),
+            (Axis::Z, self.config.z.home_negative, self.pins.z),
+        ]
+        .into_iter()
+        .find_map(|(axis, negative, operated)| {
+            let away = if negative { 1 } else { -1 };
+            let beyond = operated && self.limits.met(axis as usize) == Some(away);
+            (*axes.get(axis) && beyond).then_some(axis)
+        })
+    }
+
     /// The board has answered its reference return.
     pub(super) fn homed(&mut self, error: Option<u16>) {
         let Some(homing) = self.homing.take() else {
@@ -87,13 +112,13 @@ impl LineLink {
         self.status = None;
         self.still_since = None;
         self.asked = None;
+        if error.is_none() {
+            self.events.push(Event::Homed(homing.axes));
+        }
         self.enter(LinkState::Locked);
-        match error {
-            None => self.events.push(Event::Homed(homing.axes)),
-            Some(number) => {
-                let text = format!("the board refuses its reference return with error:{number}");
-                self.alarm(609, &text);
-            }
+        if let Some(number) = error {
+            let text = format!("the board refuses its reference return with error:{number}");
+            self.alarm(609, &text);
         }
     }
 

@@ -25,7 +25,7 @@ impl LineLink {
             Answer::Error(number) => self.line_done(Some(*number)),
             Answer::Alarm(number) => self.board_alarm(*number),
             Answer::Status(status) => self.report(*status),
-            Answer::Banner(_) if matches!(self.halt, Halt::Restarting(_)) => self.restarted(),
+            Answer::Banner(_) if matches!(self.halt, Halt::Restarting(_)) => self.banner_came(),
             Answer::Banner(_) if self.now < self.excused_until => {}
             Answer::Banner(_) => self.board_restarted(),
             Answer::Garbage => {
@@ -46,8 +46,8 @@ impl LineLink {
         self.status = Some(status);
         self.follow_spindle(&status);
         self.pins = status.pins;
-        if core::mem::take(&mut self.limit_hit) {
-            self.name_limits(status.pins);
+        if let Some(ways) = self.limit_hit.take() {
+            self.name_limits(status.pins, ways);
         }
         if self.state == LinkState::Moving
             && self.halt == Halt::None
@@ -178,8 +178,13 @@ impl LineLink {
         if let Some(asked) = &mut self.asked {
             *asked += gap;
         }
-        if let Halt::Braking(since) | Halt::Restarting(since) = &mut self.halt {
-            *since += gap;
+        match &mut self.halt {
+            Halt::None => {}
+            Halt::Braking(since) => *since += gap,
+            Halt::Restarting(restart) => {
+                restart.since += gap;
+                restart.sent += gap;
+            }
         }
     }
 }

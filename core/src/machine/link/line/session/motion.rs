@@ -1,10 +1,16 @@
 //! Motion in the board: what is sent, what is certainly made, and whether the
 //! board's count agrees.
 
-use super::super::super::{Event, LinkState, RunTime};
+use core::time::Duration;
+
+use super::super::super::{Event, HostTime, LinkState, RunTime};
 use super::super::answers::Status;
 use super::{Halt, LineLink, Queued, SETTLED};
 use crate::units::{PerAxis, Point, Pulses};
+
+/// A board answers for motion so long before it has made it, and a switch is told so
+/// much later.
+const PREPARED: Duration = Duration::from_millis(200);
 
 impl LineLink {
     /// Sends what waits, as far as the board's buffer and queue reach.
@@ -69,11 +75,39 @@ impl LineLink {
             .count();
         for _ in held..answered {
             if let Some(segment) = self.queued.pop_front() {
+                for (axis, way) in way_between(self.made, segment.pulses)
+                    .into_iter()
+                    .enumerate()
+                {
+                    match way {
+                        1 => self.went[axis][0] = Some(self.now),
+                        -1 => self.went[axis][1] = Some(self.now),
+                        _ => {}
+                    }
+                }
                 self.executed = segment.end;
                 self.made = segment.pulses;
                 self.progressed = self.now;
             }
         }
+    }
+
+    /// The ways on which the axes are moving, as far as the board's answers tell; 0: they
+    /// stand, or turn round about now.
+    pub(super) fn ways(&self) -> [i64; 2] {
+        let recent = |went: Option<HostTime>| {
+            went.is_some_and(|went| self.now.saturating_sub(went) < PREPARED)
+        };
+        let mut seen = self.went.map(|ways| ways.map(recent));
+        let mut from = self.made;
+        for segment in &self.queued {
+            for (axis, way) in way_between(from, segment.pulses).into_iter().enumerate() {
+                seen[axis][0] |= way > 0;
+                seen[axis][1] |= way < 0;
+            }
+            from = segment.pulses;
+        }
+        seen.map(|[up, down]| i64::from(up) - i64::from(down))
     }
 
     /// Distance of the board from the path it has been given, mm.
@@ -211,6 +245,11 @@ impl LineLink {
             Pulses((z * per_z).round() as i64),
         ))
     }
+}
+
+/// The ways on which the axes go from one place to another.
+const fn way_between(from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> [i64; 2] {
+    [(to.x.0 - from.x.0).signum(), (to.z.0 - from.z.0).signum()]
 }
 
 /// Distance of a point from the stretch between two others.

@@ -11,7 +11,7 @@
 use core::fmt::Write;
 use core::time::Duration;
 
-use super::super::super::{CannotCut, HostTime, LinkState, Pass};
+use super::super::super::{CannotCut, HostTime, LinkState, Pass, Refused};
 use super::super::answers::{BoardState, Status};
 use super::{LineLink, MODES, Queued, RunTime};
 use crate::units::{Axis, PerAxis, Point, Pulses};
@@ -92,6 +92,16 @@ impl LineLink {
         let ramps = speed / 60.0 * (speed / 60.0) / self.acceleration(way);
         if ramps >= length {
             return Err(CannotCut::Short { length, ramps });
+        }
+        let moves = [
+            pass.end.x.0 - self.commanded.x.0,
+            pass.end.z.0 - self.commanded.z.0,
+        ];
+        let operated = [Some(self.pins.x), Some(self.pins.z)];
+        if let Err(Refused::TowardLimit(axis) | Refused::UponLimit(axis)) =
+            self.limits.allow(moves, operated)
+        {
+            return Err(CannotCut::Limit(axis));
         }
         let cutting = Duration::from_secs_f64(SLOWER * length / pass.lead / rpm * 60.0);
         self.send(&self.pass_line(pass), false);

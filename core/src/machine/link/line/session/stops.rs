@@ -1,7 +1,10 @@
 //! Everything that stops the board, and what is known afterwards.
 
 use super::super::super::{BoardOutputs, HostTime, LinkState, Pins};
-use super::{ANSWER_WAIT, EXCUSED, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, SILENCE};
+use super::{
+    ANSWER_WAIT, EXCUSED, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, RESET_AGAIN, Restart,
+    SILENCE,
+};
 
 impl LineLink {
     pub(super) fn watch_silence(&mut self) {
@@ -38,8 +41,22 @@ impl LineLink {
                 self.restart();
                 self.enter(LinkState::Fault);
             }
-            Halt::Restarting(since) if self.now.saturating_sub(since) >= ANSWER_WAIT => {
+            Halt::Restarting(Restart {
+                quiet_at: Some(at), ..
+            }) => {
+                if self.now >= at {
+                    self.restarted();
+                }
+            }
+            Halt::Restarting(restart) if self.now.saturating_sub(restart.since) >= ANSWER_WAIT => {
                 self.lost("the board did not come back after a reset");
+            }
+            Halt::Restarting(restart) if self.now.saturating_sub(restart.sent) >= RESET_AGAIN => {
+                self.outgoing.push(RESET);
+                self.halt = Halt::Restarting(Restart {
+                    sent: self.now,
+                    ..restart
+                });
             }
             _ => {}
         }
@@ -62,7 +79,11 @@ impl LineLink {
 
     pub(super) fn restart(&mut self) {
         self.outgoing.push(RESET);
-        self.halt = Halt::Restarting(self.now);
+        self.halt = Halt::Restarting(Restart {
+            since: self.now,
+            sent: self.now,
+            quiet_at: None,
+        });
         self.asked = None;
         self.status = None;
         self.homing = None;
@@ -75,8 +96,21 @@ impl LineLink {
         self.released = false;
     }
 
-    /// The banner that was asked for.
-    pub(super) fn restarted(&mut self) {
+    /// A banner that was asked for. Behind a Ctrl-X that was sent again another may come,
+    /// no later after the last of them than this one after the first.
+    pub(super) fn banner_came(&mut self) {
+        if let Halt::Restarting(restart) = &mut self.halt
+            && restart.sent > restart.since
+        {
+            let longest = self.now.saturating_sub(restart.since);
+            restart.quiet_at.get_or_insert(self.now + longest);
+        } else {
+            self.restarted();
+        }
+    }
+
+    /// The board is there again.
+    fn restarted(&mut self) {
         self.halt = Halt::None;
         self.forget_motion();
         self.asked = None;
@@ -131,11 +165,13 @@ impl LineLink {
             // Our own reset while it moved.
             return;
         }
+        let ways = self.ways();
         self.forget_motion();
         self.lose_position();
         match number {
             1 => {
-                self.limit_hit = true;
+                let [x, z] = ways;
+                self.limit_hit = Some([(!self.pins.x).then_some(x), (!self.pins.z).then_some(z)]);
                 // Nothing but a reset is heard by the board now.
                 self.restart();
                 self.enter(LinkState::Tripped);
@@ -183,7 +219,12 @@ impl LineLink {
     }
 
     /// Which limit stopped the board; both when neither is operated any more.
-    pub(super) fn name_limits(&mut self, pins: Pins) {
+    pub(super) fn name_limits(&mut self, pins: Pins, ways: [Option<i64>; 2]) {
+        for (axis, operated) in [pins.x, pins.z].into_iter().enumerate() {
+            if let (true, Some(way)) = (operated, ways[axis]) {
+                self.limits.hit(axis, way);
+            }
+        }
         for (operated, number, axis) in [(pins.x, 621, 'X'), (pins.z, 622, 'Z')] {
             if operated || !(pins.x || pins.z) {
                 self.alarm(number, &format!("limit input of {axis} at the board"));

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::super::super::limits::Limits;
 use super::super::super::{FINE, HostTime, LinkConfig, RunTime, Sample};
 use super::super::fit::Ticks;
 use super::super::pace::Pace;
@@ -14,6 +15,8 @@ const SPARE: usize = 32;
 
 /// To either side of the stop, for the speed there.
 const AVERAGED: usize = 10;
+/// Pulses from where an axis turned round it may have stopped on the way there or back.
+const TURNING: i64 = 3;
 
 /// A sample as the board has it.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +30,7 @@ pub(super) struct Stopped {
     pub(super) kernel: PerAxis<Pulses>,
     /// The place lies on the commanded path.
     pub(super) on_path: bool,
-    /// Speed there, mm/min, and way of each axis.
+    /// Speed there, mm/min, and the way on which each axis came there.
     pub(super) speed: f64,
     pub(super) way: [i64; 2],
 }
@@ -64,12 +67,11 @@ pub(super) struct Motion {
     /// Clocks of the first steps of what the board has in its queue.
     pub(super) queued: VecDeque<Ticks>,
     pub(super) last_step: Option<Ticks>,
-    /// Way of each axis on which its operated limit switch lies.
-    pub(super) blocked: [i64; 2],
+    pub(super) limits: Limits,
 }
 
 impl Motion {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(pulses_per_mm: [f64; 2]) -> Self {
         let rates = Rates::unknown();
         Self {
             steps: [Steps::new(rates.timing[0]), Steps::new(rates.timing[1])],
@@ -92,7 +94,7 @@ impl Motion {
             backlog: VecDeque::new(),
             queued: VecDeque::new(),
             last_step: None,
-            blocked: [0; 2],
+            limits: Limits::new(pulses_per_mm),
         }
     }
 
@@ -110,7 +112,6 @@ impl Motion {
         self.drop_queued();
         self.board = None;
         self.last_step = None;
-        self.blocked = [0; 2];
     }
 
     pub(super) fn forget_steps(&mut self) {
@@ -172,8 +173,8 @@ impl Motion {
             Pulses(known + i64::from(low.wrapping_sub(known as u32) as i32))
         };
         PerAxis::new(
-            whole(x, config.x.invert_direction, known.x.0),
-            whole(z, config.z.invert_direction, known.z.0),
+            whole(x, config.x.is_turned_over(), known.x.0),
+            whole(z, config.z.is_turned_over(), known.z.0),
         )
     }
 
@@ -216,7 +217,7 @@ impl Motion {
             let minutes = (to.end.saturating_sub(from.end)).as_secs_f64().max(1e-3) / 60.0;
             let [x, z] = [0, 1].map(|axis| moved[axis] as f64 / FINE as f64 / pulses_per_mm[axis]);
             speed = libm::hypot(x, z) / minutes;
-            way = moved.map(i64::signum);
+            way = [0, 1].map(|axis| way_to(&places[..=place + 1], axis));
             self.executed = self.executed.max(places[place].end);
         }
         let on_path = place.is_some() || places.last().is_none_or(|last| last.pulses == kernel);
@@ -229,22 +230,6 @@ impl Motion {
             speed,
             way,
         }
-    }
-
-    /// Beyond its limit switch the axis is not moved.
-    pub(super) const fn block(&mut self, axis: usize, way: [i64; 2]) {
-        if way[axis] != 0 {
-            self.blocked[axis] = way[axis];
-        }
-    }
-
-    /// A limit switch lies on the way of an axis.
-    pub(super) const fn is_blocked(&self) -> bool {
-        self.blocked[0] != 0 || self.blocked[1] != 0
-    }
-
-    pub(super) const fn unblock(&mut self) {
-        self.blocked = [0; 2];
     }
 
     /// Pulses have not gone out yet.
@@ -271,4 +256,25 @@ impl Motion {
         let piece = self.pieces.partition_point(|piece| piece.sample.end < at);
         self.pieces.get(piece).or(self.pieces.back()).copied()
     }
+}
+
+/// The way on which an axis came to the last of these places; 0: it stood, or has just
+/// turned round.
+fn way_to(places: &[Sample], axis: usize) -> i64 {
+    let at = |place: &Sample| [place.fine.x, place.fine.z][axis];
+    let Some(end) = places.last().map(at) else {
+        return 0;
+    };
+    let mut way = 0;
+    for (count, pair) in places.windows(2).rev().enumerate() {
+        if count >= AVERAGED && (end - at(&pair[0])).abs() > TURNING * FINE {
+            break;
+        }
+        let moved = (at(&pair[1]) - at(&pair[0])).signum();
+        if moved == -way && moved != 0 {
+            return 0;
+        }
+        way = if moved == 0 { way } else { moved };
+    }
+    way
 }

@@ -41,7 +41,7 @@ impl StepLink {
     /// # Errors
     /// Something else stopped them, or the position is not known.
     pub fn retreat(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
-        if !(self.state == LinkState::Tripped && self.known && self.motion.is_blocked()) {
+        if !(self.state == LinkState::Tripped && self.known && self.motion.limits.any_met()) {
             return Err(Refused::NotReady);
         }
         self.align(kernel, at)?;
@@ -51,7 +51,7 @@ impl StepLink {
 
     /// From here on the board's count and the kernel's go together.
     pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
-        let by_limit = self.state == LinkState::Tripped && self.motion.is_blocked();
+        let by_limit = self.state == LinkState::Tripped && self.motion.limits.any_met();
         let standing = (matches!(self.state, LinkState::Locked | LinkState::Ready) || by_limit)
             && self.stopping.is_none()
             && !self.down

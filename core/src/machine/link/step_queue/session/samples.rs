@@ -8,7 +8,7 @@ use super::super::fit::Ticks;
 use super::super::steps::{Steps, Stretch};
 use super::motion::Piece;
 use super::{Purpose, StepLink};
-use crate::units::{Axis, PerAxis, Pulses};
+use crate::units::{PerAxis, Pulses};
 
 /// Pulses are fitted and sent so often.
 const FLUSH_EVERY: Duration = Duration::from_millis(10);
@@ -89,11 +89,9 @@ impl StepLink {
             };
         }
         self.motion.rates.allow(moves, duration.as_secs_f64())?;
-        for (axis, input) in [Input::LimitX, Input::LimitZ].into_iter().enumerate() {
-            let blocked = self.motion.blocked[axis];
-            if blocked != 0 && moves[axis].signum() == blocked && self.input(input) == Some(true) {
-                return Err(Refused::TowardLimit([Axis::X, Axis::Z][axis]));
-            }
+        if moved {
+            let operated = [Input::LimitX, Input::LimitZ].map(|input| self.input(input));
+            self.motion.limits.allow(moves, operated)?;
         }
         let rests = !moved && sample.fine == before.fine;
         if rests && self.motion.finished && !self.motion.keeps_time {
@@ -234,8 +232,8 @@ impl StepLink {
                 return;
             };
             let (oid, invert) = match axis {
-                0 => (axes.x, self.config.x.invert_direction),
-                _ => (axes.z, self.config.z.invert_direction),
+                0 => (axes.x, self.config.x.is_turned_over()),
+                _ => (axes.z, self.config.z.is_turned_over()),
             };
             let due = entry.first.unsigned_abs();
             if let Some(from) = entry.from {

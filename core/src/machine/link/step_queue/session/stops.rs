@@ -447,15 +447,32 @@ impl StepLink {
             self.halt(Why::Doubt);
             return;
         }
-        let released = [Input::LimitX, Input::LimitZ]
-            .into_iter()
-            .zip(self.group.left_out)
-            .any(|(input, left_out)| left_out && self.input(input) == Some(false));
+        self.watch_left_out();
+    }
+
+    /// A switch that was left out and is free counts again: when the axes stand, or well
+    /// off it.
+    fn watch_left_out(&mut self) {
+        if !self.takes_motion() || !self.group.armed {
+            return;
+        }
         let stands = self.state != LinkState::Moving && !self.motion.is_under_way();
-        if released && stands && self.takes_motion() {
-            // The switch that was left out is free: it counts again.
-            self.motion.unblock();
-            self.arm_group();
+        for (axis, input) in [Input::LimitX, Input::LimitZ].into_iter().enumerate() {
+            let free = self.input(input) == Some(false);
+            if !(self.group.left_out[axis] && free) {
+                continue;
+            }
+            if stands {
+                return self.arm_group();
+            }
+            if let Some(switch) = self.switch_at(input)
+                && self.motion.limits.has_left(axis)
+                && self.group.wait_for(input).is_none()
+            {
+                self.group.left_out[axis] = false;
+                let at = self.soon();
+                self.watch_switch(switch, at);
+            }
         }
     }
 
@@ -501,7 +518,7 @@ impl StepLink {
                 LIMIT_X => (0, Input::LimitX),
                 _ => (1, Input::LimitZ),
             };
-            self.motion.block(axis, stop.way);
+            self.motion.limits.hit(axis, stop.way[axis]);
             // It was seen before it is asked for again.
             if let Some(switch) = self.switch_at(input) {
                 self.upkeep.level_met(switch, switch.level);
@@ -518,6 +535,10 @@ impl StepLink {
                     let input = wait.awaited.input;
                     if let Some(switch) = self.switch_at(input) {
                         self.upkeep.level_met(switch, wait.level);
+                    }
+                    let limit = matches!(input, Input::LimitX | Input::LimitZ);
+                    if limit && wait.awaited.until == Until::Operated {
+                        self.motion.limits.hit(axis, stop.way[axis]);
                     }
                     self.events.push(Event::Reached(input, stop.kernel));
                 }
