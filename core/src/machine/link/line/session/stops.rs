@@ -41,24 +41,25 @@ impl LineLink {
                 self.restart();
                 self.enter(LinkState::Fault);
             }
-            Halt::Restarting(Restart {
-                quiet_at: Some(at), ..
-            }) => {
-                if self.now >= at {
-                    self.restarted();
-                }
-            }
-            Halt::Restarting(restart) if self.now.saturating_sub(restart.since) >= ANSWER_WAIT => {
-                self.lost("the board did not come back after a reset");
-            }
-            Halt::Restarting(restart) if self.now.saturating_sub(restart.sent) >= RESET_AGAIN => {
-                self.outgoing.push(RESET);
-                self.halt = Halt::Restarting(Restart {
-                    sent: self.now,
-                    ..restart
-                });
-            }
+            Halt::Restarting(restart) => self.watch_restart(restart),
             _ => {}
+        }
+    }
+
+    fn watch_restart(&mut self, restart: Restart) {
+        let passed = |since| self.now.saturating_sub(since);
+        if let Some(at) = restart.quiet_at {
+            if self.now >= at {
+                self.restarted();
+            }
+        } else if passed(restart.since) >= ANSWER_WAIT {
+            self.lost("the board did not come back after a reset");
+        } else if passed(restart.sent) >= RESET_AGAIN {
+            self.outgoing.push(RESET);
+            self.halt = Halt::Restarting(Restart {
+                sent: self.now,
+                ..restart
+            });
         }
     }
 
