@@ -87,8 +87,6 @@ pub struct Linked {
     sought_from: PerAxis<Pulses>,
     /// The board has just found its switches.
     homed: bool,
-    /// The board is not known yet: what is asked of it now it does not make later.
-    opening: bool,
     /// The board is being stopped; where it comes to stand the control goes on from.
     flushing: bool,
     /// The board cuts a pass by itself.
@@ -143,7 +141,6 @@ impl Linked {
             drives,
             sought_from: PerAxis::default(),
             homed: false,
-            opening: true,
             flushing: false,
             pass: None,
             waiting: None,

@@ -252,14 +252,6 @@ impl Linked {
         if moves_all || unknown && !found && !self.link.keeps_count() {
             simulation.cnc.drop_reference();
         }
-        self.opening |= matches!(
-            state,
-            LinkState::Opening | LinkState::Identify | LinkState::Configure
-        );
-        if state == LinkState::Locked && core::mem::take(&mut self.opening) {
-            // Nothing begins by itself: a key that is held, a return that was asked for.
-            simulation.cnc.halt_for_board();
-        }
         if unknown && state != LinkState::Locked {
             simulation.cnc.halt_for_board();
             self.flushing = false;
@@ -277,6 +269,8 @@ impl Linked {
         if state == LinkState::Locked {
             self.standing = None;
             if was_opening {
+                // Nothing begins by itself: a key that is held, a return that was asked for.
+                simulation.cnc.halt_for_board();
                 // The board is there, is the right one and is set as it must be.
                 for number in OPENING {
                     simulation.cnc.alarms.remove(number);

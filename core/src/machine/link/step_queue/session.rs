@@ -122,7 +122,7 @@ impl StepLink {
             reader: Reader::default(),
             delivery: Delivery::new(),
             clock: Clock::new(1.0),
-            motion: Motion::new(pulses_per_mm),
+            motion: Motion::new(pulses_per_mm(parameters)),
             group: Group::default(),
             stopping: None,
             reading: None,
