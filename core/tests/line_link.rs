@@ -335,7 +335,13 @@ fn the_banners_of_a_reset_that_was_sent_again_are_no_restart() {
 /// axis turned round about then nobody knows it.
 #[test]
 fn the_way_into_a_limit_switch_is_that_of_the_motion_that_met_it() {
-    for (turned, known) in [(0, true), (30, false), (100, false), (600, true)] {
+    for (turned, known) in [
+        (0, true),
+        (30, false),
+        (100, false),
+        (200, false),
+        (600, true),
+    ] {
         let mut bench = Bench::ready(Variant::Grbl);
         for k in 1..=300 {
             assert!(bench.sample(0, -k * 2));
