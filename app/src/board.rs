@@ -7,13 +7,25 @@ use gsk_core::machine::link::{Event, Link, LinkConfig, LinkState};
 use gsk_core::memory::Parameters;
 
 use crate::carrier::{Carrier, Line};
+use crate::ending::Ending;
 use crate::ports;
 
-/// A board and its link.
+/// A board is known by then, or hardly ever.
+pub const GET_KNOWN: Duration = Duration::from_secs(15);
+
+/// A board and its link. It is stopped when this value is dropped, and when the end of
+/// the program is asked for.
 pub struct Board {
     /// The link.
     pub link: Link,
     carrier: Carrier,
+    ending: Ending,
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        self.close();
+    }
 }
 
 impl Board {
@@ -22,11 +34,21 @@ impl Board {
     /// # Errors
     /// A sentence that names the port.
     pub fn open(config: LinkConfig, parameters: &Parameters) -> Result<Self, String> {
+        let ending = Ending::heard()?;
         let carrier = Carrier::open(&config)?;
         Ok(Self {
             link: Link::open(config, parameters, Duration::ZERO),
             carrier,
+            ending,
         })
+    }
+
+    /// Motion, spindle and coolant stop, and the link is over.
+    pub fn close(&mut self) {
+        if self.link.state() != LinkState::Off {
+            self.link.close();
+            self.carrier.write_last(self.link.tx());
+        }
     }
 
     /// From now on the traffic is kept for [`Board::traffic`].
@@ -39,8 +61,15 @@ impl Board {
         self.carrier.now()
     }
 
-    /// Reads, ticks and writes once; waits at most 2 ms for bytes.
+    /// Reads, ticks and writes once; waits at most 2 ms for bytes. The link is over once
+    /// the end is asked for.
     pub fn pump(&mut self) -> Vec<Event> {
+        if self.ending.is_asked() {
+            self.close();
+        }
+        if self.link.state() == LinkState::Off {
+            return self.link.events();
+        }
         match self.carrier.read() {
             Ok(bytes) => self.link.rx(&bytes, self.carrier.now()),
             Err(error) => self.link.lost(&ports::gone(&error)),
@@ -58,18 +87,19 @@ impl Board {
     pub fn wait(&mut self, limit: Duration, until: impl Fn(&Link, &[Event]) -> bool) -> Vec<Event> {
         let end = self.now() + limit;
         let mut events = Vec::new();
-        while self.now() < end && !until(&self.link, &events) {
+        while self.now() < end && self.link.state() != LinkState::Off && !until(&self.link, &events)
+        {
             events.extend(self.pump());
         }
         events
     }
 
-    /// Pumps until the board is known, refused or lost.
+    /// Pumps until the board is known, refused or lost, [`GET_KNOWN`] at most.
     pub fn get_known(&mut self) -> Vec<Event> {
-        self.wait(Duration::from_secs(15), |link, events| {
+        self.wait(GET_KNOWN, |link, events| {
             matches!(
                 link.state(),
-                LinkState::Locked | LinkState::Fault | LinkState::Lost
+                LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
             ) || events
                 .iter()
                 .any(|event| matches!(event, Event::Differs { .. }))

@@ -7,6 +7,9 @@ use gsk_core::machine::link::LinkConfig;
 
 use crate::ports::Port;
 
+/// How long the last bytes for a board may take.
+const LAST_WORDS: Duration = Duration::from_millis(500);
+
 /// One line of the traffic.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
@@ -75,6 +78,19 @@ impl Carrier {
         let count = self.port.write(bytes)?;
         self.note(true, &bytes[..count]);
         Ok(count)
+    }
+
+    /// Writes all of it, or as much as the port takes within [`LAST_WORDS`]: the last
+    /// bytes for the board stop it.
+    pub fn write_last(&mut self, mut bytes: &[u8]) {
+        let begun = Instant::now();
+        while !bytes.is_empty() && begun.elapsed() < LAST_WORDS {
+            match self.write(bytes) {
+                Ok(count) => bytes = &bytes[count..],
+                // A port that fails now has nothing more to say.
+                Err(_) => return,
+            }
+        }
     }
 
     /// What was said since the last call, in the pieces that a link makes of it: its

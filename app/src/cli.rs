@@ -297,10 +297,10 @@ pub struct LinkTestArgs {
     #[arg(long)]
     pub write_settings: bool,
     /// MOVES Z there and back by so many mm, with ten holds; drives unpowered, or the way clear
-    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = crate::setup_args::travel)]
     pub travel: Option<f64>,
     /// Feed of that move, mm/min
-    #[arg(long, default_value_t = 600.0, value_name = "F", requires = "travel")]
+    #[arg(long, default_value = "600", value_name = "F", requires = "travel", allow_hyphen_values = true, value_parser = crate::setup_args::feed)]
     pub feed: f64,
 }
 
@@ -321,6 +321,9 @@ pub struct LinkTwinArgs {
     /// Firmware of the board
     #[arg(long, value_enum, default_value_t = TwinBoard::Grbl)]
     pub firmware: TwinBoard,
+    /// Print a machine file with the wiring of this board, and end
+    #[arg(long)]
+    pub print_machine: bool,
     /// Lose every Nth byte from the PC to the board
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub lose_every: Option<u64>,

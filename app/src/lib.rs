@@ -4,6 +4,7 @@ pub mod board;
 pub mod carrier;
 pub mod cli;
 pub mod commands;
+pub mod ending;
 pub mod execution;
 pub mod files;
 pub mod kernel;

@@ -36,7 +36,7 @@ impl Notices {
 pub fn setup(args: &SetupArgs) -> Result<Setup, String> {
     let mut setup = Setup::default();
     if let Some(path) = &args.data {
-        let data = DataDir::open(path).map_err(|error| error.to_string())?;
+        let data = DataDir::existing(path).map_err(|error| error.to_string())?;
         for complaint in retained::load(&data, &mut setup).complaints {
             eprintln!("gsk980td: {complaint}");
         }

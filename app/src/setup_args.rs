@@ -98,6 +98,24 @@ fn pair(word: &str) -> Result<(f64, f64), String> {
     Ok((number(x)?, number(z)?))
 }
 
+/// Reads a way there and back, mm: either way, and not nothing.
+pub fn travel(word: &str) -> Result<f64, String> {
+    let value = number(word)?;
+    if value.abs() < 0.1 {
+        return Err(format!("`{word}` mm is no way to measure: 0.1 at least"));
+    }
+    Ok(value)
+}
+
+/// Reads a feed, mm/min.
+pub fn feed(word: &str) -> Result<f64, String> {
+    let value = number(word)?;
+    if value < 1.0 {
+        return Err(format!("a feed is 1 to 9999.999 mm/min, not `{word}`"));
+    }
+    Ok(value)
+}
+
 fn spindle_speed(word: &str) -> Result<f64, String> {
     let value = number(word)?;
     if value < 0.0 {
@@ -212,6 +230,17 @@ pub fn duration_ms(word: &str) -> Result<u64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_drill_has_a_way_and_a_feed() {
+        assert_eq!((travel("-50"), feed("600")), (Ok(-50.0), Ok(600.0)));
+        for word in ["0", "0.05", "nan", "inf", "1e5", "x"] {
+            assert!(travel(word).is_err(), "{word}");
+        }
+        for word in ["0", "0.5", "-100", "nan", "1e9", ""] {
+            assert!(feed(word).is_err(), "{word}");
+        }
+    }
 
     #[test]
     fn parameters_come_as_value_as_bit_and_as_eight_bits() {

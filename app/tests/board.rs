@@ -10,9 +10,11 @@
     reason = "tests fail by panicking"
 )]
 
-use std::io::{BufRead, BufReader};
+#[path = "common/twin.rs"]
+mod twin;
+
 use std::path::PathBuf;
-use std::process::{Child, ChildStdout, Command as Process, Stdio};
+use std::process::Command as Process;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -30,6 +32,7 @@ use gsk_core::units::Axis;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_twins::klipper::{KlipperTwin, Make};
+use twin::Twin;
 
 const PROGRAM: &str = "O0007\nG50 X60 Z20\nG98 G97 S500 M03\nG00 X50 Z10 M08\n\
     G01 Z5 F600\nG02 X56 Z2 R3\nG00 X60 Z20\nM05\nM09\nM30\n";
@@ -45,40 +48,6 @@ const TIMED: &str = r#"(
 /// So often a computer may be too busy, and so long anything may take.
 const ATTEMPTS: u32 = 20;
 const LONGEST: Duration = Duration::from_secs(120);
-
-/// A board in a process of its own.
-struct Twin {
-    child: Child,
-    /// Its end would end the board.
-    _said: BufReader<ChildStdout>,
-    port: String,
-}
-
-impl Twin {
-    fn play(firmware: &str) -> Self {
-        let mut child = Process::new(env!("CARGO_BIN_EXE_gsk980td"))
-            .args(["link", "twin", "--seconds", "1800", "--firmware", firmware])
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut said = BufReader::new(child.stdout.take().unwrap());
-        let mut port = String::new();
-        said.read_line(&mut port).unwrap();
-        Self {
-            child,
-            _said: said,
-            port: port.trim().to_owned(),
-        }
-    }
-}
-
-impl Drop for Twin {
-    fn drop(&mut self) {
-        // One that has ended cannot be ended again.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
 
 /// A control with a board.
 struct Lathe {
@@ -241,7 +210,7 @@ impl Lathe {
 
 /// Connect, reference return, a part, its check; then the plug is pulled in motion.
 fn works_and_is_unplugged(firmware: &str, config: &str) {
-    let mut twin = Twin::play(firmware);
+    let mut twin = Twin::play(&["--firmware", firmware]);
     let mut lathe = Lathe::at(&twin.port, config);
     let made = (0..ATTEMPTS).any(|_| {
         let made = lathe.opens() && lathe.finds_its_reference() && lathe.works();
@@ -261,8 +230,7 @@ fn works_and_is_unplugged(firmware: &str, config: &str) {
     lathe.until(LONGEST, |lathe| {
         lathe.kernel.emulator().simulation.cnc.is_moving() || !lathe.alarms().is_empty()
     });
-    twin.child.kill().unwrap();
-    twin.child.wait().unwrap();
+    twin.unplug();
     assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost));
     assert!(lathe.alarms().contains(&605), "{:?}", lathe.alarms());
     let cnc = &lathe.kernel.emulator().simulation.cnc;
@@ -308,7 +276,7 @@ fn the_scope_shows_what_is_known_of_the_real_lathe() {
 /// One client has the board: the next one is told, whoever it is.
 #[test]
 fn a_port_in_use_is_refused_with_its_name() {
-    let twin = Twin::play("grbl");
+    let twin = Twin::play(&[]);
     let config = LinkConfig {
         port: twin.port.clone(),
         ..LinkConfig::default()
@@ -394,7 +362,7 @@ fn meets(port: &str, files: &[(&str, &[u8])]) -> (usize, Vec<(String, Vec<u8>)>)
 #[test]
 fn a_board_met_before_is_asked_little_and_no_file_is_trusted() {
     const FEW: usize = 3;
-    let twin = Twin::play("klipper");
+    let twin = Twin::play(&["--firmware", "klipper"]);
     let (asked, files) = meets(&twin.port, &[]);
     assert!(asked > FEW, "{asked}");
     let [(name, good)] = &files[..] else {

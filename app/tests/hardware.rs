@@ -1,4 +1,4 @@
-//! A real board, its drives without current: `docs/real-lathe.md`, "Proof of your board".
+//! A real board, its drives without current: `docs/real-lathe.md`, "First contact, motors off".
 //!
 //! ```sh
 //! DRIVE_LINK_PORT=/dev/ttyACM0 cargo test -p gsk980td --test hardware -- --ignored hw_

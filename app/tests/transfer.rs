@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command as Process;
 use std::time::Duration;
 
+use gsk_app::ending::Ending;
 use gsk_app::kernel::{Command, Kernel, Notice, Outside, start};
 use gsk_app::transfer;
 use gsk_core::setup::Setup;
@@ -43,6 +44,7 @@ fn said_after_output(partner: &Path) -> Option<Notice> {
         wake: Box::new(|| {}),
         keeper: None,
         partner: Some(partner.to_owned()),
+        ending: Ending::default(),
     };
     let mut thread = start(kernel, &console, outside).expect("a thread");
     console.send(Command::Tap(Key::Output));

@@ -9,10 +9,12 @@
 use gsk_core::machine::{Lathe, LatheConfig, Outputs};
 use gsk_core::memory::Parameters;
 
-const EXAMPLES: [&str; 3] = [
+const EXAMPLES: [&str; 5] = [
     EXAMPLE,
     include_str!("../../assets/machines/servo-slant-bed.ron"),
     include_str!("../../assets/machines/stepper-drives.ron"),
+    include_str!("../../assets/machines/virtual-line.ron"),
+    include_str!("../../assets/machines/virtual-klipper.ron"),
 ];
 const EXAMPLE: &str = include_str!("../../assets/machines/small-flat-bed.ron");
 const DOCUMENT: &str = include_str!("../../docs/machine-file.md");

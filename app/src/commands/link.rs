@@ -69,10 +69,26 @@ fn report(events: &[Event]) -> bool {
     failed
 }
 
+/// Says where the dialogue has stopped; an alarm says it by itself. True: it is no
+/// board that can be worked with.
+fn tell_state(board: &Board) -> bool {
+    match board.link.state() {
+        LinkState::Fault | LinkState::Lost | LinkState::Tripped => {}
+        LinkState::Off => eprintln!("gsk980td: broken off; the board was stopped"),
+        state => eprintln!(
+            "gsk980td: the board is not ready after {} s, the link is still at `{}`: a line that \
+             is slow, or loses much",
+            board.now().as_secs(),
+            state.name()
+        ),
+    }
+    true
+}
+
 fn test(args: &LinkTestArgs) -> Result<u8, String> {
     let mut board = open(&args.board)?;
     let mut events = board.get_known();
-    let failed = report(&events);
+    let mut failed = report(&events);
     let info = board.link.board().clone();
     if !info.firmware.is_empty() {
         output::print(&format!(
@@ -80,10 +96,13 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
             info.firmware, info.blocks, info.receive_bytes
         ))?;
     }
-    if failed || matches!(board.link.state(), LinkState::Fault | LinkState::Lost) {
+    let differ = differences(&events);
+    if differ.is_empty() && board.link.state() != LinkState::Locked {
+        failed |= tell_state(&board);
+    }
+    if failed {
         return Ok(ALARM);
     }
-    let differ = differences(&events);
     if !differ.is_empty() {
         output::print(&format!("settings  differ:\n{}", differ.join("")))?;
         if !args.write_settings {
@@ -99,6 +118,7 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
         });
         report(&events);
         if board.link.state() != LinkState::Locked {
+            tell_state(&board);
             return Ok(ALARM);
         }
         output::print("          written and read back\n")?;
@@ -108,6 +128,10 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
     output::print(&format!("threads   {}\n", board.link.threads().text()))?;
     drill::idle(&mut board)?;
     match args.travel {
+        _ if board.link.state() != LinkState::Locked => {
+            tell_state(&board);
+            Ok(ALARM)
+        }
         Some(millimetres) => drill::motion(&mut board, millimetres, args.feed),
         None => Ok(FINE),
     }
@@ -133,12 +157,12 @@ fn differences(events: &[Event]) -> Vec<String> {
 fn monitor(args: &LinkMonitorArgs) -> Result<u8, String> {
     let mut board = open(&args.board)?;
     board.watch();
-    let mut events = Vec::new();
+    let mut failed = false;
     while args
         .seconds
         .is_none_or(|seconds| board.now() < Duration::from_secs(seconds))
     {
-        events.extend(board.pump());
+        let events = board.pump();
         for line in board.traffic() {
             let arrow = if line.outward { '>' } else { '<' };
             output::print(&format!(
@@ -147,9 +171,10 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, String> {
                 line.text
             ))?;
         }
-        if board.link.state() == LinkState::Lost {
+        failed |= report(&events);
+        if matches!(board.link.state(), LinkState::Lost | LinkState::Off) {
             break;
         }
     }
-    Ok(if report(&events) { ALARM } else { FINE })
+    Ok(if failed { ALARM } else { FINE })
 }

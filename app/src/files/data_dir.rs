@@ -50,6 +50,12 @@ pub enum DataError {
         /// The directory.
         path: PathBuf,
     },
+    /// Nothing is to be made there.
+    #[error("{} is no data directory: the panel makes one, with --data DIR", .path.display())]
+    Missing {
+        /// The directory.
+        path: PathBuf,
+    },
     /// The platform names no folder for data.
     #[error("this system names no folder for program data: choose one with --data DIR")]
     NoDefault,
@@ -85,6 +91,17 @@ pub fn default_path() -> Result<PathBuf, DataError> {
 }
 
 impl DataDir {
+    /// Opens a directory that is one already: who only reads makes none, and takes
+    /// nobody's slip of the pen for a control as it was delivered.
+    pub fn existing(path: &Path) -> Result<Self, DataError> {
+        if !path.join("lock").is_file() {
+            return Err(DataError::Missing {
+                path: path.to_owned(),
+            });
+        }
+        Self::open(path)
+    }
+
     /// Opens a directory, making it if it is not there, and locks it.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         let unusable = |source| DataError::Unusable {

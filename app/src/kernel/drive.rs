@@ -161,8 +161,7 @@ impl Drive {
         } = self;
         let last = linked.close(simulation);
         if let Some(carrier) = &mut carrier {
-            // A port that fails now has nothing more to say.
-            let _ = carrier.write(&last);
+            carrier.write_last(&last);
         }
         connection
     }

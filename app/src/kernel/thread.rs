@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crossbeam::channel::{RecvTimeoutError, TryRecvError};
 
 use super::{Command, Console, Kernel, Notice, PICTURE_TICKS};
+use crate::ending::{ENDED, Ending};
 use crate::pace::Pace;
 use crate::retained::Keeper;
 use crate::transfer;
@@ -16,6 +17,8 @@ use crate::transfer;
 const LEASE: Duration = Duration::from_millis(600);
 /// How often the memory is looked at for something to be saved.
 const KEEP: Duration = Duration::from_millis(100);
+/// So long the window may take to close when the program is to end.
+const WINDOW_CLOSES: Duration = Duration::from_secs(3);
 
 /// What the kernel thread needs from outside.
 pub struct Outside {
@@ -25,6 +28,8 @@ pub struct Outside {
     pub keeper: Option<Keeper>,
     /// The folder that takes what the control sends, if there is one.
     pub partner: Option<PathBuf>,
+    /// Whether the program is to end.
+    pub ending: Ending,
 }
 
 /// The running thread.
@@ -81,7 +86,7 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
     let mut kept = start;
     kernel.show();
     (outside.wake)();
-    while !kernel.quit {
+    while !kernel.quit && !outside.ending.is_asked() {
         let now = Instant::now();
         if !kernel.down.is_empty() && now.duration_since(heard) > LEASE {
             kernel.release_all();
@@ -147,6 +152,22 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
         kernel.emulator.store_edited();
         keeper.finish(&kernel.emulator);
     }
+    if outside.ending.is_asked() {
+        (outside.wake)();
+        wait_for_window(&kernel);
+    }
+}
+
+/// The board stands and all is saved: the window closes now, or the program ends
+/// without it.
+fn wait_for_window(kernel: &Kernel) {
+    let last = Instant::now() + WINDOW_CLOSES;
+    while let Ok(command) = kernel.commands.recv_deadline(last) {
+        if matches!(command, Command::Quit) {
+            return;
+        }
+    }
+    std::process::exit(ENDED.into());
 }
 
 /// In steps of 5 % below 95 %, so that the picture does not change for nothing.

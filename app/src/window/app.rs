@@ -10,6 +10,7 @@ use eframe::egui;
 
 use super::figures::Figures;
 use super::{Settings, Window, fonts};
+use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
 use crate::retained::{Keeper, Restored};
@@ -80,6 +81,7 @@ pub fn run(start: Start) -> Result<(), String> {
 struct App {
     window: Window,
     kernel: KernelThread,
+    ending: Ending,
     data: Arc<DataDir>,
     saved: Settings,
     sized: bool,
@@ -117,10 +119,12 @@ impl App {
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
+        let ending = Ending::heard().map_err(std::io::Error::other)?;
         let outside = Outside {
             wake: bell(context.clone())?,
             keeper: Some(keeper),
             partner: Some(data.path().join(transfer::FOLDER)),
+            ending: ending.clone(),
         };
         let thread = kernel::start(kernel, &console, outside)?;
         let mut window = Window::new(console, settings.clone());
@@ -134,6 +138,7 @@ impl App {
         Ok(Self {
             window,
             kernel: thread,
+            ending,
             data,
             saved: settings,
             sized: false,
@@ -182,7 +187,9 @@ impl eframe::App for App {
         if hidden {
             self.window.let_go();
         }
-        if !self.kernel.is_alive() {
+        if self.ending.is_asked() {
+            context.send_viewport_cmd(egui::ViewportCommand::Close);
+        } else if !self.kernel.is_alive() {
             self.window.kernel_gone();
         }
         self.save_settings();

@@ -102,8 +102,10 @@ mod tests {
                 "指令脉冲 X 5 Z -7, 驱动板计数 X 5 Z -8",
             ),
             (
-                "no answer from the board: it says nothing",
-                "驱动板没有可用的应答: 它不发送任何数据",
+                "no answer from the board: it says nothing; is it another firmware than \
+                 `protocol` of the machine file says, or another `baud`?",
+                "驱动板没有可用的应答: 它不发送任何数据; 固件是否与机床文件的 `protocol` 不符, \
+                 或 `baud` 不符?",
             ),
             (
                 "the board cannot do tapping (G33); nothing of the program was begun",

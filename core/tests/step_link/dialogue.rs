@@ -80,7 +80,11 @@ fn a_silent_port_is_601_and_another_firmware_602() {
             let count = link.tx().len();
             link.consumed(count);
             alarms.extend(link.events().into_iter().filter_map(|event| match event {
-                Event::Alarm { number, .. } => Some(number),
+                Event::Alarm { number, detail } => {
+                    let points = detail.contains("protocol") && detail.contains("baud");
+                    assert!(points, "{detail}");
+                    Some(number)
+                }
                 _ => None,
             }));
         }

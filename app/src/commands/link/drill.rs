@@ -29,7 +29,8 @@ pub fn idle(board: &mut Board) -> Result<(), String> {
     let end = board.now() + IDLE;
     let mut trips = Vec::new();
     let mut reports = board.link.traffic().reports;
-    while board.now() < end && board.link.state() != LinkState::Lost {
+    let over = |state| matches!(state, LinkState::Lost | LinkState::Off);
+    while board.now() < end && !over(board.link.state()) {
         board.pump();
         let traffic = board.link.traffic();
         if traffic.reports != reports {
@@ -88,6 +89,14 @@ impl Drill<'_> {
         pushed.is_ok()
     }
 
+    /// The way that one more tick towards the top speed takes, and braking after it:
+    /// the slide goes no farther than it was sent.
+    fn braking(&self, top: f64) -> f64 {
+        let step = top / RAMP_MS;
+        let speed = (self.speed.abs() + step).min(top);
+        speed + speed * speed / (2.0 * step)
+    }
+
     /// Brakes to rest and waits until the board has made it all.
     fn stop(&mut self, top: f64) -> bool {
         while self.speed != 0.0 {
@@ -141,6 +150,13 @@ fn processor_time() -> Option<f64> {
 pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, String> {
     let per_mm = board.link.pulses_per_mm()[1];
     let top = feed / 60_000.0 * per_mm;
+    let (rate, most) = (top * 1000.0, board.link.rates().each[1]);
+    if rate > most {
+        return Err(format!(
+            "{feed} mm/min are {rate:.0} pulses a second of Z, the board makes {most:.0}: a lower \
+             --feed"
+        ));
+    }
     // A board with homing wakes up locked.
     board.wait(Duration::from_millis(500), |_, _| false);
     board.link.reset();
@@ -171,7 +187,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
         let way = (target - from).signum();
         for hold in 1..=HOLDS / 2 {
             let place = from + (target - from) * f64::from(hold) / f64::from(HOLDS / 2);
-            while (place - drill.z) * way > 0.0 {
+            while (place - drill.z) * way > drill.braking(top) {
                 if !drill.tick(way * top, top) {
                     whole = false;
                     break 'legs;

@@ -130,8 +130,22 @@ impl Twin {
     }
 }
 
+/// A machine file for a board that is played.
+const fn machine(firmware: TwinBoard) -> &'static str {
+    match firmware {
+        TwinBoard::Grbl | TwinBoard::Grblhal => {
+            include_str!("../../../../assets/machines/virtual-line.ron")
+        }
+        TwinBoard::Klipper => include_str!("../../../../assets/machines/virtual-klipper.ron"),
+    }
+}
+
 /// Plays a board until its time is up.
 pub fn twin(args: &LinkTwinArgs) -> Result<u8, String> {
+    if args.print_machine {
+        output::print(machine(args.firmware))?;
+        return Ok(FINE);
+    }
     let (mut near, _far, name) = Port::pair()?;
     let mut board = Twin::new(args);
     output::print(&format!("{name}\n"))?;

@@ -41,7 +41,7 @@ pub struct LinkConfig {
     /// Contacts X0.0 to X3.7 of the control that are wired to the board, closed while
     /// the pin is high (`!`: low): `{"X1.4": "^PD0"}`. A line board tells letters.
     pub inputs: BTreeMap<String, String>,
-    /// Boards that read lines (Grbl, grblHAL, FluidNC).
+    /// Boards that read lines (Grbl, grblHAL).
     pub line: LineConfig,
 }
 
@@ -65,7 +65,7 @@ impl Default for LinkConfig {
 /// What a board understands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Protocol {
-    /// Lines of text: Grbl 1.1, grblHAL, FluidNC.
+    /// Lines of text: Grbl 1.1, grblHAL.
     #[default]
     Line,
     /// Times of steps: boards with Klipper firmware.
@@ -187,6 +187,13 @@ pub struct LineConfig {
     pub step_pulse_us: u32,
     /// Limit switches open when operated ($5).
     pub invert_limits: bool,
+    /// The step pins of both axes are turned over in the board ($2).
+    pub invert_step: bool,
+    /// The enable output is turned over in the board ($4): the drives are on while it is
+    /// high.
+    pub invert_enable: bool,
+    /// Time after which a switch counts as settled in a reference return, ms ($26).
+    pub debounce_ms: u32,
     /// The owner has cut the proof thread and found its lead right.
     pub thread_proved: bool,
 }
@@ -199,6 +206,9 @@ impl Default for LineConfig {
             max_rate: 30_000,
             step_pulse_us: 10,
             invert_limits: false,
+            invert_step: false,
+            invert_enable: false,
+            debounce_ms: 250,
             thread_proved: false,
         }
     }
@@ -298,6 +308,7 @@ impl LinkConfig {
             ("line.period_ms", Some(line.period_ms), 5, 40),
             ("line.max_rate", Some(line.max_rate), 1000, 1_000_000),
             ("line.step_pulse_us", Some(line.step_pulse_us), 3, 255),
+            ("line.debounce_ms", Some(line.debounce_ms), 1, 1000),
             ("line.home.seek", Some(line.home.seek), 10, 5000),
             ("line.home.locate", Some(line.home.locate), 1, 1000),
             (

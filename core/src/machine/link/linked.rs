@@ -362,7 +362,6 @@ impl Linked {
                 604,
                 "an axis would need more pulses a second than the board makes",
             ),
-            Refused::TooSlow => (604, "slower than the slowest feed of the board"),
             Refused::TowardLimit(Axis::X) => (621, "that way lies the limit switch"),
             Refused::TowardLimit(Axis::Z) => (622, "that way lies the limit switch"),
             Refused::UponLimit(Axis::X) => (621, UPON_LIMIT),

@@ -35,6 +35,10 @@ pub use config::{
 };
 pub use linked::{Linked, Note};
 
+/// What may be wrong when a board is not understood.
+const ANOTHER: &str = "is it another firmware than `protocol` of the machine file says, or \
+                       another `baud`?";
+
 /// Monotonic time of the host.
 pub type HostTime = Duration;
 
@@ -349,8 +353,6 @@ pub enum Refused {
     NotReady,
     /// The axis would need more pulses a second than the board makes.
     TooFast,
-    /// Slower than the board's slowest feed.
-    TooSlow,
     /// The limit switch of the axis is operated and that way lies its stop.
     TowardLimit(Axis),
     /// The limit switch of the axis is operated, nobody knows on which end, and the piece

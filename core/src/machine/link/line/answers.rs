@@ -101,7 +101,7 @@ impl Answer {
             return setting
                 .split_once('=')
                 .and_then(|(number, value)| {
-                    // FluidNC and grblHAL write a remark behind the value.
+                    // Some builds write a remark behind the value.
                     let value = value.split_whitespace().next()?;
                     Some(Self::Setting(number.parse().ok()?, value.parse().ok()?))
                 })

@@ -1,4 +1,4 @@
-//! Boards that read lines: Grbl 1.1, grblHAL, FluidNC.
+//! Boards that read lines: Grbl 1.1, grblHAL.
 //!
 //! Motion goes out as straight segments of fixed duration (G93); the board's own
 //! planner is set so that it never limits. Characters of unanswered lines never

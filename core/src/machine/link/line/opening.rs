@@ -3,7 +3,7 @@
 
 use core::time::Duration;
 
-use super::super::{BoardInfo, HostTime};
+use super::super::{ANOTHER, BoardInfo, HostTime};
 use super::answers::Answer;
 use super::required::{Required, Setting};
 
@@ -29,6 +29,14 @@ enum Step {
     Writing(usize),
     Rereading,
     Known,
+}
+
+/// Name and version out of `4.0 FluidNC v4.0.4 (esp32-wifi) :`, the version that such a
+/// board tells.
+fn fluid_nc(version: &str) -> Option<&str> {
+    let (_, name) = version.split_once(' ')?;
+    let name = name.split('(').next()?.trim();
+    name.starts_with("FluidNC").then_some(name)
 }
 
 /// What the opening wants done.
@@ -127,12 +135,11 @@ impl Opening {
                 } else {
                     "it says nothing"
                 };
-                Outcome::Fails(601, format!("no answer from the board: {cause}"))
+                Outcome::Fails(601, format!("no answer from the board: {cause}; {ANOTHER}"))
             }
             Step::Asking(0) if waited >= PATIENCE => Outcome::Fails(
                 602,
-                "what the board sends makes no sense; another firmware, or another baud rate"
-                    .into(),
+                format!("what the board sends makes no sense; {ANOTHER}"),
             ),
             Step::Asking(_) | Step::Writing(_) | Step::Rereading if waited >= PATIENCE => {
                 Outcome::Fails(601, "no answer from the board within 1 s".into())
@@ -230,9 +237,21 @@ impl Opening {
     }
 
     fn identify(&mut self) -> Result<(), String> {
+        if let Some(name) = fluid_nc(&self.version) {
+            self.board.firmware = name.to_owned();
+            return Err(format!(
+                "{name} is not supported: its settings stand in a file of its own, and it does \
+                 not tell all that have to be compared; Grbl 1.1 or grblHAL is needed"
+            ));
+        }
+        if self.version.is_empty() {
+            return Err(format!(
+                "the board does not say who it is ([VER:…]), as Grbl older than 1.1f does not; {ANOTHER}"
+            ));
+        }
         let family = self.firmware.as_deref().unwrap_or("Grbl");
         self.board.firmware = format!("{family} {}", self.version);
-        if !["Grbl", "grblHAL", "FluidNC"].contains(&family) {
+        if !["Grbl", "grblHAL"].contains(&family) {
             return Err(format!("firmware {family} is not known"));
         }
         let version = self.version.strip_prefix("1.1").unwrap_or_default();

@@ -92,14 +92,15 @@ impl Required {
         });
         let mask = |x: bool, z: bool| f64::from(u8::from(x) | u8::from(z) << 2);
         let directions = mask(config.x.invert_direction, config.z.invert_direction);
+        let on = |set: bool| f64::from(u8::from(set));
         let home = config.line.home;
         let mut settings: Vec<Setting> = [
             (0, f64::from(config.line.step_pulse_us)),
             (1, 255.0),
-            (2, 0.0),
+            (2, on(config.line.invert_step) * 5.0),
             (3, directions),
-            (4, 0.0),
-            (5, f64::from(u8::from(config.line.invert_limits))),
+            (4, on(config.line.invert_enable)),
+            (5, on(config.line.invert_limits)),
             (REPORT, 3.0),
             (11, 0.02),
             (13, 0.0),
@@ -109,6 +110,7 @@ impl Required {
             (23, mask(config.x.home_negative, config.z.home_negative)),
             (24, f64::from(home.locate)),
             (25, f64::from(home.seek)),
+            (26, f64::from(config.line.debounce_ms)),
             (27, f64::from(home.pull_off_um) / 1000.0),
             (30, FULL_SPEED),
             (31, 0.0),

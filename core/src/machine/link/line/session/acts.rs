@@ -29,8 +29,7 @@ impl LineLink {
     /// Whether the board can seek the switch of one axis alone.
     pub fn homes_single_axes(&self) -> bool {
         let firmware = &self.board().firmware;
-        firmware.starts_with("FluidNC")
-            || firmware.starts_with("grblHAL") && self.opening.setting(22) as u32 & 2 != 0
+        firmware.starts_with("grblHAL") && self.opening.setting(22) as u32 & 2 != 0
     }
 
     /// Which threads it cuts.

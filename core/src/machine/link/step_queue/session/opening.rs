@@ -121,10 +121,19 @@ impl StepLink {
         if !heard && bytes && self.delivery.tries() > 1 {
             self.refuse(
                 602,
-                "what the board sends makes no sense; another firmware, or another baud rate",
+                &format!(
+                    "what the board sends makes no sense; {}",
+                    crate::machine::link::ANOTHER
+                ),
             );
         } else {
-            self.alarm(601, "no answer from the board within 5 s");
+            self.alarm(
+                601,
+                &format!(
+                    "no answer from the board within 5 s; {}",
+                    crate::machine::link::ANOTHER
+                ),
+            );
             self.enter(LinkState::Lost);
         }
     }

@@ -1,0 +1,37 @@
+//! The end that is asked for from outside the program: Ctrl-C, `kill`, the end of the
+//! session. Whoever has a board in his hands stops it before he goes.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::flag;
+
+/// Exit code of a program that was ended so.
+pub const ENDED: u8 = 130;
+
+/// Whether the end has been asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Ending(Arc<AtomicBool>);
+
+impl Ending {
+    /// From now on such signals are heard here. Who cannot wait sends a second one: it
+    /// ends the program at once.
+    ///
+    /// # Errors
+    /// The system does not let them be heard.
+    pub fn heard() -> Result<Self, String> {
+        let ending = Self::default();
+        for signal in [SIGINT, SIGTERM, SIGHUP] {
+            flag::register_conditional_shutdown(signal, i32::from(ENDED), Arc::clone(&ending.0))
+                .and_then(|_| flag::register(signal, Arc::clone(&ending.0)))
+                .map_err(|error| format!("signals cannot be heard: {error}"))?;
+        }
+        Ok(ending)
+    }
+
+    /// Whether the end has been asked for.
+    pub fn is_asked(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}

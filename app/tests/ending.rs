@@ -1,0 +1,75 @@
+//! The program is ended from outside while a board is in its hands. A process of its
+//! own: the signal goes to all of it.
+
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+#[path = "common/twin.rs"]
+mod twin;
+
+use std::time::{Duration, Instant};
+
+use gsk_app::ending::Ending;
+use gsk_app::kernel::{Command, Connection, Kernel, LinkOrder, Outside, start};
+use gsk_core::machine::link::{LinkConfig, LinkState};
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::Emulator;
+use gsk_panel::keys::Key;
+use twin::{Twin, signal};
+
+const LONGEST: Duration = Duration::from_secs(120);
+
+#[test]
+fn the_board_is_stopped_when_the_program_is_told_to_end() {
+    let twin = Twin::play(&[]);
+    let ending = Ending::heard().unwrap();
+    let (mut kernel, console) = Kernel::new(Emulator::new(Setup::delivered()));
+    kernel.run(4000);
+    console.send(Command::WatchLink(true));
+    kernel.connect(Connection {
+        config: LinkConfig {
+            port: twin.port.clone(),
+            ..LinkConfig::default()
+        },
+        log: None,
+        boards: None,
+    });
+    let outside = Outside {
+        wake: Box::new(|| {}),
+        keeper: None,
+        partner: None,
+        ending: ending.clone(),
+    };
+    let mut thread = start(kernel, &console, outside).unwrap();
+    let begun = Instant::now();
+    let mut locked = false;
+    while !locked && begun.elapsed() < LONGEST {
+        std::thread::sleep(Duration::from_millis(50));
+        if let Some(view) = console.link.pop() {
+            locked = view.state == LinkState::Locked;
+            if !view.differences.is_empty() {
+                console.send(Command::Link(LinkOrder::WriteSettings));
+            }
+        }
+    }
+    assert!(locked);
+    for key in [Key::Reset, Key::Jog] {
+        console.send(Command::Tap(key));
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    let down = |down| Command::Key {
+        key: Key::ZLeft,
+        down,
+    };
+    // Held keys are let go when nobody speaks for a while.
+    let moving = (0..100).any(|_| {
+        console.send(down(false));
+        console.send(down(true));
+        twin.says("Run", Duration::from_millis(500)).is_some()
+    });
+    assert!(moving);
+    signal("TERM", std::process::id());
+    // What locks it in motion is Ctrl-X.
+    twin.says("Alarm", Duration::from_secs(2)).unwrap();
+    assert!(ending.is_asked());
+    thread.stop();
+}
