@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use gsk_core::command::ProgramId;
-use gsk_core::machine::link::{LinkConfig, LinkState, Linked, Note, RunTime};
+use gsk_core::machine::link::{LinkConfig, LinkState, Linked, Note, Stamp};
 use gsk_core::simulation::Simulation;
 
 use super::Snapshot;
@@ -87,7 +87,7 @@ pub(super) struct Drive {
     watched: bool,
     /// When the link page looks again.
     next_view: Duration,
-    pictures: VecDeque<(RunTime, Snapshot)>,
+    pictures: VecDeque<(Stamp, Snapshot)>,
     exchanges: VecDeque<Line>,
     trips: VecDeque<Duration>,
     away: Away,
@@ -187,6 +187,10 @@ impl Drive {
         }
         self.away.hear(now);
         self.linked.pump(simulation, &bytes, now);
+        if self.linked.state() == LinkState::Opening {
+            // What was found different is found again.
+            self.differences.clear();
+        }
         let traffic = self.linked.traffic();
         if traffic.reports != self.reports {
             self.reports = traffic.reports;
@@ -313,6 +317,9 @@ impl Drive {
 
     /// The newest picture of what the board has made.
     pub fn due_picture(&mut self) -> Option<Snapshot> {
+        // Behind a stop what they show may never have been made.
+        self.pictures
+            .retain(|(stamp, _)| !self.linked.is_void(*stamp));
         let mut due = None;
         while let Some((stamp, _)) = self.pictures.front()
             && self.linked.has_made(*stamp)

@@ -116,6 +116,12 @@ mod tests {
                  io.index of the machine file names no pin",
                 "驱动板不能加工螺纹: $38 (编码器每转脉冲数) 为 0; 机床文件的 io.index 没有指定引脚",
             ),
+            (
+                "limit input of Z at the board; machine coordinates X 1.000 Z -2.000 by the \
+                 board's count, uncertain: the motors were stopped dead and may have lost steps",
+                "驱动板的 Z 轴限位输入; 按驱动板计数, 机床坐标 X 1.000 Z -2.000, \
+                 不可靠: 电机被突然停止, 可能失步",
+            ),
             ("O0012 exists", "O0012 已存在"),
             ("/a/b.nc: there is no such file", "/a/b.nc: 没有该文件"),
             ("said by nobody", "said by nobody"),

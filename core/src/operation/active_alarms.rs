@@ -37,6 +37,13 @@ impl ActiveAlarms {
         true
     }
 
+    /// More is known of an alarm that stands.
+    pub fn restate(&mut self, number: u16, detail: String) {
+        if let Some(alarm) = self.list.iter_mut().find(|alarm| alarm.number == number) {
+            alarm.detail = Some(detail);
+        }
+    }
+
     /// Whether an alarm of this number stands.
     pub fn contains(&self, number: u16) -> bool {
         self.list.iter().any(|alarm| alarm.number == number)

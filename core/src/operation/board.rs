@@ -19,7 +19,7 @@ use super::zero_return::Return;
 use crate::alarm::{Alarm, AlarmClass};
 use crate::cnc::Cnc;
 use crate::command::{Action, SpindleCommand};
-use crate::machine::link::{PulseRates, ThreadRights};
+use crate::machine::link::{Checked, PulseRates, ThreadRights};
 use crate::motion::ThreadMove;
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
 
@@ -34,8 +34,6 @@ pub(crate) struct BoardDrives {
     pub prepared: bool,
     /// The place of the slides is known.
     pub known: bool,
-    /// Parameters of the drives have changed since the board was set up for them.
-    pub outdated: bool,
     /// Motion was handed over that has not been made yet.
     pub behind: bool,
     /// Spindle or coolant have still to be switched before the axes go on.
@@ -62,6 +60,8 @@ pub(crate) struct BoardDrives {
     pub zero: Option<PerAxis<ZeroWiring>>,
     /// The board looks at the switch that the return of the axis waits for.
     pub armed: PerAxis<bool>,
+    /// The parameters that it was checked against.
+    pub checked: Option<Checked>,
 }
 
 /// Why constant surface speed is refused.
@@ -132,14 +132,15 @@ impl Cnc {
     /// Why a program must not be started.
     pub(super) fn board_refuses_start(&mut self, mdi: bool) -> Option<Alarm> {
         let board = self.board?;
+        let outgrown = board
+            .checked
+            .and_then(|checked| checked.alarm(&self.parameters));
+        if outgrown.is_some() {
+            return outgrown;
+        }
         if !(board.known && self.referenced.x && self.referenced.z) {
             return Some(Alarm::new(610).because(
                 "nobody knows where the slides stand: make the reference return of both axes",
-            ));
-        }
-        if board.outdated {
-            return Some(Alarm::new(603).because(
-                "015-018, 022-025 or 027 have changed since the board was set up: connect it anew",
             ));
         }
         self.rapids_too_fast(&board).or_else(|| {
@@ -246,6 +247,14 @@ impl Cnc {
         self.interpolator.stop_now();
         self.jog_command = PerAxis::default();
         self.jog_blocked = PerAxis::new(true, true);
+    }
+
+    /// The same, and a program ends there, too; which alarm says so comes later.
+    pub(crate) fn stop_for_board(&mut self) {
+        if self.automatic.operating() {
+            self.stop_run(RunState::Stop);
+        }
+        self.halt_for_board();
     }
 
     /// The slides came to stand at this count, which is not where the control was. An

@@ -14,7 +14,7 @@ use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, Make};
 use gsk_twins::wire::Wire;
 
-use crate::keys::{AUTO, CYCLE_START, RESET, X_PLUS, Z_PLUS, ZERO};
+use crate::keys::{AUTO, CYCLE_START, MDI, RESET, X_PLUS, Z_PLUS, ZERO};
 
 /// One millisecond of all three.
 const MS: u64 = 1_000_000;
@@ -251,6 +251,15 @@ impl Machine<Timed> {
     pub fn timed_referenced() -> Self {
         Self::timed_connected().homed()
     }
+
+    /// The same with another speed (mm/min) up to which a stop keeps the steps.
+    pub fn timed_with(flush_keep_speed: u32) -> Self {
+        let mut machine = Self::timed(flush_keep_speed);
+        machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
+        machine.press(RESET);
+        machine.pass(500);
+        machine.homed()
+    }
 }
 
 impl<T: Board> Machine<T> {
@@ -324,6 +333,20 @@ impl<T: Board> Machine<T> {
         let stood = self.simulation.cnc.pulses();
         assert_eq!(self.made(), [stood.x.0, stood.z.0]);
         assert_eq!(self.linked.state(), LinkState::Ready);
+    }
+
+    /// Sets a parameter, as the operator does.
+    pub fn set(&mut self, number: u16, value: i32) {
+        self.press(MDI);
+        for request in [
+            Request::SetParameterSwitch(true),
+            Request::SetParameter { number, value },
+            Request::SetParameterSwitch(false),
+        ] {
+            self.simulation.cnc.request(request).unwrap();
+            self.pass(100);
+        }
+        self.press(RESET);
     }
 
     /// Asked for a program the machine stands.

@@ -3,6 +3,7 @@
 use core::time::Duration;
 use std::collections::VecDeque;
 
+use gsk_core::machine::link::Stamp;
 use gsk_core::operation::RunState;
 use gsk_twins::grbl::Variant;
 
@@ -88,7 +89,7 @@ struct Follower {
     last_pulse: ([i64; 2], u64),
     /// Pictures that wait: the moment of their motion, their place on the way, and
     /// when they were taken.
-    pictures: VecDeque<(Duration, usize, Duration)>,
+    pictures: VecDeque<(Stamp, usize, Duration)>,
     /// The longest that a picture has waited.
     behind: Duration,
 }

@@ -2,10 +2,10 @@
 
 use core::time::Duration;
 
-use super::line::{self, LineLink, Required};
-use super::step_queue::{StepLink, pulses_per_mm};
+use super::line::{self, LineLink};
+use super::step_queue::StepLink;
 use super::{
-    Awaited, BoardInfo, BoardOutputs, CannotCut, Event, HostTime, Input, Lacks, LinkConfig,
+    Awaited, BoardInfo, BoardOutputs, CannotCut, Doubt, Event, HostTime, Input, Lacks, LinkConfig,
     LinkState, Output, Pass, Pins, Protocol, PulseRates, Refused, RunTime, Sample, SpindleView,
     Stop, ThreadRights, Traffic,
 };
@@ -85,14 +85,6 @@ impl Link {
         match self {
             Self::Line(link) => link.required().pulses_per_mm,
             Self::StepQueue(link) => link.pulses_per_mm(),
-        }
-    }
-
-    /// Whether the board is set up as these parameters want it.
-    pub fn fits(&self, config: &LinkConfig, parameters: &Parameters) -> bool {
-        match self {
-            Self::Line(link) => *link.required() == Required::new(parameters, config),
-            Self::StepQueue(link) => link.pulses_per_mm() == pulses_per_mm(parameters),
         }
     }
 
@@ -268,11 +260,53 @@ impl Link {
         }
     }
 
+    /// The board's count says no more where the slides stand.
+    pub fn doubt_position(&mut self, doubt: Doubt) {
+        match self {
+            Self::Line(link) => link.doubt_position(doubt),
+            Self::StepQueue(link) => link.doubt_position(doubt),
+        }
+    }
+
     /// Whether it is known where the slides stand.
     pub const fn knows_position(&self) -> bool {
         match self {
             Self::Line(link) => link.knows_position(),
             Self::StepQueue(link) => link.knows_position(),
+        }
+    }
+
+    /// Why it is not.
+    pub const fn doubt(&self) -> Doubt {
+        match self {
+            Self::Line(link) => link.doubt(),
+            Self::StepQueue(link) => link.doubt(),
+        }
+    }
+
+    /// Where standing axes are by the board's last count, since it and the kernel's
+    /// were put together.
+    pub fn place(&self) -> Option<PerAxis<Pulses>> {
+        match self {
+            Self::Line(link) => link.place(),
+            Self::StepQueue(link) => link.place(),
+        }
+    }
+
+    /// Whether a stop is still under way: where the axes come to stand is not known.
+    pub fn is_stopping(&self) -> bool {
+        match self {
+            Self::Line(link) => link.is_stopping(),
+            Self::StepQueue(link) => link.is_stopping(),
+        }
+    }
+
+    /// Whether the board answers what it is asked.
+    pub fn is_heard(&self) -> bool {
+        match self {
+            Self::Line(link) => link.is_heard(),
+            // Such a link stops by itself when motion does not reach the board.
+            Self::StepQueue(_) => true,
         }
     }
 

@@ -14,22 +14,23 @@
 //! open port.
 
 mod control;
-mod drives;
 mod pace;
 mod pass;
+mod place;
 mod spindle;
 
 use core::time::Duration;
 
 use super::{
-    BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output, Pass,
-    Pins, Protocol, Refused, RunTime, Sample, SpindleView, Stop, Traffic, contacts,
+    BoardInfo, BoardOutputs, Checked, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output,
+    Pass, Pins, Protocol, Refused, RunTime, Sample, SpindleView, Stop, Traffic, contacts,
 };
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
 use crate::machine::BoardContacts;
 use crate::simulation::Simulation;
 use crate::units::{Axis, PerAxis, Point, Pulses};
+pub use place::Stamp;
 
 const UPON_LIMIT: &str = "the limit switch is operated, and nobody knows on which end of the axis: \
                           look which way leads off it, then RESET; each RESET lets it go 1 mm";
@@ -81,8 +82,8 @@ pub struct Linked {
     last_motion: RunTime,
     moved: bool,
     pace: pace::Pace,
-    /// Parameters that the board is set up for.
-    drives: drives::Drives,
+    /// The parameters as they were when the link was opened.
+    checked: Checked,
     /// The count from which the control seeks a switch.
     sought_from: PerAxis<Pulses>,
     /// The board has just found its switches.
@@ -103,6 +104,14 @@ pub struct Linked {
     opening: bool,
     /// It stands as long as its cause, whatever RESET does.
     standing: Option<Alarm>,
+    /// Alarms that do not say yet where the slides stand.
+    untold: Vec<Alarm>,
+    /// The reference was dropped where the axes can be moved on.
+    fell: bool,
+    /// Why motion came late, when it is not sure yet that the board is there.
+    late: Option<String>,
+    /// See [`Stamp`].
+    stops: u64,
     /// Way the spindle turns as it was last switched, 1 or -1, and the index it last
     /// passed, turns.
     spindle_way: f64,
@@ -124,8 +133,8 @@ impl Linked {
     /// Opens the link of a control: its slides are real from now on, and nobody knows
     /// where they stand.
     pub fn open(config: LinkConfig, simulation: &mut Simulation, now: HostTime) -> Self {
+        let checked = Checked::new(simulation.cnc.parameters(), config.protocol);
         let link = Link::open(config.clone(), simulation.cnc.parameters(), now);
-        let drives = drives::Drives::of(simulation.cnc.parameters());
         simulation.lathe.set_real_slides(true);
         simulation.cnc.drop_reference();
         let mut linked = Self {
@@ -138,7 +147,7 @@ impl Linked {
             last_motion: RunTime::ZERO,
             moved: false,
             pace: pace::Pace::default(),
-            drives,
+            checked,
             sought_from: PerAxis::default(),
             homed: false,
             flushing: false,
@@ -151,6 +160,10 @@ impl Linked {
             reopen: false,
             opening: true,
             standing: None,
+            untold: Vec::new(),
+            fell: false,
+            late: None,
+            stops: 0,
             spindle_way: 1.0,
             spindle_index: 0.0,
             spindle_view: None,
@@ -197,6 +210,9 @@ impl Linked {
             self.samples_late(simulation);
         }
         self.show_pass(simulation);
+        self.stand_where_counted(simulation);
+        self.tell_late(simulation);
+        self.tell_place(simulation);
         self.settle(simulation);
     }
 
@@ -206,6 +222,8 @@ impl Linked {
         for event in self.link.events() {
             self.hear(simulation, event);
         }
+        self.stand_where_counted(simulation);
+        self.tell_place(simulation);
     }
 
     /// Bytes to be written to the port.
@@ -330,6 +348,11 @@ impl Linked {
         if !self.moved && !self.link.is_prepared() {
             return;
         }
+        if self.moved && self.link.state() != LinkState::Moving && self.is_outgrown(simulation) {
+            simulation.cnc.stand_at(self.pulses);
+            self.moved = false;
+            return;
+        }
         let waits = simulation.cnc.waits_for_spindle();
         let follows = simulation.cnc.lead_followed().is_some();
         self.link.keep_time(waits || follows);
@@ -370,7 +393,7 @@ impl Linked {
                 (608, "motion was made that the board does not take")
             }
         };
-        simulation.cnc.raise(Alarm::new(number).because(text));
+        self.raise(simulation, Alarm::new(number).because(text));
         simulation.cnc.halt_for_board();
         self.moved = false;
         simulation.cnc.stand_at(self.pulses);
@@ -381,23 +404,24 @@ impl Linked {
         }
     }
 
+    /// Whether the parameters are not those any more that the board was checked
+    /// against: nothing begins to move.
+    fn is_outgrown(&self, simulation: &mut Simulation) -> bool {
+        let outgrown = self.checked.alarm(simulation.cnc.parameters());
+        let is_outgrown = outgrown.is_some();
+        if let Some(alarm) = outgrown {
+            simulation.cnc.raise(alarm);
+            simulation.cnc.halt_for_board();
+        }
+        is_outgrown
+    }
+
     /// Whether the slides may still be on their way.
     pub fn is_behind(&self) -> bool {
         matches!(
             self.link.state(),
             LinkState::Moving | LinkState::Verify | LinkState::Homing
         ) || self.link.outstanding() > Duration::ZERO
-    }
-
-    /// The moment of the motion that a picture taken now shows.
-    pub const fn stamp(&self) -> RunTime {
-        self.last_motion
-    }
-
-    /// Whether the board has made all motion up to a moment: pictures of it may be
-    /// shown.
-    pub fn has_made(&self, stamp: RunTime) -> bool {
-        !self.is_behind() || self.link.executed() >= stamp
     }
 
     /// What the owner should find in the log.

@@ -12,12 +12,14 @@
 
 mod backend;
 mod board;
+mod checked;
 mod config;
 mod contacts;
 mod limits;
 pub mod line;
 mod linked;
 mod pin;
+mod place;
 pub mod step_queue;
 
 use core::time::Duration;
@@ -29,11 +31,13 @@ pub use board::{
     BoardInfo, BoardOutputs, Lacks, Pins, PulseRates, SpindleView, SpindleWay, ThreadRights,
     Traffic,
 };
+pub(crate) use checked::Checked;
 pub use config::{
     FaultyLinkConfig, HomeConfig, LineConfig, LinkAxis, LinkConfig, LinkConfigError, LinkIo,
     Protocol,
 };
-pub use linked::{Linked, Note};
+pub use linked::{Linked, Note, Stamp};
+pub use place::Doubt;
 
 /// What may be wrong when a board is not understood.
 const ANOTHER: &str = "is it another firmware than `protocol` of the machine file says, or \

@@ -14,5 +14,5 @@ mod session;
 
 pub use answers::{Answer, BoardState, Status};
 pub(super) use describe::piece;
-pub use required::{Required, Setting};
+pub use required::{Limits, Required, Setting};
 pub use session::LineLink;

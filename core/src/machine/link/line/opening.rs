@@ -89,6 +89,14 @@ impl Opening {
         }
     }
 
+    /// Once more, with a board whose port stays open.
+    pub(super) fn again(now: HostTime) -> Self {
+        Self {
+            step: Step::Quiet,
+            ..Self::new(now)
+        }
+    }
+
     /// A setting as the board last told it.
     pub(super) fn setting(&self, number: u16) -> f64 {
         let mut told = self.settings.iter().rev();
@@ -300,13 +308,6 @@ impl Opening {
         self.to_write = differences.iter().map(|(setting, _)| *setting).collect();
         self.go(Step::Differs, now);
         Outcome::Differs(differences)
-    }
-
-    /// A board that has restarted may have other settings: they are read once more.
-    pub(super) fn read_again(&mut self, now: HostTime) -> Outcome {
-        self.settings.clear();
-        self.go(Step::Asking(1), now);
-        Outcome::Configures(QUESTIONS[1].into())
     }
 
     /// Writes what differs: the operator has said so.

@@ -61,6 +61,37 @@ impl Setting {
     }
 }
 
+/// How fast the board must let an axis go, so that it never limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// mm/min.
+    pub rate: f64,
+    /// mm/s².
+    pub acceleration: f64,
+}
+
+impl Limits {
+    /// From the rapid rate, mm/min, its time constant, ms, and the highest feed.
+    pub fn new(rapid: f64, time: f64, feed: f64) -> Self {
+        let kernel = rapid / 60.0 / (time.max(1.0) / 1000.0);
+        Self {
+            rate: (RATE_MARGIN * rapid.max(feed)).ceil(),
+            acceleration: (ACCELERATION_MARGIN * kernel)
+                .max(LEAST_ACCELERATION)
+                .ceil(),
+        }
+    }
+
+    /// Of an axis, by 022–025 and 027.
+    pub fn of(axis: Axis, parameters: &Parameters) -> Self {
+        Self::new(
+            parameters.rapid_rate(axis),
+            parameters.rapid_time(axis),
+            parameters.feed_limit(),
+        )
+    }
+}
+
 /// Everything the board must be set to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Required {
@@ -79,17 +110,7 @@ impl Required {
             // The board takes three decimals.
             (1000.0 / pulse_weight(axis, parameters)).round() / 1000.0
         });
-        let rates = axes.map(|axis| {
-            let rapid = parameters.rapid_rate(axis);
-            (RATE_MARGIN * rapid.max(parameters.feed_limit())).ceil()
-        });
-        let accelerations = axes.map(|axis| {
-            let time = parameters.rapid_time(axis).max(1.0) / 1000.0;
-            let kernel = parameters.rapid_rate(axis) / 60.0 / time;
-            (ACCELERATION_MARGIN * kernel)
-                .max(LEAST_ACCELERATION)
-                .ceil()
-        });
+        let limits = axes.map(|axis| Limits::of(axis, parameters));
         let mask = |x: bool, z: bool| f64::from(u8::from(x) | u8::from(z) << 2);
         let directions = mask(config.x.invert_direction, config.z.invert_direction);
         let on = |set: bool| f64::from(u8::from(set));
@@ -117,10 +138,10 @@ impl Required {
             (32, 0.0),
             (100, pulses_per_mm[0]),
             (102, pulses_per_mm[1]),
-            (110, rates[0]),
-            (112, rates[1]),
-            (120, accelerations[0]),
-            (122, accelerations[1]),
+            (110, limits[0].rate),
+            (112, limits[1].rate),
+            (120, limits[0].acceleration),
+            (122, limits[1].acceleration),
         ]
         .map(|(number, value)| Setting { number, value })
         .into();

@@ -12,8 +12,8 @@ use std::collections::VecDeque;
 
 use super::super::limits::Limits;
 use super::super::{
-    BoardInfo, BoardOutputs, Event, HostTime, Input, LinkConfig, LinkState, Pins, PulseRates,
-    Refused, RunTime, Sample, Stop, Traffic, contacts,
+    BoardInfo, BoardOutputs, Doubt, Event, HostTime, Input, LinkConfig, LinkState, Pins,
+    PulseRates, Refused, RunTime, Sample, Stop, Traffic, contacts,
 };
 use super::answers::{Answer, BoardState, Status};
 use super::opening::Opening;
@@ -31,6 +31,8 @@ const STATUS_MOVING: Duration = Duration::from_millis(20);
 const RUN_UP: Duration = Duration::from_millis(80);
 /// A board that was asked and is silent for so long is lost.
 const SILENCE: Duration = Duration::from_millis(500);
+/// One that answers does so within this.
+const HEARD: Duration = Duration::from_millis(100);
 /// A line that is not answered by then was lost on the way.
 const ANSWER_WAIT: Duration = Duration::from_secs(2);
 /// A segment takes no longer than its duration and this.
@@ -130,12 +132,16 @@ pub struct LineLink {
     still_since: Option<HostTime>,
     halt: Halt,
     position_known: bool,
+    /// Why it is not.
+    doubt: Doubt,
+    /// Where the board was by its last count, since it and the kernel's were put
+    /// together, and whether its reports still count from there.
+    stood: Option<PerAxis<Pulses>>,
+    counts: bool,
     /// Motion is taken although the position is not known: by hand.
     released: bool,
     /// The stop under way was too sudden for the motors to keep their steps.
     slipped: bool,
-    /// It started by itself, and its settings have not been looked at since.
-    restarted: bool,
     /// A limit switch stopped the board on these ways of the axes; which one the next
     /// report tells. None of an axis: its switch was operated before.
     limit_hit: Option<[Option<i64>; 2]>,
@@ -151,6 +157,10 @@ pub struct LineLink {
     switched: BoardOutputs,
     /// A board that gave up restarts; its banner is no surprise until then.
     excused_until: HostTime,
+    /// It has restarted by itself: it may be another one, or set otherwise.
+    restarted: bool,
+    /// The operator pressed RESET: it is unlocked when it is known again.
+    unlocks: bool,
     events: Vec<Event>,
     traffic: Traffic,
 }
@@ -186,9 +196,11 @@ impl LineLink {
             still_since: None,
             halt: Halt::None,
             position_known: false,
+            doubt: Doubt::default(),
+            stood: None,
+            counts: false,
             released: false,
             slipped: false,
-            restarted: false,
             limit_hit: None,
             limits,
             went: [[None; 2]; 2],
@@ -199,6 +211,8 @@ impl LineLink {
             wanted: BoardOutputs::default(),
             switched: BoardOutputs::default(),
             excused_until: HostTime::ZERO,
+            restarted: false,
+            unlocks: false,
             events: Vec::new(),
             traffic: Traffic::default(),
         }
@@ -289,6 +303,29 @@ impl LineLink {
         self.position_known
     }
 
+    /// Why it is not.
+    pub const fn doubt(&self) -> Doubt {
+        self.doubt
+    }
+
+    /// Where the slides were by the board's last count.
+    pub const fn place(&self) -> Option<PerAxis<Pulses>> {
+        self.stood
+    }
+
+    /// Whether a stop is still under way.
+    pub fn is_stopping(&self) -> bool {
+        let unread = self.counts && self.status.is_none();
+        self.state != LinkState::Lost
+            && (self.halt != Halt::None || self.limit_hit.is_some() || unread)
+    }
+
+    /// Whether the board answers what it is asked.
+    pub fn is_heard(&self) -> bool {
+        let waits = |asked| self.now.saturating_sub(asked) < HEARD;
+        self.asked.is_none_or(waits)
+    }
+
     /// Whether motion is taken now: the modal words of all motion are confirmed.
     pub fn is_prepared(&self) -> bool {
         self.takes_motion()
@@ -374,7 +411,7 @@ impl LineLink {
             return;
         }
         self.forget_motion();
-        self.lose_position();
+        self.lose_position(Doubt::Unheard);
         self.status = None;
         let never_heard = self.state == LinkState::Opening;
         self.alarm(if never_heard { 601 } else { 605 }, cause);
@@ -443,7 +480,7 @@ impl LineLink {
         match stop {
             Stop::Flush => self.flush(),
             Stop::Kill => {
-                self.lose_position();
+                self.lose_position(Doubt::StoppedDead);
                 self.forget_motion();
                 self.restart();
                 self.enter(LinkState::Locked);
@@ -456,11 +493,7 @@ impl LineLink {
     pub fn reset(&mut self) {
         self.limits.look();
         match self.state {
-            LinkState::Fault if self.restarted => {
-                self.forget_motion();
-                let outcome = self.opening.read_again(self.now);
-                self.open_further(outcome);
-            }
+            LinkState::Fault if self.restarted || !self.opening.is_done() => self.open_again(),
             LinkState::Tripped | LinkState::Fault if self.opening.is_done() => {
                 self.forget_motion();
                 self.send("$X", false);

@@ -3,7 +3,9 @@
 use super::{Linked, Note};
 use crate::alarm::Alarm;
 use crate::cnc::Event as Happened;
-use crate::machine::link::{Awaited, BoardOutputs, Event, Input, LinkState, SpindleWay, Stop};
+use crate::machine::link::{
+    Awaited, BoardOutputs, Doubt, Event, Input, LinkState, SpindleWay, Stop,
+};
 use crate::machine::pins;
 use crate::operation::{BoardDrives, RunState, ZeroWiring};
 use crate::simulation::Simulation;
@@ -40,7 +42,6 @@ impl Linked {
             takes_motion: self.link.takes_motion() && !stopping,
             prepared: self.link.is_prepared() && !stopping,
             known: self.link.knows_position(),
-            outdated: self.is_outdated(simulation.cnc.parameters()),
             behind: self.is_behind(),
             switching,
             timed,
@@ -54,6 +55,7 @@ impl Linked {
             zero: (!self.link.homes())
                 .then(|| PerAxis::new(self.zero_wiring(Axis::X), self.zero_wiring(Axis::Z))),
             armed,
+            checked: Some(self.checked),
         });
     }
 
@@ -170,12 +172,8 @@ impl Linked {
                 if matches!(number, 601..=603 | 605) {
                     self.standing = Some(alarm.clone());
                 }
-                if self.pass.take().is_some() {
-                    cnc.raise_at_last(alarm);
-                } else {
-                    cnc.raise(alarm);
-                }
-                cnc.halt_for_board();
+                self.raise(simulation, alarm);
+                simulation.cnc.halt_for_board();
                 self.flushing = false;
             }
             Event::Position(pulses) => {
@@ -186,15 +184,15 @@ impl Linked {
                         cnc.halt_for_board();
                     }
                     cnc.stand_at(pulses);
-                    self.pulses = cnc.pulses();
-                    self.moved = false;
-                    let parameters = cnc.parameters();
+                    self.stands_at(simulation);
+                    let parameters = simulation.cnc.parameters();
                     // On the way to its zero an axis has long made up for it.
                     if !reached
                         && [Axis::X, Axis::Z].map(|axis| parameters.backlash(axis)) != [0.0; 2]
                     {
                         // Whether the play was made up for there nobody knows.
-                        self.link.forget_position();
+                        self.link.doubt_position(Doubt::Play);
+                        self.drop_reference(simulation);
                     }
                 }
                 let agreed = self.link.knows_position().then_some(pulses);
@@ -249,8 +247,10 @@ impl Linked {
         let found = core::mem::take(&mut self.homed) && state == LinkState::Locked;
         // A return that moves both axes leaves none where it was, however it ends.
         let moves_all = state == LinkState::Homing && !self.link.homes_alone();
-        if moves_all || unknown && !found && !self.link.keeps_count() {
+        if moves_all {
             simulation.cnc.drop_reference();
+        } else if unknown && !found && !self.link.keeps_count() {
+            self.drop_reference(simulation);
         }
         if unknown && state != LinkState::Locked {
             simulation.cnc.halt_for_board();
@@ -266,6 +266,10 @@ impl Linked {
             LinkState::Opening | LinkState::Identify | LinkState::Configure
         );
         let was_opening = core::mem::replace(&mut self.opening, opening);
+        if state == LinkState::Opening {
+            // Whether its cause is gone is asked now.
+            self.standing = None;
+        }
         if state == LinkState::Locked {
             self.standing = None;
             if was_opening {
@@ -279,6 +283,12 @@ impl Linked {
         }
     }
 
+    fn drop_reference(&mut self, simulation: &mut Simulation) {
+        let referenced = simulation.cnc.referenced();
+        self.fell |= referenced.x || referenced.z;
+        simulation.cnc.drop_reference();
+    }
+
     pub(super) fn checked(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {
         self.notes.push(Note::Checked {
             program: self.ended.take(),
@@ -290,8 +300,11 @@ impl Linked {
 
     /// What the operator has asked for and the board can do now.
     pub(super) fn settle(&mut self, simulation: &mut Simulation) {
+        let returning = simulation.cnc.board_returns();
+        if (returning.x || returning.z) && self.is_outgrown(simulation) {
+            return;
+        }
         let cnc = &mut simulation.cnc;
-        let returning = cnc.board_returns();
         match self.link.state() {
             LinkState::Homing if !(returning.x || returning.z) => self.link.reset(),
             LinkState::Locked | LinkState::Ready if returning.x || returning.z => {

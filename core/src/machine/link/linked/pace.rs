@@ -3,7 +3,6 @@
 use core::time::Duration;
 
 use super::Linked;
-use crate::alarm::Alarm;
 use crate::machine::link::{HostTime, LinkState, Protocol};
 use crate::simulation::Simulation;
 
@@ -101,8 +100,8 @@ impl Linked {
 
     /// What was handed over is made; nothing more follows, and the count is compared.
     fn stop_late(&mut self, simulation: &mut Simulation, text: &str) {
-        simulation.cnc.raise(Alarm::new(612).because(text));
-        simulation.cnc.halt_for_board();
+        simulation.cnc.stop_for_board();
+        self.late = Some(text.to_owned());
         if let Err(refused) = self.link.finish() {
             self.refuse(simulation, refused);
         }

@@ -251,6 +251,11 @@ impl Delivery {
         waits.saturating_sub(USUAL_TRIP).max(self.slowness())
     }
 
+    /// When the board last confirmed something.
+    pub(super) const fn progressed(&self) -> HostTime {
+        self.progressed
+    }
+
     pub(super) const fn is_synced(&self) -> bool {
         self.resync.is_none()
     }

@@ -29,4 +29,3 @@ mod turns;
 mod wiring;
 
 pub use session::StepLink;
-pub(super) use session::pulses_per_mm;

@@ -10,9 +10,11 @@ mod upkeep;
 
 use core::time::Duration;
 
-use super::super::{BoardInfo, Event, HostTime, Input, LinkConfig, LinkState, Pins, Stop, Traffic};
+use super::super::{
+    BoardInfo, Doubt, Event, HostTime, Input, LinkConfig, LinkState, Pins, Stop, Traffic,
+};
 use super::block::Reader;
-use super::clock::Clock;
+use super::clock::{Clock, near};
 use super::commands::{Command, Kind, Reply};
 use super::delivery::{Delivery, Heard, Mark, Message, Times, Trouble};
 use super::describe;
@@ -89,6 +91,8 @@ pub struct StepLink {
     down: bool,
     /// The slides stand where the kernel believes.
     known: bool,
+    /// Why they may not.
+    doubt: Doubt,
     /// Motion is taken although the position is not known: by hand.
     released: bool,
     /// The board's count is that of the kernel, since both were put together: no
@@ -101,7 +105,7 @@ pub struct StepLink {
 }
 
 /// Pulses per mm of slide travel, X and Z (015–018).
-pub(in crate::machine::link) fn pulses_per_mm(parameters: &Parameters) -> [f64; 2] {
+fn pulses_per_mm(parameters: &Parameters) -> [f64; 2] {
     [Axis::X, Axis::Z].map(|axis| 1.0 / pulse_weight(axis, parameters))
 }
 
@@ -131,6 +135,7 @@ impl StepLink {
             spindle: Spindle::new(1.0),
             down: false,
             known: false,
+            doubt: Doubt::default(),
             released: false,
             exact: false,
             edges: [None; 2],
@@ -290,8 +295,9 @@ impl StepLink {
         if matches!(self.state, LinkState::Off | LinkState::Lost) {
             return;
         }
+        self.stand_unread(self.delivery.progressed());
         self.give_up_motion();
-        self.lose_position();
+        self.lose_position(Doubt::Unheard);
         let number = if self.is_running() { 605 } else { 601 };
         self.alarm(number, cause);
         self.enter(LinkState::Lost);
@@ -308,8 +314,9 @@ impl StepLink {
             // tells when it is released.
             Stop::Kill if self.input(Input::EmergencyStop) == Some(true) => self.trip(),
             Stop::Kill => {
+                self.stand_unread(self.now);
                 self.give_up_motion();
-                self.lose_position();
+                self.lose_position(Doubt::StoppedDead);
                 self.say_first(Command::EmergencyStop, &[]);
                 self.send();
                 self.down = true;
@@ -325,7 +332,7 @@ impl StepLink {
         let still = |input| self.input(input) == Some(true);
         match self.state {
             LinkState::Moving => self.flush(),
-            LinkState::Fault if self.down => self.begin(),
+            LinkState::Fault if self.down || !self.is_running() => self.begin(),
             LinkState::Fault if self.is_running() && self.stopping.is_none() => {
                 self.enter(LinkState::Locked);
             }
@@ -462,20 +469,24 @@ impl StepLink {
                 }
             }
             Kind::Counter => self.turns_told(numbers[2], numbers[3]),
-            Kind::Shutdown => self.shut_down(numbers[1]),
-            Kind::IsShutdown => self.shut_down(numbers[0]),
+            Kind::Shutdown => {
+                let clock = near(numbers[0], self.clock.at(self.now));
+                self.shut_down(numbers[1], self.clock.moment(clock));
+            }
+            Kind::IsShutdown => self.shut_down(numbers[0], self.delivery.progressed()),
             Kind::Starting if self.is_running() => self.board_restarted(),
             _ => {}
         }
     }
 
-    fn shut_down(&mut self, text: u32) {
+    fn shut_down(&mut self, text: u32, at: HostTime) {
         if self.down || self.shut_down_early() {
             return;
         }
         let text = self.dictionary.text(text);
         self.down = true;
-        self.lose_position();
+        self.stand_unread(at);
+        self.lose_position(Doubt::ShutDown);
         self.give_up_motion();
         if let Some((number, help)) = shutdown::alarm(&text) {
             self.alarm(number, &format!("the board has shut down: {text}; {help}"));
@@ -490,13 +501,11 @@ impl StepLink {
             return;
         }
         self.down = true;
-        self.lose_position();
+        self.stand_unread(self.delivery.progressed());
+        self.lose_position(Doubt::Reset);
         self.give_up_motion();
         self.delivery.begin();
-        self.alarm(
-            606,
-            "the board was reset; the position of the slides is unknown",
-        );
+        self.alarm(606, "the board was reset");
         self.enter(LinkState::Fault);
     }
 }

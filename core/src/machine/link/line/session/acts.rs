@@ -3,7 +3,7 @@
 use core::fmt::Write;
 
 use super::super::super::{
-    BoardOutputs, Event, Lacks, LinkState, Refused, SpindleWay, ThreadRights,
+    BoardOutputs, Doubt, Event, Lacks, LinkState, Refused, SpindleWay, ThreadRights,
 };
 use super::super::answers::BoardState;
 use super::{EXCUSED, HOMING_WAIT, Halt, Homing, LineLink, RESET};
@@ -74,7 +74,10 @@ impl LineLink {
         }
         self.limits.forget();
         self.went = [[None; 2]; 2];
-        self.lose_position();
+        self.lose_position(Doubt::Unreferenced);
+        // It counts anew from its switches.
+        self.counts = false;
+        self.stood = None;
         self.status = None;
         self.still_since = None;
         self.asked = None;
@@ -146,13 +149,20 @@ impl LineLink {
         if self.opening.is_done() {
             self.outgoing.push(RESET);
         }
-        self.lose_position();
+        self.lose_position(Doubt::Unheard);
         self.enter(LinkState::Off);
     }
 
     /// The control forgot where the axes stand (power off): so does the link.
     pub fn forget_position(&mut self) {
-        self.lose_position();
+        self.doubt_position(Doubt::Unreferenced);
+        self.counts = false;
+        self.stood = None;
+    }
+
+    /// The board's count says no more where the slides stand.
+    pub fn doubt_position(&mut self, doubt: Doubt) {
+        self.lose_position(doubt);
         match self.state {
             LinkState::Moving => self.flush(),
             LinkState::Ready => self.enter(LinkState::Locked),

@@ -1,12 +1,19 @@
 //! What the board says: answers, reports, and when it is asked for one.
 
-use super::super::super::{Event, HostTime, LinkState};
+use super::super::super::{Doubt, Event, HostTime, LinkState};
 use super::super::answers::{Answer, BoardState, Status};
-use super::super::opening::Outcome;
+use super::super::opening::{Opening, Outcome};
 use super::{AWAY, Halt, LineLink, STATUS_IDLE, STATUS_MOVING};
 
 impl LineLink {
     pub(super) fn take(&mut self, answer: &Answer) {
+        if matches!(self.state, LinkState::Off | LinkState::Lost) {
+            // It is for the operator to bring it back; it may say why it was silent.
+            if matches!(answer, Answer::Banner(_)) && self.opening.is_done() {
+                self.board_restarted();
+            }
+            return;
+        }
         if !self.opening.is_done() {
             let expected = self.opening.expects_banner();
             if matches!(answer, Answer::Banner(_)) && !expected {
@@ -46,6 +53,9 @@ impl LineLink {
         self.status = Some(status);
         self.follow_spindle(&status);
         self.pins = status.pins;
+        if let Some(board) = self.pulses(status).filter(|_| self.counts) {
+            self.stood = Some(self.to_kernel(board));
+        }
         if let Some(ways) = self.limit_hit.take() {
             self.name_limits(status.pins, ways);
         }
@@ -57,7 +67,7 @@ impl LineLink {
             let [x, z] = self.required.pulses_per_mm;
             let off = self.off_path(board);
             if off > 0.002 + 2.0 / x + 2.0 / z {
-                self.lose_position();
+                self.lose_position(Doubt::OffPath);
                 self.alarm(
                     611,
                     &format!("the board is {off:.3} mm off the commanded path"),
@@ -84,7 +94,7 @@ impl LineLink {
             }
             BoardState::Held if self.halt == Halt::None && self.state.takes_motion() => {
                 self.alarm(607, "the board was held by an input of its own");
-                self.lose_position();
+                self.lose_position(Doubt::Misunderstood);
                 self.flush();
                 self.enter(LinkState::Fault);
             }
@@ -119,6 +129,19 @@ impl LineLink {
         }
     }
 
+    /// The board is asked anew who it is and how it is set.
+    pub(super) fn open_again(&mut self) {
+        self.forget_motion();
+        self.restart();
+        self.halt = Halt::None;
+        self.limit_hit = None;
+        self.counts = false;
+        self.restarted = false;
+        self.unlocks = true;
+        self.opening = Opening::again(self.now);
+        self.enter(LinkState::Opening);
+    }
+
     /// The next step of the dialogue that opens the link.
     pub(super) fn open_further(&mut self, outcome: Outcome) {
         match outcome {
@@ -135,11 +158,11 @@ impl LineLink {
             }
             Outcome::Done => {
                 self.unanswered.clear();
-                if core::mem::take(&mut self.restarted) {
+                self.enter(LinkState::Locked);
+                if core::mem::take(&mut self.unlocks) {
                     // RESET has asked for it.
                     self.send("$X", false);
                 }
-                self.enter(LinkState::Locked);
             }
             Outcome::Differs(differences) => {
                 for (setting, board) in &differences {

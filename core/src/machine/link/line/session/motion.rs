@@ -3,7 +3,7 @@
 
 use core::time::Duration;
 
-use super::super::super::{Event, HostTime, LinkState, RunTime};
+use super::super::super::{Doubt, Event, HostTime, LinkState, RunTime};
 use super::super::answers::Status;
 use super::{Halt, LineLink, Queued, SETTLED};
 use crate::units::{PerAxis, Point, Pulses};
@@ -161,7 +161,7 @@ impl LineLink {
             self.made = kernel;
             self.segments.begin(kernel, self.executed);
             if core::mem::take(&mut self.slipped) {
-                self.lose_position();
+                self.lose_position(Doubt::TooFast);
             }
             self.events.push(Event::Position(kernel));
             self.stand();
@@ -176,7 +176,7 @@ impl LineLink {
             self.stand();
             return;
         }
-        self.lose_position();
+        self.lose_position(Doubt::Differs);
         let text = format!(
             "commanded X {} Z {} pulses, the board counts X {} Z {}",
             self.commanded.x.0, self.commanded.z.0, kernel.x.0, kernel.z.0

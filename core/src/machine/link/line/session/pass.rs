@@ -11,7 +11,7 @@
 use core::fmt::Write;
 use core::time::Duration;
 
-use super::super::super::{CannotCut, HostTime, LinkState, Pass, Refused};
+use super::super::super::{CannotCut, Doubt, HostTime, LinkState, Pass, Refused};
 use super::super::answers::{BoardState, Status};
 use super::{LineLink, MODES, Queued, RunTime};
 use crate::units::{Axis, PerAxis, Point, Pulses};
@@ -263,7 +263,7 @@ impl LineLink {
 
     /// Stops the board dead in its pass.
     pub(super) fn abandon_pass(&mut self) {
-        self.lose_position();
+        self.lose_position(Doubt::StoppedDead);
         self.forget_motion();
         self.restart();
         self.enter(LinkState::Locked);

@@ -1,7 +1,7 @@
 //! Where the slides stand: what the kernel says and what the board counts are put
 //! together.
 
-use super::super::super::{LinkState, Refused, RunTime};
+use super::super::super::{Doubt, LinkState, Refused, RunTime};
 use super::super::answers::BoardState;
 use super::{LineLink, MODES};
 use crate::units::{PerAxis, Pulses};
@@ -31,6 +31,7 @@ impl LineLink {
         }
         self.align(kernel, at)?;
         self.released = true;
+        self.doubt = Doubt::Unreferenced;
         Ok(())
     }
 
@@ -51,6 +52,8 @@ impl LineLink {
         self.commanded = kernel;
         self.executed = at;
         self.made = kernel;
+        self.stood = Some(kernel);
+        self.counts = true;
         self.segments.begin(kernel, at);
         for modes in MODES {
             self.send(modes, false);

@@ -1,6 +1,6 @@
 //! Everything that stops the board, and what is known afterwards.
 
-use super::super::super::{BoardOutputs, HostTime, LinkState, Pins};
+use super::super::super::{BoardOutputs, Doubt, HostTime, LinkState, Pins};
 use super::{
     ANSWER_WAIT, EXCUSED, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, RESET_AGAIN, Restart,
     SILENCE,
@@ -36,7 +36,7 @@ impl LineLink {
     pub(super) fn watch_halt(&mut self) {
         match self.halt {
             Halt::Braking(since) if self.now.saturating_sub(since) >= HOLD_WAIT => {
-                self.lose_position();
+                self.lose_position(Doubt::StoppedDead);
                 self.alarm(607, "the board did not stand within 1 s");
                 self.restart();
                 self.enter(LinkState::Fault);
@@ -92,8 +92,10 @@ impl LineLink {
     }
 
     /// Nobody knows where the slides stand.
-    pub(super) const fn lose_position(&mut self) {
-        self.position_known = false;
+    pub(super) fn lose_position(&mut self, doubt: Doubt) {
+        if core::mem::take(&mut self.position_known) {
+            self.doubt = doubt;
+        }
         self.released = false;
     }
 
@@ -139,24 +141,22 @@ impl LineLink {
     /// The board started by itself: power or its reset line.
     pub(super) fn board_restarted(&mut self) {
         self.forget_motion();
-        self.lose_position();
+        self.lose_position(Doubt::Reset);
+        self.counts = false;
+        self.restarted = true;
         self.halt = Halt::None;
         self.homing = None;
         self.status = None;
         // What was asked before is never answered.
         self.asked = None;
         self.switched = BoardOutputs::default();
-        self.restarted |= self.opening.is_done();
-        self.alarm(
-            606,
-            "the board was reset; the position of the slides is unknown",
-        );
+        self.alarm(606, "the board was reset");
         self.enter(LinkState::Fault);
     }
 
     pub(super) fn protocol_error(&mut self, cause: &str) {
         self.alarm(608, cause);
-        self.lose_position();
+        self.lose_position(Doubt::Misunderstood);
         self.flush();
         self.enter(LinkState::Fault);
     }
@@ -168,7 +168,7 @@ impl LineLink {
         }
         let ways = self.ways();
         self.forget_motion();
-        self.lose_position();
+        self.lose_position(Doubt::StoppedDead);
         match number {
             1 => {
                 let [x, z] = ways;
@@ -178,6 +178,7 @@ impl LineLink {
                 self.enter(LinkState::Tripped);
             }
             3 => {
+                self.restarted = true;
                 self.alarm(606, "the board was reset while it moved");
                 self.enter(LinkState::Fault);
             }

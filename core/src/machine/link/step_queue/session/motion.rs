@@ -45,6 +45,8 @@ pub(super) struct Motion {
     pub(super) newest: Sample,
     /// Place of the last sample taken.
     pub(super) commanded: PerAxis<Pulses>,
+    /// The board's count and the kernel's were put together.
+    pub(super) placed: bool,
     /// Board pulses minus kernel pulses.
     pub(super) offset: PerAxis<i64>,
     /// Where the board stood when it was last asked.
@@ -79,6 +81,7 @@ impl Motion {
             queue: 0,
             newest: Sample::new(RunTime::ZERO, PerAxis::default()),
             commanded: PerAxis::default(),
+            placed: false,
             offset: PerAxis::default(),
             board: None,
             end: None,
@@ -152,17 +155,28 @@ impl Motion {
         at: RunTime,
     ) {
         self.offset = PerAxis::new(board.x.0 - kernel.x.0, board.z.0 - kernel.z.0);
+        self.placed = true;
         self.stand_at(kernel);
         self.executed = at;
         self.newest.end = at;
     }
 
-    fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
+    /// The axes stand at this place of the kernel.
+    pub(super) fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
         self.drop_queued();
         self.commanded = kernel;
         self.newest = Sample::new(self.newest.end, kernel);
         self.pieces.clear();
         self.made.clear();
+    }
+
+    /// The axes stand where they were at a clock.
+    pub(super) fn stand_unread(&mut self, clock: Ticks) {
+        let mut made = self.made.iter().chain(&self.pieces);
+        let until = made.clone().take_while(|piece| piece.clock <= clock).last();
+        if let Some(piece) = until.or(made.next()).copied() {
+            self.stand_at(piece.sample.pulses);
+        }
     }
 
     /// What the board counts, with the high bits it does not tell.

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use super::super::super::{Event, HostTime, LinkState};
+use super::super::super::{Doubt, Event, HostTime, LinkState};
 use super::super::clock::Clock;
 use super::super::commands::Command;
 use super::super::delivery::Mark;
@@ -53,7 +53,7 @@ impl StepLink {
         self.phase = Phase::Sync;
         self.opened = self.now;
         self.down = false;
-        self.lose_position();
+        self.lose_position(Doubt::Reset);
         self.stopping = None;
         self.reading = None;
         self.group = Group::default();

@@ -1,8 +1,9 @@
 //! Where the slides stand: what the kernel says, and what the board counts.
 
-use super::super::super::{LinkState, PulseRates, Refused, RunTime};
+use super::super::super::{Doubt, HostTime, LinkState, PulseRates, Refused, RunTime};
 use super::super::commands::Command;
 use super::super::delivery::Mark;
+use super::super::fit::Ticks;
 use super::stops::Why;
 use super::{GIVE_UP, Purpose, Reading, StepLink};
 use crate::units::{PerAxis, Pulses};
@@ -32,6 +33,7 @@ impl StepLink {
         self.align(kernel, at)?;
         self.known = false;
         self.released = true;
+        self.doubt = Doubt::Unreferenced;
         Ok(())
     }
 
@@ -70,7 +72,13 @@ impl StepLink {
 
     /// The control forgot where the axes stand (power off): so does the link.
     pub fn forget_position(&mut self) {
-        self.lose_position();
+        self.doubt_position(Doubt::Unreferenced);
+        self.motion.placed = false;
+    }
+
+    /// The board's count says no more where the slides stand.
+    pub fn doubt_position(&mut self, doubt: Doubt) {
+        self.lose_position(doubt);
         match self.state {
             LinkState::Moving => self.halt(Why::Flush),
             LinkState::Ready => self.enter(LinkState::Locked),
@@ -87,13 +95,15 @@ impl StepLink {
             self.delivery.set_window(None);
             self.send();
         }
-        self.lose_position();
+        self.lose_position(Doubt::Unheard);
         self.enter(LinkState::Off);
     }
 
     /// Nobody knows where the slides stand.
-    pub(super) const fn lose_position(&mut self) {
-        self.known = false;
+    pub(super) fn lose_position(&mut self, doubt: Doubt) {
+        if core::mem::take(&mut self.known) {
+            self.doubt = doubt;
+        }
         self.released = false;
         self.exact = false;
     }
@@ -107,6 +117,30 @@ impl StepLink {
     /// Whether it is known where the slides stand.
     pub const fn knows_position(&self) -> bool {
         self.known
+    }
+
+    /// Why it is not.
+    pub const fn doubt(&self) -> Doubt {
+        self.doubt
+    }
+
+    /// Where the axes stand by the board's last count; of axes that move, where they
+    /// are to go.
+    pub fn place(&self) -> Option<PerAxis<Pulses>> {
+        self.motion.placed.then_some(self.motion.commanded)
+    }
+
+    /// Whether a stop is still under way.
+    pub const fn is_stopping(&self) -> bool {
+        self.stopping.is_some()
+    }
+
+    /// The board does not say any more where the axes stand: they are where its clock
+    /// had them at this time.
+    pub(super) fn stand_unread(&mut self, at: HostTime) {
+        self.stopping = None;
+        let clock = self.clock.at(at.min(self.now));
+        self.motion.stand_unread(clock as Ticks);
     }
 
     /// Whether motion is taken.

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use super::super::super::{Event, Input, LinkState, Refused, RunTime, Sample};
+use super::super::super::{Doubt, Event, Input, LinkState, Refused, RunTime, Sample};
 use super::super::commands::Command;
 use super::super::fit::Ticks;
 use super::super::steps::{Steps, Stretch};
@@ -353,13 +353,14 @@ impl StepLink {
                     });
                     return;
                 }
-                self.lose_position();
+                self.lose_position(Doubt::Differs);
                 let text = format!(
                     "commanded X {} Z {} pulses, the board counts X {x} Z {z}",
                     commanded.x.0, commanded.z.0
                 );
                 self.alarm(611, &text);
                 self.give_up_motion();
+                self.motion.stand_at(kernel);
                 self.enter(LinkState::Locked);
             }
         }

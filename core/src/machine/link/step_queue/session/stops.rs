@@ -6,7 +6,7 @@
 
 use core::time::Duration;
 
-use super::super::super::{Awaited, Event, HostTime, Input, LinkState, Refused, Until};
+use super::super::super::{Awaited, Doubt, Event, HostTime, Input, LinkState, Refused, Until};
 use super::super::commands::Command;
 use super::super::delivery::{Mark, Message};
 use super::super::wiring::{Switch, Wiring};
@@ -259,7 +259,7 @@ impl StepLink {
         if self.takes_motion() || self.state == LinkState::Homing {
             self.halt(Why::Trip(EMERGENCY));
         } else if self.stopping.is_none() {
-            self.lose_position();
+            self.lose_position(Doubt::Powerless);
             self.enter(LinkState::Tripped);
         }
     }
@@ -506,9 +506,14 @@ impl StepLink {
         let powerless = matches!(stopping.why, Why::Trip(EMERGENCY | DRIVES));
         // A stepper that was stopped dead may have slipped when it was fast.
         let exact = stop.on_path && (stop.speed <= keep || reached) && !powerless;
-        self.known &= exact;
-        self.exact &= exact;
         self.released = false;
+        if !exact {
+            self.lose_position(match (powerless, stop.on_path) {
+                (true, _) => Doubt::Powerless,
+                (_, false) => Doubt::OffPath,
+                _ => Doubt::TooFast,
+            });
+        }
         let waits = core::mem::take(&mut self.group.waits);
         if !reached {
             self.edges = [None; 2];

@@ -1,0 +1,48 @@
+//! How sure it is where the slides stand.
+
+/// Why the place of the slides is not certain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Doubt {
+    /// Not both axes have made their reference return.
+    #[default]
+    Unreferenced,
+    /// The motors were stopped dead in motion.
+    StoppedDead,
+    /// They were stopped faster than they keep their steps.
+    TooFast,
+    /// The drives were without power.
+    Powerless,
+    /// The count is not one of the commanded path.
+    OffPath,
+    /// The board's count is not the commanded one.
+    Differs,
+    /// What the board understood of its orders is not certain.
+    Misunderstood,
+    /// The board was reset: nobody has read its count since.
+    Reset,
+    /// The board shut down: nobody has read its count since.
+    ShutDown,
+    /// Nothing was heard of the board since.
+    Unheard,
+    /// Whether the play of the screws was made up for is not known.
+    Play,
+}
+
+impl Doubt {
+    /// In words.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Unreferenced => "not both axes have made their reference return",
+            Self::StoppedDead => "the motors were stopped dead and may have lost steps",
+            Self::TooFast => "stopped faster than flush_keep_speed the motors may have lost steps",
+            Self::Powerless => "the drives were without power",
+            Self::OffPath => "that is not on the commanded path",
+            Self::Differs => "the board counts another place than was commanded",
+            Self::Misunderstood => "the board may have misunderstood its orders",
+            Self::Reset => "its last count before it was reset",
+            Self::ShutDown => "as it was when the board shut down, which nobody has read",
+            Self::Unheard => "the board may have made more since it was heard last",
+            Self::Play => "the play of the screws (034, 035) may not be made up for there",
+        }
+    }
+}
