@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use super::super::super::{Doubt, Event, HostTime, LinkState};
+use super::super::super::{ANOTHER, Doubt, Event, HostTime, LinkState};
 use super::super::clock::Clock;
 use super::super::commands::Command;
 use super::super::delivery::Mark;
@@ -123,7 +123,7 @@ impl StepLink {
                 602,
                 &format!(
                     "what the board sends makes no sense; {}",
-                    crate::machine::link::ANOTHER
+                    ANOTHER
                 ),
             );
         } else {
@@ -131,7 +131,7 @@ impl StepLink {
                 601,
                 &format!(
                     "no answer from the board within 5 s; {}",
-                    crate::machine::link::ANOTHER
+                    ANOTHER
                 ),
             );
             self.enter(LinkState::Lost);
