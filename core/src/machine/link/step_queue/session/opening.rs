@@ -121,18 +121,12 @@ impl StepLink {
         if !heard && bytes && self.delivery.tries() > 1 {
             self.refuse(
                 602,
-                &format!(
-                    "what the board sends makes no sense; {}",
-                    ANOTHER
-                ),
+                &format!("what the board sends makes no sense; {ANOTHER}"),
             );
         } else {
             self.alarm(
                 601,
-                &format!(
-                    "no answer from the board within 5 s; {}",
-                    ANOTHER
-                ),
+                &format!("no answer from the board within 5 s; {ANOTHER}"),
             );
             self.enter(LinkState::Lost);
         }
