@@ -248,8 +248,7 @@ impl Opening {
         if let Some(name) = fluid_nc(&self.version) {
             self.board.firmware = name.to_owned();
             return Err(format!(
-                "{name} is not supported: its settings stand in a file of its own, and it does \
-                 not tell all that have to be compared; Grbl 1.1 or grblHAL is needed"
+                "{name} is not supported yet: it tells its settings in a way of its own; Grbl 1.1 or grblHAL is needed"
             ));
         }
         if self.version.is_empty() {
