@@ -2,6 +2,9 @@
 
 use crate::machine::link::Pins;
 
+/// No board counts farther, mm: its counter has 32 bits.
+const FARTHEST: f64 = 1e6;
+
 /// One line from the board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
@@ -163,7 +166,7 @@ fn status(report: &str) -> Option<Status> {
             "MPos" => {
                 let mut numbers = value.split(',').map(|number| number.parse::<f64>().ok());
                 let (x, z) = (numbers.next()??, numbers.nth(1)??);
-                if !(x.is_finite() && z.is_finite()) {
+                if [x, z].iter().any(|place| !(place.abs() <= FARTHEST)) {
                     return None;
                 }
                 status.position = Some([x, z]);
@@ -204,6 +207,14 @@ fn status(report: &str) -> Option<Status> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_place_no_board_can_count_is_garbage() {
+        for place in ["99999999999999999999", "-1000001", "inf", "nan"] {
+            let line = format!("<Idle|MPos:0.000,0.000,{place}|Bf:15,128|FS:0,0>");
+            assert_eq!(Answer::read(&line), Answer::Garbage, "{line}");
+        }
+    }
 
     #[test]
     fn reports_are_read() {
