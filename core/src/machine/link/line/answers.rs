@@ -166,7 +166,8 @@ fn status(report: &str) -> Option<Status> {
             "MPos" => {
                 let mut numbers = value.split(',').map(|number| number.parse::<f64>().ok());
                 let (x, z) = (numbers.next()??, numbers.nth(1)??);
-                if [x, z].iter().any(|place| !(place.abs() <= FARTHEST)) {
+                let countable = |place: &f64| place.abs() <= FARTHEST;
+                if ![x, z].iter().all(countable) {
                     return None;
                 }
                 status.position = Some([x, z]);
