@@ -89,6 +89,8 @@ pub struct Panel {
     /// Selected program and line of the control, as the editor last saw them.
     followed: Option<(Option<ProgramId>, u32)>,
     traced: Option<(Frame, Point)>,
+    /// Stops of a pulse board, as the path last saw them.
+    stops: u64,
     wheel: i32,
     transfer: Transfer,
 }
@@ -128,6 +130,7 @@ impl Panel {
             created: None,
             followed: None,
             traced: None,
+            stops: 0,
             wheel: 0,
             transfer: Transfer::default(),
         }

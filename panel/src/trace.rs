@@ -1,8 +1,10 @@
 //! The path of the tool, kept for the graphic page: pieces that are only ever
 //! appended, so that a copy for another thread shares almost everything.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
+use gsk_core::command::Frame;
 use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +13,14 @@ pub const MOST_PIECES: usize = 64 * CHUNK;
 
 /// Pieces of one shared chunk.
 const CHUNK: usize = 1024;
+
+/// Pieces kept that a pulse board may not have made: more ticks than it is ever behind
+/// but in a pass that it cuts by itself.
+const MOST_AHEAD: usize = 2048;
+
+/// Ticks for which it may turn out later that the board had stopped before them: it is
+/// heard of 250 ms later at the most.
+const HEARD_LATER: u64 = 500;
 
 /// How far a straight piece may pass beside the points it stands for, mm.
 const TOLERANCE: f64 = 0.001;
@@ -35,6 +45,21 @@ pub struct Trace {
     full: Vec<Arc<Vec<Piece>>>,
     last: Vec<Piece>,
     open: Option<Open>,
+    /// What a pulse board may not have made yet, tick by tick.
+    ahead: VecDeque<Ahead>,
+    /// The last tick whose motion it has made, as far as is known.
+    made: u64,
+}
+
+/// The motion of a tick that may yet be taken back.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ahead {
+    /// The tick.
+    pub tick: u64,
+    /// Its coordinates.
+    pub frame: Frame,
+    /// Its way.
+    pub piece: Piece,
 }
 
 /// The piece that still grows, and the directions it may yet take.
@@ -65,6 +90,53 @@ impl Trace {
         self.open = Some(Open::new(from, to, rapid));
     }
 
+    /// Appends the motion of a tick that a pulse board has not made yet.
+    pub fn push_ahead(&mut self, ahead: Ahead) {
+        self.ahead.push_back(ahead);
+        if self.ahead.len() > MOST_AHEAD {
+            self.settle_next();
+        }
+    }
+
+    /// As far as is known the board has made all motion up to a tick.
+    pub fn settle(&mut self, made: u64) {
+        self.made = made;
+        let sure = made.saturating_sub(HEARD_LATER);
+        while self.ahead.front().is_some_and(|ahead| ahead.tick <= sure) {
+            self.settle_next();
+        }
+    }
+
+    fn settle_next(&mut self) {
+        if let Some(Ahead { piece, .. }) = self.ahead.pop_front() {
+            self.push(piece.from, piece.to, piece.rapid);
+        }
+    }
+
+    /// The board stands here (machine coordinates) and makes nothing of the rest: the
+    /// path ends where it comes by about the time of the stop. False: there is no rest.
+    pub fn cut(&mut self, stands: Point) -> bool {
+        let off = |ahead: &Ahead| ahead.piece.distance(ahead.frame.program(stands));
+        let Some(nearest) = self.ahead.iter().map(off).min_by(f64::total_cmp) else {
+            return false;
+        };
+        let passes = self.ahead.iter().map(|ahead| (ahead.tick, off(ahead)));
+        let last = passes
+            .filter(|(_, off)| *off <= nearest + TOLERANCE)
+            .map(|(tick, _)| tick)
+            .min_by_key(|tick| tick.abs_diff(self.made));
+        while let Some(ahead) = self.ahead.pop_front() {
+            let Piece { from, to, rapid } = ahead.piece;
+            if Some(ahead.tick) == last {
+                self.push(from, ahead.frame.program(stands), rapid);
+                break;
+            }
+            self.push(from, to, rapid);
+        }
+        self.ahead.clear();
+        true
+    }
+
     /// Stores a finished piece.
     fn close(&mut self, piece: Piece) {
         self.last.push(piece);
@@ -83,20 +155,35 @@ impl Trace {
     }
 
     /// Whether nothing was drawn.
-    pub const fn is_empty(&self) -> bool {
-        self.open.is_none()
+    pub fn is_empty(&self) -> bool {
+        self.open.is_none() && self.ahead.is_empty()
     }
 
     /// How many pieces there are.
     pub fn len(&self) -> usize {
-        self.full.len() * CHUNK + self.last.len() + usize::from(self.open.is_some())
+        let made = self.full.len() * CHUNK + self.last.len() + usize::from(self.open.is_some());
+        made + self.ahead.len()
     }
 
     /// All pieces in the order of execution.
     pub fn pieces(&self) -> impl Iterator<Item = &Piece> {
         let open = self.open.as_ref().map(|open| &open.piece);
         let full = self.full.iter().flat_map(|chunk| chunk.iter());
-        full.chain(&self.last).chain(open)
+        let ahead = self.ahead.iter().map(|ahead| &ahead.piece);
+        full.chain(&self.last).chain(open).chain(ahead)
+    }
+}
+
+impl Piece {
+    /// How far a point is beside it, mm.
+    fn distance(&self, point: Point) -> f64 {
+        let (way, arm) = (self.to - self.from, point - self.from);
+        let length = dot(way, way);
+        let share = match length > 0.0 {
+            true => (dot(way, arm) / length).clamp(0.0, 1.0),
+            false => 0.0,
+        };
+        (arm - way * share).length()
     }
 }
 
@@ -236,5 +323,78 @@ mod tests {
         trace.clear();
         assert!(trace.is_empty());
         assert_eq!(trace.pieces().count(), 0);
+    }
+
+    /// 1 mm of Z a tick, from Z0 down to -`ticks` and back up.
+    fn there_and_back(ticks: u64) -> Trace {
+        let mut trace = Trace::new();
+        let z = |tick: u64| -(tick.min(2 * ticks - tick) as f64);
+        for tick in 1..=2 * ticks {
+            trace.push_ahead(Ahead {
+                tick,
+                frame: Frame {
+                    zero: Point::new(0.0, 5.0),
+                    offset: Point::new(2.0, 0.0),
+                },
+                piece: Piece {
+                    from: Point::new(0.0, z(tick - 1)),
+                    to: Point::new(0.0, z(tick)),
+                    rapid: false,
+                },
+            });
+        }
+        trace
+    }
+
+    #[test]
+    fn what_was_not_made_is_cut_off_where_the_board_stands() {
+        let mut trace = there_and_back(20);
+        assert_eq!(trace.len(), 40);
+        trace.settle(4);
+        // Z-7.5 of the program, beside its path by a part of a pulse.
+        assert!(trace.cut(Point::new(2.0004, -2.5)));
+        let end = trace.pieces().last().unwrap().to;
+        assert!((end - Point::new(0.0004, -7.5)).length() < 1e-9, "{end:?}");
+        let least = trace.pieces().map(|piece| piece.to.z);
+        assert_eq!(
+            least.fold(0.0, f64::min),
+            -7.5,
+            "the turn at Z-20 is not made"
+        );
+        assert!(trace.len() <= 2);
+        // Nothing of it is left, and what follows is appended.
+        trace.settle(u64::MAX);
+        assert!(!trace.cut(Point::default()));
+        assert_eq!(trace.pieces().last().unwrap().to, end);
+    }
+
+    #[test]
+    fn of_two_passes_that_about_the_time_of_the_stop_is_the_last() {
+        let mut trace = there_and_back(20);
+        // It stopped at tick 32 and was heard of later.
+        trace.settle(38);
+        assert!(trace.cut(Point::new(2.0, -2.5)));
+        let pieces: Vec<&Piece> = trace.pieces().collect();
+        assert_eq!(pieces.len(), 2);
+        assert_eq!(pieces[0].to.z, -20.0);
+        assert_eq!(pieces[1].to.z, -7.5);
+    }
+
+    #[test]
+    fn what_is_surely_made_is_not_taken_back() {
+        let mut trace = there_and_back(1000);
+        trace.settle(HEARD_LATER + 4);
+        assert_eq!(trace.len(), 1997, "four in one piece");
+        assert!(trace.cut(Point::new(2.0, 5.0 - 2.0)));
+        let path: Vec<f64> = trace.pieces().map(|piece| piece.to.z).collect();
+        assert!(path.iter().any(|z| *z <= -4.0), "{path:?}");
+    }
+
+    #[test]
+    fn without_an_end_no_more_is_kept_back_than_a_board_is_ever_behind() {
+        let mut trace = there_and_back(20 * MOST_AHEAD as u64);
+        assert!(trace.ahead.len() <= MOST_AHEAD);
+        trace.settle(u64::MAX);
+        assert_eq!(trace.len(), 2);
     }
 }

@@ -36,6 +36,10 @@ pub(crate) struct BoardDrives {
     pub known: bool,
     /// Motion was handed over that has not been made yet.
     pub behind: bool,
+    /// Ticks of motion that may not have been made yet.
+    pub ahead: u64,
+    /// Stops so far behind which the control went on from another place.
+    pub stops: u64,
     /// Spindle or coolant have still to be switched before the axes go on.
     pub switching: bool,
     /// Spindle and coolant switch at their place in the motion, without a standstill.

@@ -6,6 +6,7 @@ use gsk_core::units::Point;
 
 use super::Panel;
 use crate::pages::PageId;
+use crate::trace::{Ahead, Piece};
 
 /// Largest value of a row, thousandths of a millimetre.
 const LARGEST: i64 = 9_999_999;
@@ -23,6 +24,7 @@ impl Panel {
             'T' => {
                 self.view.graphic.drawing = false;
                 self.traced = None;
+                self.view.trace.settle(u64::MAX);
             }
             'R' => self.view.trace.clear(),
             _ => {}
@@ -30,17 +32,40 @@ impl Panel {
     }
 
     /// Appends the motion of the last tick to the path. A new coordinate frame
-    /// is no motion.
+    /// is no motion. What a pulse board has not made yet may be taken back: behind a
+    /// stop the path ends where the board stands.
     pub(super) fn trace(&mut self, cnc: &Cnc) {
         if !self.view.graphic.drawing {
             return;
         }
-        let now = (cnc.frame(), cnc.position_absolute());
-        let Some(before) = self.traced.replace(now) else {
+        let (frame, to) = (cnc.frame(), cnc.position_absolute());
+        let Some((framed, from)) = self.traced.replace((frame, to)) else {
             return;
         };
-        if before.0 == now.0 && before.1 != now.1 {
-            self.view.trace.push(before.1, now.1, cnc.moves_at_rapid());
+        let trace = &mut self.view.trace;
+        let behind = cnc.behind();
+        let stops = behind.map_or(self.stops, |behind| behind.stops);
+        if core::mem::replace(&mut self.stops, stops) != stops {
+            let from = frame.program(framed.machine(from));
+            if !trace.cut(frame.machine(to)) && from != to {
+                trace.push(from, to, cnc.moves_at_rapid());
+            }
+            return;
+        }
+        let made = behind.map_or(u64::MAX, |behind| {
+            self.clock.saturating_sub(behind.ticks + 1)
+        });
+        trace.settle(made);
+        if framed != frame || from == to {
+            return;
+        }
+        let rapid = cnc.moves_at_rapid();
+        let piece = Piece { from, to, rapid };
+        if behind.is_none() {
+            trace.push(from, to, rapid);
+        } else {
+            let tick = self.clock;
+            trace.push_ahead(Ahead { tick, frame, piece });
         }
     }
 
