@@ -2,9 +2,16 @@
 
 mod common;
 
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
 use common::Bench;
+use crossbeam::queue::ArrayQueue;
 use egui_kittest::kittest::Queryable;
+use gsk_app::kernel::probe::{Probe, Sample};
+use gsk_app::kernel::{Command, Opened};
 use gsk_core::machine::Fault;
+use gsk_core::program::Program;
 
 /// Opens a view by its entry in the menu.
 fn open(bench: &mut Bench, name: &str) {
@@ -47,6 +54,51 @@ fn the_scope_is_opened_by_its_key_and_sees_an_axis_move() {
     bench.run(1);
     bench.run(1);
     assert!(bench.harness.query_by_label("Scope picture").is_none());
+}
+
+/// Every commanded speed that the scope was given, and how it was at last.
+fn commanded(queue: &ArrayQueue<Sample>) -> (BTreeSet<i64>, i64) {
+    let mut last = 0;
+    let speeds = core::iter::from_fn(|| queue.pop());
+    let all = speeds.map(|sample| {
+        last = sample.spindle_commanded.round() as i64;
+        last
+    });
+    (all.collect(), last)
+}
+
+#[test]
+fn the_commanded_spindle_speed_of_the_scope_ends_with_m05_and_reset() {
+    let mut bench = Bench::new();
+    let queue = Arc::new(ArrayQueue::new(60_000));
+    bench.console.send(Command::Probe(Some(Probe {
+        queue: Arc::clone(&queue),
+        bits: Vec::new(),
+    })));
+    let cuts = |bench: &mut Bench, text: &str| {
+        bench.console.send(Command::Open(Box::new(Opened {
+            name: "spindle.CNC".to_owned(),
+            program: Program::new(text),
+            subprograms: Vec::new(),
+        })));
+        bench.run(10);
+        bench.click("Automatic mode");
+        bench.click("Cycle start");
+        bench.run(2000);
+    };
+    cuts(
+        &mut bench,
+        "O1\nG97 S500 M03\nG04 X0.5\nM05\nG04 X0.2\nM00\nM30\n",
+    );
+    let spindle = bench.kernel.emulator().simulation.cnc.spindle().word();
+    assert_eq!(spindle, 500.0, "S stays for the next M03");
+    assert_eq!(commanded(&queue), (BTreeSet::from([0, 500]), 0));
+    bench.click("Reset");
+    cuts(&mut bench, "O1\nG97 S300 M04\nG04 X60\nM30\n");
+    assert_eq!(commanded(&queue), (BTreeSet::from([0, -300]), -300));
+    bench.click("Reset");
+    bench.run(500);
+    assert_eq!(commanded(&queue).1, 0);
 }
 
 #[test]

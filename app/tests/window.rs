@@ -98,6 +98,67 @@ fn a_held_mouse_button_holds_the_key() {
     );
 }
 
+/// The axis jogs, the window loses the focus, and whoever lets go then lets go of
+/// nothing.
+fn ends_without_focus(hold: impl Fn(&Bench)) {
+    let mut bench = Bench::new();
+    bench.click("Jog mode");
+    hold(&bench);
+    for _ in 0..20 {
+        bench.run(50);
+    }
+    let moves = |bench: &Bench| bench.kernel.emulator().simulation.cnc.is_moving();
+    assert!(moves(&bench), "held: the axis moves");
+    bench.harness.input_mut().focused = false;
+    bench.run(1000);
+    assert!(!moves(&bench), "nobody sees whether it is held");
+    let stood = bench.kernel.emulator().simulation.cnc.pulses();
+    bench.harness.input_mut().focused = true;
+    bench.run(1000);
+    let stands = bench.kernel.emulator().simulation.cnc.pulses();
+    assert_eq!(stands, stood, "nor does it go on by itself");
+}
+
+#[test]
+fn a_held_jog_key_comes_up_when_the_window_loses_the_focus() {
+    ends_without_focus(|bench| {
+        let control = egui::Modifiers::CTRL;
+        bench
+            .harness
+            .key_down_modifiers(control, egui::Key::ArrowLeft);
+    });
+    ends_without_focus(|bench| {
+        let place = bench
+            .harness
+            .get_by_label("Z axis, arrow left")
+            .rect()
+            .center();
+        bench.harness.event(egui::Event::PointerMoved(place));
+        bench.harness.event(egui::Event::PointerButton {
+            pos: place,
+            button: egui::PointerButton::Primary,
+            pressed: true,
+            modifiers: egui::Modifiers::default(),
+        });
+    });
+}
+
+#[test]
+fn an_emergency_stop_that_knows_the_place_of_the_slides_says_it() {
+    let mut bench = Bench::new();
+    bench.click("Emergency stop");
+    let line = |bench: &Bench, text: &str| bench.harness.query_by_label_contains(text).is_some();
+    assert!(line(&bench, "press it again to release"));
+    let mut picture = bench.kernel.snapshot();
+    let place = "machine coordinates X 1.000 Z -2.000 by the board's count, uncertain: the \
+                 drives were without power";
+    picture.alarm = picture.alarm.map(|alarm| alarm.because(place));
+    bench.console.pictures.force_push(picture);
+    bench.harness.step();
+    bench.harness.step();
+    assert!(line(&bench, "207: ") && line(&bench, place));
+}
+
 #[test]
 fn pc_keys_press_panel_keys() {
     let mut bench = Bench::new();

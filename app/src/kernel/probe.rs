@@ -27,7 +27,8 @@ pub struct Sample {
     pub following: Option<Point>,
     /// Spindle speed, r/min; negative in reverse. None: the board has no index.
     pub spindle: Option<f64>,
-    /// Spindle speed that is commanded, r/min.
+    /// Spindle speed that is commanded, r/min; 0 while it is switched off, negative in
+    /// reverse.
     pub spindle_commanded: f64,
     /// The watched bits, the first in bit 0.
     pub bits: u32,
@@ -94,7 +95,7 @@ impl Probing {
             } else {
                 Some(lathe.spindle_rpm())
             },
-            spindle_commanded: cnc.spindle_commanded(),
+            spindle_commanded: cnc.spindle_told(),
             bits,
         };
         self.probe.queue.force_push(sample);

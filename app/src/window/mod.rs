@@ -279,10 +279,11 @@ impl Window {
             .picture
             .as_ref()
             .is_some_and(|picture| picture.pressed.contains(&Key::EmergencyStop));
-        if pressed {
+        let alarm = self.picture.as_ref().and_then(|it| it.alarm.as_ref());
+        // With a board the alarm says where the slides stand.
+        if pressed && alarm.is_none_or(|alarm| alarm.detail.is_none()) {
             return top_bar::status(ui, Some(Text::EmergencyHint.of(language)), true, "");
         }
-        let alarm = self.picture.as_ref().and_then(|it| it.alarm.as_ref());
         if let Some(alarm) = alarm
             && self.message.is_none()
         {

@@ -7,7 +7,7 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use gsk_app::cli::Language;
-use gsk_app::kernel::Kernel;
+use gsk_app::kernel::{Console, Kernel};
 use gsk_app::window::{Settings, Window, fonts};
 use gsk_core::command::ProgramId;
 use gsk_core::setup::Setup;
@@ -16,6 +16,8 @@ use gsk_panel::emulator::Emulator;
 /// A window with its kernel, which runs only when it is told to.
 pub struct Bench {
     pub kernel: Kernel,
+    /// What the window has, too.
+    pub console: Console,
     pub harness: Harness<'static, Window>,
 }
 
@@ -37,9 +39,13 @@ impl Bench {
             .with_context_setup(fonts::set_up)
             .build_ui_state(
                 |ui, window: &mut Window| window.ui(ui),
-                Window::new(console, settings),
+                Window::new(console.clone(), settings),
             );
-        let mut bench = Self { kernel, harness };
+        let mut bench = Self {
+            kernel,
+            console,
+            harness,
+        };
         bench.run(4000);
         bench
     }

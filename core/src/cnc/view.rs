@@ -8,6 +8,7 @@ use super::{Cnc, Event};
 use crate::alarm::Alarm;
 use crate::command::{Action, Frame, ProgramId, Source};
 use crate::interpreter::Modal;
+use crate::machine::link::SpindleWay;
 use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
 };
@@ -16,6 +17,16 @@ use crate::operation::{Mode, Return, RunState, Sensors, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
 use crate::units::{Axis, PerAxis, Point, Pulses};
+
+/// How far a pulse board is behind the control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Behind {
+    /// Ticks of motion that it may not have made yet.
+    pub ticks: u64,
+    /// Stops so far behind which the control went on from another place: what was not
+    /// made by then never will be.
+    pub stops: u64,
+}
 
 /// The block in execution, or the one the next cycle start begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,6 +173,16 @@ impl Cnc {
         self.spindle.commanded_rpm()
     }
 
+    /// The speed the spindle is to turn at as it is switched, r/min: 0 behind M05,
+    /// negative in reverse.
+    pub fn spindle_told(&self) -> f64 {
+        match SpindleWay::switched(self.plc.memory()) {
+            SpindleWay::Stop => 0.0,
+            SpindleWay::Forward => self.spindle_commanded(),
+            SpindleWay::Reverse => -self.spindle_commanded(),
+        }
+    }
+
     /// The spindle control.
     pub const fn spindle(&self) -> &SpindleControl {
         &self.spindle
@@ -294,6 +315,15 @@ impl Cnc {
     /// control are not the real ones.
     pub const fn has_board(&self) -> bool {
         self.board.is_some()
+    }
+
+    /// How far the pulse board that makes the motion is behind this tick; none: the
+    /// simulated lathe makes it at once.
+    pub fn behind(&self) -> Option<Behind> {
+        self.board.map(|board| Behind {
+            ticks: board.ahead,
+            stops: board.stops,
+        })
     }
 
     /// The speed of the spindle whose index the board sees, r/min; negative in reverse.

@@ -24,6 +24,7 @@ mod thread;
 mod zero_return;
 
 pub use active_alarms::ActiveAlarms;
+pub(crate) use active_alarms::EMERGENCY_STOP;
 pub use automatic::{Automatic, RunState};
 pub(crate) use board::{BoardDrives, BoardSpindle, SpindleTrouble, ZeroWiring};
 pub(crate) use drives::DriveWatch;

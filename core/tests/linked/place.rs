@@ -38,7 +38,7 @@ fn says<T: Board>(machine: &Machine<T>, number: u16, sure: &str) {
     let detail = alarm.unwrap().detail.clone().unwrap();
     let at = machine.simulation.cnc.position_machine();
     let place = format!(
-        "; machine coordinates X {:.3} Z {:.3} by the board's count, {sure}",
+        "machine coordinates X {:.3} Z {:.3} by the board's count, {sure}",
         2.0 * at.x,
         at.z
     );
@@ -96,7 +96,7 @@ fn a_stopped_line_board_is_shown_where_it_stands() {
     let breaks = |machine: &mut Machine| machine.twin.give_up(16);
     shows_the_made(&ready, breaks, (607, 0, DEAD));
     let breaks = |machine: &mut Machine| machine.simulation.lathe.set_emergency_button(true);
-    shows_the_made(&ready, breaks, (207, 0, ""));
+    shows_the_made(&ready, breaks, (207, 0, DEAD));
     // Nobody has read it since its last report.
     let breaks = |machine: &mut Machine| machine.twin.press_reset();
     shows_the_made(&ready, breaks, (606, 140, UNHEARD));
@@ -126,7 +126,7 @@ fn a_stopped_board_of_timed_steps_is_shown_where_it_stands() {
     let breaks = |machine: &mut Machine<Timed>| machine.twin.fail();
     shows_the_made(&ready, breaks, (608, 4, DOWN));
     let breaks = |machine: &mut Machine<Timed>| machine.simulation.lathe.set_emergency_button(true);
-    shows_the_made(&ready, breaks, (207, 20, ""));
+    shows_the_made(&ready, breaks, (207, 20, DOWN));
     let breaks = |machine: &mut Machine<Timed>| machine.twin.press_reset();
     shows_the_made(&ready, breaks, (606, 140, RESTARTED));
 }
@@ -232,6 +232,51 @@ fn nothing_said<T: Board>(opened: &Machine<T>) {
 fn a_board_that_never_answered_says_nothing_of_a_place() {
     nothing_said(&Machine::new(Variant::Grbl, 10_000, 5));
     nothing_said(&Machine::timed(10_000));
+}
+
+/// The emergency stop of a machine at rest: the chain has cut its drives.
+fn is_stopped_at_rest<T: Board>(ready: &Machine<T>) {
+    let mut machine = ready.clone();
+    let stood = shown(&machine);
+    machine.simulation.lathe.set_emergency_button(true);
+    machine.pass(1500);
+    assert_eq!(machine.alarms(), [207]);
+    assert_eq!(shown(&machine), stood);
+    says(&machine, 207, "uncertain: the drives were without power");
+    // And once more when it is pressed again.
+    for pressed in [false, true] {
+        machine.simulation.lathe.set_emergency_button(pressed);
+        machine.pass(1500);
+    }
+    let detail = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    assert!(detail.contains(" by the board's count, uncertain: "));
+}
+
+#[test]
+fn an_emergency_stop_at_rest_says_where_the_slides_stand() {
+    is_stopped_at_rest(&Machine::referenced(Variant::Grbl));
+    is_stopped_at_rest(&Machine::timed_referenced());
+}
+
+/// The contact of the board, which is that of the control.
+fn is_stopped_by_its_contact<T: Board>(ready: &Machine<T>, off: i64, sure: &str) {
+    let breaks = |machine: &mut Machine<T>| machine.twin.press_emergency(true);
+    let (machine, ..) = broken(ready, breaks);
+    let (shown, made) = (shown(&machine), machine.made()[1]);
+    assert!((shown - made).abs() <= off, "{shown}, made {made}");
+    says(&machine, 207, sure);
+    let detail = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    assert_eq!(detail.matches("coordinates").count(), 1, "{detail}");
+}
+
+#[test]
+fn an_emergency_stop_by_the_contact_of_the_board_says_so_once() {
+    let powerless = "uncertain: the drives were without power";
+    is_stopped_by_its_contact(&Machine::timed_referenced(), 0, powerless);
+    // Its contact resets a line board: nobody has read it since its last report.
+    for variant in [Variant::Grbl, Variant::GrblHal] {
+        is_stopped_by_its_contact(&Machine::referenced(variant), 140, DEAD);
+    }
 }
 
 /// A reference that RESET has dropped is an alarm at once, not only at the next start.

@@ -2,7 +2,10 @@
 
 use core::time::Duration;
 
+use gsk_plc::Memory;
 use serde::{Deserialize, Serialize};
+
+use crate::machine::pins;
 
 /// What the board is, as far as it said.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -143,6 +146,18 @@ pub enum SpindleWay {
     Forward,
     /// M04.
     Reverse,
+}
+
+impl SpindleWay {
+    /// As the ladder switches it.
+    pub(crate) fn switched(memory: &Memory) -> Self {
+        let on = |(byte, bit): pins::Pin| memory.y(u16::from(byte)) >> bit & 1 == 1;
+        match (on(pins::FORWARD), on(pins::REVERSE), on(pins::BRAKE)) {
+            (true, false, false) => Self::Forward,
+            (false, true, false) => Self::Reverse,
+            _ => Self::Stop,
+        }
+    }
 }
 
 /// What the board switches for the control.

@@ -29,6 +29,12 @@ pub enum Doubt {
 }
 
 impl Doubt {
+    /// Behind the emergency stop of the control: its chain cuts the supply of axes that
+    /// stand, too.
+    pub(super) const fn killed(moves: bool, in_motion: Self) -> Self {
+        if moves { in_motion } else { Self::Powerless }
+    }
+
     /// In words.
     pub const fn text(self) -> &'static str {
         match self {

@@ -480,7 +480,8 @@ impl LineLink {
         match stop {
             Stop::Flush => self.flush(),
             Stop::Kill => {
-                self.lose_position(Doubt::StoppedDead);
+                let moves = self.state == LinkState::Moving;
+                self.lose_position(Doubt::killed(moves, Doubt::StoppedDead));
                 self.forget_motion();
                 self.restart();
                 self.enter(LinkState::Locked);

@@ -43,6 +43,8 @@ impl Linked {
             prepared: self.link.is_prepared() && !stopping,
             known: self.link.knows_position(),
             behind: self.is_behind(),
+            ahead: self.ticks_ahead(),
+            stops: self.stops,
             switching,
             timed,
             surface: timed && !self.config.io.spindle_pwm.is_empty(),
@@ -360,12 +362,8 @@ impl Linked {
 fn outputs(simulation: &Simulation) -> BoardOutputs {
     let cnc = &simulation.cnc;
     let memory = cnc.plc().memory();
-    let on = |(byte, bit): pins::Pin| memory.y(u16::from(byte)) >> bit & 1 == 1;
-    let spindle = match (on(pins::FORWARD), on(pins::REVERSE), on(pins::BRAKE)) {
-        (true, false, false) => SpindleWay::Forward,
-        (false, true, false) => SpindleWay::Reverse,
-        _ => SpindleWay::Stop,
-    };
+    let (coolant, bit) = pins::COOLANT;
+    let spindle = SpindleWay::switched(memory);
     let millivolts = match spindle {
         SpindleWay::Stop => 0,
         _ => (cnc.spindle().volts() * 1000.0).round() as u16,
@@ -373,6 +371,6 @@ fn outputs(simulation: &Simulation) -> BoardOutputs {
     BoardOutputs {
         spindle,
         millivolts,
-        coolant: on(pins::COOLANT),
+        coolant: memory.y(u16::from(coolant)) >> bit & 1 == 1,
     }
 }

@@ -5,6 +5,7 @@ use super::Linked;
 use crate::alarm::Alarm;
 use crate::cnc::Cnc;
 use crate::machine::link::{LinkState, RunTime};
+use crate::operation::EMERGENCY_STOP;
 use crate::simulation::Simulation;
 
 const MM_PER_INCH: f64 = 25.4;
@@ -36,6 +37,16 @@ impl Linked {
     /// not to be shown any more.
     pub const fn is_void(&self, stamp: Stamp) -> bool {
         stamp.stops != self.stops
+    }
+
+    /// Ticks of the kernel whose motion may not have been made yet.
+    pub(super) fn ticks_ahead(&self) -> u64 {
+        // Behind a fault nobody knows before the board has said where it stands.
+        if self.link.takes_motion() && !self.is_behind() {
+            return 0;
+        }
+        let ahead = self.run.saturating_sub(self.link.executed());
+        ahead.as_micros().div_ceil(1000) as u64
     }
 
     /// The control goes on from where the slides are.
@@ -91,11 +102,18 @@ impl Linked {
                 cnc.raise(alarm);
             }
         }
-        if self.untold.is_empty() {
+        let mut untold = core::mem::take(&mut self.untold);
+        if self.link.place().is_none() {
             return;
         }
-        let untold = core::mem::take(&mut self.untold);
-        if self.link.place().is_none() {
+        // The control's own emergency stop stops the board as much as its faults do.
+        let mut standing = cnc.alarms.list().iter();
+        untold.extend(
+            standing
+                .find(|alarm| alarm.number == EMERGENCY_STOP && alarm.detail.is_none())
+                .cloned(),
+        );
+        if untold.is_empty() {
             return;
         }
         let sure = if self.link.knows_position() {
@@ -105,9 +123,12 @@ impl Linked {
         };
         let [x, z] = shown(cnc);
         for alarm in untold {
-            let detail = alarm.detail.unwrap_or_default();
-            let detail =
-                format!("{detail}; machine coordinates X {x} Z {z} by the board's count, {sure}");
+            let detail = match alarm.detail {
+                Some(detail) => format!(
+                    "{detail}; machine coordinates X {x} Z {z} by the board's count, {sure}"
+                ),
+                None => format!("machine coordinates X {x} Z {z} by the board's count, {sure}"),
+            };
             if let Some(standing) = &mut self.standing
                 && standing.number == alarm.number
             {

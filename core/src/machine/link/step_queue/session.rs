@@ -316,7 +316,8 @@ impl StepLink {
             Stop::Kill => {
                 self.stand_unread(self.now);
                 self.give_up_motion();
-                self.lose_position(Doubt::StoppedDead);
+                let moves = self.state == LinkState::Moving;
+                self.lose_position(Doubt::killed(moves, Doubt::ShutDown));
                 self.say_first(Command::EmergencyStop, &[]);
                 self.send();
                 self.down = true;
