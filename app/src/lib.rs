@@ -7,6 +7,7 @@ pub mod commands;
 pub mod ending;
 pub mod execution;
 pub mod files;
+pub mod hint;
 pub mod kernel;
 pub mod loading;
 pub mod moves;

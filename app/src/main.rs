@@ -2,8 +2,6 @@
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 fn main() -> ExitCode {
-    gsk_app::commands::carry_out(gsk_app::cli::Cli::parse())
+    gsk_app::commands::carry_out(gsk_app::hint::command_line())
 }

@@ -1,6 +1,6 @@
 //! `gsk980td link` as its users call it, with a virtual board.
 
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 #[path = "common/twin.rs"]
 mod twin;
@@ -187,6 +187,44 @@ fn a_monitor_tells_an_alarm_when_it_comes_and_ends_by_ctrl_c() {
     signal("INT", monitor.0.id());
     let code = monitor.0.wait().unwrap().code();
     assert_eq!(code, Some(0), "differing settings are no fault of the wire");
+}
+
+#[test]
+fn a_monitor_shows_what_stops_the_board_at_its_end() {
+    let machine = MachineFile::new("last");
+    let klipper = ["--machine", machine.path()];
+    for (firmware, options, last) in [
+        ("grbl", [].as_slice(), "\\x18"),
+        ("klipper", &klipper, "emergency_stop"),
+    ] {
+        let twin = Twin::play(&["--firmware", firmware]);
+        if firmware == "grbl" {
+            test(&twin.port, &["--write-settings"]);
+        }
+        let monitor = [&["monitor", &twin.port], &GEAR[..], options].concat();
+        let ends = |out: &str| {
+            let outward = out.lines().rfind(|line| line.contains(" > "));
+            let outward = outward.unwrap_or_else(|| panic!("{firmware}: {out}"));
+            assert!(outward.contains(last), "{firmware}: {outward}");
+        };
+        // Before the board has said who it is there is nothing to stop.
+        let asked = ["<Idle", "endstop_query_state"];
+        let known = |out: &str| asked.iter().any(|word| out.matches(word).count() > 3);
+        let by_itself = ["3", "10", "60"].iter().find_map(|seconds| {
+            let (_, out, _) = said(&[&monitor, &["--seconds", seconds][..]].concat());
+            known(&out).then_some(out)
+        });
+        ends(&by_itself.unwrap());
+        let mut running = Running::new(&mut link(&monitor));
+        let mut out = String::new();
+        let mut told = BufReader::new(running.0.stdout.take().unwrap());
+        while !known(&out) {
+            assert!(told.read_line(&mut out).unwrap() > 0, "{out}");
+        }
+        signal("INT", running.0.id());
+        told.read_to_string(&mut out).unwrap();
+        ends(&out);
+    }
 }
 
 #[test]

@@ -163,18 +163,27 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, String> {
         .is_none_or(|seconds| board.now() < Duration::from_secs(seconds))
     {
         let events = board.pump();
-        for line in board.traffic() {
-            let arrow = if line.outward { '>' } else { '<' };
-            output::print(&format!(
-                "{:9.3} {arrow} {}\n",
-                line.at.as_secs_f64(),
-                line.text
-            ))?;
-        }
+        print_traffic(&mut board)?;
         failed |= report(&events);
         if matches!(board.link.state(), LinkState::Lost | LinkState::Off) {
             break;
         }
     }
+    // What stops the board belongs to it, too.
+    board.close();
+    print_traffic(&mut board)?;
     Ok(if failed { ALARM } else { FINE })
+}
+
+/// Prints what was said since the last call.
+fn print_traffic(board: &mut Board) -> Result<(), String> {
+    for line in board.traffic() {
+        let arrow = if line.outward { '>' } else { '<' };
+        output::print(&format!(
+            "{:9.3} {arrow} {}\n",
+            line.at.as_secs_f64(),
+            line.text
+        ))?;
+    }
+    Ok(())
 }
