@@ -55,6 +55,8 @@ struct Lathe {
     console: Console,
     state: LinkState,
     differs: bool,
+    /// The longest that the computer was away, as the link page shows it.
+    away: Duration,
     /// The most questions for what the board understands that one view of the link
     /// has shown.
     asked: usize,
@@ -99,6 +101,7 @@ impl Lathe {
             console,
             state: LinkState::Opening,
             differs: false,
+            away: Duration::ZERO,
             asked: 0,
             log,
         }
@@ -121,6 +124,7 @@ impl Lathe {
             if let Some(view) = self.console.link.pop() {
                 self.state = view.state;
                 self.differs = !view.differences.is_empty();
+                self.away = view.away.1;
                 let asks = |line: &&Line| line.outward && line.text.contains("identify offset");
                 self.asked = self.asked.max(view.exchanges.iter().filter(asks).count());
             }
@@ -271,6 +275,25 @@ fn the_scope_shows_what_is_known_of_the_real_lathe() {
     let sample = queue.pop().unwrap();
     assert_eq!(sample.actual, sample.commanded);
     assert_eq!((sample.following, sample.spindle), (None, None));
+}
+
+/// A computer that did something else is shown, before it does harm.
+#[test]
+fn the_link_page_is_told_how_long_the_computer_was_away() {
+    const AWAY: Duration = Duration::from_millis(150);
+    let twin = Twin::play(&[]);
+    let mut lathe = Lathe::at(&twin.port, LINE);
+    assert!((0..ATTEMPTS).any(|_| {
+        let opens = lathe.opens();
+        if !opens {
+            lathe.begins_again();
+        }
+        opens
+    }));
+    let before = lathe.away;
+    std::thread::sleep(before + AWAY);
+    assert!(lathe.until(LONGEST, |lathe| lathe.away >= before + AWAY));
+    let _ = std::fs::remove_file(&lathe.log);
 }
 
 /// One client has the board: the next one is told, whoever it is.

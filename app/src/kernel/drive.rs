@@ -439,3 +439,25 @@ fn keep<T>(kept: &mut VecDeque<T>, new: impl IntoIterator<Item = T>, most: usize
         kept.pop_front();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_longest_absence_is_kept_and_that_of_late_forgotten() {
+        let ms = Duration::from_millis;
+        let mut away = Away::default();
+        for at in [2, 4, 94, 96] {
+            away.hear(ms(at));
+        }
+        assert_eq!(away.longest(), (ms(90), ms(90)));
+        // Two intervals later it is not of late any more.
+        for at in (96..12_000).step_by(2) {
+            away.hear(ms(at));
+        }
+        assert_eq!(away.longest(), (ms(2), ms(90)));
+        away.hear(ms(12_040));
+        assert_eq!(away.longest().0, ms(42));
+    }
+}

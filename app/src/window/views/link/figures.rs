@@ -309,3 +309,52 @@ fn whole(time: Duration) -> u128 {
 fn tenths(time: Duration) -> String {
     format!("{:.1}", time.as_secs_f64() * 1000.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use gsk_core::machine::link::{BoardInfo, LinkState};
+    use gsk_core::units::PerAxis;
+
+    use super::*;
+
+    fn view() -> LinkView {
+        LinkView {
+            state: LinkState::Ready,
+            connected: true,
+            protocol: Protocol::Line,
+            port: "COM3".to_owned(),
+            board: BoardInfo::default(),
+            position_known: true,
+            round_trip: None,
+            away: (Duration::from_micros(2_300), Duration::from_millis(87)),
+            outstanding: Duration::ZERO,
+            lookahead: Duration::from_millis(150),
+            traffic: Traffic::default(),
+            inputs: Vec::new(),
+            missing_outputs: Vec::new(),
+            outputs: None,
+            spindle: None,
+            commanded: PerAxis::default(),
+            counted: None,
+            differences: Vec::new(),
+            exchanges: Vec::new(),
+            log: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_absence_of_the_computer_is_shown_while_a_board_is_connected() {
+        let shown = |view: &LinkView, name: &str, language| {
+            let sections = sections(language, view, &Rates::default());
+            let mut rows = sections.into_iter().flat_map(|section| section.rows);
+            rows.find(|row| row.0.contains(name)).map(|row| row.1)
+        };
+        let mut view = view();
+        let of = |view: &LinkView| shown(view, "computer away", Language::En);
+        assert_eq!(of(&view).as_deref(), Some("2.3 / 87.0 ms"));
+        let chinese = shown(&view, "电脑未查看端口", Language::Zh);
+        assert_eq!(chinese.as_deref(), Some("2.3 / 87.0 ms"));
+        view.connected = false;
+        assert_eq!(of(&view).as_deref(), Some("-"));
+    }
+}
