@@ -354,6 +354,8 @@ pub enum TwinBoard {
     Grbl,
     /// grblHAL
     Grblhal,
+    /// FluidNC
+    Fluidnc,
     /// Klipper, 250000 bits a second
     Klipper,
 }

@@ -1,4 +1,4 @@
-//! Boards of the Grbl family: Grbl 1.1h on an 8 bit processor, and grblHAL.
+//! Boards of the Grbl family: Grbl 1.1h on an 8 bit processor, grblHAL, and FluidNC.
 //!
 //! What hosts trip over is modelled on purpose: a receive buffer that drops what
 //! does not fit, characters that act at once wherever they stand, a carriage
@@ -6,10 +6,14 @@
 //! say "read", not "done", and a reset whenever the port is opened.
 
 mod block;
+mod config;
 mod firmware;
+mod fluid;
 mod homing;
+mod pins;
 mod planner;
 mod report;
+mod restart;
 mod settings;
 mod spindle;
 
@@ -17,7 +21,9 @@ use std::collections::VecDeque;
 
 use crate::wire::Wire;
 use block::{Asked, Modal};
+use fluid::Fluid;
 use homing::Homing;
+pub use pins::Pins;
 use planner::Planner;
 pub use settings::Settings;
 use spindle::Pass;
@@ -27,8 +33,6 @@ pub use spindle::{PassTrace, Spindle};
 const STEP_NS: u64 = 100_000;
 /// Time a line takes besides its bytes: 447 lines a second, ns.
 const LINE_NS: u64 = 2_237_000;
-/// Motion already handed to the pulse timer when a hold comes, ns.
-const PREPARED_NS: u64 = 45_000_000;
 /// From standstill until the board calls the hold complete, ns.
 const HOLD_SETTLES_NS: u64 = 35_000_000;
 /// From power or reset line to the banner, ns.
@@ -50,13 +54,25 @@ pub enum Variant {
     /// grblHAL: 100 blocks, 1024 bytes; after an error every line is refused
     /// until an empty one comes.
     GrblHal,
+    /// FluidNC 4.0 on an ESP32: its settings are a tree of named items.
+    FluidNc,
 }
 
 impl Variant {
     const fn blocks(self) -> usize {
         match self {
-            Self::Grbl => 15,
+            Self::Grbl | Self::FluidNc => 15,
             Self::GrblHal => 100,
+        }
+    }
+
+    /// Motion the pulse timer is handed in advance, s: pieces of 10 ms, of which the last
+    /// is being made.
+    const fn prepared(self) -> f64 {
+        match self {
+            Self::Grbl => 0.045,
+            Self::GrblHal => 0.085,
+            Self::FluidNc => 0.12,
         }
     }
 
@@ -64,13 +80,14 @@ impl Variant {
         match self {
             Self::Grbl => 128,
             Self::GrblHal => 1024,
+            Self::FluidNc => 384,
         }
     }
 
     const fn emergency_letter(self) -> char {
         match self {
             Self::Grbl => 'R',
-            Self::GrblHal => 'E',
+            Self::GrblHal | Self::FluidNc => 'E',
         }
     }
 
@@ -78,6 +95,7 @@ impl Variant {
         match self {
             Self::Grbl => "\r\nGrbl 1.1h ['$' for help]\r\n",
             Self::GrblHal => "\r\nGrblHAL 1.1f ['$' or '$HELP' for help]\r\n",
+            Self::FluidNc => "\r\nGrbl 4.0 [FluidNC v4.0.4 (esp32-wifi) '$' for help]\r\n",
         }
     }
 }
@@ -100,21 +118,11 @@ pub enum State {
     Alarm,
     /// Reads programs without moving.
     Check,
-}
-
-/// The input pins; true is "switch operated".
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pins {
-    /// Limit of X.
-    pub limit_x: bool,
-    /// Limit of Z.
-    pub limit_z: bool,
-    /// Door.
-    pub door: bool,
-    /// Probe.
-    pub probe: bool,
-    /// Emergency stop (the larger board), or reset (the 8 bit board).
-    pub emergency: bool,
+    /// FluidNC after a hard limit or an emergency stop: it says it is locked, takes every
+    /// block, and carries none out until a reset.
+    Critical,
+    /// FluidNC before it has read its configuration.
+    Starting,
 }
 
 /// A board, its two wires and its pins, in virtual time.
@@ -162,7 +170,6 @@ pub struct GrblTwin {
     state: State,
     /// After a hard limit: nothing but a reset is heard.
     silent: bool,
-    hold_from: Option<u64>,
     stands_since: Option<u64>,
     report_due: bool,
     reports: u32,
@@ -178,6 +185,11 @@ pub struct GrblTwin {
     stuck: bool,
     /// Time of this step that a pass has more, or (negative) less, s.
     head_start: f64,
+    /// Of G54, mm; kept without power.
+    work_offset: [f64; 3],
+    fluid: Fluid,
+    /// Macros FluidNC was told to run, by a character of its own.
+    pub macros_run: u32,
 }
 
 impl GrblTwin {
@@ -194,7 +206,7 @@ impl GrblTwin {
             limits_were: [false; 2],
             emergency_was: false,
             homing: None,
-            settings,
+            settings: settings.of(variant),
             received: VecDeque::new(),
             line: Vec::new(),
             in_comment: false,
@@ -205,13 +217,12 @@ impl GrblTwin {
             waiting: None,
             answers_at: None,
             modal: Modal::default(),
-            planner: Planner::new(variant.blocks()),
+            planner: Planner::new(variant.blocks(), variant.prepared()),
             pulses: [0; 3],
             position: [0; 3],
             miscounted: [0; 3],
             state: State::Idle,
             silent: false,
-            hold_from: None,
             stands_since: None,
             report_due: false,
             reports: 0,
@@ -224,46 +235,13 @@ impl GrblTwin {
             hold_pending: false,
             stuck: false,
             head_start: 0.0,
+            work_offset: [0.0; 3],
+            fluid: Fluid::default(),
+            macros_run: 0,
         };
         twin.place_switches([20.0, 40.0]);
         twin.press_reset();
         twin
-    }
-
-    /// The reset line: opening the port does this to boards with the usual USB
-    /// chip. Everything but the settings is gone, the position too.
-    pub fn press_reset(&mut self) {
-        self.boots_at = Some(self.now + BOOT_NS);
-        self.received.clear();
-        self.planner.clear();
-        self.waiting = None;
-        self.homing = None;
-        self.pass = None;
-        // The output that drives the spindle drops.
-        self.spindle = 5;
-    }
-
-    /// Whether the limit inputs of X and Z are operated.
-    pub fn limits(&self) -> [bool; 2] {
-        let at = |place: i64, switch: i64| place * switch.signum() >= switch.abs();
-        let [x, z] = self.switch_pulses;
-        [
-            self.pins.limit_x || at(self.pulses[0], x),
-            self.pins.limit_z || at(self.pulses[2], z),
-        ]
-    }
-
-    /// Puts the limit switches of X and Z so many mm from where the slides stood at
-    /// the beginning; they are operated from there on outwards.
-    pub fn place_switches(&mut self, switches: [f64; 2]) {
-        self.switches = switches;
-        self.set_switches();
-    }
-
-    fn set_switches(&mut self) {
-        let [x, _, z] = self.settings.axes(100);
-        let [at_x, at_z] = self.switches;
-        self.switch_pulses = [(at_x * x).round() as i64, (at_z * z).round() as i64];
     }
 
     /// What the board is doing.
@@ -282,14 +260,9 @@ impl GrblTwin {
         self.miscounted[2] += z;
     }
 
-    /// The board stops itself with this alarm of its firmware; from the smaller numbers
-    /// it has to be unlocked.
-    pub fn give_up(&mut self, number: u8) {
-        self.planner.clear();
-        self.waiting = None;
-        self.homing = None;
-        self.state = State::Alarm;
-        self.say(&format!("ALARM:{number}\r\n"));
+    /// Another program has set the offset of G54 for X and Z, mm.
+    pub const fn set_work_offset(&mut self, [x, z]: [f64; 2]) {
+        self.work_offset = [x, 0.0, z];
     }
 
     /// Its settings.
@@ -330,6 +303,10 @@ impl GrblTwin {
             let step = STEP_NS.min(end - self.now);
             self.now += step;
             self.turn_spindle(step);
+            if self.variant == Variant::FluidNc {
+                self.fluid_step(step);
+                continue;
+            }
             self.receive();
             if let Some(at) = self.boots_at {
                 if self.now < at {
@@ -354,55 +331,10 @@ impl GrblTwin {
             Err(number) => {
                 self.error_latch = self.variant == Variant::GrblHal;
                 self.say(&format!("error:{number}\r\n"));
+                if self.is_set("verbose_errors") {
+                    self.say(&format!("[MSG:ERR: This is error {number}]\r\n"));
+                }
             }
-        }
-    }
-
-    fn power_on(&mut self) {
-        self.boots_at = None;
-        self.position = [0; 3];
-        self.miscounted = [0; 3];
-        self.modal = Modal::default();
-        self.state = if self.settings.is_on(22) {
-            State::Alarm
-        } else {
-            State::Idle
-        };
-        self.start_firmware();
-    }
-
-    /// What power-on and a soft reset have in common.
-    fn start_firmware(&mut self) {
-        self.received.clear();
-        self.line.clear();
-        let off = core::mem::take(&mut self.miscounted);
-        for (place, off) in self.position.iter_mut().zip(off) {
-            *place += off;
-        }
-        self.in_comment = false;
-        self.too_long = false;
-        self.waiting = None;
-        self.answers_at = None;
-        self.planner.clear();
-        self.homing = None;
-        self.pass = None;
-        self.hold_pending = false;
-        self.stuck = false;
-        self.hold_from = None;
-        self.stands_since = None;
-        self.silent = false;
-        self.error_latch = false;
-        self.spindle = 5;
-        self.coolant = false;
-        self.modal = Modal {
-            position: self.millimetres(),
-            ..Modal::default()
-        };
-        self.say(self.variant.banner());
-        if self.state == State::Alarm {
-            self.say("[MSG:'$H'|'$X' to unlock]\r\n");
-        } else {
-            self.state = State::Idle;
         }
     }
 
@@ -439,7 +371,6 @@ impl GrblTwin {
             self.hold_pending = true;
         } else if self.state == State::Run {
             self.state = State::Hold { complete: false };
-            self.hold_from = Some(self.now + PREPARED_NS);
             self.stands_since = None;
         } else if self.state == State::Idle {
             self.state = State::Hold { complete: true };
@@ -448,7 +379,6 @@ impl GrblTwin {
 
     fn resume(&mut self) {
         if self.state == (State::Hold { complete: true }) {
-            self.hold_from = None;
             self.state = if self.planner.is_empty() {
                 State::Idle
             } else {
@@ -457,59 +387,13 @@ impl GrblTwin {
         }
     }
 
-    fn soft_reset(&mut self) {
-        let moving = matches!(self.state, State::Run | State::Hold { complete: false });
-        if self.state == State::Home {
-            self.state = State::Alarm;
-            self.say("ALARM:6\r\n");
-        } else if moving {
-            self.state = State::Alarm;
-            self.say("ALARM:3\r\n");
-        } else if self.state == (State::Hold { complete: true }) || self.state == State::Check {
-            self.state = State::Idle;
-        }
-        self.start_firmware();
-    }
-
-    /// Limit inputs act on their edges. The 8 bit board looks at no level: letting go
-    /// of a switch is an edge too.
-    fn watch_pins(&mut self) {
-        let pressed = self.pins.emergency && !self.emergency_was;
-        self.emergency_was = self.pins.emergency;
-        match self.variant {
-            Variant::Grbl if pressed => self.soft_reset(),
-            Variant::GrblHal if pressed => {
-                self.state = State::Alarm;
-                self.say("ALARM:10\r\n");
-                self.start_firmware();
-            }
-            _ => {}
-        }
-        let limits = self.limits();
-        let were = core::mem::replace(&mut self.limits_were, limits);
-        let edge = (0..2).any(|axis| match self.variant {
-            Variant::Grbl => limits[axis] != were[axis],
-            Variant::GrblHal => limits[axis] && !were[axis],
-        });
-        let watched = !matches!(self.state, State::Alarm | State::Home);
-        if edge && watched && self.settings.is_on(21) && !self.silent {
-            self.planner.clear();
-            self.waiting = None;
-            self.pass = None;
-            self.state = State::Alarm;
-            self.say("ALARM:1\r\n[MSG:Reset to continue]\r\n");
-            self.silent = true;
-        }
-    }
-
     fn move_axes(&mut self, step: u64) {
         let seconds = step as f64 * 1e-9 + core::mem::take(&mut self.head_start);
-        let holding = self.hold_from.is_some_and(|from| self.now >= from);
         match self.state {
             State::Run => self.make_pulses(seconds, false),
             State::Hold { complete: false } => {
-                self.make_pulses(seconds, holding);
-                if self.planner.speed() > 0.0 && !self.planner.is_empty() {
+                self.make_pulses(seconds, true);
+                if !self.planner.stands() {
                     return;
                 }
                 let since = *self.stands_since.get_or_insert(self.now);
@@ -530,9 +414,20 @@ impl GrblTwin {
 
     fn make_pulses(&mut self, seconds: f64, hold: bool) {
         let made = self.planner.advance(seconds, hold);
+        self.count_all(made);
+    }
+
+    fn count_all(&mut self, made: [i64; 3]) {
         for (axis, count) in made.into_iter().enumerate() {
+            self.count(axis, count);
+        }
+    }
+
+    /// The count goes on where the motor of an axis is kept from making pulses.
+    const fn count(&mut self, axis: usize, count: i64) {
+        self.position[axis] += count;
+        if !self.is_limited(axis) {
             self.pulses[axis] += count;
-            self.position[axis] += count;
         }
     }
 

@@ -98,8 +98,14 @@ impl Modal {
     }
 
     /// Reads a block (blanks and comments are gone, letters are capital) and
-    /// takes its modal words over; the number of the error otherwise.
-    pub(super) fn read(&mut self, text: &str, spindle_sync: bool) -> Result<Asked, u8> {
+    /// takes its modal words over; the number of the error otherwise. Places count from
+    /// the offset of G54, mm, while that is in force.
+    pub(super) fn read(
+        &mut self,
+        text: &str,
+        spindle_sync: bool,
+        offset: [f64; 3],
+    ) -> Result<Asked, u8> {
         let mut next = *self;
         let mut asked = Asked::default();
         let mut axes: [Option<f64>; 3] = [None; 3];
@@ -191,12 +197,19 @@ impl Modal {
             if next.motion == 80 {
                 return Err(31);
             }
+            if machine && next.motion > 1 {
+                return Err(30);
+            }
             let mut target = next.position;
-            for (place, value) in target.iter_mut().zip(axes) {
-                if let Some(value) = value {
+            for axis in 0..3 {
+                if let Some(value) = axes[axis] {
                     let way = value * scale;
-                    *place = if next.incremental && !machine {
-                        *place + way
+                    target[axis] = if machine {
+                        way
+                    } else if next.incremental {
+                        target[axis] + way
+                    } else if next.system == 54 {
+                        way + offset[axis]
                     } else {
                         way
                     };
@@ -249,13 +262,15 @@ fn number(text: &str) -> Option<(f64, &str)> {
 mod tests {
     use super::*;
 
+    const HERE: [f64; 3] = [0.0; 3];
+
     #[test]
     fn inverse_time_needs_its_word_in_every_block() {
         let mut modal = Modal::default();
-        let asked = modal.read("G93G1X1.5Z-2F6000", false).unwrap();
+        let asked = modal.read("G93G1X1.5Z-2F6000", false, HERE).unwrap();
         assert_eq!(asked.target, Some([1.5, 0.0, -2.0]));
         assert_eq!(asked.pace, Pace::Time(0.01));
-        assert_eq!(modal.read("X2", false), Err(22));
+        assert_eq!(modal.read("X2", false, HERE), Err(22));
         assert_eq!(
             modal.position,
             [1.5, 0.0, -2.0],
@@ -264,22 +279,41 @@ mod tests {
     }
 
     #[test]
+    fn machine_coordinates_know_no_offset() {
+        let mut modal = Modal::default();
+        let mut target = |text: &str| {
+            let asked = modal.read(text, true, [10.0, 0.0, -30.0]);
+            asked.map(|asked| asked.target)
+        };
+        assert_eq!(target("G1X1Z2F60"), Ok(Some([11.0, 0.0, -28.0])));
+        assert_eq!(target("G53X1F60"), Ok(Some([1.0, 0.0, -28.0])));
+        assert_eq!(target("G55Z3"), Ok(Some([1.0, 0.0, 3.0])));
+        assert_eq!(target("G53G33Z-1K1"), Err(30));
+    }
+
+    #[test]
     fn errors_have_the_numbers_of_the_firmware() {
         let mut modal = Modal::default();
-        assert_eq!(modal.read("1X", false), Err(1));
-        assert_eq!(modal.read("GX", false), Err(2));
-        assert_eq!(modal.read("G2X1", false), Err(20));
-        assert_eq!(modal.read("G1X1", false), Err(22));
-        assert_eq!(modal.read("G4", false), Err(28));
-        assert_eq!(modal.read("G33Z-1K1", false), Err(20));
-        assert_eq!(modal.read("G33Z-1", true), Err(39));
-        assert_eq!(modal.read("G1G93", false), Err(22), "no way, but a motion");
+        assert_eq!(modal.read("1X", false, HERE), Err(1));
+        assert_eq!(modal.read("GX", false, HERE), Err(2));
+        assert_eq!(modal.read("G2X1", false, HERE), Err(20));
+        assert_eq!(modal.read("G1X1", false, HERE), Err(22));
+        assert_eq!(modal.read("G4", false, HERE), Err(28));
+        assert_eq!(modal.read("G33Z-1K1", false, HERE), Err(20));
+        assert_eq!(modal.read("G33Z-1", true, HERE), Err(39));
         assert_eq!(
-            modal.read("G1G93F60", false).map(|asked| asked.target),
+            modal.read("G1G93", false, HERE),
+            Err(22),
+            "no way, but a motion"
+        );
+        assert_eq!(
+            modal
+                .read("G1G93F60", false, HERE)
+                .map(|asked| asked.target),
             Ok(None)
         );
         assert_eq!(
-            modal.read("G94X1F100X2", false),
+            modal.read("G94X1F100X2", false, HERE),
             Err(25),
             "two lines that ran together"
         );

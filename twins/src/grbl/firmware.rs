@@ -2,6 +2,7 @@
 
 use super::block::{Asked, Pace};
 use super::planner::Block;
+use super::report::figures;
 use super::{GrblTwin, LEAST_CUT, LINE_BYTES, LINE_NS, SETTING_WRITE_NS, State, Variant};
 
 impl GrblTwin {
@@ -76,7 +77,10 @@ impl GrblTwin {
             self.answer(Err(9));
             return;
         }
-        match self.modal.read(&text, self.has_spindle_sync()) {
+        match self
+            .modal
+            .read(&text, self.has_spindle_sync(), self.work_offset)
+        {
             Ok(_) if self.state == State::Check => self.answer(Ok(())),
             Ok(asked) => self.waiting = Some(asked),
             Err(number) => self.answer(Err(number)),
@@ -84,7 +88,7 @@ impl GrblTwin {
     }
 
     /// Tries to carry a block out; false while it must wait.
-    fn carry_out(&mut self, asked: Asked) -> bool {
+    pub(super) fn carry_out(&mut self, asked: Asked) -> bool {
         if asked.drains && !(self.planner.is_empty() && self.state != State::Run) {
             return false;
         }
@@ -110,14 +114,20 @@ impl GrblTwin {
             }
             self.plan(target, asked);
         }
+        if asked.ends && self.variant == Variant::FluidNc {
+            self.say("[MSG:INFO: Program End]\r\n");
+        }
         self.answer(Ok(()));
-        if asked.ends {
+        if asked.ends && self.variant != Variant::FluidNc {
             self.say("[MSG:Pgm End]\r\n");
         }
         true
     }
 
     pub(super) fn plan(&mut self, target: [f64; 3], asked: Asked) {
+        if !self.may_plan() {
+            return;
+        }
         let scale = self.settings.axes(100);
         let from = self.planned_position();
         let wanted = [0, 1, 2].map(|axis| (target[axis] * scale[axis]).round() as i64);
@@ -157,7 +167,8 @@ impl GrblTwin {
     /// Where the queue ends, pulses.
     fn planned_position(&self) -> [i64; 3] {
         let ahead = self.planner.pulses_ahead();
-        [0, 1, 2].map(|axis| self.position[axis] + ahead[axis])
+        let astray = self.astray();
+        [0, 1, 2].map(|axis| self.position[axis] + ahead[axis] + astray[axis])
     }
 
     /// A `$` line; None where the answer comes later or never.
@@ -167,13 +178,7 @@ impl GrblTwin {
                 let lines: String = self.settings.lines().collect();
                 self.say(&lines);
             }
-            "#" => {
-                for system in 54..=59 {
-                    self.say(&format!("[G{system}:0.000,0.000,0.000]\r\n"));
-                }
-                self.say("[G28:0.000,0.000,0.000]\r\n[G30:0.000,0.000,0.000]\r\n");
-                self.say("[G92:0.000,0.000,0.000]\r\n[TLO:0.000]\r\n");
-            }
+            "#" => self.list_offsets(),
             "G" => {
                 let text = self.modal.text();
                 self.say(&format!("[{text}]\r\n"));
@@ -204,6 +209,20 @@ impl GrblTwin {
             _ => return self.write_setting(command).err().map(Err),
         }
         Some(Ok(()))
+    }
+
+    /// `$#`: nothing but G54 is offset.
+    pub(super) fn list_offsets(&mut self) {
+        for system in 54..=59 {
+            let offset = if system == 54 {
+                self.work_offset
+            } else {
+                [0.0; 3]
+            };
+            self.say(&format!("[G{system}:{}]\r\n", figures(offset)));
+        }
+        self.say("[G28:0.000,0.000,0.000]\r\n[G30:0.000,0.000,0.000]\r\n");
+        self.say("[G92:0.000,0.000,0.000]\r\n[TLO:0.000]\r\n");
     }
 
     fn write_setting(&mut self, command: &str) -> Result<(), u8> {

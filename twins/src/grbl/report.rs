@@ -4,6 +4,11 @@ use core::fmt::Write;
 
 use super::{GrblTwin, OFFSET_EVERY, State, Variant};
 
+/// Three figures as a board writes them.
+pub(super) fn figures([x, y, z]: [f64; 3]) -> String {
+    format!("{x:.3},{y:.3},{z:.3}")
+}
+
 impl GrblTwin {
     /// The answer to `?`.
     pub(super) fn report(&self) -> String {
@@ -14,17 +19,30 @@ impl GrblTwin {
             State::Hold { complete: true } => "Hold:0",
             State::Hold { complete: false } => "Hold:1",
             State::Home => "Home",
-            State::Alarm => "Alarm",
+            State::Alarm | State::Critical => "Alarm",
             State::Check => "Check",
+            State::Starting => "Starting",
         };
+        let fluid = self.variant == Variant::FluidNc;
         let [x, y, z] = self.millimetres();
-        let mut text = format!("<{state}|MPos:{x:.3},{y:.3},{z:.3}");
+        // FluidNC tells the place of the work where the machine's is not asked for.
+        let whose = if fluid && !self.names(0) { 'W' } else { 'M' };
+        let mut text = format!("<{state}|{whose}Pos:{x:.3},{y:.3},{z:.3}");
         // A `String` takes everything that is written to it.
         if self.names(1) {
-            let free = self.variant.receive_bytes() - self.received.len();
+            let free = if fluid {
+                self.told_room()
+            } else {
+                self.variant.receive_bytes() - self.received.len()
+            };
             let _ = write!(text, "|Bf:{},{free}", self.planner.free());
         }
-        let feed = self.planner.speed() * 60.0;
+        let moves = !matches!(self.state, State::Alarm | State::Critical);
+        let feed = if moves || !fluid {
+            self.planner.speed() * 60.0
+        } else {
+            0.0
+        };
         let speed = if self.spindle == 5 {
             0.0
         } else {
@@ -36,7 +54,11 @@ impl GrblTwin {
                 let _ = write!(text, ",{:.0}", self.spindle().rpm().abs());
             }
         }
-        let mut pins = String::new();
+        let mut pins = if fluid {
+            self.pin_letters()
+        } else {
+            String::new()
+        };
         let [limit_x, limit_z] = self.limits();
         let emergency = self.variant.emergency_letter();
         for (operated, letter) in [
@@ -46,7 +68,7 @@ impl GrblTwin {
             (self.pins.door, 'D'),
             (self.pins.emergency, emergency),
         ] {
-            if operated {
+            if operated && !fluid {
                 pins.push(letter);
             }
         }
@@ -54,18 +76,37 @@ impl GrblTwin {
             let _ = write!(text, "|Pn:{pins}");
         }
         match self.reports % OFFSET_EVERY {
-            0 if self.names(5) => text.push_str("|WCO:0.000,0.000,0.000"),
-            1 if self.names(6) => text.push_str("|Ov:100,100,100"),
+            0 if self.names(5) => {
+                let _ = write!(text, "|WCO:{}", figures(self.work_offset));
+            }
+            1 if self.names(6) => {
+                text.push_str("|Ov:100,100,100");
+                if fluid {
+                    text.push_str(self.accessories());
+                }
+            }
             _ => {}
         }
         text.push_str(">\r\n");
         text
     }
 
-    /// Whether a report names a field: `$10` of the larger board has a switch for
-    /// each, that of the smaller one for the first two.
+    /// Which outputs are on.
+    const fn accessories(&self) -> &'static str {
+        match (self.spindle, self.coolant) {
+            (3, true) => "|A:SF",
+            (3, false) => "|A:S",
+            (4, true) => "|A:CF",
+            (4, false) => "|A:C",
+            (_, true) => "|A:F",
+            (_, false) => "",
+        }
+    }
+
+    /// Whether a report names a field: `$10` of grblHAL has a switch for each, that of
+    /// the others for the first two.
     fn names(&self, field: u32) -> bool {
-        let all = self.variant == Variant::Grbl && field > 1;
+        let all = self.variant != Variant::GrblHal && field > 1;
         all || self.settings.value(10) as u32 >> field & 1 == 1
     }
 
@@ -81,6 +122,13 @@ impl GrblTwin {
                  [FIRMWARE:grblHAL]\r\n\
                  [DRIVER:Twin]\r\n",
                 if self.has_spindle_sync() { "SS," } else { "" }
+            ),
+            Variant::FluidNc => format!(
+                "[VER:4.0 FluidNC v4.0.4 (esp32-wifi) :]\r\n\
+                 [OPT:PHS]\r\n\
+                 [MSG:Machine: {}]\r\n\
+                 [MSG:No radio]\r\n",
+                self.item("name").unwrap_or_default()
             ),
         }
     }

@@ -1,6 +1,10 @@
-//! The `$` settings of a board: number, how they are written, value.
+//! The `$` settings of a board: number, how they are written, value; on a FluidNC
+//! board all but two of the numbers stand for items of its tree.
 
 use std::collections::BTreeMap;
+
+use super::Variant;
+use super::config::Config;
 
 /// Settings whole numbers; all others are written with three decimals.
 const WHOLE: [u16; 19] = [
@@ -45,13 +49,23 @@ const DELIVERED: [(u16, f64); 34] = [
     (132, 200.0),
 ];
 
+/// The numbers FluidNC keeps: fields of a report, inches.
+const BESIDE_THE_TREE: [(u16, f64); 2] = [(10, 1.0), (13, 0.0)];
+
 /// The settings of a board; they outlive its reset.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings(BTreeMap<u16, f64>);
+pub struct Settings {
+    numbers: BTreeMap<u16, f64>,
+    /// FluidNC alone has one.
+    tree: Option<Config>,
+}
 
 impl Default for Settings {
     fn default() -> Self {
-        Self(DELIVERED.into_iter().collect())
+        Self {
+            numbers: DELIVERED.into_iter().collect(),
+            tree: None,
+        }
     }
 }
 
@@ -61,13 +75,41 @@ impl Settings {
     pub fn with_encoder(pulses: u16) -> Self {
         let mut settings = Self::default();
         let more = [(38, f64::from(pulses)), (90, 1.0), (91, 0.01), (92, 0.0)];
-        settings.0.extend(more);
+        settings.numbers.extend(more);
         settings
+    }
+
+    /// Those of a FluidNC board, as its owner has set it up.
+    pub fn with_tree() -> Self {
+        Self {
+            numbers: BESIDE_THE_TREE.into_iter().collect(),
+            tree: Some(Config::default()),
+        }
+    }
+
+    /// What a board of this firmware makes of them: without a tree FluidNC has the
+    /// delivered one.
+    pub(super) fn of(self, variant: Variant) -> Self {
+        if variant == Variant::FluidNc && self.tree.is_none() {
+            Self::with_tree()
+        } else {
+            self
+        }
+    }
+
+    pub(super) const fn tree(&self) -> Option<&Config> {
+        self.tree.as_ref()
+    }
+
+    pub(super) const fn tree_mut(&mut self) -> Option<&mut Config> {
+        self.tree.as_mut()
     }
 
     /// The value of a setting; 0 where there is none.
     pub fn value(&self, number: u16) -> f64 {
-        self.0.get(&number).copied().unwrap_or(0.0)
+        let in_tree = || self.tree.as_ref().and_then(|tree| tree.setting(number));
+        let known = self.numbers.get(&number).copied();
+        known.or_else(in_tree).unwrap_or(0.0)
     }
 
     /// Whether a switch is on.
@@ -78,7 +120,7 @@ impl Settings {
     /// Sets a value; the number of the error otherwise: 3 no such setting,
     /// 4 a negative value, 6 pulses shorter than 3 µs.
     pub fn set(&mut self, number: u16, value: f64) -> Result<(), u8> {
-        let place = self.0.get_mut(&number).ok_or(3_u8)?;
+        let place = self.numbers.get_mut(&number).ok_or(3_u8)?;
         if value < 0.0 {
             return Err(4);
         }
@@ -100,7 +142,7 @@ impl Settings {
 
     /// All of them as `$$` shows them.
     pub fn lines(&self) -> impl Iterator<Item = String> + '_ {
-        self.0.iter().map(|(number, value)| {
+        self.numbers.iter().map(|(number, value)| {
             if WHOLE.contains(number) {
                 format!("${number}={value:.0}\r\n")
             } else {

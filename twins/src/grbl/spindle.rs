@@ -140,8 +140,11 @@ impl GrblTwin {
     /// A step of the spindle, and of the pass that waits for it or follows it.
     pub(super) fn turn_spindle(&mut self, step: u64) {
         let seconds = step as f64 * 1e-9;
-        let full = self.settings.value(30).max(1e-9);
-        let share = (self.modal.speed / full).clamp(0.0, 1.0);
+        let full = match self.variant {
+            Variant::FluidNc => self.top_speed(),
+            Variant::Grbl | Variant::GrblHal => self.settings.value(30),
+        };
+        let share = (self.modal.speed / full.max(1e-9)).clamp(0.0, 1.0);
         let wanted = match self.spindle {
             3 => share * self.shaft.full_speed,
             4 => -share * self.shaft.full_speed,

@@ -65,6 +65,8 @@ impl Twin {
             TwinBoard::Grbl => grbl(Variant::Grbl, Settings::default()),
             // Its spindle has an encoder.
             TwinBoard::Grblhal => grbl(Variant::GrblHal, Settings::with_encoder(ENCODER)),
+            // As an owner has it who copied an example.
+            TwinBoard::Fluidnc => grbl(Variant::FluidNc, Settings::with_tree()),
             TwinBoard::Klipper => {
                 let mut board = KlipperTwin::new(klipper::Make::default());
                 for (pin, axis, from, to, turn) in SWITCHES {
@@ -133,7 +135,7 @@ impl Twin {
 /// A machine file for a board that is played.
 const fn machine(firmware: TwinBoard) -> &'static str {
     match firmware {
-        TwinBoard::Grbl | TwinBoard::Grblhal => {
+        TwinBoard::Grbl | TwinBoard::Grblhal | TwinBoard::Fluidnc => {
             include_str!("../../../../assets/machines/virtual-line.ron")
         }
         TwinBoard::Klipper => include_str!("../../../../assets/machines/virtual-klipper.ron"),

@@ -1,0 +1,499 @@
+//! The configuration of a FluidNC board: a tree of named items. The file holds what a
+//! start finds; `$/path=value` changes the memory alone.
+
+use core::fmt::Write;
+
+/// What the board comes with, in the order in which it is listed: an example its owner
+/// has fitted to a lathe, as far as the file alone can say it. A path that ends with a stroke is a section without items.
+const DELIVERED: &[(&str, &str)] = &[
+    ("board", "Breakout"),
+    ("name", "Lathe"),
+    ("meta", ""),
+    ("stepping/engine", "RMT"),
+    ("stepping/idle_ms", "255"),
+    ("stepping/pulse_us", "10"),
+    ("stepping/dir_delay_us", "1"),
+    ("stepping/disable_delay_us", "0"),
+    ("stepping/segments", "12"),
+    ("spi/miso_pin", "gpio.19"),
+    ("spi/mosi_pin", "gpio.23"),
+    ("spi/sck_pin", "gpio.18"),
+    ("sdcard/cs_pin", "gpio.5"),
+    ("sdcard/card_detect_pin", "NO_PIN"),
+    ("sdcard/frequency_hz", "8000000"),
+    ("kinematics/Cartesian/", ""),
+    ("axes/shared_stepper_disable_pin", "gpio.13:low"),
+    ("axes/shared_stepper_reset_pin", "NO_PIN"),
+    ("axes/homing_runs", "2"),
+    ("axes/x/steps_per_mm", "80.000000"),
+    ("axes/x/max_rate_mm_per_min", "5000.000000"),
+    ("axes/x/acceleration_mm_per_sec2", "100.000000"),
+    ("axes/x/max_travel_mm", "300.000000"),
+    ("axes/x/soft_limits", "false"),
+    ("axes/x/idle_disable", "true"),
+    ("axes/x/homing/cycle", "1"),
+    ("axes/x/homing/allow_single_axis", "true"),
+    ("axes/x/homing/positive_direction", "true"),
+    ("axes/x/homing/mpos_mm", "0.000000"),
+    ("axes/x/homing/feed_mm_per_min", "100.000000"),
+    ("axes/x/homing/seek_mm_per_min", "500.000000"),
+    ("axes/x/homing/settle_ms", "250"),
+    ("axes/x/homing/seek_scaler", "1.100000"),
+    ("axes/x/homing/feed_scaler", "1.100000"),
+    ("axes/x/motor0/limit_neg_pin", "NO_PIN"),
+    ("axes/x/motor0/limit_pos_pin", "gpio.36:low"),
+    ("axes/x/motor0/limit_all_pin", "NO_PIN"),
+    ("axes/x/motor0/hard_limits", "false"),
+    ("axes/x/motor0/pulloff_mm", "1.000000"),
+    ("axes/x/motor0/stepstick/step_pin", "gpio.12"),
+    ("axes/x/motor0/stepstick/direction_pin", "gpio.14"),
+    ("axes/x/motor0/stepstick/disable_pin", "NO_PIN"),
+    ("axes/x/motor0/stepstick/ms1_pin", "NO_PIN"),
+    ("axes/x/motor0/stepstick/ms2_pin", "NO_PIN"),
+    ("axes/x/motor0/stepstick/ms3_pin", "NO_PIN"),
+    ("axes/x/motor0/stepstick/reset_pin", "NO_PIN"),
+    ("axes/y/steps_per_mm", "80.000000"),
+    ("axes/y/max_rate_mm_per_min", "5000.000000"),
+    ("axes/y/acceleration_mm_per_sec2", "100.000000"),
+    ("axes/y/max_travel_mm", "300.000000"),
+    ("axes/y/soft_limits", "false"),
+    ("axes/y/idle_disable", "true"),
+    ("axes/y/motor0/limit_neg_pin", "NO_PIN"),
+    ("axes/y/motor0/limit_pos_pin", "NO_PIN"),
+    ("axes/y/motor0/limit_all_pin", "NO_PIN"),
+    ("axes/y/motor0/hard_limits", "false"),
+    ("axes/y/motor0/pulloff_mm", "1.000000"),
+    ("axes/y/motor0/stepstick/step_pin", "gpio.26"),
+    ("axes/y/motor0/stepstick/direction_pin", "gpio.15"),
+    ("axes/y/motor0/stepstick/disable_pin", "NO_PIN"),
+    ("axes/y/motor0/stepstick/ms1_pin", "NO_PIN"),
+    ("axes/y/motor0/stepstick/ms2_pin", "NO_PIN"),
+    ("axes/y/motor0/stepstick/ms3_pin", "NO_PIN"),
+    ("axes/y/motor0/stepstick/reset_pin", "NO_PIN"),
+    ("axes/z/steps_per_mm", "80.000000"),
+    ("axes/z/max_rate_mm_per_min", "5000.000000"),
+    ("axes/z/acceleration_mm_per_sec2", "100.000000"),
+    ("axes/z/max_travel_mm", "300.000000"),
+    ("axes/z/soft_limits", "false"),
+    ("axes/z/idle_disable", "true"),
+    ("axes/z/homing/cycle", "1"),
+    ("axes/z/homing/allow_single_axis", "true"),
+    ("axes/z/homing/positive_direction", "true"),
+    ("axes/z/homing/mpos_mm", "0.000000"),
+    ("axes/z/homing/feed_mm_per_min", "100.000000"),
+    ("axes/z/homing/seek_mm_per_min", "800.000000"),
+    ("axes/z/homing/settle_ms", "250"),
+    ("axes/z/homing/seek_scaler", "1.100000"),
+    ("axes/z/homing/feed_scaler", "1.100000"),
+    ("axes/z/motor0/limit_neg_pin", "NO_PIN"),
+    ("axes/z/motor0/limit_pos_pin", "gpio.39:low"),
+    ("axes/z/motor0/limit_all_pin", "NO_PIN"),
+    ("axes/z/motor0/hard_limits", "false"),
+    ("axes/z/motor0/pulloff_mm", "1.000000"),
+    ("axes/z/motor0/stepstick/step_pin", "gpio.27"),
+    ("axes/z/motor0/stepstick/direction_pin", "gpio.33"),
+    ("axes/z/motor0/stepstick/disable_pin", "NO_PIN"),
+    ("axes/z/motor0/stepstick/ms1_pin", "NO_PIN"),
+    ("axes/z/motor0/stepstick/ms2_pin", "NO_PIN"),
+    ("axes/z/motor0/stepstick/ms3_pin", "NO_PIN"),
+    ("axes/z/motor0/stepstick/reset_pin", "NO_PIN"),
+    ("control/safety_door_pin", "NO_PIN"),
+    ("control/reset_pin", "NO_PIN"),
+    ("control/feed_hold_pin", "NO_PIN"),
+    ("control/cycle_start_pin", "NO_PIN"),
+    ("control/macro0_pin", "NO_PIN"),
+    ("control/macro1_pin", "NO_PIN"),
+    ("control/macro2_pin", "NO_PIN"),
+    ("control/macro3_pin", "NO_PIN"),
+    ("control/fault_pin", "NO_PIN"),
+    ("control/estop_pin", "gpio.34:low"),
+    ("control/homing_button_pin", "NO_PIN"),
+    ("coolant/flood_pin", "gpio.2"),
+    ("coolant/mist_pin", "NO_PIN"),
+    ("coolant/delay_ms", "0"),
+    ("probe/pin", "gpio.32:low:pu"),
+    ("probe/toolsetter_pin", "NO_PIN"),
+    ("probe/check_mode_start", "true"),
+    ("probe/hard_stop", "false"),
+    ("probe/probe_hard_limit", "false"),
+    ("macros/startup_line0", ""),
+    ("macros/startup_line1", ""),
+    ("macros/macro0", ""),
+    ("macros/macro1", ""),
+    ("macros/macro2", ""),
+    ("macros/macro3", ""),
+    ("macros/after_homing", ""),
+    ("macros/after_reset", ""),
+    ("macros/after_unlock", ""),
+    ("start/must_home", "false"),
+    ("start/deactivate_parking", "false"),
+    ("start/check_limits", "true"),
+    ("parking/enable", "false"),
+    ("parking/axis", "Z"),
+    ("parking/target_mpos_mm", "-5.000000"),
+    ("parking/rate_mm_per_min", "800.000000"),
+    ("parking/pullout_distance_mm", "5.000000"),
+    ("parking/pullout_rate_mm_per_min", "250.000000"),
+    ("user_outputs/digital0_pin", "NO_PIN"),
+    ("user_outputs/digital1_pin", "NO_PIN"),
+    ("user_inputs/digital0_pin", "NO_PIN"),
+    ("user_inputs/digital1_pin", "NO_PIN"),
+    ("10V/forward_pin", "gpio.16"),
+    ("10V/reverse_pin", "gpio.17"),
+    ("10V/pwm_hz", "5000"),
+    ("10V/direction_pin", "NO_PIN"),
+    ("10V/output_pin", "gpio.25"),
+    ("10V/enable_pin", "gpio.4"),
+    ("10V/tool_num", "0"),
+    ("10V/speed_map", "0=0.00% 1000=100.00%"),
+    ("10V/off_on_alarm", "false"),
+    ("10V/atc", ""),
+    ("10V/m6_macro", ""),
+    ("10V/s0_with_disable", "true"),
+    ("10V/disable_with_s0", "false"),
+    ("10V/spinup_ms", "0"),
+    ("10V/spindown_ms", "0"),
+    ("arc_tolerance_mm", "0.002000"),
+    ("junction_deviation_mm", "0.010000"),
+    ("verbose_errors", "true"),
+    ("report_inches", "false"),
+    ("enable_parking_override_control", "false"),
+    ("use_line_numbers", "false"),
+    ("planner_blocks", "16"),
+];
+
+/// Least and greatest value by the name of the item; the others have none.
+const RANGES: [(&str, f64, f64); 21] = [
+    ("idle_ms", 0.0, 10_000_000.0),
+    ("pulse_us", 0.0, 30.0),
+    ("dir_delay_us", 0.0, 10.0),
+    ("disable_delay_us", 0.0, 1_000_000.0),
+    ("segments", 6.0, 20.0),
+    ("homing_runs", 1.0, 5.0),
+    ("steps_per_mm", 0.001, 100_000.0),
+    ("max_rate_mm_per_min", 0.001, 250_000.0),
+    ("acceleration_mm_per_sec2", 0.001, 100_000.0),
+    ("max_travel_mm", 0.1, 10_000_000.0),
+    ("cycle", -1.0, 6.0),
+    ("feed_mm_per_min", 1.0, 100_000.0),
+    ("seek_mm_per_min", 1.0, 100_000.0),
+    ("settle_ms", 0.0, 1000.0),
+    ("seek_scaler", 1.0, 100.0),
+    ("feed_scaler", 1.0, 100.0),
+    ("pulloff_mm", 0.1, 100_000.0),
+    ("pwm_hz", 1.0, 20_000_000.0),
+    ("arc_tolerance_mm", 0.001, 1.0),
+    ("junction_deviation_mm", 0.01, 1.0),
+    ("planner_blocks", 10.0, 120.0),
+];
+
+/// What no pin is called.
+const NO_PIN: &str = "NO_PIN";
+
+/// How a value is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// It cannot be changed while the firmware runs; the word by which it says so.
+    Fixed(&'static str),
+    Switch,
+    Whole,
+    Real,
+    Text,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Item {
+    path: &'static str,
+    kind: Kind,
+    file: String,
+    memory: String,
+}
+
+impl Item {
+    fn delivered(path: &'static str, value: &str) -> Self {
+        let kind = match name(path) {
+            "engine" => Kind::Fixed("step_engine"),
+            leaf if leaf.ends_with("pin") => Kind::Fixed("Pin"),
+            _ if value == "true" || value == "false" => Kind::Switch,
+            _ if value.parse::<i64>().is_ok() => Kind::Whole,
+            _ if value.parse::<f64>().is_ok() => Kind::Real,
+            _ => Kind::Text,
+        };
+        Self {
+            path,
+            kind,
+            file: value.to_owned(),
+            memory: value.to_owned(),
+        }
+    }
+
+    /// How the value is written, and what the board says to it.
+    fn written(&self, value: &str) -> (Option<String>, Option<String>) {
+        let number = value
+            .trim()
+            .parse()
+            .ok()
+            .filter(|number: &f64| number.is_finite());
+        let bad = || (None, Some("[MSG:ERR: This is no number]\r\n".to_owned()));
+        match (self.kind, number) {
+            (Kind::Text | Kind::Fixed(_), _) => (Some(value.to_owned()), None),
+            (Kind::Switch, _) if is_among(value, ["true", "yes", "on"]) => {
+                (Some("true".to_owned()), None)
+            }
+            (Kind::Switch, _) if is_among(value, ["false", "no", "off"]) => {
+                (Some("false".to_owned()), None)
+            }
+            (_, None) => bad(),
+            (Kind::Switch, Some(number)) => (Some((number != 0.0).to_string()), None),
+            (kind, Some(number)) => {
+                let range = RANGES.iter().find(|range| range.0 == name(self.path));
+                let (least, most) = range.map_or((f64::MIN, f64::MAX), |range| (range.1, range.2));
+                let held = number.clamp(least, most);
+                let text = if kind == Kind::Whole {
+                    format!("{:.0}", held.trunc())
+                } else {
+                    format!("{:.6}", held as f32)
+                };
+                let told = (held.to_bits() != number.to_bits()).then(|| {
+                    format!("[MSG:WARN: {value} is held within {least:.3} to {most:.3}]\r\n")
+                });
+                (Some(text), told)
+            }
+        }
+    }
+}
+
+fn is_among(value: &str, words: [&str; 3]) -> bool {
+    words.iter().any(|word| value.eq_ignore_ascii_case(word))
+}
+
+/// The last part of a path.
+fn name(path: &str) -> &str {
+    path.rsplit_once('/').map_or(path, |(_, name)| name)
+}
+
+/// The tree.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Config(Vec<Item>);
+
+impl Default for Config {
+    fn default() -> Self {
+        let item = |&(path, value): &(&'static str, &str)| Item::delivered(path, value);
+        Self(DELIVERED.iter().map(item).collect())
+    }
+}
+
+impl Config {
+    fn find(&self, path: &str) -> Option<&Item> {
+        let named = |item: &&Item| item.path.eq_ignore_ascii_case(path);
+        self.0.iter().find(named)
+    }
+
+    /// The value in memory.
+    pub(super) fn value(&self, path: &str) -> Option<&str> {
+        Some(self.find(path)?.memory.as_str())
+    }
+
+    /// The same as a number; 0 where there is none.
+    pub(super) fn number(&self, path: &str) -> f64 {
+        let value = self.value(path).and_then(|value| value.parse().ok());
+        value.unwrap_or(0.0)
+    }
+
+    /// Whether a switch is on.
+    pub(super) fn is_on(&self, path: &str) -> bool {
+        self.value(path) == Some("true")
+    }
+
+    /// Whether something is wired to a pin.
+    pub(super) fn is_wired(&self, path: &str) -> bool {
+        self.value(path).is_some_and(|pin| pin != NO_PIN)
+    }
+
+    /// A power-on finds what is on file.
+    pub(super) fn load(&mut self) {
+        for item in &mut self.0 {
+            item.memory.clone_from(&item.file);
+        }
+    }
+
+    /// The value that counts for what a start alone looks at.
+    pub(super) fn on_file(&self, path: &str) -> Option<&str> {
+        Some(self.find(path)?.file.as_str())
+    }
+
+    /// The owner changes the file and starts the board; 3 where there is no such item.
+    pub(super) fn preset(&mut self, path: &str, value: &str) -> Result<(), u8> {
+        let named = |item: &&mut Item| item.path.eq_ignore_ascii_case(path);
+        let item = self.0.iter_mut().find(named).ok_or(3_u8)?;
+        item.file = item.written(value).0.ok_or(2_u8)?;
+        item.memory.clone_from(&item.file);
+        Ok(())
+    }
+
+    /// The owner takes a section out of the file.
+    pub(super) fn take_out(&mut self, section: &str) {
+        let within = |path: &str| {
+            path.strip_prefix(section)
+                .is_some_and(|rest| rest.starts_with('/'))
+        };
+        self.0.retain(|item| !within(item.path));
+    }
+
+    /// `$/path=value`: what the board says before its `ok`; 3 where there is no such item.
+    pub(super) fn set(&mut self, path: &str, value: &str) -> Result<Option<String>, u8> {
+        let named = |item: &&mut Item| item.path.eq_ignore_ascii_case(path);
+        let item = self.0.iter_mut().find(named).ok_or(3_u8)?;
+        if let Kind::Fixed(what) = item.kind {
+            let told = format!("Runtime setting of {what} objects is not supported\r\n");
+            return Ok(Some(told));
+        }
+        let (text, told) = item.written(value);
+        if let Some(text) = text {
+            item.memory = text;
+        }
+        Ok(told)
+    }
+
+    /// `$/path`: an item, or a section with all it holds; 3 where there is neither.
+    pub(super) fn show(&self, path: &str) -> Result<String, u8> {
+        if let Some(item) = self.find(path) {
+            let value = match item.kind {
+                // Three decimals here, six in the list.
+                Kind::Real => format!("{:.3}", self.number(path)),
+                _ => item.memory.clone(),
+            };
+            return Ok(format!("$/{path}={value}\r\n"));
+        }
+        let prefix = format!("{path}/").to_ascii_lowercase();
+        let within = |item: &&Item| item.path.to_ascii_lowercase().starts_with(&prefix);
+        let items: Vec<&Item> = self.0.iter().filter(within).collect();
+        if items.is_empty() {
+            return Err(3);
+        }
+        Ok(format!("/{path}:\r\n{}", listed(&items, prefix.len(), 1)))
+    }
+
+    /// `$CD`: all of it.
+    pub(super) fn dump(&self) -> String {
+        listed(&self.0.iter().collect::<Vec<_>>(), 0, 0)
+    }
+
+    /// What a setting of Grbl with this number stands for.
+    pub(super) fn setting(&self, number: u16) -> Option<f64> {
+        let item = match number / 10 {
+            10 => "steps_per_mm",
+            11 => "max_rate_mm_per_min",
+            12 => "acceleration_mm_per_sec2",
+            13 => "max_travel_mm",
+            _ if number == 11 => return Some(self.number("junction_deviation_mm")),
+            _ => return None,
+        };
+        let axis = ["x", "y", "z"].get(usize::from(number % 10))?;
+        Some(self.number(&format!("axes/{axis}/{item}")))
+    }
+}
+
+/// Items as indented text; so many letters of their paths are left out.
+fn listed(items: &[&Item], skip: usize, indent: usize) -> String {
+    let mut text = String::new();
+    let mut open: Vec<&str> = Vec::new();
+    let mut blank = false;
+    let leave = |text: &mut String, count: usize, blank: &mut bool| {
+        if count > 0 && !*blank {
+            text.push_str("\r\n");
+            *blank = true;
+        }
+    };
+    for item in items {
+        let path = &item.path[skip..];
+        let (sections, name) = path.rsplit_once('/').unwrap_or(("", path));
+        let sections: Vec<&str> = sections
+            .split('/')
+            .filter(|part| !part.is_empty())
+            .collect();
+        let common = open
+            .iter()
+            .zip(&sections)
+            .take_while(|(a, b)| a == b)
+            .count();
+        leave(&mut text, open.len() - common, &mut blank);
+        open.truncate(common);
+        for section in &sections[common..] {
+            let depth = 2 * (indent + open.len());
+            let _ = write!(text, "{:depth$}{section}: \r\n", "");
+            open.push(section);
+            blank = false;
+        }
+        if name.is_empty() {
+            continue;
+        }
+        let depth = 2 * (indent + open.len());
+        let quote = if item.memory.contains(':') { "'" } else { "" };
+        let _ = write!(
+            text,
+            "{:depth$}{name}: {quote}{}{quote}\r\n",
+            "", item.memory
+        );
+        blank = false;
+    }
+    leave(&mut text, open.len(), &mut blank);
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_is_indented_and_a_section_ends_with_one_empty_line() {
+        let mut config = Config::default();
+        let pin = "axes/x/motor0/stepstick/direction_pin";
+        config.preset(pin, "gpio.14:low").unwrap();
+        let text = config.dump();
+        assert!(text.starts_with("board: Breakout\r\nname: Lathe\r\nmeta: \r\nstepping: \r\n"));
+        assert!(text.contains("  segments: 12\r\n\r\nspi: \r\n  miso_pin: gpio.19\r\n"));
+        assert!(text.contains("kinematics: \r\n  Cartesian: \r\n\r\naxes: \r\n"));
+        let driver = "      stepstick: \r\n        step_pin: gpio.12\r\n        \
+                      direction_pin: 'gpio.14:low'\r\n";
+        assert!(text.contains(driver), "{text}");
+        assert!(text.contains("        reset_pin: NO_PIN\r\n\r\n  y: \r\n"));
+        assert!(text.contains("    steps_per_mm: 80.000000\r\n"));
+        assert!(text.ends_with("  spindown_ms: 0\r\n\r\narc_tolerance_mm: 0.002000\r\njunction_deviation_mm: 0.010000\r\nverbose_errors: true\r\nreport_inches: false\r\nenable_parking_override_control: false\r\nuse_line_numbers: false\r\nplanner_blocks: 16\r\n"));
+        assert!(!text.contains("\r\n\r\n\r\n"));
+    }
+
+    #[test]
+    fn a_path_shows_an_item_or_a_section() {
+        let config = Config::default();
+        let shown = config.show("axes/x/steps_per_mm");
+        assert_eq!(shown, Ok("$/axes/x/steps_per_mm=80.000\r\n".into()));
+        let shown = config.show("start").unwrap();
+        assert!(
+            shown.starts_with("/start:\r\n  must_home: false\r\n"),
+            "{shown}"
+        );
+        assert_eq!(config.show("axes/a"), Err(3));
+        assert_eq!(config.show("star"), Err(3));
+    }
+
+    #[test]
+    fn a_value_is_taken_held_or_refused_and_always_ok() {
+        let mut config = Config::default();
+        assert_eq!(config.set("AXES/x/steps_per_mm", "1234.567"), Ok(None));
+        // A number of single precision.
+        assert_eq!(config.value("axes/x/steps_per_mm"), Some("1234.567017"));
+        let told = config.set("axes/x/homing/settle_ms", "5000").unwrap();
+        assert!(told.unwrap().starts_with("[MSG:WARN:"));
+        assert_eq!(config.value("axes/x/homing/settle_ms"), Some("1000"));
+        let told = config.set("axes/x/motor0/limit_pos_pin", "NO_PIN").unwrap();
+        assert!(told.unwrap().contains("Pin objects"));
+        assert!(config.is_wired("axes/x/motor0/limit_pos_pin"));
+        assert_eq!(config.set("start/must_home", "YES"), Ok(None));
+        assert!(config.is_on("start/must_home"));
+        assert!(config.set("start/must_home", "perhaps").unwrap().is_some());
+        assert_eq!(config.set("start", "1"), Err(3));
+        config.load();
+        assert!(!config.is_on("start/must_home"), "the file was not written");
+    }
+}

@@ -1,0 +1,74 @@
+//! The input pins: limit switches and emergency stop.
+
+use super::{GrblTwin, State, Variant};
+
+/// The input pins; true is "switch operated".
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pins {
+    /// Limit of X.
+    pub limit_x: bool,
+    /// Limit of Z.
+    pub limit_z: bool,
+    /// Door.
+    pub door: bool,
+    /// Probe.
+    pub probe: bool,
+    /// Emergency stop (the larger boards), or reset (the 8 bit board).
+    pub emergency: bool,
+}
+
+impl GrblTwin {
+    /// Whether the limit inputs of X and Z are operated.
+    pub fn limits(&self) -> [bool; 2] {
+        let at = |place: i64, switch: i64| place * switch.signum() >= switch.abs();
+        let [x, z] = self.switch_pulses;
+        [
+            self.pins.limit_x || at(self.pulses[0], x),
+            self.pins.limit_z || at(self.pulses[2], z),
+        ]
+    }
+
+    /// Puts the limit switches of X and Z so many mm from where the slides stood at
+    /// the beginning; they are operated from there on outwards.
+    pub fn place_switches(&mut self, switches: [f64; 2]) {
+        self.switches = switches;
+        self.set_switches();
+    }
+
+    pub(super) fn set_switches(&mut self) {
+        let [x, _, z] = self.settings.axes(100);
+        let [at_x, at_z] = self.switches;
+        self.switch_pulses = [(at_x * x).round() as i64, (at_z * z).round() as i64];
+    }
+
+    /// Limit inputs act on their edges. The 8 bit board looks at no level: letting go
+    /// of a switch is an edge too.
+    pub(super) fn watch_pins(&mut self) {
+        let pressed = self.pins.emergency && !self.emergency_was;
+        self.emergency_was = self.pins.emergency;
+        match self.variant {
+            Variant::Grbl if pressed => self.soft_reset(),
+            Variant::GrblHal if pressed => {
+                self.state = State::Alarm;
+                self.say("ALARM:10\r\n");
+                self.start_firmware();
+            }
+            _ => {}
+        }
+        let limits = self.limits();
+        let were = core::mem::replace(&mut self.limits_were, limits);
+        let edge = (0..2).any(|axis| match self.variant {
+            Variant::Grbl => limits[axis] != were[axis],
+            Variant::GrblHal | Variant::FluidNc => limits[axis] && !were[axis],
+        });
+        let watched = !matches!(self.state, State::Alarm | State::Home);
+        if edge && watched && self.settings.is_on(21) && !self.silent {
+            self.planner.clear();
+            self.waiting = None;
+            self.pass = None;
+            self.state = State::Alarm;
+            self.say("ALARM:1\r\n[MSG:Reset to continue]\r\n");
+            self.silent = true;
+        }
+    }
+}
