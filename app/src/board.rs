@@ -11,7 +11,7 @@ use crate::ending::Ending;
 use crate::ports;
 
 /// A board is known by then, or hardly ever.
-pub const GET_KNOWN: Duration = Duration::from_secs(15);
+pub const GET_KNOWN: Duration = Duration::from_secs(30);
 
 /// A board and its link. It is stopped when this value is dropped, and when the end of
 /// the program is asked for.
@@ -102,7 +102,7 @@ impl Board {
                 LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
             ) || events
                 .iter()
-                .any(|event| matches!(event, Event::Differs { .. }))
+                .any(|event| matches!(event, Event::Differs(_)))
         })
     }
 

@@ -139,7 +139,7 @@ impl Bench {
     }
 
     fn differs(&self) -> bool {
-        let differs = |event: &Event| matches!(event, Event::Differs { .. });
+        let differs = |event: &Event| matches!(event, Event::Differs(_));
         self.events.iter().any(differs)
     }
 

@@ -5,12 +5,15 @@
 use core::time::Duration;
 
 use gsk_core::machine::link::line::LineLink;
-use gsk_core::machine::link::{Event, Input, LinkConfig, LinkState, RunTime, Sample, Stop};
+use gsk_core::machine::link::{
+    Difference, Event, Input, LinkConfig, LinkState, RunTime, Sample, Stop,
+};
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 use gsk_twins::wire::Damage;
 
+const ALL: [Variant; 3] = [Variant::Grbl, Variant::GrblHal, Variant::FluidNc];
 /// One millisecond of both.
 const MS: u64 = 1_000_000;
 
@@ -64,7 +67,7 @@ impl Bench {
             ) || bench
                 .events
                 .iter()
-                .any(|event| matches!(event, Event::Differs { .. }))
+                .any(|event| matches!(event, Event::Differs(_)))
         });
         self.link.write_settings();
         self.wait(5000, |bench| bench.link.state() == LinkState::Locked);
@@ -155,17 +158,22 @@ impl Bench {
 
 #[test]
 fn a_board_as_delivered_is_refused_until_its_settings_are_written() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in ALL {
         let mut bench = Bench::new(variant);
         bench.wait(5000, |bench| !bench.alarms().is_empty());
         assert_eq!(bench.alarms(), [603], "{variant:?} {:?}", bench.events);
+        let (name, board) = match variant {
+            Variant::FluidNc => ("axes/x/steps_per_mm", "80.000000"),
+            _ => ("$100", "250"),
+        };
         let per_mm = bench.events.iter().any(|event| {
             *event
-                == Event::Differs {
-                    setting: 100,
-                    board: Some(250.0),
-                    wanted: 400.0,
-                }
+                == Event::Differs(Difference {
+                    number: 100,
+                    name: name.into(),
+                    board: Some(board.into()),
+                    wanted: "400".into(),
+                })
         });
         assert!(per_mm, "{:?}", bench.events);
         assert!(!bench.link.state().takes_motion());
@@ -199,7 +207,7 @@ fn a_silent_port_is_alarm_601() {
 
 #[test]
 fn a_job_ends_on_the_commanded_pulse() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in ALL {
         let mut bench = Bench::ready(variant);
         assert!(bench.job());
         assert!(bench.ends_ready(), "{:?}", bench.events);
@@ -210,78 +218,100 @@ fn a_job_ends_on_the_commanded_pulse() {
     }
 }
 
+/// G54 is kept in the board without power: whatever used it last may have left one.
+#[test]
+fn a_work_offset_of_another_program_moves_nothing() {
+    for variant in ALL {
+        let mut bench = Bench::new(variant);
+        bench.twin.set_work_offset([12.5, -40.0]);
+        bench.open();
+        bench.set_position();
+        assert!(bench.job() && bench.ends_ready(), "{:?}", bench.events);
+        assert_eq!(bench.twin.pulses(), [0, -100]);
+        assert!(bench.alarms().iter().all(|alarm| *alarm == 603));
+    }
+}
+
 #[test]
 fn the_board_never_holds_more_than_the_lookahead_nor_loses_a_byte() {
-    let mut bench = Bench::ready(Variant::Grbl);
-    for k in 1..=1500 {
-        assert!(bench.sample(k * 4, -k * 8));
-        assert!(bench.link.outstanding() <= Duration::from_millis(160));
+    for variant in ALL {
+        let mut bench = Bench::ready(variant);
+        for k in 1..=1500 {
+            assert!(bench.sample(k * 4, -k * 8));
+            assert!(bench.link.outstanding() <= Duration::from_millis(160));
+        }
+        bench.link.finish().unwrap();
+        assert!(bench.ends_ready());
+        assert_eq!(bench.twin.pulses(), [6000, -12_000]);
     }
-    bench.link.finish().unwrap();
-    assert!(bench.ends_ready());
-    assert_eq!(bench.twin.pulses(), [6000, -12_000]);
 }
 
 #[test]
 fn motion_keeps_the_time_of_the_kernel() {
-    let mut bench = Bench::ready(Variant::Grbl);
-    let from = bench.twin.now();
-    for k in 1..=2000 {
-        assert!(bench.sample(0, -k * 2));
+    for variant in ALL {
+        let mut bench = Bench::ready(variant);
+        let from = bench.twin.now();
+        for k in 1..=2000 {
+            assert!(bench.sample(0, -k * 2));
+        }
+        bench.link.finish().unwrap();
+        bench.wait(3000, |bench| bench.twin.pulses()[1] == -4000);
+        let seconds = (bench.twin.now() - from) as f64 * 1e-9;
+        // The first pulse takes 80 ms.
+        assert!((seconds - 2.08).abs() < 0.06, "{seconds}");
     }
-    bench.link.finish().unwrap();
-    bench.wait(3000, |bench| bench.twin.pulses()[1] == -4000);
-    let seconds = (bench.twin.now() - from) as f64 * 1e-9;
-    // The first pulse takes 80 ms.
-    assert!((seconds - 2.08).abs() < 0.06, "{seconds}");
 }
 
 #[test]
 fn a_flush_in_motion_keeps_the_position() {
-    for at in (60..900).step_by(37) {
-        let mut bench = Bench::ready(Variant::Grbl);
-        for k in 1..=at {
-            assert!(bench.sample(k * 2, -k * 4));
+    for variant in ALL {
+        for at in (60..900).step_by(37) {
+            let mut bench = Bench::ready(variant);
+            for k in 1..=at {
+                assert!(bench.sample(k * 2, -k * 4));
+            }
+            bench.link.stop(Stop::Flush);
+            assert!(bench.ends_ready(), "{at}: {:?}", bench.events);
+            let [x, z] = bench.twin.pulses();
+            let stood = Event::Position(PerAxis::new(Pulses(x), Pulses(z)));
+            assert!(
+                bench.events.contains(&stood),
+                "{at}: {x} {z} {:?}",
+                bench.events
+            );
+            // And it goes on from there.
+            bench.at = (x, z);
+            assert!(
+                bench.job() && bench.ends_ready(),
+                "{at}: {:?}",
+                bench.events
+            );
+            assert_eq!(bench.twin.pulses(), [x, z - 100]);
         }
-        bench.link.stop(Stop::Flush);
-        assert!(bench.ends_ready(), "{at}: {:?}", bench.events);
-        let [x, z] = bench.twin.pulses();
-        let stood = Event::Position(PerAxis::new(Pulses(x), Pulses(z)));
-        assert!(
-            bench.events.contains(&stood),
-            "{at}: {x} {z} {:?}",
-            bench.events
-        );
-        // And it goes on from there.
-        bench.at = (x, z);
-        assert!(
-            bench.job() && bench.ends_ready(),
-            "{at}: {:?}",
-            bench.events
-        );
-        assert_eq!(bench.twin.pulses(), [x, z - 100]);
     }
 }
 
 #[test]
 fn a_kill_loses_the_position_and_says_so() {
-    let mut bench = Bench::ready(Variant::Grbl);
-    for k in 1..=300 {
-        assert!(bench.sample(0, -k * 4));
+    for variant in ALL {
+        let mut bench = Bench::ready(variant);
+        for k in 1..=300 {
+            assert!(bench.sample(0, -k * 4));
+        }
+        bench.link.stop(Stop::Kill);
+        bench.pass(1000);
+        assert_eq!(bench.link.state(), LinkState::Locked);
+        assert!(!bench.sample(0, 0));
+        let stood = bench.twin.pulses();
+        bench.pass(2000);
+        assert_eq!(bench.twin.pulses(), stood);
     }
-    bench.link.stop(Stop::Kill);
-    bench.pass(1000);
-    assert_eq!(bench.link.state(), LinkState::Locked);
-    assert!(!bench.sample(0, 0));
-    let stood = bench.twin.pulses();
-    bench.pass(2000);
-    assert_eq!(bench.twin.pulses(), stood);
 }
 
 /// Nothing on this wire is said twice, but the reset is: until the board is there again.
 #[test]
 fn a_reset_that_is_lost_on_the_way_is_sent_again() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in ALL {
         for lost in [0, 1, 4] {
             let mut bench = Bench::ready(variant);
             for k in 1..=300 {
@@ -292,7 +322,9 @@ fn a_reset_that_is_lost_on_the_way_is_sent_again() {
                 bench.twin.to_board.damage(byte, Damage::Changed(0x01));
             }
             bench.link.stop(Stop::Kill);
-            bench.pass(100 * lost as u32 + 60);
+            // FluidNC makes what its pulse timer has been handed.
+            let coasts = if variant == Variant::FluidNc { 200 } else { 0 };
+            bench.pass(100 * lost as u32 + 60 + coasts);
             let stood = bench.twin.pulses();
             bench.pass(3000);
             assert_eq!(bench.twin.pulses(), stood);
@@ -378,74 +410,80 @@ fn the_way_into_a_limit_switch_is_that_of_the_motion_that_met_it() {
 
 #[test]
 fn a_limit_switch_stops_the_board_and_names_its_axis() {
-    for (x, number) in [(true, 621), (false, 622)] {
-        let mut bench = Bench::ready(Variant::Grbl);
-        for k in 1..=300 {
-            let way = -k * 4;
-            assert!(bench.sample(if x { way } else { 0 }, if x { 0 } else { way }));
+    for variant in ALL {
+        for (x, number) in [(true, 621), (false, 622)] {
+            let mut bench = Bench::ready(variant);
+            for k in 1..=300 {
+                let way = -k * 4;
+                assert!(bench.sample(if x { way } else { 0 }, if x { 0 } else { way }));
+            }
+            bench.twin.pins.limit_x = x;
+            bench.twin.pins.limit_z = !x;
+            bench.pass(500);
+            assert_eq!(bench.link.state(), LinkState::Tripped);
+            assert_eq!(bench.alarms(), [number], "{:?}", bench.events);
+            let stood = bench.twin.pulses();
+            bench.twin.pins.limit_x = false;
+            bench.twin.pins.limit_z = false;
+            bench.pass(3000);
+            assert_eq!(bench.twin.pulses(), stood, "nothing restarts by itself");
+            bench.link.reset();
+            bench.pass(500);
+            assert_eq!(
+                bench.link.state(),
+                LinkState::Locked,
+                "the position has to be found again"
+            );
         }
-        bench.twin.pins.limit_x = x;
-        bench.twin.pins.limit_z = !x;
-        bench.pass(500);
-        assert_eq!(bench.link.state(), LinkState::Tripped);
-        assert_eq!(bench.alarms(), [number], "{:?}", bench.events);
-        let stood = bench.twin.pulses();
-        bench.twin.pins.limit_x = false;
-        bench.twin.pins.limit_z = false;
-        bench.pass(3000);
-        assert_eq!(bench.twin.pulses(), stood, "nothing restarts by itself");
-        bench.link.reset();
-        bench.pass(500);
-        assert_eq!(
-            bench.link.state(),
-            LinkState::Locked,
-            "the position has to be found again"
-        );
     }
 }
 
 #[test]
 fn a_board_that_restarts_is_noticed_in_every_state() {
-    for moving in [false, true] {
-        let mut bench = Bench::ready(Variant::Grbl);
-        if moving {
-            for k in 1..=300 {
-                assert!(bench.sample(0, -k * 4));
+    for variant in ALL {
+        for moving in [false, true] {
+            let mut bench = Bench::ready(variant);
+            if moving {
+                for k in 1..=300 {
+                    assert!(bench.sample(0, -k * 4));
+                }
             }
+            bench.twin.press_reset();
+            bench.pass(4000);
+            assert!(
+                !bench.link.state().takes_motion(),
+                "{moving} {:?}",
+                bench.link.state()
+            );
+            let known = [605, 606, 607];
+            assert!(
+                bench.alarms().iter().any(|number| known.contains(number)),
+                "{:?}",
+                bench.events
+            );
         }
-        bench.twin.press_reset();
-        bench.pass(4000);
-        assert!(
-            !bench.link.state().takes_motion(),
-            "{moving} {:?}",
-            bench.link.state()
-        );
-        let known = [605, 606, 607];
-        assert!(
-            bench.alarms().iter().any(|number| known.contains(number)),
-            "{:?}",
-            bench.events
-        );
     }
 }
 
 #[test]
 fn an_unplugged_cable_is_an_alarm_within_a_second() {
-    let mut bench = Bench::ready(Variant::Grbl);
-    for k in 1..=300 {
-        assert!(bench.sample(0, -k * 4));
+    for variant in ALL {
+        let mut bench = Bench::ready(variant);
+        for k in 1..=300 {
+            assert!(bench.sample(0, -k * 4));
+        }
+        bench.twin.to_host.set_cut(true);
+        bench.twin.to_board.set_cut(true);
+        bench.pass(1000);
+        assert_eq!(
+            (bench.link.state(), bench.alarms()),
+            (LinkState::Lost, vec![605])
+        );
+        // What the board held it made, then it stood.
+        let stood = bench.twin.pulses();
+        bench.pass(2000);
+        assert_eq!(bench.twin.pulses(), stood);
     }
-    bench.twin.to_host.set_cut(true);
-    bench.twin.to_board.set_cut(true);
-    bench.pass(1000);
-    assert_eq!(
-        (bench.link.state(), bench.alarms()),
-        (LinkState::Lost, vec![605])
-    );
-    // What the board held it made, then it stood.
-    let stood = bench.twin.pulses();
-    bench.pass(2000);
-    assert_eq!(bench.twin.pulses(), stood);
 }
 
 /// A decimal point lost on the wire makes a valid line with another meaning; the
@@ -453,104 +491,111 @@ fn an_unplugged_cable_is_an_alarm_within_a_second() {
 /// path.
 #[test]
 fn a_board_off_the_path_is_stopped() {
-    let mut alarms = Vec::new();
-    for byte in 0..16 {
-        let mut bench = Bench::ready(Variant::Grbl);
-        for k in 1..=300 {
-            assert!(bench.sample(k, -k * 4));
-        }
-        // Somewhere in the next lines: a digit turns into another one, a letter is
-        // refused by the board.
-        let from = bench.twin.to_board.given();
-        bench
-            .twin
-            .to_board
-            .damage(from + byte, Damage::Changed(b'2' ^ b'6'));
-        for k in 301..=600 {
-            if !bench.sample(k, -k * 4) {
-                break;
+    for variant in ALL {
+        let mut alarms = Vec::new();
+        for byte in 0..16 {
+            let mut bench = Bench::ready(variant);
+            for k in 1..=300 {
+                assert!(bench.sample(k, -k * 4));
             }
+            // Somewhere in the next lines: a digit turns into another one, a letter is
+            // refused by the board.
+            let from = bench.twin.to_board.given();
+            bench
+                .twin
+                .to_board
+                .damage(from + byte, Damage::Changed(b'2' ^ b'6'));
+            for k in 301..=600 {
+                if !bench.sample(k, -k * 4) {
+                    break;
+                }
+            }
+            bench.pass(2000);
+            if bench.alarms().is_empty() {
+                // Within the tolerance of a report.
+                continue;
+            }
+            assert_eq!(bench.link.state(), LinkState::Fault, "{:?}", bench.events);
+            let stood = bench.twin.pulses();
+            bench.pass(2000);
+            assert_eq!(bench.twin.pulses(), stood);
+            alarms.extend(bench.alarms());
         }
-        bench.pass(2000);
-        if bench.alarms().is_empty() {
-            // Within the tolerance of a report.
-            continue;
-        }
-        assert_eq!(bench.link.state(), LinkState::Fault, "{:?}", bench.events);
-        let stood = bench.twin.pulses();
-        bench.pass(2000);
-        assert_eq!(bench.twin.pulses(), stood);
-        alarms.extend(bench.alarms());
+        assert!(alarms.iter().all(|alarm| matches!(alarm, 608 | 611)));
+        assert!(alarms.contains(&611), "{alarms:?}");
     }
-    assert!(alarms.iter().all(|alarm| matches!(alarm, 608 | 611)));
-    assert!(alarms.contains(&611), "{alarms:?}");
 }
 
 /// A fault at every byte of a short job, either way: the job ends on the pulse
 /// with the count compared, or it stands with an alarm. Nothing third.
 #[test]
 fn a_fault_at_any_byte_ends_known_or_declared_unknown() {
-    // EVERY_BYTE=1 leaves none out, and does everything to each.
-    let every = std::env::var_os("EVERY_BYTE").is_some();
-    let step = if every { 1 } else { 7 };
-    let damages = [
-        Damage::Lost,
-        Damage::Changed(0x15),
-        Damage::Doubled,
-        Damage::HeldUp(100 * MS),
-        Damage::Cut,
-    ];
-    let ready = Bench::ready(Variant::Grbl);
-    let clean = {
-        let mut bench = ready.clone();
-        assert!(bench.job() && bench.ends_ready());
-        (bench.twin.to_board.given(), bench.twin.to_host.given())
-    };
-    let (mut proved, mut stopped) = (0, 0);
-    for (to_board, first, last) in [
-        (true, ready.twin.to_board.given(), clean.0),
-        (false, ready.twin.to_host.given(), clean.1),
-    ] {
-        for (index, byte) in (first..last).step_by(step).enumerate() {
-            let one = index % damages.len();
-            let kinds = if every {
-                &damages[..]
-            } else {
-                &damages[one..=one]
-            };
-            for &damage in kinds {
-                let mut bench = ready.clone();
-                if to_board {
-                    bench.twin.to_board.damage(byte, damage);
+    for variant in ALL {
+        // EVERY_BYTE=1 leaves none out, and does everything to each.
+        let every = std::env::var_os("EVERY_BYTE").is_some();
+        let step = if every { 1 } else { 7 };
+        let damages = [
+            Damage::Lost,
+            Damage::Changed(0x15),
+            Damage::Doubled,
+            Damage::HeldUp(100 * MS),
+            Damage::Cut,
+        ];
+        let ready = Bench::ready(variant);
+        let clean = {
+            let mut bench = ready.clone();
+            assert!(bench.job() && bench.ends_ready());
+            (bench.twin.to_board.given(), bench.twin.to_host.given())
+        };
+        let (mut proved, mut stopped) = (0, 0);
+        for (to_board, first, last) in [
+            (true, ready.twin.to_board.given(), clean.0),
+            (false, ready.twin.to_host.given(), clean.1),
+        ] {
+            for (index, byte) in (first..last).step_by(step).enumerate() {
+                let one = index % damages.len();
+                let kinds = if every {
+                    &damages[..]
                 } else {
-                    bench.twin.to_host.damage(byte, damage);
-                }
-                let whole = bench.job();
-                bench.pass(4000);
-                let place = format!("{damage:?} at {byte}, to the board: {to_board}");
-                match bench.link.state() {
-                    LinkState::Ready if whole && bench.alarms().is_empty() => {
-                        assert_eq!(bench.twin.pulses(), [0, -100], "{place}");
-                        proved += 1;
+                    &damages[one..=one]
+                };
+                for &damage in kinds {
+                    let mut bench = ready.clone();
+                    if to_board {
+                        bench.twin.to_board.damage(byte, damage);
+                    } else {
+                        bench.twin.to_host.damage(byte, damage);
                     }
-                    LinkState::Locked | LinkState::Fault | LinkState::Lost | LinkState::Tripped => {
-                        assert!(!bench.alarms().is_empty(), "{place}");
-                        stopped += 1;
+                    let whole = bench.job();
+                    bench.pass(4000);
+                    let place = format!("{damage:?} at {byte}, to the board: {to_board}");
+                    match bench.link.state() {
+                        LinkState::Ready if whole && bench.alarms().is_empty() => {
+                            assert_eq!(bench.twin.pulses(), [0, -100], "{place}");
+                            proved += 1;
+                        }
+                        LinkState::Locked
+                        | LinkState::Fault
+                        | LinkState::Lost
+                        | LinkState::Tripped => {
+                            assert!(!bench.alarms().is_empty(), "{place}");
+                            stopped += 1;
+                        }
+                        state => panic!("{place}: {state:?} {:?}", bench.events),
                     }
-                    state => panic!("{place}: {state:?} {:?}", bench.events),
+                    let stood = bench.twin.pulses();
+                    bench.pass(1000);
+                    assert_eq!(bench.twin.pulses(), stood, "{place}: it moves on");
                 }
-                let stood = bench.twin.pulses();
-                bench.pass(1000);
-                assert_eq!(bench.twin.pulses(), stood, "{place}: it moves on");
             }
         }
+        assert!(proved > 0 && stopped > 0, "{proved} {stopped}");
     }
-    assert!(proved > 0 && stopped > 0, "{proved} {stopped}");
 }
 
 #[test]
 fn a_report_under_way_when_the_reference_return_begins_tells_no_place() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in ALL {
         let mut bench = Bench::ready(variant);
         assert!(bench.job() && bench.ends_ready());
         let reports = bench.link.traffic().reports;
@@ -667,37 +712,44 @@ fn a_state_nobody_asked_for_is_607() {
 }
 
 /// The line protocol has no checksum: `X1.005` may arrive as `X9.005` or `X1005`. What
-/// the slides do until the next report tells is bounded.
+/// the slides do until the next report tells is bounded: at a feed of 1200 mm/min less than
+/// 1 mm, and 5 mm with FluidNC, whose pulse timer makes 120 ms more.
 #[test]
-fn a_figure_damaged_on_the_way_is_stopped_within_2_mm() {
-    let every = std::env::var_os("EVERY_BYTE").is_some();
-    let mut stopped = 0;
-    for byte in (0..160).step_by(if every { 1 } else { 7 }) {
-        let bits = (0..8).map(|bit| Damage::Changed(1 << bit));
-        for damage in bits.chain([Damage::Lost]) {
-            let place = format!("{damage:?} at {byte}");
-            let mut bench = Bench::ready(Variant::Grbl);
-            for k in 1..=300 {
-                assert!(bench.sample(k, -4 * k));
-            }
-            let from = bench.twin.to_board.given();
-            bench.twin.to_board.damage(from + byte, damage);
-            let (mut k, mut farthest) = (300, 0);
-            for _ in 0..1500 {
-                let room = bench.link.room() >= Duration::from_millis(10);
-                if k < 600 && room && bench.link.state().takes_motion() {
-                    k += 1;
-                    bench.sample(k, -4 * k);
-                } else {
-                    bench.ms();
+fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
+    for variant in ALL {
+        let every = std::env::var_os("EVERY_BYTE").is_some();
+        let mut stopped = 0;
+        for byte in (0..160).step_by(if every { 1 } else { 7 }) {
+            let bits = (0..8).map(|bit| Damage::Changed(1 << bit));
+            for damage in bits.chain([Damage::Lost]) {
+                let place = format!("{damage:?} at {byte}");
+                let mut bench = Bench::ready(variant);
+                for k in 1..=300 {
+                    assert!(bench.sample(k, -4 * k));
                 }
-                let [x, z] = bench.twin.pulses();
-                let off = (0..=600).map(|k| (x - k).abs().max((z + 4 * k).abs()));
-                farthest = farthest.max(off.min().unwrap());
+                let from = bench.twin.to_board.given();
+                bench.twin.to_board.damage(from + byte, damage);
+                let (mut k, mut farthest) = (300, 0);
+                for _ in 0..1500 {
+                    let room = bench.link.room() >= Duration::from_millis(10);
+                    if k < 600 && room && bench.link.state().takes_motion() {
+                        k += 1;
+                        bench.sample(k, -4 * k);
+                    } else {
+                        bench.ms();
+                    }
+                    let [x, z] = bench.twin.pulses();
+                    let off = (0..=600).map(|k| (x - k).abs().max((z + 4 * k).abs()));
+                    farthest = farthest.max(off.min().unwrap());
+                }
+                let most = match variant {
+                    Variant::Grbl | Variant::GrblHal => 200,
+                    Variant::FluidNc => 1000,
+                };
+                assert!(farthest <= most, "{variant:?} {place}: {farthest} pulses");
+                stopped += i32::from(!bench.alarms().is_empty());
             }
-            assert!(farthest <= 400, "{place}: {farthest} pulses");
-            stopped += i32::from(!bench.alarms().is_empty());
         }
+        assert!(stopped > 0);
     }
-    assert!(stopped > 0);
 }

@@ -6,6 +6,7 @@ use core::time::Duration;
 use gsk_core::machine::link::line::{LineLink, Required};
 use gsk_core::machine::link::{Event, LinkConfig, LinkState};
 use gsk_core::memory::Parameters;
+use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 
 /// What another firmware says when it is spoken to; alarm and text that come of it.
 fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, LinkState) {
@@ -32,27 +33,123 @@ fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, Lin
     panic!("{:?}", link.state());
 }
 
-/// FluidNC, as its `Report.cpp` writes it; the settings of that firmware cannot be
-/// compared, so it is named, not taken for an old Grbl.
-#[test]
-fn a_fluidnc_board_is_refused_by_its_name() {
-    let boot = "[MSG:INFO: FluidNC v4.0.4 https://github.com/bdring/FluidNC]\r\n\r\n\
-                Grbl 4.0 [FluidNC v4.0.4 (esp32-wifi) '$' for help]\r\n";
-    for version in [
-        "4.0 FluidNC v4.0.4 (esp32-wifi) :",
-        "3.7 FluidNC v3.7.15 (esp32-wifi-v3.7.15):",
-    ] {
-        let answers = |line: &str| match line {
-            "$I" => format!("[VER:{version}]\r\n[OPT:PHS]\r\n[MSG:Machine: lathe]\r\nok\r\n"),
-            _ => "ok\r\n".to_owned(),
-        };
-        let (number, text, state) = alarm_of(answers, boot);
-        let (_, name) = version.split_once(' ').unwrap();
-        let (name, _) = name.split_once(" (").unwrap();
-        assert_eq!((number, state), (602, LinkState::Fault), "{text}");
-        assert!(text.starts_with(name), "{text}");
-        assert!(!text.contains("older"), "{text}");
+/// A link and a FluidNC board, side by side; what the link has to say.
+fn fluid(changes: &[(&str, &str)]) -> (LineLink, GrblTwin) {
+    let mut twin = GrblTwin::new(Variant::FluidNc, Settings::default());
+    for (path, value) in changes {
+        twin.set_item(path, value).unwrap();
     }
+    let (config, parameters) = (LinkConfig::default(), Parameters::default());
+    (LineLink::open(config, &parameters, Duration::ZERO), twin)
+}
+
+fn pass(link: &mut LineLink, twin: &mut GrblTwin, ms: u32) -> Vec<Event> {
+    let mut events = Vec::new();
+    for _ in 0..ms {
+        twin.advance(1_000_000);
+        let now = Duration::from_nanos(twin.now());
+        link.rx(&twin.read(), now);
+        link.tick(now);
+        let tx = link.tx().to_vec();
+        twin.write(&tx);
+        link.consumed(tx.len());
+        events.extend(link.events());
+    }
+    events
+}
+
+fn alarms(events: &[Event]) -> Vec<(u16, String)> {
+    let alarm = |event: &Event| match event {
+        Event::Alarm { number, detail } => Some((*number, detail.clone())),
+        _ => None,
+    };
+    events.iter().filter_map(alarm).collect()
+}
+
+#[test]
+fn a_fluidnc_board_is_known_and_told_its_settings_by_name() {
+    let (mut link, mut twin) = fluid(&[]);
+    let events = pass(&mut link, &mut twin, 5000);
+    assert_eq!(link.board().firmware, "FluidNC v4.0.4");
+    assert_eq!((link.board().blocks, link.board().receive_bytes), (15, 128));
+    assert!(alarms(&events).iter().all(|(number, _)| *number == 603));
+    link.write_settings();
+    let events = pass(&mut link, &mut twin, 3000);
+    assert_eq!(link.state(), LinkState::Locked, "{events:?}");
+    assert_eq!(twin.item("start/must_home"), Some("true"));
+    assert_eq!(twin.macros_run, 0);
+    // What was written is forgotten with the power.
+    twin.press_reset();
+    let events = pass(&mut link, &mut twin, 4000);
+    assert_eq!(alarms(&events)[0].0, 606, "{events:?}");
+    link.reset();
+    let events = pass(&mut link, &mut twin, 4000);
+    assert_eq!(alarms(&events)[0].0, 603, "{events:?}");
+}
+
+/// Pulse length, pins, macros: a value in memory would change nothing, or not for long.
+#[test]
+fn what_only_the_file_of_the_board_can_say_is_named_and_not_written() {
+    for (path, value, wanted) in [
+        ("stepping/pulse_us", "4", "10"),
+        (
+            "axes/x/motor0/stepstick/direction_pin",
+            "gpio.14:low",
+            "not :low",
+        ),
+        ("10V/speed_map", "0=0.00% 3000=100.00%", "…1000=100%"),
+        ("macros/after_reset", "G0X0", "(empty)"),
+        ("control/feed_hold_pin", "gpio.34", "NO_PIN"),
+    ] {
+        let (mut link, mut twin) = fluid(&[(path, value)]);
+        let events = pass(&mut link, &mut twin, 5000);
+        let named = |event: &Event| match event {
+            Event::Differs(one) => one.name == path && one.wanted == wanted,
+            _ => false,
+        };
+        assert!(events.iter().any(named), "{path}: {events:?}");
+        link.write_settings();
+        let events = pass(&mut link, &mut twin, 1000);
+        let (number, text) = alarms(&events)[0].clone();
+        assert_eq!(number, 603);
+        assert!(
+            text.contains("config.yaml") && text.contains(path),
+            "{text}"
+        );
+        assert_eq!(twin.item(path), Some(value));
+        assert_eq!(twin.item("axes/x/steps_per_mm"), Some("80.000000"));
+    }
+}
+
+/// A board that looks for a network says so every second, and greets much later.
+#[test]
+fn a_board_that_starts_slowly_is_waited_for() {
+    let (config, parameters) = (LinkConfig::default(), Parameters::default());
+    let mut link = LineLink::open(config, &parameters, Duration::ZERO);
+    let mut sent = Vec::new();
+    for ms in 1..16_000 {
+        let now = Duration::from_millis(ms);
+        if ms < 12_000 && ms % 1500 == 500 {
+            link.rx(b"[MSG:INFO: Connecting to STA SSID:shed]\r\n", now);
+        } else if ms == 12_500 {
+            link.rx(
+                b"\r\nGrbl 4.0 [FluidNC v4.0.4 (esp32-wifi) '$' for help]\r\n",
+                now,
+            );
+        }
+        link.tick(now);
+        assert!(
+            ms >= 12_500 || link.tx().is_empty(),
+            "{ms}: {:?}",
+            link.tx()
+        );
+        sent.extend_from_slice(link.tx());
+        link.consumed(link.tx().len());
+        if sent.ends_with(b"$I\n") {
+            return;
+        }
+    }
+    panic!("{sent:?}");
 }
 
 #[test]

@@ -105,6 +105,12 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
     }
     if !differ.is_empty() {
         output::print(&format!("settings  differ:\n{}", differ.join("")))?;
+        if info.forgets {
+            output::print(
+                "          this firmware forgets what is written when it is switched off: put it \
+                 into its config.yaml\n",
+            )?;
+        }
         if !args.write_settings {
             output::print("          --write-settings writes them into the board\n")?;
             return Ok(ALARM);
@@ -139,14 +145,11 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
 
 fn differences(events: &[Event]) -> Vec<String> {
     let line = |event: &Event| match event {
-        Event::Differs {
-            setting,
-            board,
-            wanted,
-        } => {
-            let board = board.map_or("missing".to_owned(), |value| value.to_string());
+        Event::Differs(difference) => {
+            let board = difference.board.as_deref().unwrap_or("missing");
             Some(format!(
-                "          ${setting} is {board}, must be {wanted}\n"
+                "          {} is {board}, must be {}\n",
+                difference.name, difference.wanted
             ))
         }
         _ => None,

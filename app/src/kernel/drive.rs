@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use gsk_core::command::ProgramId;
-use gsk_core::machine::link::{LinkConfig, LinkState, Linked, Note, Stamp};
+use gsk_core::machine::link::{Difference, LinkConfig, LinkState, Linked, Note, Stamp};
 use gsk_core::simulation::Simulation;
 
 use super::Snapshot;
-use super::link_view::{Difference, LinkView};
+use super::link_view::LinkView;
 use crate::carrier::{Carrier, Line};
 use crate::files::{atomic, time::utc};
 use crate::ports;
@@ -242,15 +242,7 @@ impl Drive {
     fn note(&mut self, note: &Note, program: Option<&str>) {
         match note {
             Note::Learned { name, packed } => self.remember(name, packed),
-            &Note::Differs {
-                setting,
-                board,
-                wanted,
-            } => self.differences.push(Difference {
-                setting,
-                board: board.map(|value| value as f64 / 1000.0),
-                wanted: wanted as f64 / 1000.0,
-            }),
+            Note::Differs(difference) => self.differences.push(difference.clone()),
             &Note::Checked {
                 program: ended,
                 commanded,

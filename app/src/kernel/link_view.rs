@@ -3,22 +3,11 @@
 use std::time::Duration;
 
 use gsk_core::machine::link::{
-    BoardInfo, BoardOutputs, Input, LinkState, Output, Protocol, SpindleView, Traffic,
+    BoardInfo, BoardOutputs, Difference, Input, LinkState, Output, Protocol, SpindleView, Traffic,
 };
 use gsk_core::units::{PerAxis, Pulses};
 
 use crate::carrier::Line;
-
-/// A setting of the board that is not what it has to be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Difference {
-    /// Its number, behind the `$`.
-    pub setting: u16,
-    /// What the board says, if it has it at all.
-    pub board: Option<f64>,
-    /// What it has to be.
-    pub wanted: f64,
-}
 
 /// The link at one moment. Taken only while somebody asks for it.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,7 +12,7 @@ use crate::{SHORT, assert_together};
 
 #[test]
 fn a_limit_of_the_board_is_left_by_hand() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in crate::LINES {
         let mut machine = Machine::connected(variant);
         machine.twin.place_switches([20.0, 2.0]);
         machine.press(JOG);
@@ -159,7 +159,7 @@ fn without_power_the_board_is_still_and_forgets() {
 
 #[test]
 fn the_emergency_stop_of_the_board_is_that_of_the_control() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in crate::LINES {
         let mut machine = Machine::referenced(variant);
         machine.load(SHORT, None);
         machine.start();

@@ -63,7 +63,7 @@ fn the_same_key_again<T: Board>(ready: &Machine<T>) {
 
 #[test]
 fn after_reset_the_same_key_leads_no_farther_into_the_switch() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in crate::LINES {
         the_same_key_again(&Machine::referenced(variant));
     }
     the_same_key_again(&Machine::timed_referenced());

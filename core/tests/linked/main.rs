@@ -25,6 +25,10 @@ mod stops;
 mod way;
 
 use board::{Board, Machine};
+use gsk_twins::grbl::Variant;
+
+/// The firmwares that read lines.
+const LINES: [Variant; 3] = [Variant::Grbl, Variant::GrblHal, Variant::FluidNc];
 
 const SHAFT: &str = include_str!("../../../assets/programs/01-stepped-shaft.CNC");
 const BUSHING: &str = include_str!("../../../assets/programs/02-bushing.CNC");

@@ -147,7 +147,8 @@ fn the_control_is_ahead_by_no_more_than_the_lookahead() {
     // A segment lasts two periods when its first has no pulse.
     is_bounded(
         &Machine::referenced(Variant::Grbl),
-        Duration::from_millis(170),
+        // Its reports come every 20 ms only.
+        Duration::from_millis(150 + 10 + 20),
     );
     is_bounded(&Machine::timed_referenced(), Duration::from_millis(140));
 }

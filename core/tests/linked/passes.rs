@@ -174,6 +174,21 @@ fn what_is_lacking_is_named_before_anything_moves() {
     }
 }
 
+/// The board counts the end of a pass from the work offset that it has.
+#[test]
+fn no_pass_with_a_work_offset_in_the_board() {
+    let mut machine = Machine::threading(proved(), tuned(), &[]);
+    machine.twin.set_work_offset([0.0, -40.0]);
+    machine.reconnect();
+    machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
+    machine.press(RESET);
+    machine.pass(500);
+    machine.reference();
+    let (text, line) = refusal(&machine, CYCLE);
+    assert_eq!(line, Some(5), "{text}");
+    assert!(text.contains("G54"), "{text}");
+}
+
 #[test]
 fn what_is_no_straight_pass_is_refused() {
     let machine = ready();

@@ -5,7 +5,7 @@ use gsk_twins::grbl::Variant;
 
 use crate::assert_together;
 use crate::board::{Board, Machine, Timed};
-use crate::keys::{AUTO, CYCLE_START, JOG, RESET, Z_MINUS};
+use crate::keys::{AUTO, CYCLE_START, JOG, RESET, X_PLUS, Z_MINUS, ZERO};
 
 /// 10 mm/s of Z, 2000 pulses/s.
 const CUT: &str = "O1\nG98 G01 W-60 F600\nM30\n";
@@ -234,6 +234,26 @@ fn a_board_that_never_answered_says_nothing_of_a_place() {
     nothing_said(&Machine::timed(10_000));
 }
 
+/// A board counts anew from its switches; when they do not come there is no count.
+#[test]
+fn behind_a_return_that_failed_nobody_knows_the_place() {
+    for variant in crate::LINES {
+        let mut machine = Machine::referenced(variant);
+        machine.twin.place_switches([900.0, 900.0]);
+        machine.press(ZERO);
+        machine.press(X_PLUS);
+        assert!(machine.wait(200_000, |machine| machine.alarms().contains(&609)));
+        machine.pass(1500);
+        let alarms = machine.simulation.cnc.alarms();
+        let alarm = alarms.iter().find(|alarm| alarm.number == 609).unwrap();
+        let detail = alarm.detail.clone().unwrap();
+        assert!(
+            detail.ends_with("; nobody knows where the slides stand"),
+            "{variant:?} {detail}"
+        );
+    }
+}
+
 /// The emergency stop of a machine at rest: the chain has cut its drives.
 fn is_stopped_at_rest<T: Board>(ready: &Machine<T>) {
     let mut machine = ready.clone();
@@ -274,7 +294,7 @@ fn an_emergency_stop_by_the_contact_of_the_board_says_so_once() {
     let powerless = "uncertain: the drives were without power";
     is_stopped_by_its_contact(&Machine::timed_referenced(), 0, powerless);
     // Its contact resets a line board: nobody has read it since its last report.
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in crate::LINES {
         is_stopped_by_its_contact(&Machine::referenced(variant), 140, DEAD);
     }
 }

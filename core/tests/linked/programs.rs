@@ -8,11 +8,11 @@ use crate::board::{Board, Machine};
 use crate::keys::{
     CYCLE_START, DRY_RUN, INCREMENT_100, JOG, MACHINE_LOCK, RESET, SINGLE_BLOCK, STEP, Z_MINUS,
 };
-use crate::{BUSHING, GROOVE, PIN, SHAFT, SHORT, assert_together};
+use crate::{BUSHING, GROOVE, LINES, PIN, SHAFT, SHORT, assert_together};
 
 #[test]
 fn the_samples_end_on_the_pulse_of_the_kernel() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in LINES {
         for (main, sub) in [(SHAFT, None), (PIN, Some(GROOVE))] {
             let mut machine = Machine::referenced(variant);
             machine.load(main, sub);

@@ -5,7 +5,7 @@ use gsk_twins::grbl::{Settings, Variant};
 
 use crate::SHAFT;
 use crate::board::Machine;
-use crate::keys::{JOG, RESET, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
+use crate::keys::{JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
 
 #[test]
 fn without_a_reference_no_program_starts() {
@@ -38,7 +38,7 @@ fn a_switch_that_never_comes_is_alarm_609() {
 
 #[test]
 fn reset_ends_a_reference_return() {
-    for variant in [Variant::Grbl, Variant::GrblHal] {
+    for variant in crate::LINES {
         let mut machine = Machine::connected(variant);
         machine.press(ZERO);
         machine.press(X_PLUS);
@@ -58,13 +58,13 @@ fn reset_ends_a_reference_return() {
         // And once more from there.
         machine.press(RESET);
         machine.pass(500);
-        machine.press(X_PLUS);
-        assert!(machine.wait(60_000, |machine| machine.linked.state() == LinkState::Ready));
+        machine.pass(1500);
+        machine.reference();
     }
 }
 
-/// The larger board may seek one switch alone ($22 bit 1): the other axis has its own
-/// key.
+/// The larger boards may seek one switch alone (grblHAL with bit 1 of $22): the other axis
+/// has its own key.
 #[test]
 fn a_board_that_can_returns_each_axis_by_its_key() {
     let mut machine = Machine::connected(Variant::GrblHal);
@@ -74,6 +74,42 @@ fn a_board_that_can_returns_each_axis_by_its_key() {
     machine.wait(6000, |machine| machine.linked.state() == LinkState::Locked);
     machine.press(RESET);
     machine.pass(500);
+    return_one_by_one(machine);
+    return_one_by_one(Machine::connected(Variant::FluidNc));
+}
+
+/// FluidNC stays locked until all its axes are home, which the control does not ask for,
+/// and answers `ok` to a return that it has not made.
+#[test]
+fn fluidnc_returns_when_it_says_so() {
+    let mut machine = Machine::connected(Variant::FluidNc);
+    machine.twin.press_reset();
+    machine.pass(4000);
+    machine.press(RESET);
+    machine.wait(6000, |machine| machine.alarms() == [603]);
+    machine.linked.write_settings();
+    machine.wait(3000, |machine| machine.linked.state() == LinkState::Locked);
+    // Not unlocked by RESET: X is home, Z is not, and X is to be moved by hand.
+    machine.press(ZERO);
+    machine.press(X_PLUS);
+    assert!(machine.wait(40_000, |machine| machine.simulation.cnc.referenced().x));
+    machine.pass(500);
+    let [x, _] = machine.twin.pulses();
+    machine.press(JOG);
+    machine.hold(X_MINUS, 1000);
+    machine.pass(500);
+    assert!(machine.twin.pulses()[0] < x);
+    // The place is set, nothing moves.
+    machine.twin.set_item("axes/z/homing/cycle", "-1").unwrap();
+    let stood = machine.twin.pulses();
+    machine.press(ZERO);
+    machine.press(Z_PLUS);
+    assert!(machine.wait(5000, |machine| machine.alarms().contains(&609)));
+    assert!(!machine.simulation.cnc.referenced().z);
+    assert_eq!(machine.twin.pulses(), stood);
+}
+
+fn return_one_by_one(mut machine: Machine) {
     let [_, z] = machine.made();
     machine.press(ZERO);
     machine.press(X_PLUS);

@@ -29,9 +29,15 @@ struct Desk {
 
 pub(super) fn run(input: &[u8]) {
     thread_local! {
-        static READY: OnceCell<Desk> = const { OnceCell::new() };
+        static READY: [OnceCell<Desk>; 2] = const { [OnceCell::new(), OnceCell::new()] };
     }
-    let mut desk = READY.with(|ready| ready.get_or_init(ready_desk).clone());
+    // The first byte says which board it is.
+    let (input, which) = match input {
+        [0xEF, rest @ ..] => (rest, 1),
+        whole => (whole, 0),
+    };
+    let variant = [Variant::Grbl, Variant::FluidNc][which];
+    let mut desk = READY.with(|ready| ready[which].get_or_init(|| ready_desk(variant)).clone());
     for &byte in input {
         let before = desk.link.state();
         watch::unit(|| act(&mut desk, byte));
@@ -84,7 +90,7 @@ fn act(desk: &mut Desk, byte: u8) {
 }
 
 /// A link that has come to know its board and may move it.
-fn ready_desk() -> Desk {
+fn ready_desk(variant: Variant) -> Desk {
     let mut settings = Settings::default();
     let mut link = LineLink::open(
         LinkConfig::default(),
@@ -94,8 +100,8 @@ fn ready_desk() -> Desk {
     for setting in &link.required().settings {
         let _ = settings.set(setting.number, setting.value);
     }
-    let mut twin = GrblTwin::new(Variant::Grbl, settings);
-    for ms in 1..=6000 {
+    let mut twin = GrblTwin::new(variant, settings);
+    for ms in 1..=9000 {
         twin.advance(1_000_000);
         let now = Duration::from_millis(ms);
         link.rx(&twin.read(), now);
@@ -103,10 +109,14 @@ fn ready_desk() -> Desk {
         twin.write(link.tx());
         let sent = link.tx().len();
         link.consumed(sent);
-        if ms == 4000 {
-            link.reset();
-        } else if ms == 5000 {
-            let _ = link.set_position(PerAxis::default(), RunTime::ZERO);
+        match ms {
+            // What a FluidNC board is to be set to it is told by name.
+            4000 => link.write_settings(),
+            6000 => link.reset(),
+            8500 => {
+                let _ = link.set_position(PerAxis::default(), RunTime::ZERO);
+            }
+            _ => {}
         }
     }
     link.events();
@@ -117,7 +127,7 @@ fn ready_desk() -> Desk {
     );
     Desk {
         link,
-        now: Duration::from_secs(6),
+        now: Duration::from_secs(9),
         run: RunTime::ZERO,
         z: 0,
     }

@@ -181,13 +181,10 @@ impl LinkPage {
                 }
                 ui.end_row();
                 for difference in &view.differences {
-                    let board = difference
-                        .board
-                        .map_or_else(|| "-".to_owned(), |value| value.to_string());
-                    ui.monospace(format!("${}", difference.setting));
-                    ui.monospace(board);
-                    ui.monospace(difference.wanted.to_string());
-                    ui.label(words::setting(difference.setting, language));
+                    ui.monospace(&difference.name);
+                    ui.monospace(difference.board.as_deref().unwrap_or("-"));
+                    ui.monospace(&difference.wanted);
+                    ui.label(words::setting(difference.number, language));
                     ui.end_row();
                 }
             });
@@ -198,6 +195,14 @@ impl LinkPage {
             "Write these settings into the board",
         );
         self.order(&ui.button(words), LinkOrder::WriteSettings);
+        if view.board.forgets {
+            ui.label(say(
+                language,
+                "此固件断电后忘记所写的设定: 请同时写入板上的 config.yaml。",
+                "This firmware forgets what is written when it is switched off: put it into its \
+                 config.yaml as well.",
+            ));
+        }
     }
 }
 
@@ -246,8 +251,10 @@ fn report(view: &LinkView) -> String {
     }
     for difference in &view.differences {
         out.push_str(&format!(
-            "${} is {:?}, must be {}\n",
-            difference.setting, difference.board, difference.wanted
+            "{} is {}, must be {}\n",
+            difference.name,
+            difference.board.as_deref().unwrap_or("missing"),
+            difference.wanted
         ));
     }
     for line in &view.log {

@@ -18,6 +18,8 @@ pub struct BoardInfo {
     pub receive_bytes: u16,
     /// It can cut threads behind its spindle.
     pub spindle_sync: bool,
+    /// It forgets settings that were written when it is switched off.
+    pub forgets: bool,
 }
 
 /// The most pulses a second that a board makes.
@@ -69,6 +71,8 @@ pub struct Lacks {
     pub encoder: bool,
     /// It corrects the pass while it cuts it, wrongly.
     pub gains: bool,
+    /// It counts a pass from a work offset of its own.
+    pub offset: bool,
     /// No one-turn signal of the spindle is wired.
     pub index: bool,
 }
@@ -89,6 +93,10 @@ impl Lacks {
             (
                 self.gains,
                 "$90, $91 and $92, gains of the spindle synchronisation, are not all 0",
+            ),
+            (
+                self.offset,
+                "G54, G92 or TLO of the board is not 0 ($#): clear it",
             ),
             (self.index, "io.index of the machine file names no pin"),
         ];

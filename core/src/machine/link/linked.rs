@@ -22,8 +22,9 @@ mod spindle;
 use core::time::Duration;
 
 use super::{
-    BoardInfo, BoardOutputs, Checked, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output,
-    Pass, Pins, Protocol, Refused, RunTime, Sample, SpindleView, Stop, Traffic, contacts,
+    BoardInfo, BoardOutputs, Checked, Difference, FINE, HostTime, Input, Link, LinkConfig,
+    LinkState, Output, Pass, Pins, Protocol, Refused, RunTime, Sample, SpindleView, Stop, Traffic,
+    contacts,
 };
 use crate::alarm::Alarm;
 use crate::command::ProgramId;
@@ -57,14 +58,7 @@ pub enum Note {
         packed: Vec<u8>,
     },
     /// A setting of the board is not what it has to be.
-    Differs {
-        /// Number of the setting.
-        setting: u16,
-        /// What the board says, in thousandths, if it has it at all.
-        board: Option<i64>,
-        /// What it has to be, in thousandths.
-        wanted: i64,
-    },
+    Differs(Difference),
 }
 
 /// A link and what it does with the control beside it.

@@ -249,14 +249,21 @@ pub enum Event {
         packed: Vec<u8>,
     },
     /// A setting of the board is not what it has to be.
-    Differs {
-        /// Number of the setting.
-        setting: u16,
-        /// What the board says, if it has it at all.
-        board: Option<f64>,
-        /// What it has to be.
-        wanted: f64,
-    },
+    Differs(Difference),
+}
+
+/// A setting of the board that is not what it has to be.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Difference {
+    /// Its number among the settings of Grbl, also where the board calls it otherwise;
+    /// from 1000 on what no number of Grbl stands for.
+    pub number: u16,
+    /// What the board calls it.
+    pub name: String,
+    /// What the board says, if it has it at all.
+    pub board: Option<String>,
+    /// What it has to be.
+    pub wanted: String,
 }
 
 /// A straight cut of one lead that a board makes by itself behind its spindle.

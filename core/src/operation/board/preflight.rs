@@ -157,6 +157,7 @@ mod tests {
         proof: true,
         encoder: false,
         gains: false,
+        offset: false,
         index: false,
     });
 

@@ -115,6 +115,8 @@ pub const fn setting(number: u16, language: Language) -> &'static str {
         112 => ("Z 最高速度 mm/min", "Z, highest rate, mm/min"),
         120 => ("X 加速度 mm/s²", "X, acceleration, mm/s²"),
         122 => ("Z 加速度 mm/s²", "Z, acceleration, mm/s²"),
+        1000 => ("驱动板自行运动", "motion the board makes by itself"),
+        1001 => ("运动学", "how the axes hang together"),
         _ => ("", ""),
     };
     say(language, chinese, english)

@@ -18,6 +18,8 @@ pub enum Answer {
     Status(Status),
     /// The board has just started.
     Banner(String),
+    /// The chip of an ESP32 board starts; its firmware greets later.
+    Starts,
     /// A line of `$$`.
     Setting(u16, f64),
     /// `[VER:…]`
@@ -30,6 +32,10 @@ pub enum Answer {
     Firmware(String),
     /// `[NEWOPT:…]`
     NewOptions(String),
+    /// `[G54:…]`, `[G92:…]`, `[TLO:…]`: whether any of its figures is not 0.
+    Offset(bool),
+    /// `[MSG:…]`
+    Message(String),
     /// Anything else in brackets, and empty lines.
     Information,
     /// Not a line any board of the family says.
@@ -110,6 +116,9 @@ impl Answer {
                 })
                 .unwrap_or(Self::Garbage);
         }
+        if line.starts_with("rst:0x") {
+            return Self::Starts;
+        }
         let family = ["Grbl ", "GrblHAL "];
         if family.iter().any(|name| line.starts_with(name)) {
             return Self::Banner(line.to_owned());
@@ -129,11 +138,20 @@ fn information(text: &str) -> Answer {
             let mut next = || fields.next().and_then(|field| field.parse().ok());
             match (next(), next()) {
                 (Some(blocks), Some(bytes)) => Answer::Options(blocks, bytes),
+                // FluidNC does not tell them there.
+                _ if !value.contains(',') => Answer::Information,
                 _ => Answer::Garbage,
             }
         }
         "AXS" => Answer::Axes(value.rsplit(':').next().unwrap_or_default().to_owned()),
         "FIRMWARE" => Answer::Firmware(value.to_owned()),
+        "G54" | "G92" | "TLO" => {
+            let figures: Result<Vec<f64>, _> = value.split(',').map(str::parse).collect();
+            figures.map_or(Answer::Garbage, |figures| {
+                Answer::Offset(figures.iter().any(|figure| *figure != 0.0))
+            })
+        }
+        "MSG" => Answer::Message(value.to_owned()),
         "NEWOPT" => Answer::NewOptions(value.to_owned()),
         _ => Answer::Information,
     }

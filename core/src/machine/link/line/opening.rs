@@ -3,21 +3,31 @@
 
 use core::time::Duration;
 
-use super::super::{ANOTHER, BoardInfo, HostTime};
+use super::super::{ANOTHER, BoardInfo, Difference, HostTime};
 use super::answers::Answer;
-use super::required::{Required, Setting};
+use super::family::Family;
+use super::items::Items;
+use super::required::{REPORT, Required, figure};
 
 /// A board that resets when its port is opened needs so long to greet.
 const BANNER_WAIT: Duration = Duration::from_millis(2500);
 /// The wire counts as quiet after this.
 const QUIET: Duration = Duration::from_millis(200);
-/// A board that says nothing at all by then is none.
+/// A board that says nothing at all by then is none, nor one that has greeted and does
+/// not fall silent.
 const GIVE_UP: Duration = Duration::from_secs(5);
-/// Time for the answer to one question.
+const GREETED: Duration = Duration::from_millis(2500);
+/// A board that tells of its start may take so long, as when it looks for a network.
+const START: Duration = Duration::from_secs(20);
+/// A pause in the answer to one question, and the longest answer.
 const PATIENCE: Duration = Duration::from_secs(1);
+const LONGEST_ANSWER: Duration = Duration::from_secs(10);
+/// A piece of motion in a pulse timer.
+const PIECE: Duration = Duration::from_millis(10);
 /// Acts at once, wherever it stands.
 const RESET: &str = "\x18";
-const QUESTIONS: [&str; 4] = ["$I", "$$", "$#", "$G"];
+/// FluidNC does not say how much it receives; no board of the family takes less.
+const LEAST_RECEIVED: u16 = 128;
 
 /// Where the opening stands.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +37,15 @@ enum Step {
     Asking(usize),
     Differs,
     Writing(usize),
-    Rereading,
     Known,
+}
+
+/// A setting that is not as it must be, and the line that mends it; none where only the
+/// owner can, in the board's own file.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Deviation {
+    pub(super) difference: Difference,
+    pub(super) line: Option<String>,
 }
 
 /// Name and version out of `4.0 FluidNC v4.0.4 (esp32-wifi) :`, the version that such a
@@ -51,7 +68,7 @@ pub(super) enum Outcome {
     /// The board is what it should be.
     Done,
     /// The settings differ; written only when asked for.
-    Differs(Vec<(Setting, Option<f64>)>),
+    Differs(Vec<Difference>),
     /// It goes no further: alarm and cause.
     Fails(u16, String),
 }
@@ -63,13 +80,20 @@ pub(super) struct Opening {
     since: HostTime,
     opened: HostTime,
     heard: bool,
+    greeted: bool,
     last_heard: HostTime,
     version: String,
     firmware: Option<String>,
     axes: Option<String>,
+    pub(super) family: Family,
     pub(super) board: BoardInfo,
+    /// The board has work offsets of its own.
+    pub(super) offset: bool,
     settings: Vec<(u16, f64)>,
-    to_write: Vec<Setting>,
+    items: Items,
+    to_write: Vec<Deviation>,
+    /// What differed was written; it is asked once more.
+    written: bool,
 }
 
 impl Opening {
@@ -79,13 +103,18 @@ impl Opening {
             since: now,
             opened: now,
             heard: false,
+            greeted: false,
             last_heard: now,
             version: String::new(),
             firmware: None,
             axes: None,
+            family: Family::default(),
             board: BoardInfo::default(),
+            offset: false,
             settings: Vec::new(),
+            items: Items::default(),
             to_write: Vec::new(),
+            written: false,
         }
     }
 
@@ -102,6 +131,34 @@ impl Opening {
         let mut told = self.settings.iter().rev();
         told.find(|(told, _)| *told == number)
             .map_or(0.0, |(_, value)| *value)
+    }
+
+    /// An item as a board with names last told it.
+    pub(super) fn item(&self, path: &str) -> Option<&str> {
+        self.items.value(path)
+    }
+
+    /// A line that is no answer of its own: part of a text that was asked for.
+    pub(super) fn take_text(&mut self, line: &str) {
+        if let Step::Asking(question) = self.step
+            && self.family.questions().get(question) == Some(&"$CD")
+        {
+            self.items.take(line);
+        }
+    }
+
+    /// What leaves the queue of the board is made so much later: its pulse timer is handed
+    /// pieces of 10 ms in advance.
+    pub(super) fn prepared(&self) -> Duration {
+        let pieces = match self.family {
+            Family::Grbl => 6,
+            Family::GrblHal => 10,
+            Family::FluidNc => {
+                let told = self.item("stepping/segments");
+                told.and_then(|told| told.parse().ok()).unwrap_or(20)
+            }
+        };
+        PIECE * pieces
     }
 
     pub(super) fn is_done(&self) -> bool {
@@ -122,6 +179,8 @@ impl Opening {
     /// Time passes.
     pub(super) fn tick(&mut self, now: HostTime) -> Outcome {
         let waited = now.saturating_sub(self.since);
+        let silent = now.saturating_sub(self.last_heard.max(self.since));
+        let over = silent >= PATIENCE || waited >= LONGEST_ANSWER;
         match self.step {
             Step::Greeting if waited >= BANNER_WAIT => {
                 self.go(Step::Quiet, now);
@@ -134,10 +193,9 @@ impl Opening {
                     && waited >= QUIET
                     && now.saturating_sub(self.last_heard) >= QUIET =>
             {
-                self.go(Step::Asking(0), now);
-                Outcome::Send(QUESTIONS[0].into())
+                self.ask(0, now)
             }
-            Step::Quiet if now.saturating_sub(self.opened) >= GIVE_UP => {
+            Step::Quiet if now.saturating_sub(self.opened) >= GIVE_UP && waited >= GREETED => {
                 let cause = if self.heard {
                     "it never stops talking"
                 } else {
@@ -145,11 +203,11 @@ impl Opening {
                 };
                 Outcome::Fails(601, format!("no answer from the board: {cause}; {ANOTHER}"))
             }
-            Step::Asking(0) if waited >= PATIENCE => Outcome::Fails(
+            Step::Asking(0) if over => Outcome::Fails(
                 602,
                 format!("what the board sends makes no sense; {ANOTHER}"),
             ),
-            Step::Asking(_) | Step::Writing(_) | Step::Rereading if waited >= PATIENCE => {
+            Step::Asking(_) | Step::Writing(_) if over => {
                 Outcome::Fails(601, "no answer from the board within 1 s".into())
             }
             _ => Outcome::Waits,
@@ -161,12 +219,40 @@ impl Opening {
         self.since = now;
     }
 
+    fn ask(&mut self, question: usize, now: HostTime) -> Outcome {
+        let Some(line) = self.family.questions().get(question) else {
+            return Outcome::Waits;
+        };
+        self.go(Step::Asking(question), now);
+        match question {
+            1 => Outcome::Configures((*line).into()),
+            _ => Outcome::Send((*line).into()),
+        }
+    }
+
     /// A line came.
     pub(super) fn take(&mut self, answer: &Answer, required: &Required, now: HostTime) -> Outcome {
         match (answer, &self.step) {
             (Answer::Banner(_), Step::Greeting) => {
+                self.greeted = true;
                 self.go(Step::Quiet, now);
                 Outcome::Send(String::new())
+            }
+            (Answer::Banner(_), Step::Quiet) => {
+                self.greeted = true;
+                Outcome::Waits
+            }
+            (Answer::Starts, Step::Quiet) if !self.greeted => {
+                self.opened = now;
+                self.go(Step::Greeting, now);
+                Outcome::Waits
+            }
+            (Answer::Starts | Answer::Message(_), Step::Greeting) => {
+                // It is starting, and will greet when it is there.
+                if now.saturating_sub(self.opened) < START {
+                    self.since = now;
+                }
+                Outcome::Waits
             }
             (_, Step::Greeting | Step::Quiet | Step::Known | Step::Differs) => Outcome::Waits,
             (Answer::Ok, Step::Asking(question)) => {
@@ -177,7 +263,6 @@ impl Opening {
                 let next = index + 1;
                 self.write(next, now)
             }
-            (Answer::Ok, Step::Rereading) => self.compare(required, true, now),
             (Answer::Error(number), _) => self.refused(*number),
             (Answer::Version(version), _) => {
                 version.clone_into(&mut self.version);
@@ -199,6 +284,10 @@ impl Opening {
                 self.board.spindle_sync = options.split(',').any(|option| option == "SS");
                 Outcome::Waits
             }
+            (Answer::Offset(set), _) => {
+                self.offset |= *set;
+                Outcome::Waits
+            }
             (Answer::Setting(number, value), _) => {
                 self.settings.push((*number, *value));
                 Outcome::Waits
@@ -208,21 +297,15 @@ impl Opening {
     }
 
     fn refused(&self, number: u16) -> Outcome {
-        let text = match self.step {
-            Step::Writing(index) => match self.to_write.get(index) {
-                Some(setting) => format!("{} was refused with error:{number}", setting.line()),
-                None => format!("a setting was refused with error:{number}"),
-            },
-            _ => format!("a question was refused with error:{number}"),
+        let Step::Writing(index) = self.step else {
+            return Outcome::Fails(602, format!("a question was refused with error:{number}"));
         };
-        Outcome::Fails(
-            if matches!(self.step, Step::Writing(_)) {
-                603
-            } else {
-                602
-            },
-            text,
-        )
+        let line = self.to_write.get(index).and_then(|one| one.line.as_ref());
+        let text = match line {
+            Some(line) => format!("{line} was refused with error:{number}"),
+            None => format!("a setting was refused with error:{number}"),
+        };
+        Outcome::Fails(603, text)
     }
 
     fn answered(&mut self, question: usize, required: &Required, now: HostTime) -> Outcome {
@@ -231,25 +314,21 @@ impl Opening {
         {
             return Outcome::Fails(602, text);
         }
-        match QUESTIONS.get(question + 1) {
-            Some(next) => {
-                self.go(Step::Asking(question + 1), now);
-                if question == 0 {
-                    Outcome::Configures((*next).into())
-                } else {
-                    Outcome::Send((*next).into())
-                }
-            }
-            None => self.compare(required, false, now),
+        if question + 1 < self.family.questions().len() {
+            return self.ask(question + 1, now);
         }
+        if let Err(text) = self.measure() {
+            return Outcome::Fails(602, text);
+        }
+        self.compare(required, now)
     }
 
     fn identify(&mut self) -> Result<(), String> {
         if let Some(name) = fluid_nc(&self.version) {
+            self.family = Family::FluidNc;
             self.board.firmware = name.to_owned();
-            return Err(format!(
-                "{name} is not supported yet: it tells its settings in a way of its own; Grbl 1.1 or grblHAL is needed"
-            ));
+            self.board.forgets = true;
+            return Ok(());
         }
         if self.version.is_empty() {
             return Err(format!(
@@ -258,11 +337,13 @@ impl Opening {
         }
         let family = self.firmware.as_deref().unwrap_or("Grbl");
         self.board.firmware = format!("{family} {}", self.version);
-        if !["Grbl", "grblHAL"].contains(&family) {
-            return Err(format!("firmware {family} is not known"));
-        }
+        self.family = match family {
+            "Grbl" => Family::Grbl,
+            "grblHAL" => Family::GrblHal,
+            _ => return Err(format!("firmware {family} is not known")),
+        };
         let version = self.version.strip_prefix("1.1").unwrap_or_default();
-        if family == "Grbl" && !version.starts_with(|letter| letter >= 'f') {
+        if self.family == Family::Grbl && !version.starts_with(|letter| letter >= 'f') {
             return Err(format!("Grbl {} is older than 1.1f", self.version));
         }
         if let Some(axes) = &self.axes
@@ -270,43 +351,72 @@ impl Opening {
         {
             return Err(format!("the board has axes {axes}; X and Z are needed"));
         }
+        Ok(())
+    }
+
+    /// How much the board holds.
+    fn measure(&mut self) -> Result<(), String> {
+        let source = if self.family == Family::FluidNc {
+            let places = self
+                .item("planner_blocks")
+                .and_then(|told| told.parse().ok());
+            self.board.blocks = places.map_or(0, |places: u16| places.saturating_sub(1));
+            self.board.receive_bytes = LEAST_RECEIVED;
+            "planner_blocks"
+        } else {
+            "[OPT:…]"
+        };
         if self.board.blocks < 4 || self.board.receive_bytes < 64 {
-            return Err("the board does not say how much it can hold ([OPT:…])".into());
+            return Err(format!(
+                "the board does not say how much it can hold ({source})"
+            ));
         }
         Ok(())
     }
 
-    fn compare(&mut self, required: &Required, written: bool, now: HostTime) -> Outcome {
-        let differences: Vec<_> = required
-            .settings
-            .iter()
-            .map(|setting| setting.of(&self.board.firmware))
-            .filter_map(|setting| {
-                let board = self
-                    .settings
-                    .iter()
-                    .rev()
-                    .find(|(number, _)| *number == setting.number);
-                match board {
-                    Some((_, value)) if setting.is_met_by(*value) => None,
-                    _ => Some((setting, board.map(|(_, value)| *value))),
-                }
-            })
-            .collect();
-        if differences.is_empty() {
+    fn compare(&mut self, required: &Required, now: HostTime) -> Outcome {
+        let deviations = self.deviations(required);
+        if deviations.is_empty() {
             self.go(Step::Known, now);
             return Outcome::Done;
         }
-        if written {
-            let list: Vec<_> = differences
-                .iter()
-                .map(|(setting, _)| setting.line())
-                .collect();
-            return Outcome::Fails(603, format!("the board does not keep {}", list.join(", ")));
+        if self.written {
+            let lines = deviations.iter().filter_map(|one| one.line.clone());
+            let list = lines.collect::<Vec<_>>().join(", ");
+            return Outcome::Fails(603, format!("the board does not keep {list}"));
         }
-        self.to_write = differences.iter().map(|(setting, _)| *setting).collect();
+        let differences = deviations.iter().map(|one| one.difference.clone());
+        let differences = differences.collect();
+        self.to_write = deviations;
         self.go(Step::Differs, now);
         Outcome::Differs(differences)
+    }
+
+    fn deviations(&self, required: &Required) -> Vec<Deviation> {
+        let settings = required.settings.iter().map(|one| one.of(self.family));
+        let numbered = settings.filter_map(|setting| {
+            let told = self.settings.iter().rev();
+            let board = told.clone().find(|(number, _)| *number == setting.number);
+            if board.is_some_and(|(_, value)| setting.is_met_by(*value)) {
+                return None;
+            }
+            Some(Deviation {
+                difference: Difference {
+                    number: setting.number,
+                    name: format!("${}", setting.number),
+                    board: board.map(|(_, value)| value.to_string()),
+                    wanted: figure(setting.value),
+                },
+                line: Some(setting.line()),
+            })
+        });
+        if self.family != Family::FluidNc {
+            return numbered.collect();
+        }
+        let named = self.items.deviations(&required.settings);
+        // What a report tells has a number everywhere.
+        let reports = numbered.filter(|one| one.difference.number == REPORT);
+        reports.chain(named).collect()
     }
 
     /// Writes what differs: the operator has said so.
@@ -314,20 +424,31 @@ impl Opening {
         if self.step != Step::Differs {
             return Outcome::Waits;
         }
+        let mine = self.to_write.iter().filter(|one| one.line.is_none());
+        let list: Vec<_> = mine
+            .map(|one| format!("{}: {}", one.difference.name, one.difference.wanted))
+            .collect();
+        if !list.is_empty() {
+            let list = list.join(", ");
+            return Outcome::Fails(
+                603,
+                format!("only the owner can set this, in config.yaml of the board: {list}"),
+            );
+        }
         self.write(0, now)
     }
 
     fn write(&mut self, index: usize, now: HostTime) -> Outcome {
-        match self.to_write.get(index) {
-            Some(setting) => {
-                let line = setting.line();
+        match self.to_write.get(index).and_then(|one| one.line.clone()) {
+            Some(line) => {
                 self.go(Step::Writing(index), now);
                 Outcome::Send(line)
             }
             None => {
                 self.settings.clear();
-                self.go(Step::Rereading, now);
-                Outcome::Send("$$".into())
+                self.items = Items::default();
+                self.written = true;
+                self.ask(1, now)
             }
         }
     }

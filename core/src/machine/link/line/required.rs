@@ -1,6 +1,7 @@
 //! What the settings of the board have to be for the kernel's motion to come out
 //! as it was made.
 
+use super::Family;
 use crate::axis::pulse_weight;
 use crate::machine::link::LinkConfig;
 use crate::memory::Parameters;
@@ -16,10 +17,12 @@ const HOMING: u16 = 22;
 /// The value of S that stands for 10 V.
 const FULL_SPEED: f64 = 1000.0;
 /// What a report names; the larger board has a switch for each field.
-const REPORT: u16 = 10;
+pub(super) const REPORT: u16 = 10;
 const ALL_FIELDS: f64 = 511.0;
-/// A value differs when it is off by more than the board's rounding.
+/// A value differs when it is off by more than the board's rounding, of three decimals or
+/// of a number of 32 bits.
 const ROUNDING: f64 = 0.000_6;
+const SINGLE: f64 = 1e-7;
 
 /// A setting and the value it must have.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,9 +34,9 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The same for a board with this firmware.
-    pub fn of(self, firmware: &str) -> Self {
-        if self.number == REPORT && firmware.starts_with("grblHAL") {
+    /// The same for a board of this family.
+    pub(super) fn of(self, family: Family) -> Self {
+        if self.number == REPORT && family == Family::GrblHal {
             return Self {
                 value: ALL_FIELDS,
                 ..self
@@ -48,16 +51,21 @@ impl Setting {
             // The larger boards keep more switches in the same number.
             return board as u32 & 1 == 1;
         }
-        (board - self.value).abs() <= ROUNDING
+        (board - self.value).abs() <= ROUNDING.max(self.value.abs() * SINGLE)
     }
 
     /// The line that writes it.
     pub fn line(self) -> String {
-        if self.value.fract() == 0.0 {
-            format!("${}={:.0}", self.number, self.value)
-        } else {
-            format!("${}={:.3}", self.number, self.value)
-        }
+        format!("${}={}", self.number, figure(self.value))
+    }
+}
+
+/// A figure as boards read it.
+pub(super) fn figure(value: f64) -> String {
+    if value.fract() == 0.0 {
+        format!("{value:.0}")
+    } else {
+        format!("{value:.3}")
     }
 }
 

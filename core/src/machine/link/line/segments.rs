@@ -122,7 +122,8 @@ impl Segments {
         {
             return Err(Refused::TooFast);
         }
-        let mut line = String::with_capacity(32);
+        // Machine coordinates: whatever work offset another program has left in the board.
+        let mut line = String::from("G53");
         let places = [
             (
                 'X',
@@ -143,7 +144,14 @@ impl Segments {
                 let _ = write!(line, "{letter}{:.4}", place as f64 / per_mm);
             }
         }
-        let _ = writeln!(line, "F{:.1}", 60.0 / seconds);
+        // The feed, not the time (G93): to a place that was damaged on the wire the board
+        // then goes at the feed, not as fast as it can.
+        let way = [0, 1].map(|axis| steps[axis] as f64 / self.pulses_per_mm[axis]);
+        let length = libm::hypot(way[0], way[1]);
+        let feed = length / seconds * 60.0;
+        // A line takes its time on the wire: four figures will do.
+        let decimals = if feed < 100.0 { 2 } else { 1 };
+        let _ = writeln!(line, "F{feed:.decimals$}");
         self.from = sample.end;
         self.at = sample.pulses;
         Ok(Some(Segment {
@@ -171,7 +179,7 @@ mod tests {
             assert_eq!(segments.push(sample(ms, 0, -(ms as i64)), offset), Ok(None));
         }
         let segment = segments.push(sample(10, 0, -10), offset).unwrap().unwrap();
-        assert_eq!(segment.line, "Z-0.0500F6000.0\n");
+        assert_eq!(segment.line, "G53Z-0.0500F300.0\n");
         assert_eq!(segments.pending(), RunTime::ZERO);
     }
 
@@ -182,11 +190,11 @@ mod tests {
         segments.begin_slowly(RunTime::from_millis(80));
         assert_eq!(segments.push(sample(1, 0, 0), offset), Ok(None));
         let segment = segments.push(sample(2, 0, -1), offset).unwrap().unwrap();
-        assert_eq!(segment.line, "Z-0.0050F750.0\n");
+        assert_eq!(segment.line, "G53Z-0.0050F3.75\n");
         assert_eq!(segment.duration, RunTime::from_millis(80));
         assert_eq!(segments.push(sample(3, 0, -2), offset), Ok(None));
         let segment = segments.push(sample(12, 0, -9), offset).unwrap().unwrap();
-        assert_eq!(segment.line, "Z-0.0450F6000.0\n");
+        assert_eq!(segment.line, "G53Z-0.0450F240.0\n");
     }
 
     #[test]

@@ -15,6 +15,7 @@ use super::super::{
     BoardInfo, BoardOutputs, Doubt, Event, HostTime, Input, LinkConfig, LinkState, Pins,
     PulseRates, Refused, RunTime, Sample, Stop, Traffic, contacts,
 };
+use super::Family;
 use super::answers::{Answer, BoardState, Status};
 use super::opening::Opening;
 use super::required::Required;
@@ -47,7 +48,7 @@ const AWAY: Duration = Duration::from_millis(100);
 const LINE_BYTES: usize = 512;
 /// Modal words of all motion.
 /// A code of motion wants its F here, way or not.
-const MODES: [&str; 2] = ["G21G18G90", "G1G93F60"];
+const MODES: [&str; 2] = ["G21G18G90", "G1G94F60"];
 pub(super) const RESET: u8 = 0x18;
 /// A reference return ends within this.
 const HOMING_WAIT: Duration = Duration::from_secs(120);
@@ -77,6 +78,8 @@ struct Queued {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Halt {
     None,
+    /// Waits until the board has read what was sent.
+    Draining(HostTime),
     /// `!` was sent; waits for the standstill.
     Braking(HostTime),
     /// Ctrl-X was sent; waits for the banner.
@@ -98,6 +101,8 @@ struct Restart {
 struct Homing {
     since: HostTime,
     axes: PerAxis<bool>,
+    /// The board has named them as being home.
+    named: PerAxis<bool>,
 }
 
 /// A link to one board.
@@ -113,6 +118,10 @@ pub struct LineLink {
     unanswered: VecDeque<Unanswered>,
     backlog: VecDeque<Segment>,
     queued: VecDeque<Queued>,
+    /// Motion that has left the board's queue for its pulse timer, and when it is made.
+    handed: VecDeque<(HostTime, Queued)>,
+    /// Where motion made of late began, and when it was counted as made.
+    past: VecDeque<(HostTime, PerAxis<Pulses>)>,
     segments: Segments,
     /// Kernel pulses of the last sample taken.
     commanded: PerAxis<Pulses>,
@@ -159,7 +168,10 @@ pub struct LineLink {
     excused_until: HostTime,
     /// It has restarted by itself: it may be another one, or set otherwise.
     restarted: bool,
-    /// The operator pressed RESET: it is unlocked when it is known again.
+    /// It has said that it starts; its banner is no news.
+    started: bool,
+    /// It is unlocked as soon as it listens: the operator pressed RESET, or it has made the
+    /// reference return of one axis and waits for the other.
     unlocks: bool,
     events: Vec<Event>,
     traffic: Traffic,
@@ -183,6 +195,8 @@ impl LineLink {
             unanswered: VecDeque::new(),
             backlog: VecDeque::new(),
             queued: VecDeque::new(),
+            handed: VecDeque::new(),
+            past: VecDeque::new(),
             segments,
             commanded: PerAxis::default(),
             offset: PerAxis::default(),
@@ -212,6 +226,7 @@ impl LineLink {
             switched: BoardOutputs::default(),
             excused_until: HostTime::ZERO,
             restarted: false,
+            started: false,
             unlocks: false,
             events: Vec::new(),
             traffic: Traffic::default(),
@@ -278,14 +293,23 @@ impl LineLink {
 
     /// Motion handed over that may not have been made yet.
     pub fn outstanding(&self) -> Duration {
+        let handed: Duration = self.handed.iter().map(|(_, one)| one.duration).sum();
+        let last = self.handed.back().map_or(self.now, |(made_by, _)| *made_by);
         let queued: Duration = self.queued.iter().map(|segment| segment.duration).sum();
         let waiting: Duration = self.backlog.iter().map(|segment| segment.duration).sum();
-        queued + waiting + self.segments.pending()
+        let prepared = handed.min(last.saturating_sub(self.now));
+        prepared + queued + waiting + self.segments.pending()
     }
 
     /// How much more motion may be handed over now.
     pub fn room(&self) -> Duration {
         if !self.is_prepared() || !self.backlog.is_empty() {
+            return Duration::ZERO;
+        }
+        // With a full queue FluidNC looks at `!` and Ctrl-X 20 times a second only, and what
+        // waits at a stop is carried out behind the reset.
+        let places = usize::from(self.board().blocks);
+        if self.opening.family == Family::FluidNc && self.queued.len() + 2 >= places {
             return Duration::ZERO;
         }
         self.config.lookahead().saturating_sub(self.outstanding())
@@ -374,6 +398,7 @@ impl LineLink {
             self.open_further(outcome);
             return;
         }
+        self.settle(false);
         self.watch_silence();
         self.watch_pass();
         self.watch_halt();
@@ -396,6 +421,7 @@ impl LineLink {
                     let line = core::mem::take(&mut self.line);
                     if !line.is_empty() {
                         let text = String::from_utf8_lossy(&line).into_owned();
+                        self.opening.take_text(&text);
                         self.take(&Answer::read(&text));
                     }
                 }
@@ -497,10 +523,24 @@ impl LineLink {
             LinkState::Fault if self.restarted || !self.opening.is_done() => self.open_again(),
             LinkState::Tripped | LinkState::Fault if self.opening.is_done() => {
                 self.forget_motion();
-                self.send("$X", false);
+                if matches!(self.halt, Halt::Restarting(_)) {
+                    // What is sent before its banner is thrown away.
+                    self.unlocks = true;
+                } else {
+                    self.send("$X", false);
+                }
                 self.enter(LinkState::Locked);
             }
+            // FluidNC may be locked so that an unlock alone does nothing.
+            LinkState::Locked
+                if self.opening.family == Family::FluidNc
+                    && (self.board_is_locked() || self.status.is_none()) =>
+            {
+                self.unlocks = true;
+                self.restart();
+            }
             LinkState::Locked if self.board_is_locked() => self.send("$X", false),
+            LinkState::Locked if self.status.is_none() => self.unlocks = true,
             LinkState::Moving => self.flush(),
             LinkState::Homing => self.give_up_homing(None),
             _ => {}

@@ -226,18 +226,7 @@ impl Linked {
                 cnc.board_returned(axes, self.home());
             }
             Event::Learned { name, packed } => self.notes.push(Note::Learned { name, packed }),
-            Event::Differs {
-                setting,
-                board,
-                wanted,
-            } => {
-                let thousandths = |value: f64| (value * 1000.0).round() as i64;
-                self.notes.push(Note::Differs {
-                    setting,
-                    board: board.map(thousandths),
-                    wanted: thousandths(wanted),
-                });
-            }
+            Event::Differs(difference) => self.notes.push(Note::Differs(difference)),
         }
     }
 

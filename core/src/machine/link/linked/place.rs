@@ -104,6 +104,13 @@ impl Linked {
         }
         let mut untold = core::mem::take(&mut self.untold);
         if self.link.place().is_none() {
+            // A board that is not known yet has moved nothing.
+            untold.retain(|alarm| !(601..=604).contains(&alarm.number));
+            for Alarm { number, detail, .. } in untold {
+                let detail = detail.unwrap_or_default();
+                let detail = format!("{detail}; nobody knows where the slides stand");
+                cnc.alarms.restate(number, detail);
+            }
             return;
         }
         // The control's own emergency stop stops the board as much as its faults do.

@@ -5,6 +5,7 @@ use core::fmt::Write;
 use super::super::super::{
     BoardOutputs, Doubt, Event, Lacks, LinkState, Refused, SpindleWay, ThreadRights,
 };
+use super::super::Family;
 use super::super::answers::BoardState;
 use super::{EXCUSED, HOMING_WAIT, Halt, Homing, LineLink, RESET};
 use crate::units::{Axis, PerAxis};
@@ -28,8 +29,15 @@ impl LineLink {
 
     /// Whether the board can seek the switch of one axis alone.
     pub fn homes_single_axes(&self) -> bool {
-        let firmware = &self.board().firmware;
-        firmware.starts_with("grblHAL") && self.opening.setting(22) as u32 & 2 != 0
+        let allowed = |axis| {
+            let path = format!("axes/{axis}/homing/allow_single_axis");
+            self.opening.item(&path) == Some("true")
+        };
+        match self.opening.family {
+            Family::Grbl => false,
+            Family::GrblHal => self.opening.setting(22) as u32 & 2 != 0,
+            Family::FluidNc => allowed('x') && allowed('z'),
+        }
     }
 
     /// Which threads it cuts.
@@ -41,6 +49,7 @@ impl LineLink {
             proof: !self.config.line.thread_proved,
             encoder: sync && !told(38),
             gains: sync && [90, 91, 92].into_iter().any(told),
+            offset: sync && self.opening.offset,
             index: false,
         };
         if lacks == Lacks::default() {
@@ -84,6 +93,7 @@ impl LineLink {
         self.homing = Some(Homing {
             since: self.now,
             axes,
+            named: PerAxis::default(),
         });
         self.send(line, false);
         self.enter(LinkState::Homing);
@@ -114,13 +124,33 @@ impl LineLink {
         self.status = None;
         self.still_since = None;
         self.asked = None;
-        if error.is_none() {
-            self.events.push(Event::Homed(homing.axes));
+        let names = self.opening.family == Family::FluidNc;
+        let why = match error {
+            Some(number) => format!("the board refuses its reference return with error:{number}"),
+            // It answers so whatever came of it.
+            None if names && homing.named != homing.axes => {
+                "the board does not say that its reference return was made".into()
+            }
+            None => {
+                self.events.push(Event::Homed(homing.axes));
+                self.enter(LinkState::Locked);
+                self.unlocks = names;
+                return;
+            }
+        };
+        if names {
+            // It plans from the place before the return until it is reset.
+            self.restart();
         }
         self.enter(LinkState::Locked);
-        if let Some(number) = error {
-            let text = format!("the board refuses its reference return with error:{number}");
-            self.alarm(609, &text);
+        self.alarm(609, &why);
+    }
+
+    /// FluidNC names each axis that has come home.
+    pub(super) fn board_says(&mut self, text: &str) {
+        if let (Some(homing), Some(axes)) = (&mut self.homing, text.strip_prefix("Homed:")) {
+            homing.named.x |= axes.contains('X') && homing.axes.x;
+            homing.named.z |= axes.contains('Z') && homing.axes.z;
         }
     }
 

@@ -1,9 +1,10 @@
 //! What the board says: answers, reports, and when it is asked for one.
 
 use super::super::super::{Doubt, Event, HostTime, LinkState};
+use super::super::Family;
 use super::super::answers::{Answer, BoardState, Status};
 use super::super::opening::{Opening, Outcome};
-use super::{AWAY, Halt, LineLink, STATUS_IDLE, STATUS_MOVING};
+use super::{AWAY, HEARD, Halt, LineLink, STATUS_IDLE, STATUS_MOVING};
 
 impl LineLink {
     pub(super) fn take(&mut self, answer: &Answer) {
@@ -31,10 +32,17 @@ impl LineLink {
             Answer::Ok => self.line_done(None),
             Answer::Error(number) => self.line_done(Some(*number)),
             Answer::Alarm(number) => self.board_alarm(*number),
+            Answer::Message(text) => self.board_says(text),
             Answer::Status(status) => self.report(*status),
             Answer::Banner(_) if matches!(self.halt, Halt::Restarting(_)) => self.banner_came(),
-            Answer::Banner(_) if self.now < self.excused_until => {}
+            Answer::Banner(_) if self.now < self.excused_until || self.started => {
+                self.started = false;
+            }
             Answer::Banner(_) => self.board_restarted(),
+            Answer::Starts => {
+                self.started = true;
+                self.board_restarted();
+            }
             Answer::Garbage => {
                 self.traffic.garbage += 1;
                 if self.state == LinkState::Moving {
@@ -83,6 +91,7 @@ impl LineLink {
             let held = self.board().blocks.saturating_sub(free);
             self.retire(usize::from(held));
         }
+        self.settle(status.state == BoardState::Idle);
         if status.state != BoardState::Idle {
             self.still_since = None;
         } else if self.still_since.is_none() {
@@ -101,6 +110,11 @@ impl LineLink {
             BoardState::Alarm if self.state.takes_motion() => {
                 self.board_alarm(0);
             }
+            BoardState::Alarm if self.unlocks && self.halt == Halt::None => {
+                self.unlocks = false;
+                self.send("$X", false);
+            }
+            BoardState::Idle => self.unlocks = false,
             BoardState::Other if self.state.takes_motion() => {
                 self.alarm(607, "the board reports a state nobody asked for");
                 self.flush();
@@ -113,8 +127,16 @@ impl LineLink {
     /// Asks for a report when one is due.
     pub(super) fn ask(&mut self) {
         // A board that seeks its switches does not answer.
-        let deaf = matches!(self.halt, Halt::Restarting(_)) || self.homing.is_some();
-        if deaf || self.asked.is_some() {
+        let restarts = matches!(self.halt, Halt::Restarting(_));
+        if restarts && self.opening.family == Family::FluidNc {
+            // It takes a second for that, and answers meanwhile, mostly.
+            self.asked = self
+                .asked
+                .filter(|asked| self.now.saturating_sub(*asked) < HEARD);
+        } else if restarts || self.homing.is_some() {
+            return;
+        }
+        if self.asked.is_some() {
             return;
         }
         let interval = match self.state {
@@ -137,6 +159,7 @@ impl LineLink {
         self.limit_hit = None;
         self.counts = false;
         self.restarted = false;
+        self.started = false;
         self.unlocks = true;
         self.opening = Opening::again(self.now);
         self.enter(LinkState::Opening);
@@ -165,14 +188,9 @@ impl LineLink {
                 }
             }
             Outcome::Differs(differences) => {
-                for (setting, board) in &differences {
-                    self.events.push(Event::Differs {
-                        setting: setting.number,
-                        board: *board,
-                        wanted: setting.value,
-                    });
-                }
                 let text = format!("settings of the board that differ: {}", differences.len());
+                self.events
+                    .extend(differences.into_iter().map(Event::Differs));
                 self.alarm(603, &text);
             }
             Outcome::Fails(number, text) => {
@@ -193,6 +211,11 @@ impl LineLink {
         if gap < AWAY {
             return;
         }
+        if gap >= self.config.lookahead() && !self.backlog.is_empty() {
+            // The board stands by now; what waited for room in it would move it again.
+            self.backlog.clear();
+            self.protocol_error("the computer was away while motion waited for room");
+        }
         self.progressed += gap;
         self.pass_was_unwatched(gap);
         for line in &mut self.unanswered {
@@ -203,7 +226,7 @@ impl LineLink {
         }
         match &mut self.halt {
             Halt::None => {}
-            Halt::Braking(since) => *since += gap,
+            Halt::Draining(since) | Halt::Braking(since) => *since += gap,
             Halt::Restarting(restart) => {
                 restart.since += gap;
                 restart.sent += gap;

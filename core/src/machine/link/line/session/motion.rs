@@ -11,6 +11,8 @@ use crate::units::{PerAxis, Point, Pulses};
 /// A board answers for motion so long before it has made it, and a switch is told so
 /// much later.
 const PREPARED: Duration = Duration::from_millis(200);
+/// A report may have been under way for so long.
+const LATE_REPORT: Duration = Duration::from_millis(300);
 
 impl LineLink {
     /// Sends what waits, as far as the board's buffer and queue reach.
@@ -66,30 +68,58 @@ impl LineLink {
         self.feed();
     }
 
-    /// Counts as made all answered segments but the newest `held`.
+    /// All answered segments but the newest `held` have left the queue of the board: its
+    /// pulse timer has been handed them, and makes them next.
     pub(super) fn retire(&mut self, held: usize) {
         let answered = self
             .queued
             .iter()
             .take_while(|segment| segment.answered)
             .count();
-        for _ in held..answered {
-            if let Some(segment) = self.queued.pop_front() {
-                for (axis, way) in way_between(self.made, segment.pulses)
-                    .into_iter()
-                    .enumerate()
-                {
-                    match way {
-                        1 => self.went[axis][0] = Some(self.now),
-                        -1 => self.went[axis][1] = Some(self.now),
-                        _ => {}
-                    }
-                }
-                self.executed = segment.end;
-                self.made = segment.pulses;
-                self.progressed = self.now;
-            }
+        let leaving = answered.saturating_sub(held);
+        let mut made_by = self.now + self.opening.prepared();
+        let at = self.handed.len();
+        for segment in self.queued.drain(..leaving).rev() {
+            let duration = segment.duration;
+            self.handed.insert(at, (made_by, segment));
+            made_by = made_by.saturating_sub(duration);
+            self.progressed = self.now;
         }
+    }
+
+    /// Counts as made what the pulse timer was handed so long ago; all of it when the
+    /// board stands.
+    pub(super) fn settle(&mut self, stands: bool) {
+        let now = self.now;
+        while let Some((_, segment)) = self
+            .handed
+            .pop_front_if(|(made_by, _)| stands || *made_by <= now)
+        {
+            for (axis, way) in way_between(self.made, segment.pulses)
+                .into_iter()
+                .enumerate()
+            {
+                match way {
+                    1 => self.went[axis][0] = Some(now),
+                    -1 => self.went[axis][1] = Some(now),
+                    _ => {}
+                }
+            }
+            self.past.push_back((now, self.made));
+            self.executed = segment.end;
+            self.made = segment.pulses;
+        }
+        while self
+            .past
+            .pop_front_if(|(at, _)| now.saturating_sub(*at) > LATE_REPORT)
+            .is_some()
+        {}
+    }
+
+    /// Motion of the board that may not have been made yet, the next first.
+    fn unmade(&self) -> impl Iterator<Item = &Queued> {
+        let handed = self.handed.iter().map(|(_, segment)| segment);
+        handed.chain(&self.queued)
     }
 
     /// The ways on which the axes are moving, as far as the board's answers tell; 0: they
@@ -100,7 +130,7 @@ impl LineLink {
         };
         let mut seen = self.went.map(|ways| ways.map(recent));
         let mut from = self.made;
-        for segment in &self.queued {
+        for segment in self.unmade() {
             for (axis, way) in way_between(from, segment.pulses).into_iter().enumerate() {
                 seen[axis][0] |= way > 0;
                 seen[axis][1] |= way < 0;
@@ -117,10 +147,12 @@ impl LineLink {
             Point::new(pulses.x.0 as f64 / per_x, pulses.z.0 as f64 / per_z)
         };
         let at = millimetres(self.to_kernel(board));
-        let mut from = millimetres(self.made);
+        let past = self.past.iter().map(|(_, place)| *place);
+        let unmade = self.unmade().map(|segment| segment.pulses);
+        let mut from = millimetres(self.past.front().map_or(self.made, |(_, place)| *place));
         let mut nearest = (at - from).length();
-        for segment in &self.queued {
-            let to = millimetres(segment.pulses);
+        for place in past.chain([self.made]).chain(unmade) {
+            let to = millimetres(place);
             nearest = nearest.min(distance_to_line(at, from, to));
             from = to;
         }
@@ -198,10 +230,7 @@ impl LineLink {
         let [per_x, per_z] = self.required.pulses_per_mm;
         let mut from = self.made;
         let mut fastest = 0.0_f64;
-        let queued = self
-            .queued
-            .iter()
-            .map(|piece| (piece.pulses, piece.duration));
+        let queued = self.unmade().map(|piece| (piece.pulses, piece.duration));
         let waiting = self
             .backlog
             .iter()

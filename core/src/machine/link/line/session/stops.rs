@@ -1,16 +1,20 @@
 //! Everything that stops the board, and what is known afterwards.
 
 use super::super::super::{BoardOutputs, Doubt, HostTime, LinkState, Pins};
+use super::super::Family;
+use super::super::family::Cause;
 use super::{
-    ANSWER_WAIT, EXCUSED, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, RESET_AGAIN, Restart,
-    SILENCE,
+    ANSWER_WAIT, EXCUSED, HEARD, HOLD_WAIT, Halt, LATE, LineLink, MODES, RESET, RESET_AGAIN,
+    Restart, SILENCE,
 };
 
 impl LineLink {
     pub(super) fn watch_silence(&mut self) {
-        let silent = self
-            .asked
-            .is_some_and(|asked| self.now.saturating_sub(asked) >= self.patience(SILENCE));
+        let restarts = matches!(self.halt, Halt::Restarting(_));
+        let silent = !restarts
+            && self
+                .asked
+                .is_some_and(|asked| self.now.saturating_sub(asked) >= self.patience(SILENCE));
         let unanswered = self
             .unanswered
             .front()
@@ -41,6 +45,7 @@ impl LineLink {
                 self.restart();
                 self.enter(LinkState::Fault);
             }
+            Halt::Draining(since) => self.watch_draining(since),
             Halt::Restarting(restart) => self.watch_restart(restart),
             _ => {}
         }
@@ -70,12 +75,36 @@ impl LineLink {
         }
         if self.halt == Halt::None {
             self.slipped = self.fastest() > f64::from(self.config.flush_keep_speed);
-            self.outgoing.push(b'!');
-            self.halt = Halt::Braking(self.now);
-            self.asked = None;
-            self.last_asked = HostTime::ZERO;
+            if self.opening.family == Family::FluidNc && !self.unanswered.is_empty() {
+                self.halt = Halt::Draining(self.now);
+                let unread = core::mem::take(&mut self.unanswered);
+                self.forget_motion();
+                self.unanswered = unread;
+                return;
+            }
+            self.brake();
         }
         self.forget_motion();
+    }
+
+    fn brake(&mut self) {
+        self.outgoing.push(b'!');
+        self.halt = Halt::Braking(self.now);
+        self.asked = None;
+        self.last_asked = HostTime::ZERO;
+    }
+
+    /// A line that FluidNC has taken and not begun when it is held is carried out behind
+    /// the reset: it is held when it has answered all.
+    fn watch_draining(&mut self, since: HostTime) {
+        if self.unanswered.is_empty() {
+            self.brake();
+        } else if self.now.saturating_sub(since) >= HEARD {
+            // While it moves a reset locks it, and a locked board carries nothing out.
+            self.lose_position(Doubt::StoppedDead);
+            self.forget_motion();
+            self.restart();
+        }
     }
 
     pub(super) fn restart(&mut self) {
@@ -121,6 +150,9 @@ impl LineLink {
         self.still_since = None;
         self.status = None;
         self.switched = BoardOutputs::default();
+        if core::mem::take(&mut self.unlocks) {
+            self.send("$X", false);
+        }
         if self.state == LinkState::Moving {
             for modes in MODES {
                 self.send(modes, false);
@@ -133,6 +165,8 @@ impl LineLink {
         self.unanswered.clear();
         self.backlog.clear();
         self.queued.clear();
+        self.handed.clear();
+        self.past.clear();
         self.cutting = None;
         self.resumes = false;
         self.segments.begin(self.commanded, self.executed);
@@ -162,43 +196,54 @@ impl LineLink {
     }
 
     pub(super) fn board_alarm(&mut self, number: u16) {
-        if matches!(self.halt, Halt::Restarting(_)) && number == 3 {
-            // Our own reset while it moved.
+        let family = self.opening.family;
+        // On the way back from a reset, our own or that of the board.
+        let coming_back = matches!(self.halt, Halt::Restarting(_)) || self.restarted;
+        if coming_back && family.excuses(number) {
             return;
         }
         let ways = self.ways();
         self.forget_motion();
         self.lose_position(Doubt::StoppedDead);
-        match number {
-            1 => {
+        match family.cause(number) {
+            Cause::Limit => {
                 let [x, z] = ways;
                 self.limit_hit = Some([(!self.pins.x).then_some(x), (!self.pins.z).then_some(z)]);
-                // Nothing but a reset is heard by the board now.
+                // Nothing but a reset is heard by the board now; FluidNC needs a second for
+                // it, and answers meanwhile.
                 self.restart();
                 self.enter(LinkState::Tripped);
             }
-            3 => {
+            Cause::Reset => {
                 self.restarted = true;
                 self.alarm(606, "the board was reset while it moved");
                 self.enter(LinkState::Fault);
             }
-            6..=9 | 11 | 15 | 18 => {
+            Cause::Homing => {
                 self.homing = None;
+                if family == Family::FluidNc {
+                    // It plans from the place before the return until it is reset.
+                    self.restart();
+                }
                 self.excused_until = self.now + EXCUSED;
                 self.alarm(609, &format!("ALARM:{number} of the board"));
                 self.enter(LinkState::Locked);
             }
-            10 => {
+            Cause::EmergencyStop => {
                 self.alarm(207, "emergency stop input of the board");
+                if family == Family::FluidNc {
+                    // Without it an unlock would do nothing.
+                    self.restart();
+                }
                 self.enter(LinkState::Tripped);
             }
-            14 => {
+            Cause::Spindle => {
                 self.alarm(94, "the spindle did not turn twice within 5 s (ALARM:14)");
                 // It waits for ever for the motion it has not begun.
                 self.restart();
                 self.enter(LinkState::Fault);
             }
-            17 => {
+            Cause::Motor => {
                 for (number, axis) in [(221, 'X'), (222, 'Z')] {
                     let text = format!("ALARM:17 of the board: motor fault, perhaps of {axis}");
                     self.alarm(number, &text);
@@ -206,13 +251,13 @@ impl LineLink {
                 self.restart();
                 self.enter(LinkState::Tripped);
             }
-            2 | 4 | 5 | 12 | 13 | 22 => {
+            Cause::Order => {
                 self.alarm(608, &format!("ALARM:{number} of the board"));
                 // Whatever it still holds it shall not carry out after an unlock.
                 self.restart();
                 self.enter(LinkState::Fault);
             }
-            _ => {
+            Cause::Locked => {
                 self.alarm(607, "the board is locked");
                 self.restart();
                 self.enter(LinkState::Fault);
