@@ -1,7 +1,6 @@
 //! Hours at the machine on a computer that has other things to do.
 
 use gsk_core::operation::RunState;
-use gsk_twins::grbl::Variant;
 
 use crate::board::{Board, Machine};
 use crate::dice::Dice;
@@ -17,7 +16,9 @@ fn minutes() -> u64 {
 /// minutes of machine time; more with `MINUTES=480` in the environment.
 #[test]
 fn a_shift_of_parts_loses_no_pulse() {
-    work(Machine::referenced(Variant::Grbl), minutes());
+    for variant in crate::LINES {
+        work(Machine::referenced(variant), minutes());
+    }
 }
 
 /// The same on a board of timed steps.
