@@ -121,6 +121,48 @@ fn what_only_the_file_of_the_board_can_say_is_named_and_not_written() {
     }
 }
 
+/// The example of the manual is what the machine file beside it asks for.
+#[test]
+fn the_example_of_a_config_yaml_fits_its_machine_file() {
+    let config: LinkConfig = ron::from_str(
+        "(x: (invert_direction: true), line: (home: (seek: 500, locate: 100, pull_off_um: 1000)))",
+    )
+    .unwrap();
+    let mut parameters = Parameters::default();
+    for (number, value) in [(17, 5), (16, 2), (18, 5)] {
+        parameters.set(number, value).unwrap();
+    }
+    for text in [
+        include_str!("../../docs/real-lathe.md"),
+        include_str!("../../docs/real-lathe.zh-CN.md"),
+    ] {
+        let (_, yaml) = text.split_once("```yaml\n").unwrap();
+        let (yaml, _) = yaml.split_once("```").unwrap();
+        let (_, mut twin) = fluid(&[]);
+        let mut sections: Vec<&str> = Vec::new();
+        for line in yaml.lines() {
+            let (name, value) = line.trim().split_once(':').unwrap();
+            sections.truncate((line.len() - line.trim_start().len()) / 2);
+            sections.push(name);
+            if !value.is_empty() {
+                twin.set_item(&sections.join("/"), value.trim()).unwrap();
+            }
+        }
+        let mut link = LineLink::open(config.clone(), &parameters, Duration::ZERO);
+        let events = pass(&mut link, &mut twin, 5000);
+        let differs: Vec<_> = events
+            .iter()
+            .filter_map(|event| match event {
+                Event::Differs(one) => Some(one.name.clone()),
+                _ => None,
+            })
+            .collect();
+        assert!(differs.contains(&"axes/z/steps_per_mm".to_owned()));
+        let of_z = |name: &String| name.starts_with("axes/z/") || name == "$10";
+        assert!(differs.iter().all(of_z), "{differs:?}");
+    }
+}
+
 /// A board that looks for a network says so every second, and greets much later.
 #[test]
 fn a_board_that_starts_slowly_is_waited_for() {
