@@ -165,29 +165,12 @@ impl LinkPage {
             "Settings of the board differ",
         ));
         ui.add_space(2.0);
-        egui::Grid::new("differences")
-            .num_columns(4)
-            .spacing(vec2(24.0, 4.0))
-            .striped(true)
-            .show(ui, |ui| {
-                let words = [
-                    ("参数", "setting"),
-                    ("驱动板", "board"),
-                    ("应为", "must be"),
-                    ("含义", "meaning"),
-                ];
-                for (zh, en) in words {
-                    ui.label(RichText::new(say(language, zh, en)).weak());
-                }
-                ui.end_row();
-                for difference in &view.differences {
-                    ui.monospace(&difference.name);
-                    ui.monospace(difference.board.as_deref().unwrap_or("-"));
-                    ui.monospace(&difference.wanted);
-                    ui.label(words::setting(difference.number, language));
-                    ui.end_row();
-                }
-            });
+        // A board may differ in all it has; the button stays in sight.
+        let most = ui.available_height() * 0.6;
+        ScrollArea::both()
+            .id_salt("differences")
+            .max_height(most)
+            .show(ui, |ui| differences(ui, language, view));
         ui.add_space(4.0);
         let words = say(
             language,
@@ -204,6 +187,33 @@ impl LinkPage {
             ));
         }
     }
+}
+
+/// One row for each setting that differs.
+fn differences(ui: &mut Ui, language: Language, view: &LinkView) {
+    egui::Grid::new("differences")
+        .num_columns(4)
+        .spacing(vec2(24.0, 4.0))
+        .striped(true)
+        .show(ui, |ui| {
+            let words = [
+                ("参数", "setting"),
+                ("驱动板", "board"),
+                ("应为", "must be"),
+                ("含义", "meaning"),
+            ];
+            for (zh, en) in words {
+                ui.label(RichText::new(say(language, zh, en)).weak());
+            }
+            ui.end_row();
+            for difference in &view.differences {
+                ui.monospace(&difference.name);
+                ui.monospace(difference.board.as_deref().unwrap_or("-"));
+                ui.monospace(&difference.wanted);
+                ui.label(words::setting(difference.number, language));
+                ui.end_row();
+            }
+        });
 }
 
 fn nothing(ui: &mut Ui, language: Language) {
