@@ -24,6 +24,8 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const LONGEST_ANSWER: Duration = Duration::from_secs(10);
 /// A piece of motion in a pulse timer.
 const PIECE: Duration = Duration::from_millis(10);
+/// FluidNC takes no more of them.
+const MOST_PIECES: u32 = 20;
 /// Acts at once, wherever it stands.
 const RESET: &str = "\x18";
 /// FluidNC does not say how much it receives; no board of the family takes less.
@@ -89,6 +91,11 @@ pub(super) struct Opening {
     pub(super) board: BoardInfo,
     /// The board has work offsets of its own.
     pub(super) offset: bool,
+    /// What leaves the queue of the board is made so much later: its pulse timer is handed
+    /// pieces of 10 ms in advance.
+    pub(super) prepared: Duration,
+    /// It makes the reference return of one axis alone.
+    pub(super) alone: bool,
     settings: Vec<(u16, f64)>,
     items: Items,
     to_write: Vec<Deviation>,
@@ -111,6 +118,8 @@ impl Opening {
             family: Family::default(),
             board: BoardInfo::default(),
             offset: false,
+            prepared: Duration::ZERO,
+            alone: false,
             settings: Vec::new(),
             items: Items::default(),
             to_write: Vec::new(),
@@ -134,7 +143,7 @@ impl Opening {
     }
 
     /// An item as a board with names last told it.
-    pub(super) fn item(&self, path: &str) -> Option<&str> {
+    fn item(&self, path: &str) -> Option<&str> {
         self.items.value(path)
     }
 
@@ -147,18 +156,29 @@ impl Opening {
         }
     }
 
-    /// What leaves the queue of the board is made so much later: its pulse timer is handed
-    /// pieces of 10 ms in advance.
-    pub(super) fn prepared(&self) -> Duration {
+    fn prepares(&self) -> Duration {
         let pieces = match self.family {
             Family::Grbl => 6,
             Family::GrblHal => 10,
             Family::FluidNc => {
                 let told = self.item("stepping/segments");
-                told.and_then(|told| told.parse().ok()).unwrap_or(20)
+                let told = told.and_then(|told| told.parse().ok());
+                told.unwrap_or(MOST_PIECES).min(MOST_PIECES)
             }
         };
         PIECE * pieces
+    }
+
+    fn returns_alone(&self) -> bool {
+        let allowed = |path| self.item(path) == Some("true");
+        match self.family {
+            Family::Grbl => false,
+            Family::GrblHal => self.setting(22) as u32 & 2 != 0,
+            Family::FluidNc => {
+                allowed("axes/x/homing/allow_single_axis")
+                    && allowed("axes/z/homing/allow_single_axis")
+            }
+        }
     }
 
     pub(super) fn is_done(&self) -> bool {
@@ -320,6 +340,8 @@ impl Opening {
         if let Err(text) = self.measure() {
             return Outcome::Fails(602, text);
         }
+        self.prepared = self.prepares();
+        self.alone = self.returns_alone();
         self.compare(required, now)
     }
 

@@ -28,16 +28,8 @@ impl LineLink {
     }
 
     /// Whether the board can seek the switch of one axis alone.
-    pub fn homes_single_axes(&self) -> bool {
-        let allowed = |axis| {
-            let path = format!("axes/{axis}/homing/allow_single_axis");
-            self.opening.item(&path) == Some("true")
-        };
-        match self.opening.family {
-            Family::Grbl => false,
-            Family::GrblHal => self.opening.setting(22) as u32 & 2 != 0,
-            Family::FluidNc => allowed('x') && allowed('z'),
-        }
+    pub const fn homes_single_axes(&self) -> bool {
+        self.opening.alone
     }
 
     /// Which threads it cuts.

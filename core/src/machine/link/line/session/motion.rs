@@ -77,7 +77,7 @@ impl LineLink {
             .take_while(|segment| segment.answered)
             .count();
         let leaving = answered.saturating_sub(held);
-        let mut made_by = self.now + self.opening.prepared();
+        let mut made_by = self.now + self.opening.prepared;
         let at = self.handed.len();
         for segment in self.queued.drain(..leaving).rev() {
             let duration = segment.duration;
