@@ -1,17 +1,31 @@
 //! A board at a port without a control: carries bytes and time between the port and
 //! its link.
 
+use std::path::Path;
 use std::time::Duration;
 
-use gsk_core::machine::link::{Event, Link, LinkConfig, LinkState};
+use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
+use gsk_link::{Event, Link, LinkConfig, LinkState};
 
 use crate::carrier::{Carrier, Line};
-use crate::ending::Ending;
+use crate::ending::{Ending, SignalError};
+use crate::guard::GuardError;
 use crate::ports;
 
 /// A board is known by then, or hardly ever.
 pub const GET_KNOWN: Duration = Duration::from_secs(30);
+
+/// Why a board is not spoken to.
+#[derive(Debug, thiserror::Error)]
+pub enum BoardError {
+    /// Nobody could end it with Ctrl-C.
+    #[error(transparent)]
+    Signals(#[from] SignalError),
+    /// Its port is not held.
+    #[error(transparent)]
+    Port(#[from] GuardError),
+}
 
 /// A board and its link. It is stopped when this value is dropped, and when the end of
 /// the program is asked for.
@@ -29,15 +43,20 @@ impl Drop for Board {
 }
 
 impl Board {
-    /// Opens the port and begins the dialogue.
+    /// Opens the port and begins the dialogue; `program` is that of the process that
+    /// holds the port.
     ///
     /// # Errors
     /// A sentence that names the port.
-    pub fn open(config: LinkConfig, parameters: &Parameters) -> Result<Self, String> {
+    pub fn open(
+        config: LinkConfig,
+        parameters: &Parameters,
+        program: &Path,
+    ) -> Result<Self, BoardError> {
         let ending = Ending::heard()?;
-        let carrier = Carrier::open(&config)?;
+        let carrier = Carrier::open(&config, program)?;
         Ok(Self {
-            link: Link::open(config, parameters, Duration::ZERO),
+            link: Link::open(config, &drives(parameters), Duration::ZERO),
             carrier,
             ending,
         })
@@ -47,8 +66,13 @@ impl Board {
     pub fn close(&mut self) {
         if self.link.state() != LinkState::Off {
             self.link.close();
-            self.carrier.write_last(self.link.tx());
+            self.carrier.end(self.link.tx());
         }
+    }
+
+    /// The process that holds the port.
+    pub fn holder(&self) -> Option<u32> {
+        self.carrier.holder()
     }
 
     /// From now on the traffic is kept for [`Board::traffic`].
@@ -75,11 +99,9 @@ impl Board {
             Err(error) => self.link.lost(&ports::gone(&error)),
         }
         self.link.tick(self.carrier.now());
-        let bytes = self.link.tx().to_vec();
-        match self.carrier.write(&bytes) {
-            Ok(count) => self.link.consumed(count),
-            Err(error) => self.link.lost(&ports::gone(&error)),
-        }
+        self.carrier.stop_with(&self.link.stop_bytes());
+        let count = self.carrier.write(self.link.tx());
+        self.link.consumed(count);
         self.link.events()
     }
 

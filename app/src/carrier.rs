@@ -1,14 +1,19 @@
 //! Bytes between a port and whoever speaks through it, and what was said.
 
 use std::io;
+use std::path::Path;
+use std::thread;
 use std::time::{Duration, Instant};
 
-use gsk_core::machine::link::LinkConfig;
+use gsk_link::LinkConfig;
 
-use crate::ports::Port;
+use crate::guard::{Guard, GuardError};
 
 /// How long the last bytes for a board may take.
 const LAST_WORDS: Duration = Duration::from_millis(500);
+
+/// Between two attempts to write them.
+const AGAIN: Duration = Duration::from_millis(2);
 
 /// One line of the traffic.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,9 +26,10 @@ pub struct Line {
     pub text: String,
 }
 
-/// An open port.
+/// An open port. Dropped without [`Carrier::end`] it leaves a board that was stopped.
 pub struct Carrier {
-    port: Port,
+    /// None when it was closed.
+    guard: Option<Guard>,
     opened: Instant,
     /// What is not whole yet, outward and inward.
     collected: [Vec<u8>; 2],
@@ -33,13 +39,13 @@ pub struct Carrier {
 }
 
 impl Carrier {
-    /// Opens the port for itself alone.
+    /// Opens the port for itself alone; `program` is that of the process that holds it.
     ///
     /// # Errors
     /// A sentence that names the port.
-    pub fn open(config: &LinkConfig) -> Result<Self, String> {
+    pub fn open(config: &LinkConfig, program: &Path) -> Result<Self, GuardError> {
         Ok(Self {
-            port: Port::open(&config.port, config.baud)?,
+            guard: Some(Guard::open(program, &config.port, config.baud)?),
             opened: Instant::now(),
             collected: [Vec::new(), Vec::new()],
             pieces: Vec::new(),
@@ -60,36 +66,51 @@ impl Carrier {
         self.opened.elapsed()
     }
 
+    /// The process that holds the port.
+    pub fn holder(&self) -> Option<u32> {
+        self.guard.as_ref().map(Guard::process)
+    }
+
     /// What has arrived; waits at most 2 ms.
     ///
     /// # Errors
     /// The port is gone.
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
-        let bytes = self.port.read()?;
+        let guard = self.guard.as_mut();
+        let bytes = guard.map_or_else(|| Ok(Vec::new()), Guard::read)?;
         self.note(false, &bytes);
         Ok(bytes)
     }
 
-    /// Writes as much as the port takes now.
-    ///
-    /// # Errors
-    /// The port is gone.
-    pub fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let count = self.port.write(bytes)?;
+    /// Writes as much as the port takes now. Of a port that is gone the next read tells.
+    pub fn write(&mut self, bytes: &[u8]) -> usize {
+        let guard = self.guard.as_mut();
+        let count = guard.map_or(bytes.len(), |guard| guard.write(bytes));
         self.note(true, &bytes[..count]);
-        Ok(count)
+        count
     }
 
-    /// Writes all of it, or as much as the port takes within [`LAST_WORDS`]: the last
-    /// bytes for the board stop it.
-    pub fn write_last(&mut self, mut bytes: &[u8]) {
+    /// From now on these bytes stop the board when this program is gone; none: nothing
+    /// is to be stopped.
+    pub fn stop_with(&mut self, bytes: &[u8]) {
+        if let Some(guard) = &mut self.guard {
+            guard.stop_with(bytes);
+        }
+    }
+
+    /// Writes all of it, or as much as is taken within half a second, and closes the
+    /// port: the last bytes for the board stop it.
+    pub fn end(&mut self, mut bytes: &[u8]) {
         let begun = Instant::now();
         while !bytes.is_empty() && begun.elapsed() < LAST_WORDS {
-            match self.write(bytes) {
-                Ok(count) => bytes = &bytes[count..],
-                // A port that fails now has nothing more to say.
-                Err(_) => return,
+            let count = self.write(bytes);
+            bytes = &bytes[count..];
+            if count == 0 {
+                thread::sleep(AGAIN);
             }
+        }
+        if let Some(guard) = self.guard.take() {
+            guard.end();
         }
     }
 

@@ -1,10 +1,15 @@
 //! The command line: what `gsk980td --help` says, and nothing else.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use gsk_panel::script::FORMS;
+pub use gsk_runner::Language;
+use tracing::level_filters::LevelFilter;
 
+use crate::patience::Patience;
 use crate::setup_args::SetupArgs;
 
 const EXAMPLES: &str = "\
@@ -16,7 +21,8 @@ Examples:
   gsk980td plot shaft.CNC -o shaft.png      its toolpath as a picture
   gsk980td operate lesson.txt               press keys from a script
 
-Exit codes: 0 all right, 1 the control raised an alarm (or a script failed), 2 wrong call or file.";
+Exit codes: 0 all right, 1 the control raised an alarm (or a script failed, or a run did not come \
+to its end), 2 wrong call or file, 130 ended by Ctrl-C or a signal at a real machine.";
 
 /// The control of a GSK980TD lathe on a PC: panel, control and simulated lathe.
 ///
@@ -28,6 +34,10 @@ pub struct Cli {
     /// What to do instead of opening the window.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// How much is written into the log: off, error, warn, info, debug or trace [default: info
+    /// in the window, into `log` of the data folder; off for commands, else on standard error]
+    #[arg(long, global = true, value_name = "LEVEL", value_parser = crate::log::level)]
+    pub log: Option<LevelFilter>,
     /// Options of the window.
     #[command(flatten)]
     pub window: WindowArgs,
@@ -46,11 +56,17 @@ pub struct WindowArgs {
     #[arg(long)]
     pub figures: bool,
     /// Language of menus and messages; the panel itself is always as printed
-    #[arg(long, value_enum, value_name = "LANG")]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
     pub lang: Option<Language>,
     /// The machine's ladder instead of the standard one (instruction list)
     #[arg(long, value_name = "FILE")]
     pub ladder: Option<PathBuf>,
+    /// What sends programs in DNC mode: a file, a serial port, or `-` for standard input [default: transfer/DNC.CNC in the data folder]
+    ///
+    /// Unless there is a ladder of its own, the one with keys for DNC and teach-in
+    /// runs: 自动 pressed twice is DNC.
+    #[arg(long, value_name = "SOURCE")]
+    pub dnc: Option<PathBuf>,
     /// The simulated lathe (travel, turret, dogs …) from a RON file
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
@@ -59,16 +75,15 @@ pub struct WindowArgs {
     pub link: Option<String>,
 }
 
-/// Language of what surrounds the panel.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, serde::Serialize, serde::Deserialize,
-)]
-pub enum Language {
-    /// Chinese
-    #[default]
-    Zh,
-    /// English
-    En,
+/// The word of a language.
+fn language() -> impl TypedValueParser<Value = Language> {
+    let words = [("zh", "Chinese"), ("en", "English")];
+    PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help))).map(
+        |word| match word.as_str() {
+            "en" => Language::En,
+            _ => Language::Zh,
+        },
+    )
 }
 
 /// The commands.
@@ -78,12 +93,14 @@ pub enum Command {
     ///
     /// The first file is executed to its end in the complete control: ladder,
     /// acceleration, spindle, turret. Subprograms come from the other files and
-    /// from the folder of the first one. M00 is answered with cycle start.
+    /// from the folder of the first one. M00 is answered with cycle start. With
+    /// --link a real machine executes it, and nothing is answered by itself.
     Run(RunArgs),
     /// Check programs without executing them: alarms, path, tools, time
     ///
-    /// Interprets every block as the control does, without running the machine.
-    /// Each file is checked for itself; subprograms are found in its folder.
+    /// Interprets every block as the control does, without running the machine. Behind
+    /// the alarm that the control would stop with further ones are listed, as far as
+    /// the program can be followed. Each file is checked for itself; subprograms are found in its folder.
     Check(CheckArgs),
     /// Draw the toolpath of a program as a picture (PNG or SVG)
     Plot(PlotArgs),
@@ -108,17 +125,41 @@ pub enum Command {
     /// Find, try, watch or play a pulse board
     #[command(subcommand)]
     Link(LinkCommand),
+    /// Print the licences of this program and of the packages it contains
+    Notices,
+    /// Hold the port of a board for the program at standard input
+    #[command(name = crate::guard::COMMAND, hide = true)]
+    HoldPort(HoldPortArgs),
+}
+
+/// `hold-port`, which the program starts by itself.
+#[derive(Args, Debug)]
+pub struct HoldPortArgs {
+    /// The port
+    pub port: String,
+    /// Its speed, bits a second
+    #[arg(long)]
+    pub baud: u32,
 }
 
 /// `run`.
 #[derive(Args, Debug)]
 pub struct RunArgs {
     /// The program, then files of subprograms
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required_unless_present = "dnc", value_name = "FILE")]
     pub files: Vec<PathBuf>,
+    /// Execute what comes in through the serial line instead (DNC): a file, a serial port, or `-` for standard input; files are then subprograms
+    #[arg(long, value_name = "SOURCE")]
+    pub dnc: Option<PathBuf>,
     /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
+    /// A pulse board at this port moves the slides: REAL MOTION. M00 and the next part wait for Enter at the terminal; without one M00 ends the run [default: the simulated lathe, also where the machine file names a port]
+    #[arg(long, value_name = "PORT")]
+    pub link: Option<String>,
+    /// Both axes of the real machine make their machine zero return first, X then Z: they MOVE
+    #[arg(long, requires = "link")]
+    pub home: bool,
     /// Stop after so many parts (M30, or M99 in the main program)
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub parts: u32,
@@ -142,6 +183,42 @@ pub struct RunArgs {
     pub json: bool,
 }
 
+/// When `check` and `plot` give a program up.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct PatienceArgs {
+    /// Give a program up after so much time of this computer, for instance 90s, 10m
+    #[arg(long, default_value = "60s", value_name = "TIME", value_parser = crate::setup_args::duration_ms)]
+    pub give_up: u64,
+    /// Give a program up after so many moves
+    #[arg(long, default_value_t = 200_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub most_moves: u64,
+}
+
+impl PatienceArgs {
+    /// Begins now.
+    pub fn begin(self) -> Patience {
+        Patience::new(Duration::from_millis(self.give_up), self.most_moves)
+    }
+}
+
+/// How `check` and `plot` look at a program.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct LookArgs {
+    /// Where the work zero lies in machine coordinates: X (diameter), Z in mm; --start is then counted from it [default: at the machine zero]
+    ///
+    /// G28 goes to the machine zero: with this option it is drawn, and the program
+    /// goes on, where it truly lies. A program that begins with G50 needs --start as
+    /// well: where its tool stands there.
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = crate::setup_args::pair)]
+    pub work_zero: Option<(f64, f64)>,
+    /// Language of alarms, warnings and report [default: English, with the Chinese texts of the screen]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+    /// When to give up.
+    #[command(flatten)]
+    pub patience: PatienceArgs,
+}
+
 /// `check`.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
@@ -151,6 +228,9 @@ pub struct CheckArgs {
     /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
+    /// How to look at them.
+    #[command(flatten)]
+    pub look: LookArgs,
     /// Write every move as one JSON object a line (`-`: standard output); one program only
     #[arg(long, value_name = "FILE")]
     pub moves: Option<PathBuf>,
@@ -168,6 +248,9 @@ pub struct PlotArgs {
     /// Options of control and lathe.
     #[command(flatten)]
     pub setup: SetupArgs,
+    /// How to look at it.
+    #[command(flatten)]
+    pub look: LookArgs,
     /// The picture (name ends in .png or .svg)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
@@ -197,6 +280,9 @@ pub struct OperateArgs {
     /// Program to open before the script starts
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
+    /// A pulse board at this port moves the slides: REAL MOTION. Press RESET and make the machine zero return in the script [default: the simulated lathe, also where the machine file names a port]
+    #[arg(long, value_name = "PORT")]
+    pub link: Option<String>,
     /// Write what happened as a script with the time of every key
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,

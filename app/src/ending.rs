@@ -1,6 +1,7 @@
 //! The end that is asked for from outside the program: Ctrl-C, `kill`, the end of the
 //! session. Whoever has a board in his hands stops it before he goes.
 
+use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,6 +10,11 @@ use signal_hook::flag;
 
 /// Exit code of a program that was ended so.
 pub const ENDED: u8 = 130;
+
+/// Signals cannot be heard.
+#[derive(Debug, thiserror::Error)]
+#[error("signals cannot be heard: {0}")]
+pub struct SignalError(io::Error);
 
 /// Whether the end has been asked for.
 #[derive(Clone, Debug, Default)]
@@ -20,12 +26,12 @@ impl Ending {
     ///
     /// # Errors
     /// The system does not let them be heard.
-    pub fn heard() -> Result<Self, String> {
+    pub fn heard() -> Result<Self, SignalError> {
         let ending = Self::default();
         for signal in [SIGINT, SIGTERM, SIGHUP] {
             flag::register_conditional_shutdown(signal, i32::from(ENDED), Arc::clone(&ending.0))
                 .and_then(|_| flag::register(signal, Arc::clone(&ending.0)))
-                .map_err(|error| format!("signals cannot be heard: {error}"))?;
+                .map_err(SignalError)?;
         }
         Ok(ending)
     }

@@ -2,57 +2,56 @@
 //! out pictures. The same code runs in its thread and, step by step, in a test.
 
 mod drive;
+mod edges;
+mod journal;
 pub mod link_view;
 mod linked;
+pub mod live;
 pub mod monitor;
+mod opening;
 pub mod probe;
+mod refused;
 mod thread;
 
-use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
-use gsk_core::cnc::Request;
-use gsk_core::command::ProgramId;
+use gsk_core::cnc::{Event, Request};
 use gsk_core::machine::Fault;
 use gsk_core::operation::{Mode, RunState};
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::units::Point;
+use gsk_link::LinkState;
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_panel::keys::{Key, Role};
+use gsk_panel::keys::Key;
 use gsk_panel::panel::{KeyEvent, SerialFile};
+use gsk_panel::refusal::Press;
 use gsk_panel::screen::Screen;
+use gsk_runner::partner::{Partner as _, Patience};
 
+use crate::dnc::{Partner, Source};
 pub use drive::Connection;
 use drive::Drive;
+use edges::{Edge, Edges};
 use link_view::LinkView;
 use monitor::MachineView;
+use opening::LastOpened;
+pub use opening::{NotStored, Place};
 use probe::{Probe, Probing};
+use refused::{Refusals, Verdict};
 pub use thread::{KernelThread, Outside, start};
 
-/// A key stays down at least so long, ticks: a click between two pictures is
-/// still seen by the ladder.
-const SHORTEST_PRESS: u64 = 50;
-/// How long a key pressed by a screen reader stays down, ticks.
-const TAP: u64 = 100;
 /// Ticks between two pictures.
 pub const PICTURE_TICKS: u64 = 25;
 /// Ticks between two looks at machine and PLC, for the views that show them.
 const MACHINE_TICKS: u64 = 50;
 /// Commands that wait for the kernel.
 const QUEUE: usize = 1024;
-
-/// How long a key stays down at the least. Characters and page keys act when they go
-/// down; held longer, fast typing would run into No.119, the keys accepted at a time.
-const fn shortest_press(key: Key) -> u64 {
-    match key.row().role {
-        Role::Character(..) | Role::Page => 0,
-        _ => SHORTEST_PRESS,
-    }
-}
 
 /// What the window asks of the kernel.
 #[derive(Clone, Debug)]
@@ -122,11 +121,27 @@ pub enum LinkOrder {
     Check,
 }
 
+/// What becomes of a program whose number is in the memory already, with another text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Storing {
+    /// Whoever opened it is asked.
+    #[default]
+    Ask,
+    /// It takes the place of the other.
+    Replace,
+    /// It is run without being stored.
+    RunOnly,
+}
+
 /// A program read from a file, ready for the control.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Opened {
     /// Name to be shown.
     pub name: String,
+    /// Its file; a sample has none.
+    pub path: Option<PathBuf>,
+    /// What becomes of it when its number is taken.
+    pub storing: Storing,
     /// The program.
     pub program: Program,
     /// Subprograms from its folder.
@@ -137,13 +152,24 @@ pub struct Opened {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Notice {
     /// A program was opened.
-    Opened(String),
+    Opened {
+        /// Its name.
+        name: String,
+        /// Its file, if it has one.
+        path: Option<PathBuf>,
+        /// Where it stands now.
+        place: Place,
+    },
+    /// It was not opened: the memory has another program of its number.
+    NumberTaken(Box<Opened>, u16),
     /// The control has sent something: what, and where it is.
     Sent(String),
-    /// Something went wrong, or should be known: in English.
-    Said(String),
+    /// Something went wrong, or should be known.
+    Said(Message),
     /// The control refused what was asked of it.
     Refused(Alarm),
+    /// A key does nothing, and why; none: a key acts again.
+    Key(Option<Message>),
 }
 
 /// The panel as it is seen at one moment.
@@ -163,10 +189,14 @@ pub struct Snapshot {
     pub speed_percent: u32,
     /// What stands against ladder and sensors.
     pub imposed: Imposed,
-    /// The newest alarm that stands.
+    /// The newest alarm that stands, or the first message of the ladder.
     pub alarm: Option<Alarm>,
     /// The slides behind a pulse board want their reference return.
     pub place_unknown: bool,
+    /// State of the pulse board that moves real slides, if there is one.
+    pub board: Option<LinkState>,
+    /// Whether a program runs or is held.
+    pub run: RunState,
 }
 
 /// What views have imposed on control and lathe; it stands until it is taken back,
@@ -226,15 +256,16 @@ pub struct Kernel {
     monitored: Option<Monitored>,
     /// A board that moves the slides.
     drive: Option<Drive>,
+    /// Sends programs in DNC operation.
+    partner: Option<Partner>,
     links: Arc<ArrayQueue<LinkView>>,
     link_watched: bool,
     /// The program that was opened last.
-    opened: Option<String>,
+    opened: Option<LastOpened>,
     notices: Sender<Notice>,
-    /// Keys that are down, with the tick they went down at.
-    down: BTreeMap<Key, u64>,
-    /// Keys that come up at a tick.
-    releases: Vec<(u64, Key)>,
+    /// Keys that are down, and what happened to others.
+    keys: Edges,
+    refusals: Refusals,
     tick: u64,
     last: Option<Snapshot>,
     speed_percent: u32,
@@ -258,12 +289,13 @@ impl Kernel {
             machine: Arc::clone(&machine),
             monitored: None,
             drive: None,
+            partner: None,
             links: Arc::clone(&links),
             link_watched: false,
             opened: None,
             notices: notices.clone(),
-            down: BTreeMap::new(),
-            releases: Vec::new(),
+            keys: Edges::default(),
+            refusals: Refusals::default(),
             tick: 0,
             last: None,
             speed_percent: 100,
@@ -281,6 +313,11 @@ impl Kernel {
                 say: notices,
             },
         )
+    }
+
+    /// Who sends programs in DNC operation.
+    pub fn take_programs_from(&mut self, source: Source) {
+        self.partner = Some(Partner::new(source));
     }
 
     /// The emulator.
@@ -303,9 +340,23 @@ impl Kernel {
     }
 
     fn tick(&mut self) {
-        self.release_due();
+        for event in self.keys.due(self.tick) {
+            self.hand_over(event);
+        }
+        if let Some(partner) = &mut self.partner {
+            partner.feed(&mut self.emulator.simulation.cnc, Patience::None);
+        }
         self.emulator.tick();
         self.tick += 1;
+        for event in self.emulator.simulation.cnc.events() {
+            if let Event::Advised(text) = event {
+                self.say(Notice::Said(text.clone().into()));
+            }
+        }
+        let verdict = self
+            .refusals
+            .judge(self.tick, &self.emulator.simulation.cnc);
+        self.tell(verdict);
         if let Some(probing) = &mut self.probing {
             probing.take(self.tick, &self.emulator);
         }
@@ -351,8 +402,10 @@ impl Kernel {
             pressed: panel.pressed(),
             wheel: panel.wheel(),
             speed_percent: self.speed_percent,
-            alarm: self.emulator.simulation.cnc.alarms().first().cloned(),
-            place_unknown: self.emulator.simulation.cnc.is_place_unknown(),
+            alarm: self.standing_alarm(),
+            place_unknown: self.emulator.simulation.cnc.is_position_unknown(),
+            board: self.drive.as_ref().map(Drive::state),
+            run: self.emulator.simulation.cnc.run_state(),
             imposed: Imposed {
                 bits: self.emulator.simulation.cnc.plc().forces().len(),
                 inputs: self.emulator.simulation.lathe.forced_inputs(),
@@ -363,18 +416,23 @@ impl Kernel {
 
     fn carry_out(&mut self, command: Command) {
         match command {
-            Command::Key { key, down: true } => self.press(key),
-            Command::Key { key, down: false } => self.release_soon(key, shortest_press(key)),
-            Command::Tap(key) => {
-                self.press(key);
-                self.release_soon(key, TAP);
+            // It waits for nothing.
+            Command::Key {
+                key: Key::EmergencyStop,
+                down: true,
             }
-            Command::Type(character) => self.emulator.key(KeyEvent::Type(character)),
+            | Command::Tap(Key::EmergencyStop) => {
+                self.emulator.key_down(Key::EmergencyStop);
+            }
+            Command::Key { key, down: true } => self.keys.push(Edge::Down(key)),
+            Command::Key { key, down: false } => self.keys.push(Edge::Up(key)),
+            Command::Tap(key) => self.keys.push(Edge::Tap(key)),
+            Command::Type(character) => self.keys.push(Edge::Type(character)),
             Command::Turn(detents) => self.turn(detents),
             Command::Open(opened) => self.open(*opened),
             Command::Receive(file) => {
                 if let Err(said) = self.emulator.receive(*file) {
-                    self.say(Notice::Said(said));
+                    self.say(Notice::Said(said.to_string().into()));
                 }
             }
             Command::TransferFailed => self.emulator.panel.transfer_failed(),
@@ -420,85 +478,43 @@ impl Kernel {
         self.emulator.turn(detents);
         let cnc = &self.emulator.simulation.cnc;
         // An alarm says more.
-        if cnc.mode() == Mode::Step && cnc.alarms().is_empty() {
-            let why = "step mode (001.3 = 0): the axis keys move the axes, the handwheel does not";
-            self.say(Notice::Said(why.to_owned()));
+        if cnc.mode().motion() == Mode::Step && cnc.alarms().is_empty() {
+            self.say(Notice::Said(say::key_handwheel_in_step_mode()));
         }
     }
 
-    fn press(&mut self, key: Key) {
-        self.releases.retain(|(_, waiting)| *waiting != key);
-        if self.down.insert(key, self.tick).is_some() {
-            // Pressed again before the release was due: two presses, not one.
-            self.emulator.key_up(key);
+    /// Gives the panel what a key or a typed character did.
+    fn hand_over(&mut self, event: KeyEvent) {
+        let pressed = match event {
+            KeyEvent::Down(key) => Some(Press::new(key, &self.emulator.simulation.cnc)),
+            KeyEvent::Type(_) => Some(None),
+            _ => None,
+        };
+        let refused = self.emulator.key(event);
+        if let Some(press) = pressed {
+            let verdict = self.refusals.pressed(press, refused, self.tick);
+            self.tell(verdict);
         }
-        self.emulator.key_down(key);
     }
 
-    fn release_soon(&mut self, key: Key, shortest: u64) {
-        if let Some(since) = self.down.get(&key) {
-            self.releases.push((since + shortest, key));
+    /// Says why a key does nothing, or that one acts again.
+    fn tell(&self, verdict: Option<Verdict>) {
+        match verdict {
+            Some(Verdict::Refused(why)) => self.say(Notice::Key(Some(why))),
+            Some(Verdict::Acts) => self.say(Notice::Key(None)),
+            None => {}
         }
     }
 
-    fn release_due(&mut self) {
-        if self.releases.is_empty() {
-            return;
-        }
-        let tick = self.tick;
-        let due: Vec<Key> = self
-            .releases
-            .iter()
-            .filter(|(at, _)| *at <= tick)
-            .map(|(_, key)| *key)
-            .collect();
-        self.releases.retain(|(at, _)| *at > tick);
-        for key in due {
-            if self.down.remove(&key).is_some() {
-                self.emulator.key_up(key);
-            }
-        }
+    fn standing_alarm(&self) -> Option<Alarm> {
+        let cnc = &self.emulator.simulation.cnc;
+        let alarm = cnc.alarms().first().cloned();
+        alarm.or_else(|| cnc.standing_message())
     }
 
     fn release_all(&mut self) {
-        self.releases.clear();
-        self.down.clear();
+        self.keys.clear();
         self.emulator.key(KeyEvent::ReleaseAll);
-    }
-
-    fn open(&mut self, opened: Opened) {
-        if matches!(
-            self.emulator.simulation.cnc.run_state(),
-            RunState::Run | RunState::Hold
-        ) {
-            self.say(Notice::Said(format!(
-                "{}: a program is running: open it after [RESET]",
-                opened.name
-            )));
-            return;
-        }
-        for program in opened.subprograms {
-            let programs = self.emulator.simulation.cnc.programs();
-            let known = program
-                .number()
-                .is_some_and(|number| programs.get(ProgramId::Stored(number)).is_some());
-            if !known
-                && let Err(alarm) = self
-                    .emulator
-                    .simulation
-                    .cnc
-                    .request(Request::StoreProgram(program.text().to_owned()))
-            {
-                self.say(Notice::Refused(alarm));
-            }
-        }
-        match self.emulator.load_external(opened.program) {
-            Ok(()) => {
-                self.opened = Some(opened.name.clone());
-                self.say(Notice::Opened(opened.name));
-            }
-            Err(alarm) => self.say(Notice::Refused(alarm)),
-        }
     }
 
     fn say(&self, notice: Notice) {

@@ -1,20 +1,28 @@
 //! The edge of the program: window, kernel thread, command line, files.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
+#[macro_use]
+pub mod output;
+
+pub mod apart;
 pub mod board;
 pub mod carrier;
 pub mod cli;
 pub mod commands;
+pub mod dnc;
 pub mod ending;
-pub mod execution;
 pub mod files;
+pub mod guard;
 pub mod hint;
 pub mod kernel;
 pub mod loading;
-pub mod moves;
+pub mod log;
 pub mod pace;
+pub mod patience;
+pub mod person;
 pub mod picture;
 pub mod ports;
-pub mod report;
 pub mod retained;
 pub mod setup_args;
 pub mod transfer;

@@ -5,18 +5,109 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::machine::LatheConfig;
-use gsk_core::plc::Ladder;
-use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::memory::ParameterError;
+use gsk_core::plc::address::{AddressError, Area, BitAddress};
+use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
-use gsk_core::setup::Setup;
+use gsk_core::setup::{Setup, dnc_teach_ladder, standard_ladder};
 use gsk_core::units::Point;
 
 use crate::files::data_dir::DataDir;
-use crate::files::{program_file, subprograms};
+use crate::files::data_dir::DataError;
+use crate::files::program_file::{self, FileError};
+use crate::files::subprograms;
 use crate::retained;
 use crate::setup_args::{OffsetWord, ParameterWord, SetupArgs};
+
+/// Why something that a control starts from cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// The data directory.
+    #[error(transparent)]
+    Data(#[from] DataError),
+    /// A file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// `--input` of something else.
+    #[error("--input {0}: only inputs X0.0 to X29.7 can be held")]
+    NoInput(String),
+    /// `--start` where no slide goes.
+    #[error(
+        "--start: {name} lies beyond the ends of its slide, {minus} to {plus} mm; `{section}.ends` of a machine \
+         file (--machine) says where they are"
+    )]
+    Beyond {
+        /// The axis.
+        name: String,
+        /// The same in a machine file.
+        section: String,
+        /// Ends of the slide, mm.
+        minus: f64,
+        /// The other one.
+        plus: f64,
+    },
+    /// `--param`.
+    #[error("--param: {0}")]
+    Parameter(#[from] ParameterError),
+    /// `--offset`.
+    #[error("--offset: {}", .0.detail_en())]
+    Offset(Box<Alarm>),
+    /// An address of the PLC.
+    #[error("`{text}` is no address of the PLC: {error}")]
+    Address {
+        /// What was written.
+        text: String,
+        /// What is wrong with it.
+        error: AddressError,
+    },
+    /// A ladder with errors.
+    #[error(
+        "the ladder {} has an error and is not started:\n{errors}\n\
+         Correct it, or leave --ladder out to start with the standard ladder.",
+        .path.display()
+    )]
+    Ladder {
+        /// Its file.
+        path: PathBuf,
+        /// Its errors.
+        errors: CompileErrors,
+    },
+    /// A machine file that cannot be read.
+    #[error("the machine file {}, line {line}: {error}", .path.display())]
+    Machine {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong there.
+        error: Box<ron::Error>,
+    },
+    /// A machine file that breaks its rules.
+    #[error("the machine file {} describes no lathe:\n{rules}", .path.display())]
+    NoLathe {
+        /// The file.
+        path: PathBuf,
+        /// A rule a line.
+        rules: String,
+    },
+    /// No program is named.
+    #[error("no program was given")]
+    NoProgram,
+    /// A subprogram that nobody could call.
+    #[error("{}: a subprogram begins with its number, for instance O1002", .0.display())]
+    NoNumber(PathBuf),
+    /// The memory does not take a program.
+    #[error("{}: {}", .path.display(), .alarm.line_text())]
+    NotStored {
+        /// Its file.
+        path: PathBuf,
+        /// Why.
+        alarm: Box<Alarm>,
+    },
+}
 
 /// A program in the control's memory, and what the user should know about it.
 #[derive(Clone, Debug, Default)]
@@ -26,35 +117,61 @@ impl Notices {
     /// Prints them on standard error.
     pub fn print(&self) {
         for notice in &self.0 {
-            eprintln!("gsk980td: {notice}");
+            complain!("gsk980td: {notice}");
         }
+    }
+}
+
+/// What a control starts from that has no parameters of its own yet: without a machine
+/// file the training lathe, which has a chuck.
+pub fn fitted(bare: Setup, machine: Option<&PathBuf>) -> Setup {
+    match machine {
+        Some(_) => bare,
+        None => bare.with_chuck(),
     }
 }
 
 /// What a command starts from that writes nothing back: the data directory, if one
-/// is named, under the options.
-pub fn setup(args: &SetupArgs) -> Result<Setup, String> {
-    let mut setup = Setup::default();
+/// is named, under the options. With a work zero (X as a diameter, machine coordinates)
+/// the tool starts where `--start`, or the place of a dry run, is counted from it.
+pub fn setup(args: &SetupArgs, work_zero: Option<(f64, f64)>) -> Result<Setup, LoadError> {
+    let mut setup = fitted(Setup::default(), args.machine.as_ref());
     if let Some(path) = &args.data {
-        let data = DataDir::existing(path).map_err(|error| error.to_string())?;
+        let data = DataDir::read_only(path)?;
         for complaint in retained::load(&data, &mut setup).complaints {
-            eprintln!("gsk980td: {complaint}");
+            complain!("gsk980td: {complaint}");
         }
     }
-    apply(&mut setup, args)?;
+    let zero = work_zero.map(|(x, z)| Point::new(x / 2.0, z));
+    apply_from(&mut setup, args, zero)?;
     Ok(setup)
 }
 
 /// Applies the options of control and lathe.
-pub fn apply(setup: &mut Setup, args: &SetupArgs) -> Result<(), String> {
+pub fn apply(setup: &mut Setup, args: &SetupArgs) -> Result<(), LoadError> {
+    apply_from(setup, args, None)
+}
+
+/// The same; `zero`: where the work zero lies, if somebody has said so.
+fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Result<(), LoadError> {
     if let Some(path) = &args.ladder {
         setup.ladder = ladder(path)?;
     }
     if let Some(path) = &args.machine {
         setup.lathe = machine(path)?;
+        if setup.start == Setup::default().start {
+            // Nobody has said where: the place of a dry run is that of no machine.
+            setup.start = Some(setup.lathe.start());
+        }
+    } else if let (Some(start), Some(zero)) = (&mut setup.start, zero) {
+        *start = *start + zero;
     }
     if let Some((x, z)) = args.start {
-        setup.start = Some(Point::new(x / 2.0, z));
+        setup.start = Some(Point::new(x / 2.0, z) + zero.unwrap_or_default());
+        check_start(setup)?;
+    }
+    if let (Some(start), Some(zero)) = (setup.start, zero) {
+        setup.absolute = Some(start - zero);
     }
     if let Some(rpm) = args.spindle {
         setup.spindle_rpm = Some(rpm);
@@ -68,25 +185,39 @@ pub fn apply(setup: &mut Setup, args: &SetupArgs) -> Result<(), String> {
     for input in &args.inputs {
         let address = address(&input.address)?;
         if address.area != Area::X {
-            return Err(format!(
-                "--input {}: only inputs X0.0 to X29.7 can be held",
-                input.address
-            ));
+            return Err(LoadError::NoInput(input.address.clone()));
         }
         setup.forced_inputs.push((address, input.state));
     }
     Ok(())
 }
 
-fn parameter(setup: &mut Setup, word: ParameterWord) -> Result<(), String> {
-    let result = match word {
-        ParameterWord::Value { number, value } => setup.parameters.set(number, value),
-        ParameterWord::Bit { number, bit, state } => setup.parameters.set_bit(number, bit, state),
+/// The tool starts where the slides can go.
+fn check_start(setup: &Setup) -> Result<(), LoadError> {
+    let beyond = setup.beyond_ends();
+    let Some((axis, ends)) = beyond.first() else {
+        return Ok(());
     };
-    result.map_err(|error| format!("--param: {error}"))
+    let name = format!("{axis:?}");
+    Err(LoadError::Beyond {
+        section: name.to_lowercase(),
+        name,
+        minus: ends.minus,
+        plus: ends.plus,
+    })
 }
 
-fn offset(setup: &mut Setup, word: &OffsetWord) -> Result<(), String> {
+fn parameter(setup: &mut Setup, word: ParameterWord) -> Result<(), LoadError> {
+    let result = match word {
+        ParameterWord::Value { number, value } => setup.memory.parameters.set(number, value),
+        ParameterWord::Bit { number, bit, state } => {
+            setup.memory.parameters.set_bit(number, bit, state)
+        }
+    };
+    Ok(result?)
+}
+
+fn offset(setup: &mut Setup, word: &OffsetWord) -> Result<(), LoadError> {
     let number = word.number;
     let entry = gsk_core::memory::ToolOffset {
         x: word.x,
@@ -94,65 +225,63 @@ fn offset(setup: &mut Setup, word: &OffsetWord) -> Result<(), String> {
         r: word.radius,
         t: word.nose,
     };
-    setup.offsets.set(number, entry).map_err(|alarm| {
-        format!(
-            "--offset: {}",
-            alarm.detail.as_deref().unwrap_or(alarm.text())
-        )
-    })
+    setup
+        .memory
+        .offsets
+        .set(number, entry)
+        .map_err(|alarm| LoadError::Offset(Box::new(alarm)))
 }
 
 /// Reads an address like `X0.4`.
-pub fn address(text: &str) -> Result<BitAddress, String> {
-    text.parse()
-        .map_err(|error| format!("`{text}` is no address of the PLC: {error}"))
+pub fn address(text: &str) -> Result<BitAddress, LoadError> {
+    text.parse().map_err(|error| LoadError::Address {
+        text: text.to_owned(),
+        error,
+    })
 }
 
 /// Compiles a ladder file; its first errors are named by line, and the way back
 /// to the standard ladder is told.
-pub fn ladder(path: &Path) -> Result<Arc<Ladder>, String> {
-    let file = program_file::read(path).map_err(|error| error.to_string())?;
+pub fn ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
+    let file = program_file::read(path)?;
     match Ladder::compile(&file.text) {
         Ok(ladder) => Ok(Arc::new(ladder)),
-        Err(errors) => Err(format!(
-            "the ladder {} has an error and is not started:\n{errors}\n\
-             Correct it, or leave --ladder out to start with the standard ladder.",
-            path.display()
-        )),
+        Err(errors) => Err(LoadError::Ladder {
+            path: path.to_owned(),
+            errors,
+        }),
     }
 }
 
 /// Reads a machine file (`docs/machine-file.md`) and checks its rules.
-pub fn machine(path: &Path) -> Result<LatheConfig, String> {
-    let file = program_file::read(path).map_err(|error| error.to_string())?;
+pub fn machine(path: &Path) -> Result<LatheConfig, LoadError> {
+    let file = program_file::read(path)?;
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let config: LatheConfig = options.from_str(&file.text).map_err(|error| {
-        format!(
-            "the machine file {}, line {}: {}",
-            path.display(),
-            error.span.start.line,
-            error.code
-        )
-    })?;
+    let config: LatheConfig = options
+        .from_str(&file.text)
+        .map_err(|error| LoadError::Machine {
+            path: path.to_owned(),
+            line: error.span.start.line,
+            error: Box::new(error.code),
+        })?;
     config.check().map_err(|errors| {
         let rules: Vec<String> = errors.iter().map(|error| format!("  {error}")).collect();
-        format!(
-            "the machine file {} describes no lathe:\n{}",
-            path.display(),
-            rules.join("\n")
-        )
+        LoadError::NoLathe {
+            path: path.to_owned(),
+            rules: rules.join("\n"),
+        }
     })?;
     Ok(config)
 }
 
 /// Opens a program file as the external program, stores the programs it calls
 /// and those of further files, and selects it.
-pub fn open(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, String> {
-    let (main, others) = files.split_first().ok_or("no program was given")?;
-    let (program, notices) = open_into(&mut setup.programs, main, others)?;
-    setup.programs.open_external(program);
-    setup.programs.select(ProgramId::External);
+pub fn open(setup: &mut Setup, files: &[PathBuf]) -> Result<Notices, LoadError> {
+    let (main, others) = files.split_first().ok_or(LoadError::NoProgram)?;
+    let (program, notices) = open_into(&mut setup.memory.programs, main, others)?;
+    setup.memory.programs.open_external(program);
+    setup.memory.programs.select(ProgramId::External);
     Ok(notices)
 }
 
@@ -161,23 +290,27 @@ pub fn open_into(
     programs: &mut ProgramMemory,
     main: &Path,
     others: &[PathBuf],
-) -> Result<(Program, Notices), String> {
-    let file = program_file::read(main).map_err(|error| error.to_string())?;
+) -> Result<(Program, Notices), LoadError> {
+    let file = program_file::read(main)?;
     let mut notices = file.notices.clone();
-    let mut parts = program::split(&file.text).into_iter();
-    let program = parts
-        .next()
-        .unwrap_or_else(|| Program::new(file.text.as_str()));
+    let mut parts = program::split(&file.text);
+    let begin = main_part(&parts);
+    let program = if parts.is_empty() {
+        Program::new(file.text.as_str())
+    } else {
+        parts.remove(begin)
+    };
+    if begin > 0 {
+        notices.push(format!(
+            "{}: O{:04} is run; what stands before it is called as a subprogram",
+            main.display(),
+            program.number().unwrap_or_default()
+        ));
+    }
     for part in parts {
         store(programs, part.text(), None, main)?;
     }
-    for path in others {
-        let other = program_file::read(path).map_err(|error| error.to_string())?;
-        notices.extend(other.notices);
-        for part in program::split(&other.text) {
-            store(programs, part.text(), None, path)?;
-        }
-    }
+    notices.extend(store_files(programs, others)?.0);
     let mut loaded: BTreeSet<u16> = programs.iter().map(|(number, _)| number).collect();
     loaded.extend(program.number());
     for found in subprograms::find(main, &file.text, &loaded) {
@@ -186,33 +319,111 @@ pub fn open_into(
     Ok((program, Notices(notices)))
 }
 
+/// Stores the programs of files.
+pub fn store_files(programs: &mut ProgramMemory, files: &[PathBuf]) -> Result<Notices, LoadError> {
+    let mut notices = Vec::new();
+    for path in files {
+        let file = program_file::read(path)?;
+        notices.extend(file.notices);
+        for part in program::split(&file.text) {
+            store(programs, part.text(), None, path)?;
+        }
+    }
+    Ok(Notices(notices))
+}
+
+/// For DNC the standard ladder gives way to the one that has keys for it.
+pub fn with_keys_for_dnc(setup: &mut Setup) {
+    if Arc::ptr_eq(&setup.ladder, &standard_ladder()) {
+        setup.ladder = dnc_teach_ladder();
+    }
+}
+
+/// Which program of a file is run: the first, unless another one calls it; then the
+/// first that none calls.
+fn main_part(parts: &[Program]) -> usize {
+    let [first, others @ ..] = parts else {
+        return 0;
+    };
+    let called =
+        |number: Option<u16>, by: &BTreeSet<u16>| number.is_some_and(|number| by.contains(&number));
+    let by_others: BTreeSet<u16> = others
+        .iter()
+        .flat_map(|part| subprograms::calls(part.text()))
+        .collect();
+    if !called(first.number(), &by_others) {
+        return 0;
+    }
+    let mut all = by_others;
+    all.extend(subprograms::calls(first.text()));
+    let free = parts.iter().position(|part| !called(part.number(), &all));
+    free.unwrap_or(0)
+}
+
 /// Stores a subprogram; a file without an O word gets the number of its name.
 fn store(
     programs: &mut ProgramMemory,
     text: &str,
     number: Option<u16>,
     path: &Path,
-) -> Result<(), String> {
+) -> Result<(), LoadError> {
     let program = Program::new(text);
     let text = match (program.number(), number) {
         (None, Some(number)) => program.renumbered(number).text().to_owned(),
         (None, None) => {
-            return Err(format!(
-                "{}: a subprogram begins with its number, for instance O1002",
-                path.display()
-            ));
+            return Err(LoadError::NoNumber(path.to_owned()));
         }
         _ => text.to_owned(),
     };
     match programs.store(text) {
         Ok(_) => Ok(()),
-        Err(alarm) => Err(format!("{}: {}", path.display(), alarm.line_text())),
+        Err(alarm) => Err(LoadError::NotStored {
+            path: path.to_owned(),
+            alarm: Box::new(alarm),
+        }),
     }
 }
 
 /// What `run` and its kin start from.
-pub fn dry_run_setup(args: &SetupArgs) -> Result<Setup, String> {
-    let mut setup = Setup::default();
+pub fn dry_run_setup(args: &SetupArgs) -> Result<Setup, LoadError> {
+    let mut setup = fitted(Setup::default(), args.machine.as_ref());
     apply(&mut setup, args)?;
     Ok(setup)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(words: &SetupArgs) -> Result<Setup, LoadError> {
+        let mut setup = Setup::at_the_panel();
+        apply(&mut setup, words).map(|()| setup)
+    }
+
+    #[test]
+    fn the_tool_starts_where_the_slides_can_go() {
+        let machine = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let machine = Some(machine.join("../assets/machines/small-flat-bed.ron"));
+        let file = SetupArgs {
+            machine,
+            ..SetupArgs::default()
+        };
+        let start = |words: &SetupArgs| with(words).map(|setup| setup.start);
+        assert_eq!(
+            start(&file).expect("machine"),
+            Some(Point::new(-20.0, -80.0))
+        );
+        let at = |x, z| SetupArgs {
+            start: Some((x, z)),
+            ..file.clone()
+        };
+        assert_eq!(
+            start(&at(-100.0, -20.0)).expect("start"),
+            Some(Point::new(-50.0, -20.0))
+        );
+        let refused = start(&at(300.0, 300.0)).expect_err("beyond").to_string();
+        assert!(refused.starts_with("--start: X lies beyond"), "{refused}");
+        assert!(refused.contains("-180 to 26 mm"), "{refused}");
+        assert!(with(&SetupArgs::default()).is_ok_and(|setup| setup.beyond_ends().is_empty()));
+    }
 }

@@ -3,43 +3,158 @@
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
-use serialport::{SerialPort, TTYPort};
+use serialport::{ClearBuffer, FlowControl, SerialPort, TTYPort};
 
-/// How long a read may wait for the first byte.
-const READ_WAIT: Duration = Duration::from_millis(2);
+/// How long a read may wait for the first byte, and a write for room.
+const WAIT: Duration = Duration::from_millis(2);
+/// Between two attempts to open a port that is in use.
+const BETWEEN: Duration = Duration::from_millis(20);
+
+/// Why a port cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum PortError {
+    /// It may not be used by this user.
+    #[error(
+        "{path} cannot be opened: {error}; you may not use it: become a member of the group \
+         that owns it (often dialout)"
+    )]
+    Forbidden {
+        /// The port.
+        path: String,
+        /// What the system said.
+        error: serialport::Error,
+    },
+    /// There is none of this name.
+    #[error(
+        "{path} cannot be opened: {error}; is it plugged in? `gsk980td link list` shows the \
+         ports"
+    )]
+    NotFound {
+        /// The port.
+        path: String,
+        /// What the system said.
+        error: serialport::Error,
+    },
+    /// There is no device behind it, or another program has it.
+    #[error(
+        "{path} cannot be opened: {error}; there is no such device, or another program has \
+         it: `gsk980td link list` shows the ports"
+    )]
+    NoDevice {
+        /// The port.
+        path: String,
+        /// What the system said.
+        error: serialport::Error,
+    },
+    /// For another reason.
+    #[error("{path} cannot be opened: {error}")]
+    Refused {
+        /// The port.
+        path: String,
+        /// What the system said.
+        error: serialport::Error,
+    },
+    /// An open port cannot be used twice.
+    #[error("the port: {0}")]
+    Clone(serialport::Error),
+    /// The system gives no pseudo terminal.
+    #[error("no pseudo terminal: {0}")]
+    NoTerminal(serialport::Error),
+    /// Nobody could open the other end.
+    #[error("the pseudo terminal has no name")]
+    NoName,
+    /// A pseudo terminal does not take its settings.
+    #[error("the pseudo terminal: {0}")]
+    Terminal(serialport::Error),
+    /// The system does not tell its ports.
+    #[error(transparent)]
+    Unknown(serialport::Error),
+}
+
+impl PortError {
+    fn opening(path: &str, error: serialport::Error) -> Self {
+        let path = path.to_owned();
+        match error.kind() {
+            serialport::ErrorKind::Io(io::ErrorKind::PermissionDenied) => {
+                Self::Forbidden { path, error }
+            }
+            serialport::ErrorKind::Io(io::ErrorKind::NotFound) => Self::NotFound { path, error },
+            serialport::ErrorKind::NoDevice => Self::NoDevice { path, error },
+            _ => Self::Refused { path, error },
+        }
+    }
+}
 
 /// An open port; closed when dropped.
 pub struct Port(TTYPort);
 
 impl Port {
-    /// Opens a device for itself alone.
+    /// Opens a device for itself alone. One that is in use is waited for so long.
     ///
     /// # Errors
-    /// A sentence that names the port and what to do.
-    pub fn open(path: &str, baud: u32) -> Result<Self, String> {
+    /// It cannot be opened: names the port and what to do.
+    pub fn open_within(path: &str, baud: u32, patience: Duration) -> Result<Self, PortError> {
+        let begun = Instant::now();
+        loop {
+            match serialport::new(path, baud).timeout(WAIT).open_native() {
+                Ok(port) => {
+                    // What was said to somebody else; a port that keeps it is used all the same.
+                    let _ = port.clear(ClearBuffer::Input);
+                    return Ok(Self(port));
+                }
+                Err(error)
+                    if error.kind() == serialport::ErrorKind::NoDevice
+                        && begun.elapsed() < patience =>
+                {
+                    thread::sleep(BETWEEN);
+                }
+                Err(error) => return Err(PortError::opening(path, error)),
+            }
+        }
+    }
+
+    /// The same port for somebody who reads, and waits so long for the first byte.
+    ///
+    /// # Errors
+    /// The system gives none.
+    pub fn reading(&self, wait: Duration) -> Result<Self, PortError> {
+        let clone = || {
+            let mut port = self.0.try_clone_native()?;
+            port.set_timeout(wait)?;
+            Ok(Self(port))
+        };
+        clone().map_err(PortError::Clone)
+    }
+
+    /// Opens a device whose partner is stopped by XOFF when nobody reads.
+    ///
+    /// # Errors
+    /// It cannot be opened: names the port and what to do.
+    pub fn open_with_handshake(path: &str, baud: u32) -> Result<Self, PortError> {
         serialport::new(path, baud)
-            .timeout(READ_WAIT)
+            .timeout(WAIT)
+            .flow_control(FlowControl::Software)
             .open_native()
             .map(Self)
-            .map_err(|error| explain(path, &error))
+            .map_err(|error| PortError::opening(path, error))
     }
 
     /// A pseudo terminal: our end, and the name of the other.
     ///
     /// # Errors
     /// The system gives none.
-    pub fn pair() -> Result<(Self, TTYPort, String), String> {
-        let (mut near, far) =
-            TTYPort::pair().map_err(|error| format!("no pseudo terminal: {error}"))?;
-        let name = far.name().ok_or("the pseudo terminal has no name")?;
-        near.set_timeout(READ_WAIT)
-            .map_err(|error| format!("the pseudo terminal: {error}"))?;
+    pub fn pair() -> Result<(Self, TTYPort, String), PortError> {
+        let (mut near, far) = TTYPort::pair().map_err(PortError::NoTerminal)?;
+        let name = far.name().ok_or(PortError::NoName)?;
+        near.set_timeout(WAIT).map_err(PortError::Terminal)?;
         Ok((Self(near), far, name))
     }
 
-    /// What has arrived; empty when nothing did for 2 ms.
+    /// What has arrived; empty when nothing did for 2 ms, or for the time of
+    /// [`Port::reading`].
     ///
     /// # Errors
     /// The port is gone.
@@ -81,6 +196,11 @@ fn passes(error: &io::Error) -> bool {
 
 /// What an open port's failure means.
 pub fn gone(error: &io::Error) -> String {
+    if error.kind() == io::ErrorKind::ConnectionAborted {
+        return "the process that holds the port has ended: another one stops the board; RESET \
+                asks for it again"
+            .to_owned();
+    }
     // EIO, ENXIO and ENODEV: the device behind the name is no more.
     let pulled = error.kind() == io::ErrorKind::BrokenPipe
         || matches!(error.raw_os_error(), Some(5 | 6 | 19));
@@ -88,24 +208,6 @@ pub fn gone(error: &io::Error) -> String {
         "the port is gone: was the cable pulled, or the board switched off?".to_owned()
     } else {
         format!("the port failed: {error}")
-    }
-}
-
-fn explain(path: &str, error: &serialport::Error) -> String {
-    match error.kind() {
-        serialport::ErrorKind::Io(io::ErrorKind::PermissionDenied) => format!(
-            "{path} cannot be opened: {error}; you may not use it: become a member of the group \
-             that owns it (often dialout)"
-        ),
-        serialport::ErrorKind::Io(io::ErrorKind::NotFound) => format!(
-            "{path} cannot be opened: {error}; is it plugged in? `gsk980td link list` shows the \
-             ports"
-        ),
-        serialport::ErrorKind::NoDevice => format!(
-            "{path} cannot be opened: {error}; there is no such device, or another program has \
-             it: `gsk980td link list` shows the ports"
-        ),
-        _ => format!("{path} cannot be opened: {error}"),
     }
 }
 
@@ -122,8 +224,8 @@ pub struct Found {
 ///
 /// # Errors
 /// The system does not tell.
-pub fn list() -> Result<Vec<Found>, String> {
-    let ports = serialport::available_ports().map_err(|error| error.to_string())?;
+pub fn list() -> Result<Vec<Found>, PortError> {
+    let ports = serialport::available_ports().map_err(PortError::Unknown)?;
     let names = by_id(Path::new("/dev/serial/by-id"));
     Ok(ports
         .into_iter()

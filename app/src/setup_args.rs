@@ -1,7 +1,7 @@
 //! The options of control and lathe that `run`, `check`, `plot` and `operate`
 //! share: their words on the command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -9,7 +9,8 @@ use clap::Args;
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Control and lathe")]
 pub struct SetupArgs {
-    /// Where the tool stands before the first block: X (diameter), Z in mm [default: 300,300]
+    /// Where the tool stands before the first block: X (diameter), Z in mm [default: 300,300;
+    /// with --machine where its file says]
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = pair)]
     pub start: Option<(f64, f64)>,
     /// The spindle already turns forward at this speed, r/min [default: it stands]
@@ -33,6 +34,92 @@ pub struct SetupArgs {
     /// Take parameters, offsets and programs from this data directory, and write them back
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+}
+
+impl SetupArgs {
+    /// The files that these options read.
+    pub fn read_files(&self) -> impl Iterator<Item = &Path> {
+        [&self.machine, &self.ladder]
+            .into_iter()
+            .flatten()
+            .map(PathBuf::as_path)
+    }
+
+    /// Real slides and a real spindle are where and as they are.
+    ///
+    /// # Errors
+    /// An option that says it of them.
+    pub const fn refuse_at_a_board(&self) -> Result<(), SetByTheMachine> {
+        match (self.start, self.spindle) {
+            (Some(_), _) => Err(SetByTheMachine::Slides),
+            (_, Some(_)) => Err(SetByTheMachine::Spindle),
+            (None, None) => Ok(()),
+        }
+    }
+}
+
+/// An option that says what a real machine is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SetByTheMachine {
+    /// Where the slides stand.
+    #[error("--start: with --link the slides stand where they stand")]
+    Slides,
+    /// How fast the spindle turns.
+    #[error("--spindle: with --link M03 or a key of the panel starts the spindle")]
+    Spindle,
+}
+
+/// Why a word of the command line cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WordError {
+    /// No number.
+    #[error("`{0}` is not a number")]
+    NoNumber(String),
+    /// No length of this control.
+    #[error("`{0}` is outside ±9999.999")]
+    Outside(String),
+    /// Another form is wanted.
+    #[error("write it as {0}")]
+    Form(&'static str),
+    /// Too short a way.
+    #[error("`{0}` mm is no way to measure: 0.1 at least")]
+    NoWay(String),
+    /// Too low a feed.
+    #[error("a feed is 1 to 9999.999 mm/min, not `{0}`")]
+    NoFeed(String),
+    /// A speed below 0.
+    #[error("a speed is not negative")]
+    NegativeSpeed,
+    /// No state.
+    #[error("a bit is 0 or 1, not `{0}`")]
+    NoState(String),
+    /// No number of a parameter.
+    #[error("`{0}` is not a parameter number")]
+    NoParameter(String),
+    /// No whole number.
+    #[error("`{0}` is not a whole number")]
+    NotWhole(String),
+    /// No bit.
+    #[error("a parameter has the bits 0 to 7")]
+    NoBit,
+    /// No number of an offset.
+    #[error("`{0}` is not an offset number")]
+    NoOffset(String),
+    /// More values than an offset has.
+    #[error("an offset has four values: X,Z,R,T")]
+    TooManyValues,
+    /// No nose type.
+    #[error("T, the nose type, is 0 to 9")]
+    NoNose,
+    /// No unit.
+    #[error("`{0}` is no unit of time: use ms, s, m or h")]
+    NoUnit(String),
+    /// No time.
+    #[error("`{0}` is not a time")]
+    NoTime(String),
+    /// No time that could be meant.
+    #[error("`{0}` is not a useful time")]
+    UselessTime(String),
 }
 
 /// `--param`.
@@ -80,86 +167,88 @@ pub struct InputBit {
     pub state: bool,
 }
 
-fn number(word: &str) -> Result<f64, String> {
+fn number(word: &str) -> Result<f64, WordError> {
     let value: f64 = word
         .trim()
         .parse()
-        .map_err(|_| format!("`{word}` is not a number"))?;
+        .map_err(|_| WordError::NoNumber(word.to_owned()))?;
     if !value.is_finite() || value.abs() > 9999.999 {
-        return Err(format!("`{word}` is outside ±9999.999"));
+        return Err(WordError::Outside(word.to_owned()));
     }
     Ok(value)
 }
 
-fn pair(word: &str) -> Result<(f64, f64), String> {
+/// Reads X,Z.
+pub fn pair(word: &str) -> Result<(f64, f64), WordError> {
     let (x, z) = word
         .split_once(',')
-        .ok_or("write it as X,Z, for instance 300,300")?;
+        .ok_or(WordError::Form("X,Z, for instance 300,300"))?;
     Ok((number(x)?, number(z)?))
 }
 
 /// Reads a way there and back, mm: either way, and not nothing.
-pub fn travel(word: &str) -> Result<f64, String> {
+pub fn travel(word: &str) -> Result<f64, WordError> {
     let value = number(word)?;
     if value.abs() < 0.1 {
-        return Err(format!("`{word}` mm is no way to measure: 0.1 at least"));
+        return Err(WordError::NoWay(word.to_owned()));
     }
     Ok(value)
 }
 
 /// Reads a feed, mm/min.
-pub fn feed(word: &str) -> Result<f64, String> {
+pub fn feed(word: &str) -> Result<f64, WordError> {
     let value = number(word)?;
     if value < 1.0 {
-        return Err(format!("a feed is 1 to 9999.999 mm/min, not `{word}`"));
+        return Err(WordError::NoFeed(word.to_owned()));
     }
     Ok(value)
 }
 
-fn spindle_speed(word: &str) -> Result<f64, String> {
+fn spindle_speed(word: &str) -> Result<f64, WordError> {
     let value = number(word)?;
     if value < 0.0 {
-        Err("a speed is not negative".to_owned())
+        Err(WordError::NegativeSpeed)
     } else {
         Ok(value)
     }
 }
 
-fn state(word: &str) -> Result<bool, String> {
+fn state(word: &str) -> Result<bool, WordError> {
     match word.trim() {
         "0" => Ok(false),
         "1" => Ok(true),
-        other => Err(format!("a bit is 0 or 1, not `{other}`")),
+        other => Err(WordError::NoState(other.to_owned())),
     }
 }
 
-fn parameter(word: &str) -> Result<ParameterWord, String> {
-    let (name, value) = word
-        .split_once('=')
-        .ok_or("write it as N=V or N.B=0|1, for instance 22=3800 or 1.4=1")?;
+fn parameter(word: &str) -> Result<ParameterWord, WordError> {
+    let (name, value) = word.split_once('=').ok_or(WordError::Form(
+        "N=V or N.B=0|1, for instance 22=3800 or 1.4=1",
+    ))?;
     let name = name.trim();
     let name = name.strip_prefix('P').unwrap_or(name);
     let parse = |digits: &str| {
         digits
             .parse::<u16>()
-            .map_err(|_| format!("`{digits}` is not a parameter number"))
+            .map_err(|_| WordError::NoParameter(digits.to_owned()))
     };
     let Some((number, bit)) = name.split_once('.') else {
         let number = parse(name)?;
         let value = value.trim();
         // A status parameter may be written as its eight bits, as on the page.
         if value.len() == 8 && value.bytes().all(|byte| matches!(byte, b'0' | b'1')) {
-            let value = i32::from_str_radix(value, 2).map_err(|error| error.to_string())?;
+            let value =
+                i32::from_str_radix(value, 2).map_err(|_| WordError::NotWhole(value.to_owned()))?;
             return Ok(ParameterWord::Value { number, value });
         }
         let value = value
             .parse()
-            .map_err(|_| format!("`{value}` is not a whole number"))?;
+            .map_err(|_| WordError::NotWhole(value.to_owned()))?;
         return Ok(ParameterWord::Value { number, value });
     };
     let number = parse(number)?;
     let bit = bit.parse().ok().filter(|bit| *bit < 8);
-    let bit = bit.ok_or("a parameter has the bits 0 to 7")?;
+    let bit = bit.ok_or(WordError::NoBit)?;
     Ok(ParameterWord::Bit {
         number,
         bit,
@@ -167,17 +256,17 @@ fn parameter(word: &str) -> Result<ParameterWord, String> {
     })
 }
 
-fn offset(word: &str) -> Result<OffsetWord, String> {
+fn offset(word: &str) -> Result<OffsetWord, WordError> {
     let (name, values) = word
         .split_once('=')
-        .ok_or("write it as NN=X,Z,R,T, for instance 1=0,0,0.4,3")?;
+        .ok_or(WordError::Form("NN=X,Z,R,T, for instance 1=0,0,0.4,3"))?;
     let name = name.trim();
     let number_of = name
         .parse()
-        .map_err(|_| format!("`{name}` is not an offset number"))?;
+        .map_err(|_| WordError::NoOffset(name.to_owned()))?;
     let words: Vec<&str> = values.split(',').collect();
     if words.len() > 4 {
-        return Err("an offset has four values: X,Z,R,T".to_owned());
+        return Err(WordError::TooManyValues);
     }
     let value = |index: usize| words.get(index).map_or(Ok(0.0), |word| number(word));
     let nose = words.get(3).map_or("0", |word| word.trim());
@@ -187,15 +276,15 @@ fn offset(word: &str) -> Result<OffsetWord, String> {
         x: value(0)?,
         z: value(1)?,
         radius: value(2)?,
-        nose: nose.ok_or("T, the nose type, is 0 to 9")?,
+        nose: nose.ok_or(WordError::NoNose)?,
     })
 }
 
 /// Reads `X0.4=1`.
-pub fn input_bit(word: &str) -> Result<InputBit, String> {
+pub fn input_bit(word: &str) -> Result<InputBit, WordError> {
     let (address, value) = word
         .split_once('=')
-        .ok_or("write it as ADDRESS=0|1, for instance X0.4=1")?;
+        .ok_or(WordError::Form("ADDRESS=0|1, for instance X0.4=1"))?;
     Ok(InputBit {
         address: address.trim().to_ascii_uppercase(),
         state: state(value)?,
@@ -203,7 +292,7 @@ pub fn input_bit(word: &str) -> Result<InputBit, String> {
 }
 
 /// Reads a time like `500ms`, `90s`, `1.5m`, `24h`; seconds without a unit.
-pub fn duration_ms(word: &str) -> Result<u64, String> {
+pub fn duration_ms(word: &str) -> Result<u64, WordError> {
     let word = word.trim();
     let split = word
         .find(|c: char| c.is_ascii_alphabetic())
@@ -214,15 +303,15 @@ pub fn duration_ms(word: &str) -> Result<u64, String> {
         "" | "s" => 1000.0,
         "m" | "min" => 60_000.0,
         "h" => 3_600_000.0,
-        _ => return Err(format!("`{unit}` is no unit of time: use ms, s, m or h")),
+        _ => return Err(WordError::NoUnit(unit.to_owned())),
     };
     let value: f64 = digits
         .trim()
         .parse()
-        .map_err(|_| format!("`{word}` is not a time"))?;
+        .map_err(|_| WordError::NoTime(word.to_owned()))?;
     let ms = value * unit_ms;
     if !(1.0..=1e12).contains(&ms) {
-        return Err(format!("`{word}` is not a useful time"));
+        return Err(WordError::UselessTime(word.to_owned()));
     }
     Ok(ms.round() as u64)
 }

@@ -1,20 +1,33 @@
 //! The partner at the control's serial port: a folder of the data directory takes
 //! what the control sends; files come from wherever the user has them.
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::thread;
 
 use gsk_panel::panel::SerialFile;
 
-use crate::files::{atomic, program_file};
+use crate::files::atomic;
+use crate::files::program_file::{self, FileError};
 use crate::kernel::{Command, Console, Notice};
 
 /// The folder in the data directory.
 pub const FOLDER: &str = "transfer";
 
+/// What the control has sent cannot be stored.
+#[derive(Debug, thiserror::Error)]
+#[error("{} cannot be written: {error}", .folder.display())]
+pub struct TransferError {
+    folder: PathBuf,
+    error: io::Error,
+}
+
 /// Writes files into the folder, making it if it is not there.
-pub fn write(folder: &Path, files: &[SerialFile]) -> Result<(), String> {
-    let wrong = |error| format!("{} cannot be written: {error}", folder.display());
+pub fn write(folder: &Path, files: &[SerialFile]) -> Result<(), TransferError> {
+    let wrong = |error| TransferError {
+        folder: folder.to_owned(),
+        error,
+    };
     std::fs::create_dir_all(folder).map_err(wrong)?;
     for file in files {
         atomic::write(&folder.join(&file.name), file.text.as_bytes()).map_err(wrong)?;
@@ -32,9 +45,9 @@ pub fn is_data(path: &Path) -> bool {
 }
 
 /// Reads a file for the control.
-pub fn read(path: &Path) -> Result<SerialFile, String> {
+pub fn read(path: &Path) -> Result<SerialFile, FileError> {
     let name = path.file_name().unwrap_or_default();
-    let file = program_file::read(path).map_err(|error| error.to_string())?;
+    let file = program_file::read(path)?;
     Ok(SerialFile {
         name: name.to_string_lossy().into_owned(),
         text: file.text,
@@ -60,7 +73,7 @@ pub fn write_aside(folder: PathBuf, files: Vec<SerialFile>, console: Console) {
             // A window that is gone needs no message.
             let _ = console.say.try_send(Notice::Sent(what));
         }
-        Err(said) => fail(&console, said),
+        Err(said) => fail(&console, said.to_string()),
     });
     if let Err(error) = written {
         fail(&telling, error.to_string());
@@ -68,7 +81,8 @@ pub fn write_aside(folder: PathBuf, files: Vec<SerialFile>, console: Console) {
 }
 
 fn fail(console: &Console, said: String) {
-    let _ = console.say.try_send(Notice::Said(said));
+    tracing::error!("{said}");
+    let _ = console.say.try_send(Notice::Said(said.into()));
     console.send(Command::TransferFailed);
 }
 
@@ -101,7 +115,9 @@ mod tests {
     fn a_folder_that_cannot_be_made_is_said() {
         let file_in_the_way = test_folder("transfer-refused").join(FOLDER);
         std::fs::write(&file_in_the_way, b"").expect("written");
-        let said = write(&file_in_the_way, &[file("O0001.CNC")]).expect_err("no folder");
+        let said = write(&file_in_the_way, &[file("O0001.CNC")])
+            .expect_err("no folder")
+            .to_string();
         assert!(said.contains("cannot be written"), "{said}");
     }
 }

@@ -1,15 +1,11 @@
 //! The operating example of the manual (chapter III-11) in the window: every key is
 //! clicked with the mouse at its place on the panel, the wheel is turned with the
-//! mouse, and what the script of `tests/cases/operate-acceptance` expects is seen.
-
-#![expect(clippy::panic, reason = "a test fails by panicking")]
-
-mod common;
+//! mouse, and what the script of the case `operate-acceptance` expects is seen.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use common::Bench;
+use crate::common::Bench;
 use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase};
 use egui_kittest::kittest::Queryable;
 use gsk_core::setup::Setup;
@@ -122,7 +118,9 @@ impl Hand {
 
     /// What the control says, and what the window shows of it.
     fn expect(&mut self, expect: &Expect) -> Result<(), String> {
-        expect.check(self.bench.kernel.emulator())?;
+        expect
+            .check(self.bench.kernel.emulator())
+            .map_err(|seen| seen.to_string())?;
         let Expect::Row(row, text) = expect else {
             return Ok(());
         };
@@ -137,10 +135,17 @@ impl Hand {
         Err(format!("the window shows\n{lcd}"))
     }
 
+    fn is_up(&self, key: Key) -> bool {
+        !self.bench.kernel.emulator().panel.is_held(key)
+    }
+
     fn act(&mut self, action: &Action) -> Result<(), String> {
         match action {
             Action::Press(key) => self.click(*key),
-            Action::Down(key) | Action::Up(key) => self.button(*key, PointerButton::Secondary),
+            // A right click keeps the key for the next one, and no longer.
+            Action::Down(key) => self.button(*key, PointerButton::Secondary),
+            Action::Up(key) if self.is_up(*key) => {}
+            Action::Up(key) => return Err(format!("{} is still down", key.id())),
             Action::Type(text) => text.chars().for_each(|c| self.type_character(c)),
             Action::Turn(graduations, _) => self.turn(*graduations),
             Action::Wait(ms) => self.run(*ms),
@@ -160,7 +165,7 @@ fn the_operating_example_with_the_mouse() {
         ..Setup::delivered()
     };
     let mut hand = Hand::new(setup);
-    let path = "../tests/cases/operate-acceptance/operate.txt";
+    let path = "../tests/cases/program-text/examples/operate-acceptance/operate.txt";
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
     let text = std::fs::read_to_string(path).expect("the script of the operating example");
     let script = Script::parse(&text).expect("a script");

@@ -3,37 +3,29 @@
 //! Nothing here depends on how fast the computer is: a computer that was too busy is an
 //! alarm of the control, and what the operator does then the tests do, too.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "tests fail by panicking"
-)]
-
-#[path = "common/twin.rs"]
-mod twin;
-
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command as Process;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::twin::Twin;
 use crossbeam::queue::ArrayQueue;
 use gsk_app::carrier::{Carrier, Line};
 use gsk_app::kernel::probe::Probe;
-use gsk_app::kernel::{Command, Connection, Console, Kernel, LinkOrder, Opened};
-use gsk_core::machine::link::step_queue::StepLink;
-use gsk_core::machine::link::{Event, LinkConfig, LinkState};
+use gsk_app::kernel::{Command, Connection, Console, Kernel, LinkOrder, Opened, Storing};
+use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
+use gsk_link::step_queue::StepLink;
+use gsk_link::{Backend, Event, LinkConfig, LinkState};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_twins::klipper::{KlipperTwin, Make};
-use twin::Twin;
 
+const PROGRAM_FILE: &str = env!("CARGO_BIN_EXE_gsk980td");
 const PROGRAM: &str = "O0007\nG50 X60 Z20\nG98 G97 S500 M03\nG00 X50 Z10 M08\n\
     G01 Z5 F600\nG02 X56 Z2 R3\nG00 X60 Z20\nM05\nM09\nM30\n";
 const LINE: &str = "(lookahead_ms: Some(400), line: (home: (seek: 3000, locate: 200)))";
@@ -72,10 +64,10 @@ impl Lathe {
     fn with_boards(port: &str, config: &str, boards: Option<PathBuf>) -> Self {
         let mut setup = Setup::delivered();
         for number in [17, 18] {
-            setup.parameters.set(number, 5).unwrap();
+            setup.memory.parameters.set(number, 5).unwrap();
         }
         // A press of the axis key is enough for the whole return.
-        setup.parameters.set_bit(11, 2, true).unwrap();
+        setup.memory.parameters.set_bit(11, 2, true).unwrap();
         let config = LinkConfig {
             port: port.to_owned(),
             ..ron::from_str(config).unwrap()
@@ -95,6 +87,7 @@ impl Lathe {
             config,
             log: Some(log.clone()),
             boards,
+            program: PROGRAM_FILE.into(),
         });
         Self {
             kernel,
@@ -184,6 +177,8 @@ impl Lathe {
     fn starts(&mut self) {
         self.console.send(Command::Open(Box::new(Opened {
             name: "seven.CNC".to_owned(),
+            path: None,
+            storing: Storing::RunOnly,
             program: Program::new(PROGRAM),
             subprograms: Vec::new(),
         })));
@@ -197,7 +192,7 @@ impl Lathe {
         self.until(LONGEST, |lathe| {
             let over = lathe.kernel.emulator().simulation.cnc.run_state() == RunState::Reset
                 && lathe.state == LinkState::Ready
-                && lathe.log().contains("seven.CNC");
+                && lathe.log().contains("O0007");
             over || !lathe.alarms().is_empty()
         });
         self.alarms().is_empty() && self.state == LinkState::Ready
@@ -225,7 +220,7 @@ fn works_and_is_unplugged(firmware: &str, config: &str) {
     });
     assert!(made, "{:?} {:?}", lathe.alarms(), lathe.state);
     let log = lathe.log();
-    let line = log.lines().find(|line| line.contains("seven.CNC")).unwrap();
+    let line = log.lines().find(|line| line.contains("O0007")).unwrap();
     let (_, counts) = line.split_once(" commanded ").unwrap();
     let (commanded, counted) = counts.split_once(" counted ").unwrap();
     assert_eq!(counted, format!("{commanded} agrees"), "{line}");
@@ -246,7 +241,7 @@ fn works_and_is_unplugged(firmware: &str, config: &str) {
     let told = alarms
         .iter()
         .find(|alarm| matches!(alarm.number, 601 | 605))
-        .and_then(|alarm| alarm.detail.clone())
+        .map(gsk_core::alarm::Alarm::detail_en)
         .unwrap_or_default();
     assert!(told.contains(&twin.port), "{alarms:?}");
     let _ = std::fs::remove_file(&lathe.log);
@@ -304,8 +299,11 @@ fn a_port_in_use_is_refused_with_its_name() {
         port: twin.port.clone(),
         ..LinkConfig::default()
     };
-    let first = Carrier::open(&config).unwrap();
-    let refused = Carrier::open(&config).err().expect("a second client");
+    let first = Carrier::open(&config, Path::new(PROGRAM_FILE)).unwrap();
+    let refused = Carrier::open(&config, Path::new(PROGRAM_FILE))
+        .err()
+        .expect("a second client")
+        .to_string();
     assert!(refused.contains(&twin.port), "{refused}");
     assert!(refused.contains("another program"), "{refused}");
     let test = Process::new(env!("CARGO_BIN_EXE_gsk980td"))
@@ -323,7 +321,7 @@ fn a_port_in_use_is_refused_with_its_name() {
     assert!(lathe.until(LONGEST, |lathe| lathe.state == LinkState::Lost));
     assert_eq!(lathe.alarms(), [601]);
     drop(first);
-    assert!(Carrier::open(&config).is_ok());
+    assert!(Carrier::open(&config, Path::new(PROGRAM_FILE)).is_ok());
 }
 
 /// What another board says it understands.
@@ -333,7 +331,7 @@ fn foreign() -> Vec<u8> {
         ..Make::default()
     });
     let config = ron::from_str(TIMED).unwrap();
-    let mut link = StepLink::open(config, &Parameters::default(), Duration::ZERO);
+    let mut link = StepLink::open(config, &drives(&Parameters::default()), Duration::ZERO);
     for ms in 1..5000 {
         twin.advance(1_000_000);
         let now = Duration::from_millis(ms);

@@ -1,7 +1,7 @@
 //! The command line as its users call it: outputs, messages, exit codes.
 
 // A file that cannot be written or a program that cannot be started ends the test.
-#![allow(clippy::unwrap_used)]
+mod looks;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -98,6 +98,26 @@ fn an_endless_program_ends_with_its_part() {
 }
 
 #[test]
+fn a_loop_of_tiny_moves_is_given_up() {
+    let text = b"N1 G01 U0.001 F6000\nG01 U-0.001\nG65 H80 P1\n";
+    let program = Scratch::new("tiny-moves.nc", text);
+    let limit = ["--most-moves", "20000"];
+    let check = ["check", program.path(), "--json"];
+    let (code, out, _) = said(&[&check[..], &limit].concat());
+    assert_eq!(code, 1);
+    let result: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(result["end"], "limit");
+    let moves = result["moves"].as_u64().unwrap();
+    assert!((20_000..40_000).contains(&moves), "{moves}");
+    let picture = Scratch::new("tiny-moves.svg", b"");
+    let plot = ["plot", program.path(), "-o", picture.path()];
+    let (code, _, err) = said(&[&plot[..], &limit].concat());
+    assert_eq!(code, 1);
+    assert!(err.contains("no end within the limits"), "{err}");
+    assert!(std::fs::metadata(picture.path()).unwrap().len() < 10_000);
+}
+
+#[test]
 fn an_alarm_names_line_and_rule_and_ends_with_1() {
     let (code, out, _) = said(&["check", "faulty/01-arc-too-small.CNC"]);
     assert_eq!(code, 1);
@@ -110,16 +130,60 @@ fn an_alarm_names_line_and_rule_and_ends_with_1() {
 
 #[test]
 fn moves_are_one_json_object_a_line() {
-    let (code, out, _) = said(&["check", "01-stepped-shaft.CNC", "--moves", "-", "--json"]);
+    let (code, out, report) = said(&["check", "01-stepped-shaft.CNC", "--moves", "-", "--json"]);
     assert_eq!(code, 0);
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["end"], "M30", "the report stands aside");
     let lines: Vec<serde_json::Value> = out
         .lines()
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
-    assert_eq!(lines.len(), 51, "50 moves and the report");
+    assert_eq!(lines.len(), 50);
     for field in ["line", "n", "kind", "x0", "z0", "x", "z", "t", "dt"] {
         assert!(lines[0].get(field).is_some(), "{field}");
     }
+}
+
+#[test]
+fn a_program_before_its_caller_is_not_run_for_it() {
+    let text = b"O0002\nG00 X10\nM99\nO0001\nG00 X50 Z0\nM98 P0002\nM30\n";
+    let program = Scratch::new("called-first.nc", text);
+    let (code, out, err) = said(&["check", program.path(), "--json"]);
+    assert_eq!(code, 0, "{out}");
+    let result: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(
+        (&result["end"], &result["moves"]),
+        (&"M30".into(), &2.into())
+    );
+    assert!(err.contains("O0001 is run"), "{err}");
+}
+
+#[test]
+fn likely_slips_are_warned_of() {
+    let text = b"T0100\nG00 X50 Z0\nG98 G01 Z-1 F0.2\nZ-2\nM30\n";
+    let program = Scratch::new("slips.nc", text);
+    let (code, out, _) = said(&["check", program.path()]);
+    assert_eq!(code, 0, "{out}");
+    for slip in [
+        "line 3: G98 is in force",
+        "line 3: a cut while the spindle",
+        "line 3: a cut without a tool offset",
+    ] {
+        assert_eq!(out.matches(slip).count(), 1, "{slip} {out}");
+    }
+    let (_, out, _) = said(&["check", program.path(), "--spindle", "500"]);
+    assert!(!out.contains("spindle stands"), "{out}");
+}
+
+#[test]
+fn a_name_does_not_steer_the_terminal() {
+    let program = Scratch::new("a\u{1b}[31m.nc", b"G01 X5\n");
+    let (code, out, _) = said(&["check", program.path()]);
+    assert_eq!(code, 1);
+    assert!(
+        !out.contains('\u{1b}') && out.contains("\\u001b[31m"),
+        "{out}"
+    );
 }
 
 #[test]
@@ -135,6 +199,91 @@ fn explain_gives_the_formula_of_a_pass() {
         "{out}"
     );
     assert!(out.contains("X1 = 62.400 -8.000·1 = 54.400"), "{out}");
+}
+
+/// `run` with these options; exit code and the report.
+fn run_json(program: &Scratch, options: &[&str]) -> (i32, serde_json::Value) {
+    let mut arguments = vec!["run", program.path(), "--json"];
+    arguments.extend(options);
+    let (code, out, error) = said(&arguments);
+    let last = out.lines().last().unwrap_or_default();
+    let report = serde_json::from_str(last);
+    assert!(report.is_ok(), "{out}{error}");
+    (code, report.unwrap())
+}
+
+#[test]
+fn a_message_of_the_ladder_ends_a_run_with_its_way_out() {
+    let reversal = Scratch::new("m34.nc", b"M3 S500\nM4 S500\nM30\n");
+    let chuck = Scratch::new("m12.nc", b"G00 X100\nM12\nM30\n");
+    let tool = Scratch::new("t5.nc", b"T0101\nG00 X100\nT0505\nM30\n");
+    for (program, options, number, line, helps) in [
+        (&reversal, &[][..], 1010, 2, "M05"),
+        (&chuck, &["--param", "164.0=0"], 1013, 2, "164.0 = 1"),
+        (&tool, &["--param", "084=8"], 1000, 3, "084"),
+    ] {
+        let (code, report) = run_json(program, options);
+        assert_eq!((code, &report["end"]), (1, &"alarm".into()), "{report}");
+        assert_eq!(report["stops"], 0, "{report}");
+        let alarm = &report["alarm"];
+        assert_eq!(alarm["class"], "PLC");
+        assert_eq!(
+            (&alarm["number"], &alarm["line"]),
+            (&number.into(), &line.into())
+        );
+        assert!(
+            alarm["block"].is_string() && alarm["cause"].is_string(),
+            "{alarm}"
+        );
+        assert!(
+            alarm["way_out"].as_str().unwrap().contains(helps),
+            "{alarm}"
+        );
+    }
+    let (code, out, _) = said(&["check", reversal.path()]);
+    assert!(
+        code == 1 && out.contains("PLC 1010") && out.contains("line 2"),
+        "{out}"
+    );
+    let (code, out, _) = said(&["check", chuck.path(), "--param", "164.0=0"]);
+    assert!(code == 1 && out.contains("PLC 1013"), "{out}");
+}
+
+#[test]
+fn what_a_program_waits_for_is_named() {
+    let chuck = Scratch::new("wait.nc", b"M12\nM30\n");
+    let open = ["--input", "X1.1=0", "--input", "X1.2=0"];
+    let with = |options: &[&str]| {
+        let mut all = vec!["--limit", "20s"];
+        all.extend(options);
+        run_json(&chuck, &all)
+    };
+    let (code, report) = with(&[&open[..], &["--param", "168.2=1"]].concat());
+    let waits = report["waits_for"].as_str().unwrap_or_default();
+    assert!(code == 1 && report["end"] == "limit", "{report}");
+    assert!(
+        waits.contains("FIN") && waits.contains("M12") && waits.contains("chuck"),
+        "{waits}"
+    );
+
+    let (code, report) = with(&["--param", "172.5=0", "--input", "X1.5=0"]);
+    assert!(code == 1 && report["end"] == "refused", "{report}");
+    assert!(
+        report["waits_for"]
+            .as_str()
+            .unwrap_or_default()
+            .contains("*SP"),
+        "{report}"
+    );
+}
+
+#[test]
+fn the_example_of_the_manual_runs_as_printed() {
+    let (code, out, _) = said(&["check", "04-manual-example.CNC"]);
+    assert!(code == 0 && out.contains("ended normally (M30)"), "{out}");
+    let chuck = Scratch::new("chuck.nc", b"M12\nM3 S300\nM5\nM13\nM3\nM30\n");
+    let (code, report) = run_json(&chuck, &[]);
+    assert!(code == 0 && report["end"] == "M30", "{report}");
 }
 
 #[test]
@@ -233,4 +382,75 @@ fn tables_and_pages_are_printed() {
         assert_eq!(code, 0, "{arguments:?}: {error}");
         assert!(out.lines().count() >= 15, "{arguments:?}");
     }
+}
+
+/// A data directory with a parameter and a program in it.
+fn data_directory(name: &str) -> Scratch {
+    let script = "press EDIT\npress PRG\ntype O7\npress EOB\ntype G0X17\npress EOB\n";
+    let script = Scratch::new(&format!("{name}.txt"), script.as_bytes());
+    let data = Scratch::new(name, b"");
+    std::fs::remove_file(&data.0).unwrap();
+    let (code, _, err) = said(&["operate", script.path(), "--data", data.path()]);
+    assert_eq!((code, err.as_str()), (0, ""));
+    data
+}
+
+#[test]
+fn what_one_file_refuses_no_other_loses() {
+    let data = data_directory("each-for-itself");
+    std::fs::remove_dir(data.0.join("transfer")).unwrap();
+    std::fs::write(data.0.join("transfer"), "a file in the way").unwrap();
+    let script = "press EDIT\npress PRG\ntype O8\npress EOB\npress OUT\nwait 1s\n";
+    let script = Scratch::new("in-the-way.txt", script.as_bytes());
+    let arguments = ["operate", script.path(), "--data", data.path()];
+    let (code, _, err) = said(&arguments);
+    assert_eq!(code, 2, "{err}");
+    assert!(err.contains("transfer cannot be written"), "{err}");
+    assert!(data.0.join("programs/O0008.CNC").is_file());
+    // What cannot be opened is said before the script begins.
+    std::fs::remove_file(data.0.join("programs/O0008.CNC")).unwrap();
+    let record = data.0.join("missing/record.txt");
+    let (code, _, err) = said(&[&arguments[..], &["--record", record.to_str().unwrap()]].concat());
+    assert_eq!(code, 2);
+    assert!(err.contains("record.txt cannot be written"), "{err}");
+    assert!(!data.0.join("programs/O0008.CNC").exists());
+}
+
+#[test]
+fn a_command_that_reads_changes_nothing_and_damage_is_told_once() {
+    let data = data_directory("read-only");
+    let program = data.0.join("programs/O0007.CNC");
+    std::fs::write(&program, "O0007;\nG0X71;\n%\n").unwrap();
+    let check = ["check", "01-stepped-shaft.CNC", "--data", data.path()];
+    for _ in 0..2 {
+        let (code, _, err) = said(&check);
+        assert_eq!(code, 0, "{err}");
+        assert!(err.contains("O0007.CNC is damaged"), "{err}");
+    }
+    let script = Scratch::new("power-on.txt", b"wait 1s\nexpect alarm 69\n");
+    let operate = ["operate", script.path(), "--data", data.path()];
+    let (code, _, err) = said(&operate);
+    assert_eq!(code, 0, "{err}");
+    assert!(err.contains("last good copy is used"), "{err}");
+    assert!(std::fs::read_to_string(&program).unwrap().contains("G0X17"));
+    let (code, _, err) = said(&operate);
+    assert_eq!(code, 1, "told again: {err}");
+}
+
+#[test]
+fn the_log_goes_to_standard_error_when_it_is_wanted() {
+    let program = Scratch::new("log.nc", b"O1;\nG00 X100 Z50;\nM30;\n");
+    let path = program.path();
+    let (code, out, quiet) = said(&["check", path]);
+    let (logged_code, logged_out, log) = said(&["check", path, "--log", "info"]);
+    assert_eq!((code, &out), (logged_code, &logged_out));
+    assert!(!quiet.contains("started"), "{quiet}");
+    assert!(log.contains("started version="), "{log}");
+    assert!(log.trim_end().ends_with("ended"), "{log}");
+    let (code, _, refused) = said(&["check", path, "--log", "loud"]);
+    assert_eq!(code, 2);
+    assert!(
+        refused.contains("`loud` is no level of the log"),
+        "{refused}"
+    );
 }

@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use gsk_app::ending::Ending;
 use gsk_app::kernel::{Command, Connection, Kernel, LinkOrder, Outside, start};
-use gsk_core::machine::link::{LinkConfig, LinkState};
 use gsk_core::setup::Setup;
+use gsk_link::{LinkConfig, LinkState};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use twin::{Twin, signal};
@@ -32,6 +32,7 @@ fn the_board_is_stopped_when_the_program_is_told_to_end() {
         },
         log: None,
         boards: None,
+        program: env!("CARGO_BIN_EXE_gsk980td").into(),
     });
     let outside = Outside {
         wake: Box::new(|| {}),
@@ -68,8 +69,8 @@ fn the_board_is_stopped_when_the_program_is_told_to_end() {
     });
     assert!(moving);
     signal("TERM", std::process::id());
-    // What locks it in motion is Ctrl-X.
-    twin.says("Alarm", Duration::from_secs(2)).unwrap();
+    // By Ctrl-X, moving or not.
+    twin.says("reset", LONGEST).unwrap();
     assert!(ending.is_asked());
     thread.stop();
 }

@@ -18,16 +18,16 @@
 
 use std::fs::OpenOptions;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, SystemTime};
 
 use gsk_app::board::Board;
 use gsk_app::files::time::utc;
-use gsk_core::machine::link::{Event, FINE, LinkConfig, LinkState, RunTime, Sample, Stop};
 use gsk_core::memory::Parameters;
 use gsk_core::units::{Axis, PerAxis, Pulses};
+use gsk_link::{Event, FINE, LinkConfig, LinkState, RunTime, Sample, Stop};
 
 /// One board, one test at a time.
 static PORT: Mutex<()> = Mutex::new(());
@@ -108,7 +108,12 @@ impl Bench {
         let port = PORT
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
-        let board = Board::open(config(), &parameters()).unwrap();
+        let board = Board::open(
+            config(),
+            &parameters(),
+            Path::new(env!("CARGO_BIN_EXE_gsk980td")),
+        )
+        .unwrap();
         let mut bench = Self {
             board,
             run: RunTime::ZERO,

@@ -1,7 +1,5 @@
 //! A key of the window whose release never comes.
 
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
-
 use std::time::{Duration, Instant};
 
 use gsk_app::ending::Ending;

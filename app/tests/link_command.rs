@@ -1,15 +1,10 @@
 //! `gsk980td link` as its users call it, with a virtual board.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
-
-#[path = "common/twin.rs"]
-mod twin;
-
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use twin::{Twin, signal};
+use crate::twin::{Twin, signal};
 
 /// So long anything may take on a busy computer.
 const LONGEST: Duration = Duration::from_secs(120);
@@ -231,7 +226,7 @@ fn a_monitor_shows_what_stops_the_board_at_its_end() {
 fn a_test_that_is_ended_in_motion_stops_the_board() {
     let machine = MachineFile::new("ended");
     for (firmware, options, stops) in [
-        ("grbl", ["--write-settings"].as_slice(), "Alarm"),
+        ("grbl", ["--write-settings"].as_slice(), "reset"),
         ("klipper", &["--machine", machine.path()], "Command request"),
     ] {
         for name in ["INT", "TERM"] {
@@ -256,9 +251,64 @@ fn a_test_that_is_ended_in_motion_stops_the_board() {
                 .unwrap();
             assert!(out.contains("motion  "), "{firmware} {name}: {out}");
             assert!(out.contains("broke off"), "{firmware} {name}: {out}");
+            // 600 mm/min are 2000 pulses a second; a drill that broke off made no more.
+            let (rest, _) = out.split_once(" steps a second").unwrap();
+            let rate: f64 = rest.rsplit(' ').next().unwrap().parse().unwrap();
+            assert!(rate <= 2000.0, "{firmware} {name}: {out}");
             let (_, z) = stopped.split_once(" Z ").unwrap();
             let z: i64 = z.strip_suffix(" pulses").unwrap().parse().unwrap();
             assert!(z < 20_000, "1/5 of the way to the first hold: {stopped}");
         }
     }
+}
+
+#[test]
+fn a_switch_that_is_operated_is_named_before_anything_moves() {
+    let machine = MachineFile::new("operated");
+    let text = std::fs::read_to_string(machine.path()).unwrap();
+    // Nobody presses it: it is wired the other way round.
+    std::fs::write(machine.path(), text.replace("^PC1", "^!PC1")).unwrap();
+    let twin = Twin::play(&["--firmware", "klipper"]);
+    let more = [
+        "--machine",
+        machine.path(),
+        "--travel",
+        "2",
+        "--feed",
+        "300",
+    ];
+    let (code, out, complaint) = test(&twin.port, &more);
+    assert_eq!(code, 1, "{out}{complaint}");
+    assert!(
+        out.contains("switches  operated: limit switch of Z\n"),
+        "{out}"
+    );
+    assert!(complaint.contains("nothing moves"), "{complaint}");
+    assert!(!complaint.contains("612"), "{complaint}");
+    assert!(!out.contains("motion"), "{out}");
+    let lines = twin.has_said();
+    assert!(
+        lines
+            .iter()
+            .all(|line| line.contains("X 0 Z 0") || !line.contains("pulses")),
+        "{lines:?}"
+    );
+}
+
+#[test]
+fn a_link_that_breaks_while_the_board_is_idle_is_told() {
+    let twin = Twin::play(&[]);
+    let (_, out, complaint) = test(&twin.port, &["--write-settings"]);
+    assert!(out.contains("switches  none operated"), "{out}{complaint}");
+    let mut running = Running::new(link(&["test", &twin.port]).args(GEAR));
+    let mut told = BufReader::new(running.0.stdout.take().unwrap());
+    let mut line = String::new();
+    while !line.starts_with("threads") {
+        line.clear();
+        assert!(told.read_line(&mut line).unwrap() > 0);
+    }
+    drop(twin);
+    let complaint = running.complains();
+    assert!(complaint.contains("605"), "{complaint}");
+    assert_eq!(running.0.wait().unwrap().code(), Some(1));
 }

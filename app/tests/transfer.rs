@@ -1,8 +1,6 @@
 //! The serial port's partner: what the control sends stands in a folder, what is
 //! dropped on the window comes in.
 
-#![expect(clippy::expect_used, reason = "the helpers of a test may fail it")]
-
 use std::path::{Path, PathBuf};
 use std::process::Command as Process;
 use std::time::Duration;
@@ -25,6 +23,7 @@ fn folder(name: &str) -> PathBuf {
 fn about_to_send() -> Emulator {
     let mut setup = Setup::default();
     setup
+        .memory
         .programs
         .store("O0331;\nM30;\n")
         .expect("room for a program");
@@ -69,7 +68,7 @@ fn a_folder_that_takes_nothing_is_said() {
     std::fs::write(&partner, b"a file in the way").expect("written");
     let said = said_after_output(&partner);
     assert!(
-        matches!(&said, Some(Notice::Said(text)) if text.contains("cannot be written")),
+        matches!(&said, Some(Notice::Said(text)) if text.to_string().contains("cannot be written")),
         "{said:?}"
     );
 }

@@ -1,15 +1,13 @@
 //! The views beside the panel, driven through their accessible names.
 
-mod common;
-
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use common::Bench;
+use crate::common::Bench;
 use crossbeam::queue::ArrayQueue;
 use egui_kittest::kittest::Queryable;
 use gsk_app::kernel::probe::{Probe, Sample};
-use gsk_app::kernel::{Command, Opened};
+use gsk_app::kernel::{Command, Opened, Storing};
 use gsk_core::machine::Fault;
 use gsk_core::program::Program;
 
@@ -78,6 +76,8 @@ fn the_commanded_spindle_speed_of_the_scope_ends_with_m05_and_reset() {
     let cuts = |bench: &mut Bench, text: &str| {
         bench.console.send(Command::Open(Box::new(Opened {
             name: "spindle.CNC".to_owned(),
+            path: None,
+            storing: Storing::RunOnly,
             program: Program::new(text),
             subprograms: Vec::new(),
         })));

@@ -1,11 +1,12 @@
 //! The window without a display, driven through its accessible names as a screen
 //! reader or a tester does: names, mouse, PC keys, and what the LCD says.
 
-mod common;
-
-use common::Bench;
+use crate::common::Bench;
+use egui::{ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::kittest::Queryable;
+use gsk_core::command::ProgramId;
 use gsk_core::setup::Setup;
+use gsk_link::LinkState;
 use gsk_panel::keys::{KEYS, Key, Role};
 
 #[test]
@@ -219,7 +220,7 @@ fn a_handwheel_that_moves_nothing_says_why() {
     assert!(bench.harness.query_by_label_contains(why).is_some());
 
     let mut setup = Setup::default();
-    setup.parameters.set_bit(1, 3, true).unwrap();
+    setup.memory.parameters.set_bit(1, 3, true).unwrap();
     let mut bench = Bench::with(setup);
     bench.click("Step or handwheel mode");
     bench.lcd_shows("手轮方式");
@@ -228,4 +229,281 @@ fn a_handwheel_that_moves_nothing_says_why() {
     bench.run(500);
     assert_ne!(bench.shown_u(), before, "{}", bench.lcd());
     assert!(bench.harness.query_by_label_contains(why).is_none());
+}
+
+/// Whether the window says this somewhere.
+fn says(bench: &Bench, text: &str) -> bool {
+    let mut all = bench.harness.query_all_by_label_contains(text);
+    all.next().is_some()
+}
+
+/// A button of the mouse upon a key.
+fn mouse(bench: &mut Bench, name: &str, button: egui::PointerButton, pressed: bool) {
+    let pos = bench.harness.get_by_label(name).rect().center();
+    bench.harness.event(egui::Event::PointerMoved(pos));
+    bench.harness.event(egui::Event::PointerButton {
+        pos,
+        button,
+        pressed,
+        modifiers: egui::Modifiers::default(),
+    });
+    bench.run(100);
+}
+
+#[test]
+fn a_right_click_keeps_overtravel_release_for_one_axis_key_and_shows_it() {
+    let mut bench = Bench::new();
+    bench.click("Jog mode");
+    let (left, right) = (egui::PointerButton::Primary, egui::PointerButton::Secondary);
+    let held = |bench: &Bench| {
+        let panel = &bench.kernel.emulator().panel;
+        [Key::OvertravelRelease, Key::ZLeft].map(|key| panel.is_held(key))
+    };
+    let kept = "is kept for the next key";
+    mouse(&mut bench, "Overtravel release", right, true);
+    mouse(&mut bench, "Overtravel release", right, false);
+    assert_eq!(held(&bench), [false, false], "nothing is held for nothing");
+    assert!(says(&bench, kept));
+    let ring = bench.harness.get_by_label("Overtravel release").value();
+    assert_eq!(ring.as_deref(), Some("kept for the next key"));
+    mouse(&mut bench, "Z axis, arrow left", left, true);
+    assert_eq!(held(&bench), [true, true]);
+    assert!(says(&bench, kept));
+    mouse(&mut bench, "Z axis, arrow left", left, false);
+    assert_eq!(held(&bench), [false, false]);
+    assert!(!says(&bench, kept));
+    mouse(&mut bench, "Z axis, arrow left", left, true);
+    assert_eq!(held(&bench), [false, true], "for one use");
+    mouse(&mut bench, "Z axis, arrow left", left, false);
+
+    mouse(&mut bench, "Z axis, arrow left", right, true);
+    assert_eq!(held(&bench), [false, false]);
+    assert!(says(&bench, "this key makes the machine move"));
+}
+
+#[test]
+fn every_window_of_a_linked_panel_says_real_motion_with_the_boards_state() {
+    let mut bench = Bench::new();
+    let badges = |bench: &Bench| {
+        let all = bench.harness.query_all_by_label("REAL MOTION / 真实机床");
+        all.count()
+    };
+    assert_eq!(badges(&bench), 0);
+    assert_eq!(bench.harness.state().title(), "GSK980TD");
+    let mut picture = bench.kernel.snapshot();
+    picture.board = Some(LinkState::Ready);
+    bench.console.pictures.force_push(picture);
+    let shift = egui::Modifiers::SHIFT;
+    for (key, windows) in [(egui::Key::F2, 2), (egui::Key::F3, 3), (egui::Key::F5, 4)] {
+        bench.harness.key_press_modifiers(shift, key);
+        for _ in 0..3 {
+            bench.harness.step();
+        }
+        assert_eq!(badges(&bench), windows);
+    }
+    assert!(says(&bench, "board: ready"));
+    assert!(bench.harness.state().title().contains("REAL MOTION"));
+}
+
+#[test]
+fn a_burst_of_keys_within_one_picture_arrives_whole() {
+    let mut bench = Bench::new();
+    bench.click("Edit mode");
+    bench.click("Program pages");
+    let burst = |bench: &mut Bench, text: &str| {
+        for character in text.chars() {
+            let name = character.to_string();
+            let key = match character {
+                ';' => egui::Key::Semicolon,
+                '-' => egui::Key::Minus,
+                '.' => egui::Key::Period,
+                _ => egui::Key::from_name(&name).unwrap(),
+            };
+            for pressed in [true, false] {
+                bench.harness.event(egui::Event::Key {
+                    key,
+                    physical_key: None,
+                    pressed,
+                    repeat: false,
+                    modifiers: egui::Modifiers::default(),
+                });
+            }
+        }
+        bench.run(3000);
+    };
+    burst(&mut bench, "O0007;");
+    let text = "G01X11.5Z-1.25F120;G00X31.125Z1.5S600M03;";
+    burst(&mut bench, text);
+    bench.click("Automatic mode");
+    let programs = bench.kernel.emulator().simulation.cnc.programs();
+    let program = programs.get(ProgramId::Stored(7)).unwrap();
+    let stored: String = program.text().split_whitespace().collect();
+    assert!(stored.starts_with(&format!("O0007;{text}")), "{stored}");
+}
+
+/// Clicks a button of the window by its words.
+fn click(bench: &mut Bench, words: &str) {
+    bench.harness.get_by_label(words).click();
+    bench.run(20);
+}
+
+fn ask_to_close(bench: &mut Bench) -> Vec<ViewportCommand> {
+    let root = bench.harness.input_mut().viewports.entry(ViewportId::ROOT);
+    root.or_default().events.push(ViewportEvent::Close);
+    bench.harness.step();
+    let commands = bench.harness.output().viewport_output[&ViewportId::ROOT]
+        .commands
+        .clone();
+    let root = bench.harness.input_mut().viewports.entry(ViewportId::ROOT);
+    root.or_default().events.clear();
+    bench.harness.step();
+    commands
+}
+
+#[test]
+fn closing_asks_while_a_program_runs_or_is_held() {
+    let mut bench = Bench::new();
+    assert_eq!(ask_to_close(&mut bench), [], "nothing runs");
+    bench.open("01-stepped-shaft.CNC");
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    for (key, question) in [
+        ("Single block", "A program is running"),
+        ("Feed hold", "A program is held"),
+    ] {
+        bench.click(key);
+        let asked = ask_to_close(&mut bench);
+        assert!(asked.contains(&ViewportCommand::CancelClose), "{asked:?}");
+        assert!(says(&bench, question), "{}", bench.lcd());
+        click(&mut bench, "Do not close");
+        assert!(!says(&bench, question));
+    }
+    ask_to_close(&mut bench);
+    bench.harness.get_by_label("Stop and close").click();
+    bench.harness.step();
+    let commands = &bench.harness.output().viewport_output[&ViewportId::ROOT].commands;
+    assert!(commands.contains(&ViewportCommand::Close), "{commands:?}");
+    let again = ask_to_close(&mut bench);
+    assert!(!again.contains(&ViewportCommand::CancelClose), "{again:?}");
+}
+
+#[test]
+fn an_opened_program_is_stored_can_be_edited_and_never_overwrites_another() {
+    let mut bench = Bench::new();
+    click(&mut bench, "Samples");
+    let entry = bench.harness.get_by_label_contains("stepped shaft");
+    entry.click();
+    let stored = "Opened 01-stepped-shaft.CNC: stored as program O0001";
+    let mut waited = 0;
+    while !says(&bench, stored) {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        bench.run(1);
+        waited += 1;
+        assert!(waited < 1000, "not opened");
+    }
+    click(&mut bench, "中文");
+    assert!(says(&bench, "已打开 01-stepped-shaft.CNC: 存为程序 O0001"));
+    click(&mut bench, "English");
+
+    let text = |bench: &Bench| {
+        let programs = bench.kernel.emulator().simulation.cnc.programs();
+        let program = programs.get(ProgramId::Stored(1));
+        program
+            .map(|program| program.text().to_owned())
+            .unwrap_or_default()
+    };
+    let before = text(&bench);
+    bench.click("Edit mode");
+    bench.click("Program pages");
+    for key in ["Cursor down", "Address N", "Digit 7", "Automatic mode"] {
+        bench.click(key);
+    }
+    let edited = text(&bench);
+    assert_ne!(edited, before, "typing changes it");
+
+    // Again from the file: what was typed is not thrown away.
+    bench.open("01-stepped-shaft.CNC");
+    let question = "O0001 is in the memory already";
+    let waits = (0..1000).any(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        bench.run(1);
+        says(&bench, question)
+    });
+    assert!(waits && text(&bench) == edited);
+    click(&mut bench, "Keep it, only run the file");
+    bench.run(50);
+    assert!(says(
+        &bench,
+        "it is not stored: the memory keeps its own O0001"
+    ));
+    assert_eq!(text(&bench), edited);
+    let programs = bench.kernel.emulator().simulation.cnc.programs();
+    assert_eq!(programs.current(), Some(ProgramId::External));
+}
+
+#[test]
+fn what_helps_against_an_alarm_is_shown_upon_the_lcd_and_on_no_key() {
+    let mut bench = Bench::new();
+    bench.click("Emergency stop");
+    bench.click("Emergency stop");
+    bench.open("faulty/02-no-feed.CNC");
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    bench.run(2000);
+    let line = bench.harness.get_by_label_contains("011: ").rect();
+    bench
+        .harness
+        .hover_at(line.left_center() + egui::vec2(20.0, 0.0));
+    for _ in 0..60 {
+        bench.harness.step();
+    }
+    let tip = bench.harness.get_by_label_contains("Way out: ").rect();
+    let lcd = bench.harness.get_by_label("LCD").rect();
+    assert!(lcd.expand(1.0).contains_rect(tip), "{tip:?} {lcd:?}");
+}
+
+#[test]
+fn a_key_that_does_nothing_says_why_until_one_acts() {
+    let mut bench = Bench::new();
+    for (mode, key, english) in [
+        (
+            "Jog mode",
+            "Cycle start",
+            "cycle start acts in AUTO and MDI",
+        ),
+        (
+            "Automatic mode",
+            "Z axis, arrow left",
+            "the axis keys act in",
+        ),
+        ("MDI mode", "Spindle forward", "manual and zero modes"),
+        ("MDI mode", "Cycle start", "no MDI block is keyed in"),
+    ] {
+        bench.click(mode);
+        bench.run(300);
+        bench.click(key);
+        bench.run(300);
+        assert!(says(&bench, english), "{key}: {}", bench.lcd());
+        bench.click("Position pages");
+        bench.run(300);
+        assert!(!says(&bench, english), "{key}");
+    }
+}
+
+#[test]
+fn a_message_of_the_ladder_stands_on_the_line_below_the_panel() {
+    let mut bench = Bench::new();
+    // Without a chuck the example of the manual stops at its M12.
+    bench.open("04-manual-example.CNC");
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    bench.run(8000);
+    let line = bench
+        .harness
+        .query_by_label_contains("1013: Chuck function not active");
+    assert!(line.is_some(), "{}", bench.lcd());
+    assert!(bench.harness.query_by_label_contains("line 4").is_some());
+    bench.click("Reset");
+    bench.run(500);
+    assert!(bench.harness.query_by_label_contains("1013: ").is_none());
 }

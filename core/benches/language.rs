@@ -21,19 +21,19 @@ const BLOCKS: u32 = 1_000_000;
 /// Setup with nose radius compensation and a tool for it.
 fn setup() -> Setup {
     let mut setup = Setup::default();
-    assert_eq!(setup.parameters.set_bit(2, 1, true), Ok(()));
+    assert_eq!(setup.memory.parameters.set_bit(2, 1, true), Ok(()));
     let tool = ToolOffset {
         r: 0.4,
         t: 3,
         ..ToolOffset::default()
     };
-    assert_eq!(setup.offsets.set(1, tool), Ok(()));
+    assert_eq!(setup.memory.offsets.set(1, tool), Ok(()));
     setup
 }
 
 /// Loads a file and interprets it.
 fn check(setup: &Setup, text: &str) -> Preview {
-    let mut programs = setup.programs.clone();
+    let mut programs = setup.memory.programs.clone();
     let mut parts = split(text).into_iter();
     if let Some(main) = parts.next() {
         programs.open_external(main);

@@ -56,12 +56,12 @@ fn everything() -> Setup {
         (102, 5000),
         (103, 5000),
     ] {
-        assert_eq!(setup.parameters.set(number, value), Ok(()));
+        assert_eq!(setup.memory.parameters.set(number, value), Ok(()));
     }
     for point in 1..=255u8 {
         let value = i16::from(point % 7) - 3;
-        assert_eq!(setup.pitch.set(Axis::X, point, value), Ok(()));
-        assert_eq!(setup.pitch.set(Axis::Z, point, -value), Ok(()));
+        assert_eq!(setup.memory.pitch.set(Axis::X, point, value), Ok(()));
+        assert_eq!(setup.memory.pitch.set(Axis::Z, point, -value), Ok(()));
     }
     for axis in [&mut setup.lathe.x, &mut setup.lathe.z] {
         axis.backlash = 0.02;
@@ -112,7 +112,7 @@ fn distribution(name: &str, setup: Setup) {
 fn samples() {
     for (name, text) in SAMPLES {
         let mut setup = everything();
-        assert!(setup.programs.store(SUBPROGRAM).is_ok());
+        assert!(setup.memory.programs.store(SUBPROGRAM).is_ok());
         let mut simulation = running(setup, text);
         let start = Instant::now();
         let mut ticks = 0u32;

@@ -3,12 +3,18 @@
 //! The table is `assets/tables/alarms.tsv` (manual, appendix 3); pages, command
 //! line and help read it here and nowhere else.
 
+pub mod groups;
+
 use core::fmt;
 use std::sync::LazyLock;
 
+use gsk_messages::{Language, Message};
 use serde::{Deserialize, Serialize};
 
 use crate::command::Source;
+
+/// Numbers by name, from the `id` column of the table.
+pub use gsk_units::alarm as number;
 
 const TABLE: &str = include_str!("../../assets/tables/alarms.tsv");
 
@@ -96,6 +102,7 @@ fn parse_row(line: &'static str) -> Option<AlarmRow> {
     let numbers = fields.next()?;
     let (first, last) = numbers.split_once("..").unwrap_or((numbers, numbers));
     let number = first.parse().ok()?;
+    let _id = fields.next()?;
     let text = fields.next()?;
     Some(AlarmRow {
         class,
@@ -120,7 +127,7 @@ fn parse_advice(fields: &mut core::str::Split<'static, char>) -> Option<Advice> 
 }
 
 const fn is_user_alarm(number: u16) -> bool {
-    matches!(number, 500..=599)
+    matches!(number, number::USER_ALARM..=number::USER_ALARM_LAST)
 }
 
 /// An alarm that was raised.
@@ -130,8 +137,8 @@ pub struct Alarm {
     pub number: u16,
     /// The block that raised it, when a block did.
     pub source: Option<Source>,
-    /// One line in English naming the place and the rule that was broken.
-    pub detail: Option<String>,
+    /// One line naming the place and the rule that was broken.
+    pub detail: Option<Message>,
 }
 
 impl Alarm {
@@ -144,6 +151,17 @@ impl Alarm {
         }
     }
 
+    /// A message of the ladder. Words of its own, other than those of the table, are
+    /// the detail of an alarm without a row.
+    pub fn message(number: u16, text: &str) -> Self {
+        let message = Self::new(number);
+        if message.text() == text {
+            message
+        } else {
+            message.because(text)
+        }
+    }
+
     /// The same alarm, coming from this block; a place already known stays.
     #[must_use]
     pub fn at(mut self, source: Source) -> Self {
@@ -153,14 +171,27 @@ impl Alarm {
 
     /// The same alarm with its reason.
     #[must_use]
-    pub fn because(mut self, detail: impl Into<String>) -> Self {
+    pub fn because(mut self, detail: impl Into<Message>) -> Self {
         self.detail = Some(detail.into());
         self
     }
 
-    /// Its line of the table, if the manual has it.
+    /// Its reason in a language; empty without one.
+    pub fn detail_text(&self, language: Language) -> String {
+        let detail = self.detail.as_ref();
+        detail.map_or_else(String::new, |detail| detail.text(language))
+    }
+
+    /// Its reason in English; empty without one.
+    pub fn detail_en(&self) -> String {
+        self.detail_text(Language::En)
+    }
+
+    /// Its line of the table, if the manual has it; a message in words of the ladder's
+    /// own has none.
     pub fn row(&self) -> Option<&'static AlarmRow> {
-        row(self.number)
+        let own_words = |row: &&AlarmRow| row.class == AlarmClass::Plc && self.detail.is_some();
+        row(self.number).filter(|row| !own_words(row))
     }
 
     /// Its class; numbers outside the table by the range they fall into.
@@ -255,13 +286,13 @@ mod tests {
             }
         }
         for line in TABLE.lines() {
-            assert_eq!(line.split('\t').count(), 9, "{line}");
+            assert_eq!(line.split('\t').count(), 10, "{line}");
         }
     }
 
     #[test]
     fn what_an_operator_meets_has_advice() {
-        let numbers = [0, 2, 5, 6, 7, 18, 19, 23, 24, 43, 207, 221, 222, 515];
+        let numbers = [0, 2, 5, 6, 7, 18, 19, 23, 24, 25, 43, 207, 221, 222, 515];
         let ranges = [
             9..=16,
             29..=32,
@@ -270,7 +301,7 @@ mod tests {
             90..=128,
             201..=204,
             601..=622,
-            1000..=1016,
+            1000..=1015,
         ];
         let mut advised = 0;
         for number in ranges.into_iter().flatten().chain(numbers) {

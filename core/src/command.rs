@@ -1,9 +1,13 @@
 //! What the interpreter hands to the control: one [`Command`] for each thing
 //! that happens, in machine coordinates, with the block it came from.
 
+mod modal;
+
+pub use modal::Modal;
+
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::Modal;
 use crate::units::{Axis, Feed, Point};
 
 /// Which program a block stands in.
@@ -15,6 +19,8 @@ pub enum ProgramId {
     External,
     /// The block keyed in on the MDI page.
     Mdi,
+    /// The program that comes in through the serial line while it runs (DNC).
+    Dnc,
 }
 
 /// Where a command or an alarm comes from.
@@ -307,15 +313,12 @@ pub enum BeyondPass {
 
 impl BeyondPass {
     /// In words, with what helps.
-    pub const fn text(self) -> &'static str {
+    pub fn text(self) -> Message {
         match self {
-            Self::LeadChange => "a lead that changes (G34)",
-            Self::RunOut => {
-                "a run-out: J0 in G32 and G92, r = 00 in G76 (No.019 = 0) leave it away; \
-                 the thread then ends in a groove of the part"
-            }
-            Self::GoesOn => "a thread block that goes on from the one before",
-            Self::Start => "a start beside the one-turn signal (L of G92)",
+            Self::LeadChange => say::pass_lead_changes(),
+            Self::RunOut => say::pass_run_out(),
+            Self::GoesOn => say::pass_goes_on(),
+            Self::Start => say::pass_start_beside_index(),
         }
     }
 }

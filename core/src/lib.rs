@@ -1,13 +1,19 @@
 //! The GSK980TD control itself, pure and deterministic, and the simulated lathe.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod alarm;
 pub mod axis;
+pub mod battery;
 pub mod cnc;
 pub mod command;
 pub(crate) mod compensation;
+pub(crate) mod dialect;
 pub mod interpreter;
+pub mod linked;
 pub mod machine;
 pub mod memory;
+pub mod mode;
 pub mod motion;
 pub mod operation;
 pub mod preview;
@@ -15,6 +21,6 @@ pub mod program;
 pub mod setup;
 pub mod simulation;
 pub mod spindle;
-pub mod units;
 
 pub use gsk_plc as plc;
+pub use gsk_units as units;

@@ -2,30 +2,48 @@
 //! moves go to a callback, what is kept does not grow with the program.
 
 mod bounds;
+mod carry_out;
+mod caution;
 mod clock;
+mod facts;
+mod further;
+mod messages;
+mod preset;
 mod spindle;
+#[cfg(test)]
+mod tests;
 mod thread;
 mod travel;
+mod written;
 
 use core::cell::LazyCell;
 
-use crate::alarm::Alarm;
-use crate::command::{Action, Command, ExecutedMove, Frame, MoveKind, ThreadStart, Timing};
+use crate::alarm::{Alarm, number};
+use crate::command::{ExecutedMove, Frame, Source};
 use crate::interpreter::{Advance, Immediate, Interpreter, MachineCodes, Modal};
 use crate::memory::Parameters;
-use crate::motion::{MotionLimits, Sequel, ThreadMove};
+use crate::motion::{MotionLimits, Sequel};
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
 use crate::simulation::Simulation;
-use crate::units::{PerAxis, Point, TICK_S};
+use crate::units::{PerAxis, Point};
 
 pub use bounds::Bounds;
+pub use caution::{Caution, Slip};
 use clock::Clock;
+use further::{Behind, Raised};
+pub use further::{Further, MOST_FURTHER};
+use gsk_messages::say;
+use messages::Messages;
+use preset::SetPlace;
 use spindle::Spindle;
 pub use spindle::Turning;
 
-/// Blocks without motion after which a preview gives up.
-const MOTIONLESS_BLOCKS: u32 = 1_500_000;
+/// Blocks without motion after which [`preview`] gives up.
+const MOTIONLESS_BLOCKS: u64 = 1_500_000;
+
+/// Commands between two questions whether a preview is to go on.
+const COMMANDS_A_LOOK: u32 = 4096;
 
 /// Machine time after which a preview gives up, s: 1000 hours.
 const LONGEST_S: f64 = 3.6e6;
@@ -41,7 +59,7 @@ pub enum End {
     Text,
     /// An alarm.
     Alarm,
-    /// No end within 1000 hours of machine time or 1.5 million blocks without motion.
+    /// No end within 1000 hours of machine time, or whoever watched it gave it up.
     Limit,
 }
 
@@ -67,6 +85,8 @@ pub struct Preview {
     pub end: End,
     /// The alarm that ended it.
     pub alarm: Option<Alarm>,
+    /// What else is wrong; all other fields say what was up to the alarm.
+    pub further: Further,
     /// Estimated machine time, s: motion, M, S, T and dwell.
     pub time_s: f64,
     /// Part of it spent cutting, s.
@@ -83,6 +103,8 @@ pub struct Preview {
     pub tools: Vec<(u8, u8)>,
     /// Box around the path in work coordinates.
     pub bounds: Option<Bounds>,
+    /// What is no alarm and yet likely a slip, each kind where it was met first.
+    pub cautions: Vec<Caution>,
     /// Path lengths by kind.
     pub lengths: Lengths,
     /// Final absolute position.
@@ -103,17 +125,66 @@ pub struct Preview {
     pub parameters: Parameters,
 }
 
-/// Interprets the selected program from its first line to its end. `on_move`
-/// gets every move in order.
+/// How far a preview has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// Line of the block in work, from 1.
+    pub line: u32,
+    /// Blocks carried out.
+    pub blocks: u64,
+    /// Moves so far.
+    pub moves: u64,
+    /// Commands since the last move.
+    pub motionless: u64,
+    /// Machine time so far, s.
+    pub time_s: f64,
+}
+
+/// Interprets the selected program from its first line to its end, at most 1.5
+/// million blocks without motion. `on_move` gets every move in order.
 pub fn preview(
     setup: &Setup,
     programs: &ProgramMemory,
     on_move: &mut dyn FnMut(&ExecutedMove),
 ) -> Preview {
+    preview_while(setup, programs, on_move, &mut |progress| {
+        progress.motionless < MOTIONLESS_BLOCKS
+    })
+}
+
+/// As [`preview`], as long as `go_on` says so: it is asked every few thousand
+/// commands. When it says no the preview ends with [`End::Limit`].
+pub fn preview_while(
+    setup: &Setup,
+    programs: &ProgramMemory,
+    on_move: &mut dyn FnMut(&ExecutedMove),
+    go_on: &mut dyn FnMut(&Progress) -> bool,
+) -> Preview {
+    interpret(setup, programs, on_move, go_on, false)
+}
+
+/// As [`preview_while`]; behind an alarm it looks on for [`Further`] ones.
+pub fn preview_beyond_alarms(
+    setup: &Setup,
+    programs: &ProgramMemory,
+    on_move: &mut dyn FnMut(&ExecutedMove),
+    go_on: &mut dyn FnMut(&Progress) -> bool,
+) -> Preview {
+    interpret(setup, programs, on_move, go_on, true)
+}
+
+fn interpret(
+    setup: &Setup,
+    programs: &ProgramMemory,
+    on_move: &mut dyn FnMut(&ExecutedMove),
+    go_on: &mut dyn FnMut(&Progress) -> bool,
+    beyond_alarms: bool,
+) -> Preview {
+    let frame = frame_at_start(setup);
     let mut host = Immediate {
-        parameters: setup.parameters.clone(),
-        offsets: &setup.offsets,
-        variables: setup.variables.clone(),
+        parameters: setup.memory.parameters.clone(),
+        offsets: &setup.memory.offsets,
+        variables: setup.memory.variables.clone(),
         inputs: LazyCell::new(Box::new(|| idle_inputs(setup))),
         outputs: 0,
         programs,
@@ -124,25 +195,47 @@ pub fn preview(
         block_skip: false,
     };
     let mut interpreter = Interpreter::new(&host.parameters);
-    interpreter.set_inch_input(setup.settings.inch);
+    interpreter.set_inch_input(setup.memory.settings.inch);
     interpreter.set_tool(setup.tool_in_position());
     interpreter.set_machine_codes(MachineCodes::of(&setup.ladder));
-    let mut walk = Walk::new(setup, *interpreter.modal(), on_move);
-    match programs.current() {
+    interpreter.set_frame(frame, &host);
+    let mut walk = Walk::new(setup, programs, *interpreter.modal(), on_move);
+    let met = match programs.current() {
         Some(program) => {
             interpreter.start(program, 1, &host);
-            walk.run(&mut interpreter, &mut host);
+            walk.run(&mut interpreter, &mut host, go_on)
         }
-        None => walk.fail(Alarm::new(31).because("no program is selected")),
+        None => {
+            let alarm = Alarm::new(number::PROGRAM_MISSING).because(say::program_not_selected());
+            Some((alarm, Raised::Reading))
+        }
+    };
+    if let Some((alarm, _)) = &met {
+        walk.fail(alarm.clone());
     }
-    let mut preview = walk.finish();
+    walk.look_at_end();
+    let mut preview = walk.result(&host.parameters);
     preview.modal = *interpreter.modal();
     if matches!(preview.end, End::M30 | End::Text) {
         // The end of a program is a reset.
         preview.modal.nose_compensation = 40;
     }
-    preview.parameters = host.parameters;
+    if let (Some(met), true) = (met, beyond_alarms) {
+        preview.further = walk.look_on(met, &mut interpreter, &mut host, go_on);
+        preview.cautions = walk.so_far.cautions;
+    }
     preview
+}
+
+/// Where the work zero lies before the first block.
+fn frame_at_start(setup: &Setup) -> Frame {
+    let start = setup.start.unwrap_or_default();
+    Frame {
+        zero: setup
+            .absolute
+            .map_or_else(Point::default, |absolute| start - absolute),
+        offset: Point::default(),
+    }
 }
 
 /// What the ladder gives to macros while the lathe stands idle.
@@ -161,8 +254,17 @@ struct Walk<'a> {
     limits: MotionLimits,
     clock: Clock,
     spindle: Spindle,
+    messages: Messages,
     relative_zero: Point,
-    motionless: u32,
+    motionless: u64,
+    /// Block of the command carried out last.
+    source: Option<Source>,
+    /// The program has come to its end.
+    ended: bool,
+    programs: &'a ProgramMemory,
+    set_place: SetPlace,
+    /// The look behind an alarm.
+    behind: Option<Behind>,
     /// Slowing down at the end of the last thread, s.
     owed: f64,
     /// Cuts that go over into each other (007.3 = 0), and the last of them, whose
@@ -176,14 +278,25 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(setup: &Setup, modal: Modal, on_move: &'a mut dyn FnMut(&ExecutedMove)) -> Self {
+    fn new(
+        setup: &Setup,
+        programs: &'a ProgramMemory,
+        modal: Modal,
+        on_move: &'a mut dyn FnMut(&ExecutedMove),
+    ) -> Self {
         let start = setup.start.unwrap_or_default();
         Self {
-            limits: MotionLimits::from(&setup.parameters),
+            limits: MotionLimits::from(&setup.memory.parameters),
             clock: Clock::new(setup),
             spindle: Spindle::new(setup),
+            messages: Messages::new(setup),
             relative_zero: Point::default(),
             motionless: 0,
+            source: None,
+            ended: false,
+            programs,
+            set_place: SetPlace::new(setup),
+            behind: None,
             owed: 0.0,
             sequel: Sequel::default(),
             unsettled: None,
@@ -191,6 +304,7 @@ impl<'a> Walk<'a> {
             so_far: Preview {
                 end: End::Limit,
                 alarm: None,
+                further: Further::default(),
                 time_s: 0.0,
                 cutting_s: 0.0,
                 blocks: 0,
@@ -198,35 +312,62 @@ impl<'a> Walk<'a> {
                 stops: 0,
                 parts: 0,
                 tools: Vec::new(),
+                cautions: Vec::new(),
                 bounds: None,
                 lengths: Lengths::default(),
                 absolute: start,
                 machine: start,
                 relative: start,
-                frame: Frame::default(),
+                frame: frame_at_start(setup),
                 modal,
                 spindle: Turning::Stopped,
                 coolant: false,
-                parameters: setup.parameters.clone(),
+                parameters: setup.memory.parameters.clone(),
             },
             on_move,
         }
     }
 
-    fn run(&mut self, interpreter: &mut Interpreter, host: &mut Immediate<'_>) {
-        while self.motionless < MOTIONLESS_BLOCKS && self.clock.now() < LONGEST_S {
+    /// Up to the end or an alarm.
+    fn run(
+        &mut self,
+        interpreter: &mut Interpreter,
+        host: &mut Immediate<'_>,
+        go_on: &mut dyn FnMut(&Progress) -> bool,
+    ) -> Option<(Alarm, Raised)> {
+        let mut until_look = COMMANDS_A_LOOK;
+        while self.clock.now() < LONGEST_S {
+            until_look -= 1;
+            if until_look == 0 {
+                until_look = COMMANDS_A_LOOK;
+                if !go_on(&self.progress()) {
+                    return None;
+                }
+            }
             match interpreter.advance(host) {
                 Ok(Advance::Command(command)) => match self.carry_out(&command) {
                     Ok(None) => {}
                     Ok(Some(end)) => {
                         self.so_far.end = end;
-                        return;
+                        self.ended = true;
+                        return None;
                     }
-                    Err(alarm) => return self.fail(alarm.at(command.source)),
+                    Err(alarm) => return Some((alarm.at(command.source), Raised::Making)),
                 },
-                Ok(Advance::Wait | Advance::Ended) => return,
-                Err(alarm) => return self.fail(alarm),
+                Ok(Advance::Wait | Advance::Starved | Advance::Ended) => return None,
+                Err(alarm) => return Some((alarm, Raised::Reading)),
             }
+        }
+        None
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            line: self.source.map_or(0, |source| source.line),
+            blocks: self.so_far.blocks,
+            moves: self.so_far.moves,
+            motionless: self.motionless,
+            time_s: self.clock.now(),
         }
     }
 
@@ -235,11 +376,13 @@ impl<'a> Walk<'a> {
         self.so_far.alarm = Some(alarm);
     }
 
-    fn finish(mut self) -> Preview {
+    /// What was so far.
+    fn result(&mut self, parameters: &Parameters) -> Preview {
         self.settle(false);
         self.so_far.time_s = self.clock.now() + self.owed;
         self.so_far.spindle = self.spindle.turning();
-        let mut preview = self.so_far;
+        let mut preview = self.so_far.clone();
+        preview.parameters = parameters.clone();
         preview.absolute = snapped(preview.frame.program(preview.machine));
         let offset = match preview.parameters.relative_is_programmed() {
             true => Point::default(),
@@ -248,152 +391,6 @@ impl<'a> Walk<'a> {
         preview.relative = snapped(preview.absolute + offset - self.relative_zero);
         preview
     }
-
-    fn carry_out(&mut self, command: &Command) -> Result<Option<End>, Alarm> {
-        self.motionless += 1;
-        if self.owed > 0.0 {
-            self.pay(&command.action);
-        }
-        if !matches!(&command.action, Action::Line { .. } | Action::Arc { .. }) {
-            self.settle(false);
-        }
-        if !may_stand_before(&command.action) {
-            self.spindle.start_pending();
-        }
-        match &command.action {
-            Action::Rapid { to } => self.travel(command, MoveKind::Rapid, *to, None, None)?,
-            Action::Line { to, feed } => {
-                self.travel(command, MoveKind::Feed, *to, None, Some(*feed))?;
-            }
-            Action::Arc {
-                to,
-                center,
-                clockwise,
-                feed,
-            } => {
-                let kind = MoveKind::arc(*clockwise);
-                self.travel(command, kind, *to, Some(*center), Some(*feed))?;
-            }
-            thread @ Action::Thread { .. } => {
-                if let Some(thread) = ThreadMove::of(thread) {
-                    self.thread(command, &thread)?;
-                }
-            }
-            Action::ThreadCycle { per_revolution, .. } => {
-                self.check_thread_cycle(*per_revolution)?;
-            }
-            Action::Tap {
-                to,
-                lead,
-                start_degrees,
-            } => {
-                if *start_degrees > 0.0 {
-                    self.restart_spindle();
-                }
-                self.tap(command, *to, *lead)?;
-            }
-            Action::Dwell { ms } => self.dwell(command.source, *ms),
-            Action::Frame {
-                frame, relative, ..
-            } => self.change_frame(*frame, *relative),
-            Action::Miscellaneous { code, timing } => {
-                match timing {
-                    Timing::WithMotion => self.spindle.output_m_with_motion(*code),
-                    Timing::BeforeMotion => self.spindle.output_m(*code),
-                }
-                match code {
-                    8 => self.so_far.coolant = true,
-                    9 => self.so_far.coolant = false,
-                    _ => {}
-                }
-                match code {
-                    41..=44 if self.spindle.change_gear(code - 40) => {
-                        self.clock.change_gear(code - 40);
-                    }
-                    41..=44 => {}
-                    _ => self.clock.output_m(*timing),
-                }
-            }
-            Action::Spindle(speed) => {
-                self.spindle.command(*speed);
-                self.clock.output_s(speed);
-            }
-            Action::Tool { tool, offset } => {
-                self.clock.change_tool(*tool);
-                if !self.so_far.tools.contains(&(*tool, *offset)) {
-                    self.so_far.tools.push((*tool, *offset));
-                }
-            }
-            Action::ProgramStop => self.so_far.stops += 1,
-            Action::Repeat => {
-                self.so_far.parts += 1;
-                self.so_far.blocks += 1;
-                return Ok(Some(End::M99));
-            }
-            Action::End { counts, m30 } => {
-                self.so_far.parts += u32::from(*counts);
-                self.so_far.blocks += u64::from(*m30);
-                if *m30 {
-                    self.spindle.output_m(5);
-                    self.so_far.coolant = false;
-                }
-                return Ok(Some(if *m30 { End::M30 } else { End::Text }));
-            }
-            Action::Macro => self.clock.advance(TICK_S),
-            Action::ZeroReturn { .. } | Action::Referenced { .. } | Action::Nothing => {}
-        }
-        if command.block_end {
-            self.so_far.blocks += 1;
-            self.spindle.start_pending();
-            self.clock.block_end();
-        }
-        Ok(None)
-    }
-
-    /// The slowing down of the thread before, unless it goes on in phase.
-    fn pay(&mut self, next: &Action) {
-        let owed = core::mem::take(&mut self.owed);
-        let in_phase = matches!(
-            next,
-            Action::Thread {
-                start: ThreadStart::Continued,
-                ..
-            }
-        );
-        if !in_phase {
-            self.clock.advance(owed);
-        }
-    }
-
-    /// The relative coordinates stay at a change of the work zero, unless they
-    /// follow it; an offset shifts them like the absolute ones.
-    fn change_frame(&mut self, frame: Frame, relative_follows: bool) {
-        let before = self.so_far.frame;
-        self.so_far.frame = frame;
-        if before.zero == frame.zero {
-            return;
-        }
-        if relative_follows {
-            self.relative_zero = Point::default();
-            return;
-        }
-        let machine = self.so_far.machine;
-        self.relative_zero = self.relative_zero + frame.program(machine) - before.program(machine);
-    }
-}
-
-/// Whether a spindle that starts in the block of this action may still stand: a
-/// thread begins beside the M code of its block.
-const fn may_stand_before(action: &Action) -> bool {
-    matches!(
-        action,
-        Action::Thread { .. }
-            | Action::Tap { .. }
-            | Action::Miscellaneous { .. }
-            | Action::Spindle(_)
-            | Action::Tool { .. }
-            | Action::Frame { .. }
-    )
 }
 
 /// Without the noise in the last bits that a change of frame leaves: end points

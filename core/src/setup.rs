@@ -6,42 +6,25 @@ use gsk_plc::address::BitAddress;
 use gsk_plc::{Ladder, Plc, Retained};
 
 use crate::alarm::Alarm;
-use crate::machine::LatheConfig;
-use crate::memory::{
-    Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
-};
-use crate::program::ProgramMemory;
+use crate::battery::Memory;
+use crate::machine::{LatheConfig, SlideEnds};
+use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis, Point};
 
 /// K12: the tool in position, kept by the ladder.
 pub(crate) const TOOL_IN_POSITION: u16 = 12;
-/// 075: the same, kept by the control; 0: nothing known.
-pub(crate) const TOOL_PARAMETER: u16 = 75;
 
 /// The standard ladder, as instruction list.
 pub const STANDARD_LADDER: &str = include_str!("../../assets/ladder/standard.il");
 
+/// The standard ladder with keys for DNC and teach-in, as instruction list.
+pub const DNC_TEACH_LADDER: &str = include_str!("../../assets/ladder/dnc-teach.il");
+
 /// Everything a control and its simulated lathe start from.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// Parameters.
-    pub parameters: Parameters,
-    /// Tool offsets.
-    pub offsets: Offsets,
-    /// Pitch error table.
-    pub pitch: PitchTable,
-    /// Macro variables.
-    pub variables: Variables,
-    /// The rows of the setting page, 英制编程 among them.
-    pub settings: Settings,
-    /// Operation level and passwords.
-    pub authority: Authority,
-    /// The electronic disks.
-    pub disks: Disks,
-    /// Program memory.
-    pub programs: ProgramMemory,
-    /// Part counter and cutting time.
-    pub counters: Counters,
+    /// What the battery keeps.
+    pub memory: Memory,
     /// The machine's ladder.
     pub ladder: Arc<Ladder>,
     /// What the PLC kept over power-off; `None`: its initial values.
@@ -50,9 +33,10 @@ pub struct Setup {
     pub lathe: LatheConfig,
     /// The parameters it was wired for; `None`: those found now.
     pub wired: Option<Parameters>,
-    /// The tool's machine position; the work zero is the machine zero.
+    /// The tool's machine position; without `absolute` the work zero is the machine zero.
     pub start: Option<Point>,
-    /// The absolute coordinates at power-off; with 004.7 ABOT = 0 they stay.
+    /// The absolute coordinates at power-off; with 004.7 ABOT = 0 they stay. A preview
+    /// takes them as they are: `start - absolute` is the work zero.
     pub absolute: Option<Point>,
     /// What was found wrong with the memory: alarms of the power-on.
     pub alarms: Vec<Alarm>,
@@ -76,12 +60,22 @@ pub fn standard_ladder() -> Arc<Ladder> {
     Arc::clone(&LADDER)
 }
 
+/// The standard ladder with keys for DNC and teach-in, compiled once.
+pub fn dnc_teach_ladder() -> Arc<Ladder> {
+    static LADDER: LazyLock<Arc<Ladder>> =
+        LazyLock::new(|| match Ladder::compile(DNC_TEACH_LADDER) {
+            Ok(ladder) => Arc::new(ladder),
+            Err(errors) => unreachable!("this ladder is part of the program: {errors}"),
+        });
+    Arc::clone(&LADDER)
+}
+
 impl Setup {
     /// The tool in position at power-on: 075, or what the ladder kept in K12.
     pub fn tool_in_position(&self) -> u8 {
-        match u8::try_from(self.parameters.value(TOOL_PARAMETER)) {
-            Ok(tool) if tool > 0 => return tool,
-            _ => {}
+        match self.memory.parameters.tool_in_position() {
+            0 => {}
+            tool => return tool,
         }
         match &self.plc_retained {
             Some(retained) => retained
@@ -98,7 +92,7 @@ impl Setup {
     /// Whether an axis has its reference at power-on: a zero that no switch tells
     /// (014 ZRS = 0) is kept.
     pub(crate) fn is_referenced(&self, axis: Axis) -> bool {
-        let kept = *self.zero_kept.get(axis) && !self.parameters.has_zero_switch(axis);
+        let kept = *self.zero_kept.get(axis) && !self.memory.parameters.has_zero_switch(axis);
         self.referenced || kept
     }
 
@@ -112,25 +106,50 @@ impl Setup {
             ..Self::default()
         }
     }
+
+    /// What an operator script that names no machine starts from: a dry run's, but for
+    /// the lathe. Its slides have switches and ends, since scripts move them by hand.
+    pub fn at_the_panel() -> Self {
+        Self {
+            lathe: LatheConfig::roomy(),
+            ..Self::default()
+        }
+    }
+
+    /// The same with the power chuck of the training lathe in use: M12 and M13 act
+    /// (164.0 SLQP = 1), and the spindle starts without it, too (164.1 SLSP = 1).
+    #[must_use]
+    pub fn with_chuck(mut self) -> Self {
+        self.memory.parameters.fit_chuck();
+        self
+    }
+
+    /// The axes that stand beyond the ends of their slides.
+    pub fn beyond_ends(&self) -> Vec<(Axis, SlideEnds)> {
+        let Some(start) = self.start else {
+            return Vec::new();
+        };
+        let (x, z) = (start.diameter().0, start.z);
+        [(Axis::X, &self.lathe.x, x), (Axis::Z, &self.lathe.z, z)]
+            .map(|(axis, config, at)| (axis, config.slide_ends(axis), at))
+            .into_iter()
+            .filter(|(_, ends, at)| !(ends.minus..=ends.plus).contains(at))
+            .map(|(axis, ends, _)| (axis, ends))
+            .collect()
+    }
 }
 
 impl Default for Setup {
     /// What a dry run starts from: factory parameters with an analog spindle, both
-    /// axes referenced, the tool at X300 Z300, no dogs and no hard limits.
+    /// axes referenced, the tool at X300 Z300, no dogs and no limit switches.
     fn default() -> Self {
         let mut parameters = Parameters::default();
-        let analog = parameters.set_bit(1, 4, true);
-        debug_assert!(analog.is_ok(), "001.4 exists");
+        parameters.fit_analog_spindle();
         Self {
-            parameters,
-            offsets: Offsets::default(),
-            pitch: PitchTable::default(),
-            variables: Variables::default(),
-            settings: Settings::default(),
-            authority: Authority::default(),
-            disks: Disks::default(),
-            programs: ProgramMemory::default(),
-            counters: Counters::default(),
+            memory: Memory {
+                parameters,
+                ..Memory::default()
+            },
             ladder: standard_ladder(),
             plc_retained: None,
             lathe: LatheConfig::free(),

@@ -62,7 +62,7 @@ pub enum Outcome {
 impl Simulation {
     /// Wires a control to its lathe, at power-on.
     pub fn new(setup: Setup) -> Self {
-        let wired = setup.wired.as_ref().unwrap_or(&setup.parameters);
+        let wired = setup.wired.as_ref().unwrap_or(&setup.memory.parameters);
         let mut lathe = Lathe::new(setup.lathe.clone(), wired);
         for (address, state) in &setup.forced_inputs {
             lathe.force_input(*address, Some(*state));

@@ -1,11 +1,8 @@
 //! Cycles in the whole control: feed hold, single block, agreement with the
 //! preview.
 
-mod bench;
-#[path = "bench/program.rs"]
-mod program;
-
-use bench::{press, ticks};
+use crate::bench::program::started;
+use crate::bench::{press, ticks};
 use gsk_core::cnc::{Event, Request};
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::operation::RunState;
@@ -14,7 +11,6 @@ use gsk_core::preview::preview;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
-use program::started;
 
 const SHAFT: &str = "G00 X100 Z5;
 G71 U5 R1 F600;
@@ -95,7 +91,7 @@ fn feed_hold_in_a_cycle_waits_for_the_end_of_the_segment() {
     assert!(cutting(&simulation));
     press(&mut simulation, key(FEED_HOLD.0, FEED_HOLD.1));
     ticks(&mut simulation, 10_000);
-    assert_eq!(simulation.cnc.run_state(), RunState::Stop);
+    assert_eq!(simulation.cnc.run_state(), RunState::Hold);
     // The whole cut is done, and nothing after it: X90.5 is beyond the end of the
     // contour, X90 + 0.5, so that it ends at Z-30 + 0.2.
     let at = simulation.cnc.position_absolute();

@@ -1,8 +1,6 @@
 //! Moving by hand in the middle of a run (manual III-5.1.5, I-3.2.6).
 
-mod bench;
-
-use bench::{press, ticks};
+use crate::bench::{press, ticks};
 use gsk_core::cnc::Request;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
@@ -26,7 +24,7 @@ const X_DOWN: BitAddress = key(23, 1);
 /// A program that runs; M functions take so many ms.
 fn started(text: &str, m_time: i32) -> Simulation {
     let mut setup = Setup::default();
-    assert!(setup.parameters.set(80, m_time).is_ok());
+    assert!(setup.memory.parameters.set(80, m_time).is_ok());
     let mut simulation = Simulation::new(setup);
     ticks(&mut simulation, 100);
     let opened = simulation
@@ -61,7 +59,7 @@ fn to_the_end(simulation: &mut Simulation) {
 }
 
 #[track_caller]
-fn stands_at(simulation: &Simulation, x: f64, z: f64) {
+fn stopped_at(simulation: &Simulation, x: f64, z: f64) {
     let at = simulation.cnc.position_absolute();
     let near = (at.x - x).abs() < 1e-6 && (at.z - z).abs() < 1e-6;
     assert!(near, "at radius {} Z{}, not {x} Z{z}", at.x, at.z);
@@ -82,13 +80,13 @@ fn the_rest_of_a_cycle_is_shifted_by_the_way_moved_by_hand() {
     }
     press(&mut simulation, HOLD);
     ticks(&mut simulation, 3000);
-    assert_eq!(simulation.cnc.run_state(), RunState::Stop);
+    assert_eq!(simulation.cnc.run_state(), RunState::Hold);
     let moved = jog_x(&mut simulation, 1000);
     to_the_end(&mut simulation);
     // The cycle ends at its start point, shifted; the next block goes to its point.
-    stands_at(&simulation, 25.0 + moved.x, 5.0);
+    stopped_at(&simulation, 25.0 + moved.x, 5.0);
     to_the_end(&mut simulation);
-    stands_at(&simulation, 30.0, 10.0);
+    stopped_at(&simulation, 30.0, 10.0);
 }
 
 #[test]
@@ -98,7 +96,7 @@ fn without_manual_motion_a_stopped_cycle_goes_on_where_it_was() {
     press(&mut simulation, HOLD);
     ticks(&mut simulation, 3000);
     to_the_end(&mut simulation);
-    stands_at(&simulation, 25.0, 5.0);
+    stopped_at(&simulation, 25.0, 5.0);
 }
 
 #[test]
@@ -110,9 +108,9 @@ fn a_held_block_goes_its_rest_and_the_next_block_to_its_point() {
     assert_eq!(simulation.cnc.run_state(), RunState::Hold);
     let moved = jog_x(&mut simulation, 2000);
     to_the_end(&mut simulation);
-    stands_at(&simulation, 150.0 + moved.x, 280.0);
+    stopped_at(&simulation, 150.0 + moved.x, 280.0);
     to_the_end(&mut simulation);
-    stands_at(&simulation, 145.0, 270.0);
+    stopped_at(&simulation, 145.0, 270.0);
 }
 
 /// A block without motion is held, and ends meanwhile: nothing of it stays behind.

@@ -1,11 +1,6 @@
 //! The ladder beside the motion: its slots never shift the interpolation, and a
 //! loaded ladder runs from the next power-on.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on should say where"
-)]
-
 use std::sync::Arc;
 
 use gsk_core::cnc::{LadderStep, Request};
@@ -158,7 +153,11 @@ fn a_forced_bit_and_a_soft_switch_reach_the_control() {
 fn moving(changes: &[(u16, u8)]) -> Simulation {
     let mut setup = Setup::default();
     for (number, bit) in changes {
-        setup.parameters.set_bit(*number, *bit, true).unwrap();
+        setup
+            .memory
+            .parameters
+            .set_bit(*number, *bit, true)
+            .unwrap();
     }
     let mut simulation = Simulation::new(setup);
     let program = Program::new("G98\nG01 W-600 F600\nM30\n");
@@ -239,8 +238,8 @@ fn a_cut_waits_for_the_speed_arrival_signal() {
     let mut simulation = moving(&[]);
     assert!(advances(&mut simulation), "175.6 = 0: not looked at");
     let mut setup = Setup::default();
-    setup.parameters.set_bit(175, 6, true).unwrap();
-    setup.parameters.set(72, 500).unwrap();
+    setup.memory.parameters.set_bit(175, 6, true).unwrap();
+    setup.memory.parameters.set(72, 500).unwrap();
     let mut simulation = Simulation::new(setup);
     let program = Program::new("G98\nG00 W-10\nG01 W-10 F600\nG01 W-10\nM30\n");
     simulation

@@ -1,15 +1,13 @@
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 //! The link with a line board against the board's twin, in virtual time: nothing
 //! moves by itself, every stop is known, the counts agree to the pulse.
 
 use core::time::Duration;
 
-use gsk_core::machine::link::line::LineLink;
-use gsk_core::machine::link::{
-    Difference, Event, Input, LinkConfig, LinkState, RunTime, Sample, Stop,
-};
+use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
+use gsk_link::line::LineLink;
+use gsk_link::{Backend, Difference, Event, Input, LinkConfig, LinkState, RunTime, Sample, Stop};
 use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 use gsk_twins::wire::Damage;
 
@@ -39,7 +37,7 @@ impl Bench {
             flush_keep_speed: 10_000,
             ..LinkConfig::default()
         };
-        let link = LineLink::open(config, &parameters, Duration::ZERO);
+        let link = LineLink::open(config, &drives(&parameters), Duration::ZERO);
         Self {
             link,
             twin,
@@ -192,7 +190,7 @@ fn a_board_as_delivered_is_refused_until_its_settings_are_written() {
 fn a_silent_port_is_alarm_601() {
     let mut link = LineLink::open(
         LinkConfig::default(),
-        &Parameters::default(),
+        &drives(&Parameters::default()),
         Duration::ZERO,
     );
     for ms in 0..6000 {
@@ -626,7 +624,7 @@ fn letters_of_a_report_are_contacts_of_the_control() {
     let mut bench = Bench::new(Variant::Grbl);
     let config: LinkConfig = ron::from_str(r#"(inputs: {"X2.0": "P", "X2.1": "!D"})"#).unwrap();
     config.check().unwrap();
-    bench.link = LineLink::open(config, &Parameters::default(), Duration::ZERO);
+    bench.link = LineLink::open(config, &drives(&Parameters::default()), Duration::ZERO);
     let contact = |bit| Input::Contact { byte: 2, bit };
     assert_eq!(
         bench.link.input(contact(0)),
@@ -664,7 +662,7 @@ fn another_firmware_is_602() {
     ] {
         let mut link = LineLink::open(
             LinkConfig::default(),
-            &Parameters::default(),
+            &drives(&Parameters::default()),
             Duration::ZERO,
         );
         let (mut sent, mut events) = (Vec::new(), Vec::new());
@@ -752,4 +750,116 @@ fn a_figure_damaged_on_the_way_is_stopped_within_millimetres() {
         }
         assert!(stopped > 0);
     }
+}
+
+/// Wherever the program was cut off, in the middle of a line, too: the bytes for whoever
+/// holds the port, sent a few times, leave a board that stands with its spindle off.
+#[test]
+fn the_bytes_that_stop_the_board_do_so_behind_any_broken_line() {
+    for variant in ALL {
+        let begun = Bench::ready(variant);
+        for cut in 0..40 {
+            let mut bench = begun.clone();
+            assert_eq!(bench.link.stop_bytes(), [0x18]);
+            bench.twin.write(b"M3S500\n");
+            // Whole pieces of motion, and one that is broken off.
+            let lines = "G53G1X10F600\nG53G1X20F600\nG53G1X30F600\n";
+            bench.twin.write(&lines.as_bytes()[..cut]);
+            bench.twin.advance(cut as u64 * 3 * MS);
+            for ms in [0, 30, 70, 150, 350] {
+                bench.twin.advance(ms * MS);
+                bench.twin.write(&bench.link.stop_bytes());
+            }
+            bench.twin.advance(1000 * MS);
+            let stood = bench.twin.pulses();
+            bench.twin.advance(1000 * MS);
+            assert_eq!(bench.twin.pulses(), stood, "{variant:?} {cut}: it moves on");
+            let (spindle, ..) = bench.twin.outputs();
+            assert_eq!(spindle, 5, "{variant:?} {cut}: the spindle goes on");
+        }
+    }
+}
+/// However short of a whole piece of motion an axis turns: it goes all the way.
+#[test]
+fn an_axis_turns_where_it_was_commanded_to() {
+    for variant in ALL {
+        for top in [331_i64, 337] {
+            let mut bench = Bench::ready(variant);
+            let mut most = 0;
+            for k in 1..=2 * top {
+                assert!(bench.sample(0, top - (k - top).abs()));
+                bench.ms();
+                most = most.max(bench.twin.pulses()[1]);
+            }
+            bench.link.finish().unwrap();
+            assert!(bench.ends_ready(), "{:?}", bench.events);
+            assert_eq!((most, bench.twin.pulses()[1]), (top, 0), "{variant:?}");
+        }
+    }
+}
+
+/// With motion that has found no room in the board yet, too.
+#[test]
+fn a_computer_that_was_away_is_612_whatever_waited() {
+    for variant in ALL {
+        for away in [160, 400, 2000] {
+            let mut bench = Bench::ready(variant);
+            for k in 1..=600 {
+                assert!(bench.sample(0, 2 * k));
+            }
+            // Nothing more is answered, and lines wait here.
+            while bench.link.room() > Duration::ZERO {
+                let (x, z) = bench.at;
+                assert!(bench.sample(x, z + 2));
+            }
+            bench.twin.advance(away * MS);
+            bench.pass(3000);
+            let alarms = bench.alarms();
+            assert!(
+                matches!(*alarms, [] | [612]),
+                "{variant:?} {away} {alarms:?}"
+            );
+            let state = bench.link.state();
+            assert!(
+                matches!(state, LinkState::Ready | LinkState::Moving),
+                "{state:?}"
+            );
+            if state == LinkState::Ready {
+                let told = bench.events.iter().rev().find_map(|event| match event {
+                    Event::Position(at) => Some([at.x.0, at.z.0]),
+                    _ => None,
+                });
+                assert_eq!(told, Some(bench.twin.pulses()), "{variant:?} {away}");
+            }
+        }
+    }
+}
+
+/// Behind a limit switch Grbl hears nothing but a reset, and what an earlier host was
+/// greeted with waits in the port.
+#[test]
+fn a_board_behind_its_limit_switch_is_known_although_an_old_banner_waits() {
+    let mut bench = Bench::ready(Variant::Grbl);
+    for k in 1..=300 {
+        assert!(bench.sample(0, 2 * k));
+    }
+    // The host is gone.
+    bench.twin.pins.limit_z = true;
+    bench.twin.advance(3000 * MS);
+    bench.twin.pins.limit_z = false;
+    let _ = bench.twin.read();
+    let now = Duration::from_nanos(bench.twin.now());
+    let mut parameters = Parameters::default();
+    for number in [17, 18] {
+        parameters.set(number, 5).unwrap();
+    }
+    bench.link = LineLink::open(LinkConfig::default(), &drives(&parameters), now);
+    bench.events.clear();
+    bench.link.rx(b"\r\nGrbl 1.1h ['$' for help]\r\n", now);
+    assert!(
+        bench.wait(6000, |bench| bench.link.state() == LinkState::Locked),
+        "{:?}",
+        bench.events
+    );
+    assert_eq!(bench.alarms(), [0_u16; 0]);
 }

@@ -1,18 +1,18 @@
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 //! Who is at the wire: boards that are refused, and what they have to be set to.
 
 use core::time::Duration;
 
-use gsk_core::machine::link::line::{LineLink, Required};
-use gsk_core::machine::link::{Event, LinkConfig, LinkState};
+use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
+use gsk_link::line::{LineLink, Required};
+use gsk_link::{Backend, Event, LinkConfig, LinkState};
 use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 
 /// What another firmware says when it is spoken to; alarm and text that come of it.
 fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, LinkState) {
     let mut link = LineLink::open(
         LinkConfig::default(),
-        &Parameters::default(),
+        &drives(&Parameters::default()),
         Duration::ZERO,
     );
     link.rx(banner.as_bytes(), Duration::from_millis(600));
@@ -40,7 +40,10 @@ fn fluid(changes: &[(&str, &str)]) -> (LineLink, GrblTwin) {
         twin.set_item(path, value).unwrap();
     }
     let (config, parameters) = (LinkConfig::default(), Parameters::default());
-    (LineLink::open(config, &parameters, Duration::ZERO), twin)
+    (
+        LineLink::open(config, &drives(&parameters), Duration::ZERO),
+        twin,
+    )
 }
 
 fn pass(link: &mut LineLink, twin: &mut GrblTwin, ms: u32) -> Vec<Event> {
@@ -148,7 +151,7 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
                 twin.set_item(&sections.join("/"), value.trim()).unwrap();
             }
         }
-        let mut link = LineLink::open(config.clone(), &parameters, Duration::ZERO);
+        let mut link = LineLink::open(config.clone(), &drives(&parameters), Duration::ZERO);
         let events = pass(&mut link, &mut twin, 5000);
         let differs: Vec<_> = events
             .iter()
@@ -167,7 +170,7 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
 #[test]
 fn a_board_that_starts_slowly_is_waited_for() {
     let (config, parameters) = (LinkConfig::default(), Parameters::default());
-    let mut link = LineLink::open(config, &parameters, Duration::ZERO);
+    let mut link = LineLink::open(config, &drives(&parameters), Duration::ZERO);
     let mut sent = Vec::new();
     for ms in 1..16_000 {
         let now = Duration::from_millis(ms);
@@ -213,7 +216,7 @@ fn levels_and_the_time_of_a_switch_come_from_the_machine_file() {
         ron::from_str("(line: (invert_step: true, invert_enable: true, debounce_ms: 40))").unwrap();
     config.check().unwrap();
     let value = |config: &LinkConfig, number| {
-        let required = Required::new(&Parameters::default(), config);
+        let required = Required::new(&drives(&Parameters::default()), config);
         let mut settings = required.settings.iter();
         settings
             .find(|setting| setting.number == number)
@@ -231,4 +234,36 @@ fn levels_and_the_time_of_a_switch_come_from_the_machine_file() {
         error.unwrap_err().to_string(),
         "link.line.debounce_ms: 0 is not from 1 to 1000"
     );
+}
+
+#[test]
+fn a_board_that_greets_and_then_is_silent_is_reset_once_and_called_silent() {
+    let resets = core::cell::Cell::new(0);
+    let answers = |line: &str| {
+        resets.set(resets.get() + u32::from(line.contains('\u{18}')));
+        String::new()
+    };
+    let (number, text, state) = alarm_of(answers, "\r\nGrbl 1.1h ['$' for help]\r\n");
+    assert_eq!((number, state), (601, LinkState::Lost), "{text}");
+    assert!(text.contains("says nothing"), "{text}");
+    assert_eq!(resets.get(), 1);
+}
+
+/// Versions of grblHAL hang at the first setting that is written.
+#[test]
+fn a_setting_that_is_never_answered_is_named() {
+    for (variant, hint) in [(Variant::Grbl, false), (Variant::GrblHal, true)] {
+        let mut twin = GrblTwin::new(variant, Settings::default());
+        let (config, parameters) = (LinkConfig::default(), Parameters::default());
+        let mut link = LineLink::open(config, &drives(&parameters), Duration::ZERO);
+        let events = pass(&mut link, &mut twin, 5000);
+        assert_eq!(alarms(&events)[0].0, 603, "{events:?}");
+        link.write_settings();
+        twin.to_host.set_cut(true);
+        let events = pass(&mut link, &mut twin, 3000);
+        let (number, text) = alarms(&events)[0].clone();
+        assert_eq!((number, link.state()), (602, LinkState::Fault), "{text}");
+        assert!(text.contains("$") && text.contains("was written"), "{text}");
+        assert_eq!(text.contains("8689918"), hint, "{text}");
+    }
 }

@@ -1,10 +1,7 @@
 //! Macros in the whole control: their pace, the signals of the ladder, memory.
 
-mod bench;
-#[path = "bench/program.rs"]
-mod program;
-
-use bench::{press, ticks};
+use crate::bench::program::started;
+use crate::bench::{press, ticks};
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::memory::Variables;
@@ -14,7 +11,6 @@ use gsk_core::preview::{End, preview};
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Outcome, Simulation, Until};
-use program::started;
 
 fn previewed(text: &str) -> (End, f64) {
     let setup = Setup::default();

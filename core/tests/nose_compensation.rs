@@ -1,11 +1,7 @@
 //! Nose radius compensation in the whole control: agreement with the preview,
 //! single block, reset.
 
-mod bench;
-#[path = "bench/program.rs"]
-mod program;
-
-use bench::press;
+use crate::bench::press;
 use gsk_core::cnc::Event;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::memory::ToolOffset;
@@ -47,20 +43,20 @@ fn piece(moved: &ExecutedMove) -> Piece {
 
 fn setup() -> Option<Setup> {
     let mut setup = Setup::default();
-    setup.parameters.set_bit(2, 1, true).ok()?;
+    setup.memory.parameters.set_bit(2, 1, true).ok()?;
     let nose = ToolOffset {
         r: 0.8,
         t: 3,
         ..ToolOffset::default()
     };
-    setup.offsets.set(1, nose).ok()?;
+    setup.memory.offsets.set(1, nose).ok()?;
     Some(setup)
 }
 
 fn started() -> Simulation {
     let setup = setup();
     assert!(setup.is_some());
-    program::started(setup.unwrap_or_default(), PROFILE)
+    crate::bench::program::started(setup.unwrap_or_default(), PROFILE)
 }
 
 /// The moves up to the next stop.
@@ -168,13 +164,13 @@ M30;
 #[test]
 fn the_surface_speed_follows_the_programmed_x() {
     let mut setup = setup().unwrap_or_default();
-    assert!(setup.parameters.set_bit(1, 4, true).is_ok());
+    assert!(setup.memory.parameters.set_bit(1, 4, true).is_ok());
     let nose = ToolOffset {
         r: 1.0,
         ..ToolOffset::default()
     };
-    assert!(setup.offsets.set(2, nose).is_ok());
-    let mut simulation = program::started(setup, SURFACE);
+    assert!(setup.memory.offsets.set(2, nose).is_ok());
+    let mut simulation = crate::bench::program::started(setup, SURFACE);
     let (mut straight, mut round, mut waiting) = (0, 0, 0);
     for _ in 0..60_000 {
         simulation.tick();

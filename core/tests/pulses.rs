@@ -1,11 +1,10 @@
 //! Pulses against commanded positions: gear, backlash and pitch errors, over very many
 //! moves. `PULSE_MOVES=10000000 cargo test -p gsk980td-core --test pulses` makes them all.
 
-#![allow(clippy::panic, reason = "tests fail by panicking")]
-
 use std::fmt::Write as _;
 
 use gsk_core::axis::AxisChain;
+use gsk_core::battery::Memory;
 use gsk_core::cnc::Request;
 use gsk_core::machine::{LatheConfig, ServoConfig};
 use gsk_core::memory::{Parameters, PitchTable};
@@ -232,8 +231,11 @@ fn programs_end_on_the_pulse() {
         }
         text.push_str("G04 X3;\nM30;\n");
         let setup = Setup {
-            parameters: machine.parameters,
-            pitch: machine.table,
+            memory: Memory {
+                parameters: machine.parameters,
+                pitch: machine.table,
+                ..Memory::default()
+            },
             start: Some(start),
             ..Setup::default()
         };
@@ -267,7 +269,7 @@ fn compensation_makes_up_for_the_play_of_the_screw() {
     let text = "O1;\nG98 G01 W10 F2000;\nW-4;\nG04 X1;\nM30;\n";
     let off = |value: i32, servo: Option<ServoConfig>| {
         let mut setup = Setup::default();
-        assert!(setup.parameters.set(35, value).is_ok());
+        assert!(setup.memory.parameters.set(35, value).is_ok());
         let mut lathe = LatheConfig::free();
         lathe.z.backlash = 0.04;
         lathe.z.servo = servo;

@@ -10,11 +10,6 @@
 //!
 //! What follows a semicolon is a remark.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on should say where"
-)]
-
 use gsk_core::memory::Parameters;
 use gsk_core::operation::{FromPlc, Handshake, Mode, Strobe, ToPlc};
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
@@ -26,9 +21,10 @@ const TABLE: &str = include_str!("../../assets/tables/plc-signals.tsv");
 
 /// Signals that the control reads and writes elsewhere than in the F and G
 /// exchange; each has its case.
-const DIRECT: [&str; 9] = [
+const DIRECT: [&str; 10] = [
     "X0.5",  // emergency stop without the ladder
     "X26.0", // RESET key
+    "X1.2",  // *STEN, the cycle start enable: alarm 025
     "X0.3",  // deceleration switches of the zero return
     "X1.3", "Y0.7", // 011.4 ZDIL: the axes stand while the brake is on
     "Y1.2", // a spindle that turns already at the start
@@ -119,6 +115,8 @@ fn written(on: bool, mode: Mode) -> Memory {
         output_key: on,
         sending: on,
         receiving: on,
+        reading_in: on,
+        checking: on,
         soft_switches: if on { 0b11_1110 } else { 0 },
         ready: on,
         spindle_jog: on,
@@ -133,17 +131,7 @@ fn written(on: bool, mode: Mode) -> Memory {
 }
 
 fn control_writes(bit: BitAddress) -> bool {
-    let modes = [
-        Mode::Edit,
-        Mode::Auto,
-        Mode::Mdi,
-        Mode::Step,
-        Mode::Handwheel,
-        Mode::Jog,
-        Mode::MachineZero,
-        Mode::ProgramZero,
-    ];
-    let mut seen = modes
+    let mut seen = Mode::ALL
         .iter()
         .flat_map(|mode| [written(false, *mode), written(true, *mode)])
         .map(|memory| memory.bit(bit));

@@ -1,10 +1,6 @@
 //! Control, ladder and lathe together: from the key to the pulse.
 
-mod bench;
-#[path = "bench/program.rs"]
-mod program;
-
-use bench::{press, ticks};
+use crate::bench::{press, ticks};
 use gsk_core::cnc::Event;
 use gsk_core::operation::{Mode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
@@ -18,11 +14,11 @@ fn key(byte: u16, bit: u8) -> BitAddress {
 }
 
 fn with_program(text: &str) -> Simulation {
-    program::with_program(Setup::default(), text)
+    crate::bench::program::with_program(Setup::default(), text)
 }
 
 fn run(text: &str) -> Simulation {
-    let mut simulation = program::started(Setup::default(), text);
+    let mut simulation = crate::bench::program::started(Setup::default(), text);
     assert_eq!(
         simulation.run_until(Until::Stopped, 10 * MINUTE),
         Outcome::Reached
@@ -31,7 +27,7 @@ fn run(text: &str) -> Simulation {
 }
 
 #[track_caller]
-fn stands_at(simulation: &Simulation, diameter: f64, z: f64) {
+fn stopped_at(simulation: &Simulation, diameter: f64, z: f64) {
     let at = simulation.cnc.position_absolute();
     let near = (at.diameter().0 - diameter).abs() < 1e-9 && (at.z - z).abs() < 1e-9;
     assert!(
@@ -63,7 +59,7 @@ fn the_machine_is_ready_after_power_on() {
 #[test]
 fn a_program_runs_from_the_key_to_the_pulse() {
     let simulation = run("O0001\nG00 X100 Z50\nG98 G01 X80 Z20 F500\nG02 X100 Z10 R10\nM30\n");
-    stands_at(&simulation, 100.0, 10.0);
+    stopped_at(&simulation, 100.0, 10.0);
     assert_eq!(simulation.cnc.run_state(), RunState::Reset);
     assert_eq!(simulation.cnc.counters().parts, 1);
 }
@@ -113,7 +109,7 @@ fn feed_hold_stops_and_cycle_start_goes_on() {
         simulation.run_until(Until::Stopped, 10 * MINUTE),
         Outcome::Reached
     );
-    stands_at(&simulation, 200.0, 300.0);
+    stopped_at(&simulation, 200.0, 300.0);
 }
 
 #[test]
@@ -234,7 +230,7 @@ fn an_alarm_stops_at_its_block() {
     let simulation = run("O0001\nG00 X100\nG01 Z10\nM30\n");
     let alarm = &simulation.cnc.alarms()[0];
     assert_eq!((alarm.number, alarm.source.unwrap().line), (11, 3));
-    stands_at(&simulation, 100.0, 300.0);
+    stopped_at(&simulation, 100.0, 300.0);
     assert_ne!(simulation.cnc.run_state(), RunState::Run);
 }
 
@@ -291,8 +287,8 @@ fn a_saved_simulation_goes_on_bit_for_bit() {
 #[test]
 fn soft_limits_stop_a_jog_and_leave_the_way_back() {
     let mut setup = Setup::default();
-    setup.parameters.set(46, 310_000).unwrap();
-    setup.parameters.set_bit(172, 4, false).unwrap();
+    setup.memory.parameters.set(46, 310_000).unwrap();
+    setup.memory.parameters.set_bit(172, 4, false).unwrap();
     let mut simulation = Simulation::new(setup);
     ticks(&mut simulation, 100);
     press(&mut simulation, key(20, 5));

@@ -1,19 +1,15 @@
 //! The spindle with its ladder and lathe: gears, speed arrival, brake.
 
-mod bench;
-#[path = "bench/program.rs"]
-mod program;
-
 use std::sync::Arc;
 
-use bench::{press, ticks};
+use crate::bench::program::{started, with_program};
+use crate::bench::{press, ticks};
 use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
 use gsk_core::plc::Ladder;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::{STANDARD_LADDER, Setup};
 use gsk_core::simulation::Simulation;
-use program::{started, with_program};
 
 const RESET: BitAddress = BitAddress::new(Area::X, 26, 0);
 const BRAKE: BitAddress = BitAddress::new(Area::Y, 0, 7);
@@ -28,7 +24,7 @@ const GEARS: [(u16, i32); 6] = [
     (37, 2000),
     (38, 4000),
     (39, 8000),
-    (65, 200),
+    (65, 1),
     (66, 300),
     (67, 500),
 ];
@@ -36,7 +32,7 @@ const GEARS: [(u16, i32); 6] = [
 fn setup(changes: &[(u16, i32)]) -> Setup {
     let mut setup = Setup::default();
     for (number, value) in changes {
-        assert!(setup.parameters.set(*number, *value).is_ok());
+        assert!(setup.memory.parameters.set(*number, *value).is_ok());
     }
     setup
 }
@@ -73,9 +69,9 @@ fn a_gear_change_goes_step_by_step() {
     ticks(&mut simulation, 30);
     assert_eq!(simulation.cnc.plc().memory().f(34), 0b10, "GR20");
     assert!(!on(&simulation, M42_OUTPUT));
-    // 065, then the gear's switch 500 ms after its output, then 066.
+    // 065 in units of 256 ms, then the gear's switch 500 ms after its output, then 066.
     let output = 30 + until(&mut simulation, |s| on(s, M42_OUTPUT));
-    assert!((200..280).contains(&output), "{output}");
+    assert!((256..340).contains(&output), "{output}");
     let end = until(&mut simulation, |s| s.cnc.spindle_commanded() == 1000.0);
     assert!((800..900).contains(&end), "{end}");
     assert!((volts(&simulation) - 2.5).abs() < 1e-9, "S1000 of 4000");

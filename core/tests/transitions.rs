@@ -1,8 +1,6 @@
 //! From cut to cut: with 007.3 = 1 every cut ends on its end point, with 007.3 = 0 it
 //! goes over into the next; the time that `check` gives is that of `run`.
 
-#![allow(clippy::panic, reason = "tests fail by panicking")]
-
 use std::fmt::Write as _;
 
 use gsk_core::cnc::{Event, Request};
@@ -24,7 +22,7 @@ const CORNER: &str = "O1;\nG98 G01 W-40 F3000;\nU80;\nG00 W1;\nM30;\n";
 fn with(changes: &[(u16, i32)]) -> Setup {
     let mut setup = Setup::default();
     for (number, value) in changes {
-        assert!(setup.parameters.set(*number, *value).is_ok());
+        assert!(setup.memory.parameters.set(*number, *value).is_ok());
     }
     setup
 }
@@ -82,7 +80,7 @@ fn run(text: &str, setup: Setup, single_block: bool) -> Run {
 
 /// Moves of the preview, and the time from the first to the last.
 fn previewed(text: &str, setup: &Setup) -> (Vec<ExecutedMove>, f64) {
-    let mut programs = setup.programs.clone();
+    let mut programs = setup.memory.programs.clone();
     programs.open_external(Program::new(text));
     programs.select(gsk_core::command::ProgramId::External);
     let mut moves = Vec::new();
@@ -163,7 +161,7 @@ fn cycles_and_words_without_motion_keep_the_transition() {
 #[test]
 fn calls_between_cuts_take_the_same_time_in_check_and_run() {
     let mut setup = with(&[(7, 0)]);
-    let stored = setup.programs.store("O2;\nG01 U20;\nW-10;\nM99;\n");
+    let stored = setup.memory.programs.store("O2;\nG01 U20;\nW-10;\nM99;\n");
     assert!(stored.is_ok());
     let text = "O1;\nG98 G01 W-40 F3000;\nM98 P2;\nG01 W-20;\nM98 P2;\nM98 P2;\nU5;\nM30;\n";
     let (_, checked) = previewed(text, &setup);

@@ -1,8 +1,6 @@
 //! Returns to the machine zero and to the program zero point (manual III-7).
 
-mod bench;
-
-use bench::{press, ticks};
+use crate::bench::{press, ticks};
 use gsk_core::cnc::Request;
 use gsk_core::machine::LatheConfig;
 use gsk_core::operation::RunState;
@@ -33,7 +31,13 @@ const Z_MINUS: BitAddress = key(22, 5);
 fn lathe(bits: &[(u16, u8, bool)], x: f64, z: f64) -> Simulation {
     let mut setup = Setup::delivered();
     for (number, bit, value) in bits {
-        assert!(setup.parameters.set_bit(*number, *bit, *value).is_ok());
+        assert!(
+            setup
+                .memory
+                .parameters
+                .set_bit(*number, *bit, *value)
+                .is_ok()
+        );
     }
     setup.lathe.x.start = x;
     setup.lathe.z.start = z;
@@ -328,7 +332,11 @@ fn feed_hold_stops_the_search_of_a_g28_and_start_goes_on() {
 #[test]
 fn program_zero_is_where_the_g50_was() {
     let mut setup = Setup::default();
-    setup.parameters.set_bit(11, 2, true).expect("exists");
+    setup
+        .memory
+        .parameters
+        .set_bit(11, 2, true)
+        .expect("exists");
     let mut simulation = Simulation::new(setup);
     ticks(&mut simulation, 300);
     press(&mut simulation, PROGRAM_ZERO);
@@ -377,11 +385,17 @@ fn starts() -> u32 {
 fn short_lathe(bits: &[(u16, u8, bool)]) -> Simulation {
     let mut setup = Setup::delivered();
     for (number, bit, value) in bits {
-        assert!(setup.parameters.set_bit(*number, *bit, *value).is_ok());
+        assert!(
+            setup
+                .memory
+                .parameters
+                .set_bit(*number, *bit, *value)
+                .is_ok()
+        );
     }
     // Fast low rate and short ramps: the test is about places, not about time.
     for (number, value) in [(33, 1000), (24, 50), (25, 50)] {
-        assert!(setup.parameters.set(number, value).is_ok());
+        assert!(setup.memory.parameters.set(number, value).is_ok());
     }
     setup.lathe = LatheConfig::default();
     let mut simulation = Simulation::new(setup);

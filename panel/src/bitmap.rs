@@ -1,6 +1,6 @@
 //! A one-bit picture of the LCD's size and the few drawing operations on it.
 
-use crate::screen::{COLUMNS, HEIGHT, WIDTH};
+use crate::lcd::{COLUMNS, HEIGHT, WIDTH};
 
 /// A 320x240 one-bit picture.
 #[derive(Clone, PartialEq, Eq)]

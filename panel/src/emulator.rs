@@ -9,12 +9,13 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
+use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 use tiny_skia::Pixmap;
 
 use crate::faceplate::{self, FaceState};
 use crate::keys::{Bit, Key};
-use crate::panel::{KeyEvent, Panel, SerialFile, contacts};
+use crate::panel::{KeyEvent, NotTaken, Panel, SerialFile, contacts};
 use crate::raster;
 use crate::screen::Screen;
 
@@ -106,9 +107,19 @@ impl Emulator {
         }
     }
 
-    /// A key event, at the start of the next tick.
-    pub fn key(&mut self, event: KeyEvent) {
-        let requests = self.panel.key(event, &self.simulation.cnc);
+    /// A key event, at the start of the next tick. Returns why it does nothing, if
+    /// page, mode or a switch stands against it; a machine key is judged later
+    /// ([`crate::refusal::Press`]).
+    pub fn key(&mut self, event: KeyEvent) -> Option<Message> {
+        let cnc = &self.simulation.cnc;
+        let by_page = match event {
+            KeyEvent::Down(key) => self.panel.refuses(key, cnc),
+            KeyEvent::Type(character) => self.panel.refuses_character(character, cnc),
+            KeyEvent::Up(_) | KeyEvent::ReleaseAll | KeyEvent::Wheel(_) => None,
+        };
+        let requests = self.panel.key(event, cnc);
+        let by_control = |request| cnc.refuses(request).map(Message::from);
+        let refused = by_page.or_else(|| requests.iter().find_map(by_control));
         self.ask(requests);
         let lathe = &mut self.simulation.lathe;
         if let KeyEvent::Wheel(graduations) = event {
@@ -117,6 +128,7 @@ impl Emulator {
         lathe.set_emergency_button(self.panel.emergency_stop());
         lathe.set_overtravel_release(self.panel.is_held(Key::OvertravelRelease));
         self.connect_keys();
+        refused
     }
 
     /// The contacts of the machine keys follow the keys.
@@ -134,9 +146,9 @@ impl Emulator {
         }
     }
 
-    /// A key goes down.
-    pub fn key_down(&mut self, key: Key) {
-        self.key(KeyEvent::Down(key));
+    /// A key goes down; returns why it does nothing, as [`Self::key`].
+    pub fn key_down(&mut self, key: Key) -> Option<Message> {
+        self.key(KeyEvent::Down(key))
     }
 
     /// A key comes up.
@@ -213,7 +225,7 @@ impl Emulator {
     ///
     /// # Errors
     /// Why the control does not take it, as a sentence.
-    pub fn receive(&mut self, file: SerialFile) -> Result<(), String> {
+    pub fn receive(&mut self, file: SerialFile) -> Result<(), NotTaken> {
         let mut requests = Vec::new();
         let taken = self
             .panel
@@ -254,6 +266,7 @@ impl Emulator {
             pressed: &self.panel.pressed(),
             lcd: lcd.as_ref().map(Pixmap::as_ref),
             wheel: self.panel.wheel(),
+            real: false,
         };
         faceplate::paint(&state, scale)
     }
@@ -363,8 +376,8 @@ pub(crate) fn folded(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The program number in the name of a file.
-fn number_of_name(name: &str) -> Option<u16> {
+/// The program number in the name of a file (`O0001`, `o12.nc`).
+pub fn number_of_name(name: &str) -> Option<u16> {
     let stem = name.rsplit(['/', '\\']).next()?;
     let stem = stem.split_once('.').map_or(stem, |(stem, _)| stem);
     let digits = stem.strip_prefix(['O', 'o'])?;

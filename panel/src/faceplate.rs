@@ -101,6 +101,10 @@ pub enum What {
     Handwheel,
     /// Printed text, centred in its rectangle; the line height.
     Text(&'static str, f32),
+    /// That the machine behind the keys is simulated; blank when it is real.
+    Emulator,
+    /// That it is real; blank when it is simulated.
+    RealMotion,
 }
 
 /// What a colour is for.

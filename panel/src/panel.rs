@@ -5,7 +5,9 @@ mod entry;
 mod graphic;
 mod navigation;
 mod program_text;
+mod refusal;
 mod search;
+mod teach;
 mod transfer;
 mod values;
 
@@ -15,8 +17,8 @@ use gsk_core::command::{Frame, ProgramId};
 use gsk_core::operation::Mode;
 use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
-pub use transfer::SerialFile;
 use transfer::Transfer;
+pub use transfer::{LineError, NotTaken, SerialFile};
 
 use crate::keys::{KEYS, Key, Role};
 use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, View};
@@ -29,9 +31,6 @@ pub const INPUT_LENGTH: usize = 20;
 pub const REPEAT_DELAY: u64 = 500;
 /// …and then every so many.
 pub const REPEAT_PERIOD: u64 = 100;
-
-/// Parameter 119: how many keys are accepted at the same time.
-const SIMULTANEOUS_KEYS: u16 = 119;
 
 /// What fingers do to the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -146,7 +145,7 @@ impl Panel {
         new.transfer = self.transfer.at_power_on();
         new.clock = self.clock;
         new.picture_until = Some(self.clock + POWER_ON_TICKS);
-        new.picture_waits = cnc.parameters().bit(173, 2);
+        new.picture_waits = cnc.parameters().waits_at_power_on();
         *self = new;
     }
 
@@ -236,7 +235,7 @@ impl Panel {
             return Screen::new();
         }
         if self.in_self_test() {
-            return pages::power_on(cnc.parameters().bit(184, 0));
+            return pages::power_on(pages::language(cnc));
         }
         pages::draw(self.page, &self.view, cnc)
     }
@@ -284,7 +283,7 @@ impl Panel {
             return;
         }
         let matrix = |key: &&Key| **key != Key::OvertravelRelease;
-        let most = cnc.parameters().value(SIMULTANEOUS_KEYS).clamp(1, 15) as usize;
+        let most = cnc.parameters().simultaneous_keys();
         if matrix(&&key) && self.held.iter().filter(matrix).count() >= most {
             return;
         }
@@ -335,6 +334,9 @@ impl Panel {
             }
             (_, Key::PageUp) => self.turn_page(false, cnc, requests),
             (_, Key::PageDown) => self.turn_page(true, cnc, requests),
+            (_, Key::Input) if cnc.mode().teaches() && self.edits(cnc) => {
+                self.teach(cnc, requests);
+            }
             (_, Key::Input) => self.commit(cnc, requests),
             (_, Key::Output) => self.output(cnc, requests),
             (_, Key::Eob | Key::Insert | Key::Delete | Key::Cancel) if self.edits(cnc) => {
@@ -425,7 +427,7 @@ impl Panel {
         self.store_edited(requests);
         self.view.editor.editing = None;
         self.view.editor.alter = false;
-        if mode == Mode::Edit && matches!(self.page, PageId::Mdi | PageId::Dir) {
+        if mode.edits() && matches!(self.page, PageId::Mdi | PageId::Dir) {
             self.go_to(PageId::Prg);
         }
     }

@@ -2,20 +2,12 @@
 //! 320x240 graphic layer. Flashing is resolved when a page is drawn: the dark
 //! half is missing from the picture, never from the text.
 
-use std::borrow::Cow;
+use gsk_messages::{Language, Message};
 
 use crate::bitmap::Bitmap;
-use crate::english;
 use crate::glyphs;
 
-/// Columns of cells.
-pub const COLUMNS: usize = 40;
-/// Rows of cells.
-pub const ROWS: usize = 15;
-/// Dots from left to right.
-pub const WIDTH: usize = 320;
-/// Dots from top to bottom.
-pub const HEIGHT: usize = 240;
+pub use crate::lcd::{COLUMNS, HEIGHT, ROWS, WIDTH};
 
 /// The right half of a full-width character.
 const TAIL: char = '\0';
@@ -68,8 +60,7 @@ pub struct Screen {
     cells: [[Cell; COLUMNS]; ROWS],
     big: Vec<BigText>,
     graphic: Option<Bitmap>,
-    /// Texts are put in English.
-    english: bool,
+    language: Language,
 }
 
 impl Default for Screen {
@@ -85,27 +76,34 @@ impl Screen {
             cells: [[BLANK; COLUMNS]; ROWS],
             big: Vec::new(),
             graphic: None,
-            english: false,
+            language: Language::Zh,
         }
     }
 
-    /// An empty screen for English texts (184.0 CH_EN = 1).
-    pub const fn in_english(english: bool) -> Self {
+    /// An empty screen for texts in a language (184.0 CH_EN = 1: English).
+    pub const fn in_language(language: Language) -> Self {
         let mut screen = Self::new();
-        screen.english = english;
+        screen.language = language;
         screen
     }
 
-    /// Whether its texts are English.
-    pub const fn is_english(&self) -> bool {
-        self.english
+    /// The language of its texts.
+    pub const fn language(&self) -> Language {
+        self.language
     }
 
-    /// Draws what somebody has written: it stays as it is in every language.
-    pub fn verbatim(&mut self, draw: impl FnOnce(&mut Self)) {
-        let english = core::mem::take(&mut self.english);
-        draw(self);
-        self.english = english;
+    /// Writes a message in the language of the screen. Returns the column behind the
+    /// Chinese text, in English too: every page has one layout.
+    pub fn say(&mut self, row: usize, column: usize, message: &Message) -> usize {
+        self.put(row, column, &message.text(self.language));
+        let width = glyphs::text_columns(&message.text(Language::Zh));
+        (column + width).min(COLUMNS)
+    }
+
+    /// Writes a flashing message: always there to be read, drawn only while `lit`.
+    pub fn say_flashing(&mut self, row: usize, column: usize, message: &Message, lit: bool) {
+        let look = if lit { Look::Plain } else { Look::Dark };
+        self.put_as(row, column, &message.text(self.language), look);
     }
 
     /// Writes a text from a column on; what does not fit in the row is cut.
@@ -117,11 +115,6 @@ impl Screen {
     /// Writes a text with a given look.
     pub fn put_as(&mut self, row: usize, column: usize, text: &str, look: Look) -> usize {
         let mut column = column;
-        let text = if self.english {
-            english::english(text)
-        } else {
-            Cow::Borrowed(text)
-        };
         for character in text.chars() {
             let character = if character.is_control() {
                 ' '
@@ -161,12 +154,6 @@ impl Screen {
             column: drawn_at,
             text: text.to_owned(),
         });
-    }
-
-    /// Writes a flashing text: always there to be read, drawn only while `lit`.
-    pub fn put_flashing(&mut self, row: usize, column: usize, text: &str, lit: bool) -> usize {
-        let look = if lit { Look::Plain } else { Look::Dark };
-        self.put_as(row, column, text, look)
     }
 
     /// Changes how a stretch of a row is drawn.

@@ -6,15 +6,15 @@
 
 mod expect;
 mod parse;
+mod parse_error;
 mod record;
 mod run;
-
-use core::fmt;
 
 use gsk_core::machine::Fault;
 use gsk_core::plc::address::BitAddress;
 
-pub use expect::{Coordinates, Expect};
+pub use expect::{Coordinates, Expect, Unmet};
+pub use parse_error::ParseError;
 pub use record::{Recorded, Recorder};
 pub use run::{Effect, Failure, Progress, Runner, run};
 
@@ -22,7 +22,7 @@ use crate::emulator::Condition;
 use crate::keys::Key;
 
 /// The actions with their forms: what help and error messages list.
-pub const FORMS: [(&str, &str); 17] = [
+pub const FORMS: [(&str, &str); 18] = [
     ("press", "press KEY"),
     ("hold", "hold KEY 2s"),
     ("down", "down KEY"),
@@ -30,6 +30,7 @@ pub const FORMS: [(&str, &str); 17] = [
     ("type", "type O0001"),
     ("load", "load FILE"),
     ("receive", "receive FILE"),
+    ("dnc", "dnc FILE | dnc off"),
     ("power", "power off | power on"),
     ("fault", "fault NAME on | off"),
     ("turn", "turn 10 | turn 300 1s"),
@@ -87,6 +88,9 @@ pub enum Action {
     Load(String),
     /// A file through the serial port.
     Receive(String),
+    /// A partner that sends this file whenever a program is called for in DNC mode;
+    /// `None`: it leaves.
+    Dnc(Option<String>),
     /// Power off (`false`) or on.
     Power(bool),
     /// Breaks or mends something of the lathe.
@@ -118,21 +122,14 @@ pub enum Action {
 }
 
 /// Why a line cannot be read.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {cause}")]
 pub struct ScriptError {
     /// Line of the file, from 1.
     pub line: u32,
     /// What is wrong and what would be right.
-    pub message: String,
+    pub cause: ParseError,
 }
-
-impl fmt::Display for ScriptError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}", self.line, self.message)
-    }
-}
-
-impl core::error::Error for ScriptError {}
 
 impl Script {
     /// Reads a script.

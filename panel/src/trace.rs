@@ -178,9 +178,9 @@ impl Piece {
     /// How far a point is beside it, mm.
     fn distance(&self, point: Point) -> f64 {
         let (way, arm) = (self.to - self.from, point - self.from);
-        let length = dot(way, way);
+        let length = way.dot(way);
         let share = match length > 0.0 {
-            true => (dot(way, arm) / length).clamp(0.0, 1.0),
+            true => (way.dot(arm) / length).clamp(0.0, 1.0),
             false => 0.0,
         };
         (arm - way * share).length()
@@ -208,7 +208,7 @@ impl Open {
             return false;
         }
         if let Some((right, left)) = self.cone
-            && (cross(right, arm) < 0.0 || cross(arm, left) < 0.0 || dot(right, arm) < 0.0)
+            && (arm.cross(right) < 0.0 || left.cross(arm) < 0.0 || right.dot(arm) < 0.0)
         {
             return false;
         }
@@ -228,23 +228,15 @@ impl Open {
         // (x, z) turned left as `cross` counts it.
         let (mut right, mut left) = (arm - side, arm + side);
         if let Some((old_right, old_left)) = self.cone {
-            if cross(old_right, right) < 0.0 {
+            if right.cross(old_right) < 0.0 {
                 right = old_right;
             }
-            if cross(left, old_left) < 0.0 {
+            if old_left.cross(left) < 0.0 {
                 left = old_left;
             }
         }
         self.cone = Some((right, left));
     }
-}
-
-fn cross(a: Point, b: Point) -> f64 {
-    a.x * b.z - a.z * b.x
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a.x * b.x + a.z * b.z
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Pages in states that the cases of every page (`tests/cases/page-*`) do not show,
+//! Pages in states that the cases of every page (`tests/cases/pages/`) do not show,
 //! and pages that must survive anything.
 
 #![expect(clippy::unwrap_used, reason = "the helpers of a test may fail it")]
@@ -131,7 +131,11 @@ fn words_keyed_in() {
 #[test]
 fn alarms() {
     let mut setup = Setup::default();
-    setup.programs.store("O0001;\nG1 X10;\nM30;\n").unwrap();
+    setup
+        .memory
+        .programs
+        .store("O0001;\nG1 X10;\nM30;\n")
+        .unwrap();
     let mut simulation = Simulation::new(setup);
     ticks(&mut simulation, 200);
     press(&mut simulation, AUTO);

@@ -6,8 +6,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 /// A memory area of the PLC, named by its address letter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -173,15 +173,11 @@ impl fmt::Display for ByteAddress {
 }
 
 /// Why a text is no address.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AddressError {
     /// Not of the form letter, number, optional point and bit.
-    #[error(
-        "\"{0}\" is no address: write a letter (X Y F G R K A D T C DC DT), a number and, for a bit, a point and 0 to 7"
-    )]
     Malformed(String),
     /// The number lies beyond the area's end.
-    #[error("{text} does not exist: {area} ends at {area}{last}")]
     OutOfRange {
         /// The text as given.
         text: String,
@@ -190,10 +186,37 @@ pub enum AddressError {
         /// The last byte or entry of the area.
         last: u16,
     },
-    /// A bit where a byte is wanted, or the other way round.
-    #[error("{0}")]
-    WrongUnit(String),
+    /// A bit of an area that has none.
+    NoBits(String),
+    /// A byte where a bit is wanted.
+    Byte(String),
+    /// A bit where a byte or an entry is wanted.
+    Bit(String),
 }
+
+impl AddressError {
+    /// What is wrong and what is wanted.
+    #[must_use]
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Malformed(text) => say::ladder_address_malformed(text),
+            Self::OutOfRange { text, area, last } => {
+                say::ladder_address_beyond_area(text, area, last)
+            }
+            Self::NoBits(text) => say::ladder_address_without_bits(text),
+            Self::Byte(text) => say::ladder_bit_wanted(text),
+            Self::Bit(text) => say::ladder_byte_wanted(text),
+        }
+    }
+}
+
+impl fmt::Display for AddressError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.message().fmt(f)
+    }
+}
+
+impl std::error::Error for AddressError {}
 
 /// The parts of an address text, before bit and byte are told apart.
 struct Parts {
@@ -250,13 +273,9 @@ impl FromStr for BitAddress {
     fn from_str(text: &str) -> Result<BitAddress, AddressError> {
         let Parts { area, byte, bit } = parts(text)?;
         if !area.has_bits() {
-            return Err(AddressError::WrongUnit(format!(
-                "{text}: single bits exist in X, Y, F, G, R, K and A only"
-            )));
+            return Err(AddressError::NoBits(text.to_owned()));
         }
-        let bit = bit.ok_or_else(|| {
-            AddressError::WrongUnit(format!("{text} is a byte; a bit is wanted, as in {text}.0"))
-        })?;
+        let bit = bit.ok_or_else(|| AddressError::Byte(text.to_owned()))?;
         Ok(BitAddress { area, byte, bit })
     }
 }
@@ -267,9 +286,7 @@ impl FromStr for ByteAddress {
     fn from_str(text: &str) -> Result<ByteAddress, AddressError> {
         let Parts { area, byte, bit } = parts(text)?;
         if bit.is_some() {
-            return Err(AddressError::WrongUnit(format!(
-                "{text} is a bit; a whole byte or entry is wanted"
-            )));
+            return Err(AddressError::Bit(text.to_owned()));
         }
         Ok(ByteAddress { area, byte })
     }

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
+use gsk_messages::{Message, say};
+
 use crate::address::BitAddress;
 use crate::diagnostic::{CompileError, Rule};
 use crate::instruction::{Mnemonic, Operand, Role, Statement};
@@ -67,17 +69,17 @@ pub(crate) fn check(statements: &[Statement]) -> (Structure, Vec<CompileError>, 
 }
 
 impl Checker<'_> {
-    fn error(&mut self, at: usize, code: Rule, message: impl Into<String>) {
-        let error = self.finding(at, code, message.into());
+    fn error(&mut self, at: usize, code: Rule, message: Message) {
+        let error = self.finding(at, code, message);
         self.errors.push(error);
     }
 
-    fn warn(&mut self, at: usize, code: Rule, message: impl Into<String>) {
-        let warning = self.finding(at, code, message.into());
+    fn warn(&mut self, at: usize, code: Rule, message: Message) {
+        let warning = self.finding(at, code, message);
         self.warnings.push(warning);
     }
 
-    fn finding(&self, at: usize, code: Rule, message: String) -> CompileError {
+    fn finding(&self, at: usize, code: Rule, message: Message) -> CompileError {
         let place = self.statements.get(at).or(self.statements.last());
         CompileError {
             line: place.map_or(1, |statement| statement.line),
@@ -98,17 +100,17 @@ impl Checker<'_> {
             self.sections.push(section);
             match statement.mnemonic {
                 Mnemonic::End1 if end1.is_some() => {
-                    self.error(at, Rule::E01, "END1 stands once in a program");
+                    self.error(at, Rule::E01, say::ladder_end_one_twice());
                 }
                 Mnemonic::End1 if end2.is_some() => {
-                    self.error(at, Rule::E01, "END1 stands before END2");
+                    self.error(at, Rule::E01, say::ladder_end_one_late());
                 }
                 Mnemonic::End1 => {
                     end1 = Some(at);
                     section = Section::Level2;
                 }
                 Mnemonic::End2 if end2.is_some() => {
-                    self.error(at, Rule::E01, "END2 stands once in a program");
+                    self.error(at, Rule::E01, say::ladder_end_two_twice());
                 }
                 Mnemonic::End2 => {
                     end2 = Some(at);
@@ -117,11 +119,11 @@ impl Checker<'_> {
                 Mnemonic::Sp => section = self.subprogram_start(at, section),
                 Mnemonic::Spe => match section {
                     Section::Subprogram(_) => section = Section::Outside,
-                    _ => self.error(at, Rule::E05, "SPE ends a subprogram, but none is open"),
+                    _ => self.error(at, Rule::E05, say::ladder_subprogram_not_open()),
                 },
                 _ if section == Section::Outside && strays == 0 => {
                     strays += 1;
-                    let message = "after END2 only subprograms SP … SPE may follow";
+                    let message = say::ladder_code_after_end_two();
                     self.error(at, Rule::E01, message);
                 }
                 _ => {}
@@ -129,14 +131,14 @@ impl Checker<'_> {
         }
         let last = self.statements.len();
         if let Section::Subprogram(start) = section {
-            self.error(start, Rule::E05, "the subprogram has no SPE");
+            self.error(start, Rule::E05, say::ladder_subprogram_not_ended());
         }
         if end1.is_none() {
-            let message = "END1 is missing: it ends level 1, or comes first when there is none";
+            let message = say::ladder_end_one_missing();
             self.error(last, Rule::E01, message);
         }
         if end2.is_none() {
-            self.error(last, Rule::E01, "END2 is missing: it ends level 2");
+            self.error(last, Rule::E01, say::ladder_end_two_missing());
         }
         self.structure.end1 = end1.unwrap_or(0);
         self.structure.end2 = end2.unwrap_or(last);
@@ -146,15 +148,11 @@ impl Checker<'_> {
         match section {
             Section::Outside => return Section::Subprogram(at),
             Section::Subprogram(_) => {
-                self.error(
-                    at,
-                    Rule::E05,
-                    "a subprogram starts before the last one's SPE",
-                );
+                self.error(at, Rule::E05, say::ladder_subprogram_in_subprogram());
                 return Section::Subprogram(at);
             }
             Section::Level1 | Section::Level2 => {
-                self.error(at, Rule::E05, "subprograms stand after END2");
+                self.error(at, Rule::E05, say::ladder_subprogram_too_early());
             }
         }
         section
@@ -171,14 +169,12 @@ impl Checker<'_> {
             match statement.mnemonic.row().role {
                 Role::Start if output => (depth, output) = (1, false),
                 Role::Start if depth == STACK_DEPTH => {
-                    let message = format!("more than {STACK_DEPTH} branches are open in one rung");
+                    let message = say::ladder_branches_too_many(STACK_DEPTH);
                     self.error(at, Rule::E02, message);
                 }
                 Role::Start => depth += 1,
                 Role::Contact if output => {
-                    let message = format!(
-                        "{name} after an output: there is no multi-level output, the next rung starts with LD or LDI"
-                    );
+                    let message = say::ladder_contact_after_output(name);
                     self.error(at, Rule::E02, message);
                 }
                 Role::Contact => depth = self.contact(at, depth),
@@ -204,12 +200,9 @@ impl Checker<'_> {
         let wanted = if block { 2 } else { 1 };
         if depth < wanted {
             let message = if block {
-                format!(
-                    "{} joins two blocks, but only {depth} stand before it",
-                    row.name
-                )
+                say::ladder_blocks_missing(row.name, depth)
             } else {
-                format!("{} has no LD or LDI before it", row.name)
+                say::ladder_contact_without_start(row.name)
             };
             self.error(at, Rule::E02, message);
             return 1;
@@ -220,11 +213,7 @@ impl Checker<'_> {
     fn ineffective(&mut self, at: usize, depth: u32, output: bool) {
         if depth > 0 && !output {
             let before = at.saturating_sub(1);
-            self.warn(
-                before,
-                Rule::W03,
-                "the rung has no output, so it has no effect",
-            );
+            self.warn(before, Rule::W03, say::ladder_rung_without_output());
         }
     }
 
@@ -239,10 +228,7 @@ impl Checker<'_> {
                 entry.insert(statement.line);
             }
             Entry::Occupied(entry) => {
-                let message = format!(
-                    "coil {bit} is written by OUT in line {} too; the last one counts",
-                    entry.get()
-                );
+                let message = say::ladder_coil_twice(bit, entry.get());
                 self.warn(at, Rule::W01, message);
             }
         }
@@ -256,20 +242,20 @@ impl Checker<'_> {
             let (noun, first) = match (statement.mnemonic, statement.operands.first()) {
                 (Mnemonic::Lbl, Some(Operand::Label(label))) => {
                     let first = *self.structure.labels.entry(*label).or_insert(at);
-                    (format!("label L{label}"), statements[first].line)
+                    (say::ladder_label(label), statements[first].line)
                 }
                 (Mnemonic::Sp, Some(Operand::Subprogram(number))) => {
                     let first = *self.structure.subprograms.entry(*number).or_insert(at);
-                    (format!("subprogram P{number}"), statements[first].line)
+                    (say::ladder_subprogram(number), statements[first].line)
                 }
                 (Mnemonic::Tmrb, Some(Operand::Byte(timer))) => {
                     let first = *timers.entry(timer.byte).or_insert(statement.line);
-                    (format!("timer T{}", timer.byte), first)
+                    (say::ladder_timer(timer.byte), first)
                 }
                 _ => continue,
             };
             if first != statement.line {
-                let message = format!("{noun} is used in line {first} already");
+                let message = say::ladder_number_twice(noun, first);
                 self.error(at, Rule::E04, message);
             }
         }
@@ -286,17 +272,16 @@ impl Checker<'_> {
             };
             unused.remove(label);
             let Some(target) = self.structure.labels.get(label).copied() else {
-                self.error(at, Rule::E04, format!("label L{label} does not exist"));
+                self.error(at, Rule::E04, say::ladder_label_missing(label));
                 continue;
             };
             if self.sections.get(at) != self.sections.get(target) {
-                let message =
-                    format!("the jump to L{label} crosses END1 or END2 or leaves its subprogram");
+                let message = say::ladder_jump_leaves_part(label);
                 self.error(at, Rule::E05, message);
             }
         }
         for (label, at) in unused {
-            self.warn(at, Rule::W02, format!("no JMPB uses label L{label}"));
+            self.warn(at, Rule::W02, say::ladder_label_unused(label));
         }
     }
 
@@ -312,15 +297,11 @@ impl Checker<'_> {
             };
             let target = self.structure.subprograms.get(number).copied();
             if target.is_none() {
-                self.error(
-                    at,
-                    Rule::E04,
-                    format!("subprogram P{number} does not exist"),
-                );
+                self.error(at, Rule::E04, say::ladder_subprogram_missing(number));
             }
             match (self.sections.get(at), target) {
                 (Some(Section::Level1), _) => {
-                    self.error(at, Rule::E05, "CALL cannot stand in level 1");
+                    self.error(at, Rule::E05, say::ladder_call_in_level_one());
                 }
                 (Some(Section::Subprogram(caller)), Some(callee)) => {
                     nested.push((*caller, callee, at));
@@ -357,7 +338,7 @@ impl Checker<'_> {
                     *deepest = level + 1;
                 }
                 if level + 1 == CALL_DEPTH + 1 {
-                    let message = format!("calls nest deeper than {CALL_DEPTH}");
+                    let message = say::ladder_calls_too_deep(CALL_DEPTH);
                     self.error(at, Rule::E05, message);
                 }
                 if let Some(count) = callers.get_mut(&callee) {
@@ -370,7 +351,7 @@ impl Checker<'_> {
         }
         for (_, calls) in callees {
             for (_, at) in calls {
-                self.error(at, Rule::E05, "the subprogram calls itself in the end");
+                self.error(at, Rule::E05, say::ladder_subprogram_calls_itself());
             }
         }
     }
@@ -387,26 +368,22 @@ impl Checker<'_> {
         self.structure.level1_steps = level1;
         self.structure.steps = total;
         if total > MAX_STEPS {
-            let message = format!("the program has {total} steps; there is room for {MAX_STEPS}");
+            let message = say::ladder_too_long(total, MAX_STEPS);
             self.error(self.statements.len(), Rule::E07, message);
         }
         if level1 > SLOT_STEPS {
-            let message = format!(
-                "level 1 has {level1} steps; it must run whole in each slot of {SLOT_STEPS}"
-            );
+            let message = say::ladder_level_one_too_long(level1, SLOT_STEPS);
             self.error(end1, Rule::E07, message);
         } else if level1 > LONG_LEVEL_1 {
-            let message = format!(
-                "level 1 has {level1} steps; above {LONG_LEVEL_1} little of a slot is left for level 2"
-            );
+            let message = say::ladder_level_one_long(level1, LONG_LEVEL_1);
             self.warn(end1, Rule::W04, message);
         }
     }
 }
 
-fn no_single_result(name: &str, depth: u32) -> String {
+fn no_single_result(name: &str, depth: u32) -> Message {
     if depth == 0 {
-        return format!("{name} has no contact before it: a rung starts with LD or LDI");
+        return say::ladder_output_without_contact(name);
     }
-    format!("{depth} blocks stand before {name}: join them to one with ORB or ANB")
+    say::ladder_blocks_not_joined(depth, name)
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -35,6 +36,9 @@ pub enum Rule {
     W04,
 }
 
+/// A finding in one line, before its place is known.
+pub(crate) type Finding = (Rule, Message);
+
 impl Rule {
     /// Whether a ladder that breaks it compiles all the same.
     #[must_use]
@@ -50,8 +54,7 @@ impl fmt::Display for Rule {
 }
 
 /// One error or warning of the compiler.
-#[derive(Clone, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
-#[error("line {line}, rung {rung}: {code} {message}")]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CompileError {
     /// Line of the source text, from 1.
     pub line: u32,
@@ -60,7 +63,7 @@ pub struct CompileError {
     /// The rule: E for an error, W for a warning.
     pub code: Rule,
     /// What is wrong and what the manual wants, in one sentence.
-    pub message: String,
+    pub message: Message,
 }
 
 impl CompileError {
@@ -70,6 +73,14 @@ impl CompileError {
         format!("{file}:{}: {} {}", self.line, self.code, self.message)
     }
 }
+
+impl fmt::Display for CompileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        say::ladder_rule_broken(self.line, self.rung, self.code, self.message.clone()).fmt(f)
+    }
+}
+
+impl std::error::Error for CompileError {}
 
 /// Why a ladder does not compile: every error found, and the warnings beside them.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -85,17 +96,18 @@ impl fmt::Display for CompileErrors {
         for error in self.errors.iter().chain(&self.warnings) {
             writeln!(f, "{error}")?;
         }
-        f.write_str(&summary(self.errors.len(), self.warnings.len()))
+        let summary = summary(self.errors.len(), self.warnings.len());
+        f.write_str(&summary.text(Language::Zh))
     }
 }
 
-/// The closing line of a compilation, in the words of the programming software.
+/// The closing line of a compilation, in Chinese in the words of the programming
+/// software.
 #[must_use]
-pub fn summary(errors: usize, warnings: usize) -> String {
-    let result = if errors == 0 {
-        "编译成功"
+pub fn summary(errors: usize, warnings: usize) -> Message {
+    if errors == 0 {
+        say::ladder_compiled(errors, warnings)
     } else {
-        "编译失败"
-    };
-    format!("{result}: {errors} 错误, {warnings} 警告.")
+        say::ladder_not_compiled(errors, warnings)
+    }
 }

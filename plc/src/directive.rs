@@ -1,10 +1,10 @@
 //! The directives of the text form: header, comments, messages, start values.
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::address::{Area, BitAddress, ByteAddress, digits};
-use crate::diagnostic::Rule;
-use crate::parser::Finding;
+use crate::address::{AddressError, Area, BitAddress, ByteAddress, digits};
+use crate::diagnostic::{Finding, Rule};
 
 /// What the version page says about the ladder.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -105,10 +105,7 @@ pub(crate) fn parse(
     let (name, arguments) = match tokens.split_first() {
         Some((Token::Word(name), arguments)) => (name.to_ascii_uppercase(), arguments),
         _ => {
-            return Err((
-                Rule::E00,
-                "a directive starts with a point and a name".to_owned(),
-            ));
+            return Err((Rule::E00, say::ladder_directive_malformed()));
         }
     };
     match (name.as_str(), arguments) {
@@ -161,7 +158,7 @@ fn tokens(code: &str) -> Result<Vec<Token<'_>>, Finding> {
     while !rest.is_empty() {
         if let Some(quoted) = rest.strip_prefix('"') {
             let Some((text, after)) = quoted.split_once('"') else {
-                return Err((Rule::E00, "the closing \" is missing".to_owned()));
+                return Err((Rule::E00, say::ladder_quote_missing()));
             };
             tokens.push(Token::Text(text));
             rest = after.trim_start();
@@ -177,21 +174,19 @@ fn tokens(code: &str) -> Result<Vec<Token<'_>>, Finding> {
     Ok(tokens)
 }
 
-fn usage(name: &str) -> String {
+fn usage(name: &str) -> gsk_messages::Message {
     let form = match name {
-        ".UNIT" | ".AUTHOR" | ".VERSION" | ".REMARK" | ".NET" => "\"text\"",
-        ".OPT" => "codb0 or n1",
-        ".CMT" => "address \"Chinese\" \"English\"",
-        ".MSG" => "A-bit number \"text\"",
-        ".INIT" => "address number",
-        ".MCODE" => "number \"text\"",
+        ".UNIT" | ".AUTHOR" | ".VERSION" | ".REMARK" | ".NET" => say::ladder_form_text(),
+        ".OPT" => say::ladder_form_option(),
+        ".CMT" => say::ladder_form_comment(),
+        ".MSG" => say::ladder_form_message(),
+        ".INIT" => say::ladder_form_start_value(),
+        ".MCODE" => say::ladder_form_m_code(),
         _ => {
-            return format!(
-                "{name} is no directive; there are .UNIT .AUTHOR .VERSION .REMARK .OPT .NET .CMT .MSG .INIT .MCODE"
-            );
+            return say::ladder_directive_unknown(name);
         }
     };
-    format!("{name} is written {name} {form}")
+    say::ladder_directive_form(name, form)
 }
 
 fn set_option(option: &str, directives: &mut Directives) -> Result<(), Finding> {
@@ -199,7 +194,7 @@ fn set_option(option: &str, directives: &mut Directives) -> Result<(), Finding> 
         "codb0" => directives.table_from_0 = true,
         "n1" => directives.undivided = true,
         _ => {
-            let message = format!("{option} is no option; there are codb0 and n1");
+            let message = say::ladder_option_unknown(option);
             return Err((Rule::E00, message));
         }
     }
@@ -212,12 +207,10 @@ fn comment(address: &str, chinese: &str, english: &str) -> Result<Comment, Findi
     } else {
         address.parse().map(Subject::Byte)
     };
-    let subject = subject.map_err(|error| (Rule::E03, error.to_string()))?;
+    let subject = subject.map_err(|error| (Rule::E03, error.message()))?;
     if chinese.chars().count() > CHINESE_CHARACTERS || english.chars().count() > ENGLISH_CHARACTERS
     {
-        let message = format!(
-            "comment too long: {CHINESE_CHARACTERS} Chinese and {ENGLISH_CHARACTERS} English characters at most"
-        );
+        let message = say::ladder_comment_too_long(CHINESE_CHARACTERS, ENGLISH_CHARACTERS);
         return Err((Rule::E03, message));
     }
     Ok(Comment {
@@ -230,19 +223,19 @@ fn comment(address: &str, chinese: &str, english: &str) -> Result<Comment, Findi
 fn message(bit: &str, number: &str, text: &str, messages: &[Message]) -> Result<Message, Finding> {
     let bit: BitAddress = bit
         .parse()
-        .map_err(|error: crate::address::AddressError| (Rule::E03, error.to_string()))?;
+        .map_err(|error: AddressError| (Rule::E03, error.message()))?;
     if bit.area != Area::A {
-        let message = format!("{bit}: messages are requested by bits of A0 to A24");
+        let message = say::ladder_message_bit_wrong(bit);
         return Err((Rule::E03, message));
     }
     let number = digits(number)
         .and_then(|number| u16::try_from(number).ok())
         .filter(|number| (1000..=9999).contains(number));
     let Some(number) = number else {
-        return Err((Rule::E03, "message numbers go from 1000 to 9999".to_owned()));
+        return Err((Rule::E03, say::ladder_message_number_wrong()));
     };
     if messages.iter().any(|message| message.bit == bit) {
-        return Err((Rule::E04, format!("{bit} already has a message")));
+        return Err((Rule::E04, say::ladder_message_twice(bit)));
     }
     Ok(Message {
         bit,
@@ -256,10 +249,10 @@ fn m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, Finding> {
         .and_then(|code| u8::try_from(code).ok())
         .filter(|code| *code <= 99);
     let Some(code) = code else {
-        return Err((Rule::E03, "M codes go from 0 to 99".to_owned()));
+        return Err((Rule::E03, say::ladder_m_code_wrong()));
     };
     if codes.iter().any(|known| known.code == code) {
-        return Err((Rule::E04, format!("M{code:02} is named twice")));
+        return Err((Rule::E04, say::ladder_m_code_twice(code)));
     }
     Ok(MCode {
         code,
@@ -270,12 +263,12 @@ fn m_code(code: &str, text: &str, codes: &[MCode]) -> Result<MCode, Finding> {
 fn start_value(address: &str, value: &str) -> Result<StartValue, Finding> {
     let address: ByteAddress = address
         .parse()
-        .map_err(|error: crate::address::AddressError| (Rule::E03, error.to_string()))?;
+        .map_err(|error: AddressError| (Rule::E03, error.message()))?;
     let largest = match address.area {
         Area::D | Area::K => 255,
         Area::C | Area::Dc | Area::Dt => i32::MAX,
         _ => {
-            let message = format!("{address}: start values exist for D, DC, DT, C and K");
+            let message = say::ladder_start_value_area(address);
             return Err((Rule::E03, message));
         }
     };
@@ -283,7 +276,7 @@ fn start_value(address: &str, value: &str) -> Result<StartValue, Finding> {
         .and_then(|value| i32::try_from(value).ok())
         .filter(|value| *value <= largest);
     let Some(value) = value else {
-        let message = format!("the start value of {address} is a number from 0 to {largest}");
+        let message = say::ladder_start_value_wrong(address, largest);
         return Err((Rule::E03, message));
     };
     Ok(StartValue { address, value })

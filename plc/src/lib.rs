@@ -16,11 +16,14 @@
 //! program in slots of 8 ms ([`Plc::slot`]). It does no I/O and reads no
 //! clock; the same inputs in the same slots give the same memory.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod address;
 mod check;
 mod code;
 mod diagnostic;
 mod directive;
+mod force;
 mod function;
 mod instruction;
 mod ladder;
@@ -28,6 +31,7 @@ mod list;
 mod memory;
 mod network;
 mod parser;
+mod place;
 mod reference;
 mod scan;
 mod step;
@@ -37,11 +41,11 @@ pub use address::{AddressError, Area, BitAddress, ByteAddress};
 pub use check::{MAX_STEPS, SLOT_STEPS};
 pub use diagnostic::{CompileError, CompileErrors, Rule, summary};
 pub use directive::{Comment, Header, MCode, Message, StartValue, Subject};
+pub use force::Force;
 pub use instruction::{Kind, Mnemonic, Operand, Role, Row, Statement, TABLE};
 pub use ladder::{Ladder, Rung};
 pub use memory::{Memory, Retained};
 pub use network::{Body, Branch, Contact, Element, Network, Power};
 pub use reference::{Access, Reference};
 pub use scan::{Fault, Plc};
-pub use step::Force;
 pub use timer::SLOT_MS;

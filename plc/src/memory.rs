@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::address::{Area, BitAddress, ByteAddress};
@@ -316,13 +317,13 @@ impl From<Memory> for Vec<u8> {
 }
 
 impl TryFrom<Vec<u8>> for Memory {
-    type Error = String;
+    type Error = Message;
 
-    fn try_from(bytes: Vec<u8>) -> Result<Memory, String> {
+    fn try_from(bytes: Vec<u8>) -> Result<Memory, Message> {
         let length = bytes.len();
         let bytes = bytes
             .try_into()
-            .map_err(|_| format!("PLC memory has {SIZE} bytes, not {length}"))?;
+            .map_err(|_| say::ladder_memory_size(SIZE, length))?;
         Ok(Memory { bytes })
     }
 }

@@ -4,8 +4,10 @@
 //! the number of its operands, their areas and ranges. What concerns several
 //! lines is checked in `check`.
 
-use crate::address::{Area, BitAddress, ByteAddress, digits};
-use crate::diagnostic::{CompileError, Rule};
+use gsk_messages::{Message, say};
+
+use crate::address::{AddressError, Area, BitAddress, ByteAddress, digits};
+use crate::diagnostic::{CompileError, Finding, Rule};
 use crate::directive::{self, Directives};
 use crate::instruction::{Kind, Mnemonic, Operand, Role, Statement};
 
@@ -25,9 +27,6 @@ pub(crate) struct Parsed {
     /// Rungs counted so far.
     pub rungs: u32,
 }
-
-/// A finding in one line, before its place is known.
-pub(crate) type Finding = (Rule, String);
 
 pub(crate) fn parse(source: &str) -> Parsed {
     let mut parsed = Parsed::default();
@@ -100,10 +99,8 @@ fn statement(code: &str, line: u32, parsed: &mut Parsed) -> Result<(), Finding> 
 
 fn unknown_instruction(name: &str) -> Finding {
     let message = match name.to_ascii_uppercase().as_str() {
-        "ADDB" | "SUBB" | "COMB" => {
-            format!("{name} is not in the instruction set of this control")
-        }
-        _ => format!("\"{name}\" is no instruction"),
+        "ADDB" | "SUBB" | "COMB" => say::ladder_instruction_of_others(name),
+        _ => say::ladder_instruction_unknown(name),
     };
     (Rule::E00, message)
 }
@@ -120,12 +117,8 @@ fn starts_rung(mnemonic: Mnemonic, before: &[Statement]) -> bool {
 fn operands(mnemonic: Mnemonic, tokens: &[&str]) -> Result<Vec<Operand>, Finding> {
     let row = mnemonic.row();
     if tokens.len() != row.operands.len() {
-        let message = format!(
-            "{} takes {}, not {}",
-            row.name,
-            counted(row.operands.len(), "operand"),
-            tokens.len()
-        );
+        let message =
+            say::ladder_operand_count(row.name, operand_count(row.operands.len()), tokens.len());
         return Err((Rule::E06, message));
     }
     row.operands
@@ -142,10 +135,9 @@ fn operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
         Kind::CounterFormat | Kind::RotationFormat => format_digits(name, kind, token),
         _ => match digits(token) {
             Some(number) => number_operand(name, kind, number),
-            None if kind.areas().is_empty() => Err((
-                Rule::E03,
-                format!("\"{token}\": {name} wants a number here"),
-            )),
+            None if kind.areas().is_empty() => {
+                Err((Rule::E03, say::ladder_number_wanted(token, name)))
+            }
             None if kind.is_bit() => bit_operand(name, kind, token),
             None => byte_operand(name, kind, token),
         },
@@ -159,7 +151,7 @@ fn numbered(token: &str, letter: char) -> Result<u16, Finding> {
         .filter(|number| *number <= LAST_LABEL)
         .and_then(|number| u16::try_from(number).ok());
     number.ok_or_else(|| {
-        let message = format!("\"{token}\": {letter}0 to {letter}{LAST_LABEL} is wanted here");
+        let message = say::ladder_label_wanted(token, letter, LAST_LABEL);
         (Rule::E03, message)
     })
 }
@@ -167,12 +159,12 @@ fn numbered(token: &str, letter: char) -> Result<u16, Finding> {
 fn format_digits(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
     let binary = token.len() == 4 && token.bytes().all(|byte| matches!(byte, b'0' | b'1'));
     if !binary {
-        let message = format!("\"{token}\": the format of {name} is four digits 0 or 1");
+        let message = say::ladder_format_wrong(token, name);
         return Err((Rule::E03, message));
     }
     let value = token.bytes().fold(0, |value, byte| value << 1 | byte & 1);
     if kind == Kind::CounterFormat && value > 0b11 {
-        let message = format!("format {token}: the first two digits of {name} are 0");
+        let message = say::ladder_format_digits(token, name);
         return Err((Rule::E03, message));
     }
     Ok(Operand::Format(value))
@@ -180,27 +172,20 @@ fn format_digits(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding
 
 fn number_operand(name: &str, kind: Kind, number: u32) -> Result<Operand, Finding> {
     if !kind.takes_number() {
-        let message = format!("{number}: {name} wants an address here, not a number");
+        let message = say::ladder_address_wanted(number, name);
         return Err((Rule::E03, message));
     }
     let Ok(value) = i32::try_from(number) else {
-        return Err((
-            Rule::E03,
-            format!("{number} is too large: numbers go to 2147483647"),
-        ));
+        return Err((Rule::E03, say::ladder_number_too_large(number)));
     };
     match kind {
-        Kind::Length if !matches!(value, 1 | 2 | 4) => Err((
-            Rule::E06,
-            format!("length {value}: {name} works on 1, 2 or 4 bytes"),
-        )),
-        Kind::TableSize if !(1..=8).contains(&value) => Err((
-            Rule::E06,
-            format!("size code {value}: codes 1 to 8 mean 2, 4, 8 … 256 entries"),
-        )),
-        Kind::Stations if value == 0 => {
-            Err((Rule::E03, format!("{name} wants at least one position")))
+        Kind::Length if !matches!(value, 1 | 2 | 4) => {
+            Err((Rule::E06, say::ladder_length_wrong(value, name)))
         }
+        Kind::TableSize if !(1..=8).contains(&value) => {
+            Err((Rule::E06, say::ladder_size_code_wrong(value)))
+        }
+        Kind::Stations if value == 0 => Err((Rule::E03, say::ladder_position_missing(name))),
         _ => Ok(Operand::Number(value)),
     }
 }
@@ -208,18 +193,14 @@ fn number_operand(name: &str, kind: Kind, number: u32) -> Result<Operand, Findin
 fn bit_operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding> {
     let address: BitAddress = token.parse().map_err(|error| wrong_address(name, &error))?;
     if !kind.areas().contains(&address.area) {
-        let message = format!(
-            "{token}: {name} writes bits of Y, G, R, K and A; {} is read only",
-            address.area
-        );
+        let message = say::ladder_bit_read_only(token, name, address.area);
         return Err((Rule::E03, message));
     }
     if kind.is_written() {
         system_area(token, address.byte_address(), 1)?;
     }
     if kind == Kind::ThreeCoils && address.bit > 5 {
-        let message =
-            format!("{token}: {name} writes this bit and the two above it, so bit 5 is the last");
+        let message = say::ladder_three_coils(token, name);
         return Err((Rule::E03, message));
     }
     Ok(Operand::Bit(address))
@@ -229,22 +210,22 @@ fn byte_operand(name: &str, kind: Kind, token: &str) -> Result<Operand, Finding>
     let address: ByteAddress = token.parse().map_err(|error| wrong_address(name, &error))?;
     if !kind.areas().contains(&address.area) {
         let areas: Vec<&str> = kind.areas().iter().map(|area| area.letter()).collect();
-        let number = if kind.takes_number() {
-            "a number or "
+        let areas = areas.join(", ");
+        let message = if kind.takes_number() {
+            say::ladder_area_or_number_wrong(token, name, areas)
         } else {
-            ""
+            say::ladder_area_wrong(token, name, areas)
         };
-        let message = format!(
-            "{token}: {name} takes {number}an address of {} here",
-            areas.join(", ")
-        );
         return Err((Rule::E03, message));
     }
     Ok(Operand::Byte(address))
 }
 
-fn wrong_address(name: &str, error: &crate::address::AddressError) -> Finding {
-    (Rule::E03, format!("{name}: {error}"))
+fn wrong_address(name: &str, error: &AddressError) -> Finding {
+    (
+        Rule::E03,
+        say::ladder_instruction_reason(name, error.message()),
+    )
 }
 
 /// Refuses a write that reaches into the bytes reserved for the system.
@@ -257,10 +238,7 @@ fn system_area(token: &str, address: ByteAddress, width: u16) -> Result<(), Find
     if address.byte.saturating_add(width) <= first {
         return Ok(());
     }
-    let message = format!(
-        "{token}: {}{first} and up belong to the system and are read only",
-        address.area
-    );
+    let message = say::ladder_system_area(token, address.area, first);
     Err((Rule::E03, message))
 }
 
@@ -281,14 +259,11 @@ fn table_entries(
     let entries = entries
         .map(|token| {
             let entry = digits(token).and_then(|number| i32::try_from(number).ok());
-            entry.ok_or_else(|| (Rule::E03, format!("\"{token}\" is no table entry")))
+            entry.ok_or_else(|| (Rule::E03, say::ladder_table_entry_wrong(token)))
         })
         .collect::<Result<Vec<i32>, Finding>>()?;
     if entries.len() != size {
-        let message = format!(
-            "CODB with size code {code} wants {size} table entries after the comma, not {}",
-            entries.len()
-        );
+        let message = say::ladder_table_size_wrong(code, size, entries.len());
         return Err((Rule::E06, message));
     }
     Ok(entries)
@@ -297,13 +272,7 @@ fn table_entries(
 fn no_table(mnemonic: Mnemonic, table: Option<&str>) -> Result<Vec<i32>, Finding> {
     match table {
         None => Ok(Vec::new()),
-        Some(_) => Err((
-            Rule::E06,
-            format!(
-                "only CODB has a table; {} takes no comma",
-                mnemonic.row().name
-            ),
-        )),
+        Some(_) => Err((Rule::E06, say::ladder_table_not_taken(mnemonic.row().name))),
     }
 }
 
@@ -343,10 +312,7 @@ fn fits(number: i32, length: u16) -> Result<(), Finding> {
     if number <= largest {
         return Ok(());
     }
-    let message = format!(
-        "{number} does not fit in {}",
-        counted(length.into(), "byte")
-    );
+    let message = say::ladder_number_too_wide(number, byte_count(length));
     Err((Rule::E03, message))
 }
 
@@ -354,18 +320,22 @@ fn reaches(address: ByteAddress, width: u16) -> Result<(), Finding> {
     if address.area.is_entry() || address.byte + width <= address.area.count() {
         return Ok(());
     }
-    let message = format!(
-        "{address}: {width} bytes reach beyond the last one, {}{}",
-        address.area,
-        address.area.count() - 1
-    );
+    let message =
+        say::ladder_bytes_beyond_area(address, width, address.area, address.area.count() - 1);
     Err((Rule::E03, message))
 }
 
-fn counted(number: usize, noun: &str) -> String {
-    match number {
-        0 => format!("no {noun}s"),
-        1 => format!("1 {noun}"),
-        _ => format!("{number} {noun}s"),
+fn operand_count(operands: usize) -> Message {
+    match operands {
+        0 => say::ladder_no_operands(),
+        1 => say::ladder_one_operand(),
+        _ => say::ladder_operands(operands),
+    }
+}
+
+fn byte_count(bytes: u16) -> Message {
+    match bytes {
+        1 => say::ladder_one_byte(),
+        _ => say::ladder_bytes(bytes),
     }
 }

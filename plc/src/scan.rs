@@ -1,32 +1,51 @@
 //! The scan: one 8 ms slot after another, level 1 whole and level 2 in parts.
 
+use std::fmt;
 use std::sync::Arc;
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::address::{Area, ByteAddress};
 use crate::check::CALL_DEPTH;
 use crate::code::{Bit, Code, Op};
+use crate::force::Forces;
 use crate::function::{Remembered, execute};
 use crate::ladder::Ladder;
 use crate::memory::{Memory, SIZE, offset};
-use crate::step::{Forces, Place, Stop};
+use crate::place::{Place, Stop};
 use crate::timer::{SLOT_MS, Timers};
 
 /// Operations of one slot after which the program is taken to hang.
 const WATCHDOG: usize = 100_000;
 
 /// Why the PLC stands still until the next power-on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fault {
     /// Jumps kept one slot busy for more than 100000 instructions.
-    #[error("PLC watchdog: the ladder loops at line {line}")]
     Watchdog {
         /// Line of the ladder's text with the jump that was one too many.
         line: u32,
     },
 }
+
+impl Fault {
+    /// What has happened.
+    #[must_use]
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Watchdog { line } => say::ladder_loops(line),
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.message().fmt(f)
+    }
+}
+
+impl std::error::Error for Fault {}
 
 /// A PLC: a ladder, its memory and the state of its scan.
 ///

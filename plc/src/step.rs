@@ -1,73 +1,11 @@
 //! Working on a running ladder by hand: forced bits, the scan rung by rung,
 //! and where power flows.
 
-use serde::{Deserialize, Serialize};
-
 use crate::address::BitAddress;
-use crate::memory::{SIZE, offset};
+use crate::force::Force;
 use crate::network::{Network, Power};
+use crate::place::{Place, Stop};
 use crate::scan::Plc;
-
-/// A bit held at a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Force {
-    /// The bit.
-    pub bit: BitAddress,
-    /// Its value.
-    pub value: bool,
-}
-
-/// All forced bits, in address order. They go with the power.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Forces(Vec<Force>);
-
-impl Forces {
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
-    /// Puts the forced values back after something may have written others.
-    pub fn apply(&self, bytes: &mut [u8; SIZE]) {
-        for Force { bit, value } in &self.0 {
-            if let Some(at) = offset(bit.byte_address()) {
-                let mask = 1u8 << (bit.bit & 7);
-                let byte = &mut bytes[at];
-                *byte = if *value { *byte | mask } else { *byte & !mask };
-            }
-        }
-    }
-}
-
-/// Where the scan pauses.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stop {
-    /// At the end of the slot.
-    AtEnd,
-    /// After one rung; a called subprogram belongs to it.
-    AfterRung,
-}
-
-/// A place inside a slot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Place {
-    /// In level 1, or already in the part of level 2.
-    pub level1: bool,
-    /// Operation that is next.
-    pub at: usize,
-    /// Operations of this slot so far, as the watchdog counts them.
-    pub executed: usize,
-}
-
-impl Place {
-    /// The beginning of a slot; a program without level 1 begins with level 2.
-    pub const fn first(end1: usize) -> Place {
-        Place {
-            level1: end1 > 0,
-            at: 0,
-            executed: 0,
-        }
-    }
-}
 
 impl Plc {
     /// Holds a bit at a value against the ladder and the machine; `None` lets

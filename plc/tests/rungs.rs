@@ -489,4 +489,6 @@ fn the_example_ladders_are_the_standard_one_but_for_their_rungs() {
     assert_eq!(differences(bar_feeder), (14, 4));
     let coded_turret = include_str!("../../assets/ladder/coded-turret.il");
     assert_eq!(differences(coded_turret), (7, 9));
+    let dnc_teach = include_str!("../../assets/ladder/dnc-teach.il");
+    assert_eq!(differences(dnc_teach), (12, 6));
 }

@@ -1,6 +1,6 @@
 //! End-to-end cases as folders of data, run through the public API.
 //!
-//! A case is a folder under `tests/cases/`; what its files mean stands in
+//! A case is a folder `tests/cases/<subject>/<code>/<case>/`; what its files mean stands in
 //! `ARCHITECTURE.md`. [`run_case`] runs one and returns what differs.
 
 pub mod case;
@@ -9,6 +9,7 @@ pub mod execute;
 pub mod fuzz;
 pub mod setup;
 pub mod sources;
+pub mod tree;
 
 mod operate;
 mod picture;
@@ -17,11 +18,7 @@ mod program;
 use std::path::{Path, PathBuf};
 
 pub use case::{Case, ProgramPath};
-
-/// The folder of the cases.
-pub fn cases_dir() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("cases")
-}
+pub use tree::case_dir;
 
 /// The folder of the repository.
 pub fn repository() -> PathBuf {

@@ -4,7 +4,10 @@ use std::path::Path;
 
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
-use gsk_panel::script::{self, Effect, Script};
+use gsk_panel::script::Script;
+use gsk_runner::partner::{Partner, TextPartner};
+use gsk_runner::picture::PictureError;
+use gsk_runner::script::{ScriptEnd, Session, Surroundings};
 
 use crate::case::Case;
 use crate::picture;
@@ -23,36 +26,62 @@ pub(crate) fn run(case: &Case, folder: &Path, name: &str, update: bool) -> Resul
             .collect();
         lines.join("\n")
     })?;
-    let mut emulator = Emulator::new(case.setup.setup()?);
+    let mut emulator = Emulator::new(case.setup.at_the_panel()?);
     emulator.panel.connect(case.partner);
-    let outcome = script::run(
-        script,
-        &mut emulator,
-        &mut |effect, emulator| match effect {
-            Effect::Load(file) => {
-                let text = crate::read(folder, &file)?;
-                emulator
-                    .load_program(&file, &text)
-                    .map_err(|alarm| alarm.line_text())
-            }
-            Effect::Receive(file) => {
-                let text = crate::read(folder, &file)?;
-                if let Err(said) = emulator.receive(SerialFile { name: file, text }) {
-                    println!("{said}");
-                }
-                Ok(())
-            }
-            Effect::Show(screen) => {
-                println!("{screen}");
-                Ok(())
-            }
-            Effect::Shot { .. } => Ok(()),
-        },
-    );
-    outcome.map_err(|failure| format!("{name}: {failure}\n{}", screen_text(&emulator)))?;
+    let mut files = Files { folder };
+    let end = Session::new(&mut emulator, &mut files).run(script);
+    if let ScriptEnd::Failed(failure) = end {
+        return Err(format!("{name}: {failure}\n{}", screen_text(&emulator)));
+    }
     compare_sent(folder, &mut emulator, update)?;
     compare_text(folder, &emulator, update)?;
     compare_picture(folder, &emulator, update)
+}
+
+/// The files of a case, which a script names.
+struct Files<'a> {
+    folder: &'a Path,
+}
+
+impl Files<'_> {
+    fn file(&self, name: &str) -> Result<SerialFile, String> {
+        Ok(SerialFile {
+            name: name.to_owned(),
+            text: crate::read(self.folder, name)?,
+        })
+    }
+}
+
+impl Surroundings for Files<'_> {
+    type Error = String;
+
+    fn show(&mut self, screen: &str) {
+        println!("{screen}");
+    }
+
+    fn shot(
+        &mut self,
+        _name: &str,
+        _bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
+    ) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn program(&mut self, name: &str) -> Result<SerialFile, String> {
+        self.file(name)
+    }
+
+    fn transfer(&mut self, name: &str) -> Result<SerialFile, String> {
+        self.file(name)
+    }
+
+    fn told(&mut self, said: &str) {
+        println!("{said}");
+    }
+
+    fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, String> {
+        Ok(Box::new(TextPartner::new(self.file(name)?.text)))
+    }
 }
 
 /// What has arrived at the partner of the serial port, one file after the other; a

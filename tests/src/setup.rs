@@ -23,6 +23,8 @@ pub struct SetupWords {
     pub delivered: bool,
     /// Where the tool stands: X as a diameter, Z.
     pub start: Option<(f64, f64)>,
+    /// Where the work zero lies in machine coordinates; `start` is counted from it.
+    pub work_zero: Option<(f64, f64)>,
     /// Speed of a spindle that already turns, r/min.
     pub spindle: Option<f64>,
     /// The lathe is wired for the parameters without `params`.
@@ -57,10 +59,22 @@ impl SetupWords {
     /// # Errors
     /// A word that cannot be read or is refused.
     pub fn setup(&self) -> Result<Setup, String> {
+        self.over(Setup::default())
+    }
+
+    /// The set-up of an operator script.
+    ///
+    /// # Errors
+    /// As for [`Self::setup`].
+    pub fn at_the_panel(&self) -> Result<Setup, String> {
+        self.over(Setup::at_the_panel())
+    }
+
+    fn over(&self, setup: Setup) -> Result<Setup, String> {
         let mut setup = if self.delivered {
             Setup::delivered()
         } else {
-            Setup::default()
+            setup
         };
         if let Some((x, z)) = self.start {
             setup.start = Some(Point::from_diameter(Diameter(x), z));
@@ -70,16 +84,23 @@ impl SetupWords {
         }
         if let Some(name) = &self.machine {
             setup.lathe = machine(name)?;
+            if setup.start == Setup::default().start {
+                setup.start = Some(setup.lathe.start());
+            }
+        }
+        if let (Some(start), Some((x, z))) = (&mut setup.start, self.work_zero) {
+            setup.absolute = Some(*start);
+            *start = *start + Point::from_diameter(Diameter(x), z);
         }
         setup.spindle_rpm = self.spindle;
         setup.referenced = self.referenced.unwrap_or(setup.referenced);
-        setup.settings.inch = self.inch;
+        setup.memory.settings.inch = self.inch;
         if self.as_built {
-            setup.wired = Some(setup.parameters.clone());
+            setup.wired = Some(setup.memory.parameters.clone());
         }
-        setup.counters.parts = self.parts;
+        setup.memory.counters.parts = self.parts;
         if let Some(clock) = &self.cutting {
-            setup.counters.cutting_ms = milliseconds(clock)?;
+            setup.memory.counters.cutting_ms = milliseconds(clock)?;
         }
         for word in &self.params {
             parameter(&mut setup, word).map_err(|error| format!("parameter {word}: {error}"))?;
@@ -90,7 +111,7 @@ impl SetupWords {
         if self.filled > 0 {
             let comment = "X".repeat(self.filled.saturating_sub(FILLING.len() + 1));
             let text = format!("{FILLING}{comment})");
-            let stored = setup.programs.store(text);
+            let stored = setup.memory.programs.store(text);
             stored.map_err(|alarm| alarm.line_text())?;
         }
         for word in &self.pitch {
@@ -156,10 +177,12 @@ fn parameter(setup: &mut Setup, word: &str) -> Result<(), String> {
     let refused = |error| format!("{error:?}");
     match name.split_once('.') {
         Some((name, bit)) => setup
+            .memory
             .parameters
             .set_bit(number(name)?, number(bit)?, value == "1")
             .map_err(refused),
         None => setup
+            .memory
             .parameters
             .set(number(name)?, number(value)?)
             .map_err(refused),
@@ -174,7 +197,7 @@ fn pitch(setup: &mut Setup, word: &str) -> Result<(), String> {
         _ => return Err("write the axis, a blank and the point".to_owned()),
     };
     let (point, value) = (number(point)?, number(value)?);
-    let written = setup.pitch.set(axis, point, value);
+    let written = setup.memory.pitch.set(axis, point, value);
     written.map_err(|error| format!("{error:?}"))
 }
 
@@ -189,7 +212,11 @@ fn offset(setup: &mut Setup, word: &str) -> Result<(), String> {
         t: value(3) as u8,
     };
     let refused = |alarm: gsk_core::alarm::Alarm| alarm.line_text();
-    setup.offsets.set(number(name)?, row).map_err(refused)
+    setup
+        .memory
+        .offsets
+        .set(number(name)?, row)
+        .map_err(refused)
 }
 
 /// Program memory with these texts; the first one is selected. A text without

@@ -1,7 +1,7 @@
-//! What the sources hold, for tables that name tests.
+//! What the sources hold, for tables that name tests and for what they must not hold.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::repository;
 
@@ -27,4 +27,40 @@ fn contains(folder: &Path, wanted: &str) -> bool {
         let rust = path.extension().is_some_and(|extension| extension == "rs");
         rust && fs::read_to_string(&path).is_ok_and(|text| text.contains(wanted))
     })
+}
+
+/// A file of the control without its tests.
+pub struct Source {
+    /// Where it lies in the repository.
+    pub path: PathBuf,
+    /// What it says.
+    pub text: String,
+}
+
+/// The sources of control, link, panel and program, without their tests.
+pub fn control_sources() -> Vec<Source> {
+    let mut sources = Vec::new();
+    for package in ["core", "link", "panel", "app"] {
+        collect(&repository().join(package).join("src"), &mut sources);
+    }
+    sources
+}
+
+fn collect(folder: &Path, sources: &mut Vec<Source>) {
+    let Ok(entries) = fs::read_dir(folder) else {
+        return;
+    };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if path.is_dir() {
+            if name != "tests" {
+                collect(&path, sources);
+            }
+        } else if name.ends_with(".rs") && name != "tests.rs" && !name.ends_with("_tests.rs") {
+            let text = fs::read_to_string(&path).unwrap_or_default();
+            let own = text.split("#[cfg(test)]\nmod tests {").next();
+            let text = own.unwrap_or_default().to_owned();
+            sources.push(Source { path, text });
+        }
+    }
 }

@@ -6,15 +6,14 @@
 //! An alarm of a program may be open only while a case marked as a known failure waits
 //! for it.
 
-#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
-
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use gsk_core::alarm::{self, AlarmRow};
 use gsk_tests::sources::has_test;
-use gsk_tests::{Case, cases_dir, repository};
+use gsk_tests::tree::Place;
+use gsk_tests::{Case, repository, tree};
 use serde_json::Value;
 
 /// The cases of an alarm.
@@ -26,21 +25,6 @@ struct Cases {
 
 /// Cases by the first number of the table row they raise.
 type Covered = BTreeMap<u16, Cases>;
-
-fn folders() -> Vec<PathBuf> {
-    let entries = fs::read_dir(cases_dir()).expect("cases");
-    let mut folders: Vec<PathBuf> = entries
-        .map(|entry| entry.expect("entry").path())
-        .filter(|path| path.is_dir())
-        .collect();
-    folders.sort();
-    folders
-}
-
-fn name(folder: &Path) -> String {
-    let name = folder.file_name().unwrap_or_default();
-    name.to_string_lossy().into_owned()
-}
 
 /// The alarm that the result of a program case expects.
 fn expected_alarm(folder: &Path) -> Option<Value> {
@@ -62,7 +46,7 @@ fn alarms_of_script(text: &str) -> Vec<u16> {
 
 fn covered() -> Covered {
     let mut covered = Covered::new();
-    for folder in folders() {
+    for Place { name, folder, .. } in tree::cases().expect("cases") {
         let case = Case::read(&folder).expect("case.ron");
         let numbers = match &case.script {
             Some(script) => {
@@ -75,12 +59,12 @@ fn covered() -> Covered {
                 .collect(),
         };
         for number in numbers {
-            let row = alarm::row(number)
-                .unwrap_or_else(|| panic!("{}: there is no alarm {number}", name(&folder)));
+            let row =
+                alarm::row(number).unwrap_or_else(|| panic!("{name}: there is no alarm {number}"));
             let cases = covered.entry(row.number).or_default();
             match case.known_failure {
-                Some(_) => cases.known_failures.push(name(&folder)),
-                None => cases.pass.push(name(&folder)),
+                Some(_) => cases.known_failures.push(name.clone()),
+                None => cases.pass.push(name.clone()),
             }
         }
     }
@@ -160,10 +144,10 @@ fn every_alarm_has_a_case_or_a_reason() {
 
 #[test]
 fn every_alarm_of_a_program_case_is_expected_at_a_line() {
-    let without: Vec<String> = folders()
-        .iter()
-        .filter(|folder| expected_alarm(folder).is_some_and(|alarm| alarm["line"].is_null()))
-        .map(|folder| name(folder))
+    let cases = tree::cases().expect("cases").into_iter();
+    let without: Vec<String> = cases
+        .filter(|case| expected_alarm(&case.folder).is_some_and(|alarm| alarm["line"].is_null()))
+        .map(|case| case.name)
         .collect();
     assert!(without.is_empty(), "no line: {}", without.join(", "));
 }

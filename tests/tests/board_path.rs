@@ -1,8 +1,6 @@
 //! The plotted path ends where the board stopped: what the control was ahead of it is
 //! not drawn.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
-
 #[allow(dead_code, reason = "the whole bench of the link")]
 #[path = "../../core/tests/bench/board.rs"]
 mod board;
@@ -12,8 +10,9 @@ mod keys;
 use std::time::Duration;
 
 use board::{Board, Machine, Timed};
-use gsk_core::machine::link::{LinkState, Linked};
+use gsk_core::linked::Linked;
 use gsk_core::units::Point;
+use gsk_link::LinkState;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 use gsk_panel::panel::Panel;

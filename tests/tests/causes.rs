@@ -413,6 +413,7 @@ fn live(seed: u64) -> Result<Seen, String> {
             dice.one_in(2)
         };
         setup
+            .memory
             .parameters
             .set_bit(number, bit, value)
             .map_err(|error| format!("{error:?}"))?;

@@ -1,8 +1,6 @@
 //! The same inputs at the same ticks give the same machine, bit for bit, also
 //! through saving and restoring in the middle.
 
-#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
-
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::script::{Effect, Progress, Runner, Script};

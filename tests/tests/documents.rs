@@ -1,7 +1,5 @@
 //! The documents agree with the tables and folders they speak of.
 
-#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
-
 use gsk_panel::keys::KEYS;
 use gsk_tests::repository;
 

@@ -1,9 +1,7 @@
 //! Random keys over all pages: nothing panics, the memory can always be read back
 //! as it is, and nothing changes that a protection guards.
 //!
-//! `EDIT_KEYS=100000 cargo test -p gsk980td-tests --test edit_keys` presses more.
-
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+//! `EDIT_KEYS=100000 cargo test -p gsk980td-tests --test subjects edit_keys` presses more.
 
 use gsk_core::cnc::{Cnc, Request};
 use gsk_core::memory::{Authority, Counters, Disks, Offsets, Parameters, Settings, Variables};
@@ -124,18 +122,18 @@ fn begin(random: &mut Random) -> Emulator {
         (12, 5),
     ] {
         if random.below(4) == 0 {
-            let on = setup.parameters.bit(number, bit);
-            setup.parameters.set_bit(number, bit, !on).unwrap();
+            let on = setup.memory.parameters.bit(number, bit);
+            setup.memory.parameters.set_bit(number, bit, !on).unwrap();
         }
     }
-    setup.settings.numbering = random.below(3) == 0;
+    setup.memory.settings.numbering = random.below(3) == 0;
     match random.below(6) {
-        0 => setup.authority.leave(),
-        1 => assert!(setup.authority.enter("1234")),
+        0 => setup.memory.authority.leave(),
+        1 => assert!(setup.memory.authority.enter("1234")),
         _ => {}
     }
     for text in PROGRAMS {
-        setup.programs.store(text).unwrap();
+        setup.memory.programs.store(text).unwrap();
     }
     let mut emulator = Emulator::new(setup);
     emulator.run_until(&Condition::SelfTestOver, 10_000);

@@ -1,21 +1,16 @@
 //! Every fault of the lathe has a case that breaks it and looks at the diagnosis
 //! page for its cause.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on should say where"
-)]
-
 use std::fs;
 
 use gsk_core::machine::FAULTS;
-use gsk_tests::cases_dir;
+use gsk_tests::tree;
 
 #[test]
 fn every_fault_has_a_case_that_shows_its_cause() {
     let mut scripts = Vec::new();
-    for folder in fs::read_dir(cases_dir()).unwrap() {
-        let script = folder.unwrap().path().join("operate.txt");
+    for case in tree::cases().unwrap() {
+        let script = case.folder.join("operate.txt");
         scripts.extend(fs::read_to_string(script));
     }
     assert!(scripts.len() > 200, "{}", scripts.len());

@@ -1,7 +1,5 @@
 //! Every input of the fuzz corpus goes through its target once.
 
-#![allow(clippy::expect_used, reason = "tests fail by panicking")]
-
 use std::fs;
 use std::path::Path;
 

@@ -1,8 +1,6 @@
 //! No text panics the program or hangs it.
 
-#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
-
-use gsk_core::preview::{End, preview};
+use gsk_core::preview::{End, Further, MOST_FURTHER, preview, preview_beyond_alarms};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::{Simulation, Until};
@@ -31,8 +29,9 @@ fn text() -> impl Strategy<Value = String> {
 
 fn start(text: &str) -> Setup {
     let mut start = Setup::default();
-    start.programs.open_external(Program::new(text));
+    start.memory.programs.open_external(Program::new(text));
     start
+        .memory
         .programs
         .select(gsk_core::command::ProgramId::External);
     start
@@ -44,11 +43,22 @@ proptest! {
     #[test]
     fn any_text_can_be_checked(text in text()) {
         let start = start(&text);
-        let seen = preview(&start, &start.programs, &mut |executed| {
+        let seen = preview(&start, &start.memory.programs, &mut |executed| {
             assert!(executed.to.x.is_finite() && executed.to.z.is_finite());
         });
         prop_assert!(seen.time_s.is_finite());
         prop_assert_eq!(seen.end == End::Alarm, seen.alarm.is_some());
+        let mut beyond = preview_beyond_alarms(&start, &start.memory.programs, &mut |_| {}, &mut |at| {
+            at.motionless < 100_000
+        });
+        let further = core::mem::take(&mut beyond.further);
+        prop_assert!(further.alarms.len() <= MOST_FURTHER);
+        prop_assert!(seen.alarm.is_some() || further == Further::default());
+        prop_assert_eq!(&beyond.cautions[..seen.cautions.len()], &seen.cautions[..]);
+        beyond.cautions.truncate(seen.cautions.len());
+        if seen.end != End::Limit {
+            prop_assert_eq!(beyond, seen, "what is up to the alarm stays");
+        }
     }
 
     #[test]
@@ -88,7 +98,7 @@ fn files_that_are_no_programs() {
         &lines,
     ] {
         let start = start(text);
-        let seen = preview(&start, &start.programs, &mut |_| {});
+        let seen = preview(&start, &start.memory.programs, &mut |_| {});
         assert!(
             matches!(seen.end, End::Text | End::Alarm),
             "{:.20?}: {:?}",
@@ -102,7 +112,7 @@ fn files_that_are_no_programs() {
 fn loops_without_motion_end() {
     for text in ["M99", "O1\nG98\nM99", "N1 M99 P1"] {
         let start = start(text);
-        let seen = preview(&start, &start.programs, &mut |_| {});
+        let seen = preview(&start, &start.memory.programs, &mut |_| {});
         assert!(
             matches!(seen.end, End::M99 | End::Limit),
             "{text}: {:?}",
@@ -114,10 +124,8 @@ fn loops_without_motion_end() {
         "O2\nM98 P99990003\nM99".to_owned(),
         "O3\nG98\nM99".to_owned(),
     ];
-    let start = Setup {
-        programs: setup::memory(&texts).expect("programs"),
-        ..Setup::default()
-    };
-    let seen = preview(&start, &start.programs, &mut |_| {});
+    let mut start = Setup::default();
+    start.memory.programs = setup::memory(&texts).expect("programs");
+    let seen = preview(&start, &start.memory.programs, &mut |_| {});
     assert_eq!(seen.end, End::Limit);
 }

@@ -1,11 +1,6 @@
 //! Machine files: the example is a lathe, the document names every field, and
 //! what cannot be is refused by field and rule.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on should say where"
-)]
-
 use gsk_core::machine::{Lathe, LatheConfig, Outputs};
 use gsk_core::memory::Parameters;
 
@@ -105,6 +100,22 @@ fn what_cannot_be_is_refused_by_field_and_rule() {
             "x.dog: -10 to 20 does not lie within the limit switches -310 to 10",
         ),
         (
+            "(x: (ends: (minus: -300, plus: 20)))",
+            "x.limits: -310 to 10 do not lie within the ends of the slide -300 to 20",
+        ),
+        (
+            "(z: (ends: (minus: 20, plus: -600)))",
+            "z.ends: minus 20 must lie below plus -600",
+        ),
+        (
+            "(z: (limits: None, start: 30))",
+            "z.start: 30 lies beyond the ends of the slide -515 to 15",
+        ),
+        (
+            "(x: (limits: None, dog: (from: -10, to: 40)))",
+            "x.dog: -10 to 40 does not lie within the ends of the slide -330 to 30",
+        ),
+        (
             "(x: (motor_turn: 0))",
             "x.motor_turn: 0 is not above 0 and at most 1000 mm",
         ),
@@ -160,4 +171,5 @@ fn what_cannot_be_is_refused_by_field_and_rule() {
     }
     LatheConfig::default().check().unwrap();
     LatheConfig::free().check().unwrap();
+    LatheConfig::roomy().check().unwrap();
 }

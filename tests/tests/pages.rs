@@ -1,14 +1,16 @@
 //! Every page of the page table has its case: the keys that lead to it, the LCD as
 //! text and as a picture.
 
-use gsk_panel::pages::PAGES;
-use gsk_tests::cases_dir;
+use gsk_messages::Language;
+use gsk_panel::pages::{PAGES, PageId};
+use gsk_tests::case_dir;
 
 #[test]
 fn every_page_has_its_case() {
-    let pages = PAGES.iter().map(|row| (row.name, row.title));
-    for (name, title) in pages.chain([("power-on", "")]) {
-        let folder = cases_dir().join(format!("page-{name}"));
+    let title = |page: PageId| page.title().text(Language::Zh);
+    let pages = PAGES.iter().map(|row| (row.name, title(row.page)));
+    for (name, title) in pages.chain([("power-on", String::new())]) {
+        let folder = case_dir(&format!("page-{name}")).expect(name);
         let file = |name: &str| std::fs::read(folder.join(name)).unwrap_or_default();
         let text = String::from_utf8(file("screen.txt")).unwrap();
         let rows: Vec<&str> = text.lines().collect();

@@ -7,8 +7,6 @@
 //! parameters have no meaning in the manual either; `without effect` belongs to
 //! hardware that is not there, and stands in both READMEs for the user.
 
-#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::sync::Mutex;
@@ -17,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use gsk_core::memory::{self, ParameterRow, Parameters};
 use gsk_tests::case::Case;
 use gsk_tests::sources::has_test;
-use gsk_tests::{cases_dir, repository, run_as_written};
+use gsk_tests::{case_dir, repository, run_as_written};
 
 /// What covers a parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,7 +127,9 @@ fn value(parameters: &Parameters, (number, bit): Place) -> i32 {
 
 /// What is wrong with a case as witness for a parameter.
 fn fault(wanted: Place, name: &str) -> Option<String> {
-    let folder = cases_dir().join(name);
+    let Some(folder) = case_dir(name) else {
+        return Some("is no case".to_owned());
+    };
     let mut case = match Case::read(&folder) {
         Ok(case) => case,
         Err(error) => return Some(error),
@@ -137,11 +137,11 @@ fn fault(wanted: Place, name: &str) -> Option<String> {
     if case.known_failure.is_some() {
         return Some("is a known failure".to_owned());
     }
-    let set = case.setup.setup().expect("set-up").parameters;
+    let set = case.setup.setup().expect("set-up").memory.parameters;
     if take_words(&mut case, wanted).is_empty() {
         return Some("its case.ron does not set it".to_owned());
     }
-    let unset = case.setup.setup().expect("set-up").parameters;
+    let unset = case.setup.setup().expect("set-up").memory.parameters;
     if value(&set, wanted) == value(&unset, wanted) {
         return Some("sets it to what it is anyway".to_owned());
     }
@@ -231,7 +231,7 @@ fn every_fact_about_parameters_has_its_case_or_test() {
             panic!("parameter-facts.tsv: three columns are needed: {line}");
         };
         for proof in proofs.split(' ') {
-            let exists = cases_dir().join(proof).join("case.ron").exists() || has_test(proof);
+            let exists = case_dir(proof).is_some() || has_test(proof);
             assert!(exists, "there is neither a case nor a test {proof}");
         }
     }

@@ -1,9 +1,7 @@
 //! Random legal programs through the full kernel: no NaN, no axis faster than it
 //! may be, every end point where the words say.
 //!
-//! `PROPTEST_CASES=2000 cargo test -p gsk980td-tests --test properties` runs more.
-
-#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
+//! `PROPTEST_CASES=2000 cargo test -p gsk980td-tests --test subjects properties` runs more.
 
 use std::fmt::Write as _;
 
@@ -213,17 +211,15 @@ fn part(steps: &[Step]) -> Part {
 }
 
 fn start(part: &Part) -> Setup {
-    let mut start = Setup {
-        programs: setup::memory(std::slice::from_ref(&part.text)).expect("program"),
-        ..Setup::default()
-    };
+    let mut start = Setup::default();
+    start.memory.programs = setup::memory(std::slice::from_ref(&part.text)).expect("program");
     for (number, (x, z)) in OFFSETS.into_iter().enumerate().skip(1) {
         let row = gsk_core::memory::ToolOffset {
             x: x as f64 / 1000.0,
             z: z as f64 / 1000.0,
             ..Default::default()
         };
-        start.offsets.set(number as u8, row).expect("offset");
+        start.memory.offsets.set(number as u8, row).expect("offset");
     }
     start
 }
@@ -417,7 +413,7 @@ proptest! {
             assert_rate(executed, feed, rapid)?;
         }
         let mut previewed = Vec::new();
-        let seen = preview(&start, &start.programs, &mut |executed| previewed.push(*executed));
+        let seen = preview(&start, &start.memory.programs, &mut |executed| previewed.push(*executed));
         assert_same(&previewed, &watched.moves, feed_down + rapid_down == 0)?;
         assert_at("preview", seen.absolute, part.end)?;
         assert_at("preview, machine", seen.machine, part.machine)?;

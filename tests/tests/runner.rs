@@ -1,12 +1,10 @@
 //! The case runner itself: it sees differences, keeps known failures honest and
 //! rewrites expectations only on demand.
 
-#![allow(clippy::expect_used, clippy::panic, reason = "tests fail by panicking")]
-
 use std::fs;
 use std::path::PathBuf;
 
-use gsk_tests::run_case;
+use gsk_tests::{case_dir, run_case, tree};
 
 /// A case in a folder of its own, removed at the end.
 struct Folder(PathBuf);
@@ -113,4 +111,39 @@ fn a_case_that_cannot_be_read_says_so() {
     let folder = Folder::new("unreadable", &[("case.ron", "(program: [])")]);
     let failure = run_case(&folder.0, false).expect_err("no case");
     assert!(failure.starts_with("case.ron:"), "{failure}");
+}
+
+#[test]
+fn the_cases_lie_in_their_places_and_no_two_share_a_name() {
+    let cases = tree::cases().expect("the folders of tests/cases");
+    let last = cases.last().expect("cases");
+    assert_eq!(case_dir(&last.name).as_ref(), Some(&last.folder));
+    assert_eq!(case_dir("no-such-case"), None);
+}
+
+#[test]
+fn a_folder_at_the_wrong_depth_or_without_a_case_is_named() {
+    let folder = Folder::new("tree", &[]);
+    for path in ["cycles/G71/deep/deeper", "cycles/shallow", "threads/G32/a"] {
+        fs::create_dir_all(folder.0.join(path)).expect("folder");
+        fs::write(folder.0.join(path).join("case.ron"), "").expect("case");
+    }
+    for path in ["cycles/G72", "cycles/G73/no-case", "motion/G01/a"] {
+        fs::create_dir_all(folder.0.join(path)).expect("folder");
+    }
+    fs::write(folder.0.join("motion/G01/a/case.ron"), "").expect("case");
+    let faults = tree::cases_in(&folder.0).expect_err("faults");
+    let seen: Vec<&str> = faults.lines().collect();
+    let depth = "a case lies in cases/<subject>/<code>/<case>/ and nowhere else";
+    let nothing = "the folder holds neither a case.ron nor folders";
+    assert_eq!(
+        seen,
+        [
+            format!("cases/cycles/G71/deep/deeper: {depth}"),
+            format!("cases/cycles/G72: {nothing}"),
+            format!("cases/cycles/G73/no-case: {nothing}"),
+            format!("cases/cycles/shallow: {depth}"),
+            "a: is the name of several cases: motion/G01/a, threads/G32/a".to_owned(),
+        ]
+    );
 }

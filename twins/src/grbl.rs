@@ -190,6 +190,8 @@ pub struct GrblTwin {
     fluid: Fluid,
     /// Macros FluidNC was told to run, by a character of its own.
     pub macros_run: u32,
+    /// Resets it has carried out since power-on, whether it moved or not.
+    pub resets: u32,
 }
 
 impl GrblTwin {
@@ -238,6 +240,7 @@ impl GrblTwin {
             work_offset: [0.0; 3],
             fluid: Fluid::default(),
             macros_run: 0,
+            resets: 0,
         };
         twin.place_switches([20.0, 40.0]);
         twin.press_reset();

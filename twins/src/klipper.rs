@@ -11,6 +11,7 @@ mod block;
 mod commands;
 mod dictionary;
 mod objects;
+mod pins;
 mod spindle;
 mod stepper;
 mod timers;
@@ -120,6 +121,8 @@ pub struct KlipperTwin {
     busy_until: u64,
     dictionary: Vec<u8>,
     crc: Option<u32>,
+    /// How many oids there may be, once the host has said so.
+    most_oids: Option<u32>,
     oids: BTreeMap<u32, Object>,
     /// Steps done until this clock; a busy processor makes them late.
     free_at: i64,
@@ -162,6 +165,8 @@ pub struct Figures {
 pub struct Made {
     /// When, ns.
     pub at: u64,
+    /// When it was to be, ns: a processor that makes another step is late.
+    pub due: u64,
     /// First or second stepper.
     pub axis: usize,
     /// Pulses behind it.
@@ -196,6 +201,7 @@ impl KlipperTwin {
             busy_until: 0,
             dictionary: dictionary::packed(RATE, WINDOW as u32, make.resets),
             crc: None,
+            most_oids: None,
             oids: BTreeMap::new(),
             free_at: 0,
             stats_at: 0,
@@ -226,6 +232,7 @@ impl KlipperTwin {
         self.received.clear();
         self.oids.clear();
         self.crc = None;
+        self.most_oids = None;
         self.shutdown = None;
         self.drive_spindle(self.now);
     }
@@ -288,7 +295,7 @@ impl KlipperTwin {
     /// Gives an input pin a level, whatever switch is there; pins nobody gave one are
     /// low.
     pub fn set_pin(&mut self, name: &str, level: bool) {
-        if let Some(pin) = dictionary::pin(name) {
+        if let Some(pin) = pins::number(name) {
             self.travel.remove(&pin);
             self.levels.insert(pin, level);
         }
@@ -296,7 +303,7 @@ impl KlipperTwin {
 
     /// Puts a switch on the way of a slide; its pin follows the pulses.
     pub fn put_switch(&mut self, name: &str, travel: Travel) {
-        if let Some(pin) = dictionary::pin(name) {
+        if let Some(pin) = pins::number(name) {
             self.travel.insert(pin, travel);
         }
     }
@@ -308,7 +315,7 @@ impl KlipperTwin {
 
     /// What an output pin was last given.
     pub fn output(&self, name: &str) -> Option<u32> {
-        let wanted = dictionary::pin(name)?;
+        let wanted = pins::number(name)?;
         self.oids.values().find_map(|object| match object {
             Object::Output(output, value) if output.pin == wanted => Some(*value),
             _ => None,

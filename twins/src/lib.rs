@@ -10,6 +10,8 @@
 //! time has passed. The same twin runs in a test, eight hours in seconds, and
 //! behind a pseudo terminal at the pace of the wall clock.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod grbl;
 pub mod klipper;
 pub mod wire;

@@ -1,49 +1,62 @@
 //! `check`: programs interpreted without running the machine.
 
-use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use gsk_core::preview::{End, Preview, Turning, preview};
+use gsk_core::command::ExecutedMove;
+use gsk_core::preview::Progress;
 use gsk_core::setup::Setup;
+use gsk_runner::moves;
+use gsk_runner::report::{self, Report};
 
-use super::{ALARM, FINE, USAGE, output};
-use crate::cli::CheckArgs;
-use crate::report::{self, AlarmReport, Bounds, Final, PathReport, Report};
-use crate::{loading, moves};
+use super::{ALARM, CommandError, FINE, USAGE, output};
+use crate::apart::{Read, keep_apart};
+use crate::cli::{CheckArgs, Language, LookArgs};
+use crate::loading;
 
 /// Checks programs.
-pub fn check(args: &CheckArgs) -> Result<u8, String> {
+pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     if args.moves.is_some() && args.files.len() > 1 {
-        return Err("--moves takes one program".to_owned());
+        return Err(CommandError::OneProgram);
     }
-    let setup = loading::setup(&args.setup)?;
+    let setup = loading::setup(&args.setup, args.look.work_zero)?;
+    let read = Read {
+        files: (args.files.iter().map(PathBuf::as_path))
+            .chain(args.setup.read_files())
+            .collect(),
+        main: args.files.first().map(PathBuf::as_path),
+        data: args.setup.data.as_deref(),
+    };
+    keep_apart(&read, args.moves.as_deref().as_slice())?;
     if let (Some(path), [file]) = (&args.moves, &args.files[..]) {
         let mut out = output::open(path)?;
         let mut failed = None;
-        let report = check_file(&setup, file, &mut |executed| {
+        let report = check_file(&setup, file, args.look, true, &mut |executed| {
             if failed.is_none() {
                 failed = moves::write_move(&mut *out, executed).err();
             }
         })?;
         let flushed = out.flush().err();
         if let Some(error) = failed.or(flushed) {
-            return Err(format!("{} cannot be written: {error}", path.display()));
+            return Err(output::WriteError::new(path, error).into());
         }
         drop(out);
-        return print(&[Ok(report)], args.json);
+        let aside = output::is_standard(Some(path));
+        return print(&[Ok(report)], args.json, aside, args.look.lang);
     }
-    print(&all(&setup, &args.files), args.json)
+    let results = all(&setup, &args.files, args.look);
+    print(&results, args.json, false, args.look.lang)
 }
 
 /// Checks files on all cores; the results keep the order of the files.
-fn all(setup: &Setup, files: &[PathBuf]) -> Vec<Result<Report, String>> {
+fn all(setup: &Setup, files: &[PathBuf], look: LookArgs) -> Vec<Result<Report, CommandError>> {
     let next = AtomicUsize::new(0);
-    let results: Vec<Mutex<Option<Result<Report, String>>>> =
+    let results: Vec<Mutex<Option<Result<Report, CommandError>>>> =
         files.iter().map(|_| Mutex::new(None)).collect();
+    let alone = files.len() == 1;
     let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
     thread::scope(|scope| {
         for _ in 0..cores.min(files.len()) {
@@ -51,7 +64,7 @@ fn all(setup: &Setup, files: &[PathBuf]) -> Vec<Result<Report, String>> {
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(file) = files.get(index) else { break };
-                    let result = check_file(setup, file, &mut |_| {});
+                    let result = check_file(setup, file, look, alone, &mut |_| {});
                     if let Ok(mut place) = results[index].lock() {
                         *place = Some(result);
                     }
@@ -59,7 +72,7 @@ fn all(setup: &Setup, files: &[PathBuf]) -> Vec<Result<Report, String>> {
             });
         }
     });
-    let missing = || Err("this file was not checked".to_owned());
+    let missing = || Err(CommandError::NotChecked);
     results
         .into_iter()
         .map(|result| result.into_inner().ok().flatten().unwrap_or_else(missing))
@@ -69,98 +82,48 @@ fn all(setup: &Setup, files: &[PathBuf]) -> Vec<Result<Report, String>> {
 fn check_file(
     setup: &Setup,
     file: &Path,
-    on_move: &mut dyn FnMut(&gsk_core::command::ExecutedMove),
-) -> Result<Report, String> {
+    look: LookArgs,
+    alone: bool,
+    on_move: &mut dyn FnMut(&ExecutedMove),
+) -> Result<Report, CommandError> {
     let mut setup = setup.clone();
     loading::open(&mut setup, &[file.to_owned()])?.print();
-    let preview = preview(&setup, &setup.programs, on_move);
-    Ok(report(&file.display().to_string(), &setup, &preview))
+    let mut watch = output::watch(&setup.memory.programs, look.patience.begin(), alone);
+    let name = file.display().to_string();
+    let mut goes_on = |progress: &Progress| watch.goes_on(progress);
+    Ok(report::check(
+        &name,
+        &setup,
+        look.lang,
+        on_move,
+        &mut goes_on,
+    ))
 }
 
-fn print(results: &[Result<Report, String>], json: bool) -> Result<u8, String> {
+/// `aside`: on standard error, as the moves are on standard output.
+fn print(
+    results: &[Result<Report, CommandError>],
+    json: bool,
+    aside: bool,
+    language: Option<Language>,
+) -> Result<u8, CommandError> {
     let mut code = FINE;
     for result in results {
         match result {
             Ok(report) => {
-                if matches!(report.end, "alarm" | "limit") {
+                if report.failed() {
                     code = code.max(ALARM);
                 }
-                if json {
-                    let line = serde_json::to_string(report).map_err(|error| error.to_string())?;
-                    output::print(&format!("{line}\n"))?;
-                } else {
-                    output::print(&report.words())?;
-                }
+                output::report(report, json, aside, language)?;
             }
             Err(said) => {
                 code = code.max(USAGE);
-                eprintln!("gsk980td: {said}");
+                complain!(
+                    "gsk980td: {}",
+                    report::translated(&said.to_string(), language)
+                );
             }
         }
     }
     Ok(code)
-}
-
-fn report(name: &str, setup: &Setup, preview: &Preview) -> Report {
-    Report {
-        file: name.to_owned(),
-        end: match preview.end {
-            End::M30 => "M30",
-            End::M99 => "M99",
-            End::Text => "EOF",
-            End::Alarm => "alarm",
-            End::Limit => "limit",
-        },
-        alarm: preview
-            .alarm
-            .as_ref()
-            .map(|alarm| AlarmReport::new(alarm, &setup.programs)),
-        time_s: moves::rounded(preview.time_s),
-        cutting_s: moves::rounded(preview.cutting_s),
-        blocks: preview.blocks,
-        moves: preview.moves,
-        parts: preview.parts,
-        stops: preview.stops,
-        position: Final::new(preview.absolute, preview.machine, preview.relative),
-        modal: report::modal_codes(&preview.modal),
-        f: preview.modal.feed,
-        s: preview.modal.spindle,
-        t: report::tool_word((preview.modal.tool, preview.modal.offset)),
-        spindle: match preview.spindle {
-            Turning::Clockwise => "cw",
-            Turning::CounterClockwise => "ccw",
-            Turning::Stopped => "stop",
-        },
-        coolant: preview.coolant,
-        parameters_changed: report::changed(&setup.parameters, &preview.parameters),
-        path: Some(path(preview)),
-    }
-}
-
-fn path(preview: &Preview) -> PathReport {
-    let lengths = &preview.lengths;
-    PathReport {
-        lengths: BTreeMap::from([
-            ("rapid", moves::rounded(lengths.rapid)),
-            ("feed", moves::rounded(lengths.feed)),
-            ("cw", moves::rounded(lengths.clockwise)),
-            ("ccw", moves::rounded(lengths.counter_clockwise)),
-            ("thread", moves::rounded(lengths.thread)),
-        ]),
-        tools: preview
-            .tools
-            .iter()
-            .map(|tool| report::tool_word(*tool))
-            .collect(),
-        bounds: preview.bounds.map(|bounds| {
-            let (low, high) = (
-                moves::diameter_z(bounds.least),
-                moves::diameter_z(bounds.greatest),
-            );
-            Bounds {
-                x: (low.0, high.0),
-                z: (low.1, high.1),
-            }
-        }),
-    }
 }

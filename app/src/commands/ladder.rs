@@ -6,13 +6,13 @@ use std::sync::Arc;
 use gsk_core::plc::{Ladder, Plc};
 use gsk_core::setup::{STANDARD_LADDER, standard_ladder};
 
-use super::{ALARM, FINE, output};
+use super::{ALARM, CommandError, FINE, output};
 use crate::cli::{LadderArgs, LadderCommand, LadderRunArgs};
 use crate::files::program_file;
 use crate::loading;
 
 /// Carries out a ladder command.
-pub fn ladder(command: &LadderCommand) -> Result<u8, String> {
+pub fn ladder(command: &LadderCommand) -> Result<u8, CommandError> {
     match command {
         LadderCommand::Check(args) => check(args),
         LadderCommand::List(args) => list(args),
@@ -20,22 +20,29 @@ pub fn ladder(command: &LadderCommand) -> Result<u8, String> {
     }
 }
 
-fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, String>, String> {
+/// A ladder with errors, a line each.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .0.join("\n"))]
+struct NoLadder(Vec<String>);
+
+fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, NoLadder>, CommandError> {
     let Some(path) = path else {
         return Ok(Ok(standard_ladder()));
     };
-    let file = program_file::read(path).map_err(|error| error.to_string())?;
+    let file = program_file::read(path)?;
     let name = path.display().to_string();
     Ok(Ladder::compile(&file.text).map(Arc::new).map_err(|errors| {
-        errors
-            .errors
-            .iter()
-            .map(|error| error.in_file(&name) + "\n")
-            .collect()
+        NoLadder(
+            errors
+                .errors
+                .iter()
+                .map(|error| error.in_file(&name))
+                .collect(),
+        )
     }))
 }
 
-fn check(args: &LadderArgs) -> Result<u8, String> {
+fn check(args: &LadderArgs) -> Result<u8, CommandError> {
     let name = args.file.as_ref().map_or_else(
         || "standard ladder".to_owned(),
         |path| path.display().to_string(),
@@ -54,17 +61,17 @@ fn check(args: &LadderArgs) -> Result<u8, String> {
                 ladder.parts(),
                 ladder.warnings().len()
             ));
-            output::print(&out)?;
+            output::print(&out);
             Ok(FINE)
         }
         Err(said) => {
-            eprint!("{said}");
+            complain!("{said}");
             Ok(ALARM)
         }
     }
 }
 
-fn list(args: &LadderArgs) -> Result<u8, String> {
+fn list(args: &LadderArgs) -> Result<u8, CommandError> {
     match compile(args.file.as_deref())? {
         Ok(ladder) => {
             // The standard ladder is printed as it was written, comments and all.
@@ -72,21 +79,21 @@ fn list(args: &LadderArgs) -> Result<u8, String> {
                 Some(_) => ladder.to_source(),
                 None => STANDARD_LADDER.to_owned(),
             };
-            output::print(&text)?;
+            output::print(&text);
             Ok(FINE)
         }
         Err(said) => {
-            eprint!("{said}");
+            complain!("{said}");
             Ok(ALARM)
         }
     }
 }
 
-fn run(args: &LadderRunArgs) -> Result<u8, String> {
+fn run(args: &LadderRunArgs) -> Result<u8, CommandError> {
     let ladder = match compile(args.file.as_deref())? {
         Ok(ladder) => ladder,
         Err(said) => {
-            eprint!("{said}");
+            complain!("{said}");
             return Ok(ALARM);
         }
     };
@@ -102,11 +109,11 @@ fn run(args: &LadderRunArgs) -> Result<u8, String> {
         }
         plc.slot();
         if let Some(fault) = plc.fault() {
-            eprintln!("gsk980td: {fault}");
+            complain!("gsk980td: {fault}");
             return Ok(ALARM);
         }
     }
-    output::print(&after(&plc))?;
+    output::print(&after(&plc));
     Ok(FINE)
 }
 

@@ -5,15 +5,16 @@ mod twin;
 
 use std::time::Duration;
 
-use gsk_core::machine::link::{Event, LinkConfig, LinkState};
+use gsk_link::{Event, LinkConfig, LinkState};
 
-use super::{ALARM, FINE, output};
+use super::{ALARM, CommandError, FINE, output};
 use crate::board::Board;
 use crate::cli::{LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs};
-use crate::{loading, ports};
+use crate::{guard, loading, ports};
+use gsk_core::alarm::number;
 
 /// Carries out a link command.
-pub fn link(command: &LinkCommand) -> Result<u8, String> {
+pub fn link(command: &LinkCommand) -> Result<u8, CommandError> {
     match command {
         LinkCommand::List => list(),
         LinkCommand::Test(args) => test(args),
@@ -22,10 +23,10 @@ pub fn link(command: &LinkCommand) -> Result<u8, String> {
     }
 }
 
-fn list() -> Result<u8, String> {
+fn list() -> Result<u8, CommandError> {
     let found = ports::list()?;
     if found.is_empty() {
-        output::print("no serial port; `gsk980td link twin` plays a board without hardware\n")?;
+        output::print("no serial port; `gsk980td link twin` plays a board without hardware\n");
         return Ok(FINE);
     }
     let mut out = String::new();
@@ -36,25 +37,27 @@ fn list() -> Result<u8, String> {
         }
         out.push('\n');
     }
-    output::print(&out)?;
+    output::print(&out);
     Ok(FINE)
 }
 
 /// The board that is meant, with the settings of the machine file and the
 /// parameters of the control.
-fn open(args: &LinkBoardArgs) -> Result<Board, String> {
-    let setup = loading::setup(&args.setup)?;
+fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
+    let setup = loading::setup(&args.setup, None)?;
     let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();
     if let Some(port) = &args.port {
         config.port.clone_from(port);
     }
     if config.port.is_empty() {
-        return Err(
-            "no port: name one, or the section `link` in the file given with --machine".to_owned(),
-        );
+        return Err(CommandError::NoPort);
     }
-    config.check().map_err(|error| error.to_string())?;
-    Board::open(config, &setup.parameters)
+    config.check()?;
+    Ok(Board::open(
+        config,
+        &setup.memory.parameters,
+        &guard::program(),
+    )?)
 }
 
 /// Prints alarms; whether there was one besides differing settings.
@@ -62,8 +65,8 @@ fn report(events: &[Event]) -> bool {
     let mut failed = false;
     for event in events {
         if let Event::Alarm { number, detail } = event {
-            eprintln!("gsk980td: {number}: {detail}");
-            failed |= *number != 603;
+            complain!("gsk980td: {number}: {detail}");
+            failed |= *number != number::BOARD_SETTINGS;
         }
     }
     failed
@@ -74,8 +77,8 @@ fn report(events: &[Event]) -> bool {
 fn tell_state(board: &Board) -> bool {
     match board.link.state() {
         LinkState::Fault | LinkState::Lost | LinkState::Tripped => {}
-        LinkState::Off => eprintln!("gsk980td: broken off; the board was stopped"),
-        state => eprintln!(
+        LinkState::Off => complain!("gsk980td: broken off; the board was stopped"),
+        state => complain!(
             "gsk980td: the board is not ready after {} s, the link is still at `{}`: a line that \
              is slow, or loses much",
             board.now().as_secs(),
@@ -85,7 +88,7 @@ fn tell_state(board: &Board) -> bool {
     true
 }
 
-fn test(args: &LinkTestArgs) -> Result<u8, String> {
+fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
     let mut board = open(&args.board)?;
     let mut events = board.get_known();
     let mut failed = report(&events);
@@ -94,7 +97,7 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
         output::print(&format!(
             "board     {}, queue of {} blocks, {} bytes\n",
             info.firmware, info.blocks, info.receive_bytes
-        ))?;
+        ));
     }
     let differ = differences(&events);
     if differ.is_empty() && board.link.state() != LinkState::Locked {
@@ -104,15 +107,15 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
         return Ok(ALARM);
     }
     if !differ.is_empty() {
-        output::print(&format!("settings  differ:\n{}", differ.join("")))?;
+        output::print(&format!("settings  differ:\n{}", differ.join("")));
         if info.forgets {
             output::print(
                 "          this firmware forgets what is written when it is switched off: put it \
                  into its config.yaml\n",
-            )?;
+            );
         }
         if !args.write_settings {
-            output::print("          --write-settings writes them into the board\n")?;
+            output::print("          --write-settings writes them into the board\n");
             return Ok(ALARM);
         }
         board.link.write_settings();
@@ -127,15 +130,32 @@ fn test(args: &LinkTestArgs) -> Result<u8, String> {
             tell_state(&board);
             return Ok(ALARM);
         }
-        output::print("          written and read back\n")?;
+        output::print("          written and read back\n");
     } else {
-        output::print("settings  as they must be\n")?;
+        output::print("settings  as they must be\n");
     }
-    output::print(&format!("threads   {}\n", board.link.threads().text()))?;
-    drill::idle(&mut board)?;
+    output::print(&format!("threads   {}\n", board.link.threads().text()));
+    let meanwhile = drill::idle(&mut board);
+    let failed = report(&meanwhile);
+    let operated = drill::operated(&board);
+    let list = if operated.is_empty() {
+        "none operated".to_owned()
+    } else {
+        format!("operated: {}", operated.join(", "))
+    };
+    output::print(&format!("switches  {list}\n"));
     match args.travel {
-        _ if board.link.state() != LinkState::Locked => {
+        _ if failed || board.link.state() != LinkState::Locked => {
             tell_state(&board);
+            Ok(ALARM)
+        }
+        Some(_) if !operated.is_empty() => {
+            complain!(
+                "gsk980td: nothing moves while a switch is operated ({}): see to it that it is \
+                 free; if nobody presses it, its level is the other one (`!` before its pin, \
+                 line.invert_limits)",
+                operated.join(", ")
+            );
             Ok(ALARM)
         }
         Some(millimetres) => drill::motion(&mut board, millimetres, args.feed),
@@ -157,7 +177,7 @@ fn differences(events: &[Event]) -> Vec<String> {
     events.iter().filter_map(line).collect()
 }
 
-fn monitor(args: &LinkMonitorArgs) -> Result<u8, String> {
+fn monitor(args: &LinkMonitorArgs) -> Result<u8, CommandError> {
     let mut board = open(&args.board)?;
     board.watch();
     let mut failed = false;
@@ -166,7 +186,7 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, String> {
         .is_none_or(|seconds| board.now() < Duration::from_secs(seconds))
     {
         let events = board.pump();
-        print_traffic(&mut board)?;
+        print_traffic(&mut board);
         failed |= report(&events);
         if matches!(board.link.state(), LinkState::Lost | LinkState::Off) {
             break;
@@ -174,19 +194,18 @@ fn monitor(args: &LinkMonitorArgs) -> Result<u8, String> {
     }
     // What stops the board belongs to it, too.
     board.close();
-    print_traffic(&mut board)?;
+    print_traffic(&mut board);
     Ok(if failed { ALARM } else { FINE })
 }
 
 /// Prints what was said since the last call.
-fn print_traffic(board: &mut Board) -> Result<(), String> {
+fn print_traffic(board: &mut Board) {
     for line in board.traffic() {
         let arrow = if line.outward { '>' } else { '<' };
         output::print(&format!(
             "{:9.3} {arrow} {}\n",
             line.at.as_secs_f64(),
             line.text
-        ))?;
+        ));
     }
-    Ok(())
 }

@@ -1,10 +1,10 @@
 //! The commands, one file each; each returns the exit code.
 
 mod check;
+mod error;
 mod ladder;
 mod link;
 mod operate;
-mod output;
 mod plot;
 mod run;
 mod screen;
@@ -13,7 +13,11 @@ mod window;
 
 use std::process::ExitCode;
 
+pub use error::CommandError;
+
 use crate::cli::{Cli, Command};
+use crate::guard::holder;
+use crate::{log, output};
 
 /// Exit code: all right.
 pub const FINE: u8 = 0;
@@ -22,10 +26,35 @@ pub const ALARM: u8 = 1;
 /// Exit code: wrong call, or a file that cannot be used.
 pub const USAGE: u8 = 2;
 
+/// The program's own notice, its licence, and those of the packages in it.
+const NOTICES: [&str; 3] = [
+    include_str!("../../../NOTICE"),
+    include_str!("../../../LICENSE-MIT"),
+    include_str!("../../../THIRD-PARTY.md"),
+];
+
+fn notices() -> u8 {
+    output::print(
+        &NOTICES
+            .map(|text| format!("{}\n\n", text.trim_end()))
+            .concat(),
+    );
+    FINE
+}
+
+fn hold(port: &str, baud: u32) -> Result<u8, CommandError> {
+    holder::hold(port, baud)?;
+    Ok(FINE)
+}
+
 /// Carries out a command line.
 pub fn carry_out(cli: Cli) -> ExitCode {
+    let _log = match (&cli.command, cli.log) {
+        (Some(_), Some(level)) => log::on_terminal(level),
+        _ => None,
+    };
     let result = match cli.command {
-        None => window::open(cli.window),
+        None => window::open(cli.window, cli.log),
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Plot(args)) => plot::plot(&args),
@@ -38,12 +67,19 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
+        Some(Command::Notices) => Ok(notices()),
+        Some(Command::HoldPort(args)) => hold(&args.port, args.baud),
     };
-    match result {
-        Ok(code) => ExitCode::from(code),
-        Err(said) => {
-            eprintln!("gsk980td: {said}");
-            ExitCode::from(USAGE)
+    let code = result.unwrap_or_else(|said| {
+        tracing::error!("{said}");
+        complain!("gsk980td: {said}");
+        USAGE
+    });
+    match output::lost() {
+        Some(error) => {
+            complain!("gsk980td: standard output cannot be written: {error}");
+            ExitCode::from(code.max(USAGE))
         }
+        None => ExitCode::from(code),
     }
 }

@@ -1,46 +1,49 @@
 //! `operate`: a script of key presses and expectations.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use gsk_core::setup::Setup;
+use gsk_core::simulation::Simulation;
 use gsk_panel::emulator::Emulator;
-use gsk_panel::pages::POWER_ON_TICKS;
-use gsk_panel::raster;
-use gsk_panel::script::{Action, Effect, Line, Progress, Runner, Script};
+use gsk_panel::panel::SerialFile;
+use gsk_panel::script::{Action, Script};
+use gsk_runner::board::PulseBoard;
+use gsk_runner::partner::Partner;
+use gsk_runner::picture::PictureError;
+use gsk_runner::script::{Record, ScriptEnd, Session, Surroundings};
 
-use super::{ALARM, FINE, output};
+use super::{ALARM, CommandError, FINE, output};
+use crate::apart::{Read, keep_apart};
 use crate::cli::OperateArgs;
+use crate::dnc::{self, Source};
+use crate::ending::ENDED;
 use crate::files::data_dir::DataDir;
 use crate::files::program_file;
-use crate::{loading, picture, retained, transfer};
-
-/// Ticks between two looks at a script.
-const SLICE: u64 = 100_000;
-/// Pixels of an LCD dot in a picture of the LCD.
-const LCD_SCALE: u32 = 2;
-/// Pixels of a panel unit in a picture of the whole panel.
-const PANEL_SCALE: f32 = 1.5;
+use crate::kernel::live::Live;
+use crate::picture::check_png;
+use crate::{loading, retained, transfer};
 
 /// Runs a script. Exit code 1 if an expectation is not met.
-pub fn operate(args: &OperateArgs) -> Result<u8, String> {
+pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
     let path = &args.script;
-    let file = program_file::read(path).map_err(|error| error.to_string())?;
-    let script = Script::parse(&file.text).map_err(|errors| {
-        let lines: Vec<String> = errors
-            .iter()
-            .map(|error| format!("{}: {error}", path.display()))
-            .collect();
-        lines.join("\n")
+    if args.link.is_some() {
+        args.setup.refuse_at_a_board()?;
+    }
+    let file = program_file::read(path)?;
+    let script = Script::parse(&file.text).map_err(|errors| CommandError::Script {
+        path: path.clone(),
+        errors,
     })?;
 
-    let mut setup = Setup::default();
+    let mut setup = loading::fitted(Setup::at_the_panel(), args.setup.machine.as_ref());
     let data = match &args.setup.data {
-        Some(folder) => Some(DataDir::open(folder).map_err(|error| error.to_string())?),
+        Some(folder) => Some(DataDir::open(folder)?),
         None => None,
     };
     let restored = data.as_ref().map(|data| retained::load(data, &mut setup));
     for complaint in restored.iter().flat_map(|restored| &restored.complaints) {
-        eprintln!("gsk980td: {complaint}");
+        complain!("gsk980td: {complaint}");
     }
     if let Some(restored) = &restored {
         restored.place(&mut setup);
@@ -50,151 +53,189 @@ pub fn operate(args: &OperateArgs) -> Result<u8, String> {
         loading::open(&mut setup, core::slice::from_ref(program))?.print();
     }
 
-    let mut session = Session {
-        emulator: Emulator::new(setup),
-        folder: path.parent().map(Path::to_path_buf).unwrap_or_default(),
-        record: args.record.is_some().then(|| Record::new(&script)),
+    keep_script_apart(args, &script, &folder_of(path))?;
+    let recorded = args.record.as_deref().map(output::reserve).transpose()?;
+    let link = match &args.link {
+        Some(port) => {
+            super::window::connection(Some(port.clone()), &setup, args.setup.data.as_deref())?
+        }
+        None => None,
     };
+    let mut emulator = Emulator::new(setup);
+    let mut record = args.record.is_some().then(|| Record::new(&script));
     if let Some(restored) = &restored {
-        restored.restore_panel(&mut session.emulator);
-        session.emulator.panel.connect(true);
+        restored.restore_panel(&mut emulator);
+        emulator.panel.connect(true);
     }
-    let code = session.run(script, path);
-    if let (Some(target), Some(record)) = (&args.record, &session.record) {
-        std::fs::write(target, &record.text)
-            .map_err(|error| format!("{} cannot be written: {error}", target.display()))?;
-    }
+    let live = match link {
+        Some(link) => Some(Live::open(link, &mut emulator.simulation)?),
+        None => None,
+    };
+    let code = play(script, path, &mut emulator, live, record.as_mut());
+    // Each is written for itself: one that cannot be takes no other with it.
+    let mut failures = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
-        session.emulator.store_edited();
-        let sent = session.emulator.panel.take_sent();
-        transfer::write(&data.path().join(transfer::FOLDER), &sent)?;
-        retained::save_emulator(data, &restored, &session.emulator)?;
+        emulator.store_edited();
+        let sent = emulator.panel.take_sent();
+        let folder = data.path().join(transfer::FOLDER);
+        failures.extend(transfer::write(&folder, &sent).map_err(Into::into).err());
+        let saved = retained::save_emulator(data, &restored, &emulator);
+        failures.extend(saved.map_err(CommandError::NotSaved).err());
+    }
+    if let (Some(target), Some(record)) = (recorded, &record) {
+        let written = target.write(record.text().as_bytes());
+        failures.extend(written.map_err(Into::into).err());
+    }
+    if !failures.is_empty() {
+        return Err(CommandError::Several(failures));
     }
     Ok(code)
 }
 
-struct Session {
-    emulator: Emulator,
-    /// Files named in the script stand beside it, or in the current folder.
+/// Refuses a recording or pictures that would overwrite what the script reads.
+fn keep_script_apart(
+    args: &OperateArgs,
+    script: &Script,
+    folder: &Path,
+) -> Result<(), CommandError> {
+    let mut loaded = Vec::new();
+    let mut pictures = BTreeSet::new();
+    for line in &script.lines {
+        match &line.action {
+            Action::Load(name) | Action::Receive(name) | Action::Dnc(Some(name)) => {
+                loaded.push(found(folder, name));
+            }
+            Action::Shot { path, .. } => {
+                pictures.insert(Path::new(path));
+            }
+            _ => {}
+        }
+    }
+    let read = Read {
+        files: core::iter::once(args.script.as_path())
+            .chain(args.program.as_deref())
+            .chain(loaded.iter().map(PathBuf::as_path))
+            .chain(args.setup.read_files())
+            .collect(),
+        main: args.program.as_deref(),
+        data: args.setup.data.as_deref(),
+    };
+    let written: Vec<&Path> = args.record.as_deref().into_iter().chain(pictures).collect();
+    Ok(keep_apart(&read, &written)?)
+}
+
+/// A file named in a script stands beside it, or in the current folder.
+fn found(folder: &Path, name: &str) -> PathBuf {
+    let beside = folder.join(name);
+    if beside.exists() {
+        beside
+    } else {
+        PathBuf::from(name)
+    }
+}
+
+const fn simulation(emulator: &mut Emulator) -> &mut Simulation {
+    &mut emulator.simulation
+}
+
+/// Runs the script, with a board once it is known; the exit code.
+fn play(
+    script: Script,
+    path: &Path,
+    emulator: &mut Emulator,
+    mut live: Option<Live>,
+    record: Option<&mut Record>,
+) -> u8 {
+    if let Some(live) = &mut live {
+        let known = live.get_known(emulator, simulation, Emulator::tick);
+        if let Err(said) = known {
+            complain!("gsk980td: {said}");
+            return if live.is_over() { ENDED } else { ALARM };
+        }
+    }
+    let mut files = Files {
+        folder: folder_of(path),
+    };
+    let board = live.as_mut().map(|live| live as &mut dyn PulseBoard);
+    let end = Session::new(emulator, &mut files)
+        .at_board(board)
+        .recorded(record)
+        .run(script);
+    let code = match end {
+        ScriptEnd::Finished => FINE,
+        ScriptEnd::Failed(failure) => {
+            complain!("{}: {failure}", path.display());
+            ALARM
+        }
+        ScriptEnd::Asked => ENDED,
+    };
+    match live {
+        Some(live) if live.is_over() => {
+            complain!("gsk980td: ended; the board was stopped");
+            ENDED
+        }
+        Some(live) => {
+            live.close(emulator, simulation, Emulator::tick);
+            code
+        }
+        None => code,
+    }
+}
+
+/// The folder a script stands in.
+fn folder_of(script: &Path) -> PathBuf {
+    script.parent().map(Path::to_path_buf).unwrap_or_default()
+}
+
+/// Files named in a script stand beside it, or in the current folder.
+struct Files {
     folder: PathBuf,
-    record: Option<Record>,
 }
 
-impl Session {
-    /// Runs the script; the exit code.
-    fn run(&mut self, script: Script, path: &Path) -> u8 {
-        let mut runner = Runner::new(script);
-        let slice = if self.record.is_some() { 1 } else { SLICE };
-        loop {
-            let tick = self.emulator.ticks();
-            let progress = runner.advance(&mut self.emulator, slice);
-            if let (Some(record), Some(line)) = (&mut self.record, runner.line()) {
-                record.reached(line.number, tick);
-            }
-            let failure = match progress {
-                Progress::Running => continue,
-                Progress::Effect(effect) => match self.carry_out(effect) {
-                    Ok(()) => continue,
-                    Err(seen) => runner.failure(seen),
-                },
-                Progress::Failed(failure) => failure,
-                Progress::Finished => return FINE,
-            };
-            eprintln!("{}: {failure}", path.display());
-            return ALARM;
-        }
-    }
-
-    fn carry_out(&mut self, effect: Effect) -> Result<(), String> {
-        match effect {
-            Effect::Show(text) => output::print(&format!("{text}\n")),
-            Effect::Shot { path, panel } => self.shot(Path::new(&path), panel),
-            Effect::Load(name) => self.load(&name),
-            Effect::Receive(name) => self.receive(&name),
-        }
-    }
-
-    fn shot(&self, path: &Path, panel: bool) -> Result<(), String> {
-        let pixels = if panel {
-            self.emulator.panel_picture(PANEL_SCALE)
-        } else {
-            let brightness = self.emulator.panel.view().brightness;
-            raster::render(&self.emulator.screen(), LCD_SCALE, brightness)
-        };
-        let pixels = pixels.ok_or("no memory for the picture")?;
-        std::fs::write(path, picture::encode_png(&pixels)?)
-            .map_err(|error| format!("{} cannot be written: {error}", path.display()))
-    }
-
-    /// A file named in the script stands beside it, or in the current folder.
+impl Files {
     fn file(&self, name: &str) -> PathBuf {
-        let beside = self.folder.join(name);
-        if beside.exists() {
-            beside
-        } else {
-            PathBuf::from(name)
-        }
+        found(&self.folder, name)
+    }
+}
+
+impl Surroundings for Files {
+    type Error = CommandError;
+
+    fn show(&mut self, screen: &str) {
+        output::print(&format!("{screen}\n"));
     }
 
-    fn receive(&mut self, name: &str) -> Result<(), String> {
-        let file = transfer::read(&self.file(name))?;
-        if let Err(said) = self.emulator.receive(file) {
-            eprintln!("gsk980td: {said}");
-        }
-        Ok(())
+    fn shot(
+        &mut self,
+        name: &str,
+        bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
+    ) -> Result<(), CommandError> {
+        let path = Path::new(name);
+        check_png(path)?;
+        let bytes = bytes()?;
+        std::fs::write(path, bytes).map_err(|error| output::WriteError::new(path, error).into())
     }
 
-    fn load(&mut self, name: &str) -> Result<(), String> {
+    fn program(&mut self, name: &str) -> Result<SerialFile, CommandError> {
         let path = self.file(name);
-        let file = program_file::read(&path).map_err(|error| error.to_string())?;
+        let file = program_file::read(&path)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        self.emulator
-            .load_program(&name, &file.text)
-            .map_err(|alarm| alarm.to_string())
-    }
-}
-
-/// What a script did, line by line with the tick at which each began.
-struct Record {
-    lines: Vec<Line>,
-    written: usize,
-    text: String,
-}
-
-impl Record {
-    fn new(script: &Script) -> Self {
-        Self {
-            lines: script.lines.clone(),
-            written: 0,
-            text: String::new(),
-        }
+        Ok(SerialFile {
+            name: name.into_owned(),
+            text: file.text,
+        })
     }
 
-    /// The script has come to a line; it and those before it began at this tick.
-    fn reached(&mut self, number: u32, tick: u64) {
-        let tick = tick.saturating_sub(POWER_ON_TICKS);
-        while let Some(line) = self.lines.get(self.written)
-            && line.number <= number
-        {
-            self.written += 1;
-            let acts = !matches!(
-                line.action,
-                Action::Wait(_)
-                    | Action::WaitFor(..)
-                    | Action::Expect(_)
-                    | Action::Show
-                    | Action::Shot { .. }
-            );
-            if acts {
-                let text = match line.at {
-                    Some(_) => line
-                        .text
-                        .split_once(char::is_whitespace)
-                        .map_or("", |(_, rest)| rest),
-                    None => &line.text,
-                };
-                self.text.push_str(&format!("@{tick} {}\n", text.trim()));
-            }
-        }
+    fn transfer(&mut self, name: &str) -> Result<SerialFile, CommandError> {
+        Ok(transfer::read(&self.file(name))?)
+    }
+
+    fn told(&mut self, said: &str) {
+        complain!("gsk980td: {said}");
+    }
+
+    fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, CommandError> {
+        let source = Source::of(&self.file(name));
+        Ok(Box::new(dnc::Partner::new(source)))
     }
 }

@@ -1,30 +1,60 @@
 //! `plot`: the toolpath as a picture.
 
-use gsk_core::preview::{End, preview};
+use gsk_core::preview::{End, Slip, preview_while};
+use gsk_runner::picture::{self, Drawing, Format, RapidRates};
+use gsk_runner::report::{self, AlarmReport};
 
 use super::run::title;
-use super::{ALARM, FINE};
+use super::{ALARM, CommandError, FINE, output};
+use crate::apart::{Read, keep_apart};
 use crate::cli::PlotArgs;
 use crate::loading;
-use crate::picture::{self, Drawing, RapidRates};
-use crate::report::AlarmReport;
+use crate::picture::check_name;
 
 /// Draws a program. What comes before an alarm is drawn, too.
-pub fn plot(args: &PlotArgs) -> Result<u8, String> {
-    picture::check_name(&args.output)?;
-    let mut setup = loading::setup(&args.setup)?;
+pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
+    check_name(&args.output)?;
+    let format = Format::of(&args.output)?;
+    let language = args.look.lang;
+    let main = args.file.as_path();
+    let read = Read {
+        files: core::iter::once(main)
+            .chain(args.setup.read_files())
+            .collect(),
+        main: Some(main),
+        data: args.setup.data.as_deref(),
+    };
+    keep_apart(&read, &[&args.output])?;
+    let mut setup = loading::setup(&args.setup, args.look.work_zero)?;
     loading::open(&mut setup, std::slice::from_ref(&args.file))?.print();
-    let rates = RapidRates::of(&setup.parameters);
+    let target = output::reserve(&args.output)?;
+    let rates = RapidRates::of(&setup.memory.parameters);
     let mut drawing = Drawing::new(title(&args.file));
-    let preview = preview(&setup, &setup.programs, &mut |executed| {
-        drawing.push(executed, rates);
-    });
-    picture::write(&args.output, &drawing)?;
+    let mut watch = output::watch(&setup.memory.programs, args.look.patience.begin(), true);
+    let preview = preview_while(
+        &setup,
+        &setup.memory.programs,
+        &mut |executed| drawing.push(executed, rates),
+        &mut |progress| watch.goes_on(progress),
+    );
+    drop(watch);
+    let bytes = picture::encode(format, &drawing)?;
+    target.write(&bytes)?;
+    if let Some(said) = picture::shortfall(&drawing) {
+        complain!("gsk980td: {}", report::translated(&said, language));
+    }
+    let of_place = preview.cautions.iter();
+    for caution in of_place.filter(|caution| caution.slip == Slip::MachineZero) {
+        let said = report::said(&caution.sentence(), language);
+        complain!("gsk980td: {said}");
+    }
     if let Some(alarm) = &preview.alarm {
-        eprintln!(
-            "gsk980td: {}",
-            AlarmReport::new(alarm, &setup.programs).sentence()
-        );
+        let alarm = AlarmReport::new(alarm, &setup.memory.programs, language);
+        complain!("gsk980td: {}", alarm.sentence(language));
+    }
+    if preview.end == End::Limit {
+        let said = report::translated(report::LIMIT, language);
+        complain!("gsk980td: {}: {said}", args.file.display());
     }
     Ok(if matches!(preview.end, End::Alarm | End::Limit) {
         ALARM

@@ -1,51 +1,98 @@
 //! `run`: a program in the full kernel.
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::alarm::number;
+use gsk_core::command::ExecutedMove;
 use gsk_core::interpreter::{Explanation, Modal};
+use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
-use gsk_core::units::{Feed, Point};
+use gsk_core::units::Point;
+use gsk_runner::board::Operator;
+use gsk_runner::execution::{self, Board, Limits, Watcher};
+use gsk_runner::partner::Partner;
+use gsk_runner::picture::{self, Drawing, Format, RapidRates};
+use gsk_runner::words::clock;
+use gsk_runner::{moves, narration, report};
 use indicatif::ProgressBar;
 
-use super::{ALARM, FINE, output};
+use super::{ALARM, CommandError, FINE, output};
+use crate::apart::{Read, keep_apart};
 use crate::cli::RunArgs;
-use crate::execution::{self, Limits, Watcher};
+use crate::dnc::{self, Source};
+use crate::ending::ENDED;
 use crate::files::data_dir::DataDir;
-use crate::picture::{self, Drawing, RapidRates};
-use crate::report::{self, clock};
-use crate::{loading, moves, retained};
+use crate::kernel::live::Live;
+use crate::person::Person;
+use crate::picture::check_name;
+use crate::{loading, retained};
 
 /// Ticks between two looks at the progress line.
 const PROGRESS_MS: u64 = 4096;
 
 /// Runs a program.
-pub fn run(args: &RunArgs) -> Result<u8, String> {
+pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     if let Some(path) = &args.plot {
-        picture::check_name(path)?;
+        check_name(path)?;
     }
-    let mut setup = gsk_core::setup::Setup::default();
+    let read = Read {
+        files: (args.files.iter().map(PathBuf::as_path))
+            .chain(args.dnc.as_deref())
+            .chain(args.setup.read_files())
+            .collect(),
+        main: args
+            .files
+            .first()
+            .filter(|_| args.dnc.is_none())
+            .map(PathBuf::as_path),
+        data: args.setup.data.as_deref(),
+    };
+    let written = [&args.moves, &args.positions, &args.plot];
+    let written: Vec<&Path> = written
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
+    keep_apart(&read, &written)?;
+    let person = attended(args)?;
+    let bare = match args.link {
+        Some(_) => Setup::at_the_panel(),
+        None => Setup::default(),
+    };
+    let mut setup = loading::fitted(bare, args.setup.machine.as_ref());
     let data = match &args.setup.data {
-        Some(path) => Some(DataDir::open(path).map_err(|error| error.to_string())?),
+        Some(path) => Some(DataDir::open(path)?),
         None => None,
     };
     let restored = data.as_ref().map(|data| retained::load(data, &mut setup));
     for complaint in restored.iter().flat_map(|restored| &restored.complaints) {
-        eprintln!("gsk980td: {complaint}");
+        complain!("gsk980td: {complaint}");
+    }
+    if let (Some(restored), Some(_)) = (&restored, &args.link) {
+        restored.place(&mut setup);
     }
     loading::apply(&mut setup, &args.setup)?;
-    loading::open(&mut setup, &args.files)?.print();
+    let mut partner = args
+        .dnc
+        .as_ref()
+        .map(|name| dnc::Partner::new(Source::of(name)));
+    if partner.is_some() {
+        loading::with_keys_for_dnc(&mut setup);
+        loading::store_files(&mut setup.memory.programs, &args.files)?.print();
+    } else {
+        loading::open(&mut setup, &args.files)?.print();
+    }
 
-    let name = args
-        .files
-        .first()
+    let main = args.dnc.as_ref().or(args.files.first());
+    let name = main
         .map(|path| path.display().to_string())
         .unwrap_or_default();
     let lines = setup
+        .memory
         .programs
         .current()
-        .and_then(|program| setup.programs.get(program))
+        .and_then(|program| setup.memory.programs.get(program))
         .map_or(0, gsk_core::program::Program::line_count);
     let mut outputs = Outputs {
         moves: args.moves.as_deref().map(output::open).transpose()?,
@@ -53,37 +100,105 @@ pub fn run(args: &RunArgs) -> Result<u8, String> {
         drawing: args
             .plot
             .is_some()
-            .then(|| Drawing::new(title(&args.files[0]))),
-        rates: RapidRates::of(&setup.parameters),
+            .then(|| Drawing::new(main.map(|path| title(path)).unwrap_or_default())),
+        rates: RapidRates::of(&setup.memory.parameters),
         explain: args.explain,
         progress: output::progress(u64::from(lines)),
         line: 0,
         pass: None,
+        failed: None,
     };
+    let target = args.plot.as_deref().map(output::reserve).transpose()?;
     outputs.begin()?;
     let limits = Limits {
         parts: args.parts,
         time_ms: args.limit,
     };
-    let (report, simulation) = execution::execute(&name, setup, limits, &mut outputs)?;
-    outputs.end()?;
-    if let (Some(path), Some(drawing)) = (&args.plot, &outputs.drawing) {
-        picture::write(path, drawing)?;
-    }
+    let link = match &args.link {
+        Some(port) => {
+            super::window::connection(Some(port.clone()), &setup, args.setup.data.as_deref())?
+        }
+        None => None,
+    };
+    let mut simulation = Simulation::new(setup);
+    let board = match link {
+        Some(link) => {
+            let mut live = Live::open(link, &mut simulation)?;
+            let known = live.get_known(&mut simulation, |simulation| simulation, Simulation::tick);
+            if let Err(said) = known {
+                outputs.progress.finish_and_clear();
+                complain!("gsk980td: {said}");
+                return Ok(if live.is_over() { ENDED } else { ALARM });
+            }
+            let home = args.home;
+            let operator = person.map(|person| Box::new(person) as Box<dyn Operator>);
+            Some(Board::new(Box::new(live), home, operator))
+        }
+        None => None,
+    };
+    let partner = partner.as_mut().map(|partner| partner as &mut dyn Partner);
+    let (report, simulation) =
+        execution::execute(&name, simulation, limits, partner, board, &mut outputs)?;
+    // Each is written for itself: one that cannot be takes no other with it.
+    let mut failures = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
-        retained::save(data, &restored, &simulation.cnc)?;
+        let saved = retained::save(data, &restored, &simulation.cnc);
+        failures.extend(saved.map_err(CommandError::NotSaved).err());
     }
-    if args.json {
-        let json = serde_json::to_string(&report).map_err(|error| error.to_string())?;
-        output::print(&format!("{json}\n"))?;
-    } else {
-        output::print(&report.words())?;
+    failures.extend(outputs.end().err());
+    if let (Some(path), Some(target), Some(drawing)) = (&args.plot, target, &outputs.drawing) {
+        failures.extend(drawn(path, drawing, target).err());
+        if let Some(said) = picture::shortfall(drawing) {
+            complain!("gsk980td: {said}");
+        }
     }
-    Ok(if matches!(report.end, "alarm" | "limit") {
-        ALARM
-    } else {
-        FINE
+    let moves_on_screen = [&args.moves, &args.positions]
+        .into_iter()
+        .any(|path| output::is_standard(path.as_deref()));
+    output::report(&report, args.json, moves_on_screen, None)?;
+    let unknown = report
+        .alarm
+        .as_ref()
+        .is_some_and(|alarm| alarm.number == number::NO_REFERENCE);
+    if unknown && !args.home {
+        complain!("gsk980td: --home makes the machine zero return of both axes first");
+    }
+    if !failures.is_empty() {
+        return Err(CommandError::Several(failures));
+    }
+    Ok(match report.end {
+        report::End::Asked => ENDED,
+        _ if report.failed() => ALARM,
+        _ => FINE,
     })
+}
+
+/// Writes the picture of the path.
+fn drawn(path: &Path, drawing: &Drawing, target: output::Reserved) -> Result<(), CommandError> {
+    let format = Format::of(path)?;
+    let bytes = picture::encode(format, drawing)?;
+    Ok(target.write(&bytes)?)
+}
+
+/// Who is asked at a stop of a real machine.
+///
+/// # Errors
+/// What a real machine does not do by itself.
+fn attended(args: &RunArgs) -> Result<Option<Person>, CommandError> {
+    if args.link.is_none() {
+        return Ok(None);
+    }
+    args.setup.refuse_at_a_board()?;
+    // What comes in there is the program.
+    let taken = args
+        .dnc
+        .as_deref()
+        .is_some_and(|name| Source::of(name) == Source::Standard);
+    let person = if taken { None } else { Person::at_terminal() };
+    if args.parts > 1 && person.is_none() {
+        return Err(CommandError::Unattended(args.parts));
+    }
+    Ok(person)
 }
 
 /// The title of a picture.
@@ -105,131 +220,84 @@ struct Outputs {
     line: u32,
     /// The pass that was explained last.
     pass: Option<u64>,
+    /// The first thing that could not be written; the run goes on.
+    failed: Option<CommandError>,
 }
 
 impl Outputs {
-    fn begin(&mut self) -> Result<(), String> {
+    fn begin(&mut self) -> Result<(), CommandError> {
         if let Some(out) = &mut self.positions {
             out.write_all(moves::POSITIONS_HEAD.as_bytes())
-                .map_err(said)?;
+                .map_err(CommandError::Output)?;
         }
         Ok(())
     }
 
-    fn end(&mut self) -> Result<(), String> {
+    fn end(&mut self) -> Result<(), CommandError> {
         self.progress.finish_and_clear();
         for out in [&mut self.moves, &mut self.positions].into_iter().flatten() {
-            out.flush().map_err(said)?;
+            if let Err(error) = out.flush() {
+                self.failed.get_or_insert(CommandError::Output(error));
+            }
         }
-        Ok(())
+        self.failed.take().map_or(Ok(()), Err)
     }
-}
-
-#[allow(clippy::needless_pass_by_value)] // For map_err.
-fn said(error: std::io::Error) -> String {
-    format!("the output cannot be written: {error}")
 }
 
 impl Watcher for Outputs {
-    fn moved(&mut self, executed: &ExecutedMove) -> Result<(), String> {
-        if let Some(out) = &mut self.moves {
-            moves::write_move(out, executed).map_err(said)?;
+    fn moved(&mut self, executed: &ExecutedMove) {
+        if let Some(out) = &mut self.moves
+            && let Err(error) = moves::write_move(out, executed)
+        {
+            self.moves = None;
+            self.failed.get_or_insert(CommandError::Output(error));
         }
         if let Some(drawing) = &mut self.drawing {
             drawing.push(executed, self.rates);
         }
         if self.explain {
-            output::print(&format!("        {}\n", sentence(executed)))?;
+            output::print(&narration::executed(executed));
         }
-        Ok(())
     }
 
-    fn ticked(
-        &mut self,
-        time_ms: u64,
-        machine: Point,
-        simulation: &Simulation,
-    ) -> Result<(), String> {
+    fn ticked(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) {
         if let Some(out) = &mut self.positions {
             let degrees = simulation.lathe.spindle_degrees();
-            moves::write_position(out, time_ms as f64 / 1000.0, machine, degrees).map_err(said)?;
+            let time_s = time_ms as f64 / 1000.0;
+            if let Err(error) = moves::write_position(out, time_s, machine, degrees) {
+                self.positions = None;
+                self.failed.get_or_insert(CommandError::Output(error));
+            }
         }
         if time_ms.is_multiple_of(PROGRESS_MS) && !self.progress.is_hidden() {
             self.progress.set_position(u64::from(self.line));
             self.progress
                 .set_message(format!("machine time {}", clock(time_ms as f64 / 1000.0)));
         }
-        Ok(())
     }
 
-    fn block(&mut self, line: u32, text: &str, modal: &Modal) -> Result<(), String> {
+    fn block(&mut self, line: u32, text: &str, modal: &Modal) {
         self.line = line;
         self.pass = None;
         if !self.explain {
-            return Ok(());
+            return;
         }
-        let codes = report::modal_codes(modal).join(" ");
-        let (feed, speed) = (moves::rounded(modal.feed), moves::rounded(modal.spindle));
-        let (tool, offset) = (modal.tool, modal.offset);
-        output::print(&format!(
-            "{line:6}  {text}\n        {codes} F{feed} S{speed} T{tool:02}{offset:02}\n"
-        ))
+        output::print(&narration::block(line, text, modal));
     }
 
-    fn pass(&mut self, explanation: &Explanation) -> Result<(), String> {
+    fn pass(&mut self, explanation: &Explanation) {
         if self.pass == Some(explanation.pass) {
-            return Ok(());
+            return;
         }
         self.pass = Some(explanation.pass);
-        output::print(&pass_in_words(explanation))
+        output::print(&narration::pass(explanation));
     }
 
     fn wants_explanations(&self) -> bool {
         self.explain
     }
-}
 
-/// A pass of a cycle, as it would stand on the blackboard.
-fn pass_in_words(explanation: &Explanation) -> String {
-    let Explanation {
-        code,
-        pass,
-        depth,
-        remaining,
-        formula,
-        words,
-        ..
-    } = explanation;
-    let of = explanation
-        .passes
-        .map_or_else(String::new, |passes| format!(" of {passes}"));
-    let level = explanation.level.map_or_else(String::new, |level| {
-        format!(" at {}", moves::rounded(level))
-    });
-    let cut = if *depth == 0.0 && *remaining == 0.0 {
-        String::new()
-    } else {
-        format!(": depth {depth:.3}, left {remaining:.3}")
-    };
-    format!("        G{code:02} pass {pass}{of}{level}{cut}\n          {formula}   [{words}]\n")
-}
-
-/// A move in words.
-fn sentence(executed: &ExecutedMove) -> String {
-    let (x, z) = moves::diameter_z(executed.to);
-    let verb = match executed.kind {
-        MoveKind::Rapid => "rapid",
-        MoveKind::Feed => "cut",
-        MoveKind::Clockwise => "cut clockwise",
-        MoveKind::CounterClockwise => "cut counter-clockwise",
-        MoveKind::Thread => "thread",
-        MoveKind::RunOut => "leave the thread",
-        MoveKind::Dwell => return format!("wait {} s", moves::rounded(executed.duration_s)),
-    };
-    let feed = match executed.feed {
-        Some(Feed::PerMinute(feed)) => format!(" at {} mm/min", moves::rounded(feed)),
-        Some(Feed::PerRevolution(feed)) => format!(" at {} mm/r", moves::rounded(feed)),
-        None => String::new(),
-    };
-    format!("{verb} to X{x} Z{z}{feed}: {:.2} s", executed.duration_s)
+    fn tell(&mut self, text: &str) {
+        self.progress.suspend(|| complain!("gsk980td: {text}"));
+    }
 }

@@ -2,12 +2,13 @@
 
 use gsk_core::machine::FAULTS;
 use gsk_core::{alarm, memory};
+use gsk_messages::Language;
 use gsk_panel::keys::{Bit, KEYS, Role, STRIP};
+use gsk_runner::report::class_name;
 use serde_json::{Value, json};
 
-use super::{FINE, output};
+use super::{CommandError, FINE, output};
 use crate::cli::TableArgs;
-use crate::report::class_name;
 use crate::window::pc_name;
 
 const SIGNALS: &str = include_str!("../../../assets/tables/plc-signals.tsv");
@@ -33,7 +34,7 @@ impl Table {
         self.json.push(json);
     }
 
-    fn print(self, args: &TableArgs) -> Result<u8, String> {
+    fn print(self, args: &TableArgs) -> Result<u8, CommandError> {
         let filter = args.filter.as_deref().map(str::to_lowercase);
         let wanted = |row: &[String]| {
             filter
@@ -49,9 +50,9 @@ impl Table {
                 .filter(|(row, _)| wanted(row))
                 .map(|(_, json)| json)
                 .collect();
-            out = serde_json::to_string_pretty(&chosen).map_err(|error| error.to_string())?;
+            out = serde_json::to_string_pretty(&chosen)?;
             out.push('\n');
-            output::print(&out)?;
+            output::print(&out);
             return Ok(FINE);
         }
         let heading: Vec<String> = self.heading.iter().map(ToString::to_string).collect();
@@ -76,7 +77,7 @@ impl Table {
             out.push_str(line.trim_end());
             out.push('\n');
         }
-        output::print(&out)?;
+        output::print(&out);
         Ok(FINE)
     }
 }
@@ -91,7 +92,7 @@ fn bit(area: char, bit: Bit) -> String {
 }
 
 /// The keys of the panel, then the lamps of the strip.
-pub fn keys(args: &TableArgs) -> Result<u8, String> {
+pub fn keys(args: &TableArgs) -> Result<u8, CommandError> {
     let mut table = Table::new(&[
         "ID", "LABEL", "PC KEY", "CONTACT", "LAMP", "中文", "ENGLISH",
     ]);
@@ -129,7 +130,7 @@ pub fn keys(args: &TableArgs) -> Result<u8, String> {
 }
 
 /// The parameters.
-pub fn parameters(args: &TableArgs) -> Result<u8, String> {
+pub fn parameters(args: &TableArgs) -> Result<u8, CommandError> {
     let mut table = Table::new(&[
         "NUMBER", "SYMBOL", "UNIT", "RANGE", "FACTORY", "中文", "MEANING",
     ]);
@@ -164,7 +165,7 @@ pub fn parameters(args: &TableArgs) -> Result<u8, String> {
 }
 
 /// The alarms.
-pub fn alarms(args: &TableArgs) -> Result<u8, String> {
+pub fn alarms(args: &TableArgs) -> Result<u8, CommandError> {
     let mut table = Table::new(&["CLASS", "NUMBER", "中文", "MEANING", "CAUSE", "CURE"]);
     for row in alarm::rows() {
         let number = if row.last == row.number {
@@ -191,7 +192,7 @@ pub fn alarms(args: &TableArgs) -> Result<u8, String> {
 }
 
 /// The signals of the PLC.
-pub fn signals(args: &TableArgs) -> Result<u8, String> {
+pub fn signals(args: &TableArgs) -> Result<u8, CommandError> {
     let mut table = Table::new(&[
         "ADDRESS",
         "SYMBOL",
@@ -216,15 +217,16 @@ pub fn signals(args: &TableArgs) -> Result<u8, String> {
 }
 
 /// What can go wrong with the simulated lathe.
-pub fn faults(args: &TableArgs) -> Result<u8, String> {
+pub fn faults(args: &TableArgs) -> Result<u8, CommandError> {
     let mut table = Table::new(&["NAME", "中文", "FAULT", "WHAT IT DOES"]);
     for row in &FAULTS {
+        let [zh, en] = [Language::Zh, Language::En].map(|language| row.label().text(language));
+        let [effect_zh, effect] =
+            [Language::Zh, Language::En].map(|language| row.effect().text(language));
         let json = json!({
-            "name": row.name, "zh": row.zh, "en": row.en, "effect": row.effect_en,
-            "effect_zh": row.effect_zh,
+            "name": row.name, "zh": zh, "en": en, "effect": effect, "effect_zh": effect_zh,
         });
-        let cells = [row.name, row.zh, row.en, row.effect_en];
-        table.push(cells.map(str::to_owned).to_vec(), json);
+        table.push(vec![row.name.to_owned(), zh, en, effect], json);
     }
     table.print(args)
 }

@@ -4,35 +4,50 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use gsk_core::setup::Setup;
+use gsk_messages::Language;
 use gsk_panel::emulator::Emulator;
+use tracing::level_filters::LevelFilter;
 
-use super::{FINE, USAGE};
+use super::{CommandError, FINE, USAGE};
 use crate::cli::WindowArgs;
-use crate::files::data_dir::{self, DataDir};
+use crate::dnc::{self, Source};
+use crate::files::data_dir::{self, DataDir, DataError};
 use crate::kernel::{Connection, Kernel};
 use crate::setup_args::SetupArgs;
-use crate::window::Settings;
 use crate::window::app::{self, Start};
-use crate::{loading, retained};
+use crate::window::{Settings, refusal};
+use crate::{guard, loading, log, retained, transfer};
 
 /// Opens the window and returns when it is closed.
-pub fn open(args: WindowArgs) -> Result<u8, String> {
+pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandError> {
     let begun = Instant::now();
+    let language = args.lang;
     if let Some(program) = &args.program
         && !program.exists()
     {
-        return Err(format!("{}: there is no such file", program.display()));
+        return Err(CommandError::NoFile(program.clone()));
     }
     if !app::has_display() {
-        eprintln!("gsk980td: {}", without_display(args.program.as_deref()));
+        complain!("gsk980td: {}", without_display(args.program.as_deref()));
         return Ok(USAGE);
     }
     let path: PathBuf = match args.data {
         Some(path) => path,
-        None => data_dir::default_path().map_err(|error| error.to_string())?,
+        None => match data_dir::default_path() {
+            Ok(path) => path,
+            Err(error) => return Ok(refused(&error, language)),
+        },
     };
-    let data = DataDir::open(&path).map_err(|error| error.to_string())?;
-    let mut setup = Setup::delivered();
+    let data = match DataDir::open(&path) {
+        Ok(data) => data,
+        Err(error) => return Ok(refused(&error, language)),
+    };
+    // A log that cannot be written is no reason not to work.
+    let _log = log::in_data(&path, level.unwrap_or(LevelFilter::INFO)).unwrap_or_else(|error| {
+        complain!("gsk980td: {error}");
+        None
+    });
+    let mut setup = loading::fitted(Setup::delivered(), args.machine.as_ref());
     let restored = retained::load(&data, &mut setup);
     restored.place(&mut setup);
     let machine = SetupArgs {
@@ -41,20 +56,28 @@ pub fn open(args: WindowArgs) -> Result<u8, String> {
         ..SetupArgs::default()
     };
     loading::apply(&mut setup, &machine)?;
+    let source = match &args.dnc {
+        Some(name) => {
+            loading::with_keys_for_dnc(&mut setup);
+            Source::of(name)
+        }
+        None => Source::File(path.join(transfer::FOLDER).join(dnc::IN_FOLDER)),
+    };
     let settings = match data.load::<Settings>("window") {
         data_dir::Loaded::Value(settings) => settings,
         // What the window remembers is not worth a complaint.
         _ => Settings::default(),
     };
     let settings = Settings {
-        language: args.lang.unwrap_or(settings.language),
+        language: language.unwrap_or(settings.language),
         ..settings
     };
-    let link = connection(args.link, &setup, &path)?;
+    let link = connection(args.link, &setup, Some(&path))?;
     let mut emulator = Emulator::new(setup);
     emulator.panel.connect(true);
     restored.restore_panel(&mut emulator);
     let (mut kernel, console) = Kernel::new(emulator);
+    kernel.take_programs_from(source);
     if let Some(link) = link {
         kernel.connect(link);
     }
@@ -70,19 +93,27 @@ pub fn open(args: WindowArgs) -> Result<u8, String> {
     match app::run(start) {
         Ok(()) => Ok(FINE),
         Err(said) => {
-            eprintln!("gsk980td: {said}");
+            complain!("gsk980td: {said}");
             Ok(USAGE)
         }
     }
 }
 
+/// Whoever started the program with a click has no standard error to read.
+fn refused(error: &DataError, language: Option<Language>) -> u8 {
+    let said = error.to_string();
+    complain!("gsk980td: {said}");
+    refusal::tell(&said, language);
+    USAGE
+}
+
 /// The board that moves the slides, if one is named on the command line or in the
 /// machine file.
-fn connection(
+pub fn connection(
     port: Option<String>,
     setup: &Setup,
-    data: &Path,
-) -> Result<Option<Connection>, String> {
+    data: Option<&Path>,
+) -> Result<Option<Connection>, CommandError> {
     let mut config = setup.lathe.link.clone().unwrap_or_default();
     if let Some(port) = port {
         config.port = port;
@@ -90,11 +121,12 @@ fn connection(
     if config.port.is_empty() {
         return Ok(None);
     }
-    config.check().map_err(|error| error.to_string())?;
+    config.check()?;
     Ok(Some(Connection {
         config,
-        log: Some(data.join("link.log")),
-        boards: Some(data.join("boards")),
+        log: data.map(|data| data.join("link.log")),
+        boards: data.map(|data| data.join("boards")),
+        program: guard::program(),
     }))
 }
 

@@ -1,13 +1,37 @@
 //! Writing a file so that a kill at any moment leaves the old or the new one.
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+/// Ending of the hidden file in which a new content is written aside: a name that
+/// nobody gives a file of his own.
+const ASIDE: &str = ".gsk980td-new";
+
+/// Who may read a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Readers {
+    /// As the system gives it to any file.
+    Any,
+    /// Its owner alone.
+    Owner,
+}
+
 /// Writes `bytes` to `path`: aside, to the disk, then renamed over the old file.
+///
+/// # Errors
+/// What the system says; the old file stands.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let aside = beside(path, "new");
-    let result = write_aside(&aside, bytes).and_then(|()| fs::rename(&aside, path));
+    write_for(path, bytes, Readers::Any)
+}
+
+/// As [`write()`], for some readers only.
+///
+/// # Errors
+/// What the system says; the old file stands.
+pub fn write_for(path: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> {
+    let aside = aside(path);
+    let result = write_aside(&aside, bytes, readers).and_then(|()| fs::rename(&aside, path));
     if result.is_err() {
         // The half-written file is of no use; the cause is what is reported.
         let _ = fs::remove_file(&aside);
@@ -17,11 +41,40 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-fn write_aside(aside: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create(aside)?;
+fn write_aside(aside: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> {
+    let mut file = create(aside, readers)?;
     file.write_all(bytes)?;
     file.sync_all()
 }
+
+/// Makes a file that was not there. What is left of a killed process, or a link that
+/// leads elsewhere, goes first; it is never written through.
+fn create(path: &Path, readers: Readers) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    restrict(&mut options, readers);
+    match options.open(path) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            fs::remove_file(path)?;
+            options.open(path)
+        }
+        opened => opened,
+    }
+}
+
+#[cfg(unix)]
+fn restrict(options: &mut OpenOptions, readers: Readers) {
+    use std::os::unix::fs::OpenOptionsExt;
+
+    const OWNER_READS_AND_WRITES: u32 = 0o600;
+    if readers == Readers::Owner {
+        options.mode(OWNER_READS_AND_WRITES);
+    }
+}
+
+/// Elsewhere the folder of the user's data is his own already.
+#[cfg(not(unix))]
+fn restrict(_options: &mut OpenOptions, _readers: Readers) {}
 
 /// Makes the rename itself lasting; where folders cannot be opened as files
 /// (Windows) the system does it by itself.
@@ -33,22 +86,49 @@ fn sync_folder(path: &Path) {
     }
 }
 
+/// Removes from a folder what was being written aside when the process was killed;
+/// the names it was meant for.
+pub fn remove_unfinished(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let meant = name
+            .to_str()
+            .and_then(|name| name.strip_prefix('.')?.strip_suffix(ASIDE));
+        if let Some(meant) = meant {
+            // What cannot be removed is replaced by the next writing.
+            let _ = fs::remove_file(entry.path());
+            names.push(meant.to_owned());
+        }
+    }
+    names.sort();
+    names
+}
+
 /// Moves a damaged file to a free name beside it and returns that name.
+///
+/// # Errors
+/// What the system says; the file stands where it stood.
 pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
-    let mut target = beside(path, "damaged");
+    let name = |ending: &str| {
+        let mut name = path.file_name().unwrap_or_default().to_owned();
+        name.push(ending);
+        path.with_file_name(name)
+    };
+    let mut target = name(".damaged");
     let mut count = 1;
-    while target.exists() {
+    while target.symlink_metadata().is_ok() {
         count += 1;
-        target = beside(path, &format!("damaged{count}"));
+        target = name(&format!(".damaged{count}"));
     }
     fs::rename(path, &target)?;
     Ok(target)
 }
 
-fn beside(path: &Path, ending: &str) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".");
-    name.push(ending);
+fn aside(path: &Path) -> PathBuf {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(ASIDE);
     path.with_file_name(name)
 }
 
@@ -68,6 +148,33 @@ mod tests {
         assert!(first.ends_with("a.ron.damaged"));
         write(&path, b"three").expect("third");
         assert!(set_aside(&path).expect("aside").ends_with("a.ron.damaged2"));
+        fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_is_written_through_a_link_and_secrets_are_the_owners() {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+
+        let folder = crate::files::test_folder("atomic-link");
+        let (path, other) = (folder.join("a.ron"), folder.join("other"));
+        fs::write(&other, "precious").expect("write");
+        symlink(&other, aside(&path)).expect("link");
+        write_for(&path, b"secret", Readers::Owner).expect("written");
+        assert_eq!(fs::read(&other).expect("read"), b"precious");
+        let mode = fs::metadata(&path).expect("there").permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn only_what_this_program_left_is_removed() {
+        let folder = crate::files::test_folder("atomic-left");
+        for name in [".O0003.CNC.gsk980td-new", "O0004.CNC.new", "write-test"] {
+            fs::write(folder.join(name), "").expect("write");
+        }
+        assert_eq!(remove_unfinished(&folder), ["O0003.CNC"]);
+        assert_eq!(fs::read_dir(&folder).expect("list").count(), 2);
         fs::remove_dir_all(folder).expect("clean");
     }
 }

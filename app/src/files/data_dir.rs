@@ -2,14 +2,17 @@
 //!
 //! ```text
 //! lock                one process at a time
+//! manifest.ron        length and checksum of every file
 //! programs/O0001.CNC  one program a file, as plain text
 //! ladder.il           the ladder in place of the standard one, once one was saved
 //! NAME.ron            parameters, offsets, counters, PLC memory, …
+//! copies/             every file once more
 //! ```
 //!
-//! Every write is atomic. A damaged file is kept under another name, and the
-//! defaults are loaded for that file alone.
+//! Every write is atomic. A file that is damaged or missing is named, and its copy
+//! is used; without a good copy that file alone is as delivered.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -18,14 +21,24 @@ use gsk_core::plc::Ladder;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::atomic::{self, Readers};
 use super::decode::{self, Encoding};
-use super::{atomic, program_file};
+use super::kept::{Change, Found, Kept};
+use super::program_file;
+
+const PROGRAMS: &str = "programs";
+const LADDER: &str = "ladder.il";
+/// What holds passwords is its owner's alone.
+const PRIVATE: [&str; 1] = ["authority.ron"];
+/// The largest file that is read but for programs, bytes.
+const LARGEST_BYTES: u64 = 64 * 1024 * 1024;
 
 /// An open data directory; it is locked as long as this value lives.
 #[derive(Debug)]
 pub struct DataDir {
     path: PathBuf,
     _lock: File,
+    files: Kept,
     /// Programs whose writing was broken off: the power failed.
     interrupted: Vec<String>,
 }
@@ -66,6 +79,8 @@ pub enum DataError {
 pub enum Loaded<T> {
     /// A value.
     Value(T),
+    /// A value from the copy of a damaged or missing file; the sentence says so.
+    Recovered(T, String),
     /// There is no such file yet.
     Missing,
     /// It was damaged; the sentence says why and where it is kept now.
@@ -91,47 +106,62 @@ pub fn default_path() -> Result<PathBuf, DataError> {
 }
 
 impl DataDir {
-    /// Opens a directory that is one already: who only reads makes none, and takes
-    /// nobody's slip of the pen for a control as it was delivered.
-    pub fn existing(path: &Path) -> Result<Self, DataError> {
-        if !path.join("lock").is_file() {
+    /// Opens a directory to read what is in it, and changes nothing there. It must be
+    /// a data directory already: nobody's slip of the pen is taken for a control as
+    /// it was delivered.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    pub fn read_only(path: &Path) -> Result<Self, DataError> {
+        let Ok(lock) = File::open(path.join("lock")) else {
             return Err(DataError::Missing {
                 path: path.to_owned(),
             });
-        }
-        Self::open(path)
+        };
+        locked(lock.try_lock_shared(), path)?;
+        Ok(Self {
+            path: path.to_owned(),
+            _lock: lock,
+            files: Kept::open(path, true),
+            interrupted: Vec::new(),
+        })
     }
 
     /// Opens a directory, making it if it is not there, and locks it.
+    ///
+    /// # Errors
+    /// Why it cannot be used.
     pub fn open(path: &Path) -> Result<Self, DataError> {
         let unusable = |source| DataError::Unusable {
             path: path.to_owned(),
             source,
         };
-        fs::create_dir_all(path.join("programs")).map_err(unusable)?;
+        let programs = path.join(PROGRAMS);
+        fs::create_dir_all(&programs).map_err(unusable)?;
         let lock = OpenOptions::new()
             .create(true)
             .truncate(false)
             .write(true)
             .open(path.join("lock"))
             .map_err(unusable)?;
-        match lock.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => {
-                return Err(DataError::InUse {
-                    path: path.to_owned(),
-                });
-            }
-            Err(TryLockError::Error(source)) => return Err(unusable(source)),
-        }
+        locked(lock.try_lock(), path)?;
         // A directory that takes no file would fail at the first edit: say it now.
-        let probe = path.join("programs").join("write-test");
+        let probe = programs.join(format!(".gsk980td-probe-{}", std::process::id()));
         atomic::write(&probe, b"").map_err(unusable)?;
         fs::remove_file(&probe).map_err(unusable)?;
+        for folder in ["", "copies", "copies/programs"] {
+            atomic::remove_unfinished(&path.join(folder));
+        }
+        let interrupted = atomic::remove_unfinished(&programs)
+            .iter()
+            .filter_map(|name| program_number(name))
+            .map(|number| format!("O{number:04}"))
+            .collect();
         Ok(Self {
             path: path.to_owned(),
             _lock: lock,
-            interrupted: remove_unfinished(&path.join("programs")),
+            files: Kept::open(path, false),
+            interrupted,
         })
     }
 
@@ -141,6 +171,11 @@ impl DataDir {
         &self.interrupted
     }
 
+    /// What is wrong with the list of files itself, as a sentence.
+    pub fn complaint(&self) -> Option<&str> {
+        self.files.complaint()
+    }
+
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
@@ -148,157 +183,170 @@ impl DataDir {
 
     /// Reads `NAME.ron`.
     pub fn load<T: DeserializeOwned>(&self, name: &str) -> Loaded<T> {
-        let path = self.file(name);
-        let text = match fs::read(&path) {
-            Ok(bytes) => String::from_utf8(bytes).map_err(|error| error.to_string()),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Loaded::Missing,
-            Err(error) => Err(error.to_string()),
-        };
-        let value = text.and_then(|text| {
+        self.read(&file_name(name), LARGEST_BYTES, |bytes| {
+            let text = String::from_utf8(bytes).map_err(|error| error.to_string())?;
             ron::from_str(&text)
                 .map_err(|error| format!("line {}: {}", error.span.start.line, error.code))
-        });
-        match value {
-            Ok(value) => Loaded::Value(value),
-            Err(reason) => Loaded::Damaged(keep_aside(&path, &reason)),
-        }
+        })
     }
 
     /// Writes `NAME.ron`.
+    ///
+    /// # Errors
+    /// A sentence that says what could not be written.
     pub fn store<T: Serialize>(&self, name: &str, value: &T) -> Result<(), String> {
-        let text = ron::ser::to_string_pretty(value, ron::ser::PrettyConfig::new().depth_limit(3))
-            .map_err(|error| error.to_string())?;
-        self.write(&self.file(name), text.as_bytes())
+        let failures = self.commit(vec![as_ron(name, value)?]);
+        if failures.is_empty() {
+            Ok(())
+        } else {
+            Err(failures.join("; "))
+        }
+    }
+
+    /// Writes what is not so yet, each file for itself; the sentences say what could
+    /// not be written.
+    pub fn commit(&self, changes: Vec<Change>) -> Vec<String> {
+        self.files.commit(changes)
     }
 
     /// Reads the ladder that was saved in place of the standard one.
     pub fn ladder(&self) -> Loaded<Ladder> {
-        let path = self.ladder_file();
-        let text = match fs::read(&path) {
-            Ok(bytes) => String::from_utf8(bytes).map_err(|error| error.to_string()),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Loaded::Missing,
-            Err(error) => Err(error.to_string()),
-        };
-        let compiled = text.and_then(|text| {
+        self.read(LADDER, LARGEST_BYTES, |bytes| {
+            let text = String::from_utf8(bytes).map_err(|error| error.to_string())?;
             Ladder::compile(&text).map_err(|errors| {
                 let first = errors.errors.first().map(ToString::to_string);
                 first.unwrap_or_default()
             })
-        });
-        match compiled {
-            Ok(ladder) => Loaded::Value(ladder),
-            Err(reason) => Loaded::Damaged(keep_aside(&path, &reason)),
-        }
-    }
-
-    /// Writes the ladder that runs in place of the standard one.
-    pub fn store_ladder(&self, ladder: &Ladder) -> Result<(), String> {
-        self.write(&self.ladder_file(), ladder.source().as_bytes())
-    }
-
-    fn ladder_file(&self) -> PathBuf {
-        self.path.join("ladder.il")
+        })
     }
 
     /// Reads every program; the sentences name those that were damaged.
     pub fn programs(&self) -> (Vec<StoredProgram>, Vec<String>) {
         let mut programs = Vec::new();
         let mut complaints = Vec::new();
-        let Ok(entries) = fs::read_dir(self.path.join("programs")) else {
-            return (
-                programs,
-                vec!["the folder of programs cannot be read".to_owned()],
-            );
-        };
-        for entry in entries.flatten() {
-            let path = entry.path();
-            let Some(number) = program_number(&path) else {
-                continue;
-            };
-            match program_file::read(&path) {
-                Ok(file) => programs.push(StoredProgram {
+        let mut numbers: BTreeSet<u16> = self.program_numbers().collect();
+        match fs::read_dir(self.path.join(PROGRAMS)) {
+            Ok(entries) => numbers.extend(
+                entries
+                    .flatten()
+                    .filter_map(|entry| program_number(entry.file_name().to_str()?)),
+            ),
+            Err(error) => complaints.push(format!("the folder of programs: {error}")),
+        }
+        for number in numbers {
+            let name = program_name(number);
+            let loaded = self.read(&name, program_file::LARGEST_BYTES, |bytes| {
+                let decoded = decode::decode(bytes).map_err(|error| error.to_string())?;
+                if decoded.text.trim().is_empty() {
+                    return Err("it is empty".to_owned());
+                }
+                Ok(StoredProgram {
                     number,
-                    text: file.text,
-                    encoding: file.encoding,
-                }),
-                Err(error) => complaints.push(keep_aside(&path, &error.to_string())),
+                    text: decoded.text,
+                    encoding: decoded.encoding,
+                })
+            });
+            match loaded {
+                Loaded::Value(program) => programs.push(program),
+                Loaded::Recovered(program, said) => {
+                    programs.push(program);
+                    complaints.push(said);
+                }
+                Loaded::Missing => {}
+                Loaded::Damaged(said) => complaints.push(said),
             }
         }
-        programs.sort_by_key(|program| program.number);
-        complaints.sort();
         (programs, complaints)
     }
 
-    /// Writes a program.
-    pub fn store_program(&self, program: &StoredProgram) -> Result<(), String> {
-        let bytes = decode::encode(&program.text, program.encoding);
-        self.write(&self.program_file(program.number), &bytes)
+    /// The numbers of the programs that the directory should have.
+    fn program_numbers(&self) -> impl Iterator<Item = u16> {
+        let names = self.files.names().into_iter();
+        names.filter_map(|name| program_number(name.strip_prefix(PROGRAMS)?.strip_prefix('/')?))
     }
 
-    /// Deletes a program.
-    pub fn remove_program(&self, number: u16) -> Result<(), String> {
-        let path = self.program_file(number);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                Err(format!("{} cannot be deleted: {error}", path.display()))
-            }
-            _ => Ok(()),
+    fn read<T>(
+        &self,
+        name: &str,
+        largest: u64,
+        parse: impl FnOnce(Vec<u8>) -> Result<T, String>,
+    ) -> Loaded<T> {
+        let Found { content, damage } = self.files.read(name, largest);
+        let Some(content) = content else {
+            return damage.map_or(Loaded::Missing, Loaded::Damaged);
+        };
+        match (parse(content), damage) {
+            (Ok(value), None) => Loaded::Value(value),
+            (Ok(value), Some(said)) => Loaded::Recovered(value, said),
+            (Err(reason), None) => Loaded::Damaged(self.files.reject(name, &reason)),
+            (Err(reason), Some(said)) => Loaded::Damaged(format!("{said} ({reason})")),
         }
-    }
-
-    fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), String> {
-        atomic::write(path, bytes)
-            .map_err(|error| format!("{} cannot be written: {error}", path.display()))
-    }
-
-    fn file(&self, name: &str) -> PathBuf {
-        self.path.join(format!("{name}.ron"))
-    }
-
-    fn program_file(&self, number: u16) -> PathBuf {
-        self.path.join("programs").join(format!("O{number:04}.CNC"))
     }
 }
 
-/// Removes files that were being written aside when the process was killed, and
-/// names the programs among them.
-fn remove_unfinished(folder: &Path) -> Vec<String> {
-    let mut names = Vec::new();
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let path = entry.path();
-        if path.extension().is_none_or(|ending| ending != "new") {
-            continue;
-        }
-        // What cannot be removed is overwritten by the next writing.
-        let _ = fs::remove_file(&path);
-        if let Some(number) = program_number(&path.with_extension("")) {
-            names.push(format!("O{number:04}"));
-        }
+/// `NAME.ron` with a value in it.
+///
+/// # Errors
+/// What the writer of RON says.
+pub fn as_ron<T: Serialize>(name: &str, value: &T) -> Result<Change, String> {
+    let style = ron::ser::PrettyConfig::new().depth_limit(3);
+    let text =
+        ron::ser::to_string_pretty(value, style).map_err(|error| format!("{name}: {error}"))?;
+    let name = file_name(name);
+    let readers = match PRIVATE.contains(&name.as_str()) {
+        true => Readers::Owner,
+        false => Readers::Any,
+    };
+    Ok(Change {
+        name,
+        content: Some(text.into_bytes()),
+        readers,
+    })
+}
+
+/// The file of the ladder that runs in place of the standard one.
+pub fn as_ladder(ladder: &Ladder) -> Change {
+    Change {
+        name: LADDER.to_owned(),
+        content: Some(ladder.source().as_bytes().to_vec()),
+        readers: Readers::Any,
     }
-    names.sort();
-    names
+}
+
+/// The file of a program: its text, or nothing to delete it.
+pub fn as_program(number: u16, text: Option<(&str, Encoding)>) -> Change {
+    Change {
+        name: program_name(number),
+        content: text.map(|(text, encoding)| decode::encode(text, encoding)),
+        readers: Readers::Any,
+    }
+}
+
+fn locked(lock: Result<(), TryLockError>, path: &Path) -> Result<(), DataError> {
+    lock.map_err(|error| match error {
+        TryLockError::WouldBlock => DataError::InUse {
+            path: path.to_owned(),
+        },
+        TryLockError::Error(source) => DataError::Unusable {
+            path: path.to_owned(),
+            source,
+        },
+    })
+}
+
+fn file_name(name: &str) -> String {
+    format!("{name}.ron")
+}
+
+fn program_name(number: u16) -> String {
+    format!("{PROGRAMS}/O{number:04}.CNC")
 }
 
 /// The number in a name like `O0001.CNC`.
-fn program_number(path: &Path) -> Option<u16> {
-    let name = path.file_name()?.to_str()?;
+fn program_number(name: &str) -> Option<u16> {
     let digits = name.strip_prefix('O')?.strip_suffix(".CNC")?;
     let plain = digits.len() == 4 && digits.bytes().all(|byte| byte.is_ascii_digit());
     plain.then(|| digits.parse().ok())?
-}
-
-fn keep_aside(path: &Path, reason: &str) -> String {
-    match atomic::set_aside(path) {
-        Ok(kept) => format!(
-            "{} is damaged ({reason}); it is kept as {}, and defaults are used instead",
-            path.display(),
-            kept.display()
-        ),
-        Err(error) => format!(
-            "{} is damaged ({reason}) and cannot be renamed ({error}); defaults are used instead",
-            path.display()
-        ),
-    }
 }
 
 #[cfg(test)]
@@ -317,11 +365,13 @@ mod tests {
             text: "O0007 (车)\n".to_owned(),
             encoding: Encoding::Gb18030,
         };
-        data.store_program(&program).expect("store");
+        let file = as_program(7, Some((&program.text, program.encoding)));
+        assert_eq!(data.commit(vec![file]), [""; 0]);
         assert_eq!(data.programs(), (vec![program], Vec::new()));
-        data.remove_program(7).expect("remove");
-        data.remove_program(7).expect("already gone");
-        assert_eq!(data.programs().0, []);
+        for _ in 0..2 {
+            assert_eq!(data.commit(vec![as_program(7, None)]), [""; 0]);
+        }
+        assert_eq!(data.programs(), (Vec::new(), Vec::new()));
         fs::remove_dir_all(folder).expect("clean");
     }
 
@@ -332,16 +382,16 @@ mod tests {
         assert_eq!(data.ladder(), Loaded::Missing);
         let text = "END1\nLD R1.0 ; 注释\nOUT R2.0\nEND2\n";
         let ladder = Ladder::compile(text).expect("compiles");
-        data.store_ladder(&ladder).expect("store");
+        assert_eq!(data.commit(vec![as_ladder(&ladder)]), [""; 0]);
         let stored = fs::read_to_string(folder.join("ladder.il")).expect("read");
         assert_eq!(stored, text);
-        assert_eq!(data.ladder(), Loaded::Value(ladder));
+        assert_eq!(data.ladder(), Loaded::Value(ladder.clone()));
         fs::write(folder.join("ladder.il"), "LD").expect("write");
-        let Loaded::Damaged(said) = data.ladder() else {
+        let Loaded::Recovered(copy, said) = data.ladder() else {
             panic!("damaged")
         };
+        assert_eq!(copy, ladder);
         assert!(said.contains("ladder.il.damaged"), "{said}");
-        assert_eq!(data.ladder(), Loaded::Missing);
         fs::remove_dir_all(folder).expect("clean");
     }
 
@@ -370,7 +420,7 @@ mod tests {
         let folder = crate::files::test_folder("broken-off");
         fs::create_dir_all(folder.join("programs")).expect("make");
         fs::write(folder.join("programs/O0003.CNC"), "O0003;\n").expect("write");
-        fs::write(folder.join("programs/O0003.CNC.new"), "O00").expect("write");
+        fs::write(folder.join("programs/.O0003.CNC.gsk980td-new"), "O00").expect("write");
         let data = DataDir::open(&folder).expect("open");
         assert_eq!(data.interrupted(), ["O0003"]);
         assert_eq!(data.programs().0.len(), 1);

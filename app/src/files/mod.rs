@@ -3,6 +3,8 @@
 pub mod atomic;
 pub mod data_dir;
 pub mod decode;
+pub mod kept;
+mod manifest;
 pub mod program_file;
 pub mod subprograms;
 pub mod time;

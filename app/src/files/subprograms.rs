@@ -1,8 +1,9 @@
 //! Finding the subprograms of a program in the folder it lies in.
 //!
-//! `M98 P…` is looked for in the text; a number that no loaded program has is
-//! searched beside the file, by name first (`O1002.CNC`, `1002.nc`), then by
-//! the O word that a small file starts with. What stays missing is reported by
+//! `M98 P…` is looked for in the text, and the codes that call by themselves when
+//! 006.5 is set: `M61` O9061, `S21` O9121, `T15` O9215. A number that no loaded
+//! program has is searched beside the file, by name first (`O1002.CNC`, `1002.nc`),
+//! then by the O word that a small file starts with. What stays missing is reported by
 //! the control itself when the call is reached (alarm 078).
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -39,10 +40,7 @@ pub fn find(main: &Path, text: &str, loaded: &BTreeSet<u16>) -> Vec<Found> {
     if wanted.is_empty() {
         return Vec::new();
     }
-    let folder = main
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let index = index(folder.unwrap_or(Path::new(".")), main);
+    let index = beside(main);
     let mut found = Vec::new();
     while let Some(number) = wanted.pop() {
         if !known.insert(number) {
@@ -65,27 +63,54 @@ pub fn find(main: &Path, text: &str, loaded: &BTreeSet<u16>) -> Vec<Found> {
     found
 }
 
-/// The program numbers that a text calls by `M98 P…` outside comments: the last
-/// four digits of P.
-fn calls(text: &str) -> BTreeSet<u16> {
+/// The M codes of every machine: they call nothing.
+const MACHINE_CODES: [u16; 20] = [
+    0, 2, 3, 4, 5, 8, 9, 10, 11, 12, 13, 30, 32, 33, 41, 42, 43, 44, 98, 99,
+];
+
+/// The program numbers that a text calls outside comments: by `M98 P…` the last
+/// four digits of P, by an M, S or T code its own.
+pub fn calls(text: &str) -> BTreeSet<u16> {
     let mut numbers = BTreeSet::new();
     for line in text.lines() {
         let upper = code_of(line);
         if upper.contains("M98")
             && let Some(at) = upper.find('P')
+            && let Some(number) = last_four(leading_digits(&upper[at + 1..]))
         {
-            let digits: Vec<u16> = upper[at + 1..]
-                .bytes()
-                .take_while(u8::is_ascii_digit)
-                .map(|digit| u16::from(digit - b'0'))
-                .collect();
-            let last = &digits[digits.len().saturating_sub(4)..];
-            if !last.is_empty() {
-                numbers.insert(last.iter().fold(0, |number, digit| number * 10 + digit));
-            }
+            numbers.insert(number);
         }
+        numbers.extend(special_calls(&upper));
     }
     numbers
+}
+
+/// The programs of the codes in a block that may call one (006.5): an M that is no
+/// machine function, S and T of two digits.
+fn special_calls(block: &str) -> impl Iterator<Item = u16> {
+    block
+        .match_indices(['M', 'S', 'T'])
+        .filter_map(|(at, word)| {
+            let digits = leading_digits(&block[at + 1..]);
+            let code = last_four(digits)?;
+            let two = digits.len() == 2 && code >= 10;
+            match word {
+                "M" if digits.len() <= 2 && !MACHINE_CODES.contains(&code) => Some(9000 + code),
+                "S" if two => Some(9100 + code),
+                "T" if two => Some(9200 + code),
+                _ => None,
+            }
+        })
+}
+
+fn leading_digits(text: &str) -> &str {
+    let end = text.bytes().take_while(u8::is_ascii_digit).count();
+    &text[..end]
+}
+
+/// The number of the last four digits; `None` without a digit.
+fn last_four(digits: &str) -> Option<u16> {
+    digits[digits.len().saturating_sub(4)..].parse().ok()
 }
 
 /// A line without comment and blanks, full-width letters and digits as ASCII.
@@ -101,8 +126,11 @@ fn code_of(line: &str) -> String {
 
 /// The programs beside a file, by number; a name counts more than an O word,
 /// and of two equals the first in alphabetical order.
-fn index(folder: &Path, main: &Path) -> BTreeMap<u16, PathBuf> {
-    let Ok(entries) = fs::read_dir(folder) else {
+pub fn beside(main: &Path) -> BTreeMap<u16, PathBuf> {
+    let folder = main
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let Ok(entries) = fs::read_dir(folder.unwrap_or(Path::new("."))) else {
         return BTreeMap::new();
     };
     let mut paths: Vec<PathBuf> = entries
@@ -131,7 +159,8 @@ fn index(folder: &Path, main: &Path) -> BTreeMap<u16, PathBuf> {
     by_number
 }
 
-fn number_in_name(path: &Path) -> Option<u16> {
+/// The number that a file of this name would be found by.
+pub fn number_in_name(path: &Path) -> Option<u16> {
     if !has_program_ending(path) {
         return None;
     }
@@ -182,6 +211,15 @@ mod tests {
         assert_eq!(
             calls(text).into_iter().collect::<Vec<_>>(),
             [3, 7, 1002, 5678]
+        );
+    }
+
+    #[test]
+    fn codes_without_a_function_call_programs_of_their_own() {
+        let text = "M61\nN10 G01 X1 M03 S500 T0101\nm 62 (M63)\nS21 M8\nT15\nS9 T5 M100 M30\n";
+        assert_eq!(
+            calls(text).into_iter().collect::<Vec<_>>(),
+            [9061, 9062, 9121, 9215]
         );
     }
 

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use gsk_core::command::ProgramId;
-use gsk_core::machine::link::{Difference, LinkConfig, LinkState, Linked, Note, Stamp};
+use gsk_core::linked::{Linked, Note, Stamp};
 use gsk_core::simulation::Simulation;
+use gsk_link::{Difference, LinkConfig, LinkState};
 
 use super::Snapshot;
 use super::link_view::LinkView;
@@ -46,6 +47,8 @@ pub struct Connection {
     pub log: Option<PathBuf>,
     /// Folder for what boards say they understand.
     pub boards: Option<PathBuf>,
+    /// The program of the process that holds the port: [`crate::guard::program`].
+    pub program: PathBuf,
 }
 
 /// How long the board was not heard, because the computer did something else.
@@ -110,6 +113,7 @@ impl core::fmt::Debug for Drive {
 impl Drive {
     /// Opens the port; a port that cannot be opened is an alarm of the control.
     pub fn open(connection: Connection, simulation: &mut Simulation) -> Self {
+        tracing::info!(port = connection.config.port, "port of the board");
         let opened = Instant::now();
         let mut linked = Linked::open(connection.config.clone(), simulation, Duration::ZERO);
         linked.know(
@@ -118,14 +122,15 @@ impl Drive {
                 .as_deref()
                 .map_or_else(Vec::new, met_before),
         );
-        let carrier = match Carrier::open(&connection.config) {
+        let carrier = match Carrier::open(&connection.config, &connection.program) {
             Ok(mut carrier) => {
                 // Who opens the link page after a fault wants to see what came before it.
                 carrier.watch(true);
                 Some(carrier)
             }
             Err(cause) => {
-                linked.lost(simulation, &cause);
+                tracing::error!("{cause}");
+                linked.lost(simulation, &cause.to_string());
                 None
             }
         };
@@ -161,7 +166,7 @@ impl Drive {
         } = self;
         let last = linked.close(simulation);
         if let Some(carrier) = &mut carrier {
-            carrier.write_last(&last);
+            carrier.end(&last);
         }
         connection
     }
@@ -172,7 +177,9 @@ impl Drive {
             Some(Ok(bytes)) => bytes,
             Some(Err(error)) => {
                 self.carrier = None;
-                self.linked.lost(simulation, &ports::gone(&error));
+                let cause = ports::gone(&error);
+                tracing::error!("{cause}");
+                self.linked.lost(simulation, &cause);
                 Vec::new()
             }
             None => Vec::new(),
@@ -203,6 +210,16 @@ impl Drive {
         self.away.longest().0 > BUSY
     }
 
+    /// Where the link stands.
+    pub fn state(&self) -> LinkState {
+        self.linked.state()
+    }
+
+    /// Whether the slides may still be on their way.
+    pub fn is_behind(&self) -> bool {
+        self.linked.is_behind()
+    }
+
     /// Whether the kernel may make a tick.
     pub fn may_tick(&mut self, simulation: &mut Simulation) -> bool {
         self.linked.may_tick(simulation)
@@ -219,16 +236,15 @@ impl Drive {
     }
 
     /// Writes what waits, and the log.
-    pub fn speak(&mut self, simulation: &mut Simulation, program: Option<&str>) {
-        let bytes = self.linked.tx().to_vec();
-        match self.carrier.as_mut().map(|carrier| carrier.write(&bytes)) {
-            Some(Ok(count)) => self.linked.consumed(count),
-            Some(Err(error)) => {
-                self.carrier = None;
-                self.linked.lost(simulation, &ports::gone(&error));
+    pub fn speak(&mut self, program: Option<&str>) {
+        let written = match &mut self.carrier {
+            Some(carrier) => {
+                carrier.stop_with(&self.linked.stop_bytes());
+                carrier.write(self.linked.tx())
             }
-            None => self.linked.consumed(bytes.len()),
-        }
+            None => self.linked.tx().len(),
+        };
+        self.linked.consumed(written);
         for note in self.linked.notes() {
             self.note(&note, program);
         }
@@ -291,6 +307,7 @@ impl Drive {
         };
         let file = OpenOptions::new().create(true).append(true).open(path);
         if let Err(error) = file.and_then(|mut file| writeln!(file, "{line}")) {
+            tracing::error!("{}: {error}", path.display());
             self.said.push(format!("{}: {error}", path.display()));
             // Said once; the position check goes on without its log.
             self.connection.log = None;

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use gsk_core::machine::link::{
+use gsk_core::units::{PerAxis, Pulses};
+use gsk_link::{
     BoardInfo, BoardOutputs, Difference, Input, LinkState, Output, Protocol, SpindleView, Traffic,
 };
-use gsk_core::units::{PerAxis, Pulses};
 
 use crate::carrier::Line;
 

@@ -2,8 +2,10 @@
 
 use std::time::{Duration, Instant};
 
+use gsk_link::LinkState;
+
 use super::drive::Drive;
-use super::{Connection, Kernel, LinkOrder, Notice, PICTURE_TICKS};
+use super::{Connection, Kernel, LinkOrder, Notice, PICTURE_TICKS, Snapshot};
 use crate::pace::Pace;
 
 /// How often a link without a port is looked at.
@@ -44,6 +46,11 @@ impl Kernel {
         self.drive.is_some()
     }
 
+    /// Where the link stands, if there is one.
+    pub(super) fn link_state(&self) -> Option<LinkState> {
+        self.drive.as_ref().map(Drive::state)
+    }
+
     /// Takes what the window asked for, hears the board, runs as many ticks as it
     /// lets pass, and puts out pictures of what it has made. Waits 2 ms at most.
     /// Returns whether there is something to be seen.
@@ -67,21 +74,27 @@ impl Kernel {
                 drive.keep_picture(self.snapshot());
             }
         }
-        drive.speak(&mut self.emulator.simulation, self.opened.as_deref());
+        let program = self.opened.as_ref().map(|opened| opened.name.as_str());
+        drive.speak(program);
         let mut shown = self.show_machine();
         if let Some(view) = drive.due_view() {
             self.links.force_push(view);
             shown = true;
         }
         for said in drive.said() {
-            self.say(Notice::Said(said));
+            self.say(Notice::Said(said.into()));
             shown = true;
         }
-        if let Some(snapshot) = drive.due_picture()
-            && self.last.as_ref() != Some(&snapshot)
+        // The state is the board's of now, also while no motion is made.
+        let board = Some(drive.state());
+        let changed = self.last.as_ref().is_some_and(|last| last.board != board);
+        let again = || self.last.clone().filter(|_| changed);
+        let picture = drive.due_picture().or_else(again);
+        if let Some(picture) = picture.map(|picture| Snapshot { board, ..picture })
+            && self.last.as_ref() != Some(&picture)
         {
-            self.pictures.force_push(snapshot.clone());
-            self.last = Some(snapshot);
+            self.pictures.force_push(picture.clone());
+            self.last = Some(picture);
             shown = true;
         }
         let reopen = drive.is_to_be_reopened();

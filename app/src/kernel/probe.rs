@@ -95,7 +95,7 @@ impl Probing {
             } else {
                 Some(lathe.spindle_rpm())
             },
-            spindle_commanded: cnc.spindle_told(),
+            spindle_commanded: cnc.spindle_switched(),
             bits,
         };
         self.probe.queue.force_push(sample);

@@ -5,12 +5,14 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{RecvTimeoutError, TryRecvError};
+use tracing::error;
 
+use super::journal::Journal;
 use super::{Command, Console, Kernel, Notice, PICTURE_TICKS};
 use crate::ending::{ENDED, Ending};
 use crate::pace::Pace;
 use crate::retained::Keeper;
-use crate::transfer;
+use crate::{log, transfer};
 
 /// Held keys are let go when the window has said nothing for so long: no motion
 /// depends on a release that may never come.
@@ -55,7 +57,7 @@ impl KernelThread {
         // The queue may be full: the kernel empties it.
         let _ = self.console.commands.send(Command::Quit);
         if thread.join().is_err() {
-            eprintln!("gsk980td: the kernel thread ended with an error");
+            complain!("gsk980td: the kernel thread ended with an error");
         }
     }
 }
@@ -84,12 +86,16 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
     let mut picture_at = 0;
     let mut heard = start;
     let mut kept = start;
+    let mut journal = Journal::default();
     kernel.show();
     (outside.wake)();
     while !kernel.quit && !outside.ending.is_asked() {
         let now = Instant::now();
-        if !kernel.down.is_empty() && now.duration_since(heard) > LEASE {
+        if kernel.keys.any_down() && now.duration_since(heard) > LEASE {
             kernel.release_all();
+        }
+        if !kernel.is_linked() {
+            journal.turn(now, pace.next());
         }
         let due = pace.due(now);
         if kernel.is_linked() {
@@ -101,6 +107,7 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
         } else {
             kernel.run(due);
         }
+        journal.look(&kernel.emulator.simulation.cnc, kernel.link_state());
         if !kernel.is_linked() && kernel.tick >= picture_at {
             picture_at = kernel.tick + PICTURE_TICKS;
             kernel.speed_percent = speed_percent(pace.ratio());
@@ -120,7 +127,8 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
             kept = now;
             keeper.look(&kernel.emulator);
             for complaint in keeper.complaints() {
-                kernel.say(Notice::Said(complaint));
+                error!("not saved: {complaint}");
+                kernel.say(Notice::Said(complaint.into()));
                 (outside.wake)();
             }
         }
@@ -148,6 +156,7 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
     }
     kernel.release_all();
     kernel.disconnect();
+    journal.look(&kernel.emulator.simulation.cnc, kernel.link_state());
     if let Some(keeper) = outside.keeper {
         kernel.emulator.store_edited();
         keeper.finish(&kernel.emulator);
@@ -167,6 +176,7 @@ fn wait_for_window(kernel: &Kernel) {
             return;
         }
     }
+    log::finish();
     std::process::exit(ENDED.into());
 }
 

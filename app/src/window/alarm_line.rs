@@ -4,9 +4,8 @@
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 
-use super::chinese;
-use super::texts::say;
-use crate::cli::Language;
+use gsk_messages::{Language, say};
+use gsk_runner::chinese;
 
 /// One line: number, text, reason, place.
 pub fn short(alarm: &Alarm, language: Language) -> String {
@@ -21,7 +20,7 @@ pub fn short(alarm: &Alarm, language: Language) -> String {
         line.push_str(&format!("  {place}"));
     }
     if let Some(detail) = &alarm.detail {
-        line.push_str(&format!("  ({})", chinese::say(detail, language)));
+        line.push_str(&format!("  ({})", chinese::say_message(detail, language)));
     }
     line
 }
@@ -34,16 +33,16 @@ pub fn long(alarm: &Alarm, language: Language) -> String {
     };
     match (row.advice, language) {
         (Some(advice), Language::Zh) => {
-            lines.push(format!("原因: {}", advice.cause_zh));
-            lines.push(format!("处理: {}", advice.way_out_zh));
+            lines.push(say::window_alarm_cause(advice.cause_zh).text(language));
+            lines.push(say::window_alarm_way_out(advice.way_out_zh).text(language));
         }
         (Some(advice), Language::En) => {
-            lines.push(format!("Cause: {}", row.cause_en));
-            lines.push(format!("Way out: {}", advice.way_out_en));
+            lines.push(say::window_alarm_cause(row.cause_en).text(language));
+            lines.push(say::window_alarm_way_out(advice.way_out_en).text(language));
         }
         (None, Language::En) => {
-            lines.push(format!("Cause: {}", row.cause_en));
-            lines.push(format!("Cleared by: {}", row.cleared_by_en));
+            lines.push(say::window_alarm_cause(row.cause_en).text(language));
+            lines.push(say::window_alarm_cleared_by(row.cleared_by_en).text(language));
         }
         (None, Language::Zh) => {}
     }
@@ -56,12 +55,13 @@ fn place(alarm: &Alarm, language: Language) -> Option<String> {
         ProgramId::Stored(number) => format!("O{number:04} "),
         ProgramId::External => String::new(),
         ProgramId::Mdi => "MDI ".to_owned(),
+        ProgramId::Dnc => "DNC ".to_owned(),
     };
     let sequence = source
         .sequence
         .map_or_else(String::new, |number| format!("N{number:04} "));
-    let line = say(language, "行", "line");
-    Some(format!("{program}{sequence}{line} {}", source.line))
+    let line = say::window_at_line(source.line).text(language);
+    Some(format!("{program}{sequence}{line}"))
 }
 
 #[cfg(test)]

@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 
 use crossbeam::channel::bounded;
 use eframe::egui;
+use gsk_messages::{Message, say};
 
 use super::figures::Figures;
-use super::{Settings, Window, fonts};
+use super::{Settings, TITLE, Window, fonts};
 use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
@@ -50,9 +51,9 @@ pub fn has_display() -> bool {
 }
 
 /// Opens the window and returns when it is closed.
-pub fn run(start: Start) -> Result<(), String> {
+pub fn run(start: Start) -> Result<(), Message> {
     let viewport = egui::ViewportBuilder::default()
-        .with_title("GSK980TD")
+        .with_title(TITLE)
         .with_app_id("gsk980td")
         .with_inner_size(SIZE)
         .with_min_inner_size([480.0, 330.0])
@@ -70,12 +71,7 @@ pub fn run(start: Start) -> Result<(), String> {
             Ok(Box::new(App::new(start, &creation.egui_ctx)?))
         }),
     );
-    opened.map_err(|error| {
-        format!(
-            "the window cannot be opened ({error}); without one, `gsk980td run FILE` executes \
-             a program and `gsk980td operate SCRIPT` operates the panel"
-        )
-    })
+    opened.map_err(say::window_cannot_be_opened)
 }
 
 struct App {
@@ -85,6 +81,7 @@ struct App {
     data: Arc<DataDir>,
     saved: Settings,
     sized: bool,
+    title: String,
     figures: Option<Figures>,
 }
 
@@ -142,6 +139,7 @@ impl App {
             data,
             saved: settings,
             sized: false,
+            title: TITLE.to_owned(),
             figures: figures.map(Figures::new),
         })
     }
@@ -167,6 +165,15 @@ impl App {
         }
     }
 
+    /// The title says it, too, when the keys move a real machine.
+    fn follow_title(&mut self, context: &egui::Context) {
+        let title = self.window.title();
+        if title != self.title {
+            self.title.clone_from(&title);
+            context.send_viewport_cmd(egui::ViewportCommand::Title(title));
+        }
+    }
+
     fn save_settings(&mut self) {
         if *self.window.settings() == self.saved {
             return;
@@ -188,6 +195,7 @@ impl eframe::App for App {
             self.window.let_go();
         }
         if self.ending.is_asked() {
+            self.window.close_without_asking();
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         } else if !self.kernel.is_alive() {
             self.window.kernel_gone();
@@ -198,6 +206,7 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.size_once(ui.ctx());
         self.window.ui(ui);
+        self.follow_title(ui.ctx());
         if let Some(figures) = &mut self.figures {
             figures.frame(frame.info().cpu_usage);
         }

@@ -1,7 +1,7 @@
 //! The extents of a program, for the graphic page.
 
 use gsk_core::command::{ExecutedMove, MoveKind, ProgramId};
-use gsk_core::preview::preview;
+use gsk_core::preview::{End, Progress, preview_while};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
@@ -12,8 +12,9 @@ use crate::kernel::Opened;
 const MARGIN: f64 = 5.0;
 
 /// The least and the greatest point that the cuts of a program reach (X as a
-/// radius), with some room around; `None` for a program without cuts.
-pub fn of(opened: &Opened) -> Option<(Point, Point)> {
+/// radius), with some room around; `None` for a program without cuts, and for one
+/// that `go_on` gives up.
+pub fn of(opened: &Opened, go_on: &mut dyn FnMut(&Progress) -> bool) -> Option<(Point, Point)> {
     let mut programs = ProgramMemory::default();
     for program in &opened.subprograms {
         // What does not fit the memory is missing here as in the control.
@@ -28,7 +29,7 @@ pub fn of(opened: &Opened) -> Option<(Point, Point)> {
         *least = Point::new(least.x.min(point.x), least.z.min(point.z));
         *greatest = Point::new(greatest.x.max(point.x), greatest.z.max(point.z));
     };
-    preview(
+    let preview = preview_while(
         &Setup::default(),
         &programs,
         &mut |executed: &ExecutedMove| {
@@ -37,7 +38,11 @@ pub fn of(opened: &Opened) -> Option<(Point, Point)> {
                 take(executed.to);
             }
         },
+        go_on,
     );
+    if preview.end == End::Limit {
+        return None;
+    }
     let margin = Point::new(MARGIN, MARGIN);
     extents.map(|(least, greatest)| (least - margin, greatest + margin))
 }
@@ -48,11 +53,14 @@ mod tests {
     use gsk_core::program::Program;
 
     fn extents(text: &str) -> Option<(Point, Point)> {
-        of(&Opened {
+        let opened = Opened {
             name: "part.CNC".to_owned(),
+            path: None,
+            storing: crate::kernel::Storing::Ask,
             program: Program::new(text),
             subprograms: Vec::new(),
-        })
+        };
+        of(&opened, &mut |progress| progress.moves < 10_000)
     }
 
     #[test]
@@ -61,6 +69,12 @@ mod tests {
             extents("G00 X40 Z2\nG01 Z-30 F100\nG01 X60\nG00 X200 Z200\nM30\n").unwrap();
         assert_eq!((least.x, least.z), (15.0, -35.0));
         assert_eq!((greatest.x, greatest.z), (35.0, 7.0));
+    }
+
+    #[test]
+    fn a_loop_without_end_is_given_up() {
+        let text = "N1 G01 U0.001 F6000\nG01 U-0.001\nG65 H80 P1\n";
+        assert_eq!(extents(text), None);
     }
 
     #[test]

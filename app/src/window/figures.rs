@@ -3,6 +3,8 @@
 
 use std::time::{Duration, Instant};
 
+use gsk_messages::say;
+
 /// How often a line is printed.
 const PERIOD: Duration = Duration::from_secs(5);
 
@@ -29,10 +31,8 @@ impl Figures {
     pub fn frame(&mut self, busy: Option<f32>) {
         let now = Instant::now();
         let Some(since) = self.since else {
-            eprintln!(
-                "gsk980td: first frame after {} ms",
-                self.begun.elapsed().as_millis()
-            );
+            let after = self.begun.elapsed().as_millis();
+            complain!("gsk980td: {}", say::window_first_frame(after));
             self.since = Some(now);
             return;
         };
@@ -43,11 +43,9 @@ impl Figures {
             return;
         }
         let a_frame = self.busy / self.frames;
-        eprintln!(
-            "gsk980td: {:.1} frames/s, {:.2} ms a frame",
-            f64::from(self.frames) / passed.as_secs_f64(),
-            a_frame.as_secs_f64() * 1000.0
-        );
+        let frames = f64::from(self.frames) / passed.as_secs_f64();
+        let rate = say::window_frame_rate(frames, a_frame.as_secs_f64() * 1000.0);
+        complain!("gsk980td: {rate}");
         self.since = Some(now);
         self.frames = 0;
         self.busy = Duration::ZERO;

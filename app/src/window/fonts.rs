@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use egui::epaint::text::{GlyphBitmap, GlyphRasterizer, GlyphRasterizerRequest, RasterizedGlyph};
-use egui::{Color32, ColorImage, vec2};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Color32, ColorImage, FontId, vec2};
 
 /// Dots of a glyph from top to bottom.
 const DOTS: f32 = 16.0;
@@ -91,6 +92,29 @@ fn covered(glyph: &unifont::Glyph, left: f32, top: f32, side: f32) -> f32 {
     (ink / (side * side)).min(1.0)
 }
 
+/// Between two hyphens, in sizes of the font.
+const GAP: f32 = 0.14;
+
+/// A text in which two hyphens stay two: those of the font touch and look like one long
+/// dash.
+pub fn words(text: &str, font_id: FontId, color: Color32) -> LayoutJob {
+    let gap = GAP * font_id.size;
+    let format = TextFormat {
+        font_id,
+        color,
+        ..TextFormat::default()
+    };
+    let mut job = LayoutJob::default();
+    let (mut rest, mut space) = (text, 0.0);
+    while let Some(at) = rest.find("--") {
+        let (piece, after) = rest.split_at(at + 1);
+        job.append(piece, space, format.clone());
+        (rest, space) = (after, gap);
+    }
+    job.append(rest, space, format);
+    job
+}
+
 /// A context set up as the window uses it; for tests, too.
 pub fn set_up(context: &egui::Context) {
     install(context);
@@ -102,4 +126,30 @@ pub fn set_up(context: &egui::Context) {
         style.interaction.tooltip_delay = 0.6;
     });
     let _: Arc<egui::Style> = context.global_style();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_is_room_between_two_hyphens() {
+        let context = egui::Context::default();
+        set_up(&context);
+        let width = |job: LayoutJob| {
+            let mut width = 0.0;
+            let mut output = context.run_ui(egui::RawInput::default(), |ui| {
+                let job = job.clone();
+                width = ui
+                    .ctx()
+                    .fonts_mut(|fonts| fonts.layout_job(job).rect.width());
+            });
+            output.textures_delta.clear();
+            width
+        };
+        let font = || FontId::proportional(14.0);
+        let drawn = words("--link", font(), Color32::WHITE);
+        let plain = LayoutJob::simple("--link".to_owned(), font(), Color32::WHITE, 1000.0);
+        assert!(width(drawn) > width(plain) + 1.0);
+    }
 }

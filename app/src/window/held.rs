@@ -2,15 +2,20 @@
 //!
 //! A panel key is down as long as at least one holder is on it. What is not
 //! held any more is released whatever became of the release event.
+//!
+//! One mouse presses two keys: a right click keeps a key for the next one. It goes
+//! down just before that key and comes up with it, and holds nothing by itself.
 
 use std::collections::BTreeMap;
+
+use gsk_panel::keys::Key;
 
 /// Something that holds a panel key down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Holder {
     /// The mouse.
     Pointer,
-    /// The mouse's right button: it holds its key until it clicks there again.
+    /// A right click, while the key it kept the other one for is down.
     Latch,
     /// A finger, by its device and number.
     Finger(u64, u64),
@@ -27,18 +32,63 @@ pub struct Change<K> {
     pub down: bool,
 }
 
+/// What a right click has kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Latch<K> {
+    /// Nothing.
+    #[default]
+    Free,
+    /// A key that waits for the next one.
+    Waits(K),
+    /// It is down as long as this one is.
+    DownWith(K),
+}
+
 /// The held keys.
 #[derive(Clone, Debug)]
 pub struct Held<K> {
     by_holder: BTreeMap<Holder, K>,
+    latch: Latch<K>,
 }
 
 impl<K> Default for Held<K> {
     fn default() -> Self {
         Self {
             by_holder: BTreeMap::new(),
+            latch: Latch::Free,
         }
     }
+}
+
+impl Held<Key> {
+    /// The key a holder presses from now on. A stop goes down alone: what was kept
+    /// for the next key is forgotten.
+    pub fn press(&mut self, holder: Holder, key: Key) -> Vec<Change<Key>> {
+        if matches!(key, Key::EmergencyStop | Key::FeedHold) {
+            self.forget_kept();
+        }
+        self.set(holder, Some(key))
+    }
+}
+
+/// Whether a right click may keep a key: what moves or starts something by itself is
+/// pressed by hand, and the emergency stop latches.
+pub const fn may_be_kept(key: Key) -> bool {
+    !matches!(
+        key,
+        Key::XUp
+            | Key::XDown
+            | Key::ZLeft
+            | Key::ZRight
+            | Key::YMinus
+            | Key::YPlus
+            | Key::CycleStart
+            | Key::SpindleForward
+            | Key::SpindleReverse
+            | Key::Lubrication
+            | Key::ToolChange
+            | Key::EmergencyStop
+    )
 }
 
 impl<K: Copy + PartialEq> Held<K> {
@@ -59,17 +109,68 @@ impl<K: Copy + PartialEq> Held<K> {
                 key: before,
                 down: false,
             });
+            if self.latch == Latch::DownWith(before) {
+                changes.extend(self.end_latch());
+            }
         }
         if let Some(key) = key
             && self.by_holder.values().filter(|held| **held == key).count() == 1
         {
+            changes.extend(self.begin_latch(key));
             changes.push(Change { key, down: true });
         }
         changes
     }
 
+    /// Another key goes down: the one that was kept for it goes first.
+    fn begin_latch(&mut self, with: K) -> Vec<Change<K>> {
+        let Latch::Waits(kept) = self.latch else {
+            return Vec::new();
+        };
+        self.latch = Latch::Free;
+        if kept == with {
+            return Vec::new();
+        }
+        let changes = self.set(Holder::Latch, Some(kept));
+        self.latch = Latch::DownWith(with);
+        changes
+    }
+
+    fn end_latch(&mut self) -> Vec<Change<K>> {
+        self.latch = Latch::Free;
+        self.set(Holder::Latch, None)
+    }
+
+    /// A right click keeps a key for the next one; upon the same key, or upon none,
+    /// it gives it up.
+    pub fn keep(&mut self, key: Option<K>) -> Vec<Change<K>> {
+        let before = self.kept();
+        let changes = self.end_latch();
+        if let Some(key) = key.filter(|key| before != Some(*key)) {
+            self.latch = Latch::Waits(key);
+        }
+        changes
+    }
+
+    /// The key that was kept waits for no other any more.
+    pub fn forget_kept(&mut self) {
+        if matches!(self.latch, Latch::Waits(_)) {
+            self.latch = Latch::Free;
+        }
+    }
+
+    /// The key that is kept, waiting or down with the next one.
+    pub fn kept(&self) -> Option<K> {
+        match self.latch {
+            Latch::Free => None,
+            Latch::Waits(key) => Some(key),
+            Latch::DownWith(_) => self.of(Holder::Latch),
+        }
+    }
+
     /// Lets everything go: the window lost the focus, was hidden, …
     pub fn release_all(&mut self) -> Vec<Change<K>> {
+        self.forget_kept();
         let holders: Vec<Holder> = self.by_holder.keys().copied().collect();
         holders
             .into_iter()
@@ -124,6 +225,56 @@ mod tests {
         let changes = held.set(Holder::Pointer, Some('b'));
         assert_eq!(changes, [change('a', false), change('b', true)]);
         assert!(held.is_down('b') && !held.is_down('a'));
+    }
+
+    #[test]
+    fn a_kept_key_goes_down_with_the_next_one_and_comes_up_with_it() {
+        let mut held = Held::default();
+        assert_eq!(held.keep(Some('c')), []);
+        assert!(!held.any() && held.kept() == Some('c'), "it holds nothing");
+        let pressed = held.set(Holder::Pointer, Some('r'));
+        assert_eq!(pressed, [change('c', true), change('r', true)]);
+        // A second finger is not the key it was kept for.
+        let finger = Holder::Finger(0, 1);
+        held.set(finger, Some('x'));
+        assert_eq!(held.set(finger, None), [change('x', false)]);
+        let released = held.set(Holder::Pointer, None);
+        assert_eq!(released, [change('r', false), change('c', false)]);
+        assert_eq!(held.kept(), None);
+        let again = held.set(Holder::Keyboard(egui::Key::R), Some('r'));
+        assert_eq!(again, [change('r', true)], "for one use");
+    }
+
+    #[test]
+    fn a_kept_key_is_given_up_by_itself_by_a_place_without_key_and_by_the_focus() {
+        let mut held = Held::default();
+        held.keep(Some('c'));
+        assert_eq!(held.set(Holder::Pointer, Some('c')), [change('c', true)]);
+        assert_eq!(held.set(Holder::Pointer, None), [change('c', false)]);
+        for forget in [
+            |held: &mut Held<char>| held.keep(Some('c')),
+            |held: &mut Held<char>| held.keep(None),
+            Held::release_all,
+        ] {
+            held.keep(Some('c'));
+            assert_eq!(forget(&mut held), []);
+            assert_eq!(held.kept(), None);
+        }
+        held.keep(Some('c'));
+        held.set(Holder::Pointer, Some('r'));
+        assert_eq!(held.keep(None), [change('c', false)]);
+    }
+
+    #[test]
+    fn a_stop_takes_nothing_with_it() {
+        let mut held = Held::default();
+        for stop in [Key::EmergencyStop, Key::FeedHold] {
+            held.keep(Some(Key::Rapid));
+            let pressed = held.press(Holder::Pointer, stop);
+            assert_eq!(pressed.len(), 1, "{pressed:?}");
+            assert_eq!(held.kept(), None);
+            held.set(Holder::Pointer, None);
+        }
     }
 
     #[test]

@@ -3,16 +3,15 @@
 use egui::{Color32, Context, RichText};
 use gsk_panel::keys::{KEYS, KeyRow, Role};
 
-use super::texts::Text;
 use super::views::{VIEWS, key_name};
-use crate::cli::Language;
+use gsk_messages::{Language, say};
 
 /// Draws the map; returns whether it stays open.
 pub fn show(context: &Context, language: Language) -> bool {
     let mut open = true;
     let screen = context.content_rect();
     let width = (screen.width() - 40.0).clamp(240.0, 980.0);
-    let window = egui::Window::new(Text::KeysTitle.of(language))
+    let window = egui::Window::new(say::window_keys_title().text(language))
         .id(egui::Id::unique("key map"))
         .collapsible(false)
         .resizable(false)
@@ -21,16 +20,16 @@ pub fn show(context: &Context, language: Language) -> bool {
         .open(&mut open);
     window.show(context, |ui| {
         for text in [
-            Text::KeysCharacters,
-            Text::KeysLatch,
-            Text::KeysWheel,
-            Text::KeysClose,
+            say::window_keys_characters(),
+            say::window_keys_latch(),
+            say::window_keys_wheel(),
+            say::window_keys_close(),
         ] {
-            ui.label(RichText::new(text.of(language)).color(Color32::from_gray(150)));
+            ui.label(RichText::new(text.text(language)).color(Color32::from_gray(150)));
         }
         let views = VIEWS
             .iter()
-            .map(|row| format!("{}  {}", key_name(row), row.name.of(language)));
+            .map(|row| format!("{}  {}", key_name(row), (row.name)().text(language)));
         let views = views.collect::<Vec<_>>().join("     ");
         ui.label(RichText::new(views).color(Color32::from_gray(190)));
         egui::ScrollArea::vertical()
@@ -62,8 +61,8 @@ fn table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {
         .striped(true)
         .spacing([12.0, 2.0])
         .show(ui, |ui| {
-            ui.strong(Text::PcKey.of(language));
-            ui.strong(Text::PanelKey.of(language));
+            ui.strong(say::window_pc_key().text(language));
+            ui.strong(say::window_panel_key().text(language));
             ui.end_row();
             for row in rows {
                 ui.label(RichText::new(pc_name(row.pc)).monospace());

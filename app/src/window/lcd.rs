@@ -51,11 +51,18 @@ pub fn place(room: Rect, pixels_per_point: f32) -> Placing {
 pub struct Lcd {
     texture: Option<TextureHandle>,
     shown: Option<(Screen, u8, u32)>,
+    place: Option<Rect>,
 }
 
 impl Lcd {
+    /// Where it was drawn last.
+    pub const fn place(&self) -> Option<Rect> {
+        self.place
+    }
+
     /// Draws a screen into its place.
     pub fn paint(&mut self, painter: &egui::Painter, room: Rect, screen: &Screen, brightness: u8) {
+        self.place = Some(room);
         let placing = place(room, painter.pixels_per_point());
         let same = |(shown, level, dots): &(Screen, u8, u32)| {
             shown == screen && *level == brightness && *dots == placing.dots

@@ -3,40 +3,49 @@
 
 mod alarm_line;
 pub mod app;
-mod chinese;
+mod badge;
 mod extents;
 mod face;
 mod figures;
+mod files;
 pub mod fonts;
 mod held;
 mod help;
 mod keyboard;
 mod lcd;
+mod message;
 mod opener;
 mod panel_view;
 mod pointing;
+mod questions;
+pub mod refusal;
+mod samples;
 mod settings;
-mod texts;
 mod top_bar;
 mod views;
 
 use std::path::PathBuf;
 
 use egui::{Event, Frame, Margin, Panel, Ui};
+use gsk_link::LinkState;
 use gsk_panel::keys::Key;
 
-use crate::cli::Language;
 use crate::kernel::{Command, Console, Notice, Snapshot};
+use files::Browser;
+use gsk_messages::{Language, say};
 use held::{Change, Held};
 use keyboard::PcAction;
+use message::Message;
 use opener::Opener;
 use pointing::Pointing;
+use questions::Questions;
 pub use settings::Settings;
-use texts::Text;
 use views::Views;
 
 pub use help::pc_name;
 
+/// Title of the window.
+pub const TITLE: &str = "GSK980TD";
 /// Height of the bar above and of the line below, points.
 const BAR: f32 = 28.0;
 /// Height of the line of messages, points.
@@ -53,16 +62,11 @@ pub struct Window {
     pointing: Pointing,
     opener: Opener,
     help: bool,
+    questions: Questions,
+    browser: Browser,
     views: Views,
     lcd: lcd::Lcd,
     face: face::Face,
-}
-
-/// What the line of messages says.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Message {
-    text: String,
-    warning: bool,
 }
 
 impl Window {
@@ -80,6 +84,8 @@ impl Window {
             pointing: Pointing::default(),
             opener,
             help: false,
+            questions: Questions::default(),
+            browser: Browser::default(),
             views,
             lcd: lcd::Lcd::default(),
             face: face::Face::default(),
@@ -97,21 +103,34 @@ impl Window {
     }
 
     /// Says something on the line of messages.
-    pub fn say(&mut self, text: impl Into<String>) {
-        self.message = Some(Message {
-            text: text.into(),
-            warning: true,
-        });
+    pub fn say(&mut self, said: impl Into<gsk_messages::Message>) {
+        self.message = Some(Message::Said(said.into()));
     }
 
     /// Opens a program file; what comes of it is said on the line of messages.
     pub fn open(&mut self, context: &egui::Context, path: PathBuf) {
-        self.opener.open(path, context.clone());
+        self.opener.open(path, context);
     }
 
     /// Says that the kernel has ended without being asked to.
     pub fn kernel_gone(&mut self) {
-        self.say(Text::KernelGone.of(self.settings.language));
+        self.message = Some(Message::KernelGone);
+        self.close_without_asking();
+    }
+
+    /// A request to close it is not questioned any more.
+    pub const fn close_without_asking(&mut self) {
+        self.questions.let_close();
+    }
+
+    /// The window's title.
+    pub fn title(&self) -> String {
+        badge::title(TITLE, self.board())
+    }
+
+    /// State of the board that moves real slides, if there is one.
+    fn board(&self) -> Option<LinkState> {
+        self.picture.as_ref().and_then(|picture| picture.board)
     }
 
     /// The picture that is shown.
@@ -131,6 +150,7 @@ impl Window {
         self.receive();
         self.take_files(ui);
         let language = self.settings.language;
+        badge::show(ui, "panel", self.board(), language);
         let slim = Frame::new()
             .fill(egui::Color32::from_gray(34))
             .inner_margin(Margin::symmetric(8, 0));
@@ -163,8 +183,12 @@ impl Window {
         if self.help {
             self.help = help::show(ui.ctx(), language);
         }
+        let picture = self.picture.as_ref();
+        self.questions
+            .show(ui.ctx(), language, picture, &self.console);
+        self.browser.show(ui.ctx(), language);
         self.keyboard(ui);
-        let typed = self.views.show(ui.ctx(), language);
+        let typed = self.views.show(ui.ctx(), language, self.board());
         self.typed(&typed.events);
         let focused = typed.focused || ui.input(|input| input.focused);
         if !focused {
@@ -193,33 +217,26 @@ impl Window {
         }
         while let Ok(notice) = self.console.notices.try_recv() {
             match notice {
-                Notice::Said(text) => {
-                    self.say(chinese::say(&text, self.settings.language));
+                Notice::Said(text) => self.message = Some(Message::Said(text)),
+                Notice::Refused(alarm) => self.message = Some(Message::Refused(alarm)),
+                Notice::Sent(what) => self.message = Some(Message::Sent(what)),
+                Notice::NumberTaken(opened, number) => {
+                    self.questions.ask_for_place(opened, number);
                 }
-                Notice::Refused(alarm) => {
-                    self.say(alarm_line::short(&alarm, self.settings.language));
+                Notice::Opened { name, path, place } => {
+                    let shown = PathBuf::from(name);
+                    let shown = shown.file_name().unwrap_or_default();
+                    let shown = shown.to_string_lossy().into_owned();
+                    self.message = Some(Message::Opened(shown, place));
+                    if let Some(path) = &path {
+                        self.settings.remember(path);
+                    }
+                    self.opened = path;
                 }
-                Notice::Sent(what) => {
-                    let word = Text::Sent.of(self.settings.language);
-                    self.message = Some(Message {
-                        text: format!("{word} {what}"),
-                        warning: false,
-                    });
-                }
-                Notice::Opened(name) => {
-                    let path = PathBuf::from(name);
-                    let shown = path
-                        .file_name()
-                        .unwrap_or_default()
-                        .to_string_lossy()
-                        .into_owned();
-                    let word = Text::Opened.of(self.settings.language);
-                    self.message = Some(Message {
-                        text: format!("{word} {shown}"),
-                        warning: false,
-                    });
-                    self.settings.remember(&path);
-                    self.opened = Some(path);
+                Notice::Key(Some(why)) => self.message = Some(Message::KeyRefused(why)),
+                Notice::Key(None) => {
+                    self.message
+                        .take_if(|message| matches!(message, Message::KeyRefused(_)));
                 }
             }
         }
@@ -238,20 +255,17 @@ impl Window {
         if let Some(path) = dropped {
             self.open(ui.ctx(), path);
         } else if hovering {
-            let text = Text::DropHere.of(self.settings.language).to_owned();
-            self.message = Some(Message {
-                text,
-                warning: false,
-            });
+            self.message = Some(Message::DropHere);
         }
     }
 
     fn answer(&mut self, asked: top_bar::Asked, ui: &Ui) {
         match asked {
             top_bar::Asked::Choose => {
-                self.opener.choose(self.settings.language, ui.ctx().clone());
+                self.opener.choose(self.settings.language, ui.ctx());
             }
             top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
+            top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
             top_bar::Asked::View(view) => self.views.toggle(view),
             top_bar::Asked::FreeBits => self.console.send(Command::FreeBits),
             top_bar::Asked::Mend => self.console.send(Command::Mend),
@@ -267,12 +281,16 @@ impl Window {
 
     fn status(&self, ui: &mut Ui) {
         let language = self.settings.language;
+        if let Some(key) = self.held.kept() {
+            let text = say::window_key_is_kept_hint(key_label(key)).text(language);
+            return top_bar::status(ui, Some(&text), true, "");
+        }
         let speed = self
             .picture
             .as_ref()
             .map_or(100, |picture| picture.speed_percent);
         if speed < 100 {
-            let text = format!("{} {speed} %", Text::Slow.of(language));
+            let text = say::window_too_slow(speed).text(language);
             return top_bar::status(ui, Some(&text), true, "");
         }
         let pressed = self
@@ -282,23 +300,28 @@ impl Window {
         let alarm = self.picture.as_ref().and_then(|it| it.alarm.as_ref());
         // With a board the alarm says where the slides stand.
         if pressed && alarm.is_none_or(|alarm| alarm.detail.is_none()) {
-            return top_bar::status(ui, Some(Text::EmergencyHint.of(language)), true, "");
+            return top_bar::status(
+                ui,
+                Some(&say::window_hint_emergency_stop().text(language)),
+                true,
+                "",
+            );
         }
         if let Some(alarm) = alarm
             && self.message.is_none()
         {
-            return top_bar::alarm(ui, alarm, language);
+            return top_bar::alarm(ui, alarm, language, self.lcd.place());
         }
         let unknown = self.picture.as_ref().is_some_and(|it| it.place_unknown);
         let hint = if unknown {
-            Text::ReturnHint
+            say::window_hint_machine_zero()
         } else {
-            Text::Hint
+            say::window_hint()
         };
         let message = self.message.as_ref();
-        let text = message.map(|message| message.text.as_str());
-        let warning = message.is_some_and(|message| message.warning);
-        top_bar::status(ui, text, warning, hint.of(language));
+        let text = message.map(|message| message.text(language));
+        let warning = message.is_some_and(Message::is_warning);
+        top_bar::status(ui, text.as_deref(), warning, &hint.text(language));
     }
 
     /// The PC keyboard; it belongs to the panel unless a text is being typed.
@@ -318,9 +341,12 @@ impl Window {
             match keyboard::action(event) {
                 Some(PcAction::Help) => self.help = !self.help,
                 Some(PcAction::Turn(graduations)) => self.console.send(Command::Turn(graduations)),
-                Some(PcAction::Type(character)) => self.console.send(Command::Type(character)),
+                Some(PcAction::Type(character)) => {
+                    self.held.forget_kept();
+                    self.console.send(Command::Type(character));
+                }
                 Some(PcAction::Press(holder, key)) => {
-                    let changes = self.held.set(holder, Some(key));
+                    let changes = self.held.press(holder, key);
                     self.send(&changes);
                 }
                 Some(PcAction::Release(holder)) => {
@@ -339,5 +365,16 @@ impl Window {
                 down: change.down,
             });
         }
+    }
+}
+
+/// A key as it is printed, in brackets: `[超程解除]`.
+fn key_label(key: Key) -> String {
+    let printed = key.row().legend.iter();
+    let shown = printed.filter(|line| !line.is_ascii()).copied();
+    let shown: String = shown.collect();
+    match shown.is_empty() {
+        true => format!("[{}]", key.row().legend.concat()),
+        false => format!("[{shown}]"),
     }
 }

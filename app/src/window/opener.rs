@@ -2,65 +2,80 @@
 //! large file holds it up.
 
 use std::path::{Path, PathBuf};
-use std::thread;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use gsk_core::program::ProgramMemory;
+use gsk_runner::words::clock;
 
 use super::extents;
-use super::texts::Text;
-use crate::cli::Language;
-use crate::kernel::{Command, Console, Notice, Opened};
+use super::files::{self, Wanted};
+use super::samples::Sample;
+use crate::kernel::{Command, Console, Notice, Opened, Storing};
+use crate::loading::LoadError;
+use crate::patience::Patience;
 use crate::{loading, transfer};
+use gsk_messages::{Language, Message, say};
 
 /// Opens programs.
 #[derive(Clone, Debug)]
 pub struct Opener {
     console: Console,
+    /// Number of the program opened last: looking through an earlier one ends.
+    newest: Arc<AtomicU64>,
 }
+
+/// How long a program is looked through for its extents, and how many moves of it.
+const PATIENCE: (Duration, u64) = (Duration::from_secs(20), 100_000_000);
+
+/// Between two words about a look that takes long.
+const NEWS: Duration = Duration::from_secs(2);
 
 impl Opener {
     /// For a console.
-    pub const fn new(console: Console) -> Self {
-        Self { console }
+    pub fn new(console: Console) -> Self {
+        Self {
+            console,
+            newest: Arc::default(),
+        }
     }
 
     /// Lets the user choose a program, and opens it.
-    pub fn choose(&self, language: Language, context: egui::Context) {
-        self.aside(context, move |opener| {
-            let chosen = rfd::FileDialog::new()
-                .add_filter(
-                    Text::Programs.of(language),
-                    &["CNC", "cnc", "NC", "nc", "TXT", "txt", "TAP", "tap"],
-                )
-                .add_filter(Text::AllFiles.of(language), &["*"])
-                .pick_file();
-            match chosen {
-                Some(path) => opener.read(&path),
-                // A desktop without a file dialog answers as a cancelled one.
-                None => {
-                    let said = Text::NothingChosen.of(language).to_owned();
-                    let _ = opener.console.say.try_send(Notice::Said(said));
-                }
-            }
+    pub fn choose(&self, language: Language, context: &egui::Context) {
+        let opener = self.clone();
+        let name = say::window_part_programs().text(language);
+        let wanted = Wanted::Open(name, vec!["cnc", "nc", "txt", "tap"]);
+        files::choose(context, language, &self.console.say, wanted, move |path| {
+            opener.read(&path);
+            None
         });
     }
 
     /// Opens a program.
-    pub fn open(&self, path: PathBuf, context: egui::Context) {
-        self.aside(context, move |opener| opener.read(&path));
+    pub fn open(&self, path: PathBuf, context: &egui::Context) {
+        let opener = self.clone();
+        files::beside(context, &self.console.say, move || {
+            opener.read(&path);
+            None
+        });
     }
 
-    fn aside(&self, context: egui::Context, job: impl FnOnce(&Self) + Send + 'static) {
+    /// Opens a sample.
+    pub fn open_sample(&self, sample: &'static Sample, context: &egui::Context) {
         let opener = self.clone();
-        let started = thread::Builder::new()
-            .name("files".to_owned())
-            .spawn(move || {
-                job(&opener);
-                context.request_repaint();
-            });
-        if let Err(error) = started {
-            let _ = self.console.say.try_send(Notice::Said(error.to_string()));
-        }
+        files::beside(context, &self.console.say, move || {
+            opener.hand_over(sample.opened());
+            None
+        });
+    }
+
+    /// Hands a program to the control; its extents are found meanwhile.
+    fn hand_over(&self, opened: Opened) {
+        let shown = opened.clone();
+        // The queue has room for a program; the kernel empties it all the time.
+        let _ = self.console.commands.send(Command::Open(Box::new(opened)));
+        self.look_through(&shown);
     }
 
     fn read(&self, path: &Path) {
@@ -68,32 +83,65 @@ impl Opener {
             match transfer::read(path) {
                 Ok(file) => self.console.send(Command::Receive(Box::new(file))),
                 Err(said) => {
-                    let _ = self.console.say.try_send(Notice::Said(said));
+                    let said = said.to_string();
+                    let _ = self.console.say.try_send(Notice::Said(said.into()));
                 }
             }
             return;
         }
         match read(path) {
             Ok((opened, notices)) => {
-                let shown = opened.clone();
-                // The queue has room for a program; the kernel empties it all the time.
-                let _ = self.console.commands.send(Command::Open(Box::new(opened)));
-                if let Some((least, greatest)) = extents::of(&shown) {
-                    self.console.send(Command::Fit { least, greatest });
-                }
+                self.hand_over(opened);
                 for notice in notices {
-                    let _ = self.console.say.try_send(Notice::Said(notice));
+                    let _ = self.console.say.try_send(Notice::Said(notice.into()));
                 }
             }
             Err(said) => {
-                let _ = self.console.say.try_send(Notice::Said(said));
+                let said = said.to_string();
+                let _ = self.console.say.try_send(Notice::Said(said.into()));
             }
         }
     }
 }
 
+impl Opener {
+    /// Finds the extents of a program; it says how far it has come, and gives up when
+    /// that takes too long or another program is opened.
+    fn look_through(&self, opened: &Opened) {
+        let number = self.newest.fetch_add(1, Ordering::Relaxed) + 1;
+        let is_newest = || self.newest.load(Ordering::Relaxed) == number;
+        let tell = |said: Message| {
+            let _ = self.console.say.try_send(Notice::Said(said));
+        };
+        let name = Path::new(&opened.name).file_name().unwrap_or_default();
+        let name = name.to_string_lossy();
+        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let mut news_at = Instant::now() + NEWS;
+        let mut impatient = false;
+        let extents = extents::of(opened, &mut |progress| {
+            if Instant::now() >= news_at {
+                news_at += NEWS;
+                tell(say::window_looks_through(
+                    &name,
+                    progress.line,
+                    progress.moves,
+                    clock(progress.time_s),
+                ));
+            }
+            impatient = !patience.lasts(progress);
+            !impatient && is_newest()
+        });
+        if let Some((least, greatest)) = extents.filter(|_| is_newest()) {
+            self.console.send(Command::Fit { least, greatest });
+        }
+        if impatient {
+            tell(say::window_no_extents(&name, PATIENCE.0.as_secs()));
+        }
+    }
+}
+
 /// Reads a program and its subprograms.
-pub fn read(path: &Path) -> Result<(Opened, Vec<String>), String> {
+pub fn read(path: &Path) -> Result<(Opened, Vec<String>), LoadError> {
     let mut programs = ProgramMemory::default();
     let (program, notices) = loading::open_into(&mut programs, path, &[])?;
     let subprograms = programs
@@ -104,6 +152,8 @@ pub fn read(path: &Path) -> Result<(Opened, Vec<String>), String> {
     Ok((
         Opened {
             name,
+            path: Some(path.to_owned()),
+            storing: Storing::Ask,
             program,
             subprograms,
         },

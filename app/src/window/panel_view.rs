@@ -1,14 +1,32 @@
 //! The panel inside the window: parts, LCD, accessible names, pointer.
 
-use egui::{Pos2, Role, Sense, Ui, WidgetInfo};
-use gsk_panel::faceplate::{self, FaceState, Part, What};
+use egui::{Color32, Painter, Pos2, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo};
+use gsk_panel::faceplate::{self, FaceState, Outline, Part, What};
 use gsk_panel::keys::{Key, STRIP};
 
 use super::face::View;
 use super::help::pc_name;
-use super::texts::Text;
-use super::{Command, Window};
-use crate::cli::Language;
+use super::{Command, Message, Window};
+use gsk_messages::{Language, say};
+
+/// The ring around a key that is kept for the next one.
+const RING: Color32 = Color32::from_rgb(255, 150, 0);
+
+/// Draws the ring around a key: it is kept for the next one.
+fn ring(painter: &Painter, view: View, part: &Part) {
+    let rect = view.rect(part.rect);
+    let width = (4.0 * view.scale).max(2.0);
+    let stroke = Stroke::new(width, RING);
+    match part.outline {
+        Outline::Round => {
+            painter.circle_stroke(rect.center(), rect.width() / 2.0 + width, stroke);
+        }
+        Outline::Rounded(radius) => {
+            let radius = radius * view.scale;
+            painter.rect_stroke(rect, radius, stroke, StrokeKind::Outside);
+        }
+    }
+}
 
 impl Window {
     /// Draws the panel and takes what mouse and fingers do to it.
@@ -27,6 +45,7 @@ impl Window {
             pressed: &pressed,
             lcd: None,
             wheel: picture.as_ref().map_or(0, |picture| picture.wheel),
+            real: picture.as_ref().is_some_and(|it| it.board.is_some()),
         };
         self.face.paint(&painter, view, &state);
         let mut taps = Vec::new();
@@ -34,6 +53,7 @@ impl Window {
             taps.extend(self.describe(ui, part, view, &state));
         }
         for key in taps {
+            self.held.forget_kept();
             self.console.send(Command::Tap(key));
         }
         if let Some(picture) = &picture {
@@ -43,8 +63,15 @@ impl Window {
             let lcd = ui.interact(place, ui.scope_id().with("lcd"), Sense::HOVER);
             lcd.widget_info(|| WidgetInfo {
                 current_text_value: Some(picture.screen.text()),
-                ..WidgetInfo::labeled(Role::Terminal, true, Text::Lcd.of(self.settings.language))
+                ..WidgetInfo::labeled(
+                    Role::Terminal,
+                    true,
+                    say::window_lcd().text(self.settings.language),
+                )
             });
+        }
+        if let Some(part) = self.held.kept().and_then(faceplate::part_of) {
+            ring(&painter, view, part);
         }
         self.picture = picture;
     }
@@ -73,8 +100,10 @@ impl Window {
                 } else {
                     lit
                 };
+                let kept = self.held.kept() == Some(key);
                 response.widget_info(|| WidgetInfo {
                     selected,
+                    current_text_value: kept.then(|| say::window_key_is_kept().text(language)),
                     ..WidgetInfo::labeled(Role::Button, true, name)
                 });
                 let by_screen_reader =
@@ -90,13 +119,17 @@ impl Window {
                 let lamp = STRIP.get(index).filter(|lamp| lamp.fitted)?;
                 let response = ui.interact(rect, ui.scope_id().with(lamp.id), Sense::HOVER);
                 let name = match language {
-                    Language::Zh => format!("{}灯", lamp.name_zh),
-                    Language::En => format!("{} lamp", lamp.name_en),
+                    Language::Zh => lamp.name_zh,
+                    Language::En => lamp.name_en,
                 };
+                let name = say::window_lamp(name).text(language);
                 let lit = lamp.lamp.of(state.y);
-                let word = if lit { Text::Lit } else { Text::Dark };
+                let word = match lit {
+                    true => say::window_lamp_on(),
+                    false => say::window_lamp_off(),
+                };
                 response.widget_info(|| WidgetInfo {
-                    current_text_value: Some(word.of(language).to_owned()),
+                    current_text_value: Some(word.text(language)),
                     ..WidgetInfo::labeled(Role::Status, true, &name)
                 });
                 None
@@ -105,9 +138,13 @@ impl Window {
                 let response = ui.interact(rect, ui.scope_id().with("handwheel"), Sense::DRAG);
                 response.widget_info(|| WidgetInfo {
                     value: Some(f64::from(state.wheel)),
-                    ..WidgetInfo::labeled(Role::Slider, true, Text::Handwheel.of(language))
+                    ..WidgetInfo::labeled(
+                        Role::Slider,
+                        true,
+                        say::window_handwheel().text(language),
+                    )
                 });
-                response.on_hover_text(Text::HandwheelHint.of(language));
+                response.on_hover_text(say::window_handwheel_hint().text(language));
                 None
             }
             _ => None,
@@ -124,6 +161,9 @@ impl Window {
         let events = ui.input(|input| input.events.clone());
         let done = self.pointing.follow(&events, view, &mut self.held, &free);
         self.send(&done.changes);
+        if let Some(key) = done.not_kept {
+            self.message = Some(Message::NotKept(key));
+        }
         if done.detents != 0 {
             self.console.send(Command::Turn(done.detents));
         }

@@ -7,7 +7,7 @@ use gsk_panel::faceplate::{self, What};
 use gsk_panel::keys::Key;
 
 use super::face::View;
-use super::held::{Change, Held, Holder};
+use super::held::{Change, Held, Holder, may_be_kept};
 
 /// Points of scrolling that make one detent of the handwheel.
 const POINTS_A_DETENT: f32 = 24.0;
@@ -21,6 +21,8 @@ pub struct Done {
     pub changes: Vec<Change<Key>>,
     /// Detents the handwheel was turned by.
     pub detents: i32,
+    /// A key that a right click does not keep.
+    pub not_kept: Option<Key>,
 }
 
 /// Mouse and fingers.
@@ -76,10 +78,7 @@ impl Pointing {
                     } else {
                         None
                     };
-                    if *pressed && key == held.of(Holder::Latch) {
-                        done.changes.extend(held.set(Holder::Latch, None));
-                    }
-                    done.changes.extend(held.set(Holder::Pointer, key));
+                    done.changes.extend(hold(Holder::Pointer, key, held));
                     self.drag = (*pressed && free(*pos))
                         .then(|| wheel_angle(*pos, view))
                         .flatten();
@@ -89,7 +88,7 @@ impl Pointing {
                     button: PointerButton::Secondary,
                     pressed: true,
                     ..
-                } if free(*pos) => latch(key_at(*pos, view), held, &mut done),
+                } if free(*pos) => keep(key_at(*pos, view), held, &mut done),
                 Event::PointerMoved(pos) => {
                     self.last = Some(*pos);
                     slide(Holder::Pointer, *pos, view, held, &mut done);
@@ -135,7 +134,7 @@ impl Pointing {
             TouchPhase::Start => {
                 self.fingers.insert(finger);
                 let key = if free(at) { key_at(at, view) } else { None };
-                done.changes.extend(held.set(holder, key));
+                done.changes.extend(hold(holder, key, held));
                 if key.is_none() && free(at) {
                     self.drag = wheel_angle(at, view);
                 }
@@ -184,13 +183,21 @@ impl Pointing {
     }
 }
 
-/// The right button holds a key down, so that one mouse can press two; on the same
-/// key, or beside the keys, it lets go.
-fn latch(key: Option<Key>, held: &mut Held<Key>, done: &mut Done) {
-    // The emergency stop latches by itself.
-    let key = key.filter(|key| *key != Key::EmergencyStop);
-    let key = key.filter(|key| held.of(Holder::Latch) != Some(*key));
-    done.changes.extend(held.set(Holder::Latch, key));
+/// The right button keeps a key for the next one, so that one mouse can press two.
+fn keep(key: Option<Key>, held: &mut Held<Key>, done: &mut Done) {
+    let kept = key.filter(|key| may_be_kept(*key));
+    if kept != key {
+        done.not_kept = key;
+    }
+    done.changes.extend(held.keep(kept));
+}
+
+/// A holder is on a key from now on, or on none.
+fn hold(holder: Holder, key: Option<Key>, held: &mut Held<Key>) -> Vec<Change<Key>> {
+    match key {
+        Some(key) => held.press(holder, key),
+        None => held.set(holder, None),
+    }
 }
 
 /// A holder that leaves its key lets it go; it does not press the next one.
@@ -309,31 +316,65 @@ mod tests {
         assert!(held.is_down(Key::Rapid));
     }
 
-    #[test]
-    fn the_right_button_holds_a_key_while_the_left_presses_another() {
-        let (mut pointing, mut held) = (Pointing::default(), Held::default());
-        let right = |key: Key| Event::PointerButton {
+    fn right(key: Key) -> Event {
+        Event::PointerButton {
             pos: at(key),
             button: PointerButton::Secondary,
             pressed: true,
             modifiers: Modifiers::default(),
-        };
+        }
+    }
+
+    #[test]
+    fn the_right_button_keeps_a_key_for_the_next_one_and_no_longer() {
+        let (mut pointing, mut held) = (Pointing::default(), Held::default());
         let events = [
             right(Key::Cancel),
             button(at(Key::Reset), true),
             button(at(Key::Reset), false),
+            button(at(Key::Reset), true),
         ];
         let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
-        let expected = [(Key::Cancel, true), (Key::Reset, true), (Key::Reset, false)];
+        let expected = [
+            (Key::Cancel, true),
+            (Key::Reset, true),
+            (Key::Reset, false),
+            (Key::Cancel, false),
+            (Key::Reset, true),
+        ];
         assert_eq!(keys(&done), expected);
-        let done = pointing.follow(&[right(Key::Cancel)], VIEW, &mut held, &|_| true);
-        assert_eq!(keys(&done), [(Key::Cancel, false)]);
-        let done = pointing.follow(&[right(Key::EmergencyStop)], VIEW, &mut held, &|_| true);
-        assert_eq!(keys(&done), []);
-        let events = [right(Key::ZLeft), button(at(Key::ZLeft), true)];
-        let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
-        let expected = [(Key::ZLeft, true), (Key::ZLeft, false), (Key::ZLeft, true)];
-        assert_eq!(keys(&done), expected);
+    }
+
+    #[test]
+    fn overtravel_release_and_rapid_are_down_for_one_axis_key() {
+        for kept in [Key::OvertravelRelease, Key::Rapid] {
+            let (mut pointing, mut held) = (Pointing::default(), Held::default());
+            let done = pointing.follow(&[right(kept)], VIEW, &mut held, &|_| true);
+            assert_eq!(keys(&done), [], "nothing is held for nothing");
+            assert_eq!(held.kept(), Some(kept));
+            let place = at(Key::ZLeft);
+            let done = pointing.follow(&[button(place, true)], VIEW, &mut held, &|_| true);
+            assert_eq!(keys(&done), [(kept, true), (Key::ZLeft, true)]);
+            let away = [Event::PointerMoved(at(Key::ZRight))];
+            let done = pointing.follow(&away, VIEW, &mut held, &|_| true);
+            assert_eq!(keys(&done), [(Key::ZLeft, false), (kept, false)]);
+        }
+    }
+
+    #[test]
+    fn what_moves_by_itself_is_not_kept() {
+        for key in [
+            Key::ZLeft,
+            Key::XUp,
+            Key::CycleStart,
+            Key::Lubrication,
+            Key::EmergencyStop,
+        ] {
+            let (mut pointing, mut held) = (Pointing::default(), Held::default());
+            let done = pointing.follow(&[right(key)], VIEW, &mut held, &|_| true);
+            assert_eq!((keys(&done), done.not_kept), (vec![], Some(key)));
+            assert_eq!(held.kept(), None);
+        }
     }
 
     #[test]

@@ -4,19 +4,28 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::cli::Language;
+use gsk_messages::Language;
 
 /// Programs that are remembered.
 const MOST: usize = 10;
 
 /// What the window remembers.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
     /// Language of menus and messages.
     pub language: Language,
     /// The last programs, the newest first.
     pub recent: Vec<PathBuf>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            language: Language::Zh,
+            recent: Vec::new(),
+        }
+    }
 }
 
 impl Settings {

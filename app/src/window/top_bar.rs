@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
-use egui::{Color32, RichText, Ui};
+use egui::{Align2, Area, Color32, Frame, Order, Rect, RichText, Tooltip, Ui};
 
 use gsk_core::alarm::Alarm;
 
 use super::alarm_line;
-use super::texts::{Text, say};
+use super::fonts;
+use super::samples::{SAMPLES, Sample};
 use super::views::{VIEWS, View, key_name};
-use crate::cli::Language;
 use crate::kernel::Imposed;
+use gsk_messages::{Language, say};
 
 /// Ground of the sign that something is imposed.
 const IMPOSED: Color32 = Color32::from_rgb(255, 196, 90);
@@ -19,12 +20,14 @@ const IMPOSED: Color32 = Color32::from_rgb(255, 196, 90);
 const ALARM: Color32 = Color32::from_rgb(255, 120, 96);
 
 /// What was asked for in the bar.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub enum Asked {
     /// Choose a program and open it.
     Choose,
     /// Open this program.
     Open(PathBuf),
+    /// Open a sample.
+    Sample(&'static Sample),
     /// Open a view, or close it.
     View(View),
     /// Let every forced bit go.
@@ -48,12 +51,15 @@ pub fn show(
 ) -> Option<Asked> {
     let mut asked = None;
     ui.horizontal_centered(|ui| {
-        if ui.button(Text::Open.of(language)).clicked() {
+        if ui
+            .button(say::window_open_program().text(language))
+            .clicked()
+        {
             asked = Some(Asked::Choose);
         }
-        ui.menu_button(Text::Recent.of(language), |ui| {
+        ui.menu_button(say::window_recent().text(language), |ui| {
             if recent.is_empty() {
-                ui.label(Text::RecentEmpty.of(language));
+                ui.label(say::window_recent_empty().text(language));
             }
             for path in recent {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -66,14 +72,25 @@ pub fn show(
                 }
             }
         });
-        let reload = egui::Button::new(Text::Reload.of(language));
+        ui.menu_button(say::window_samples().text(language), |ui| {
+            for sample in &SAMPLES {
+                let shows = sample.shows(language);
+                let entry = egui::Button::new(shows).shortcut_text(sample.name);
+                if ui.add(entry).clicked() {
+                    asked = Some(Asked::Sample(sample));
+                    ui.close();
+                }
+            }
+        });
+        let reload = egui::Button::new(say::window_reload().text(language));
         if ui.add_enabled(opened.is_some(), reload).clicked() {
             asked = opened.cloned().map(Asked::Open);
         }
-        ui.menu_button(Text::Views.of(language), |ui| {
+        ui.menu_button(say::window_views().text(language), |ui| {
             for row in &VIEWS {
-                let entry = egui::Button::selectable(is_open(row.view), row.name.of(language))
-                    .shortcut_text(key_name(row));
+                let entry =
+                    egui::Button::selectable(is_open(row.view), (row.name)().text(language))
+                        .shortcut_text(key_name(row));
                 if ui.add(entry).clicked() {
                     asked = Some(Asked::View(row.view));
                     ui.close();
@@ -86,10 +103,13 @@ pub fn show(
                 .on_hover_text(opened.display().to_string());
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.button(Text::Language.of(language)).clicked() {
+            if ui
+                .button(say::window_other_language().text(language))
+                .clicked()
+            {
                 asked = Some(Asked::Language);
             }
-            if ui.button(Text::Keys.of(language)).clicked() {
+            if ui.button(say::window_keys().text(language)).clicked() {
                 asked = Some(Asked::Keys);
             }
             if imposed != Imposed::default() {
@@ -111,14 +131,10 @@ fn standing(
     let held = imposed.bits + imposed.inputs;
     let mut words = Vec::new();
     if held > 0 {
-        words.push(format!("{} {held}", say(language, "强制", "forced")));
+        words.push(say::window_forced(held).text(language));
     }
     if imposed.faults > 0 {
-        words.push(format!(
-            "{} {}",
-            say(language, "故障", "faults"),
-            imposed.faults
-        ));
+        words.push(say::window_faults(imposed.faults).text(language));
     }
     let mut asked = None;
     let text = RichText::new(words.join("   ")).color(Color32::BLACK);
@@ -131,19 +147,18 @@ fn standing(
             }
         };
         if imposed.bits > 0 {
-            let words = say(language, "取消强制的 PLC 位", "Release forced PLC bits");
-            entry(ui, format!("{words} ({})", imposed.bits), Asked::FreeBits);
+            let words = say::window_release_bits(imposed.bits).text(language);
+            entry(ui, words, Asked::FreeBits);
         }
         let broken = imposed.inputs + imposed.faults;
         if broken > 0 {
-            let words = say(language, "取消故障和强制输入", "Mend faults, let inputs go");
-            entry(ui, format!("{words} ({broken})"), Asked::Mend);
+            let words = say::window_mend(broken).text(language);
+            entry(ui, words, Asked::Mend);
         }
         for (view, stands) in [(View::Ladder, imposed.bits), (View::Bench, broken)] {
             let row = VIEWS.iter().find(|row| row.view == view);
             if let Some(row) = row.filter(|_| stands > 0 && !is_open(view)) {
-                let words = say(language, "打开", "Open");
-                let words = format!("{words}: {}", row.name.of(language));
+                let words = say::window_open_view((row.name)()).text(language);
                 entry(ui, words, Asked::View(view));
             }
         }
@@ -159,17 +174,35 @@ pub fn status(ui: &mut Ui, message: Option<&str>, warning: bool, hint: &str) {
             Some(message) => (message, Color32::from_gray(220)),
             None => (hint, Color32::from_gray(140)),
         };
-        let label = egui::Label::new(RichText::new(text).color(colour)).truncate();
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let label = egui::Label::new(fonts::words(text, font, colour)).truncate();
         ui.add(label).on_hover_text(text);
     });
 }
 
-/// Draws the alarm that stands on the line of messages.
-pub fn alarm(ui: &mut Ui, alarm: &Alarm, language: Language) {
+/// Draws the alarm that stands on the line of messages. Cause and way out are shown
+/// upon the LCD: no key of the panel lies under them.
+pub fn alarm(ui: &mut Ui, alarm: &Alarm, language: Language, lcd: Option<Rect>) {
     ui.horizontal_centered(|ui| {
         let text = RichText::new(alarm_line::short(alarm, language)).color(ALARM);
-        let label = egui::Label::new(text).truncate();
-        ui.add(label)
-            .on_hover_text(alarm_line::long(alarm, language));
+        let label = egui::Label::new(text)
+            .truncate()
+            .show_tooltip_when_elided(false);
+        let line = ui.add(label);
+        if !Tooltip::should_show_tooltip(&line, false) {
+            return;
+        }
+        let lcd = lcd.unwrap_or_else(|| ui.ctx().content_rect());
+        let tip = Area::new(egui::Id::unique("alarm tip"))
+            .order(Order::Tooltip)
+            .pivot(Align2::LEFT_BOTTOM)
+            .fixed_pos(lcd.left_bottom())
+            .interactable(false);
+        tip.show(ui.ctx(), |ui| {
+            Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width(lcd.width() - 2.0 * ui.spacing().window_margin.leftf() - 4.0);
+                ui.label(alarm_line::long(alarm, language));
+            });
+        });
     });
 }

@@ -6,11 +6,10 @@ use std::time::Duration;
 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use gsk_app::cli::Language;
 use gsk_app::kernel::{Console, Kernel};
 use gsk_app::window::{Settings, Window, fonts};
-use gsk_core::command::ProgramId;
 use gsk_core::setup::Setup;
+use gsk_messages::Language;
 use gsk_panel::emulator::Emulator;
 
 /// A window with its kernel, which runs only when it is told to.
@@ -97,8 +96,8 @@ impl Bench {
         let opened = (0..1000).any(|_| {
             std::thread::sleep(Duration::from_millis(10));
             self.run(1);
-            let programs = self.kernel.emulator().simulation.cnc.programs();
-            programs.current() == Some(ProgramId::External)
+            let opened = self.harness.query_by_label_contains("Opened ");
+            opened.is_some()
         });
         assert!(opened, "{file} is not opened");
     }

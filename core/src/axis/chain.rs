@@ -25,11 +25,7 @@ pub fn pulse_weight(axis: Axis, parameters: &Parameters) -> f64 {
 
 /// Whether pulses count down towards positive coordinates (008.0 DIRX, 008.1 DIRZ).
 pub(crate) fn motor_reversed(axis: Axis, parameters: &Parameters) -> bool {
-    let bit = match axis {
-        Axis::X => 0,
-        Axis::Z => 1,
-    };
-    !parameters.bit(8, bit)
+    !parameters.counts_up(axis)
 }
 
 /// The highest speed an axis can be given when the gear multiplies (CMR > CMD),

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use gsk_plc::{Ladder, Memory};
 
 use super::Cnc;
-use crate::memory::Parameters;
+use super::parts::PlcPort;
+use crate::memory::{Parameters, parameter};
 
 /// How far the halted ladder goes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,20 +20,20 @@ pub enum LadderStep {
 
 /// Data parameters that are timer presets of the ladder: (DT entry, parameter).
 pub(super) const TIMER_PRESETS: [(u16, u16); 14] = [
-    (0, 65),
-    (1, 66),
-    (2, 69),
-    (3, 76),
-    (4, 78),
-    (5, 80),
-    (6, 81),
-    (7, 82),
-    (8, 83),
-    (9, 85),
-    (10, 87),
-    (11, 89),
-    (12, 108),
-    (13, 112),
+    (0, parameter::GEAR_TIME_1),
+    (1, parameter::GEAR_TIME_2),
+    (2, parameter::PRESSURE_TIME),
+    (3, parameter::STATION_TIME),
+    (4, parameter::TURRET_TIME),
+    (5, parameter::M_TIME),
+    (6, parameter::S_TIME),
+    (7, parameter::CLAMP_DELAY),
+    (8, parameter::CLAMP_LIMIT),
+    (9, parameter::CLAMP_TIME),
+    (10, parameter::BRAKE_DELAY),
+    (11, parameter::BRAKE_TIME),
+    (12, parameter::JOG_TIME),
+    (13, parameter::LUBRICATION_TIME),
 ];
 /// K9: the mode that the ladder restores at power-on.
 const MODE_AT_POWER_ON: u16 = 9;
@@ -41,13 +42,12 @@ const MODE_AT_POWER_ON: u16 = 9;
 /// mode of 174 (manual III-1.3; MDOK = 0: the one at power-off, which K9 holds).
 pub(super) fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
     for (entry, parameter) in TIMER_PRESETS {
-        memory.set_dt(entry, parameters.value(parameter));
+        memory.set_dt(entry, parameters.timer_ms(parameter));
     }
-    let mode = parameters.byte(174);
-    if mode & 0b1_0000 != 0 {
+    if let Some(mode) = parameters.mode_at_power_on() {
         memory.set_k(
             MODE_AT_POWER_ON,
-            match mode & 0b111 {
+            match mode {
                 0b001 => 1,
                 0b010 => 133,
                 0b011 => 3,
@@ -59,32 +59,34 @@ pub(super) fn preset_plc(memory: &mut Memory, parameters: &Parameters) {
     }
 }
 
+impl PlcPort {
+    /// The ladder that power-on finds.
+    pub(super) fn ladder_at_power_on(&self) -> Arc<Ladder> {
+        Arc::clone(self.next_ladder.as_ref().unwrap_or(self.engine.ladder()))
+    }
+}
+
 impl Cnc {
     /// Lets the halted ladder go on by a step; what it decides acts at once.
     pub(super) fn step_ladder(&mut self, step: LadderStep) {
-        if !self.plc_halted {
+        if !self.plc.halted {
             return;
         }
-        let was = self.from_plc.clone();
+        let was = self.plc.signals.clone();
         match step {
-            LadderStep::Rung => self.plc.step_rung(),
-            LadderStep::Slot => self.plc.slot(),
+            LadderStep::Rung => self.plc.engine.step_rung(),
+            LadderStep::Slot => self.plc.engine.slot(),
         }
-        self.hear_plc(&was);
+        self.read_signals(&was);
     }
 
     /// Whether the ladder is halted for stepping.
     pub const fn ladder_halted(&self) -> bool {
-        self.plc_halted
+        self.plc.halted
     }
 
     /// The ladder that was loaded and waits for the next power-on.
     pub const fn next_ladder(&self) -> Option<&Arc<Ladder>> {
-        self.next_ladder.as_ref()
-    }
-
-    /// The ladder that power-on finds.
-    pub(super) fn ladder_at_power_on(&self) -> Arc<Ladder> {
-        Arc::clone(self.next_ladder.as_ref().unwrap_or(self.plc.ladder()))
+        self.plc.next_ladder.as_ref()
     }
 }

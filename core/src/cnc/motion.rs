@@ -10,96 +10,100 @@ const MOTIONS_PER_TICK: usize = 16;
 
 impl Cnc {
     pub(super) fn motion_tick(&mut self) {
-        let held = self.automatic.state == RunState::Hold
-            && self.held.is_none()
-            && !self.automatic.protected();
+        let held = self.run.automatic.state == RunState::Hold
+            && self.run.held.is_none()
+            && !self.run.automatic.protected();
         let mut inputs = MotionInputs {
             feed_override: self.feed_override_factor(),
-            rapid_override: RapidOverride::from_percent(self.from_plc.rapid_override),
-            spindle_rpm: self.spindle.actual_rpm(),
-            spindle: self.angle.turn(),
-            thread_continues: self.automatic.thread_continues(),
+            rapid_override: RapidOverride::from_percent(self.plc.signals.rapid_override),
+            spindle_rpm: self.spindle.control.actual_rpm(),
+            spindle: self.spindle.angle.turn(),
+            thread_continues: self.run.automatic.thread_continues(),
             cut_continues: self.cut_continues(),
             hold: held || self.run_interlocked(),
             dry_run: self.dry_run(),
         };
-        self.interpolator.tick(&self.limits, &inputs);
+        self.drives.interpolator.tick(&self.drives.limits, &inputs);
         for _ in 0..MOTIONS_PER_TICK {
             if !self.begin_within_tick() {
                 break;
             }
-            inputs.thread_continues = self.automatic.thread_continues();
+            inputs.thread_continues = self.run.automatic.thread_continues();
             inputs.cut_continues = self.cut_continues();
             inputs.hold = held || self.run_interlocked();
-            self.interpolator.continue_tick(&self.limits, &inputs);
+            self.drives
+                .interpolator
+                .continue_tick(&self.drives.limits, &inputs);
         }
-        self.axes
-            .advance(self.position(), self.from_plc.machine_lock);
+        self.drives
+            .chain
+            .advance(self.position(), self.plc.signals.machine_lock);
         self.watch_gear_speed();
     }
 
-    pub(crate) fn feed_override_factor(&self) -> f64 {
-        if self.from_plc.override_cancel {
+    /// The feed override that acts, as a factor: 1 when OVC (G6.4) cancels it.
+    pub fn feed_override_factor(&self) -> f64 {
+        if self.plc.signals.override_cancel {
             return 1.0;
         }
-        f64::from(self.from_plc.feed_override) / 100.0
+        f64::from(self.plc.signals.feed_override) / 100.0
     }
 
     /// Rates of the dry run (manual III-5.3.3): cuts at the jog rate, or at its
     /// highest step with manual rapid on; rapids at the jog rate unless manual
     /// rapid is on or 004.6 RDRN = 1.
     pub(crate) fn dry_run(&self) -> Option<DryRun> {
-        if !self.from_plc.dry_run || self.mode != Mode::Auto {
+        if !self.plc.signals.dry_run || !matches!(self.run.mode, Mode::Auto | Mode::Dnc) {
             return None;
         }
-        let jog = jog_rate(self.from_plc.jog_code);
-        let rapid = self.from_plc.rapid;
+        let jog = jog_rate(self.plc.signals.jog_code);
+        let rapid = self.plc.signals.rapid;
         Some(DryRun {
             cutting: if rapid { JOG_RATE_MAX } else { jog },
-            rapid: (!rapid && !self.parameters.dry_run_keeps_rapid()).then_some(jog),
+            rapid: (!rapid && !self.memory.parameters.dry_run_keeps_rapid()).then_some(jog),
         })
     }
 
     pub(crate) const fn machine_locked(&self) -> bool {
-        self.from_plc.machine_lock.x && self.from_plc.machine_lock.z
+        self.plc.signals.machine_lock.x && self.plc.signals.machine_lock.z
     }
 
     /// Before a run: the distance that machine lock kept from the slides moves from
     /// the motion into the frame. The display stays, the slides stay, and machine
     /// coordinates are true again.
     pub(crate) fn settle_coordinates(&mut self) {
-        let slide = self.axes.slide();
+        let slide = self.drives.chain.slide();
         let away = self.position() - slide;
-        self.interpolator.translate(-away);
-        self.axes.preset(Axis::X, slide.x);
-        self.axes.preset(Axis::Z, slide.z);
-        self.frame.zero = self.frame.zero - away;
-        let frame = self.frame;
+        self.drives.interpolator.translate(-away);
+        self.drives.chain.preset(Axis::X, slide.x);
+        self.drives.chain.preset(Axis::Z, slide.z);
+        self.coordinates.frame.zero = self.coordinates.frame.zero - away;
+        let frame = self.coordinates.frame;
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.set_frame(frame, &world);
     }
 
     /// Where the slides really are, machine coordinates.
     pub(crate) fn slide(&self) -> Point {
-        self.axes.slide()
+        self.drives.chain.slide()
     }
 
     /// Where the axes would come to rest if they braked now.
     pub(crate) fn stopping_point(&self) -> Point {
-        self.interpolator.stopping_point(&self.limits)
+        self.drives.interpolator.stopping_point(&self.drives.limits)
     }
 
     /// The zero lamps go out when an axis leaves its reference point.
     pub(super) fn watch_reference(&mut self) {
         let now = self.position();
         for axis in [Axis::X, Axis::Z] {
-            let at = self.at_reference.get_mut(axis);
+            let at = self.coordinates.at_reference.get_mut(axis);
             *at = at.filter(|at| *at == now.get(axis));
         }
     }
 
     pub(super) fn at_program_zero(&self) -> PerAxis<bool> {
-        let Some(zero) = self.program_zero else {
+        let Some(zero) = self.coordinates.program_zero else {
             return PerAxis::default();
         };
         let position = self.position();

@@ -3,6 +3,7 @@
 mod data;
 mod programs;
 mod received;
+mod refused;
 
 use std::sync::Arc;
 
@@ -190,17 +191,19 @@ impl Cnc {
     fn carry_out_request(&mut self, request: Request) -> Result<(), Alarm> {
         match request {
             Request::ZeroRelative(axis) if !self.is_moving() => {
-                *self.relative_zero.get_mut(axis) = self.relative_base().get(axis);
+                *self.coordinates.relative_zero.get_mut(axis) = self.relative_base().get(axis);
             }
             Request::SetMachineZero(axis) => self.set_machine_zero(axis),
-            Request::ClearParts if !self.is_moving() => self.counters.clear_parts(),
-            Request::ClearCuttingTime if !self.is_moving() => self.counters.clear_cutting_time(),
+            Request::ClearParts if !self.is_moving() => self.memory.counters.clear_parts(),
+            Request::ClearCuttingTime if !self.is_moving() => {
+                self.memory.counters.clear_cutting_time();
+            }
             Request::ZeroRelative(_) | Request::ClearParts | Request::ClearCuttingTime => {}
             Request::SelectProgram(number) => self.select(ProgramId::Stored(number))?,
             Request::CursorTo(line) => {
-                if !self.automatic.operating() {
+                if !self.run.automatic.operating() {
                     self.forget_run();
-                    self.cursor_line = line.max(1);
+                    self.run.cursor_line = line.max(1);
                 }
             }
             Request::NotFound { sequence } => return Err(self.not_found(sequence)),
@@ -220,22 +223,22 @@ impl Cnc {
             Request::StoreEdited { number, program } => self.store_edited(number, program)?,
             Request::StoreProgram(_) if self.memory_protected() => {}
             Request::StoreProgram(text) => {
-                let number = self.programs.store(text)?;
+                let number = self.memory.programs.store(text)?;
                 if !self.rights().hides(number) {
                     self.select(ProgramId::Stored(number))?;
                 }
             }
             Request::OpenExternal(program) => {
-                if self.automatic.operating() {
+                if self.run.automatic.operating() {
                     return Ok(());
                 }
-                self.programs.open_external(program);
+                self.memory.programs.open_external(program);
                 self.select(ProgramId::External)?;
             }
-            Request::MdiWord(word) => self.mdi.enter(&word, &self.parameters)?,
+            Request::MdiWord(word) => self.run.mdi.enter(&word, &self.memory.parameters)?,
             Request::SetVariable { number, value } => {
                 if self.rights().variables().is_ok() {
-                    self.variables.set(number, value)?;
+                    self.memory.variables.set(number, value)?;
                 }
             }
             Request::SetPitch { axis, point, value } => self.set_pitch(axis, point, value)?,
@@ -250,7 +253,7 @@ impl Cnc {
             Request::SetParameterSwitch(on) => self.set_parameter_switch(on),
             Request::SetProgramSwitch(on) => {
                 if self.rights().program_switch().is_ok() {
-                    self.program_switch = on;
+                    self.switches.programs = on;
                 }
             }
             Request::CancelSwitchAlarm => self.cancel_switch_alarm(),
@@ -258,30 +261,30 @@ impl Cnc {
             Request::SaveDisk(disk) => self.save_disk(disk),
             Request::EnterPassword(password) => {
                 if self.rights().password().is_ok() {
-                    self.authority.enter(&password);
+                    self.memory.authority.enter(&password);
                 }
             }
             Request::ChangePassword { old, new } => {
                 if self.rights().password().is_ok() {
-                    self.authority.change(&old, &new);
+                    self.memory.authority.change(&old, &new);
                 }
             }
             Request::LeaveLevel => {
                 if self.rights().password().is_ok() {
-                    self.authority.leave();
+                    self.memory.authority.leave();
                 }
             }
-            Request::ToggleSoftSwitch(switch) => self.toggle_soft_switch(switch),
+            Request::ToggleSoftSwitch(switch) => self.plc.toggle_soft_switch(switch),
             Request::SetTool(tool) => self.set_tool_in_position(tool)?,
             Request::SetPreset(address, value) => self.set_preset(address, value)?,
-            Request::OutputKey(down) => self.output_key = down,
-            Request::SoftSwitch(switch, on) => self.set_soft_switch(switch, on),
-            Request::ForceBit(bit, value) => self.plc.force(bit, value),
-            Request::HaltLadder(halt) => self.plc_halted = halt,
+            Request::OutputKey(down) => self.plc.output_key = down,
+            Request::SoftSwitch(switch, on) => self.plc.set_soft_switch(switch, on),
+            Request::ForceBit(bit, value) => self.plc.engine.force(bit, value),
+            Request::HaltLadder(halt) => self.plc.halted = halt,
             Request::StepLadder(step) => self.step_ladder(step),
             Request::LoadLadder(ladder) => {
                 if self.rights().ladder().is_ok() {
-                    self.next_ladder = Some(ladder);
+                    self.plc.next_ladder = Some(ladder);
                 }
             }
         }
@@ -291,16 +294,16 @@ impl Cnc {
     /// Who may write what at this moment.
     pub fn rights(&self) -> Rights<'_> {
         Rights {
-            parameters: &self.parameters,
-            level: self.authority.level(),
-            mode: self.mode,
-            operating: self.automatic.operating(),
-            running: self.automatic.state == RunState::Run,
+            parameters: &self.memory.parameters,
+            level: self.memory.authority.level(),
+            mode: self.run.mode,
+            operating: self.run.automatic.operating(),
+            running: self.run.automatic.state == RunState::Run,
             moving: self.is_moving(),
             alarm: self.alarm_state(),
             emergency_stop: self.emergency_stop,
-            parameter_switch: self.parameter_switch,
-            program_switch: self.program_switch,
+            parameter_switch: self.switches.parameters,
+            program_switch: self.switches.programs,
             protected: self.memory_protected(),
         }
     }
@@ -313,9 +316,9 @@ impl Cnc {
         }
         let mask = 1 << contact.bit;
         if down {
-            self.panel_keys[byte] |= mask;
+            self.plc.panel_keys[byte] |= mask;
         } else {
-            self.panel_keys[byte] &= !mask;
+            self.plc.panel_keys[byte] &= !mask;
         }
     }
 }

@@ -5,10 +5,10 @@
 //! a switch that already stands where it is wanted first goes the other way.
 
 use gsk_plc::address::{Area, BitAddress};
-use serde::{Deserialize, Serialize};
 
 use super::Cnc;
-use crate::operation::SoftSwitch;
+use super::parts::PlcPort;
+use crate::operation::{SoftSwitch, Turning};
 
 /// How long a switch stands the other way first: more than a cycle of level 2.
 const TURN_MS: u32 = 64;
@@ -25,23 +25,13 @@ const fn state(switch: SoftSwitch) -> BitAddress {
     BitAddress::new(Area::F, byte, bit)
 }
 
-/// A switch on its way to a new state.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Turning {
-    switch: SoftSwitch,
-    to: bool,
-    left_ms: u32,
-}
-
-impl Cnc {
-    /// Whether a switch of the soft machine panel is on.
-    pub const fn soft_switch(&self, switch: SoftSwitch) -> bool {
+impl PlcPort {
+    const fn soft_switch(&self, switch: SoftSwitch) -> bool {
         self.soft_switches & switch.mask() != 0
     }
 
-    /// Whether what a soft switch asks for is in force.
-    pub fn soft_switch_state(&self, switch: SoftSwitch) -> bool {
-        self.plc.memory().bit(state(switch))
+    fn soft_switch_state(&self, switch: SoftSwitch) -> bool {
+        self.engine.memory().bit(state(switch))
     }
 
     pub(super) fn set_soft_switch(&mut self, switch: SoftSwitch, on: bool) {
@@ -85,5 +75,17 @@ impl Cnc {
         if let Some(turning) = self.turning.take() {
             self.set_soft_switch(turning.switch, turning.to);
         }
+    }
+}
+
+impl Cnc {
+    /// Whether a switch of the soft machine panel is on.
+    pub const fn soft_switch(&self, switch: SoftSwitch) -> bool {
+        self.plc.soft_switch(switch)
+    }
+
+    /// Whether what a soft switch asks for is in force.
+    pub fn soft_switch_state(&self, switch: SoftSwitch) -> bool {
+        self.plc.soft_switch_state(switch)
     }
 }

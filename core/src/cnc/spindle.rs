@@ -14,43 +14,48 @@ const BRAKE_OUTPUT: BitAddress = BitAddress::new(Area::Y, 0, 7);
 impl Cnc {
     pub(super) fn spindle_tick(&mut self, inputs: &Inputs) {
         let at = Point::new(self.surface_x(), 0.0);
-        self.spindle.set_jog(self.spindle_jog());
-        if !(41..=44).contains(&self.handshake.m) {
-            self.spindle.end_gear_change();
+        self.spindle.control.set_jog(self.spindle_jog());
+        if !(41..=44).contains(&self.run.handshake.m) {
+            self.spindle.control.end_gear_change();
         }
-        if !self.automatic.threading() {
-            self.spindle_override = self.from_plc.spindle_override;
+        if !self.run.automatic.threading() {
+            self.spindle.override_percent = self.plc.signals.spindle_override;
         }
-        let board = self.board.as_ref().and_then(|board| board.spindle);
-        self.spindle.tick(&SpindleInputs {
+        let board = self.drives.board.as_ref().and_then(|board| board.spindle);
+        self.spindle.control.tick(&SpindleInputs {
             encoder: inputs.encoder,
             measured: board.map(|spindle| spindle.rpm),
-            radius: self.frame.program(at).x,
-            override_percent: self.spindle_override,
+            radius: self.coordinates.frame.program(at).x,
+            override_percent: self.spindle.override_percent,
         });
         match board {
-            Some(spindle) => self.angle.tell(spindle.turn),
-            None => self.angle.tick(inputs.encoder, inputs.encoder_index),
+            Some(spindle) => self.spindle.angle.tell(spindle.turn),
+            None => self
+                .spindle
+                .angle
+                .tick(inputs.encoder, inputs.encoder_index),
         }
     }
 
     /// SPHD counts with an analog spindle and in the modes of manual motion
     /// (manual PLC-II 9.2).
     pub(super) fn spindle_jog(&self) -> bool {
-        self.from_plc.spindle_jog && self.mode.is_manual() && self.parameters.analog_spindle()
+        self.plc.signals.spindle_jog
+            && self.run.mode.is_manual()
+            && self.memory.parameters.analog_spindle()
     }
 
     /// SPZD: the ladder brakes the spindle.
     pub(crate) fn brake_output(&self) -> bool {
-        self.plc.memory().bit(BRAKE_OUTPUT)
+        self.plc.engine.memory().bit(BRAKE_OUTPUT)
     }
 
     /// The X that the surface speed counts on, machine coordinate: the programmed
     /// one, and in a rapid that of its end (manual I-2.6.2).
     fn surface_x(&mut self) -> f64 {
         let position = self.position();
-        let Some(current) = &self.automatic.current else {
-            return position.x + self.programmed_ahead;
+        let Some(current) = &self.run.automatic.current else {
+            return position.x + self.coordinates.programmed_ahead;
         };
         let programmed = current.command.programmed_x.as_deref();
         let (x, tip) = match (&current.command.action, programmed) {
@@ -62,9 +67,9 @@ impl Cnc {
             (Action::Line { .. } | Action::Arc { .. } | Action::Thread { .. }, None) => {
                 (position.x, position.x)
             }
-            _ => return position.x + self.programmed_ahead,
+            _ => return position.x + self.coordinates.programmed_ahead,
         };
-        self.programmed_ahead = x - tip;
+        self.coordinates.programmed_ahead = x - tip;
         x
     }
 }

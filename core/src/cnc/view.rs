@@ -6,9 +6,10 @@ use gsk_plc::Plc;
 
 use super::{Cnc, Event};
 use crate::alarm::Alarm;
+use crate::battery::Memory;
 use crate::command::{Action, Frame, ProgramId, Source};
 use crate::interpreter::Modal;
-use crate::machine::link::SpindleWay;
+use crate::machine::pins;
 use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
 };
@@ -17,10 +18,11 @@ use crate::operation::{Mode, Return, RunState, Sensors, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
 use crate::units::{Axis, PerAxis, Point, Pulses};
+use gsk_link::SpindleDirection;
 
 /// How far a pulse board is behind the control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Behind {
+pub struct BoardLag {
     /// Ticks of motion that it may not have made yet.
     pub ticks: u64,
     /// Stops so far behind which the control went on from another place: what was not
@@ -42,22 +44,22 @@ pub struct Cursor {
 impl Cnc {
     /// Operating mode.
     pub const fn mode(&self) -> Mode {
-        self.mode
+        self.run.mode
     }
 
     /// Signals of drives and encoder, for the diagnosis page.
     pub const fn sensors(&self) -> Sensors {
-        self.sensors
+        self.drives.sensors
     }
 
     /// Analog spindle output SVC, 0 to 10 V.
     pub fn spindle_volts(&self) -> f64 {
-        self.spindle.volts()
+        self.spindle.control.volts()
     }
 
     /// State of automatic operation.
     pub const fn run_state(&self) -> RunState {
-        self.automatic.state
+        self.run.automatic.state
     }
 
     /// Machine coordinates of the slides (radius, mm).
@@ -67,212 +69,220 @@ impl Cnc {
 
     /// Pulses commanded so far.
     pub fn pulses(&self) -> PerAxis<Pulses> {
-        self.axes.pulses()
+        self.drives.chain.pulses()
     }
 
     /// Absolute coordinates in the work coordinate system (radius, mm).
     pub fn position_absolute(&self) -> Point {
-        self.frame.program(self.position())
+        self.coordinates.frame.program(self.position())
     }
 
     /// Relative coordinates U, W (radius, mm).
     pub fn position_relative(&self) -> Point {
-        self.relative_base() - self.relative_zero
+        self.relative_base() - self.coordinates.relative_zero
     }
 
     /// What the relative coordinates are counted from: absolute coordinates, with the
     /// tool offset unless 004.1 PROD = 1.
     pub(crate) fn relative_base(&self) -> Point {
         let absolute = self.position_absolute();
-        if self.parameters.relative_is_programmed() {
+        if self.memory.parameters.relative_is_programmed() {
             absolute
         } else {
-            absolute + self.frame.offset
+            absolute + self.coordinates.frame.offset
         }
     }
 
     /// What is left of the motion under way (radius, mm).
     pub fn distance_to_go(&self) -> Point {
-        self.interpolator.distance_to_go()
+        self.drives.interpolator.distance_to_go()
     }
 
     /// The coordinate frame in force.
     pub const fn frame(&self) -> Frame {
-        self.frame
+        self.coordinates.frame
     }
 
     /// Whether an axis moves.
     pub fn is_moving(&self) -> bool {
-        self.interpolator.is_moving()
+        self.drives.interpolator.is_moving()
     }
 
     /// Whether the motion under way is a rapid, programmed or by hand.
     pub fn moves_at_rapid(&self) -> bool {
         let by_hand = |axis| {
             matches!(
-                self.jog_command.get(axis),
+                self.hand.jog.get(axis),
                 Some((_, JogRate::Rapid | JogRate::Approach(_)))
-            ) || *self.returns.get(axis) == Some(Return::Straight)
+            ) || *self.coordinates.returns.get(axis) == Some(Return::Straight)
         };
-        match self.automatic.action() {
+        match self.run.automatic.action() {
             Some(Action::Rapid { .. } | Action::ZeroReturn { .. }) => true,
-            Some(_) if self.held.is_none() => false,
+            Some(_) if self.run.held.is_none() => false,
             _ => by_hand(Axis::X) || by_hand(Axis::Z),
         }
     }
 
     /// The F word in force, in the unit of G98 or G99.
     pub const fn feed_commanded(&self) -> f64 {
-        self.modal.feed
+        self.run.modal.feed
     }
 
     /// The thread lead in force, mm; zero = none yet.
     pub const fn thread_lead(&self) -> f64 {
-        self.interpreter.thread_lead()
+        self.run.interpreter.thread_lead()
     }
 
     /// Speed along the path, mm/min.
     pub fn feed_actual(&self) -> f64 {
-        self.interpolator.velocity().length() * 60.0
+        self.drives.interpolator.velocity().length() * 60.0
     }
 
     /// Jog rate of the override step, mm/min.
     pub fn jog_rate(&self) -> f64 {
-        jog_rate(self.from_plc.jog_code)
+        jog_rate(self.plc.signals.jog_code)
     }
 
     /// Feed override, 0–150 %.
     pub const fn feed_override(&self) -> u8 {
-        self.from_plc.feed_override
+        self.plc.signals.feed_override
     }
 
     /// Rapid override: 25, 50, 100 %, or 0 for F0.
     pub const fn rapid_override(&self) -> u8 {
-        self.from_plc.rapid_override
+        self.plc.signals.rapid_override
     }
 
     /// Spindle override, 50–120 %.
     pub const fn spindle_override(&self) -> u8 {
-        self.from_plc.spindle_override
+        self.plc.signals.spindle_override
     }
 
     /// The spindle speed that the S display shows (manual III-2.1.1): the measured
     /// one with an encoder, also at standstill, r/min; without one `None`.
     pub fn spindle_measured(&self) -> Option<f64> {
-        let fitted = self.spindle.encoder_fitted();
-        fitted.then(|| self.spindle.actual_rpm())
+        let fitted = self.spindle.control.encoder_fitted();
+        fitted.then(|| self.spindle.control.actual_rpm())
     }
 
     /// Measured spindle speed, r/min.
     pub fn spindle_actual(&self) -> f64 {
-        self.spindle.actual_rpm()
+        self.spindle.control.actual_rpm()
     }
 
     /// Commanded spindle speed, r/min.
     pub fn spindle_commanded(&self) -> f64 {
-        self.spindle.commanded_rpm()
+        self.spindle.control.commanded_rpm()
     }
 
     /// The speed the spindle is to turn at as it is switched, r/min: 0 behind M05,
     /// negative in reverse.
-    pub fn spindle_told(&self) -> f64 {
-        match SpindleWay::switched(self.plc.memory()) {
-            SpindleWay::Stop => 0.0,
-            SpindleWay::Forward => self.spindle_commanded(),
-            SpindleWay::Reverse => -self.spindle_commanded(),
+    pub fn spindle_switched(&self) -> f64 {
+        match pins::spindle_direction(self.plc.engine.memory()) {
+            SpindleDirection::Stop => 0.0,
+            SpindleDirection::Forward => self.spindle_commanded(),
+            SpindleDirection::Reverse => -self.spindle_commanded(),
         }
     }
 
     /// The spindle control.
     pub const fn spindle(&self) -> &SpindleControl {
-        &self.spindle
+        &self.spindle.control
     }
 
     /// Tool and offset number on the T display.
     pub const fn tool(&self) -> (u8, u8) {
-        self.tool
+        self.run.tool
     }
 
     /// Modal state of the block in execution.
     pub const fn modal(&self) -> &Modal {
-        &self.modal
+        &self.run.modal
     }
 
     /// Part counter and cutting time.
     pub const fn counters(&self) -> Counters {
-        self.counters
+        self.memory.counters
     }
 
     /// Parameters.
     pub const fn parameters(&self) -> &Parameters {
-        &self.parameters
+        &self.memory.parameters
     }
 
     /// Pitch error table.
     pub const fn pitch(&self) -> &PitchTable {
-        &self.pitch
+        &self.memory.pitch
+    }
+
+    /// What the battery keeps when the power goes now.
+    pub fn battery(&self) -> Memory {
+        Memory {
+            programs: self.memory.programs.retained(),
+            ..self.memory.clone()
+        }
     }
 
     /// Tool offsets.
     pub const fn offsets(&self) -> &Offsets {
-        &self.offsets
+        &self.memory.offsets
     }
 
     /// Macro variables.
     pub const fn variables(&self) -> &Variables {
-        &self.variables
+        &self.memory.variables
     }
 
     /// Whether programs are in inches (英制编程 of the setting page).
     pub const fn inch_input(&self) -> bool {
-        self.settings.inch
+        self.memory.settings.inch
     }
 
     /// The rows of the setting page.
     pub const fn settings(&self) -> Settings {
-        self.settings
+        self.memory.settings
     }
 
     /// Operation level and passwords.
     pub const fn authority(&self) -> &Authority {
-        &self.authority
+        &self.memory.authority
     }
 
     /// The electronic disks.
     pub const fn disks(&self) -> &Disks {
-        &self.disks
+        &self.memory.disks
     }
 
     /// Whether 参数开关 is on.
     pub const fn parameter_switch(&self) -> bool {
-        self.parameter_switch
+        self.switches.parameters
     }
 
     /// Whether 程序开关 is on.
     pub const fn program_switch(&self) -> bool {
-        self.program_switch
+        self.switches.programs
     }
 
     /// KEY1, G46.3: the ladder forbids changes of programs, offsets and parameters.
     pub const fn memory_protected(&self) -> bool {
-        self.from_plc.memory_protect
+        self.plc.signals.memory_protect
     }
 
     /// Program memory.
     pub const fn programs(&self) -> &ProgramMemory {
-        &self.programs
+        &self.memory.programs
     }
 
     /// The block keyed in on the MDI page.
     pub const fn mdi_block(&self) -> &MdiBlock {
-        &self.mdi
+        &self.run.mdi
     }
 
     /// Where the program stands.
     pub fn cursor(&self) -> Cursor {
-        let running = self.automatic.state != RunState::Reset;
-        let aside = self.automatic.source_aside();
-        let last = aside.or(self.automatic.last).filter(|_| running);
+        let running = self.run.automatic.state != RunState::Reset;
+        let aside = self.run.automatic.source_aside();
+        let last = aside.or(self.run.automatic.last).filter(|_| running);
         match last {
             Some(Source {
                 program,
@@ -284,8 +294,8 @@ impl Cnc {
                 sequence,
             },
             None => Cursor {
-                program: self.programs.current(),
-                line: self.cursor_line,
+                program: self.memory.programs.current(),
+                line: self.run.cursor_line,
                 sequence: None,
             },
         }
@@ -298,29 +308,45 @@ impl Cnc {
 
     /// Messages of the machine's ladder that stand: number and text.
     pub fn plc_messages(&self) -> impl Iterator<Item = (u16, &str)> {
-        self.plc.active_messages()
+        self.plc.engine.active_messages()
+    }
+
+    /// The first message of the ladder that stands, at the block it holds: no cycle
+    /// start acts before its cause is gone and RESET has cleared it.
+    pub fn standing_message(&self) -> Option<Alarm> {
+        if !self.plc.message {
+            return None;
+        }
+        let (number, text) = self.plc_messages().next()?;
+        let message = Alarm::message(number, text);
+        let running = self.run.automatic.state != RunState::Reset;
+        let block = self.run.automatic.last.filter(|_| running);
+        Some(match block {
+            Some(block) => message.at(block),
+            None => message,
+        })
     }
 
     /// Whether 准备未绪 stands on the status line.
     pub fn not_ready(&self) -> bool {
-        self.is_not_ready() || self.is_place_unknown()
+        self.is_not_ready() || self.is_position_unknown()
     }
 
     /// Whether real slides stand where nobody knows: they want their reference return.
-    pub fn is_place_unknown(&self) -> bool {
-        self.board.is_some_and(|board| !board.known)
+    pub fn is_position_unknown(&self) -> bool {
+        self.drives.board.is_some_and(|board| !board.known)
     }
 
     /// Whether a pulse board makes the motion: the slides of the lathe beside the
     /// control are not the real ones.
     pub const fn has_board(&self) -> bool {
-        self.board.is_some()
+        self.drives.board.is_some()
     }
 
     /// How far the pulse board that makes the motion is behind this tick; none: the
     /// simulated lathe makes it at once.
-    pub fn behind(&self) -> Option<Behind> {
-        self.board.map(|board| Behind {
+    pub fn behind(&self) -> Option<BoardLag> {
+        self.drives.board.map(|board| BoardLag {
             ticks: board.ahead,
             stops: board.stops,
         })
@@ -328,7 +354,7 @@ impl Cnc {
 
     /// The speed of the spindle whose index the board sees, r/min; negative in reverse.
     pub fn spindle_of_board(&self) -> Option<f64> {
-        Some(self.board?.spindle?.rpm)
+        Some(self.drives.board?.spindle?.rpm)
     }
 
     /// Whether an alarm or a message stands (AL, F1.0).
@@ -338,17 +364,17 @@ impl Cnc {
 
     /// Whether 暂停 stands on the status line: feed hold, or *SP open.
     pub fn in_feed_hold(&self) -> bool {
-        self.automatic.state == RunState::Hold || self.from_plc.feed_hold
+        self.run.automatic.state == RunState::Hold || self.plc.signals.feed_hold
     }
 
     /// Axes with a reference.
     pub const fn referenced(&self) -> PerAxis<bool> {
-        self.referenced
+        self.coordinates.referenced
     }
 
     /// The PLC: signals, timers, messages.
     pub const fn plc(&self) -> &Plc {
-        &self.plc
+        &self.plc.engine
     }
 
     /// Events of the last tick.
@@ -358,7 +384,7 @@ impl Cnc {
 
     /// Whether cycles explain their passes ([`Event::Explained`]); off at power-on.
     pub fn explain(&mut self, on: bool) {
-        self.explanations = on.then(VecDeque::new);
+        self.run.explanations = on.then(VecDeque::new);
     }
 
     /// Ticks since power-on.

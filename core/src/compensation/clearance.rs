@@ -14,15 +14,17 @@ use core::f64::consts::{PI, TAU};
 use serde::{Deserialize, Serialize};
 
 use super::piece::{Circle, Piece};
-use super::plane::{cross, dot, left, sweep, unit};
+use super::plane::sweep;
 use crate::units::Point;
 
 /// What the nose may come too near by rounding and joined corners, mm.
-const ROUNDING: f64 = 0.0003;
+pub(super) const ROUNDING: f64 = 0.0003;
 /// Shorter than this, an arc of at most half a turn counts as its chord, mm.
 const SHORT: f64 = 1e-6;
+/// Changes of radius below this are not looked at, mm.
+const ROUND: f64 = 0.0001;
 
-/// A line, or an arc of at most a full turn.
+/// A line, or an arc of at most a full turn, whose radius may change evenly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Curve {
     from: Point,
@@ -33,7 +35,10 @@ pub(super) struct Curve {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Arc {
     center: Point,
+    /// In the middle.
     radius: f64,
+    /// From the start to the end.
+    growth: f64,
     turn: f64,
     sweep: f64,
 }
@@ -54,13 +59,16 @@ impl Curve {
         if (to - from).length() < SHORT && whole <= PI {
             return Self::line(from, to);
         }
-        let way = sweep(arm, to - circle.center, circle.turn);
+        let last_arm = to - circle.center;
+        let way = sweep(arm, last_arm, circle.turn);
+        let (first, last) = (arm.length(), last_arm.length());
         Self {
             from,
             to,
             arc: Some(Arc {
                 center: circle.center,
-                radius: arm.length(),
+                radius: (first + last) / 2.0,
+                growth: last - first,
                 turn: circle.turn,
                 sweep: if way <= 0.0 { TAU } else { way },
             }),
@@ -84,10 +92,36 @@ impl Curve {
                 Point::new(a.x.max(b.x), a.z.max(b.z)),
             ),
             Some(arc) => {
-                let corner = Point::new(arc.radius, arc.radius);
+                let reach = arc.radius + self.loose();
+                let corner = Point::new(reach, reach);
                 (arc.center - corner, arc.center + corner)
             }
         }
+    }
+
+    /// What its points may lie off the arc with the radius of its middle.
+    pub(super) fn loose(&self) -> f64 {
+        self.arc.map_or(0.0, |arc| arc.growth.abs() / 2.0)
+    }
+
+    /// The two halves of an arc.
+    fn halves(&self, arc: &Arc) -> [Self; 2] {
+        let arm = self.from - arc.center;
+        let (sine, cosine) = libm::sincos(arc.sweep / 2.0 * arc.turn);
+        let turned = Point::new(arm.x * cosine + arm.z * sine, arm.z * cosine - arm.x * sine);
+        // From the centre itself every direction is as good.
+        let middle = arc.center + turned.unit().unwrap_or_default() * arc.radius;
+        let half = |from: Point, to: Point, quarter: f64| Self {
+            from,
+            to,
+            arc: Some(Arc {
+                radius: arc.radius + arc.growth * quarter,
+                growth: arc.growth / 2.0,
+                sweep: arc.sweep / 2.0,
+                ..*arc
+            }),
+        };
+        [half(self.from, middle, -0.25), half(middle, self.to, 0.25)]
     }
 }
 
@@ -98,11 +132,25 @@ impl Arc {
     }
 }
 
-/// Whether a nose with this radius cuts into a surface on its path. `loose`:
-/// what the end of the surface may lie off its circle.
-pub(super) fn cuts(path: &Curve, surface: &Curve, radius: f64, loose: f64) -> bool {
-    let least = radius - ROUNDING - loose;
-    !far_apart(path, surface, least) && distance(path, surface) < least
+/// Whether a path comes nearer to a surface than this.
+pub(super) fn cuts(path: &Curve, surface: &Curve, least: f64) -> bool {
+    !far_apart(path, surface, least) && nearer(path, surface, least)
+}
+
+/// Whether two curves come nearer to each other than this. Where the change of a
+/// radius decides, arcs are halved until there is next to none.
+fn nearer(a: &Curve, b: &Curve, least: f64) -> bool {
+    let loose = a.loose() + b.loose();
+    let between = distance(a, b);
+    if loose < ROUND || (between - least).abs() > loose {
+        return between < least;
+    }
+    let halved = if a.loose() >= b.loose() { a } else { b };
+    let other = if a.loose() >= b.loose() { b } else { a };
+    halved.arc.as_ref().is_some_and(|arc| {
+        let mut halves = halved.halves(arc).into_iter();
+        halves.any(|half| nearer(&half, other, least))
+    })
 }
 
 /// Whether the boxes about two curves are this far from each other already.
@@ -114,7 +162,7 @@ fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
     x * x + z * z >= least * least && least > 0.0
 }
 
-/// The least distance of two curves.
+/// The least distance of two curves, arcs with the radius of their middle.
 pub(super) fn distance(a: &Curve, b: &Curve) -> f64 {
     let ends = to_point(a, b.from)
         .min(to_point(a, b.to))
@@ -148,11 +196,11 @@ fn to_point(curve: &Curve, point: Point) -> f64 {
 /// The foot of a point on a line, if it lies on it.
 fn foot(line: &Curve, point: Point) -> Option<Point> {
     let along = line.to - line.from;
-    let square = dot(along, along);
+    let square = along.dot(along);
     if square <= 0.0 {
         return None;
     }
-    let part = dot(point - line.from, along) / square;
+    let part = (point - line.from).dot(along) / square;
     (0.0..=1.0)
         .contains(&part)
         .then(|| line.from + along * part)
@@ -162,25 +210,25 @@ fn foot(line: &Curve, point: Point) -> Option<Point> {
 fn lines(a: &Curve, b: &Curve) -> f64 {
     let (u, v) = (a.to - a.from, b.to - b.from);
     let between = b.from - a.from;
-    let area = cross(u, v);
+    let area = u.cross(v);
     if area == 0.0 {
         return f64::INFINITY;
     }
-    let (on_a, on_b) = (cross(between, v) / area, cross(between, u) / area);
+    let (on_a, on_b) = (between.cross(v) / area, between.cross(u) / area);
     let within = (0.0..=1.0).contains(&on_a) && (0.0..=1.0).contains(&on_b);
     if within { 0.0 } else { f64::INFINITY }
 }
 
 fn line_and_arc(line: &Curve, curve: &Curve, arc: &Arc) -> f64 {
-    let Some(along) = unit(line.to - line.from) else {
+    let Some(along) = (line.to - line.from).unit() else {
         return f64::INFINITY;
     };
-    let to_line = left(along) * dot(line.from - arc.center, left(along));
+    let to_line = along.left() * (line.from - arc.center).dot(along.left());
     let way = to_line.length();
     if way < arc.radius {
         let half = (arc.radius * arc.radius - way * way).sqrt();
         for direction in [to_line + along * half, to_line - along * half] {
-            let on_line = dot(arc.center + direction - line.from, along);
+            let on_line = (arc.center + direction - line.from).dot(along);
             let within = (0.0..=(line.to - line.from).length()).contains(&on_line);
             if within && arc.spans(curve.from, direction) {
                 return 0.0;
@@ -197,7 +245,7 @@ fn line_and_arc(line: &Curve, curve: &Curve, arc: &Arc) -> f64 {
 fn arcs(a: &Curve, first: &Arc, b: &Curve, second: &Arc) -> f64 {
     let between = second.center - first.center;
     let d = between.length();
-    let Some(e) = unit(between) else {
+    let Some(e) = between.unit() else {
         return f64::INFINITY;
     };
     let both = |point: Point| {
@@ -206,7 +254,7 @@ fn arcs(a: &Curve, first: &Arc, b: &Curve, second: &Arc) -> f64 {
     let along = (first.radius * first.radius - second.radius * second.radius + d * d) / (2.0 * d);
     let square = first.radius * first.radius - along * along;
     if square >= 0.0 {
-        let (middle, half) = (first.center + e * along, left(e) * square.sqrt());
+        let (middle, half) = (first.center + e * along, e.left() * square.sqrt());
         if both(middle + half) || both(middle - half) {
             return 0.0;
         }

@@ -19,11 +19,19 @@ use serde::{Deserialize, Serialize};
 use super::fault::Fault;
 use super::intersection::meet;
 use super::piece::Piece;
-use super::plane::{cross, dot, left};
+
 use crate::units::Point;
 
 /// Vectors nearer than this are one, mm.
 const ONE_VECTOR: f64 = 0.001;
+/// Moves whose nose centres are nearer than this at their corner are tangent but
+/// for rounded ends and centres, mm.
+const TANGENT: f64 = 0.004;
+/// The same where one of the moves is so short that rounding turns it more, mm.
+const TANGENT_IF_SHORT: f64 = 0.02;
+/// A move shorter than this is turned by more than 0.002 rad when its ends are rounded
+/// to 0.001 mm, mm.
+const SHORT: f64 = 0.35;
 /// Directions whose cross product is less are parallel.
 const PARALLEL: f64 = 1e-9;
 /// Cosine of one degree.
@@ -115,8 +123,8 @@ fn angle(exit: Point, entry: Point, rho: f64) -> Angle {
     if (exit - entry).length() * rho.abs() <= ONE_VECTOR {
         return Angle::Straight;
     }
-    let along = dot(exit, entry);
-    let turn = cross(exit, entry) * rho.signum();
+    let along = exit.dot(entry);
+    let turn = exit.cross(entry) * rho.signum();
     let reversal = along < 0.0 && turn.abs() < PARALLEL;
     let sharp = along < -COS_1_DEGREE;
     if turn > -PARALLEL && !reversal {
@@ -146,7 +154,7 @@ pub(super) fn vectors(
 ) -> Result<Vectors, Fault> {
     for (piece, rho) in [(a, rho_a), (b, rho_b)] {
         if let Some(circle) = &piece.circle {
-            circle.offset_radius(rho)?;
+            circle.check_room(rho)?;
         }
     }
     let vectors = if rho_a * rho_b < 0.0 {
@@ -167,12 +175,12 @@ pub(super) fn vectors(
 
 /// Square to the end of a move.
 pub(super) fn square_to_end(a: &Piece, rho: f64) -> Point {
-    left(a.exit) * rho
+    a.exit.left() * rho
 }
 
 /// Square to the start of a move.
 pub(super) fn square_to_start(b: &Piece, rho: f64) -> Point {
-    left(b.entry) * rho
+    b.entry.left() * rho
 }
 
 fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault> {
@@ -185,6 +193,21 @@ fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault
     let around = role != Role::Both;
     let lines = a.circle.is_none() && b.circle.is_none();
     let bow = |first: bool, last: bool| bow(a, b, rho, first, last);
+    let apart = (square_a - square_b).length();
+    if role == Role::Both
+        && apart <= TANGENT
+        && let Some(rests) = rests(a, b, rho)
+    {
+        return Ok(rests);
+    }
+    let meeting = || {
+        let met = meet(a, rho, b, rho);
+        if role == Role::Both && apart <= TANGENT_IF_SHORT {
+            near_tangent(a, b, rho, met)
+        } else {
+            met.map(|meeting| Vectors::of(&[meeting]))
+        }
+    };
     Ok(match angle(a.exit, b.entry, rho) {
         Angle::Straight => Vectors::of(&[kept]),
         Angle::Inner | Angle::InnerSharp if around => Vectors::of(&[kept]),
@@ -193,21 +216,69 @@ fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault
         Angle::Obtuse | Angle::Acute | Angle::OuterSharp if around && START_TYPE == Type::A => {
             Vectors::of(&[kept])
         }
-        Angle::Inner => Vectors::of(&[meet(a, rho, b, rho)?]),
-        Angle::Obtuse => {
-            let meeting = meet(a, rho, b, rho)?;
-            match role {
-                Role::StartUp => Vectors::of(&[square_a, meeting]),
-                Role::Both => Vectors::of(&[meeting]),
-                Role::Cancel => Vectors::of(&[meeting, square_b]),
-            }
-        }
+        Angle::Inner => meeting()?,
+        Angle::Obtuse => match role {
+            Role::StartUp => Vectors::of(&[square_a, meet(a, rho, b, rho)?]),
+            Role::Both => meeting()?,
+            Role::Cancel => Vectors::of(&[meet(a, rho, b, rho)?, square_b]),
+        },
         Angle::Acute | Angle::OuterSharp => match role {
             Role::StartUp => bow(true, b.circle.is_some()),
             Role::Both => bow(a.circle.is_some(), b.circle.is_some()),
             Role::Cancel => bow(a.circle.is_some(), true),
         },
     })
+}
+
+/// Where the nose rests at a corner with an inner arc that it fills.
+fn rests(a: &Piece, b: &Piece, rho: f64) -> Option<Vectors> {
+    let center = |piece: &Piece| piece.rest(rho).map(|center| center - b.start);
+    match (center(a), center(b)) {
+        (Some(one), Some(other)) => Some(Vectors::of(&[one, other])),
+        (Some(one), None) | (None, Some(one)) => Some(Vectors::of(&[one])),
+        (None, None) => None,
+    }
+}
+
+/// A corner that would be tangent but for rounding. The paths of the nose centre then
+/// meet at a grazing angle: a micrometre moves their meeting by a multiple, past the
+/// end of a short move, or there is none at all. The nose centre stands between the
+/// squares instead: their distance is below what rounding makes of it.
+///
+/// ```text
+///   offset of a ----------*---.___        * square to a, + square to b
+///                          V +    `---.__ V between them
+///   offset of b  ------------------------`-- meeting
+/// ```
+fn near_tangent(
+    a: &Piece,
+    b: &Piece,
+    rho: f64,
+    met: Result<Point, Fault>,
+) -> Result<Vectors, Fault> {
+    let (square_a, square_b) = (square_to_end(a, rho), square_to_start(b, rho));
+    let shorter = a.length_of_chord().min(b.length_of_chord());
+    let is_short = shorter < SHORT;
+    let between =
+        || rests(a, b, rho).unwrap_or_else(|| Vectors::of(&[(square_a + square_b) * 0.5]));
+    match met {
+        Ok(meeting) => {
+            let off = (meeting - square_a)
+                .length()
+                .min((meeting - square_b).length());
+            Ok(if is_short && off > shorter / 2.0 {
+                between()
+            } else {
+                Vectors::of(&[meeting])
+            })
+        }
+        Err(Fault::NoMeetingLineArc | Fault::NoMeetingArcLine | Fault::NoMeetingOfArcs)
+            if is_short =>
+        {
+            Ok(between())
+        }
+        Err(fault) => Err(fault),
+    }
 }
 
 /// Round an acute corner: both paths of the nose centre go on by r.
@@ -238,7 +309,7 @@ fn change_of_side(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Vectors {
     if (square_a - square_b).length() <= ONE_VECTOR {
         return Vectors::of(&[square_b]);
     }
-    let turns = dot(a.exit, b.entry) <= COS_1_DEGREE;
+    let turns = a.exit.dot(b.entry) <= COS_1_DEGREE;
     let meeting = if turns {
         meet(a, rho_a, b, rho_b).ok()
     } else {
@@ -247,8 +318,8 @@ fn change_of_side(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Vectors {
     let lines = a.circle.is_none() && b.circle.is_none();
     let within = |meeting: &Point| {
         !lines
-            || (dot(*meeting - square_a, a.exit) > -a.length_of_chord()
-                && dot(*meeting - square_b, b.entry) < b.length_of_chord())
+            || ((*meeting - square_a).dot(a.exit) > -a.length_of_chord()
+                && (*meeting - square_b).dot(b.entry) < b.length_of_chord())
     };
     match meeting.filter(within) {
         Some(meeting) => Vectors::of(&[meeting]),

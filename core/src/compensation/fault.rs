@@ -1,6 +1,8 @@
 //! What compensation C refuses, with its alarm (manual, appendix 3).
 
-use crate::alarm::Alarm;
+use gsk_messages::{Message, say};
+
+use crate::alarm::{Alarm, number};
 use crate::command::Source;
 
 /// A refusal.
@@ -26,51 +28,41 @@ pub(crate) enum Fault {
 impl Fault {
     pub(crate) const fn number(self) -> u16 {
         match self {
-            Self::StartOnArc => 34,
-            Self::Call => 36,
-            Self::DivisionByZero => 46,
-            Self::ArcEnd => 48,
-            Self::NoResult => 49,
-            Self::SamePoint => 50,
-            Self::CenterAtStart => 51,
-            Self::CenterAtEnd => 52,
-            Self::SmallArc => 53,
-            Self::NoMeetingOfArcs => 54,
-            Self::SharpCorner => 55,
-            Self::CancelOnArc => 56,
-            Self::Interference => 57,
-            Self::NoMeetingLineArc => 58,
-            Self::NoMeetingArcLine => 59,
+            Self::StartOnArc => number::NOSE_START_ON_ARC,
+            Self::Call => number::NOSE_CALL,
+            Self::DivisionByZero => number::NOSE_DIVISION_BY_ZERO,
+            Self::ArcEnd => number::NOSE_ARC_END,
+            Self::NoResult => number::NOSE_NO_RESULT,
+            Self::SamePoint => number::NOSE_SAME_POINT,
+            Self::CenterAtStart => number::NOSE_CENTER_AT_START,
+            Self::CenterAtEnd => number::NOSE_CENTER_AT_END,
+            Self::SmallArc => number::NOSE_SMALL_ARC,
+            Self::NoMeetingOfArcs => number::NOSE_ARC_TO_ARC,
+            Self::SharpCorner => number::NOSE_SHARP_CORNER,
+            Self::CancelOnArc => number::NOSE_CANCEL_ON_ARC,
+            Self::Interference => number::NOSE_INTERFERENCE,
+            Self::NoMeetingLineArc => number::NOSE_LINE_TO_ARC,
+            Self::NoMeetingArcLine => number::NOSE_ARC_TO_LINE,
         }
     }
 
-    const fn reason(self) -> &'static str {
+    fn reason(self) -> Message {
         match self {
-            Self::StartOnArc => {
-                "the first move after G41 or G42 must be straight (G00 or G01), not an arc"
-            }
-            Self::Call => "cancel the compensation with G40 before M98, and before M99 returns",
-            Self::DivisionByZero => "the two paths give no direction",
-            Self::ArcEnd => {
-                "the end point lies more than 0.010 mm off the circle about the programmed centre"
-            }
-            Self::NoResult => "the calculation of this corner gives no number",
-            Self::SamePoint => "a move without length while the compensation is on",
-            Self::CenterAtStart => "the centre of the arc is its start point",
-            Self::CenterAtEnd => "the centre of the arc is its end point",
-            Self::SmallArc => "the nose radius is greater than the radius of an inner arc",
-            Self::NoMeetingOfArcs => "the two arcs, moved by the nose radius, have no intersection",
-            Self::SharpCorner => "the two paths enclose less than 1 degree",
-            Self::CancelOnArc => "the move that cancels with G40 must be straight, not an arc",
-            Self::Interference => {
-                "the nose is too large for this place: it would cut into the part"
-            }
-            Self::NoMeetingLineArc => {
-                "line and following arc, moved by the nose radius, have no intersection"
-            }
-            Self::NoMeetingArcLine => {
-                "arc and following line, moved by the nose radius, have no intersection"
-            }
+            Self::StartOnArc => say::nose_start_on_arc(),
+            Self::Call => say::nose_on_at_call(),
+            Self::DivisionByZero => say::nose_no_direction(),
+            Self::ArcEnd => say::arc_end_off_circle(),
+            Self::NoResult => say::nose_no_result(),
+            Self::SamePoint => say::nose_move_without_length(),
+            Self::CenterAtStart => say::arc_center_at_start(),
+            Self::CenterAtEnd => say::arc_center_at_end(),
+            Self::SmallArc => say::nose_larger_than_arc(),
+            Self::NoMeetingOfArcs => say::nose_arcs_do_not_meet(),
+            Self::SharpCorner => say::nose_corner_too_sharp(),
+            Self::CancelOnArc => say::nose_cancel_on_arc(),
+            Self::Interference => say::nose_interferes(),
+            Self::NoMeetingLineArc => say::nose_line_misses_arc(),
+            Self::NoMeetingArcLine => say::nose_arc_misses_line(),
         }
     }
 
@@ -96,12 +88,7 @@ impl Fault {
         };
         let mut alarm = self.alarm().at(place);
         if first.line != second.line {
-            alarm.detail = Some(format!(
-                "{} (lines {} and {})",
-                self.reason(),
-                first.line,
-                second.line
-            ));
+            alarm.detail = Some(say::of_two_lines(self.reason(), first.line, second.line));
         }
         alarm
     }

@@ -19,15 +19,18 @@ use core::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::clearance::{self, Curve};
+use super::clearance::{self, Curve, ROUNDING};
 use super::corner::Vectors;
 use super::fault::Fault;
-use super::piece::{Circle, Piece};
-use super::plane::{dot, sweep, unit};
+use super::piece::{Circle, Piece, too_short};
+use super::plane::sweep;
 use crate::units::Point;
 
 /// So far backwards is rounding, mm.
 const BACKWARDS: f64 = 1e-6;
+/// So much the nose may cut into an arc whose end lies beside its circle, mm: its
+/// path is parallel only as long as the radius changes slowly.
+const TILTED: f64 = 0.0005;
 
 /// A move that may be run: the vectors left at its ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +46,7 @@ pub(super) struct Way {
 pub(super) struct Trail {
     /// Programmed end.
     pub(super) end: Point,
-    surface: Surface,
+    surface: Curve,
     path: Curve,
     /// The path keeps the nose clear of its own surface.
     parallel: bool,
@@ -51,33 +54,18 @@ pub(super) struct Trail {
     pub(super) rho: f64,
 }
 
-/// The surface that a move cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Surface {
-    curve: Curve,
-    /// What its end lies off its circle.
-    loose: f64,
-}
-
-impl Surface {
-    fn of(piece: &Piece) -> Self {
-        Self {
-            curve: Curve::surface(piece),
-            loose: piece.misfit(),
-        }
-    }
-}
-
 impl Trail {
     pub(super) fn of(piece: &Piece, way: &Way, rho: f64) -> Self {
         let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
         let path = match &piece.circle {
-            Some(circle) if !way.straight => Curve::arc(p, q, circle, piece.sweep()),
+            Some(circle) if !way.straight && !too_short(piece, circle, p, q) => {
+                Curve::arc(p, q, circle, piece.sweep())
+            }
             _ => Curve::line(p, q),
         };
         Self {
             end: piece.end,
-            surface: Surface::of(piece),
+            surface: Curve::surface(piece),
             path,
             parallel: !way.straight,
             rho,
@@ -96,15 +84,26 @@ pub(super) fn cuts_into<'a>(
     next: Option<&Piece>,
 ) -> bool {
     let radius = trail.rho.abs();
-    let next = next.map(Surface::of);
-    let cuts = |path: &Curve, surface: &Surface| {
-        clearance::cuts(path, &surface.curve, radius, surface.loose)
+    let next = next.map(Curve::surface);
+    let cuts = |path: &Curve, surface: &Curve| clearance::cuts(path, surface, radius - ROUNDING);
+    let own = if trail.parallel {
+        let (path, surface) = (&trail.path, &trail.surface);
+        surface.loose() > TILTED / 2.0 && clearance::cuts(path, surface, radius - TILTED)
+    } else {
+        cuts(&trail.path, &trail.surface)
     };
-    let around = |path: &Curve| {
-        before.clone().any(|before| cuts(path, &before.surface))
-            || next.is_some_and(|next| cuts(path, &next))
+    let around = |path: &Curve, into: f64| {
+        let cuts = |surface: &Curve| clearance::cuts(path, surface, radius - into);
+        before.clone().any(|before| cuts(&before.surface)) || next.is_some_and(|next| cuts(&next))
     };
-    if around(&trail.path) || (!trail.parallel && cuts(&trail.path, &trail.surface)) {
+    // By what the radius of an arc shrinks on its way, the nose comes nearer to the moves
+    // beside it, and sets off that near on the next one.
+    let loosest = before
+        .clone()
+        .map(|before| before.surface.loose())
+        .fold(trail.surface.loose(), f64::max);
+    let shrinks = (2.0 * loosest + ROUNDING).min(TILTED);
+    if own || around(&trail.path, shrinks.max(ROUNDING)) {
         return true;
     }
     if before.clone().next().is_none() {
@@ -114,7 +113,7 @@ pub(super) fn cuts_into<'a>(
     corner.any(|pair| match pair {
         [one, other] => {
             let path = Curve::line(start + *one, start + *other);
-            cuts(&path, &trail.surface) || around(&path)
+            cuts(&path, &trail.surface) || around(&path, ROUNDING)
         }
         _ => false,
     }) || next.is_some_and(|next| before.clone().any(|before| cuts(&before.path, &next)))
@@ -147,8 +146,8 @@ fn interferes(piece: &Piece, way: &Way) -> bool {
     match &piece.circle {
         Some(circle) if !way.straight => turns_over(piece, circle, p, q),
         _ => {
-            let along = unit(piece.end - piece.start).unwrap_or(piece.exit);
-            dot(q - p, along) < -BACKWARDS
+            let along = (piece.end - piece.start).unit().unwrap_or(piece.exit);
+            (q - p).dot(along) < -BACKWARDS
         }
     }
 }

@@ -5,13 +5,13 @@
 //!   line, line            line, arc                  arc, arc
 //!     \  V                 q + λt on the circle       a = (Ra² - Rb² + d²)/2d
 //!   ---\-*------ offset    about C: the solution      h = √(Ra² - a²)
-//!   ----P.               ---*.  nearest to P          Ca + a e ± h left(e):
+//!   ----P.               ---*.  nearest to P          Ca + a e ± h e.left():
 //!        \ \                P `.                      the one nearest to P
 //! ```
 
 use super::fault::Fault;
-use super::piece::Piece;
-use super::plane::{dot, left, unit};
+use super::piece::{Piece, SAME};
+
 use crate::units::Point;
 
 /// Denominators below this divide by zero.
@@ -22,28 +22,71 @@ const ROOT_OF_ZERO: f64 = -1e-9;
 /// The displacement from the end of `a`, which is the start of `b`. The nose
 /// runs `rho_a` left of the one and `rho_b` left of the other.
 pub(super) fn meet(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point, Fault> {
-    match (&a.circle, &b.circle) {
-        (None, None) => of_lines(left(a.exit), rho_a, left(b.entry), rho_b),
-        (None, Some(circle)) => on_line(
-            a.exit,
-            rho_a,
-            circle.center - b.start,
-            circle.offset_radius(rho_b)?,
-        )
-        .ok_or(Fault::NoMeetingLineArc),
-        (Some(circle), None) => on_line(
-            b.entry,
-            rho_b,
-            circle.center - a.end,
-            circle.offset_radius(rho_a)?,
-        )
-        .ok_or(Fault::NoMeetingArcLine),
-        (Some(first), Some(second)) => of_arcs(
-            first.center - a.end,
-            first.offset_radius(rho_a)?,
-            second.center - b.start,
-            second.offset_radius(rho_b)?,
-        ),
+    let side_a = Side::of(a, a.end, a.exit.left(), rho_a);
+    let side_b = Side::of(b, b.start, b.entry.left(), rho_b);
+    let meeting = side_a.meet(&side_b)?;
+    // The radius of an arc whose end lies beside its circle changes on the way.
+    let (there_a, there_b) = (side_a.at(a, meeting), side_b.at(b, meeting));
+    if (there_a.radius - side_a.radius).abs() + (there_b.radius - side_b.radius).abs() < SAME {
+        return Ok(meeting);
+    }
+    Ok(there_a.meet(&there_b).unwrap_or(meeting))
+}
+
+/// The path of the nose centre along one of the moves, seen from P.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    /// To the left of the move at P.
+    normal: Point,
+    rho: f64,
+    /// Centre of an arc, and the radius of the path about it.
+    center: Point,
+    radius: f64,
+    arc: bool,
+}
+
+impl Side {
+    fn of(piece: &Piece, corner: Point, normal: Point, rho: f64) -> Self {
+        let side = Self {
+            normal,
+            rho,
+            center: Point::default(),
+            radius: 0.0,
+            arc: false,
+        };
+        piece.circle.as_ref().map_or(side, |circle| {
+            let center = circle.center - corner;
+            Self {
+                center,
+                radius: circle.beside(center.length(), rho),
+                arc: true,
+                ..side
+            }
+        })
+    }
+
+    /// With the radius that the arc has beside a displacement from P.
+    fn at(&self, piece: &Piece, place: Point) -> Self {
+        piece.circle.as_ref().map_or(*self, |circle| {
+            let radius = piece.radius_toward(circle, place - self.center);
+            Self {
+                radius: circle.beside(radius, self.rho),
+                ..*self
+            }
+        })
+    }
+
+    fn meet(&self, next: &Self) -> Result<Point, Fault> {
+        // Of a left normal, the quarter turn back.
+        let along = |side: &Self| side.normal.left() * -1.0;
+        match (self.arc, next.arc) {
+            (false, false) => of_lines(self.normal, self.rho, next.normal, next.rho),
+            (false, true) => on_line(along(self), self.rho, next.center, next.radius)
+                .ok_or(Fault::NoMeetingLineArc),
+            (true, false) => on_line(along(next), next.rho, self.center, self.radius)
+                .ok_or(Fault::NoMeetingArcLine),
+            (true, true) => of_arcs(self.center, self.radius, next.center, next.radius),
+        }
     }
 }
 
@@ -54,7 +97,7 @@ pub(super) fn of_lines(
     normal_b: Point,
     rho_b: f64,
 ) -> Result<Point, Fault> {
-    let c = dot(normal_a, normal_b);
+    let c = normal_a.dot(normal_b);
     if rho_a == rho_b {
         if 1.0 + c < NO_ANGLE {
             return Err(Fault::DivisionByZero);
@@ -71,10 +114,10 @@ pub(super) fn of_lines(
 
 /// A line through P, moved left by `rho`, with a circle.
 fn on_line(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> {
-    let beside = left(along) * rho;
+    let beside = along.left() * rho;
     let w = beside - center;
-    let b = dot(w, along);
-    let square = b * b - (dot(w, w) - radius * radius);
+    let b = w.dot(along);
+    let square = b * b - (w.dot(w) - radius * radius);
     if square < ROOT_OF_ZERO {
         return None;
     }
@@ -88,7 +131,8 @@ fn on_line(along: Point, rho: f64, center: Point, radius: f64) -> Option<Point> 
 fn of_arcs(center_a: Point, radius_a: f64, center_b: Point, radius_b: f64) -> Result<Point, Fault> {
     let between = center_b - center_a;
     let d = between.length();
-    let e = unit(between)
+    let e = between
+        .unit()
         .filter(|_| d > NO_ANGLE)
         .ok_or(Fault::DivisionByZero)?;
     let a = (radius_a * radius_a - radius_b * radius_b + d * d) / (2.0 * d);
@@ -97,7 +141,7 @@ fn of_arcs(center_a: Point, radius_a: f64, center_b: Point, radius_b: f64) -> Re
         return Err(Fault::NoMeetingOfArcs);
     }
     let foot = center_a + e * a;
-    let height = left(e) * square.max(0.0).sqrt();
+    let height = e.left() * square.max(0.0).sqrt();
     let (one, other) = (foot + height, foot - height);
     Ok(if one.length() <= other.length() {
         one

@@ -12,7 +12,7 @@
 
 use super::intersection::of_lines;
 use super::nose::Nose;
-use super::plane::{dot, left, unit};
+
 use super::rounded;
 use crate::units::Point;
 
@@ -50,8 +50,8 @@ fn tip_at(from: Point, corner: Point, next: Point, nose: Nose) -> Point {
 
 /// The normal of a leg and how far it moves along it; `None` without a leg.
 fn shift(leg: Point, nose: Nose) -> Option<(Point, f64)> {
-    let normal = left(unit(leg)?);
-    let toward = -dot(normal, nose.direction());
+    let normal = leg.unit()?.left();
+    let toward = -normal.dot(nose.direction());
     if toward.abs() < ALONG {
         return Some((normal, 0.0));
     }

@@ -6,15 +6,10 @@ use super::corner::Vectors;
 use super::fault::Fault;
 use super::interference::Way;
 use super::nose::Nose;
-use super::piece::Piece;
-use super::plane::sweep;
+use super::piece::{Piece, too_short};
 use super::rounded;
-use crate::command::{Action, Command, ProgrammedX, Source};
-use crate::interpreter::Modal;
+use crate::command::{Action, Command, Modal, ProgrammedX, Source};
 use crate::units::{Feed, Point};
-
-/// Arcs shorter than this are run straight: rounding could turn them over.
-const SHORT_ARC: f64 = 0.002;
 
 /// Where the tip stands, or will when what was given out is done, and which
 /// vectors of that corner are still ahead.
@@ -222,12 +217,11 @@ pub(super) fn with_programmed_x(mut command: Command, x: ProgrammedX) -> Command
 /// The arc of the tip: that of the nose centre, moved. `None` for a line, and
 /// for an arc of which too little is left.
 pub(super) fn shifted_arc(moving: &Moving, way: &Way, to: Point) -> Option<Action> {
-    use core::f64::consts::PI;
-    let circle = moving.piece.circle.as_ref()?;
-    let p = moving.piece.start + way.start.last() - circle.center;
-    let q = moving.piece.end + way.end.first() - circle.center;
-    let short = (q - p).length() < SHORT_ARC;
-    if short && (p.length() < SHORT_ARC || sweep(p, q, circle.turn) < PI || !whole(moving)) {
+    let piece = &moving.piece;
+    let circle = piece.circle.as_ref()?;
+    let p = piece.start + way.start.last();
+    let q = piece.end + way.end.first();
+    if too_short(piece, circle, p, q) {
         return None;
     }
     Some(Action::Arc {
@@ -235,14 +229,5 @@ pub(super) fn shifted_arc(moving: &Moving, way: &Way, to: Point) -> Option<Actio
         center: circle.center + moving.offset + moving.nose.tip(),
         clockwise: circle.turn < 0.0,
         feed: feed(&moving.command.action)?,
-    })
-}
-
-/// Whether an arc goes more than half round.
-pub(super) fn whole(moving: &Moving) -> bool {
-    moving.piece.circle.as_ref().is_some_and(|circle| {
-        let from = moving.piece.start - circle.center;
-        let way = sweep(from, moving.piece.end - circle.center, circle.turn);
-        way == 0.0 || way > core::f64::consts::PI
     })
 }

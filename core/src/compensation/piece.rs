@@ -7,12 +7,12 @@
 //!                                       center +  `o end----'
 //! ```
 
-use core::f64::consts::TAU;
+use core::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
-use super::plane::{left, sweep, unit};
+use super::plane::sweep;
 use crate::units::Point;
 
 /// Nearer than this, two points are one, mm.
@@ -21,6 +21,16 @@ pub(super) const SAME: f64 = 1e-7;
 const ON_POINT: f64 = 0.0005;
 /// Greatest distance of an end point from the circle of its arc, mm.
 pub(crate) const OFF_CIRCLE: f64 = 0.010;
+/// The nose may be larger than an inner arc by what ends and a centre rounded to
+/// 0.001 mm take from it, mm.
+const ROUNDED: f64 = 0.0013;
+/// An inner arc larger than the nose by less than this is filled by it, mm.
+const FILLED: f64 = 0.002;
+/// Arcs shorter than this are run straight: rounding could turn them over.
+const SHORT_ARC: f64 = 0.002;
+
+/// An inner arc wider than this holds no nose larger than it, rad.
+const WIDE: f64 = 0.9 * PI;
 
 /// A move with the directions at its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,7 +48,10 @@ pub(super) struct Piece {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Circle {
     pub(super) center: Point,
+    /// At the start. An end beside this circle is reached with an even change.
     pub(super) radius: f64,
+    /// At the end.
+    pub(super) last_radius: f64,
     /// +1 counter-clockwise, -1 clockwise.
     pub(super) turn: f64,
 }
@@ -46,7 +59,8 @@ pub(super) struct Circle {
 impl Piece {
     /// A straight move.
     pub(super) fn line(start: Point, end: Point) -> Result<Self, Fault> {
-        let along = unit(end - start)
+        let along = (end - start)
+            .unit()
             .filter(|_| (end - start).length() > SAME)
             .ok_or(Fault::SamePoint)?;
         Ok(Self {
@@ -68,16 +82,17 @@ impl Piece {
         let turn = if clockwise { -1.0 } else { 1.0 };
         let (first, last) = (start - center, end - center);
         check_arc(first.length(), last.length())?;
-        let entry = unit(first).ok_or(Fault::CenterAtStart)?;
-        let exit = unit(last).ok_or(Fault::CenterAtEnd)?;
+        let entry = first.unit().ok_or(Fault::CenterAtStart)?;
+        let exit = last.unit().ok_or(Fault::CenterAtEnd)?;
         Ok(Self {
             start,
             end,
-            entry: left(entry) * turn,
-            exit: left(exit) * turn,
+            entry: entry.left() * turn,
+            exit: exit.left() * turn,
             circle: Some(Circle {
                 center,
                 radius: first.length(),
+                last_radius: last.length(),
                 turn,
             }),
         })
@@ -93,11 +108,39 @@ impl Piece {
         if way <= 0.0 { TAU } else { way }
     }
 
-    /// How far the end lies off the circle of its start.
-    pub(super) fn misfit(&self) -> f64 {
-        self.circle.as_ref().map_or(0.0, |circle| {
-            ((self.end - circle.center).length() - circle.radius).abs()
-        })
+    /// The radius of an arc in a direction from its centre; beyond its ends that
+    /// of the end.
+    pub(super) fn radius_toward(&self, circle: &Circle, direction: Point) -> f64 {
+        let whole = self.sweep();
+        let way = sweep(self.start - circle.center, direction, circle.turn);
+        let part = if way <= whole {
+            way / whole
+        } else if way - whole < TAU - way {
+            1.0
+        } else {
+            0.0
+        };
+        circle.radius + (circle.last_radius - circle.radius) * part
+    }
+
+    /// Where the centre of a nose rests that fills an inner arc: on that of the arc;
+    /// larger than the arc, so far above its middle that neither end is cut into.
+    ///
+    /// ```text
+    ///   start o    V    o end       the shortage / cos (sweep / 2) from the
+    ///          `.  +  .'            centre + to V
+    ///            `---'
+    /// ```
+    pub(super) fn rest(&self, rho: f64) -> Option<Point> {
+        let circle = self.circle.as_ref()?;
+        let shortage = circle.shortage(rho);
+        if shortage < -FILLED || self.sweep() > WIDE {
+            return None;
+        }
+        let arm = |end: Point| (end - circle.center).unit();
+        let to_middle = (arm(self.start)? + arm(self.end)?) * 0.5;
+        let above = to_middle.unit()? * (shortage.max(0.0) / to_middle.length());
+        Some(circle.center - above)
     }
 
     pub(super) fn length_of_chord(&self) -> f64 {
@@ -106,13 +149,23 @@ impl Piece {
 }
 
 impl Circle {
-    /// The radius of the path of the nose centre: to the left by `rho`.
-    pub(super) fn offset_radius(&self, rho: f64) -> Result<f64, Fault> {
-        let radius = self.radius - self.turn * rho;
-        if radius < -1e-9 {
+    /// The radius of the path of the nose centre, to the left by `rho`, where the
+    /// arc itself has this radius.
+    pub(super) fn beside(&self, radius: f64, rho: f64) -> f64 {
+        (radius - self.turn * rho).max(0.0)
+    }
+
+    /// So much larger than an inner arc is the nose that runs to the left by `rho`.
+    fn shortage(&self, rho: f64) -> f64 {
+        self.turn * rho - self.radius.min(self.last_radius)
+    }
+
+    /// Alarm 053 when the nose is too large for an inner arc.
+    pub(super) fn check_room(&self, rho: f64) -> Result<(), Fault> {
+        if self.shortage(rho) > ROUNDED {
             return Err(Fault::SmallArc);
         }
-        Ok(radius.max(0.0))
+        Ok(())
     }
 }
 
@@ -129,4 +182,11 @@ pub(crate) fn check_arc(at_start: f64, at_end: f64) -> Result<(), Fault> {
         return Err(Fault::ArcEnd);
     }
     Ok(())
+}
+
+/// Whether so little is left of an arc from `p` to `q` that it is run straight.
+pub(super) fn too_short(piece: &Piece, circle: &Circle, p: Point, q: Point) -> bool {
+    let (p, q) = (p - circle.center, q - circle.center);
+    let short = (q - p).length() < SHORT_ARC;
+    short && (p.length() < SHORT_ARC || sweep(p, q, circle.turn) < PI || piece.sweep() <= PI)
 }

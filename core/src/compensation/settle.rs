@@ -67,7 +67,7 @@ impl Compensation {
             return;
         };
         let rho = next.side * radius;
-        if let Err(fault) = circle.offset_radius(rho) {
+        if let Err(fault) = circle.check_room(rho) {
             return self.stop_before(fault, next.command.source);
         }
         let vector = self.stand.vectors.first();

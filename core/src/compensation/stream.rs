@@ -71,6 +71,11 @@ impl Compensation {
         }
     }
 
+    /// Whether it has ended with an alarm.
+    pub(crate) const fn has_failed(&self) -> bool {
+        self.fault.is_some()
+    }
+
     /// RESET, a new run: the vector is dropped without motion.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();

@@ -12,9 +12,10 @@
 //!     ---------+-----------------> Z
 //! ```
 
-use crate::alarm::Alarm;
+use gsk_messages::{Message, say};
+
+use crate::alarm::{Alarm, number};
 use crate::interpreter::exact::Exact;
-use crate::interpreter::numbers;
 use crate::interpreter::words::Words;
 use crate::units::Point;
 
@@ -37,15 +38,14 @@ pub(crate) fn center(
         return by_radius(start, end, r, clockwise);
     }
     if words.i.is_none() && words.k.is_none() {
-        return Err(fault("neither R nor I, K is given"));
+        return Err(fault(say::arc_radius_or_center_missing()));
     }
     by_vector(start, end, words.i.unwrap_or(0), words.k.unwrap_or(0)).map(Some)
 }
 
 fn by_radius(start: Exact, end: Exact, r: i64, clockwise: bool) -> Result<Option<Point>, Alarm> {
     if r < 0 {
-        return Err(Alarm::new(numbers::NEGATIVE_RADIUS)
-            .because("R of an arc must not be negative; arcs over 180° need I, K"));
+        return Err(Alarm::new(number::NEGATIVE_RADIUS).because(say::arc_radius_negative()));
     }
     let chord = Chord::new(start, end);
     if chord.square == 0 {
@@ -63,7 +63,7 @@ fn by_vector(start: Exact, end: Exact, i: i64, k: i64) -> Result<Point, Alarm> {
     let (x, z) = (2 * i128::from(i), 2 * i128::from(k));
     let square = x * x + z * z;
     if square == 0 {
-        return Err(fault("the centre I, K is the start point"));
+        return Err(fault(say::arc_vector_zero()));
     }
     let (center_x, center_z) = (i128::from(start.x) + x, 2 * i128::from(start.z) + z);
     let programmed = Point::new(center_x as f64 / HALF_UNITS, center_z as f64 / HALF_UNITS);
@@ -134,12 +134,9 @@ impl Chord {
 
 fn too_far(chord: &Chord, radius: f64) -> Alarm {
     let length = (chord.square as f64).sqrt() / HALF_UNITS;
-    fault(format!(
-        "start and end are {length:.3} mm apart, more than twice the radius {:.3}",
-        radius / HALF_UNITS
-    ))
+    fault(say::arc_ends_too_far_apart(length, radius / HALF_UNITS))
 }
 
-fn fault(detail: impl Into<String>) -> Alarm {
-    Alarm::new(numbers::ARC_DATA).because(detail)
+fn fault(detail: Message) -> Alarm {
+    Alarm::new(number::ARC_DATA).because(detail)
 }

@@ -1,7 +1,9 @@
 //! The operations of G65 (manual I-3.7.3): whole numbers in, whole numbers out,
 //! fractions dropped toward zero.
 
-use crate::interpreter::numbers;
+use gsk_messages::{Message, say};
+
+use crate::alarm::number;
 
 /// What an operation works on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,40 +18,39 @@ pub(crate) struct Operands {
 
 /// Why there is no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Fault {
-    /// Alarm number.
-    pub(crate) alarm: u16,
-    pub(crate) detail: &'static str,
+pub(crate) enum Fault {
+    DivisionByZero,
+    NoTangent,
+    NoDirection,
+    NegativeRoot,
+    NegativeCode,
+    NoDecimalDigit,
+    Beyond,
 }
 
-const DIVISION_BY_ZERO: Fault = Fault {
-    alarm: numbers::DIVISION_BY_ZERO,
-    detail: "division by zero",
-};
-const NO_TANGENT: Fault = Fault {
-    alarm: numbers::DIVISION_BY_ZERO,
-    detail: "the tangent of 90 degrees",
-};
-const NO_DIRECTION: Fault = Fault {
-    alarm: numbers::DIVISION_BY_ZERO,
-    detail: "the angle of 0/0",
-};
-const NEGATIVE_ROOT: Fault = Fault {
-    alarm: numbers::NEGATIVE_ARGUMENT,
-    detail: "the root of a negative number",
-};
-const NEGATIVE_CODE: Fault = Fault {
-    alarm: numbers::NEGATIVE_ARGUMENT,
-    detail: "decimal codes have no sign",
-};
-const NO_DECIMAL_DIGIT: Fault = Fault {
-    alarm: numbers::NEGATIVE_ARGUMENT,
-    detail: "a digit of the decimal code is above 9",
-};
-const BEYOND: Fault = Fault {
-    alarm: numbers::MACRO_RANGE,
-    detail: "more than -2^32 to 2^32-1",
-};
+impl Fault {
+    pub(crate) const fn number(self) -> u16 {
+        match self {
+            Self::DivisionByZero | Self::NoTangent | Self::NoDirection => number::DIVISION_BY_ZERO,
+            Self::NegativeRoot | Self::NegativeCode | Self::NoDecimalDigit => {
+                number::NEGATIVE_ARGUMENT
+            }
+            Self::Beyond => number::MACRO_RANGE,
+        }
+    }
+
+    pub(crate) fn reason(self) -> Message {
+        match self {
+            Self::DivisionByZero => say::macro_division_by_zero(),
+            Self::NoTangent => say::macro_tangent_of_right_angle(),
+            Self::NoDirection => say::macro_angle_of_nothing(),
+            Self::NegativeRoot => say::macro_root_of_negative(),
+            Self::NegativeCode => say::macro_decimal_code_negative(),
+            Self::NoDecimalDigit => say::macro_decimal_code_digit(),
+            Self::Beyond => say::macro_result_out_of_range(),
+        }
+    }
+}
 
 /// What an H code does.
 #[derive(Clone, Copy, Debug)]
@@ -105,16 +106,18 @@ impl Operation {
 }
 
 fn divided(dividend: i128, divisor: i64) -> Result<i128, Fault> {
-    dividend.checked_div(divisor.into()).ok_or(DIVISION_BY_ZERO)
+    dividend
+        .checked_div(divisor.into())
+        .ok_or(Fault::DivisionByZero)
 }
 
 fn remainder(dividend: i64, divisor: i64) -> Result<i128, Fault> {
     let remainder = i128::from(dividend).checked_rem(divisor.into());
-    remainder.ok_or(DIVISION_BY_ZERO)
+    remainder.ok_or(Fault::DivisionByZero)
 }
 
 fn root(value: i64) -> Result<i128, Fault> {
-    let value = u64::try_from(value).map_err(|_| NEGATIVE_ROOT)?;
+    let value = u64::try_from(value).map_err(|_| Fault::NegativeRoot)?;
     Ok(value.isqrt().into())
 }
 
@@ -128,12 +131,12 @@ fn hypotenuse(j: i64, k: i64) -> i128 {
 
 /// Four bits a decimal digit to a number.
 fn from_decimal_code(code: i64) -> Result<i128, Fault> {
-    let mut rest = u64::try_from(code).map_err(|_| NEGATIVE_CODE)?;
+    let mut rest = u64::try_from(code).map_err(|_| Fault::NegativeCode)?;
     let (mut value, mut weight) = (0, 1);
     while rest > 0 {
         let digit = rest & 0xF;
         if digit > 9 {
-            return Err(NO_DECIMAL_DIGIT);
+            return Err(Fault::NoDecimalDigit);
         }
         value += i128::from(digit) * weight;
         weight *= 10;
@@ -144,7 +147,7 @@ fn from_decimal_code(code: i64) -> Result<i128, Fault> {
 
 /// A number to four bits a decimal digit.
 fn to_decimal_code(value: i64) -> Result<i128, Fault> {
-    let mut rest = u64::try_from(value).map_err(|_| NEGATIVE_CODE)?;
+    let mut rest = u64::try_from(value).map_err(|_| Fault::NegativeCode)?;
     let (mut code, mut shift) = (0, 0);
     while rest > 0 {
         code |= i128::from(rest % 10) << shift;
@@ -187,7 +190,7 @@ fn times_tangent(factor: i64, angle: i64) -> Result<i128, Fault> {
     Ok(match angle {
         0 => 0,
         45_000 => factor.into(),
-        QUARTER => return Err(NO_TANGENT),
+        QUARTER => return Err(Fault::NoTangent),
         135_000 => -i128::from(factor),
         _ => whole(factor as f64 * libm::tan(radians(angle))),
     })
@@ -196,7 +199,7 @@ fn times_tangent(factor: i64, angle: i64) -> Result<i128, Fault> {
 /// The direction of (k, j) in thousandths of a degree, 0 to 359999.
 fn angle(j: i64, k: i64) -> Result<i128, Fault> {
     if j == 0 && k == 0 {
-        return Err(NO_DIRECTION);
+        return Err(Fault::NoDirection);
     }
     let degrees = libm::atan2(j as f64, k as f64).to_degrees();
     let degrees = if degrees < 0.0 {
@@ -213,10 +216,10 @@ pub(crate) fn work_out(
     operands: Operands,
 ) -> Result<i64, Fault> {
     use crate::memory::Variables;
-    let value = i64::try_from(function(operands)?).map_err(|_| BEYOND)?;
+    let value = i64::try_from(function(operands)?).map_err(|_| Fault::Beyond)?;
     if (Variables::LEAST..=Variables::GREATEST).contains(&value) {
         Ok(value)
     } else {
-        Err(BEYOND)
+        Err(Fault::Beyond)
     }
 }

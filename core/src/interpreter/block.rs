@@ -5,53 +5,25 @@
 //! then M00, M30, M98, M99.
 
 use crate::alarm::Alarm;
-use crate::command::{Action, Source, SpindleCommand, Timing};
+use crate::command::{Action, SpindleCommand, Timing};
 use crate::interpreter::Modal;
+use crate::interpreter::context::{Compensated, Context};
+use crate::interpreter::cycle::Maker;
 use crate::interpreter::exact::Exact;
-use crate::interpreter::miscellaneous::{self, Function, MachineCodes};
-use crate::interpreter::nose_compensation::{
-    Compensated, check_arc_block, check_call, check_option,
-};
+use crate::interpreter::flow::Flow;
+use crate::interpreter::miscellaneous::{self, Function};
+use crate::interpreter::nose_radius::{check_arc_block, check_call, check_option};
 use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::positioning::within_stroke;
 use crate::interpreter::reference::Reference;
 use crate::interpreter::state::State;
-use crate::interpreter::subprogram::{self, Call, Flow, Place};
+use crate::interpreter::subprogram;
 use crate::interpreter::tool::{self, Execution, ToolWord};
 use crate::interpreter::words::{AxisWords, OneShot, Words};
 use crate::interpreter::{
     arc, compound, coordinates, corner, dwell, facing_cycle, positioning, special_call,
     spindle_speed, tapping, thread, thread_cycle, turning_cycle,
 };
-use crate::memory::{Offsets, Parameters};
-use crate::program::ProgramMemory;
-use crate::units::PerAxis;
-
-/// What a block may look at.
-pub(crate) struct Context<'a> {
-    pub(crate) parameters: &'a Parameters,
-    pub(crate) offsets: &'a Offsets,
-    pub(crate) programs: &'a ProgramMemory,
-    pub(crate) referenced: PerAxis<bool>,
-    /// Calls under way, the innermost last.
-    pub(crate) calls: &'a [Call],
-    pub(crate) source: Source,
-    /// Where the block stands.
-    pub(crate) place: Place,
-    /// Whether the block was keyed in.
-    pub(crate) mdi: bool,
-    /// M codes of the machine's ladder.
-    pub(crate) machine_codes: MachineCodes,
-    /// 2 under radius programming (001.2), else 1.
-    pub(crate) x_factor: i64,
-    /// The nose radius compensation before the block.
-    pub(crate) compensated: Compensated,
-    /// The words of any block of the program the block stands in, by its index
-    /// and the code of group 01 before it; `None` for a skipped one.
-    pub(crate) read: &'a dyn Fn(u32, u8) -> Result<Option<Words>, Alarm>,
-    /// The words of the block that follows, for a block that needs them.
-    pub(crate) next: Option<&'a Words>,
-}
 
 /// What the motion words of a block amount to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +69,7 @@ pub(crate) fn evaluate(
     let mut plan = Plan::new(context.source, state.modal);
     let mut travels = false;
     if let Some(t) = words.t {
-        let word = ToolWord::read(t, context.parameters.value(84))?;
+        let word = ToolWord::read(t, context.parameters.stations().into())?;
         let execution = tool_execution(context, kind);
         let before = state.offset;
         tool::select(state, context, word, execution, &mut plan.before);
@@ -143,7 +115,7 @@ pub(crate) fn evaluate(
     }
     follow(state, context, words, function, &mut plan)?;
     if let Some(call) = special {
-        check_call(state, context, &plan)?;
+        check_call(state, context, plan.motion.is_contour())?;
         plan.flow = subprogram::call_special(context, call)?;
         // Alone in its block it is like M98.
         plan.stops = words.count > 1;
@@ -163,11 +135,11 @@ fn set_modal(state: &mut State, words: &Words) -> Result<(), Alarm> {
     if let Some(code) = words.motion {
         state.modal.motion = code;
         if !matches!(code, 90 | 92 | 94) {
-            state.cycle.clear();
+            state.cycle.clear_end();
         }
     }
     if words.one_shot.is_some_and(|code| code != OneShot::Dwell) {
-        state.cycle.clear();
+        state.cycle.clear_end();
     }
     if let Some(code) = words.nose {
         state.modal.nose_compensation = code;
@@ -260,9 +232,12 @@ fn motion(
     base: Exact,
 ) -> Result<Motion, Alarm> {
     match kind {
-        Kind::Thread => thread::plan(state, words, axes, base, context.x_factor),
-        Kind::Tap => tapping::plan(state, words, axes, base, context.x_factor),
-        Kind::OneShot(OneShot::Dwell) => Ok(Motion::One(dwell::dwell(words))),
+        Kind::Thread => Ok(thread::plan(state, words, axes, base, context.x_factor)?.into()),
+        Kind::Tap => match tapping::plan(state, words, axes, base, context.x_factor)? {
+            Some(tapping) => Motion::cycle(state, Maker::Tapping(tapping)),
+            None => Ok(Motion::None),
+        },
+        Kind::OneShot(OneShot::Dwell) => Ok(Motion::One(dwell::dwell(words)?)),
         Kind::OneShot(OneShot::Coordinates) => {
             let relative_follows = context.parameters.g50_sets_relative();
             let action = coordinates::set(state, words, axes, relative_follows)?;
@@ -283,7 +258,7 @@ fn motion(
         Kind::Line => {
             let end = end_point(state, axes, base, context.x_factor)?;
             if corner::is_asked(words) {
-                return corner::plan(state, context, words, axes, end);
+                return Ok(corner::plan(state, context, words, axes, end)?.into());
             }
             let action = positioning::line(state, end)?;
             state.arrive(axes, end);
@@ -308,8 +283,9 @@ fn motion(
         Kind::ThreadCycle => {
             let data = state.cycle.take(words, axes, base, state.position);
             let cycle = thread_cycle::plan(state, context.parameters, data, context.x_factor)?;
+            let motion = Motion::cycle(state, Maker::Thread(cycle));
             state.return_here();
-            Ok(Motion::Cycle(Box::new(cycle)))
+            motion
         }
         Kind::TurningCycle | Kind::FacingCycle => {
             let data = state.cycle.take(words, axes, base, state.position);
@@ -353,13 +329,13 @@ fn follow(
             state.cycle.clear();
         }
         Some(Function::Call) => {
-            check_call(state, context, plan)?;
+            check_call(state, context, plan.motion.is_contour())?;
             plan.flow = subprogram::call(context, p)?;
             plan.stops = !words.bare_call();
         }
         Some(Function::Return) => {
             if !context.calls.is_empty() {
-                check_call(state, context, plan)?;
+                check_call(state, context, plan.motion.is_contour())?;
             }
             plan.flow = subprogram::back(context, p)?;
             plan.stops = !words.bare_call();

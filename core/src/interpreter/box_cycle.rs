@@ -1,16 +1,17 @@
 //! What G90 and G94 have in common: rapid, cut, cut, rapid round a box and
 //! back to the start (manual I-3.2.5).
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::compensation::{Nose, box_corners};
+use crate::interpreter::emission::Emission;
 use crate::interpreter::exact::{Exact, mm};
 use crate::interpreter::explanation::Note;
-use crate::interpreter::plan::Emission;
+use crate::interpreter::positioning;
 use crate::interpreter::state::State;
-use crate::interpreter::{numbers, positioning};
 use crate::units::{Feed, Point};
 
 /// A box being cut. Single block stops after each move.
@@ -81,9 +82,12 @@ pub(crate) fn check_taper(r: i64, infeed: i64, names: (&str, &str)) -> Result<()
         return Ok(());
     }
     let (cycle, infeed_name) = names;
-    Err(Alarm::new(numbers::CYCLE_TAPER).because(format!(
-        "{cycle}: R {:.3} against {infeed_name} {:.3} is longer than it",
-        mm(r),
-        mm(infeed)
-    )))
+    Err(
+        Alarm::new(number::CYCLE_TAPER).because(say::cycle_taper_longer_than_infeed(
+            cycle,
+            mm(r),
+            infeed_name,
+            mm(infeed),
+        )),
+    )
 }

@@ -9,13 +9,15 @@
 //! ```
 
 use crate::alarm::Alarm;
-use crate::interpreter::block::Context;
+use crate::interpreter::context::Context;
 use crate::interpreter::contour::View;
+use crate::interpreter::cycle::Maker;
 use crate::interpreter::exact::Exact;
+use crate::interpreter::flow::Flow;
+use crate::interpreter::place::Place;
 use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::profile::{self, Range};
 use crate::interpreter::state::State;
-use crate::interpreter::subprogram::{Flow, Place};
 use crate::interpreter::words::{AxisWords, OneShot, Words};
 use crate::interpreter::{compound_thread, finishing, pattern, pecking, roughing};
 use crate::units::Axis;
@@ -50,18 +52,25 @@ pub(crate) fn plan(
                 };
             }
             let range = profile::locate(context, words)?;
-            let cycle = if pattern {
-                pattern::plan(state, context, words, range, writes)?
+            let maker = if pattern {
+                Maker::Pattern(pattern::plan(state, context, words, range, writes)?)
             } else {
-                roughing::plan(view, state, context, words, range, writes)?
+                Maker::Roughing(roughing::plan(view, state, context, words, range, writes)?)
             };
             plan.flow = behind(context.place, range);
-            Motion::Cycle(Box::new(cycle))
+            Motion::cycle(state, maker)?
         }
-        OneShot::FacePecking => pecking::plan(Axis::Z, state, context, words, axes, base, writes)?,
-        OneShot::Grooving => pecking::plan(Axis::X, state, context, words, axes, base, writes)?,
+        OneShot::FacePecking | OneShot::Grooving => {
+            let axis = match code {
+                OneShot::FacePecking => Axis::Z,
+                _ => Axis::X,
+            };
+            let pecking = pecking::plan(axis, state, context, words, axes, base, writes)?;
+            begin(state, pecking.map(Maker::Pecking))?
+        }
         OneShot::CompoundThread => {
-            compound_thread::plan(state, context, words, axes, base, writes)?
+            let cycle = compound_thread::plan(state, context, words, axes, base, writes)?;
+            begin(state, cycle.map(Maker::CompoundThread))?
         }
         _ => return Ok(()),
     };
@@ -71,6 +80,11 @@ pub(crate) fn plan(
         plan.whole = code != OneShot::CompoundThread;
     }
     Ok(())
+}
+
+/// A cycle, or nothing where only its data were given.
+fn begin(state: &State, maker: Option<Maker>) -> Result<Motion, Alarm> {
+    maker.map_or(Ok(Motion::None), |maker| Motion::cycle(state, maker))
 }
 
 /// Where the run goes on after a cycle over a profile.

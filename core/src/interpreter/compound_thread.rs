@@ -10,21 +10,22 @@
 //!     +--------------------------------> Z
 //! ```
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::{Action, BeyondPass, ThreadStart};
-use crate::interpreter::block::Context;
-use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
+use crate::interpreter::context::Context;
 use crate::interpreter::exact::{Exact, PER_MM, mm, to_units};
 use crate::interpreter::explanation::{DepthRule, Note};
-use crate::interpreter::plan::{Motion, Writes};
+use crate::interpreter::moves::{Move, Shift};
 use crate::interpreter::positioning::within_stroke;
 use crate::interpreter::state::State;
+use crate::interpreter::thread;
 use crate::interpreter::thread_cycle::{Leaving, run_out_width};
 use crate::interpreter::words::{AxisWords, Words};
-use crate::interpreter::{numbers, thread};
-use crate::memory::Parameters;
+use crate::interpreter::writes::Writes;
+use crate::memory::{Parameters, parameter};
 use crate::units::Point;
 
 /// Units of [`Exact`] in a thousandth of a millimetre.
@@ -33,13 +34,6 @@ const PER_MICRON: i64 = PER_MM / 1000;
 const LONGEST: i64 = 9_999_999;
 /// More passes than this are no cycle.
 const MOST_PASSES: f64 = 9_999_999.0;
-
-/// Parameters: finishing passes, run-out width, angle, least infeed, allowance.
-const PASSES: u16 = 57;
-const RUN_OUT: u16 = 19;
-const ANGLE: u16 = 58;
-const LEAST: u16 = 59;
-const ALLOWANCE: u16 = 60;
 
 /// Where a thread lies. Lengths are mm, X as a radius.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -100,33 +94,30 @@ pub(crate) fn plan(
     axes: &AxisWords,
     base: Exact,
     writes: &mut Writes,
-) -> Result<Motion, Alarm> {
+) -> Result<Option<CompoundThread>, Alarm> {
     if !axes.any() {
         store(context.parameters, words, writes)?;
-        return Ok(Motion::None);
+        return Ok(None);
     }
     let end = within_stroke(axes.target(base, state.position), context.x_factor)?;
-    let cycle = CompoundThread::new(state, context, words, end)?;
-    let cycle = Cycle::begin(state, Maker::CompoundThread(cycle))?;
-    Ok(Motion::Cycle(Box::new(cycle)))
+    CompoundThread::new(state, context, words, end).map(Some)
 }
 
 /// P(m)(r)(a) Q(Δdmin) R(d): into parameters 057, 019, 058, 059, 060.
 fn store(parameters: &Parameters, words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     if let Some(data) = words.p.map(i64::abs) {
         if data > 999_999 {
-            return Err(Alarm::new(numbers::OUT_OF_RANGE)
-                .because(format!("G76 P{data}: P(m)(r)(a) has six digits")));
+            return Err(Alarm::new(number::OUT_OF_RANGE).because(say::thread_data_six_digits(data)));
         }
         let (passes, run_out, angle) = (data / 10_000, data / 100 % 100, data % 100);
-        writes.push(PASSES, passes.max(1));
-        writes.push(RUN_OUT, run_out);
-        writes.push(ANGLE, angle);
-    } else if parameters.value(PASSES) == 0 {
-        writes.push(PASSES, 1);
+        writes.push(parameter::THREAD_PASSES, passes.max(1));
+        writes.push(parameter::THREAD_RUN_OUT, run_out);
+        writes.push(parameter::THREAD_ANGLE, angle);
+    } else if parameters.value(parameter::THREAD_PASSES) == 0 {
+        writes.push(parameter::THREAD_PASSES, 1);
     }
     if let Some(least) = words.q {
-        writes.push(LEAST, unsigned(least, "Q(Δdmin)")?);
+        writes.push(parameter::THREAD_LEAST, unsigned(least, "Q(Δdmin)")?);
     }
     if let Some(allowance) = words.r {
         // An integer counts in 0.001 mm, a number with a point in mm.
@@ -135,7 +126,10 @@ fn store(parameters: &Parameters, words: &Words, writes: &mut Writes) -> Result<
         } else {
             PER_MM
         };
-        writes.push(ALLOWANCE, unsigned(allowance / unit, "R(d)")?);
+        writes.push(
+            parameter::THREAD_ALLOWANCE,
+            unsigned(allowance / unit, "R(d)")?,
+        );
     }
     Ok(())
 }
@@ -144,41 +138,37 @@ fn unsigned(value: i64, name: &str) -> Result<i64, Alarm> {
     if (0..=LONGEST).contains(&value) {
         return Ok(value);
     }
-    Err(fault(format!(
-        "{name} = {value} is outside 0 to {LONGEST} (0.001 mm)"
-    )))
+    Err(fault(say::cycle_length_out_of_range(name, value, LONGEST)))
 }
 
 impl CompoundThread {
     fn new(state: &State, context: &Context<'_>, words: &Words, d: Exact) -> Result<Self, Alarm> {
         let parameters = context.parameters;
-        let microns = |value: Option<i64>, name: &str| match value {
+        let microns = |value: Option<i64>, name: Message| match value {
             Some(value @ 1..=LONGEST) => Ok(value * PER_MICRON),
-            Some(value) => Err(fault(format!("{name} = {value} must be 1 to {LONGEST}"))),
-            None => Err(fault(format!("{name} is missing"))),
+            Some(value) => Err(fault(say::thread_length_not_positive(name, value, LONGEST))),
+            None => Err(fault(say::thread_length_missing(name))),
         };
-        let height = microns(words.p, "P(k), the height of the thread,")?;
-        let first = microns(words.q, "Q(Δd), the first depth,")?;
-        let least = i64::from(parameters.value(LEAST)) * PER_MICRON;
-        let allowance = i64::from(parameters.value(ALLOWANCE)) * PER_MICRON;
+        let height = microns(words.p, say::thread_word_height())?;
+        let first = microns(words.q, say::thread_word_first_depth())?;
+        let least = i64::from(parameters.value(parameter::THREAD_LEAST)) * PER_MICRON;
+        let allowance = i64::from(parameters.value(parameter::THREAD_ALLOWANCE)) * PER_MICRON;
         if allowance > height {
-            return Err(fault(format!(
-                "finishing allowance {:.3} (060) is greater than the height {:.3}",
+            return Err(fault(say::thread_allowance_above_height(
                 mm(allowance),
-                mm(height)
+                mm(height),
             )));
         }
         let rough = height - allowance;
         let many = mm(rough) / mm(first);
         if least == 0 && many * many > MOST_PASSES {
-            return Err(fault(format!(
-                "Δd {:.3} would make more than 9999999 passes",
-                mm(first)
-            )));
+            return Err(fault(say::thread_too_many_passes(mm(first))));
         }
         let lead = thread::lead(state)?;
         let shape = Shape::new(state, context, words.r.unwrap_or(0), d, height, lead)?;
-        let finishing = u32::try_from(parameters.value(PASSES)).unwrap_or(0).max(1);
+        let finishing = u32::try_from(parameters.value(parameter::THREAD_PASSES))
+            .unwrap_or(0)
+            .max(1);
         let mut cycle = Self {
             shape,
             first,
@@ -206,14 +196,12 @@ impl CompoundThread {
     fn check(&self) -> Result<(), Alarm> {
         let shape = &self.shape;
         let length = (mm(shape.end_z) - mm(shape.a.z)).abs();
-        let deepest = shape.along(mm(self.rough));
+        let deepest = shape.along(mm(self.height));
         let fits = |along: f64| along.is_finite() && along >= 0.0 && along < length;
         if fits(deepest) && fits(self.pass.along) {
             return Ok(());
         }
-        Err(fault(format!(
-            "the infeed along half of the angle (058) would begin {deepest:.3} into a thread of {length:.3}"
-        )))
+        Err(fault(say::thread_infeed_too_long(deepest, length)))
     }
 
     /// Turns to the next pass; `false` after the last one.
@@ -228,6 +216,7 @@ impl CompoundThread {
                 left => left - 1,
             };
             (pass.depth, pass.rule) = (self.height, DepthRule::Finish);
+            pass.along = self.shape.along(mm(pass.depth));
             return pass.finishing_left > 0;
         }
         let number = pass.number as f64;
@@ -321,17 +310,16 @@ impl Shape {
             context.x_factor,
         )?;
         if a.z == d.z {
-            return Err(fault("W is 0: G76 cuts no face threads"));
+            return Err(fault(say::thread_on_face()));
         }
         if a.x == c.x {
-            return Err(fault(
-                "the start lies at the X of the thread: no direction to feed in",
-            ));
+            return Err(fault(say::thread_start_at_its_x()));
         }
         let side = (a.x - c.x).signum();
         let b = within_stroke(Exact::new(c.x + 2 * height * side, a.z), context.x_factor)?;
         let heading = (d.z - a.z).signum() as f64;
-        let half_angle = f64::from(context.parameters.value(ANGLE)).to_radians() / 2.0;
+        let half_angle =
+            f64::from(context.parameters.value(parameter::THREAD_ANGLE)).to_radians() / 2.0;
         Ok(Self {
             shift: Shift::of(state),
             a,
@@ -378,6 +366,6 @@ impl Shape {
     }
 }
 
-fn fault(detail: impl core::fmt::Display) -> Alarm {
-    Alarm::new(numbers::CYCLE_DATA).because(format!("G76: {detail}"))
+fn fault(detail: Message) -> Alarm {
+    Alarm::new(number::CYCLE_DATA).because(say::cycle_in_code(76, detail))
 }

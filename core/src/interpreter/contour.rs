@@ -9,6 +9,7 @@
 //!                                           +-----------> along
 //! ```
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
@@ -105,37 +106,32 @@ impl Signs {
             along: (c.along - b.along).signum(),
         };
         if signs.depth == 0 {
-            return Err(bad_start("ns does not move: no direction to feed in"));
+            return Err(bad_start(say::profile_begin_stands()));
         }
         if signs.along == 0 {
-            return Err(bad_start(
-                "the profile ends where ns ends: no direction to cut in",
-            ));
+            return Err(bad_start(say::profile_end_at_begin()));
         }
         let mut from = profile.begin();
         for step in &profile.steps {
             if let Some(fault) = signs.broken_by(view, from, step) {
-                return Err(bad_start(format!(
-                    "line {}: {fault}; X and Z of a profile must each go one way",
-                    step.line
-                )));
+                return Err(bad_start(say::profile_not_monotonous(step.line, fault)));
             }
             from = step.to;
         }
         Ok(signs)
     }
 
-    fn broken_by(self, view: View, from: Exact, step: &Step) -> Option<&'static str> {
+    fn broken_by(self, view: View, from: Exact, step: &Step) -> Option<Message> {
         let (start, end) = (view.flat(from), view.flat(step.to));
         if (end.along - start.along).signum() == -self.along {
-            return Some("the contour turns back along the cut");
+            return Some(say::profile_turns_back());
         }
         if (end.depth - start.depth).signum() == self.depth {
-            return Some("the contour goes deeper again");
+            return Some(say::profile_goes_deeper());
         }
         match step.shape {
             Shape::Arc { center, clockwise } if !one_way(from, step.to, center, clockwise) => {
-                Some("the arc turns back")
+                Some(say::profile_arc_turns_back())
             }
             _ => None,
         }

@@ -11,9 +11,10 @@
 //! An offset that only shifts the coordinates so far (T without motion, or T
 //! in the same block) is subtracted: the value names the point before it.
 
-use crate::alarm::Alarm;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::numbers;
 use crate::interpreter::state::State;
 use crate::interpreter::words::{AxisWords, Target, Words};
 use crate::units::Axis;
@@ -29,7 +30,7 @@ pub(crate) fn set(
         if words.s.is_some() {
             return Ok(None);
         }
-        return Err(Alarm::new(numbers::EMPTY_G50).because("G50 has none of X, U, Z, W, S"));
+        return Err(Alarm::new(number::EMPTY_G50).because(say::coordinates_without_word()));
     }
     let machine = state.machine(state.position);
     for axis in [Axis::X, Axis::Z] {

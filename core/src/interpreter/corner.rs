@@ -15,14 +15,14 @@
 //! towards the next direction. The next block moves the other axis alone, in G01
 //! or, after a chamfer, in a thread code, and is long enough.
 
-use crate::alarm::Alarm;
+use gsk_messages::{Message, say};
+
+use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::Modal;
-use crate::interpreter::block::Context;
-use crate::interpreter::cycle::Shift;
+use crate::interpreter::context::Context;
 use crate::interpreter::exact::{Exact, mm};
-use crate::interpreter::numbers;
-use crate::interpreter::plan::{Motion, Two};
+use crate::interpreter::moves::{Shift, Two};
 use crate::interpreter::positioning::{feed, line};
 use crate::interpreter::state::State;
 use crate::interpreter::thread::{along, other};
@@ -57,11 +57,11 @@ pub(crate) fn plan(
     words: &Words,
     axes: &AxisWords,
     corner: Exact,
-) -> Result<Motion, Alarm> {
+) -> Result<Two, Alarm> {
     let axis = match (axes.x != Target::None, axes.z != Target::None) {
         (true, false) => Axis::X,
         (false, true) => Axis::Z,
-        _ => return Err(fault("it stands in a block that moves one axis only")),
+        _ => return Err(fault(say::corner_block_moves_both_axes())),
     };
     let (join, size) = size(words, axis)?;
     let next_axis = other(axis);
@@ -70,13 +70,10 @@ pub(crate) fn plan(
     let next_length = next_end - corner.get(next_axis);
     let (before, after) = (along(axis, size.abs()), along(next_axis, size.abs()));
     if next_length.signum() != size.signum() {
-        return Err(fault("its sign is not that of the next move"));
+        return Err(fault(say::corner_sign_wrong()));
     }
     if length.abs() < before || next_length.abs() < after {
-        return Err(fault(&format!(
-            "{:.3} is longer than one of the two moves",
-            mm(size.abs())
-        )));
+        return Err(fault(say::corner_longer_than_move(mm(size.abs()))));
     }
     let mut begin = corner;
     begin.set(axis, corner.get(axis) - length.signum() * before);
@@ -94,10 +91,14 @@ pub(crate) fn plan(
             }
         }
     };
-    let motion = if begin == state.position {
-        Motion::One(joined)
+    let first = if begin == state.position {
+        None
     } else {
-        Motion::Two(Two::then(line(state, begin)?, joined))
+        Some(line(state, begin)?)
+    };
+    let motion = Two {
+        first,
+        second: Some(joined),
     };
     state.arrive(axes, end);
     state.ahead = state.ahead + corner - end;
@@ -114,9 +115,7 @@ fn size(words: &Words, axis: Axis) -> Result<(Join, i64), Alarm> {
     match (chamfer, given(words.r)) {
         ((Some(size), None), None) => Ok((Join::Chamfer, size)),
         ((None, None), Some(size)) => Ok((Join::Arc, size)),
-        _ => Err(fault(
-            "one of I (after a Z move), K (after an X move) and R is its size",
-        )),
+        _ => Err(fault(say::corner_size_word())),
     }
 }
 
@@ -129,7 +128,7 @@ fn next_end(
     corner: Exact,
 ) -> Result<i64, Alarm> {
     let Some(next) = context.next else {
-        return Err(fault("no block follows it"));
+        return Err(fault(say::corner_without_next_block()));
     };
     let motion = next.motion.unwrap_or(motion);
     let thread = matches!(motion, 32 | 34);
@@ -139,13 +138,11 @@ fn next_end(
     match target {
         Some(end) if alone && next.one_shot.is_none() && (motion == 1 || thread) => {
             if thread && join == Join::Arc {
-                return Err(fault("a corner arc must not stand before a thread"));
+                return Err(fault(say::corner_arc_before_thread()));
             }
             Ok(end)
         }
-        _ => Err(fault(
-            "the block after it must be a G01 that moves the other axis only",
-        )),
+        _ => Err(fault(say::corner_next_block_wrong())),
     }
 }
 
@@ -158,6 +155,6 @@ const fn clockwise(axis: Axis, length: i64, size: i64) -> bool {
     }
 }
 
-fn fault(detail: &str) -> Alarm {
-    Alarm::new(numbers::ARC_DATA).because(format!("chamfer or corner arc: {detail}"))
+fn fault(detail: Message) -> Alarm {
+    Alarm::new(number::ARC_DATA).because(say::corner_reason(detail))
 }

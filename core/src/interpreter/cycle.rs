@@ -8,87 +8,22 @@
 //!
 //! A cycle with ten thousand passes takes no more memory than one with two.
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::{Action, BeyondPass};
 use crate::interpreter::compound_thread::CompoundThread;
-use crate::interpreter::exact::Exact;
+use crate::interpreter::emission::Emission;
 use crate::interpreter::explanation::Note;
-use crate::interpreter::numbers;
+use crate::interpreter::moves::Move;
 use crate::interpreter::pattern::Pattern;
 use crate::interpreter::pecking::Pecking;
-use crate::interpreter::plan::Emission;
 use crate::interpreter::roughing::Roughing;
 use crate::interpreter::state::State;
 use crate::interpreter::tapping::Tapping;
 use crate::interpreter::thread_cycle::ThreadCycle;
-use crate::units::{Feed, Point};
-
-/// From programmed coordinates to machine coordinates. Whatever a cycle does,
-/// the frame does not change in it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Shift(Exact);
-
-impl Shift {
-    /// The frame in force.
-    pub(crate) fn of(state: &State) -> Self {
-        Self(state.zero + state.offset)
-    }
-
-    /// The same with everything moved by a programmed distance.
-    pub(crate) fn moved(self, by: Exact) -> Self {
-        Self(self.0 + by)
-    }
-
-    /// Machine coordinates of a programmed point.
-    pub(crate) fn machine(self, program: Exact) -> Point {
-        (program + self.0).point()
-    }
-
-    /// Machine coordinates of a programmed centre.
-    pub(crate) fn center(self, program: Point) -> Point {
-        program + self.0.point()
-    }
-
-    /// The programmed point of machine coordinates.
-    pub(crate) fn program(self, machine: Point) -> Exact {
-        Exact::from_point(machine) - self.0
-    }
-
-    /// The programmed centre of machine coordinates.
-    pub(crate) fn program_center(self, machine: Point) -> Point {
-        machine - self.0.point()
-    }
-}
-
-/// One move of a cycle, with what it belongs to.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Move {
-    pub(crate) action: Action,
-    /// Single block stops after it.
-    pub(crate) stops: bool,
-    pub(crate) note: Note,
-}
-
-impl Move {
-    pub(crate) const fn rapid(to: Point, note: Note) -> Self {
-        Self::of(Action::Rapid { to }, note)
-    }
-
-    pub(crate) const fn line(to: Point, feed: Feed, note: Note) -> Self {
-        Self::of(Action::Line { to, feed }, note)
-    }
-
-    /// Any action after which single block stops.
-    pub(crate) const fn of(action: Action, note: Note) -> Self {
-        Self {
-            action,
-            stops: true,
-            note,
-        }
-    }
-}
+use crate::units::Point;
 
 /// What makes the moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -142,9 +77,7 @@ impl Cycle {
         };
         cycle.look_ahead();
         if cycle.ahead.is_none() {
-            return Err(
-                Alarm::new(numbers::CYCLE_DATA).because("the cycle would not make any pass")
-            );
+            return Err(Alarm::new(number::CYCLE_DATA).because(say::cycle_without_pass()));
         }
         Ok(cycle)
     }

@@ -39,6 +39,17 @@ impl CycleWords {
         *self = Self::default();
     }
 
+    /// Forgets the end point and R, as a code of group 00 other than G04 and a
+    /// code of group 01 that is no cycle do; J, K and L stay.
+    pub(crate) fn clear_end(&mut self) {
+        *self = Self {
+            j: self.j,
+            k: self.k,
+            l: self.l,
+            ..Self::default()
+        };
+    }
+
     /// Whether a repetition has anything to repeat.
     pub(crate) const fn is_set(&self) -> bool {
         self.x.is_some() || self.z.is_some()

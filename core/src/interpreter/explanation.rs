@@ -1,5 +1,6 @@
 //! What a teacher would write on the board about a pass of a cycle.
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::interpreter::exact::{Exact, mm};
@@ -21,7 +22,7 @@ pub struct Explanation {
     /// What is left for the passes after it, mm; a radius in X.
     pub remaining: f64,
     /// The formula with its numbers.
-    pub formula: String,
+    pub formula: Message,
     /// The words and parameters that made it.
     pub words: &'static str,
 }
@@ -159,12 +160,10 @@ impl Note {
                 level: Some(mm(c.x)),
                 depth: depth_on(Axis::X, c.x - a.x).abs(),
                 remaining: 0.0,
-                formula: format!(
-                    "{}; run-out J = {:.3}, K = {:.3}{}",
-                    corner_b(Axis::X, c, taper),
-                    mm(height),
-                    mm(length),
-                    start_angle(start, starts)
+                formula: with_start_angle(
+                    say::explain_thread(corner_b(Axis::X, c, taper), mm(height), mm(length)),
+                    start,
+                    starts,
                 ),
                 words: "X(U), Z(W), R, J, K, 019, L",
             }),
@@ -180,12 +179,7 @@ impl Note {
                 level: None,
                 depth: mm(bottom - a).abs(),
                 remaining: 0.0,
-                formula: format!(
-                    "Z{:.3} -> Z{:.3} and back, a lead a revolution{}",
-                    mm(a),
-                    mm(bottom),
-                    start_angle(start, starts)
-                ),
+                formula: with_start_angle(say::explain_tap(mm(a), mm(bottom)), start, starts),
                 words: "Z(W), F(I), L",
             }),
             Self::ThreadPass {
@@ -199,25 +193,22 @@ impl Note {
             } => {
                 let shown = mm(depth);
                 let formula = match rule {
-                    DepthRule::Root => {
-                        format!("d{number} = √{number}·{:.3} = {shown:.3}", mm(first))
-                    }
-                    DepthRule::Least => format!(
+                    DepthRule::Root => plain(format!(
+                        "d{number} = √{number}·{:.3} = {shown:.3}",
+                        mm(first)
+                    )),
+                    DepthRule::Least => plain(format!(
                         "d{number} = d{} + Δdmin = {:.3} + {:.3} = {shown:.3}",
                         number - 1,
                         mm(previous),
                         mm(least)
-                    ),
-                    DepthRule::Last => {
-                        format!(
-                            "d{number} = k - d = {:.3} - {:.3}",
-                            mm(height),
-                            mm(height - depth)
-                        )
-                    }
-                    DepthRule::Finish => {
-                        format!("k = {shown:.3}, cutting {:.3}", mm(depth - previous))
-                    }
+                    )),
+                    DepthRule::Last => plain(format!(
+                        "d{number} = k - d = {:.3} - {:.3}",
+                        mm(height),
+                        mm(height - depth)
+                    )),
+                    DepthRule::Finish => say::explain_finish_pass(shown, mm(depth - previous)),
                 };
                 Some(Explanation {
                     code: 76,
@@ -252,12 +243,12 @@ impl Note {
                     level: Some(mm(level)),
                     depth: depth_on(axis, step * number).abs(),
                     remaining: depth_on(axis, last - level).abs(),
-                    formula: format!(
+                    formula: plain(format!(
                         "{axis_name}{number} = {:.3} {:+.3}·{number} = {:.3}",
                         mm(from),
                         mm(step),
                         mm(level)
-                    ),
+                    )),
                     words: match axis {
                         Axis::X => "U(Δd), 051",
                         Axis::Z => "W(Δd), 051",
@@ -275,11 +266,7 @@ impl Note {
                 level: None,
                 depth: 0.0,
                 remaining: 0.0,
-                formula: format!(
-                    "contour moved by X{:+.3} Z{:+.3}",
-                    mm(allowance.x),
-                    mm(allowance.z)
-                ),
+                formula: say::explain_contour(mm(allowance.x), mm(allowance.z)),
                 words: "U(Δu), W(Δw)",
             }),
             Self::Shifted {
@@ -295,7 +282,7 @@ impl Note {
                 level: None,
                 depth: mm(relief.x + allowance.x - shift.x).abs() / 2.0,
                 remaining: mm(shift.x - allowance.x).abs() / 2.0,
-                formula: format!(
+                formula: plain(format!(
                     "X{:+.3} = {:+.3} {:+.3}·{left}/{gaps}, Z{:+.3} = {:+.3} {:+.3}·{left}/{gaps}",
                     mm(shift.x),
                     mm(allowance.x),
@@ -305,7 +292,7 @@ impl Note {
                     mm(relief.z),
                     left = passes - number,
                     gaps = passes - 1,
-                ),
+                )),
                 words: "U(Δi), W(Δk), R(d), 053, 054, 055, U(Δu), W(Δw)",
             }),
             Self::Column {
@@ -335,11 +322,14 @@ impl Note {
                     level: Some(mm(at)),
                     depth: depth_on(axis, reached - from).abs(),
                     remaining: depth_on(axis, bottom - reached).abs(),
-                    formula: format!(
-                        "peck {peck} of {pecks}: {} = {:.3}; column {number} of {columns}, step {:.3}",
+                    formula: say::explain_peck(
+                        peck,
+                        pecks,
                         name(axis),
                         mm(reached),
-                        mm(step)
+                        number,
+                        columns,
+                        mm(step),
                     ),
                     words: "P(Δi), Q(Δk), R(e), 056, R(Δd)",
                 })
@@ -361,7 +351,7 @@ fn box_of(axis: Axis, a: Exact, c: Exact, taper: i64) -> Explanation {
         level: Some(mm(c.get(axis))),
         depth: depth_on(axis, c.get(axis) - a.get(axis)).abs(),
         remaining: 0.0,
-        formula: corner_b(axis, c, taper),
+        formula: plain(corner_b(axis, c, taper)),
         words,
     }
 }
@@ -382,11 +372,16 @@ fn corner_b(axis: Axis, c: Exact, taper: i64) -> String {
 }
 
 /// What sets the starts of a multi-start thread apart.
-fn start_angle(start: u32, starts: u32) -> String {
+fn with_start_angle(formula: Message, start: u32, starts: u32) -> Message {
     if starts <= 1 {
-        return String::new();
+        return formula;
     }
-    format!("; start angle = 360°·{}/{starts}", start.saturating_sub(1))
+    say::explain_start_angle(formula, start.saturating_sub(1), starts)
+}
+
+/// A formula without words, the same in every language.
+fn plain(formula: String) -> Message {
+    say::as_written(formula)
 }
 
 const fn rough_code(axis: Axis) -> u8 {

@@ -5,11 +5,11 @@
 //!   P -n    backward from the block to the beginning, then forward
 //! ```
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
-use crate::interpreter::numbers;
-use crate::interpreter::subprogram::Place;
+use crate::alarm::{Alarm, number};
+use crate::interpreter::place::Place;
 use crate::program::Program;
 
 /// Jumps remembered, so that a loop searches once.
@@ -35,8 +35,7 @@ impl Jumps {
     pub(crate) fn target(&mut self, program: &Program, from: Place, p: i64) -> Result<u32, Alarm> {
         let number = u16::try_from(p.unsigned_abs()).ok();
         let Some(number) = number.filter(|number| *number <= 9999) else {
-            return Err(Alarm::new(numbers::BAD_JUMP)
-                .because(format!("a jump to N{p} is outside 0 to 9999")));
+            return Err(Alarm::new(number::BAD_JUMP).because(say::jump_out_of_range(p)));
         };
         let known = self.known.iter().flatten();
         let mut known = known.filter(|known| known.from == from && known.p == p);
@@ -45,8 +44,7 @@ impl Jumps {
             return Ok(known.to);
         }
         let Some(to) = search(program, from.block, number, p < 0) else {
-            return Err(Alarm::new(numbers::BAD_JUMP)
-                .because(format!("no block N{number:04} in this program")));
+            return Err(Alarm::new(number::BAD_JUMP).because(say::jump_target_missing(number)));
         };
         let slot = usize::from(self.oldest) % KNOWN;
         self.known[slot] = Some(Known { from, p, to });

@@ -1,11 +1,13 @@
 //! Blocks that are read before their turn: the profile of a cycle, and the block
 //! behind a chamfer.
 
-use crate::alarm::Alarm;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
 use crate::interpreter::host::Host;
+use crate::interpreter::inch;
 use crate::interpreter::variable::{self, NotNow};
 use crate::interpreter::words::Words;
-use crate::interpreter::{inch, numbers};
 use crate::program::{Block, Program, Syntax};
 
 /// Blocks that are looked through for one that is not skipped.
@@ -25,9 +27,7 @@ pub(crate) struct Reading<'a, H> {
 pub(crate) fn alarm(reason: NotNow) -> Alarm {
     match reason {
         NotNow::Fault(alarm) => alarm,
-        NotNow::Wait => {
-            Alarm::new(numbers::BAD_VARIABLE).because("a variable that cannot be read ahead")
-        }
+        NotNow::Wait => Alarm::new(number::BAD_VARIABLE).because(say::variable_not_read_ahead()),
     }
 }
 
@@ -48,7 +48,7 @@ impl<H: Host> Reading<'_, H> {
         }
         if block.has_g(65) {
             return Err(NotNow::Fault(
-                Alarm::new(numbers::PROFILE_CODE).because("G65 must not stand in a profile"),
+                Alarm::new(number::PROFILE_CODE).because(say::profile_macro()),
             ));
         }
         if block.has_variables() {
@@ -58,6 +58,14 @@ impl<H: Host> Reading<'_, H> {
             inch::to_metric(&mut block, motion);
         }
         Words::of(&block).map(Some).map_err(NotNow::Fault)
+    }
+
+    /// Whether a block that is not skipped stands behind this one, good or bad.
+    pub(crate) fn has_next(&self, index: u32) -> bool {
+        let next = index.saturating_add(1);
+        let end = self.program.block_count().min(next.saturating_add(REACH));
+        end.saturating_sub(next) == REACH
+            || (next..end).any(|index| !matches!(self.words_at(index, 1), Ok(None)))
     }
 
     /// The words of the block after this one; none at the end of the text, and

@@ -6,16 +6,16 @@
 //!   G65 H99 P n           alarm 500 + n
 //! ```
 
-use crate::alarm::Alarm;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
 use crate::interpreter::arithmetic::{self, Operands, Operation};
 use crate::interpreter::host::Host;
-use crate::interpreter::numbers;
 use crate::interpreter::variable::{NotNow, Slot, value};
 use crate::memory::Variables;
 use crate::program::{Block, Number};
 
 /// Alarms of H99 begin here.
-const USER_ALARMS: u16 = 500;
 const LAST_USER_ALARM: i64 = 99;
 
 /// What a G65 block leads to.
@@ -36,8 +36,8 @@ pub(crate) fn evaluate(block: &Block, host: &impl Host) -> Result<Outcome, NotNo
     };
     let h = operand(Some(h), host)?;
     let Some(operation) = Operation::of(h) else {
-        return Err(Alarm::new(numbers::BAD_OPERATION)
-            .because(format!("H{h:02} is no operation of G65"))
+        return Err(Alarm::new(number::BAD_OPERATION)
+            .because(say::macro_operation_unknown(h))
             .into());
     };
     let p = block.number(b'P');
@@ -59,8 +59,8 @@ pub(crate) fn evaluate(block: &Block, host: &impl Host) -> Result<Outcome, NotNo
             let operands = values(before)?;
             let value = arithmetic::work_out(function, operands).map_err(|fault| {
                 let Operands { j, k, .. } = operands;
-                let detail = format!("H{h:02} of {j} and {k}: {}", fault.detail);
-                Alarm::new(fault.alarm).because(detail)
+                let detail = say::operation_of(h, j, k, fault.reason());
+                Alarm::new(fault.number()).because(detail)
             })?;
             slot.check(value, host)?;
             Ok(Outcome::Value(slot, value))
@@ -79,10 +79,9 @@ pub(crate) fn evaluate(block: &Block, host: &impl Host) -> Result<Outcome, NotNo
 
 fn without_h(block: &Block) -> Alarm {
     if block.has(b'P') {
-        return Alarm::new(numbers::BAD_IN_MACRO)
-            .because("G65 P without H: calls with arguments are not of this control");
+        return Alarm::new(number::BAD_IN_MACRO).because(say::macro_call_with_arguments());
     }
-    Alarm::new(numbers::BAD_OPERATION).because("G65 needs H with the operation")
+    Alarm::new(number::BAD_OPERATION).because(say::macro_operation_missing())
 }
 
 /// A constant or the value of a variable; zero when it is left out.
@@ -95,8 +94,8 @@ fn operand(number: Option<Number>, host: &impl Host) -> Result<i64, NotNow> {
         if (Variables::LEAST..=Variables::GREATEST).contains(&value) {
             return Ok(value);
         }
-        return Err(Alarm::new(numbers::MACRO_RANGE)
-            .because(format!("{value} is outside -2^32 to 2^32-1"))
+        return Err(Alarm::new(number::MACRO_RANGE)
+            .because(say::macro_value_out_of_range(value))
             .into());
     };
     let value = value(variable, host)?;
@@ -107,8 +106,8 @@ fn operand(number: Option<Number>, host: &impl Host) -> Result<i64, NotNow> {
 fn result(p: Option<Number>, host: &impl Host) -> Result<Slot, NotNow> {
     let variable = p.and_then(Number::variable);
     let Some(variable) = variable.filter(|variable| !variable.negative) else {
-        return Err(Alarm::new(numbers::BAD_VARIABLE)
-            .because("P must name the variable for the result: P#200")
+        return Err(Alarm::new(number::BAD_VARIABLE)
+            .because(say::macro_result_variable_missing())
             .into());
     };
     let slot = Slot::find(variable.number, host)?;
@@ -121,9 +120,9 @@ fn result(p: Option<Number>, host: &impl Host) -> Result<Slot, NotNow> {
 fn user_alarm(p: i64) -> Alarm {
     match u16::try_from(p) {
         Ok(number) if p <= LAST_USER_ALARM => {
-            Alarm::new(USER_ALARMS + number).because(format!("G65 H99 P{p} of the program"))
+            Alarm::new(number::USER_ALARM + number).because(say::macro_user_alarm(p))
         }
-        _ => Alarm::new(numbers::OUT_OF_RANGE)
-            .because(format!("G65 H99 P{p} is outside P0 to P{LAST_USER_ALARM}")),
+        _ => Alarm::new(number::OUT_OF_RANGE)
+            .because(say::macro_user_alarm_out_of_range(p, LAST_USER_ALARM)),
     }
 }

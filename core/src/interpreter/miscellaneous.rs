@@ -1,31 +1,11 @@
 //! M functions (manual I-3.3).
 
-use crate::alarm::Alarm;
-use crate::interpreter::block::Context;
-use crate::interpreter::numbers;
+use gsk_messages::{Message, say};
 
-use serde::{Deserialize, Serialize};
-
-/// M codes that the machine's ladder carries out beside the control's own.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct MachineCodes([u64; 2]);
-
-impl MachineCodes {
-    /// Those that a ladder names.
-    pub fn of(ladder: &gsk_plc::Ladder) -> Self {
-        let mut codes = Self::default();
-        for m in ladder.m_codes() {
-            if let Some(half) = codes.0.get_mut(usize::from(m.code / 64)) {
-                *half |= 1 << (m.code % 64);
-            }
-        }
-        codes
-    }
-
-    const fn has(self, code: u8) -> bool {
-        code < 128 && self.0[(code / 64) as usize] >> (code % 64) & 1 == 1
-    }
-}
+use crate::alarm::{Alarm, number};
+use crate::dialect;
+use crate::interpreter::context::Context;
+use crate::interpreter::machine_codes::MachineCodes;
 
 /// What an M code is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,23 +32,20 @@ pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alar
     match code {
         0 => Ok(Function::Stop),
         30 => Ok(Function::End),
-        98 | 99 if context.mdi => Err(fault(format!(
-            "M{code} calls and returns in programs only, not in MDI"
-        ))),
+        98 | 99 if context.mdi => Err(fault(say::m_call_in_mdi(code))),
         98 => Ok(Function::Call),
         99 => Ok(Function::Return),
         3..=5 | 8..=13 | 32 | 33 => Ok(Function::Output(code)),
         41..=44 if context.parameters.automatic_gears() => Ok(Function::Output(code)),
-        41..=44 => Err(fault(format!(
-            "M{code} needs automatic gear change (164.7) and the analog spindle (001.4)"
-        ))),
+        41..=44 => Err(fault(say::m_needs_gear_change(code))),
         _ if context.machine_codes.has(code) => Ok(Function::Output(code)),
-        _ => Err(fault(format!(
-            "M{code:02} is not a function of this control"
+        _ => Err(fault(dialect::advised(
+            say::m_unknown(code),
+            dialect::instead_of_m(code),
         ))),
     }
 }
 
-fn fault(detail: String) -> Alarm {
-    Alarm::new(numbers::BAD_M).because(detail)
+fn fault(detail: Message) -> Alarm {
+    Alarm::new(number::BAD_M).because(detail)
 }

@@ -1,84 +1,18 @@
-//! G40, G41, G42: what a block must not say while the compensation acts, and
-//! the way of the commands through it (manual II, C compensation).
+//! The way of the commands through the nose radius compensation (manual II, C
+//! compensation).
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, groups};
 use crate::command::{Action, Command};
-use crate::compensation::{Fault, Origin, check_arc};
-use crate::interpreter::block::Context;
-use crate::interpreter::exact::{Exact, PER_MM};
+use crate::compensation::Origin;
+use crate::interpreter::context::Compensated;
+use crate::interpreter::exact::Exact;
 use crate::interpreter::host::Host;
-use crate::interpreter::numbers;
-use crate::interpreter::plan::Plan;
 use crate::interpreter::reader::{Advance, Interpreter};
 use crate::interpreter::state::State;
 use crate::interpreter::words::Words;
 use crate::memory::{Offsets, Parameters, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
-
-/// The compensation as a block finds it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Compensated {
-    /// It takes no part: MDI, and the profile of a roughing cycle.
-    Never,
-    /// Cancel mode.
-    Off,
-    /// Offset mode.
-    On,
-}
-
-/// G41 and G42 are an option (002.1): alarm 010 without it.
-pub(super) fn check_option(words: &Words, parameters: &Parameters) -> Result<(), Alarm> {
-    match words.nose {
-        Some(code @ (41 | 42)) if !parameters.has_nose_compensation() => {
-            Err(Alarm::new(numbers::BAD_G).because(format!(
-                "G{code}: nose radius compensation C is not installed (002.1 = 0)"
-            )))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Arcs start and cancel nothing (034, 056), and their data must be good (048,
-/// 051, 052).
-pub(super) fn check_arc_block(
-    state: &State,
-    context: &Context<'_>,
-    end: Exact,
-    words: &Words,
-) -> Result<(), Alarm> {
-    let start = state.position;
-    let stands = words.r.is_some() && start == end;
-    let fault = match context.compensated {
-        _ if stands => None,
-        Compensated::Never => None,
-        Compensated::Off => state.compensates().then_some(Fault::StartOnArc),
-        Compensated::On if state.modal.nose_compensation == 40 => Some(Fault::CancelOnArc),
-        Compensated::On => check_center(start, end, words).err(),
-    };
-    fault.map_or(Ok(()), |fault| Err(fault.alarm()))
-}
-
-fn check_center(start: Exact, end: Exact, words: &Words) -> Result<(), Fault> {
-    if words.r.is_some() || (words.i.is_none() && words.k.is_none()) {
-        return Ok(());
-    }
-    let mm = |units: Option<i64>| units.unwrap_or(0) as f64 / PER_MM as f64;
-    let center = Point::new(mm(words.i), mm(words.k));
-    let to_end = (end - start).point();
-    check_arc(center.length(), (to_end - center).length())
-}
-
-/// M98 in offset mode, and M99 that returns: alarm 036.
-pub(super) fn check_call(state: &State, context: &Context<'_>, plan: &Plan) -> Result<(), Alarm> {
-    let contour = plan.motion.is_contour();
-    let on = match context.compensated {
-        Compensated::Never => false,
-        Compensated::Off => contour && state.compensates(),
-        Compensated::On => !(contour && state.modal.nose_compensation == 40),
-    };
-    if on { Err(Fault::Call.alarm()) } else { Ok(()) }
-}
 
 impl Interpreter {
     /// [`next`](Self::next) without a heap allocation for the command.
@@ -113,7 +47,11 @@ impl Interpreter {
                         },
                     );
                 }
-                Err(alarm) if held && of_two_moves(&alarm) => self.compensation.refuse(alarm),
+                Err(alarm) if held && groups::is_of_corner(alarm.number) => {
+                    self.compensation.refuse(alarm);
+                }
+                // How the corner is cut depends on what is still to come.
+                Ok(Advance::Starved) => return Ok(Advance::Starved),
                 // The block is read again when all before it is carried out.
                 Ok(Advance::Wait | Advance::Ended) | Err(_) if held => self.compensation.flush(),
                 answer => return answer,
@@ -180,11 +118,6 @@ impl Interpreter {
 /// The turn of the control between many silent blocks: no command of a block.
 fn is_a_turn_only(command: &Command) -> bool {
     command.action == Action::Nothing && !command.block_end
-}
-
-/// Alarms 051 and 052 belong to a corner: the move before it is not begun.
-const fn of_two_moves(alarm: &Alarm) -> bool {
-    matches!(alarm.number, 51 | 52)
 }
 
 /// The host while moves wait for their ends: nothing is finished then.

@@ -8,26 +8,23 @@
 //!     +---------------> Z   rapid to A_n, contour, rapid to A_(n+1)
 //! ```
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
-use crate::interpreter::block::Context;
-use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
+use crate::alarm::{Alarm, number};
+use crate::interpreter::context::Context;
 use crate::interpreter::exact::{Exact, PER_MM, mm, scaled};
 use crate::interpreter::explanation::Note;
-use crate::interpreter::numbers;
-use crate::interpreter::plan::Writes;
+use crate::interpreter::moves::{Move, Shift};
 use crate::interpreter::positioning::{feed, within_stroke};
 use crate::interpreter::profile::{self, Range, Shape, Step};
 use crate::interpreter::roughing::follow;
 use crate::interpreter::state::State;
 use crate::interpreter::words::Words;
+use crate::interpreter::writes::Writes;
+use crate::memory::parameter;
 use crate::units::Feed;
 
-/// Parameters: relief in X (radius) and Z, and the number of passes.
-const RELIEF_X: u16 = 53;
-const RELIEF_Z: u16 = 54;
-const PASSES: u16 = 55;
 /// Units of [`Exact`] in a thousandth of a millimetre.
 const PER_MICRON: i64 = PER_MM / 1000;
 
@@ -51,10 +48,10 @@ pub(crate) struct Pattern {
 /// G73 without P and Q: Δi, Δk and d into parameters 053, 054 and 055.
 pub(crate) fn store(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     if let Some(relief) = words.u {
-        writes.push_length(RELIEF_X, relief);
+        writes.push_length(parameter::PATTERN_RELIEF_X, relief);
     }
     if let Some(relief) = words.w {
-        writes.push_length(RELIEF_Z, relief);
+        writes.push_length(parameter::PATTERN_RELIEF_Z, relief);
     }
     store_passes(words, writes)
 }
@@ -63,9 +60,9 @@ pub(crate) fn store(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
 fn store_passes(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     if let Some(passes) = words.r {
         if passes < PER_MM {
-            return Err(fault(format!("R(d) = {:.3} is below 1 pass", mm(passes))));
+            return Err(fault(say::cycle_passes_below_one(mm(passes))));
         }
-        writes.push(PASSES, passes / PER_MM);
+        writes.push(parameter::PATTERN_PASSES, passes / PER_MM);
     }
     Ok(())
 }
@@ -77,14 +74,12 @@ pub(crate) fn plan(
     words: &Words,
     range: Range,
     writes: &mut Writes,
-) -> Result<Cycle, Alarm> {
+) -> Result<Pattern, Alarm> {
     store_passes(words, writes)?;
     let parameter = |number| i64::from(writes.value(number, context.parameters));
-    let passes = parameter(PASSES);
+    let passes = parameter(parameter::PATTERN_PASSES);
     if passes <= 0 {
-        return Err(fault(
-            "no number of passes: R(d) was never given and parameter 055 is 0",
-        ));
+        return Err(fault(say::cycle_passes_missing()));
     }
     let feed = feed(&state.modal)?;
     let profile = profile::evaluate(state, context, range)?;
@@ -98,8 +93,8 @@ pub(crate) fn plan(
             words.w.unwrap_or(0),
         ),
         relief: Exact::new(
-            2 * parameter(RELIEF_X) * PER_MICRON,
-            parameter(RELIEF_Z) * PER_MICRON,
+            2 * parameter(parameter::PATTERN_RELIEF_X) * PER_MICRON,
+            parameter(parameter::PATTERN_RELIEF_Z) * PER_MICRON,
         ),
         feed,
         pass: 1,
@@ -116,7 +111,7 @@ pub(crate) fn plan(
             within_stroke(end + shift, context.x_factor)?;
         }
     }
-    Cycle::begin(state, Maker::Pattern(pattern))
+    Ok(pattern)
 }
 
 impl Pattern {
@@ -168,6 +163,6 @@ impl Pattern {
     }
 }
 
-fn fault(detail: impl core::fmt::Display) -> Alarm {
-    Alarm::new(numbers::CYCLE_DATA).because(format!("G73: {detail}"))
+fn fault(detail: Message) -> Alarm {
+    Alarm::new(number::CYCLE_DATA).because(say::cycle_in_code(73, detail))
 }

@@ -11,24 +11,22 @@
 //!     +--------------------------> Z   G75: the same with X and Z exchanged
 //! ```
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
-use crate::interpreter::block::Context;
-use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
+use crate::alarm::{Alarm, number};
+use crate::interpreter::context::Context;
 use crate::interpreter::exact::{Exact, PER_MM, mm};
 use crate::interpreter::explanation::Note;
-use crate::interpreter::numbers;
-use crate::interpreter::plan::{Motion, Writes};
+use crate::interpreter::moves::{Move, Shift};
 use crate::interpreter::positioning::{feed, within_stroke};
 use crate::interpreter::state::State;
 use crate::interpreter::thread::{along, other};
 use crate::interpreter::words::{AxisWords, Target, Words};
-use crate::memory::Parameters;
+use crate::interpreter::writes::Writes;
+use crate::memory::{Parameters, parameter};
 use crate::units::{Axis, Feed, Point};
 
-/// Parameter: retract after a peck, in thousandths, a radius in X.
-const RETRACT: u16 = 56;
 /// Units of [`Exact`] in a thousandth of a millimetre.
 const PER_MICRON: i64 = PER_MM / 1000;
 
@@ -77,23 +75,18 @@ pub(crate) fn plan(
     axes: &AxisWords,
     base: Exact,
     writes: &mut Writes,
-) -> Result<Motion, Alarm> {
+) -> Result<Option<Pecking>, Alarm> {
     if !axes.any() && words.p.or(words.q).is_none() {
         if let Some(retract) = words.r {
             if retract < 0 {
-                return Err(fault(
-                    axis,
-                    format!("R(e) = {:.3} is negative", mm(retract)),
-                ));
+                return Err(fault(axis, say::cycle_retract_negative(mm(retract))));
             }
-            writes.push_length(RETRACT, retract);
+            writes.push_length(parameter::PECKING_RETRACT, retract);
         }
-        return Ok(Motion::None);
+        return Ok(None);
     }
     let end = within_stroke(axes.target(base, state.position), context.x_factor)?;
-    let pecking = Pecking::new(axis, state, context.parameters, words, axes, end)?;
-    let cycle = Cycle::begin(state, Maker::Pecking(pecking))?;
-    Ok(Motion::Cycle(Box::new(cycle)))
+    Pecking::new(axis, state, context.parameters, words, axes, end).map(Some)
 }
 
 impl Pecking {
@@ -115,26 +108,23 @@ impl Pecking {
         };
         let relief = words.r.unwrap_or(0);
         if relief < 0 {
-            return Err(fault(
-                axis,
-                format!("R(Δd) = {:.3} is negative", mm(relief)),
-            ));
+            return Err(fault(axis, say::cycle_relief_negative(mm(relief))));
         }
         let deep = end.get(axis) - start.get(axis);
         let wide = end.get(side) - start.get(side);
         if deep == 0 {
             return Err(fault(
                 axis,
-                format!("the end point is not away from the start in {axis:?}: no pass"),
+                say::cycle_end_at_start(format_args!("{axis:?}")),
             ));
         }
         if peck == 0 {
-            return Err(fault(axis, format!("{peck_name} is 0 or missing")));
+            return Err(fault(axis, say::cycle_peck_missing(peck_name)));
         }
         if wide != 0 && step == 0 {
             return Err(fault(
                 axis,
-                format!("{step_name} is 0 or missing, but {side:?} has a distance"),
+                say::cycle_step_missing(step_name, format_args!("{side:?}")),
             ));
         }
         let relieved = axes.get(side) != Target::None || step != 0;
@@ -146,7 +136,10 @@ impl Pecking {
             end,
             feed: feed(&state.modal)?,
             peck: peck * deep.signum(),
-            retract: along(axis, i64::from(parameters.value(RETRACT)) * PER_MICRON) * deep.signum(),
+            retract: along(
+                axis,
+                i64::from(parameters.value(parameter::PECKING_RETRACT)) * PER_MICRON,
+            ) * deep.signum(),
             step: step * wide.signum(),
             relief: if relieved { relief * wide.signum() } else { 0 },
             column: 1,
@@ -250,17 +243,14 @@ fn amount(axis: Axis, address: char, value: Option<i64>) -> Result<i64, Alarm> {
     match value {
         None => Ok(0),
         Some(value @ 0..=9_999_999) => Ok(value * PER_MICRON),
-        Some(value) => Err(fault(
-            axis,
-            format!("{address}{value} is outside 0 to 9999999 (0.001 mm)"),
-        )),
+        Some(value) => Err(fault(axis, say::cycle_amount_out_of_range(address, value))),
     }
 }
 
-fn fault(axis: Axis, detail: impl core::fmt::Display) -> Alarm {
+fn fault(axis: Axis, detail: Message) -> Alarm {
     let code = match axis {
         Axis::Z => 74,
         Axis::X => 75,
     };
-    Alarm::new(numbers::CYCLE_DATA).because(format!("G{code}: {detail}"))
+    Alarm::new(number::CYCLE_DATA).because(say::cycle_in_code(code, detail))
 }

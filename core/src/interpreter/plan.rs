@@ -5,95 +5,18 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
+use crate::alarm::Alarm;
 use crate::command::{Action, Command, Source};
 use crate::interpreter::Modal;
 use crate::interpreter::box_cycle::BoxCycle;
-use crate::interpreter::cycle::Cycle;
-use crate::interpreter::exact::scaled;
+use crate::interpreter::cycle::{Cycle, Maker};
+use crate::interpreter::emission::Emission;
 use crate::interpreter::explanation::Note;
+use crate::interpreter::flow::{Finishing, Flow};
+use crate::interpreter::moves::{Shift, Two};
 use crate::interpreter::reference::Reference;
-use crate::interpreter::subprogram::Flow;
-use crate::memory::{ParameterError, Parameters};
-
-/// One action of a block.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Emission {
-    pub(crate) action: Action,
-    /// Single block stops after it, even inside the block.
-    pub(crate) stops: bool,
-}
-
-impl Emission {
-    /// An action after which single block stops.
-    pub(crate) const fn stopping(action: Action) -> Self {
-        Self {
-            action,
-            stops: true,
-        }
-    }
-
-    /// An action inside its block.
-    pub(crate) const fn passing(action: Action) -> Self {
-        Self {
-            action,
-            stops: false,
-        }
-    }
-}
-
-/// Two moves of one block: a cut and the chamfer, corner arc or run-out at its
-/// end.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Two {
-    first: Option<Action>,
-    second: Option<Action>,
-}
-
-impl Two {
-    /// One after the other.
-    pub(crate) fn then(first: Action, second: Action) -> Box<Self> {
-        Box::new(Self {
-            first: Some(first),
-            second: Some(second),
-        })
-    }
-
-    fn next(&mut self) -> Option<Emission> {
-        let action = self.first.take().or_else(|| self.second.take());
-        action.map(Emission::passing)
-    }
-}
-
-/// Parameters that a cycle writes.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Writes(Vec<(u16, i32)>);
-
-impl Writes {
-    /// A whole number.
-    pub(crate) fn push(&mut self, number: u16, value: i64) {
-        let value = i32::try_from(value).unwrap_or(if value < 0 { i32::MIN } else { i32::MAX });
-        self.0.push((number, value));
-    }
-
-    /// A length in millionths, as thousandths.
-    pub(crate) fn push_length(&mut self, number: u16, length: i64) {
-        self.push(number, scaled(length, 1, 1000));
-    }
-
-    /// The value of a parameter after these writes.
-    pub(crate) fn value(&self, number: u16, parameters: &Parameters) -> i32 {
-        let written = self.0.iter().rev().find(|(written, _)| *written == number);
-        written.map_or_else(|| parameters.value(number), |(_, value)| *value)
-    }
-
-    /// Carries the writes out.
-    pub(crate) fn apply(&mut self, parameters: &mut Parameters) -> Result<(), ParameterError> {
-        for (number, value) in core::mem::take(&mut self.0) {
-            parameters.set(number, value)?;
-        }
-        Ok(())
-    }
-}
+use crate::interpreter::state::State;
+use crate::interpreter::writes::Writes;
 
 /// The motion of a block: one variant for each way to make moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -113,7 +36,35 @@ pub(crate) enum Motion {
     Cycle(Box<Cycle>),
 }
 
+impl From<Two> for Motion {
+    fn from(moves: Two) -> Self {
+        match moves {
+            Two {
+                first: None,
+                second: None,
+            } => Self::None,
+            Two {
+                first: Some(action),
+                second: None,
+            }
+            | Two {
+                first: None,
+                second: Some(action),
+            } => Self::One(action),
+            both => Self::Two(Box::new(both)),
+        }
+    }
+}
+
 impl Motion {
+    /// A cycle that begins where the tool stands.
+    ///
+    /// # Errors
+    /// A cycle that makes no pass.
+    pub(crate) fn cycle(state: &State, maker: Maker) -> Result<Self, Alarm> {
+        Ok(Self::Cycle(Box::new(Cycle::begin(state, maker)?)))
+    }
+
     pub(crate) fn next(&mut self) -> Option<Emission> {
         match self {
             Self::None => None,
@@ -200,6 +151,18 @@ impl Plan {
             whole: false,
             writes: Writes::default(),
         }
+    }
+
+    /// After the profile of G70: back to the start, as the end of the cycle's block.
+    pub(crate) fn after_profile(finishing: &Finishing, state: &mut State) -> Self {
+        state.stand_at(state.machine(finishing.start));
+        let mut plan = Self::new(finishing.source, state.modal);
+        plan.motion = Motion::One(Action::Rapid {
+            to: Shift::of(state).machine(finishing.start),
+        });
+        plan.apart = true;
+        plan.flow = Flow::Jump(finishing.back);
+        plan
     }
 
     /// Why the move of a cycle taken last is where it is.

@@ -9,11 +9,13 @@
 //!     +---+-------A---> Z
 //! ```
 
-use crate::alarm::Alarm;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
 use crate::command::Action;
+use crate::interpreter::Modal;
 use crate::interpreter::exact::{Exact, mm};
 use crate::interpreter::state::State;
-use crate::interpreter::{Modal, numbers};
 use crate::units::{Axis, Feed};
 
 /// The rapid to a programmed point.
@@ -34,8 +36,7 @@ pub(crate) fn line(state: &State, to: Exact) -> Result<Action, Alarm> {
 /// The feed in force, with its unit.
 pub(crate) fn feed(modal: &Modal) -> Result<Feed, Alarm> {
     if modal.feed <= 0.0 {
-        return Err(Alarm::new(numbers::NO_FEED)
-            .because("a cutting block needs an F greater than 0, given in it or before"));
+        return Err(Alarm::new(number::NO_FEED).because(say::feed_missing()));
     }
     if modal.feed_per_revolution {
         return Ok(Feed::PerRevolution(modal.feed));
@@ -52,8 +53,10 @@ pub(crate) fn within_stroke(end: Exact, x_factor: i64) -> Result<Exact, Alarm> {
         Axis::X => ("X", x_factor),
         Axis::Z => ("Z", 1),
     };
-    Err(Alarm::new(numbers::OUT_OF_RANGE).because(format!(
-        "the motion would end at {name} {:.3}, outside ±9999.999",
-        mm(end.get(axis) / factor)
-    )))
+    Err(
+        Alarm::new(number::OUT_OF_RANGE).because(say::motion_end_out_of_range(
+            name,
+            mm(end.get(axis) / factor),
+        )),
+    )
 }

@@ -7,18 +7,19 @@
 //!                        N50 …           nf: ends at C
 //! ```
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
-use crate::command::{Action, Source};
-use crate::interpreter::block::{self, Context};
-use crate::interpreter::cycle::Shift;
+use crate::alarm::{Alarm, number};
+use crate::command::{Action, ProgramId, Source};
+use crate::interpreter::block;
+use crate::interpreter::context::{Compensated, Context};
 use crate::interpreter::exact::Exact;
-use crate::interpreter::nose_compensation::Compensated;
+use crate::interpreter::moves::Shift;
+use crate::interpreter::place::Place;
 use crate::interpreter::state::State;
-use crate::interpreter::subprogram::Place;
 use crate::interpreter::words::{OneShot, Words};
-use crate::interpreter::{corner, numbers, special_call};
+use crate::interpreter::{corner, special_call};
 use crate::program::Program;
 use crate::units::Point;
 
@@ -75,31 +76,35 @@ impl Profile {
 /// Finds ns and nf; alarms 016, 061, 063, 067.
 pub(crate) fn locate(context: &Context<'_>, words: &Words) -> Result<Range, Alarm> {
     if context.mdi {
-        return Err(Alarm::new(numbers::PROFILE_IN_MDI)
-            .because("G70 to G73 with P, Q run in automatic mode only"));
+        return Err(Alarm::new(number::PROFILE_IN_MDI).because(say::profile_in_mdi()));
+    }
+    if context.place.program == ProgramId::Dnc {
+        return Err(Alarm::new(number::PROFILE_MISSING).because(say::profile_in_dnc()));
     }
     let (Some(ns), Some(nf)) = (words.p, words.q) else {
-        return Err(Alarm::new(numbers::PROFILE_WORDS)
-            .because("the cycle needs P(ns) and Q(nf), the ends of its profile"));
+        return Err(Alarm::new(number::PROFILE_WORDS).because(say::profile_words_missing()));
     };
     if ns == nf {
-        return Err(out_of_order(format!(
-            "P and Q both name N{ns:04}: a profile has at least two blocks"
-        )));
+        return Err(out_of_order(say::profile_of_one_block(ns)));
     }
     let program = program(context)?;
     let all = 0..program.block_count();
     let first = find(program, ns, all.clone()).ok_or_else(|| missing('P', ns))?;
     let Some(last) = find(program, nf, first..all.end) else {
         return Err(match find(program, nf, all) {
-            Some(_) => out_of_order(format!("N{nf:04} of Q stands before N{ns:04} of P")),
+            Some(_) => out_of_order(say::profile_end_before_begin(nf, ns)),
             None => missing('Q', nf),
         });
     };
+    once(program, 'P', ns)?;
+    once(program, 'Q', nf)?;
     let blocks = last - first + 1;
     if blocks > MOST_BLOCKS {
-        return Err(out_of_order(format!(
-            "{blocks} blocks from N{ns:04} to N{nf:04}, at most {MOST_BLOCKS} may be"
+        return Err(out_of_order(say::profile_too_long(
+            blocks,
+            ns,
+            nf,
+            MOST_BLOCKS,
         )));
     }
     Ok(Range { first, last })
@@ -110,20 +115,36 @@ pub(crate) fn program<'a>(context: &Context<'a>) -> Result<&'a Program, Alarm> {
     context
         .programs
         .get(context.place.program)
-        .ok_or_else(|| Alarm::new(numbers::PROGRAM_MISSING).because("the program is gone"))
+        .ok_or_else(|| Alarm::new(number::PROGRAM_MISSING).because(say::program_gone()))
 }
 
 fn find(program: &Program, number: i64, range: core::ops::Range<u32>) -> Option<u32> {
     program.find_sequence_block(u16::try_from(number).ok()?, range)
 }
 
-fn missing(address: char, number: i64) -> Alarm {
-    Alarm::new(numbers::PROFILE_MISSING)
-        .because(format!("{address}{number}: no such N in the program"))
+/// The numbers of P and Q must not coincide in the program (manual I-3.2.6.7).
+fn once(program: &Program, address: char, number: i64) -> Result<(), Alarm> {
+    let end = program.block_count();
+    let Some(first) = find(program, number, 0..end) else {
+        return Ok(());
+    };
+    let Some(again) = find(program, number, first + 1..end) else {
+        return Ok(());
+    };
+    Err(out_of_order(say::profile_number_twice(
+        number,
+        address,
+        program.block_line(first),
+        program.block_line(again),
+    )))
 }
 
-fn out_of_order(detail: String) -> Alarm {
-    Alarm::new(numbers::PROFILE_RANGE).because(detail)
+fn missing(address: char, number: i64) -> Alarm {
+    Alarm::new(number::PROFILE_MISSING).because(say::profile_number_missing(address, number))
+}
+
+fn out_of_order(detail: Message) -> Alarm {
+    Alarm::new(number::PROFILE_RANGE).because(detail)
 }
 
 /// The words of each block of a range, in order; alarms 064 and 066 for what
@@ -150,24 +171,21 @@ fn walk(
 
 /// An alarm of a profile's block belongs to the cycle; its text names the line.
 fn in_profile(alarm: &Alarm, line: u32) -> Alarm {
-    let detail = alarm.detail.as_deref().unwrap_or_default();
-    Alarm::new(alarm.number).because(format!("profile, line {line}: {detail}"))
+    let detail = alarm.detail.clone().unwrap_or_else(|| "".into());
+    Alarm::new(alarm.number).because(say::in_profile(line, detail))
 }
 
 fn check_codes(context: &Context<'_>, words: &Words, motion: u8) -> Result<(), Alarm> {
     if let Some(code @ (98 | 99)) = words.m {
-        return Err(Alarm::new(numbers::PROFILE_CALL)
-            .because(format!("M{code} must not stand in a profile")));
+        return Err(Alarm::new(number::PROFILE_CALL).because(say::profile_calls(code)));
     }
     if special_call::find(words, context)?.is_some() {
-        return Err(Alarm::new(numbers::PROFILE_CALL)
-            .because("a code that calls a subprogram must not stand in a profile"));
+        return Err(Alarm::new(number::PROFILE_CALL).because(say::profile_calls_by_code()));
     }
     let foreign = words.one_shot.is_some_and(|code| code != OneShot::Dwell);
     let moves = words.motion.is_some() || (words.one_shot.is_none() && words.has_axis_words());
     if foreign || (moves && motion > 3) {
-        return Err(Alarm::new(numbers::PROFILE_CODE)
-            .because("a profile has only G00, G01, G02, G03 and G04"));
+        return Err(Alarm::new(number::PROFILE_CODE).because(say::profile_code_wrong()));
     }
     Ok(())
 }
@@ -189,7 +207,7 @@ pub(crate) fn check(state: &State, context: &Context<'_>, range: Range) -> Resul
 
 /// A chamfer needs a block after it. Arcs have I, K and R of their own.
 fn last_corner() -> Alarm {
-    Alarm::new(numbers::ARC_DATA).because("a chamfer or corner arc in the last block")
+    Alarm::new(number::ARC_DATA).because(say::profile_corner_at_end())
 }
 
 /// The contour of a range, as the same rules read it that run it. F, S, T and M
@@ -214,7 +232,7 @@ pub(crate) fn evaluate(
         &mut |index, words, motion| {
             let line = program.block_line(index);
             if index == range.first && !matches!(words.motion, Some(0 | 1)) {
-                return Err(bad_start("ns needs G00 or G01"));
+                return Err(bad_start(say::profile_begin_code()));
             }
             let words = words.path_only();
             let next = if motion == 1 && corner::is_asked(&words) {
@@ -244,20 +262,20 @@ pub(crate) fn evaluate(
                 if index > range.first {
                     steps.push(step);
                 } else if entry.replace(step).is_some() {
-                    return Err(bad_start("ns has no chamfer and no corner arc"));
+                    return Err(bad_start(say::profile_begin_with_corner()));
                 }
             }
             Ok(())
         },
     )?;
     let Some(entry) = entry else {
-        return Err(bad_start("ns has no X or Z"));
+        return Err(bad_start(say::profile_begin_without_axis()));
     };
     if !steps
         .iter()
         .any(|step| !matches!(step.shape, Shape::Dwell { .. }))
     {
-        return Err(bad_start("the profile has no motion after ns"));
+        return Err(bad_start(say::profile_without_motion()));
     }
     Ok(Profile {
         start: state.position,
@@ -310,6 +328,6 @@ fn step(action: &Action, shift: Shift, rest: Exact, line: u32) -> Option<Step> {
 }
 
 /// Alarm 065.
-pub(crate) fn bad_start(detail: impl Into<String>) -> Alarm {
-    Alarm::new(numbers::PROFILE_START).because(detail)
+pub(crate) fn bad_start(detail: Message) -> Alarm {
+    Alarm::new(number::PROFILE_START).because(detail)
 }

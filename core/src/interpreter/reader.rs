@@ -1,27 +1,31 @@
 //! The interpreter itself: reads blocks as far as it may and hands out their
 //! commands one at a time.
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::{Action, Command, Frame, ProgramId, Source};
 use crate::compensation::Compensation;
-use crate::interpreter::block::{self, Context};
+use crate::interpreter::block;
+use crate::interpreter::context::{Compensated, Context};
 use crate::interpreter::exact::Exact;
 use crate::interpreter::explanation::{Explanation, Note};
+use crate::interpreter::flow::Flow;
 use crate::interpreter::host::{Host, Step};
 use crate::interpreter::jump::Jumps;
 use crate::interpreter::lookahead::Reading;
+use crate::interpreter::machine_codes::MachineCodes;
 use crate::interpreter::macro_block::Outcome;
-use crate::interpreter::miscellaneous::MachineCodes;
-use crate::interpreter::nose_compensation::{Compensated, check_call};
+use crate::interpreter::nose_radius::check_call;
+use crate::interpreter::place::{Call, Place};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
 use crate::interpreter::state::State;
-use crate::interpreter::subprogram::{self, Flow, Place};
+use crate::interpreter::subprogram;
 use crate::interpreter::variable::NotNow;
 use crate::interpreter::words::Words;
-use crate::interpreter::{Modal, corner, inch, lookahead, macro_block, numbers, variable};
+use crate::interpreter::{Modal, corner, inch, lookahead, macro_block, variable};
 use crate::memory::Parameters;
 use crate::program::{Block, Program, Syntax};
 use crate::units::{Axis, Point};
@@ -66,6 +70,8 @@ enum Read {
     Planned,
     /// It must not be read yet.
     Wait,
+    /// It has not come through the line yet.
+    Starved,
     /// There is nothing in it.
     Skipped,
     /// The text is over.
@@ -76,6 +82,8 @@ enum Read {
 pub(crate) enum Advance {
     Command(Command),
     Wait,
+    /// What follows has not come through the line yet.
+    Starved,
     Ended,
 }
 
@@ -83,7 +91,7 @@ impl Interpreter {
     /// The interpreter at power-on, without a run.
     pub fn new(parameters: &Parameters) -> Self {
         let modal = Modal {
-            tool: u8::try_from(parameters.value(75)).unwrap_or(0),
+            tool: parameters.tool_in_position(),
             ..Modal::default()
         };
         Self {
@@ -105,6 +113,15 @@ impl Interpreter {
     /// The modal state after the block read last.
     pub const fn modal(&self) -> &Modal {
         &self.state.modal
+    }
+
+    /// Spindle and coolant stopped without a program: the last M code is the one for that.
+    pub(crate) const fn machine_stopped(&mut self) {
+        self.state.modal.m = match self.state.modal.m {
+            Some(3 | 4) => Some(5),
+            Some(8) => Some(9),
+            other => other,
+        };
     }
 
     /// The thread lead in force, mm; zero = none yet.
@@ -144,6 +161,19 @@ impl Interpreter {
     /// How many subprogram calls are under way.
     pub fn depth(&self) -> usize {
         self.run().calls.len()
+    }
+
+    /// The block of the program coming in through the line that is read next; none
+    /// while a place in it is kept.
+    pub(crate) fn next_coming_in(&self) -> Option<u32> {
+        let run = &self.main;
+        let free = run.plan.is_none() && run.calls.is_empty() && run.finishing.is_none();
+        (free && run.place.program == ProgramId::Dnc).then_some(run.place.block)
+    }
+
+    /// So many blocks in front of that one are gone.
+    pub(crate) const fn blocks_gone(&mut self, count: u32) {
+        self.main.place.block = self.main.place.block.saturating_sub(count);
     }
 
     /// Whether commands of the block read last are still to come.
@@ -262,7 +292,7 @@ impl Interpreter {
     pub fn next(&mut self, host: &mut impl Host) -> Result<Step, Alarm> {
         Ok(match self.advance(host)? {
             Advance::Command(command) => Step::Command(Box::new(command)),
-            Advance::Wait => Step::Wait,
+            Advance::Wait | Advance::Starved => Step::Wait,
             Advance::Ended => Step::Ended,
         })
     }
@@ -288,6 +318,7 @@ impl Interpreter {
                 Read::Planned => {}
                 Read::Skipped => self.run_mut().place.block += 1,
                 Read::Wait => return Ok(Advance::Wait),
+                Read::Starved => return Ok(Advance::Starved),
                 Read::Ended => self.run_mut().ended = true,
             }
         }
@@ -324,13 +355,16 @@ impl Interpreter {
         if let Some(finishing) = run.finishing.filter(|profile| profile.is_over(place)) {
             // The last block of the profile ends square to itself.
             self.compensation.flush();
-            let mut plan = finishing.back(&mut self.state);
+            let mut plan = Plan::after_profile(&finishing, &mut self.state);
             plan.whole = true;
             self.run_mut().finishing = None;
             self.note(plan.source);
             return Ok(self.planned(plan));
         }
         if place.block >= program.block_count() {
+            if mdi.is_none() && host.programs().goes_on(place.program) {
+                return Ok(Read::Starved);
+            }
             return self.end_of_text(program.line_count(), host);
         }
         let syntax = Syntax {
@@ -381,7 +415,17 @@ impl Interpreter {
             skipping,
             host: &*host,
         };
-        let next = if corner::is_possible(&words, &self.state.modal) {
+        let corner = corner::is_possible(&words, &self.state.modal);
+        // How a corner or a thread ends depends on the block behind it, and not on
+        // when that comes through the line.
+        let coming = mdi.is_none() && host.programs().may_bring_another(place.program);
+        if coming
+            && (corner || is_thread(&words, &self.state.modal))
+            && !reading.has_next(place.block)
+        {
+            return Ok(Read::Starved);
+        }
+        let next = if corner {
             match reading.words_after(place.block, 1) {
                 Ok(next) => next,
                 Err(NotNow::Wait) => return Ok(Read::Wait),
@@ -409,7 +453,8 @@ impl Interpreter {
         Ok(self.planned(plan))
     }
 
-    /// G65: acts while it is read.
+    /// G65: acts while it is read; as a code of group 00 it clears the stored
+    /// words of G90, G92 and G94 (manual I-3.2.5.3).
     fn operate<H: Host>(
         &mut self,
         block: &Block,
@@ -438,11 +483,15 @@ impl Interpreter {
                         .get(place.program)
                         .ok_or_else(|| missing(place.program))?,
                 };
-                let target = self.jumps.target(program, place, p);
+                let target = match place.program {
+                    ProgramId::Dnc => Err(Alarm::new(number::BAD_JUMP).because(say::jump_in_dnc())),
+                    _ => self.jumps.target(program, place, p),
+                };
                 let block = target.map_err(|alarm| alarm.at(source))?;
                 plan.flow = Flow::Jump(Place { block, ..place });
             }
         }
+        self.state.cycle.clear_end();
         self.note(source);
         Ok(self.planned(plan))
     }
@@ -466,7 +515,8 @@ impl Interpreter {
                 machine_codes: self.machine_codes,
                 ..context(host, source, run.place, &run.calls, false, &|_, _| Ok(None))
             };
-            check_call(&self.state, &context, &plan).map_err(|alarm| alarm.at(source))?;
+            check_call(&self.state, &context, plan.motion.is_contour())
+                .map_err(|alarm| alarm.at(source))?;
             plan.flow = subprogram::back(&context, None)?;
             return Ok(self.planned(plan));
         }
@@ -511,11 +561,17 @@ impl Interpreter {
     }
 }
 
+/// Whether a block cuts a thread that may go on in the next one.
+fn is_thread(words: &Words, modal: &Modal) -> bool {
+    let motion = words.motion.unwrap_or(modal.motion);
+    matches!(motion, 32 | 34) && words.one_shot.is_none() && words.has_axis_words()
+}
+
 fn context<'a, H: Host>(
     host: &'a H,
     source: Source,
     place: Place,
-    calls: &'a [subprogram::Call],
+    calls: &'a [Call],
     mdi: bool,
     read: &'a dyn Fn(u32, u8) -> Result<Option<Words>, Alarm>,
 ) -> Context<'a> {
@@ -542,5 +598,5 @@ fn context<'a, H: Host>(
 }
 
 fn missing(program: ProgramId) -> Alarm {
-    Alarm::new(numbers::PROGRAM_MISSING).because(format!("{program:?} is not there"))
+    Alarm::new(number::PROGRAM_MISSING).because(say::program_not_there(format_args!("{program:?}")))
 }

@@ -10,17 +10,18 @@
 //! and zero signal); where it is, and with it the coordinates, is known only then:
 //! nothing is read until the return is finished.
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::block::Context;
+use crate::interpreter::context::Context;
+use crate::interpreter::emission::Emission;
 use crate::interpreter::exact::{Exact, PER_MM};
-use crate::interpreter::numbers;
-use crate::interpreter::plan::Emission;
 use crate::interpreter::positioning;
 use crate::interpreter::state::State;
 use crate::interpreter::words::{AxisWords, Target};
+use crate::memory::parameter;
 use crate::units::{Axis, PerAxis, Point};
 
 /// A return under way.
@@ -51,9 +52,9 @@ impl Reference {
         let sought = PerAxis::new(moved.x && !referenced.x, moved.z && !referenced.z);
         for (axis, name) in [(Axis::X, "X"), (Axis::Z, "Z")] {
             if *sought.get(axis) && !context.parameters.has_zero_switch(axis) {
-                return Err(Alarm::new(numbers::ZERO_UNDEFINED).because(format!(
-                    "{name} has no zero switch (014) and no machine zero has been set for it"
-                )));
+                return Err(
+                    Alarm::new(number::ZERO_UNDEFINED).because(say::zero_undefined_of_axis(name))
+                );
             }
         }
         let through =
@@ -61,7 +62,10 @@ impl Reference {
         let intermediate = state.machine(through);
         let mut reference = intermediate;
         let before = (state.zero, state.offset);
-        for (axis, number) in [(Axis::X, 49), (Axis::Z, 50)] {
+        for (axis, number) in [
+            (Axis::X, parameter::X_AT_REFERENCE),
+            (Axis::Z, parameter::Z_AT_REFERENCE),
+        ] {
             if !*moved.get(axis) {
                 continue;
             }

@@ -10,26 +10,24 @@
 //!     +--------------------------------> Z   G72: the same with X and Z exchanged
 //! ```
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::block::Context;
+use crate::interpreter::context::Context;
 use crate::interpreter::contour::{Flat, Signs, View, end_of_cut};
-use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
 use crate::interpreter::exact::{Exact, PER_MM, mm};
 use crate::interpreter::explanation::Note;
-use crate::interpreter::numbers;
-use crate::interpreter::plan::Writes;
+use crate::interpreter::moves::{Move, Shift};
 use crate::interpreter::positioning::{feed, within_stroke};
 use crate::interpreter::profile::{self, Profile, Range, Shape, Step, bad_start};
 use crate::interpreter::state::State;
 use crate::interpreter::words::Words;
+use crate::interpreter::writes::Writes;
+use crate::memory::parameter;
 use crate::units::{Axis, Feed, Point};
 
-/// Parameters: depth of cut and retract, in thousandths, radii.
-const DEPTH: u16 = 51;
-const RETRACT: u16 = 52;
 /// Half units in a thousandth of a millimetre.
 const PER_MICRON: i64 = 2 * PER_MM / 1000;
 
@@ -80,9 +78,9 @@ pub(crate) fn store(view: View, words: &Words, writes: &mut Writes) -> Result<()
     };
     if let Some(depth) = depth {
         if depth <= 0 {
-            return Err(fault(format!("{name} = {:.3} must be above 0", mm(depth))));
+            return Err(fault(say::cycle_depth_not_positive(name, mm(depth))));
         }
-        writes.push_length(DEPTH, depth);
+        writes.push_length(parameter::ROUGHING_DEPTH, depth);
     }
     store_retract(words, writes)
 }
@@ -91,9 +89,9 @@ pub(crate) fn store(view: View, words: &Words, writes: &mut Writes) -> Result<()
 fn store_retract(words: &Words, writes: &mut Writes) -> Result<(), Alarm> {
     if let Some(retract) = words.r {
         if retract < 0 {
-            return Err(fault(format!("R(e) = {:.3} is negative", mm(retract))));
+            return Err(fault(say::cycle_retract_negative(mm(retract))));
         }
-        writes.push_length(RETRACT, retract);
+        writes.push_length(parameter::ROUGHING_RETRACT, retract);
     }
     Ok(())
 }
@@ -106,17 +104,15 @@ pub(crate) fn plan(
     words: &Words,
     range: Range,
     writes: &mut Writes,
-) -> Result<Cycle, Alarm> {
+) -> Result<Roughing, Alarm> {
     store_retract(words, writes)?;
     let parameter = |number| i64::from(writes.value(number, context.parameters));
     let (cut, escape) = (
-        parameter(DEPTH) * PER_MICRON,
-        parameter(RETRACT) * PER_MICRON,
+        parameter(parameter::ROUGHING_DEPTH) * PER_MICRON,
+        parameter(parameter::ROUGHING_RETRACT) * PER_MICRON,
     );
     if cut <= 0 {
-        return Err(fault(
-            "no depth of cut: Δd was never given and parameter 051 is 0".into(),
-        ));
+        return Err(fault(say::cycle_depth_missing()));
     }
     let feed = feed(&state.modal)?;
     let profile = profile::evaluate(state, context, range)?;
@@ -147,7 +143,7 @@ pub(crate) fn plan(
         steps: profile.steps,
     };
     roughing.check_stroke(context.x_factor)?;
-    Cycle::begin(state, Maker::Roughing(roughing))
+    Ok(roughing)
 }
 
 /// ns moves the axis of the levels only; alarm 065.
@@ -157,8 +153,8 @@ fn check_entry(view: View, profile: &Profile) -> Result<(), Alarm> {
         return Ok(());
     }
     Err(bad_start(match view {
-        View::Turning => "ns of G71 moves X only, not Z",
-        View::Facing => "ns of G72 moves Z only, not X",
+        View::Turning => say::profile_begin_moves_z(),
+        View::Facing => say::profile_begin_moves_x(),
     }))
 }
 
@@ -304,6 +300,6 @@ pub(crate) fn follow(step: &Step, shift: Shift, feed: Feed, note: Note) -> Move 
     }
 }
 
-fn fault(detail: String) -> Alarm {
-    Alarm::new(numbers::CYCLE_DATA).because(detail)
+fn fault(detail: Message) -> Alarm {
+    Alarm::new(number::CYCLE_DATA).because(detail)
 }

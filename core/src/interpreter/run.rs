@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::command::{Command, ProgramId, Source};
 use crate::interpreter::explanation::Note;
-use crate::interpreter::finishing::Finishing;
+use crate::interpreter::flow::Finishing;
+use crate::interpreter::flow::Flow;
+use crate::interpreter::place::{Call, Place};
 use crate::interpreter::plan::Plan;
-use crate::interpreter::subprogram::{Call, Flow, Place};
 
 /// One run over programs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -7,10 +7,12 @@
 //!   T15  O9215      T10–T99 of two digits
 //! ```
 
-use crate::alarm::Alarm;
-use crate::interpreter::block::Context;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::interpreter::context::Context;
+use crate::interpreter::miscellaneous;
 use crate::interpreter::words::{OneShot, Words};
-use crate::interpreter::{miscellaneous, numbers};
 
 /// What S and T of such calls may be.
 const CODES: core::ops::RangeInclusive<i64> = 10..=99;
@@ -58,9 +60,9 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
     for (address, first, code) in [('M', 9000, m), ('S', 9100, s), ('T', 9200, t)] {
         let Some(code) = code else { continue };
         if found.is_some() || (address != 'M' && matches!(words.m, Some(30 | 98 | 99))) {
-            return Err(Alarm::new(numbers::TWO_CALLS).because(format!(
-                "{address}{code:02}: a block calls or ends only once"
-            )));
+            return Err(
+                Alarm::new(number::TOO_MANY_WORDS).because(say::call_twice_in_block(address, code))
+            );
         }
         found = Some(SpecialCall {
             program: first + code as u16,
@@ -74,11 +76,11 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
 /// Nothing is called from the MDI page.
 fn in_mdi(m: Option<i64>, s: Option<i64>, t: Option<i64>) -> Option<Alarm> {
     let (number, name, code) = match (m, s, t) {
-        (Some(m), ..) => (numbers::BAD_M, 'M', m),
-        (_, Some(s), _) => (numbers::BAD_VALUE, 'S', s),
-        (_, _, Some(t)) => (numbers::BAD_TOOL, 'T', t),
+        (Some(m), ..) => (number::BAD_M, 'M', m),
+        (_, Some(s), _) => (number::BAD_VALUE, 'S', s),
+        (_, _, Some(t)) => (number::BAD_TOOL, 'T', t),
         _ => return None,
     };
-    let detail = format!("{name}{code:02} calls a subprogram, which MDI cannot");
+    let detail = say::call_in_mdi(name, code);
     Some(Alarm::new(number).because(detail))
 }

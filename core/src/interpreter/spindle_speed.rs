@@ -5,11 +5,12 @@
 //!   G96 S  m/min        G50 S: greatest n, 043: smallest n under G96
 //! ```
 
-use crate::alarm::Alarm;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
 use crate::command::SpindleCommand;
-use crate::interpreter::block::Context;
+use crate::interpreter::context::Context;
 use crate::interpreter::exact::mm;
-use crate::interpreter::numbers;
 use crate::interpreter::state::State;
 use crate::interpreter::words::Words;
 
@@ -41,7 +42,7 @@ pub(crate) fn evaluate(
             state.surface,
             mm(state.position.x),
             state.spindle_limit,
-            f64::from(context.parameters.value(43)),
+            context.parameters.surface_lowest(),
         ))),
     };
     if let SpindleCommand::Surface(speed) | SpindleCommand::Speed(speed) = command {
@@ -58,9 +59,7 @@ fn stepped(state: &mut State, s: Option<i64>) -> Result<Option<SpindleCommand>, 
     let step = match u8::try_from(s % 100) {
         Ok(step) if step <= 4 => step,
         _ => {
-            return Err(Alarm::new(numbers::BAD_VALUE).because(format!(
-                "S{s}: the stepped spindle (001.4 = 0) has S00 to S04"
-            )));
+            return Err(Alarm::new(number::BAD_VALUE).because(say::spindle_step_unknown(s)));
         }
     };
     state.modal.spindle = f64::from(step);

@@ -7,63 +7,22 @@
 //!         +------ count      of the caller; in the main program: from the start
 //! ```
 
-use serde::{Deserialize, Serialize};
+use gsk_messages::say;
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
-use crate::interpreter::block::Context;
-use crate::interpreter::finishing::Finishing;
-use crate::interpreter::numbers;
+use crate::interpreter::context::Context;
+use crate::interpreter::flow::Flow;
+use crate::interpreter::place::{Call, Place};
 use crate::interpreter::special_call::SpecialCall;
 
 /// Levels of calls.
 const LEVELS: usize = 4;
 
-/// Where the next block is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Place {
-    pub(crate) program: ProgramId,
-    /// Index of the block, from 0.
-    pub(crate) block: u32,
-}
-
-/// A call under way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Call {
-    /// The program called.
-    pub(crate) program: ProgramId,
-    /// How many runs are left, the present one included.
-    pub(crate) runs: u16,
-    /// The block after the call.
-    pub(crate) back: Place,
-}
-
-/// What follows a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Flow {
-    /// The next line.
-    #[default]
-    Next,
-    /// Another place; calls stay as they are.
-    Jump(Place),
-    /// G70: the blocks of its profile, and back.
-    Finish(Finishing),
-    /// The next run of the innermost call.
-    Again,
-    /// M98.
-    Call(Call),
-    /// The end of the innermost call, going on here.
-    Return(Place),
-    /// The end of the run.
-    End,
-}
-
 /// M98.
 pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let Some(p) = p else {
-        return Err(
-            Alarm::new(numbers::CALL_WITHOUT_P).because("M98 needs P with the program number")
-        );
+        return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::call_without_program()));
     };
     let (count, number) = (p / 10_000, p % 10_000);
     let runs = u16::try_from(count).unwrap_or(u16::MAX).max(1);
@@ -88,14 +47,14 @@ fn enter(
     name: &core::fmt::Arguments<'_>,
 ) -> Result<Flow, Alarm> {
     if context.calls.len() >= LEVELS {
-        return Err(Alarm::new(numbers::CALL_TOO_DEEP).because(format!(
-            "{name} would be call level {} of {LEVELS}",
-            LEVELS + 1
-        )));
+        return Err(
+            Alarm::new(number::CALL_TOO_DEEP).because(say::call_too_deep(name, LEVELS + 1, LEVELS)),
+        );
     }
     let Some(program) = find_program(context, number) else {
-        return Err(Alarm::new(numbers::TARGET_MISSING)
-            .because(format!("{name}: program O{number:04} is not in the memory")));
+        return Err(
+            Alarm::new(number::TARGET_MISSING).because(say::call_program_missing(name, number))
+        );
     };
     Ok(Flow::Call(Call {
         program,
@@ -136,6 +95,9 @@ pub(crate) fn back(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm>
 /// M99 of the main program.
 fn restart(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
     let program = context.place.program;
+    if program == ProgramId::Dnc {
+        return Err(Alarm::new(number::TARGET_MISSING).because(say::jump_in_dnc()));
+    }
     let block = match p {
         None => 0,
         Some(n) => find_block(context, program, n)?,
@@ -153,13 +115,14 @@ pub(crate) fn repeats(context: &Context<'_>, flow: Flow) -> bool {
 }
 
 fn find_block(context: &Context<'_>, program: ProgramId, n: i64) -> Result<u32, Alarm> {
+    if program == ProgramId::Dnc {
+        return Err(Alarm::new(number::TARGET_MISSING).because(say::jump_in_dnc()));
+    }
     let block = u16::try_from(n).ok().and_then(|n| {
         let text = context.programs.get(program)?;
         text.find_sequence_block(n, 0..text.block_count())
     });
-    block.ok_or_else(|| {
-        Alarm::new(numbers::TARGET_MISSING).because(format!("M99 P{n}: no block N{n:04} there"))
-    })
+    block.ok_or_else(|| Alarm::new(number::TARGET_MISSING).because(say::return_target_missing(n)))
 }
 
 fn after(context: &Context<'_>) -> Place {

@@ -6,18 +6,18 @@
 //!     +--------------------------> Z   L starts: again, 360°/L further each time
 //! ```
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::Action;
-use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
 use crate::interpreter::exact::Exact;
 use crate::interpreter::explanation::Note;
-use crate::interpreter::plan::Motion;
+use crate::interpreter::moves::{Move, Shift};
 use crate::interpreter::positioning::within_stroke;
 use crate::interpreter::state::State;
+use crate::interpreter::thread;
 use crate::interpreter::words::{AxisWords, Words};
-use crate::interpreter::{numbers, thread};
 use crate::units::Point;
 
 /// The holes still to be tapped at the same place.
@@ -38,15 +38,14 @@ pub(crate) fn plan(
     axes: &AxisWords,
     base: Exact,
     x_factor: i64,
-) -> Result<Motion, Alarm> {
+) -> Result<Option<Tapping>, Alarm> {
     let to = within_stroke(axes.target(base, state.position), x_factor)?;
     if to.x != state.position.x {
-        return Err(Alarm::new(numbers::BAD_ADDRESS)
-            .because("G33 taps along Z: X or U must not move the tool"));
+        return Err(Alarm::new(number::BAD_ADDRESS).because(say::tap_moves_x()));
     }
     let lead = thread::lead(state)?;
     if to == state.position {
-        return Ok(Motion::None);
+        return Ok(None);
     }
     let starts = u32::try_from(words.l.unwrap_or(1)).unwrap_or(1);
     let tapping = Tapping {
@@ -57,8 +56,7 @@ pub(crate) fn plan(
         starts,
     };
     state.arrive(axes, state.position);
-    let cycle = Cycle::begin(state, Maker::Tapping(tapping))?;
-    Ok(Motion::Cycle(Box::new(cycle)))
+    Ok(Some(tapping))
 }
 
 impl Tapping {

@@ -10,12 +10,12 @@
 //!     +---------------------> Z    lead: of the long axis, a revolution
 //! ```
 
-use crate::alarm::Alarm;
+use gsk_messages::{Message, say};
+
+use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadStart};
-use crate::interpreter::cycle::Shift;
 use crate::interpreter::exact::{Exact, PER_MM, mm, scaled};
-use crate::interpreter::numbers;
-use crate::interpreter::plan::{Motion, Two};
+use crate::interpreter::moves::{Shift, Two};
 use crate::interpreter::positioning::within_stroke;
 use crate::interpreter::state::State;
 use crate::interpreter::words::{AxisWords, OneShot, Words};
@@ -43,17 +43,14 @@ pub(crate) fn takes_lead(words: &Words, motion: u8) -> bool {
 pub(crate) fn take_lead(state: &mut State, words: &Words) -> Result<(), Alarm> {
     if let Some(lead) = words.f {
         if !LEADS.contains(&lead) {
-            return Err(out_of_range(format!(
-                "thread lead F{lead} is outside 0.001 to 500 mm"
-            )));
+            return Err(out_of_range(say::thread_lead_out_of_range(lead)));
         }
         state.lead = lead;
     } else if let Some(threads) = words.i {
         if !PER_INCH.contains(&threads) {
-            return Err(out_of_range(format!(
-                "I{:.3} threads an inch are outside 0.06 to 25400",
-                mm(threads)
-            )));
+            return Err(out_of_range(say::threads_per_inch_out_of_range(mm(
+                threads,
+            ))));
         }
         state.lead = MM_PER_INCH / mm(threads);
     }
@@ -65,8 +62,7 @@ pub(crate) fn lead(state: &State) -> Result<f64, Alarm> {
     if state.lead > 0.0 {
         return Ok(state.lead);
     }
-    Err(Alarm::new(numbers::NO_FEED)
-        .because("a thread needs its lead: F, or I threads an inch, given in it or before"))
+    Err(Alarm::new(number::NO_FEED).because(say::thread_lead_missing()))
 }
 
 /// The axis that counts: the one with the greater displacement, X as a radius.
@@ -208,11 +204,10 @@ pub(crate) fn plan(
     axes: &AxisWords,
     base: Exact,
     x_factor: i64,
-) -> Result<Motion, Alarm> {
+) -> Result<Two, Alarm> {
     let variable = state.modal.motion == 34;
     if words.r.is_some() && !variable {
-        return Err(Alarm::new(numbers::ARC_DATA)
-            .because("R in a thread block: a thread has no corner arc"));
+        return Err(Alarm::new(number::ARC_DATA).because(say::thread_with_corner_arc()));
     }
     let (from, to) = (
         state.position,
@@ -220,7 +215,7 @@ pub(crate) fn plan(
     );
     let lead = lead(state)?;
     if from == to {
-        return Ok(Motion::None);
+        return Ok(Two::default());
     }
     let long = long_axis(from, to);
     let mut cut = Cut {
@@ -239,9 +234,9 @@ pub(crate) fn plan(
             cut.length((to.get(long) - from.get(long)).abs()),
         );
         if !LEADS.contains(&end) {
-            return Err(out_of_range(format!(
-                "G34: lead {lead} with R{} leaves 0.001 to 500 mm before the end",
-                cut.increase
+            return Err(out_of_range(say::thread_lead_leaves_range(
+                lead,
+                cut.increase,
             )));
         }
     }
@@ -259,11 +254,8 @@ pub(crate) fn plan(
     } else {
         ThreadStart::AtIndex { degrees: 0.0 }
     };
-    let motion = match cut.actions(Shift::of(state), start) {
-        (Some(thread), Some(tail)) => Motion::Two(Two::then(thread, tail)),
-        (Some(action), None) | (None, Some(action)) => Motion::One(action),
-        (None, None) => Motion::None,
-    };
+    let (first, second) = cut.actions(Shift::of(state), start);
+    let motion = Two { first, second };
     state.arrive(axes, end);
     state.ahead = state.ahead + to - end;
     Ok(motion)
@@ -275,14 +267,11 @@ fn change(r: Option<i64>) -> Result<f64, Alarm> {
         return Ok(0.0);
     };
     if !CHANGES.contains(&r.abs()) {
-        return Err(out_of_range(format!(
-            "G34: R{:.3} is outside ±0.001 to ±500",
-            mm(r)
-        )));
+        return Err(out_of_range(say::thread_lead_change_out_of_range(mm(r))));
     }
     Ok(mm(r))
 }
 
-fn out_of_range(detail: String) -> Alarm {
-    Alarm::new(numbers::OUT_OF_RANGE).because(detail)
+fn out_of_range(detail: Message) -> Alarm {
+    Alarm::new(number::OUT_OF_RANGE).because(detail)
 }

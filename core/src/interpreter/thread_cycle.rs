@@ -9,16 +9,16 @@
 //!     +---------------------------------> Z    L starts: all again, 360°/L on
 //! ```
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::{Action, BeyondPass, ThreadStart};
 use crate::interpreter::box_cycle::check_taper;
-use crate::interpreter::cycle::{Cycle, Maker, Move, Shift};
 use crate::interpreter::cycle_words::CycleData;
 use crate::interpreter::exact::{Exact, PER_MM, to_units};
 use crate::interpreter::explanation::Note;
-use crate::interpreter::numbers;
+use crate::interpreter::moves::{Move, Shift};
 use crate::interpreter::positioning::within_stroke;
 use crate::interpreter::state::State;
 use crate::interpreter::tapping::phase;
@@ -83,12 +83,11 @@ pub(crate) fn plan(
     parameters: &Parameters,
     data: CycleData,
     x_factor: i64,
-) -> Result<Cycle, Alarm> {
+) -> Result<ThreadCycle, Alarm> {
     let (a, c) = (state.position, data.end);
     check_taper(data.r, (c.x - a.x) / 2, ("G92", "U/2"))?;
     if c.z == a.z {
-        return Err(Alarm::new(numbers::CYCLE_TAPER)
-            .because("G92: W is 0, there is no thread to cut along Z"));
+        return Err(Alarm::new(number::CYCLE_TAPER).because(say::thread_without_length()));
     }
     let lead = thread::lead(state)?;
     let b = Exact::new(c.x + 2 * data.r, a.z);
@@ -123,12 +122,12 @@ pub(crate) fn plan(
         starts: u32::try_from(data.starts).unwrap_or(1),
         step: 0,
     };
-    Cycle::begin(state, Maker::Thread(cycle))
+    Ok(cycle)
 }
 
 /// The run-out by parameter 019, in units of [`Exact`]: tenths of the lead.
 pub(crate) fn run_out_width(parameters: &Parameters, lead: f64) -> i64 {
-    to_units(f64::from(parameters.value(19)) * 0.1 * lead * PER_MM as f64)
+    to_units(f64::from(parameters.run_out_tenths()) * 0.1 * lead * PER_MM as f64)
 }
 
 impl ThreadCycle {

@@ -7,12 +7,13 @@
 //!     +----- tool; left out: only the offset changes
 //! ```
 
-use crate::alarm::Alarm;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::compensation::Nose;
-use crate::interpreter::block::Context;
+use crate::interpreter::context::Context;
 use crate::interpreter::exact::Exact;
-use crate::interpreter::numbers;
 use crate::interpreter::state::State;
 use crate::units::PerAxis;
 
@@ -53,13 +54,12 @@ impl ToolWord {
         let tool = match u8::try_from(tool) {
             Ok(number) if tool <= last => number,
             _ if gang => {
-                return Err(Alarm::new(numbers::TOOL_TOO_GREAT)
-                    .because(format!("T{value:04}: tool {tool} is above {LAST_TOOL}")));
+                return Err(Alarm::new(number::TOOL_TOO_GREAT)
+                    .because(say::tool_too_great(value, tool, LAST_TOOL)));
             }
             _ => {
-                return Err(Alarm::new(numbers::BAD_TOOL).because(format!(
-                    "T{value:04}: tool {tool} of {stations} (parameter 084)"
-                )));
+                return Err(Alarm::new(number::BAD_TOOL)
+                    .because(say::tool_beyond_stations(value, tool, stations)));
             }
         };
         match u8::try_from(offset) {
@@ -67,9 +67,13 @@ impl ToolWord {
                 tool: (tool != 0).then_some(tool),
                 offset,
             }),
-            _ => Err(Alarm::new(numbers::BAD_OFFSET).because(format!(
-                "T{value:04}: offset number {offset} is above {LAST_OFFSET}"
-            ))),
+            _ => Err(
+                Alarm::new(number::BAD_OFFSET).because(say::tool_offset_too_great(
+                    value,
+                    offset,
+                    LAST_OFFSET,
+                )),
+            ),
         }
     }
 }

@@ -8,9 +8,10 @@
 //!   #1133                 F56–F59 to the ladder    |
 //! ```
 
-use crate::alarm::Alarm;
+use gsk_messages::{Message, say};
+
+use crate::alarm::{Alarm, number};
 use crate::interpreter::host::Host;
-use crate::interpreter::numbers;
 use crate::memory::Variables;
 use crate::program::{Block, BlockError, Syntax, Variable};
 
@@ -61,15 +62,15 @@ impl Slot {
     /// The variable of a number, indirection followed. Alarm 115.
     pub(crate) fn find(number: u16, host: &impl Host) -> Result<Self, Alarm> {
         if !(9000..=9999).contains(&number) {
-            return Self::direct(number).ok_or_else(|| illegal(&format!("#{number}")));
+            return Self::direct(number).ok_or_else(|| illegal(say::variable_unknown(number)));
         }
         let through = number - 9000;
         if !Variables::has(through) {
-            return Err(illegal(&format!("#{number} (through #{through})")));
+            return Err(illegal(say::variable_unknown_through(number, through)));
         }
         let meant = host.variables().get(through).unwrap_or(0);
         let slot = u16::try_from(meant).ok().and_then(Self::direct);
-        slot.ok_or_else(|| illegal(&format!("#{number} (#{through} = {meant})")))
+        slot.ok_or_else(|| illegal(say::variable_unknown_meant(number, through, meant)))
     }
 
     fn direct(number: u16) -> Option<Self> {
@@ -83,7 +84,7 @@ impl Slot {
         }
     }
 
-    /// Its value; a vacant variable is zero. Signals of the ladder only when
+    /// Its value. Signals of the ladder only when
     /// everything before is finished.
     pub(crate) fn read(self, host: &impl Host) -> Result<i64, NotNow> {
         if let Self::Common(number) = self {
@@ -108,8 +109,8 @@ impl Slot {
     pub(crate) fn check(self, value: i64, host: &impl Host) -> Result<(), NotNow> {
         let greatest = match self {
             Self::Input(_) | Self::Inputs => {
-                return Err(Alarm::new(numbers::READ_ONLY)
-                    .because("#1000 to #1015 and #1032 are inputs, nothing can be put in")
+                return Err(Alarm::new(number::READ_ONLY)
+                    .because(say::variable_read_only())
                     .into());
             }
             Self::Common(_) => return Ok(()),
@@ -119,10 +120,8 @@ impl Slot {
         };
         let fits = matches!(self, Self::Output(_)) || (0..=greatest).contains(&value);
         if !fits {
-            return Err(Alarm::new(numbers::MACRO_RANGE)
-                .because(format!(
-                    "{value} is outside 0 to {greatest}, the outputs of the word"
-                ))
+            return Err(Alarm::new(number::MACRO_RANGE)
+                .because(say::variable_word_out_of_range(value, greatest))
                 .into());
         }
         if host.slides_stand() {
@@ -147,8 +146,8 @@ impl Slot {
     }
 }
 
-fn illegal(name: &str) -> Alarm {
-    Alarm::new(numbers::BAD_VARIABLE).because(format!("{name} is no variable of this control"))
+fn illegal(detail: Message) -> Alarm {
+    Alarm::new(number::BAD_VARIABLE).because(detail)
 }
 
 /// The value that a reference stands for; the sign is the caller's.
@@ -160,8 +159,8 @@ pub(crate) fn value(variable: Variable, host: &impl Host) -> Result<i64, NotNow>
 pub(crate) fn resolve(block: Block, syntax: Syntax, host: &impl Host) -> Result<Block, NotNow> {
     let block = block.resolve(syntax, |variable| value(variable, host))?;
     if block.has_g(65) {
-        return Err(Alarm::new(numbers::BAD_IN_MACRO)
-            .because("G65 must be written as a number, not as a variable")
+        return Err(Alarm::new(number::BAD_IN_MACRO)
+            .because(say::macro_code_from_variable())
             .into());
     }
     Ok(block)

@@ -1,8 +1,10 @@
 //! The words of one block, sorted by what they mean.
 
-use crate::alarm::Alarm;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::dialect;
 use crate::interpreter::exact::Exact;
-use crate::interpreter::numbers;
 use crate::program::Block;
 use crate::units::Axis;
 
@@ -113,8 +115,7 @@ impl Words {
             }
         }
         if words.one_shot.is_some() && words.motion.is_some() {
-            return Err(Alarm::new(numbers::G_CONFLICT)
-                .because("a code of group 00 and one of group 01 in one block"));
+            return Err(Alarm::new(number::G_CONFLICT).because(say::codes_of_two_groups()));
         }
         Ok(words)
     }
@@ -138,8 +139,9 @@ impl Words {
             98 => self.per_revolution = Some(false),
             99 => self.per_revolution = Some(true),
             _ => {
-                return Err(Alarm::new(numbers::BAD_G)
-                    .because(format!("G{code:02} is not a code of this control")));
+                let rule = say::g_unknown(code);
+                let detail = dialect::advised(rule, dialect::instead_of_g(code));
+                return Err(Alarm::new(number::BAD_G).because(detail));
             }
         }
         Ok(())

@@ -2,12 +2,13 @@
 //!
 //! ```text
 //!  pulses ─► servo ─► motor ─► screw with its play ─► slide
-//!            v = gain · lag    zero signal            dog, limit switches
+//!            v = gain · lag    zero signal            dog, limit switches, ends
 //! ```
 
 use serde::{Deserialize, Serialize};
 
 use super::config::AxisConfig;
+use super::io::OverLimit;
 use crate::axis::{motor_reversed, pulse_weight};
 use crate::memory::Parameters;
 use crate::units::{Axis, Pulses, TICK_S};
@@ -42,13 +43,19 @@ pub(super) struct AxisDrive {
     /// Last command count.
     last: i64,
     servo: Option<Servo>,
-    /// The following error became too large: the drive is off.
+    /// The following error became too large, or a stepper met the end of its slide:
+    /// the drive is off.
     tripped: bool,
     /// The slide does not move.
     pub blocked: bool,
     /// Pulses of one motor turn.
     turn: i64,
     limits: Option<(i64, i64)>,
+    /// Where the slide can go no farther.
+    ends: (i64, i64),
+    /// A real slide follows the pulses, whose ends nobody knows.
+    #[serde(default)]
+    pub real: bool,
     dog: Option<(i64, i64)>,
     /// Places of motor and slide before the last tick.
     before: (i64, i64),
@@ -68,6 +75,7 @@ impl AxisDrive {
         };
         // All places in pulses, so that a tick compares whole numbers.
         let place = |mm: f64| (mm * scale / weight).round() as i64;
+        let ends = config.slide_ends(axis);
         let servo = config.servo.as_ref().map(|servo| {
             let gain = servo.gain.clamp(1.0, 1000.0);
             Servo {
@@ -94,6 +102,8 @@ impl AxisDrive {
             limits: config
                 .limits
                 .map(|limits| (place(limits.minus), place(limits.plus))),
+            ends: (place(ends.minus), place(ends.plus)),
+            real: false,
             dog: config.dog.map(|dog| (place(dog.from), place(dog.to))),
             before: (place(config.start), place(config.start)),
             has_index: config.one_turn_signal,
@@ -143,8 +153,33 @@ impl AxisDrive {
                 self.tripped = self.behind.abs() > servo.largest;
             }
         }
+        self.meet_ends();
         let motor = self.motor();
         self.slide = self.slide.clamp(motor, motor + self.play);
+    }
+
+    /// A motor that would push the slide past its end stands: a servo falls behind
+    /// its command until that trips it, a stepper's drive switches off at once.
+    fn meet_ends(&mut self) {
+        let ((minus, plus), before) = (self.ends, self.before.0);
+        let motor = self.motor();
+        // A slide that was put beyond its end goes no farther, and comes back.
+        let stands = motor
+            .max((minus - self.play).min(before))
+            .min(plus.max(before));
+        if stands == motor || self.real {
+            return;
+        }
+        match &self.servo {
+            Some(servo) => {
+                self.behind = (self.commanded - stands) as f64;
+                self.tripped = self.behind.abs() > servo.largest;
+            }
+            None => {
+                self.commanded = stands;
+                self.tripped = true;
+            }
+        }
     }
 
     /// Takes a count for the place where the slide stands, without moving.
@@ -176,10 +211,13 @@ impl AxisDrive {
         self.tripped
     }
 
-    /// Whether a limit switch is tripped.
-    pub fn over_limit(&self) -> bool {
-        self.limits
-            .is_some_and(|(minus, plus)| self.slide < minus || self.slide > plus)
+    /// The limit switch that is tripped.
+    pub fn over_limit(&self) -> Option<OverLimit> {
+        let (minus, plus) = self.limits?;
+        if self.slide < minus {
+            return Some(OverLimit::Minus);
+        }
+        (self.slide > plus).then_some(OverLimit::Plus)
     }
 
     /// Whether the deceleration switch is pressed.

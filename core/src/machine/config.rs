@@ -2,7 +2,22 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::link::LinkConfig;
+use crate::units::{Axis, Diameter, Point};
+use gsk_link::LinkConfig;
+
+/// How far behind its limit switches a slide meets its end, mm of slide travel.
+const OVERRUN_MM: f64 = 10.0;
+/// The longest stroke that a program can name (alarm 043).
+const STROKE_MM: f64 = 9999.999;
+/// Where the limit switches of the training lathe trip.
+const X_LIMITS: LimitSwitches = LimitSwitches {
+    minus: -310.0,
+    plus: 10.0,
+};
+const Z_LIMITS: LimitSwitches = LimitSwitches {
+    minus: -505.0,
+    plus: 5.0,
+};
 
 /// Description of a simulated lathe.
 ///
@@ -32,7 +47,7 @@ pub struct LatheConfig {
 }
 
 impl Default for LatheConfig {
-    /// The training lathe: 4 stations, dogs, limit switches.
+    /// The training lathe: 4 stations, dogs, limit switches, ends behind them.
     fn default() -> Self {
         Self {
             name: "training lathe".to_owned(),
@@ -48,12 +63,17 @@ impl Default for LatheConfig {
 }
 
 impl LatheConfig {
-    /// A lathe without dogs and limit switches, standing at its machine zero: for
-    /// runs whose coordinates have nothing to do with a real machine.
+    /// A lathe without dogs and limit switches, standing at its machine zero, whose
+    /// slides end with the longest stroke: for runs whose coordinates have nothing to
+    /// do with a real machine.
     pub fn free() -> Self {
         let unbound = |axis: AxisConfig| AxisConfig {
             start: 0.0,
             limits: None,
+            ends: Some(SlideEnds {
+                minus: -STROKE_MM,
+                plus: STROKE_MM,
+            }),
             dog: None,
             ..axis
         };
@@ -62,6 +82,32 @@ impl LatheConfig {
             name: "lathe without limits".to_owned(),
             x: unbound(lathe.x),
             z: unbound(lathe.z),
+            ..lathe
+        }
+    }
+
+    /// Where the slides stand at the beginning, machine coordinates.
+    pub const fn start(&self) -> Point {
+        Point::from_diameter(Diameter(self.x.start), self.z.start)
+    }
+
+    /// The training lathe with long slides to both sides of its machine zero: for
+    /// operator scripts that name no machine. It stands at its machine zero.
+    pub fn roomy() -> Self {
+        let long = |axis: AxisConfig, to: f64| AxisConfig {
+            start: 0.0,
+            limits: Some(LimitSwitches {
+                minus: -to,
+                plus: to,
+            }),
+            ..axis
+        };
+        let lathe = Self::default();
+        Self {
+            name: "training lathe with long slides".to_owned(),
+            x: long(lathe.x, 1000.0),
+            // The longest pitch error table reaches 2550 mm.
+            z: long(lathe.z, 2600.0),
             ..lathe
         }
     }
@@ -75,6 +121,9 @@ pub struct AxisConfig {
     pub start: f64,
     /// Limit switches; they open the emergency-stop loop.
     pub limits: Option<LimitSwitches>,
+    /// Where the slide meets its end; `None`: 10 mm of slide travel behind the limit
+    /// switches, without those where the training lathe has its ends.
+    pub ends: Option<SlideEnds>,
     /// Deceleration dog of the reference point.
     pub dog: Option<Dog>,
     /// Travel of one motor turn, mm: the zero signal comes once in it, at zero.
@@ -107,6 +156,7 @@ pub struct AxisConfig {
 struct CrossSlide {
     start: f64,
     limits: Option<LimitSwitches>,
+    ends: Option<SlideEnds>,
     dog: Option<Dog>,
     motor_turn: f64,
     pulse: Option<f64>,
@@ -118,14 +168,27 @@ struct CrossSlide {
 }
 
 impl AxisConfig {
+    /// Where the slide meets its ends, those of the machine file or those that go
+    /// without saying.
+    pub fn slide_ends(&self, axis: Axis) -> SlideEnds {
+        self.ends.unwrap_or_else(|| {
+            let (usual, overrun) = match axis {
+                Axis::X => (X_LIMITS, 2.0 * OVERRUN_MM),
+                Axis::Z => (Z_LIMITS, OVERRUN_MM),
+            };
+            let limits = self.limits.unwrap_or(usual);
+            SlideEnds {
+                minus: limits.minus - overrun,
+                plus: limits.plus + overrun,
+            }
+        })
+    }
+
     /// The cross slide of the training lathe.
     fn cross_slide() -> Self {
         Self {
             start: -100.0,
-            limits: Some(LimitSwitches {
-                minus: -310.0,
-                plus: 10.0,
-            }),
+            limits: Some(X_LIMITS),
             dog: Some(Dog {
                 from: -60.0,
                 to: -10.0,
@@ -141,10 +204,8 @@ impl Default for AxisConfig {
     fn default() -> Self {
         Self {
             start: -150.0,
-            limits: Some(LimitSwitches {
-                minus: -505.0,
-                plus: 5.0,
-            }),
+            limits: Some(Z_LIMITS),
+            ends: None,
             dog: Some(Dog {
                 from: -30.0,
                 to: -5.0,
@@ -183,6 +244,16 @@ impl Default for ServoConfig {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSwitches {
+    /// Negative end.
+    pub minus: f64,
+    /// Positive end.
+    pub plus: f64,
+}
+
+/// Where a slide can go no farther, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlideEnds {
     /// Negative end.
     pub minus: f64,
     /// Positive end.

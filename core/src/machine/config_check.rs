@@ -3,7 +3,9 @@
 use core::fmt;
 
 use super::config::{AxisConfig, LatheConfig};
-use super::link::LinkConfig;
+use crate::units::Axis;
+use gsk_link::LinkConfig;
+use gsk_messages::{Message, say};
 
 /// A field of the machine file that cannot be, and the rule it breaks.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,12 +13,19 @@ pub struct ConfigError {
     /// The field, as `x.limits.minus`.
     pub field: String,
     /// What is wrong and what is wanted.
-    pub rule: String,
+    pub rule: Message,
+}
+
+impl ConfigError {
+    /// Field and rule.
+    pub fn message(&self) -> Message {
+        say::machine_field(&self.field, self.rule.clone())
+    }
 }
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.field, self.rule)
+        self.message().fmt(f)
     }
 }
 
@@ -34,43 +43,45 @@ const MOST_STATIONS: u8 = 32;
 struct Check(Vec<ConfigError>);
 
 impl Check {
-    fn rule(&mut self, holds: bool, field: impl Into<String>, rule: impl Into<String>) {
+    fn rule(&mut self, holds: bool, field: impl Into<String>, rule: Message) {
         if !holds {
             self.0.push(ConfigError {
                 field: field.into(),
-                rule: rule.into(),
+                rule,
             });
         }
     }
 
     fn length(&mut self, value: f64, field: String) {
-        let rule = format!("{value} is no place: lengths go from -9999.999 to 9999.999 mm");
+        let rule = say::machine_length_wrong(value);
         self.rule(value.is_finite() && value.abs() <= LONGEST_MM, field, rule);
     }
 
     fn time(&mut self, ms: u32, least: u32, field: &str) {
-        let rule = format!("{ms} ms is not from {least} to {LONGEST_MS} ms");
+        let rule = say::machine_time_wrong(ms, least, LONGEST_MS);
         self.rule((least..=LONGEST_MS).contains(&ms), field, rule);
     }
 
-    fn axis(&mut self, name: &str, axis: &AxisConfig) {
+    fn axis(&mut self, which: Axis, axis: &AxisConfig) {
+        let name = match which {
+            Axis::X => 'x',
+            Axis::Z => 'z',
+        };
         let field = |part: &str| format!("{name}.{part}");
         self.length(axis.start, field("start"));
+        self.ends(which, axis, &field);
         if let Some(limits) = axis.limits {
             self.length(limits.minus, field("limits.minus"));
             self.length(limits.plus, field("limits.plus"));
             self.rule(
                 limits.minus < limits.plus,
                 field("limits"),
-                format!("minus {} must lie below plus {}", limits.minus, limits.plus),
+                say::machine_ends_reversed(limits.minus, limits.plus),
             );
             self.rule(
                 (limits.minus..=limits.plus).contains(&axis.start),
                 field("start"),
-                format!(
-                    "{} lies beyond the limit switches {} to {}",
-                    axis.start, limits.minus, limits.plus
-                ),
+                say::machine_start_beyond_limits(axis.start, limits.minus, limits.plus),
             );
         }
         if let Some(dog) = axis.dog {
@@ -79,16 +90,13 @@ impl Check {
             self.rule(
                 dog.from < dog.to,
                 field("dog"),
-                format!("from {} must lie below to {}", dog.from, dog.to),
+                say::machine_dog_reversed(dog.from, dog.to),
             );
             if let Some(limits) = axis.limits {
                 self.rule(
                     limits.minus <= dog.from && dog.to <= limits.plus,
                     field("dog"),
-                    format!(
-                        "{} to {} does not lie within the limit switches {} to {}",
-                        dog.from, dog.to, limits.minus, limits.plus
-                    ),
+                    say::machine_dog_beyond_limits(dog.from, dog.to, limits.minus, limits.plus),
                 );
             }
         }
@@ -96,30 +104,69 @@ impl Check {
         self.rule(
             turn.is_finite() && turn > 0.0 && turn <= 1000.0,
             field("motor_turn"),
-            format!("{turn} is not above 0 and at most 1000 mm"),
+            say::machine_motor_turn_wrong(turn),
         );
         if let Some(pulse) = axis.pulse {
             self.rule(
                 pulse.is_finite() && pulse > 0.0 && pulse <= 1.0,
                 field("pulse"),
-                format!("{pulse} is not above 0 and at most 1 mm; `reversed` gives the direction"),
+                say::machine_pulse_wrong(pulse),
             );
         }
         self.rule(
             axis.backlash.is_finite() && (0.0..=10.0).contains(&axis.backlash),
             field("backlash"),
-            format!("{} is not from 0 to 10 mm", axis.backlash),
+            say::machine_backlash_wrong(axis.backlash),
         );
         if let Some(servo) = axis.servo {
             self.rule(
                 servo.gain.is_finite() && (1.0..=1000.0).contains(&servo.gain),
                 field("servo.gain"),
-                format!("{} is not from 1 to 1000", servo.gain),
+                say::machine_gain_wrong(servo.gain),
             );
             self.rule(
                 servo.largest_error.is_finite() && servo.largest_error > 0.0,
                 field("servo.largest_error"),
-                format!("{} is not above 0 mm", servo.largest_error),
+                say::machine_error_wrong(servo.largest_error),
+            );
+        }
+    }
+}
+
+impl Check {
+    /// Start, switches and dog lie where the slide can go.
+    fn ends(&mut self, which: Axis, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
+        if let Some(ends) = axis.ends {
+            self.length(ends.minus, field("ends.minus"));
+            self.length(ends.plus, field("ends.plus"));
+            self.rule(
+                ends.minus < ends.plus,
+                field("ends"),
+                say::machine_ends_reversed(ends.minus, ends.plus),
+            );
+        }
+        let ends = axis.slide_ends(which);
+        let within = ends.minus..=ends.plus;
+        let said = || say::machine_slide_ends(ends.minus, ends.plus);
+        if let Some(limits) = axis.limits {
+            self.rule(
+                within.contains(&limits.minus) && within.contains(&limits.plus),
+                field("limits"),
+                say::machine_limits_beyond_slide(limits.minus, limits.plus, said()),
+            );
+            // Within them is all the rest.
+            return;
+        }
+        self.rule(
+            within.contains(&axis.start),
+            field("start"),
+            say::machine_start_beyond_slide(axis.start, said()),
+        );
+        if let Some(dog) = axis.dog {
+            self.rule(
+                within.contains(&dog.from) && within.contains(&dog.to),
+                field("dog"),
+                say::machine_dog_beyond_slide(dog.from, dog.to, said()),
             );
         }
     }
@@ -132,28 +179,29 @@ impl LatheConfig {
     /// All fields that break one, in the order of the file.
     pub fn check(&self) -> Result<(), Vec<ConfigError>> {
         let mut check = Check(Vec::new());
-        check.rule(!self.name.trim().is_empty(), "name", "must not be empty");
-        check.axis("x", &self.x);
-        check.axis("z", &self.z);
+        check.rule(
+            !self.name.trim().is_empty(),
+            "name",
+            say::machine_name_missing(),
+        );
+        check.axis(Axis::X, &self.x);
+        check.axis(Axis::Z, &self.z);
         let turret = &self.turret;
         let (most, rule) = if turret.coded {
-            (MOST_STATIONS, "084 counts no more")
+            (MOST_STATIONS, say::machine_stations_of_code())
         } else {
-            (
-                CONTACTS,
-                "there is a contact T01 to T08 for each station; `coded: true` and a ladder that reads the code serve 32",
-            )
+            (CONTACTS, say::machine_stations_of_contacts())
         };
         let stations = turret.stations.unwrap_or(most);
         check.rule(
             stations <= most,
             "turret.stations",
-            format!("{stations} is more than {most}: {rule}"),
+            say::machine_too_many_stations(stations, most, rule),
         );
         check.rule(
             turret.first >= 1 && turret.first <= stations.max(1),
             "turret.first",
-            format!("{} is no station: they are 1 to {stations}", turret.first),
+            say::machine_station_wrong(turret.first, stations),
         );
         check.time(turret.station_ms, 1, "turret.station_ms");
         check.time(turret.clamp_ms, 0, "turret.clamp_ms");
@@ -161,7 +209,7 @@ impl LatheConfig {
         check.rule(
             window > 0.0 && window < 0.5,
             "turret.window",
-            format!("{window} is not between 0 and 0.5 of a pitch"),
+            say::machine_window_wrong(window),
         );
         let spindle = &self.spindle;
         let tops = spindle.top.into_iter().flatten();
@@ -172,7 +220,7 @@ impl LatheConfig {
             check.rule(
                 speed.is_finite() && (0.0..=FASTEST_RPM).contains(&speed),
                 name,
-                format!("{speed} is not from 0 to 99999 r/min"),
+                say::machine_speed_wrong(speed),
             );
         }
         check.time(spindle.settle_ms, 1, "spindle.settle_ms");
@@ -180,7 +228,7 @@ impl LatheConfig {
             check.rule(
                 lines == 0 || (100..=5000).contains(&lines),
                 "spindle.encoder_lines",
-                format!("{lines} is neither 0 (no encoder) nor 100 to 5000"),
+                say::machine_encoder_lines_wrong(lines),
             );
         }
         check.time(self.chuck.travel_ms, 1, "chuck.travel_ms");
@@ -188,7 +236,7 @@ impl LatheConfig {
             check.rule(
                 false,
                 format!("link.{}", error.field),
-                error.fault.to_string(),
+                error.fault.to_string().into(),
             );
         }
         if check.0.is_empty() {

@@ -1,5 +1,6 @@
 //! What can go wrong with the lathe: one table of faults, for training.
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 /// Something broken.
@@ -62,31 +63,33 @@ pub struct FaultRow {
     pub fault: Fault,
     /// The name that scripts use.
     pub name: &'static str,
-    /// Chinese label.
-    pub zh: &'static str,
-    /// English label.
-    pub en: &'static str,
-    /// What the control makes of it, in Chinese.
-    pub effect_zh: &'static str,
-    /// What the control makes of it, in English.
-    pub effect_en: &'static str,
+    label: fn() -> Message,
+    effect: fn() -> Message,
 }
 
 const fn row(
     fault: Fault,
     name: &'static str,
-    zh: &'static str,
-    en: &'static str,
-    effect_zh: &'static str,
-    effect_en: &'static str,
+    label: fn() -> Message,
+    effect: fn() -> Message,
 ) -> FaultRow {
     FaultRow {
         fault,
         name,
-        zh,
-        en,
-        effect_zh,
-        effect_en,
+        label,
+        effect,
+    }
+}
+
+impl FaultRow {
+    /// What is broken.
+    pub fn label(&self) -> Message {
+        (self.label)()
+    }
+
+    /// What the control makes of it.
+    pub fn effect(&self) -> Message {
+        (self.effect)()
     }
 }
 
@@ -95,194 +98,146 @@ pub static FAULTS: [FaultRow; 24] = [
     row(
         Fault::TurretBlocked,
         "turret-blocked",
-        "刀架不转",
-        "the tool post does not turn",
-        "过 076 时间后信息 1000, TL+ 关闭",
-        "message 1000 after 076; TL+ goes off",
+        say::fault_turret_blocked,
+        say::fault_effect_turret_blocked,
     ),
     row(
         Fault::TurretUnclamped,
         "turret-unclamped",
-        "刀架锁紧信号不来",
-        "no clamp signal of the tool post",
-        "*TCP 不来: 过 083 时间后信息 1002, TL- 关闭",
-        "*TCP never answers: message 1002 after 083; TL- goes off",
+        say::fault_turret_unclamped,
+        say::fault_effect_turret_unclamped,
     ),
     row(
         Fault::TurretContactStuck,
         "turret-contact-stuck",
-        "刀位信号粘连",
-        "station switch stuck",
-        "当前刀位的信号保持不变: 换到较低的刀位时检测不到, 信息 1000",
-        "the switch that answers now stays so: a lower station is never seen, message 1000",
+        say::fault_turret_contact_stuck,
+        say::fault_effect_turret_contact_stuck,
     ),
     row(
         Fault::TurretContactsOpen,
         "turret-contacts-open",
-        "刀位信号断线",
-        "station switches dead",
-        "检测不到刀位: 过 076 时间后信息 1000",
-        "no station is seen: message 1000 after 076",
+        say::fault_turret_contacts_open,
+        say::fault_effect_turret_contacts_open,
     ),
     row(
         Fault::SpindleBlocked,
         "spindle-blocked",
-        "主轴不转",
-        "the spindle does not turn",
-        "S 显示 0; 螺纹报警 094, 每转进给报警 011",
-        "S reads 0; a thread stops with alarm 094, feed per revolution with 011",
+        say::fault_spindle_blocked,
+        say::fault_effect_spindle_blocked,
     ),
     row(
         Fault::GearStuck,
         "gear-stuck",
-        "换档不到位",
-        "gear not in position",
-        "M41、M42 一直等待 M41I、M42I (164.6 AGIN = 1)",
-        "M41 and M42 wait for M41I, M42I without end (164.6 AGIN = 1)",
+        say::fault_gear_stuck,
+        say::fault_effect_gear_stuck,
     ),
     row(
         Fault::ChuckStuck,
         "chuck-stuck",
-        "卡盘不动作",
-        "chuck does not move",
-        "M12、M13 一直等待 NQPJ、WQPJ (168.2 PB2 = 1)",
-        "M12 and M13 wait for NQPJ, WQPJ without end (168.2 PB2 = 1)",
+        say::fault_chuck_stuck,
+        say::fault_effect_chuck_stuck,
     ),
     row(
         Fault::EncoderLost,
         "encoder-lost",
-        "编码器无信号",
-        "the encoder gives no counts",
-        "S 显示 0; 螺纹报警 094, 每转进给报警 011",
-        "S reads 0; a thread stops with alarm 094, feed per revolution with 011",
+        say::fault_encoder_lost,
+        say::fault_effect_spindle_blocked,
     ),
     row(
         Fault::EncoderNoise,
         "encoder-noise",
-        "编码器干扰",
-        "encoder counts jitter",
-        "显示的转速和每转进给波动",
-        "the speed that is shown and the feed per revolution waver",
+        say::fault_encoder_noise,
+        say::fault_effect_encoder_noise,
     ),
     row(
         Fault::SpindleIndexLost,
         "no-spindle-index",
-        "主轴无一转信号",
-        "no one-turn signal of the spindle",
-        "螺纹切削一直等待一转信号",
-        "threads wait for their start without end",
+        say::fault_no_spindle_index,
+        say::fault_effect_no_spindle_index,
     ),
     row(
         Fault::IndexX,
         "no-index-x",
-        "X轴无零脉冲",
-        "no one-turn signal of X",
-        "X轴回零以低速越过零点, 直到限位: 报警 207; 诊断 008 的 PCX 不变",
-        "zero return of X passes the zero at low speed into the limit: alarm 207; PCX of DGN.008 stays as it is",
+        say::fault_no_index_x,
+        say::fault_effect_no_index_x,
     ),
     row(
         Fault::IndexZ,
         "no-index-z",
-        "Z轴无零脉冲",
-        "no one-turn signal of Z",
-        "Z轴回零以低速越过零点, 直到限位: 报警 207; 诊断 008 的 PCZ 不变",
-        "zero return of Z passes the zero at low speed into the limit: alarm 207; PCZ of DGN.008 stays as it is",
+        say::fault_no_index_z,
+        say::fault_effect_no_index_z,
     ),
     row(
         Fault::DogX,
         "dog-stuck-x",
-        "X轴减速开关粘连",
-        "X deceleration switch stuck",
-        "*DECX 一直有效: X轴回零报警 090",
-        "*DECX stays valid: zero return of X is alarm 090",
+        say::fault_dog_stuck_x,
+        say::fault_effect_dog_stuck_x,
     ),
     row(
         Fault::DogZ,
         "dog-stuck-z",
-        "Z轴减速开关粘连",
-        "Z deceleration switch stuck",
-        "*DECZ 一直有效: Z轴回零报警 090",
-        "*DECZ stays valid: zero return of Z is alarm 090",
+        say::fault_dog_stuck_z,
+        say::fault_effect_dog_stuck_z,
     ),
     row(
         Fault::LimitX,
         "limit-x",
-        "X轴限位开关压合",
-        "X limit switch tripped",
-        "急停回路断开: 报警 207; 按住超程解除可短接",
-        "the emergency-stop loop opens: alarm 207; the release button bridges it",
+        say::fault_limit_x,
+        say::fault_effect_limit_x,
     ),
     row(
         Fault::LimitZ,
         "limit-z",
-        "Z轴限位开关压合",
-        "Z limit switch tripped",
-        "急停回路断开: 报警 207; 按住超程解除可短接",
-        "the emergency-stop loop opens: alarm 207; the release button bridges it",
+        say::fault_limit_z,
+        say::fault_effect_limit_x,
     ),
     row(
         Fault::DriveX,
         "drive-x",
-        "X轴驱动器报警",
-        "alarm of the X drive",
-        "报警 221, 两个驱动器一起为 252; 全部停止",
-        "alarm 221, with both drives 252; everything stops",
+        say::fault_drive_x,
+        say::fault_effect_drive_x,
     ),
     row(
         Fault::DriveZ,
         "drive-z",
-        "Z轴驱动器报警",
-        "alarm of the Z drive",
-        "报警 222, 两个驱动器一起为 252; 全部停止",
-        "alarm 222, with both drives 252; everything stops",
+        say::fault_drive_z,
+        say::fault_effect_drive_z,
     ),
     row(
         Fault::SlideX,
         "slide-x-jammed",
-        "X轴滑板卡住",
-        "the X slide is jammed",
-        "伺服: 报警 221; 步进: 失步而无报警",
-        "a servo trips with alarm 221; a stepper loses steps unseen",
+        say::fault_slide_x_jammed,
+        say::fault_effect_slide_x_jammed,
     ),
     row(
         Fault::SlideZ,
         "slide-z-jammed",
-        "Z轴滑板卡住",
-        "the Z slide is jammed",
-        "伺服: 报警 222; 步进: 失步而无报警",
-        "a servo trips with alarm 222; a stepper loses steps unseen",
+        say::fault_slide_z_jammed,
+        say::fault_effect_slide_z_jammed,
     ),
     row(
         Fault::PressureLow,
         "pressure-low",
-        "液压或气压低",
-        "hydraulic or air pressure is low",
-        "过 069 时间后信息 1014 (168.4 PB3 = 1): 暂停, 主轴和冷却关闭",
-        "message 1014 after 069 (168.4 PB3 = 1): hold, spindle and coolant off",
+        say::fault_pressure_low,
+        say::fault_effect_pressure_low,
     ),
     row(
         Fault::DoorOpen,
         "door-open",
-        "防护门打开",
-        "the guard door is open",
-        "自动方式信息 1015 (168.6 PB4 = 1): 暂停, 主轴和冷却关闭",
-        "message 1015 in automatic (168.6 PB4 = 1): hold, spindle and coolant off",
+        say::fault_door_open,
+        say::fault_effect_door_open,
     ),
     row(
         Fault::InputBounce,
         "input-bounce",
-        "输入触点抖动",
-        "contacts chatter",
-        "触点变化后抖动 30 ms: 020 太小时一次变化读成几次",
-        "a contact that changes chatters for 30 ms: one change is read as several unless 020 is long enough",
+        say::fault_input_bounce,
+        say::fault_effect_input_bounce,
     ),
     row(
         Fault::EmergencyStop,
         "e-stop",
-        "急停回路断开",
-        "emergency-stop loop open",
-        "报警 207, 脉冲和输出关闭; 回路接通后消失",
-        "alarm 207, pulses and outputs off; it goes when the loop closes",
+        say::fault_e_stop,
+        say::fault_effect_e_stop,
     ),
 ];
 
@@ -403,8 +358,6 @@ mod tests {
             assert_eq!(row.fault as usize, at, "{}", row.name);
             assert_eq!(Fault::from_name(row.name), Some(row.fault));
             assert_eq!(row.fault.row().name, row.name);
-            let texts = [row.zh, row.en, row.effect_zh, row.effect_en];
-            assert!(texts.iter().all(|text| !text.is_empty()), "{}", row.name);
         }
     }
 

@@ -4,6 +4,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{PerAxis, Pulses};
 
+/// Which limit switch of an axis is tripped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum OverLimit {
+    /// The one at its negative end.
+    Minus,
+    /// The one at its positive end.
+    Plus,
+    /// One that no slide presses.
+    Stuck,
+}
+
 /// What the machine tells the control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
@@ -28,6 +39,10 @@ pub struct Inputs {
     pub spindle_index: bool,
     /// Detents of the handwheel since the start, clockwise positive.
     pub handwheel: i32,
+    /// Limit switches that are tripped. No wire tells this, all of them are in the
+    /// loop of *ESP: the control says with the alarm what a look at the machine shows.
+    #[serde(default)]
+    pub over_limit: PerAxis<Option<OverLimit>>,
 }
 
 impl Inputs {

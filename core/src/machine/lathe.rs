@@ -7,7 +7,7 @@ use super::axis_drive::AxisDrive;
 use super::chuck::{Cylinder, Gearbox};
 use super::config::LatheConfig;
 use super::faults::{Disturbance, Fault, Faults};
-use super::io::{BoardContacts, Inputs, Outputs};
+use super::io::{BoardContacts, Inputs, Outputs, OverLimit};
 use super::pins::{self, Pin};
 use super::spindle_drive::{SpindleDemand, SpindleDrive};
 use super::turret::Turret;
@@ -91,6 +91,8 @@ impl Lathe {
     /// them says nothing about their switches.
     pub(crate) const fn set_real_slides(&mut self, real: bool) {
         self.real_slides = real;
+        self.axes.x.real = real;
+        self.axes.z.real = real;
     }
 
     /// The contacts that a pulse board has wired, over the simulated ones.
@@ -199,7 +201,20 @@ impl Lathe {
             encoder_index,
             spindle_index,
             handwheel: self.handwheel,
+            over_limit: PerAxis::new(
+                self.over_limit_of(Axis::X, Fault::LimitX),
+                self.over_limit_of(Axis::Z, Fault::LimitZ),
+            ),
         }
+    }
+
+    /// The limit switch of an axis that is tripped.
+    fn over_limit_of(&self, axis: Axis, stuck: Fault) -> Option<OverLimit> {
+        if self.real_slides {
+            return None;
+        }
+        let stuck = self.faults.has(stuck).then_some(OverLimit::Stuck);
+        self.axes.get(axis).over_limit().or(stuck)
     }
 
     /// Whether a drive has switched itself off.
@@ -317,8 +332,8 @@ impl Lathe {
 
     /// Whether a limit switch is tripped.
     pub fn over_limit(&self) -> bool {
-        let over = self.axes.x.over_limit() || self.axes.z.over_limit();
-        (over && !self.real_slides)
+        let over = self.axes.x.over_limit().or(self.axes.z.over_limit());
+        (over.is_some() && !self.real_slides)
             || self.faults.has(Fault::LimitX)
             || self.faults.has(Fault::LimitZ)
     }

@@ -15,8 +15,7 @@ mod config_check;
 mod faults;
 mod io;
 mod lathe;
-pub mod link;
-mod pins;
+pub(crate) mod pins;
 mod spindle_drive;
 mod turret;
 mod wiring;
@@ -25,11 +24,11 @@ mod wiring;
 mod tests;
 
 pub use config::{
-    AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, ServoConfig, SpindleConfig,
-    TurretConfig,
+    AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, ServoConfig, SlideEnds,
+    SpindleConfig, TurretConfig,
 };
 pub use config_check::ConfigError;
 pub use faults::{FAULTS, Fault, FaultRow};
 pub(crate) use io::BoardContacts;
-pub use io::{Inputs, Outputs};
+pub use io::{Inputs, Outputs, OverLimit};
 pub use lathe::Lathe;

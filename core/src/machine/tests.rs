@@ -274,6 +274,49 @@ fn a_jammed_stepper_loses_its_steps() {
 }
 
 #[test]
+fn a_stepper_that_meets_the_end_of_its_slide_switches_off() {
+    let mut lathe = lathe(&[]);
+    // Z from -150: the limit switch at +5, the end at +15.
+    let inputs = drive_to(&mut lathe, 0, 165_000);
+    assert!(!inputs.drive_alarm.z && inputs.over_limit.z == Some(OverLimit::Plus));
+    let inputs = drive_to(&mut lathe, 0, 165_001);
+    assert!(inputs.drive_alarm.z && !inputs.drive_alarm.x);
+    drive_to(&mut lathe, 0, 200_000);
+    assert_eq!(lathe.slides(), Point::new(-50.0, 15.0));
+    // Switched off and on it comes back.
+    lathe.tick(&Outputs {
+        pulses: PerAxis::new(Pulses(0), Pulses(200_000)),
+        ..Outputs::default()
+    });
+    assert!(!drive_to(&mut lathe, 0, 199_000).drive_alarm.z);
+    assert_eq!(lathe.slides(), Point::new(-50.0, 14.0));
+}
+
+#[test]
+fn a_servo_that_meets_the_end_of_its_slide_falls_behind_until_it_trips() {
+    let mut config = LatheConfig::default();
+    config.x.servo = Some(ServoConfig::default());
+    config.x.backlash = 0.1;
+    let mut lathe = Lathe::new(config, &Parameters::default());
+    // X from -100, a pulse of 0.0005 mm: the end at -330 is 230 000 pulses away.
+    let inputs = (1..=2400).map(|tick| drive_to(&mut lathe, -100 * tick, 0));
+    let tripped = inputs.take_while(|inputs| !inputs.drive_alarm.x).count();
+    // The motor takes up the play, and is 10 mm behind on the diameter then.
+    assert!((2300..=2402).contains(&tripped), "{tripped}");
+    assert_eq!(lathe.slides().x, -165.0);
+}
+
+#[test]
+fn a_slide_put_beyond_its_end_comes_back_and_goes_no_farther() {
+    let mut lathe = lathe(&[]);
+    lathe.put_slides(Point::new(-50.0, 40.0));
+    assert!(!drive_to(&mut lathe, 0, -1000).drive_alarm.z);
+    assert_eq!(lathe.slides().z, 39.0);
+    assert!(drive_to(&mut lathe, 0, -500).drive_alarm.z);
+    assert_eq!(lathe.slides().z, 39.0);
+}
+
+#[test]
 fn the_screw_has_its_play() {
     let mut config = LatheConfig::free();
     config.z.backlash = 0.05;
@@ -348,7 +391,7 @@ fn one_switch_latches_at_its_ends() {
 }
 
 #[test]
-fn the_free_lathe_has_neither_dogs_nor_limits() {
+fn the_free_lathe_has_neither_dogs_nor_limit_switches() {
     let mut lathe = Lathe::new(LatheConfig::free(), &Parameters::default());
     for place in [-9_999_000, -20_000, 9_999_000] {
         let inputs = drive_to(&mut lathe, place, place);

@@ -69,26 +69,27 @@ pub(super) struct Wiring {
 impl Wiring {
     /// `contacts`: how many station switches the tool post has.
     pub fn new(parameters: &Parameters, contacts: u32) -> Self {
-        let bit = |number, bit| parameters.bit(number, bit);
         // Feed override switches (172.0 SOVI), station switches T05–T08, chuck
         // (168.2 PB2), gears (164.7 AGER, 164.6 AGIN), enables (SPEN, STEN).
-        let switches = bit(172, 0);
+        let switches = parameters.has_override_switches();
         let many = contacts >= 5;
-        let chuck = bit(168, 2);
+        let chuck = parameters.watches_chuck();
         let gears = parameters.automatic_gears();
-        let gear_switches = gears && bit(164, 6);
-        let enable = |function| function && !bit(164, 6);
+        let gear_switches = gears && parameters.watches_gear();
         Self {
-            on_dog: bit(4, 5),
-            one_switch: PerAxis::new(bit(7, 0), bit(7, 1)),
-            in_station: !bit(11, 1),
-            tool_clamped: bit(11, 0),
-            pressure: bit(168, 4).then(|| bit(168, 5)),
-            door: bit(168, 6).then(|| bit(168, 7)),
-            gear_in: !bit(164, 5),
+            on_dog: parameters.closed_means_deceleration(),
+            one_switch: PerAxis::new(
+                parameters.one_zero_switch(Axis::X),
+                parameters.one_zero_switch(Axis::Z),
+            ),
+            in_station: parameters.station_level(),
+            tool_clamped: parameters.tool_clamped_level(),
+            pressure: parameters.pressure_level(),
+            door: parameters.door_level(),
+            gear_in: parameters.gear_in_level(),
             x0_4: first([
                 (switches, SharedPin::Closed),
-                (enable(bit(164, 3)), SharedPin::Enable),
+                (parameters.spindle_is_enabled_outside(), SharedPin::Enable),
                 (many, SharedPin::Station),
             ]),
             x1_0: first([(switches, SharedPin::Open), (many, SharedPin::Station)]),
@@ -102,7 +103,7 @@ impl Wiring {
                 (switches, SharedPin::Open),
                 (chuck, SharedPin::Chuck),
                 (gear_switches, SharedPin::Gear),
-                (enable(bit(164, 4)), SharedPin::Enable),
+                (parameters.start_is_enabled_outside(), SharedPin::Enable),
                 (many, SharedPin::Station),
             ]),
             drive_ready: parameters.drive_ready_level(),
@@ -113,7 +114,7 @@ impl Wiring {
             contacts,
             analog: parameters.analog_spindle(),
             gears,
-            outer_chuck: bit(168, 0),
+            outer_chuck: parameters.outer_chuck(),
         }
     }
 

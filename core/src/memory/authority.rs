@@ -1,5 +1,6 @@
 //! Operation levels and their passwords (manual III-2.5.1).
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 /// An operation level: 0 (everything) to 5 (logged off).
@@ -115,19 +116,16 @@ impl From<Authority> for Plain {
 }
 
 impl TryFrom<Plain> for Authority {
-    type Error = String;
+    type Error = Message;
 
-    fn try_from(plain: Plain) -> Result<Self, String> {
+    fn try_from(plain: Plain) -> Result<Self, Message> {
         if plain.level > Level::NONE.0 {
-            return Err(format!("level {} is outside 0 to 5", plain.level));
+            return Err(say::level_out_of_range(plain.level));
         }
         for (level, password) in (0..).zip(&plain.passwords) {
             let digits = password.bytes().all(|byte| byte.is_ascii_digit());
             if !digits || password.len() != Level(level).digits() {
-                return Err(format!(
-                    "the password of level {level} has {} digits",
-                    Level(level).digits()
-                ));
+                return Err(say::password_digits(level, Level(level).digits()));
             }
         }
         Ok(Self {

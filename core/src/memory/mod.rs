@@ -1,9 +1,17 @@
 //! What the control remembers: parameters, offsets, variables, counters.
 
+/// Numbers of data parameters that the sources pass on, by name, from the `id` column
+/// of `assets/tables/parameters.tsv`; all else asks a method of [`Parameters`].
+pub mod parameter {
+    include!(concat!(env!("OUT_DIR"), "/parameter_numbers.rs"));
+}
+
 mod authority;
 mod counters;
 mod disks;
 mod named;
+mod named_machine;
+mod named_panel;
 mod offsets;
 mod parameters;
 mod pitch;

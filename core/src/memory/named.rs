@@ -3,6 +3,7 @@
 use core::ops::RangeInclusive;
 
 use super::Parameters;
+use crate::memory::parameter;
 use crate::units::Axis;
 
 impl Parameters {
@@ -14,7 +15,7 @@ impl Parameters {
     }
 
     /// A bit that stands in place 0 for X and in place 1 for Z.
-    fn axis_bit(&self, number: u16, axis: Axis) -> bool {
+    pub(super) fn axis_bit(&self, number: u16, axis: Axis) -> bool {
         self.bit(
             number,
             match axis {
@@ -354,6 +355,22 @@ impl Parameters {
     /// 071: how long the reset signal stands after its cause has gone, ms.
     pub fn reset_time_ms(&self) -> u32 {
         self.value(71).clamp(16, 4080).unsigned_abs()
+    }
+
+    /// 011.2 ZNIK = 1: one press of an axis key makes a whole return.
+    pub fn zero_keys_latch(&self) -> bool {
+        self.bit(11, 2)
+    }
+
+    /// A time that a timer of the ladder counts, ms: 065 is one of units of 256 ms
+    /// (manual, appendix 1).
+    pub fn timer_ms(&self, number: u16) -> i32 {
+        let value = self.value(number);
+        if number == parameter::GEAR_TIME_1 {
+            value.saturating_mul(256)
+        } else {
+            value
+        }
     }
 
     /// 084: tool stations; 0 without a turret.

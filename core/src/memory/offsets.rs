@@ -1,9 +1,10 @@
 //! Tool offsets 000–032 (manual I-3.5, III-2.1.6).
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use super::Parameters;
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::units::Point;
 
 /// Rows of the offset page, 000 included.
@@ -57,8 +58,8 @@ impl Offsets {
         let row = match self.rows.get_mut(usize::from(number)) {
             Some(row) if number > 0 => row,
             _ => {
-                let detail = format!("offset number {number:03} is outside 001 to 032");
-                return Err(Alarm::new(30).because(detail));
+                let detail = say::offset_number_out_of_range(number);
+                return Err(Alarm::new(number::BAD_OFFSET).because(detail));
             }
         };
         *row = checked(offset)?;
@@ -112,13 +113,15 @@ fn checked(offset: ToolOffset) -> Result<ToolOffset, Alarm> {
         let value = (value * 1000.0).round() / 1000.0;
         // A negation, so that a value that is no number is refused.
         if !(-LIMIT..=LIMIT).contains(&value) {
-            let detail = format!("offset {name} {value} is outside ±{LIMIT} mm");
-            return Err(Alarm::new(43).because(detail));
+            let detail = say::offset_out_of_range(name, value, LIMIT);
+            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
         }
         Ok(value + 0.0)
     };
     if offset.t > 9 {
-        return Err(Alarm::new(43).because(format!("tool nose {} is outside 0 to 9", offset.t)));
+        return Err(
+            Alarm::new(number::OUT_OF_RANGE).because(say::offset_nose_out_of_range(offset.t))
+        );
     }
     Ok(ToolOffset {
         x: length("X", offset.x)?,

@@ -3,6 +3,7 @@
 use core::fmt;
 use std::collections::BTreeMap;
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use super::table::{self, Disk, Effective, LAST_PARAMETER, Range};
@@ -41,24 +42,27 @@ pub enum ParameterError {
     },
 }
 
-impl fmt::Display for ParameterError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl ParameterError {
+    /// What is wrong.
+    pub fn message(&self) -> Message {
         match self {
-            Self::Unknown { number, bit: None } => write!(f, "there is no parameter {number:03}"),
+            Self::Unknown { number, bit: None } => say::parameter_unknown(number),
             Self::Unknown {
                 number,
                 bit: Some(bit),
-            } => {
-                write!(f, "there is no state parameter bit {number:03}.{bit}")
-            }
+            } => say::parameter_bit_unknown(number, bit),
             Self::Range {
                 number,
                 value,
                 range,
-            } => {
-                write!(f, "parameter {number:03}: {value} is outside {range}")
-            }
+            } => say::parameter_out_of_range(number, value, range),
         }
+    }
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.message().fmt(f)
     }
 }
 
@@ -66,7 +70,7 @@ impl core::error::Error for ParameterError {}
 
 impl From<ParameterError> for Alarm {
     fn from(error: ParameterError) -> Self {
-        Self::new(43).because(error.to_string())
+        Self::new(43).because(error.message())
     }
 }
 

@@ -3,6 +3,7 @@
 use core::fmt;
 use std::collections::BTreeMap;
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::units::{Axis, PerAxis};
@@ -30,13 +31,16 @@ pub struct PitchError {
     pub value: i16,
 }
 
+impl PitchError {
+    /// What is wrong.
+    pub fn message(&self) -> Message {
+        say::pitch_error_out_of_range(self.point, self.value, LARGEST)
+    }
+}
+
 impl fmt::Display for PitchError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { point, value } = self;
-        write!(
-            f,
-            "pitch error point {point:03}: {value} is outside -{LARGEST}..{LARGEST}"
-        )
+        self.message().fmt(f)
     }
 }
 
@@ -44,7 +48,7 @@ impl core::error::Error for PitchError {}
 
 impl From<PitchError> for crate::alarm::Alarm {
     fn from(error: PitchError) -> Self {
-        Self::new(43).because(error.to_string())
+        Self::new(43).because(error.message())
     }
 }
 

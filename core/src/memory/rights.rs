@@ -1,10 +1,12 @@
 //! Who may write what, and when (manual III-1.3, III-2.5, III-2.6, III-8.1): the
 //! one place where a write is allowed or refused.
 
+use gsk_messages::say;
+
 use super::authority::Level;
 use super::parameters::Parameters;
-use crate::alarm::Alarm;
-use crate::operation::Mode;
+use crate::alarm::{Alarm, number};
+use crate::mode::Mode;
 
 /// Programs from here on need more than the operator's level.
 const PROTECTED_FROM: u16 = 9000;
@@ -58,7 +60,8 @@ pub enum Refusal {
 impl Refusal {
     /// The alarm of a refused program operation; only the level has one.
     pub fn alarm(self) -> Option<Alarm> {
-        (self == Self::Level).then(|| Alarm::new(74).because("the operation level is too low"))
+        (self == Self::Level)
+            .then(|| Alarm::new(number::PROGRAM_NUMBER).because(say::level_too_low()))
     }
 }
 
@@ -95,7 +98,7 @@ impl Rights<'_> {
 
     /// Whether 012.4 PRG9 hides a program.
     pub fn hides(&self, program: u16) -> bool {
-        self.parameters.bit(12, 4) && program >= PROTECTED_FROM
+        self.parameters.hides_upper_programs() && program >= PROTECTED_FROM
     }
 
     /// Editing, creating, deleting, renaming, copying a program.
@@ -103,9 +106,12 @@ impl Rights<'_> {
     /// # Errors
     /// What stands against it.
     pub fn program(&self, number: u16) -> Result<(), Refusal> {
-        unless(self.mode == Mode::Edit, Refusal::Mode)?;
+        unless(self.mode.edits(), Refusal::Mode)?;
         unless(!self.running, Refusal::Running)?;
-        unless(!self.alarm || self.parameters.bit(12, 3), Refusal::Alarm)?;
+        unless(
+            !self.alarm || self.parameters.edits_in_alarm(),
+            Refusal::Alarm,
+        )?;
         self.program_memory(number)
     }
 
@@ -115,7 +121,8 @@ impl Rights<'_> {
     /// What stands against it.
     pub fn program_memory(&self, number: u16) -> Result<(), Refusal> {
         unless(self.program_switch, Refusal::ProgramSwitch)?;
-        let locked = self.protected || self.parameters.bit(172, 1) || self.hides(number);
+        let locked =
+            self.protected || self.parameters.program_switch_masked() || self.hides(number);
         unless(!locked, Refusal::Locked)?;
         self.level_at_most(if number < PROTECTED_FROM {
             Level::OPERATOR
@@ -162,7 +169,7 @@ impl Rights<'_> {
     pub fn receive_program(&self, number: u16) -> Result<(), Refusal> {
         self.may_receive()?;
         unless(self.program_switch, Refusal::ProgramSwitch)?;
-        let locked = self.parameters.bit(172, 1) || self.hides(number);
+        let locked = self.parameters.program_switch_masked() || self.hides(number);
         unless(!locked, Refusal::Locked)?;
         self.level_at_most(serial_level(number))
     }
@@ -174,7 +181,7 @@ impl Rights<'_> {
     pub fn receive_data(&self) -> Result<(), Refusal> {
         self.may_receive()?;
         unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        unless(!self.parameters.bit(172, 2), Refusal::Locked)?;
+        unless(!self.parameters.parameter_switch_masked(), Refusal::Locked)?;
         self.level_at_most(Level::WORKSHOP)
     }
 
@@ -214,7 +221,7 @@ impl Rights<'_> {
     /// What stands against it.
     pub fn parameter_switch(&self) -> Result<(), Refusal> {
         unless(!self.operating, Refusal::Running)?;
-        unless(!self.parameters.bit(172, 2), Refusal::Locked)?;
+        unless(!self.parameters.parameter_switch_masked(), Refusal::Locked)?;
         self.level_at_most(Level::WORKSHOP)
     }
 
@@ -224,7 +231,7 @@ impl Rights<'_> {
     /// What stands against it.
     pub fn program_switch(&self) -> Result<(), Refusal> {
         unless(!self.operating, Refusal::Running)?;
-        unless(!self.parameters.bit(172, 1), Refusal::Locked)?;
+        unless(!self.parameters.program_switch_masked(), Refusal::Locked)?;
         self.level_at_most(Level::OPERATOR)
     }
 
@@ -236,7 +243,7 @@ impl Rights<'_> {
         self.mdi_or_emergency_stop()?;
         self.at_rest()?;
         unless(self.parameter_switch, Refusal::ParameterSwitch)?;
-        let locked = self.protected || self.parameters.bit(172, 2);
+        let locked = self.protected || self.parameters.parameter_switch_masked();
         unless(!locked, Refusal::Locked)?;
         self.level_at_most(Level::WORKSHOP)
     }

@@ -143,6 +143,7 @@ fn parse_row(line: &'static str) -> Option<ParameterRow> {
         Some(bit.parse().ok()?)
     };
     let symbol = fields.next()?;
+    let _id = fields.next()?;
     let unit = fields.next()?;
     let range = fields.next()?;
     let state = range == "00000000..11111111";

@@ -2,27 +2,26 @@
 
 use std::collections::BTreeMap;
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 
 /// Numbers of the two groups.
 const GROUPS: [(u16, usize); 2] = [(200, 32), (500, 16)];
 const COUNT: usize = 48;
 
 /// The common variables. All programs share them and they are kept over
-/// power-off; one that was never given a value is vacant and counts as zero.
+/// power-off; one that was never given a value is zero.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "BTreeMap<u16, i64>", try_from = "BTreeMap<u16, i64>")]
 pub struct Variables {
-    values: [Option<i64>; COUNT],
+    values: [i64; COUNT],
 }
 
 impl Default for Variables {
     fn default() -> Self {
-        Self {
-            values: [None; COUNT],
-        }
+        Self { values: [0; COUNT] }
     }
 }
 
@@ -44,9 +43,9 @@ impl Variables {
             .flat_map(|(first, count)| (first..).take(count))
     }
 
-    /// A value; `None` when it is vacant or there is no such variable.
+    /// A value; `None` when there is no such variable.
     pub fn get(&self, number: u16) -> Option<i64> {
-        self.values.get(index(number)?).copied().flatten()
+        self.values.get(index(number)?).copied()
     }
 
     /// Gives a variable its value.
@@ -55,14 +54,14 @@ impl Variables {
     /// 115 for a number that is none, 111 for a value beyond −2³² to 2³² − 1.
     pub fn set(&mut self, number: u16, value: i64) -> Result<(), Alarm> {
         let Some(slot) = index(number).and_then(|index| self.values.get_mut(index)) else {
-            let detail = format!("#{number} is none of #200 to #231, #500 to #515");
-            return Err(Alarm::new(115).because(detail));
+            let detail = say::variable_not_common(number);
+            return Err(Alarm::new(number::BAD_VARIABLE).because(detail));
         };
         if !(Self::LEAST..=Self::GREATEST).contains(&value) {
-            let detail = format!("{value} for #{number} is outside -2^32 to 2^32-1");
-            return Err(Alarm::new(111).because(detail));
+            let detail = say::variable_value_out_of_range(value, number);
+            return Err(Alarm::new(number::MACRO_RANGE).because(detail));
         }
-        *slot = Some(value);
+        *slot = value;
         Ok(())
     }
 }
@@ -81,8 +80,9 @@ fn index(number: u16) -> Option<usize> {
 
 impl From<Variables> for BTreeMap<u16, i64> {
     fn from(variables: Variables) -> Self {
-        let valued = |number| variables.get(number).map(|value| (number, value));
-        Variables::numbers().filter_map(valued).collect()
+        let valued = |number| Some((number, variables.get(number)?));
+        let all = Variables::numbers().filter_map(valued);
+        all.filter(|(_, value)| *value != 0).collect()
     }
 }
 

@@ -26,8 +26,9 @@ fn path(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> Path {
     }
 }
 
-/// After so many time constants the tool has forgotten what came before.
-const MEMORY: f64 = 6.0;
+/// After so many time constants the tool has forgotten what came before: of the lag of a
+/// fast cut a ten-thousandth is left, too little to matter beside that of a slow one.
+const MEMORY: f64 = 8.0;
 
 /// Cuts one after the other without exact corners (007.3 = 0), as far back as the
 /// lag of the tool remembers them.

@@ -14,6 +14,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::memory::Parameters;
+
 /// Turns that count as none.
 const NOTHING: f64 = 1e-12;
 
@@ -97,6 +99,15 @@ impl GearLaw {
         let braking_at = (even + time * (last - first)).max(0.0);
         let peak = (1.0 - missing(braking_at)).max(last);
         braking_at + time * libm::log(peak / last)
+    }
+}
+
+/// The law of lead-in and tail, from the parameters.
+pub(super) fn gear_law(parameters: &Parameters) -> GearLaw {
+    GearLaw {
+        time: parameters.feed_time() / 1000.0,
+        exponential: parameters.thread_exponential(),
+        lowest: parameters.thread_floor() / 60.0,
     }
 }
 

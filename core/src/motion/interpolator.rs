@@ -137,7 +137,7 @@ impl Interpolator {
     pub fn stopping_point(&self, limits: &MotionLimits) -> Point {
         match &self.motion {
             Motion::None => {
-                let way = |axis| self.manual.get(axis).braking_way(axis, limits);
+                let way = |axis| self.manual.get(axis).braking_distance(axis, limits);
                 self.commanded() + Point::new(way(Axis::X), way(Axis::Z))
             }
             Motion::Led { .. } => self.commanded(),
@@ -214,7 +214,7 @@ impl Interpolator {
     }
 
     /// The drives have made this part of their cut.
-    pub fn tell_driven(&mut self, share: f64) {
+    pub fn driven_progress(&mut self, share: f64) {
         if let Motion::Driven(cut) = &mut self.motion {
             cut.tell(share);
         }

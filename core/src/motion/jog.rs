@@ -102,7 +102,7 @@ impl ManualAxis {
     }
 
     /// The way to standstill, signed, mm.
-    pub fn braking_way(&self, axis: Axis, limits: &MotionLimits) -> f64 {
+    pub fn braking_distance(&self, axis: Axis, limits: &MotionLimits) -> f64 {
         let way = self.law(axis, limits).braking_distance(self.speed);
         if self.positive { way } else { -way }
     }

@@ -78,7 +78,7 @@ impl Lag {
         };
         let distance = if distance > NOTHING { distance } else { 0.0 };
         let limit = (speed - along * lowest) * constant;
-        let shrinking = -dot(limit, along);
+        let shrinking = -limit.dot(along);
         let mut span = left;
         let mut ends = false;
         if shrinking > 0.0 {
@@ -89,7 +89,7 @@ impl Lag {
         let rest = law.decay(span);
         let behind = if ends {
             let behind = limit + (self.behind - limit) * rest;
-            behind - along * dot(behind, along)
+            behind - along * behind.dot(along)
         } else {
             // FL along the lag as it will be: its direction cannot swing.
             let whole = speed * (constant * (1.0 - rest)) + self.behind * rest;
@@ -126,8 +126,4 @@ impl Lag {
             _ => 0.0,
         }
     }
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a.x * b.x + a.z * b.z
 }

@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::gear::GearLaw;
+use super::gear::{GearLaw, gear_law};
 use super::ramp::Law;
-use super::thread::gear_law;
 use crate::axis::gear_speed_limit;
 use crate::memory::Parameters;
 use crate::units::{Axis, PerAxis, Point};

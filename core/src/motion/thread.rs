@@ -14,7 +14,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::follower::{Follower, Handover, SpindleTick, Wait, Way};
-use super::gear::GearLaw;
 use super::limits::MotionLimits;
 use super::path::Path;
 use crate::command::{Action, ThreadStart};
@@ -104,7 +103,7 @@ impl ThreadMove {
         let displacement = self.to - from;
         let mut top = Point::new(displacement.x.abs(), displacement.z.abs()) * along;
         if let Some(tail) = self.tail(from, limits) {
-            *top.get_mut(tail.axis) = tail.rate * 60.0;
+            *top.get_mut(tail.axis) = tail.rate(rpm.abs() / 60.0) * 60.0;
         }
         top
     }
@@ -122,51 +121,95 @@ impl ThreadMove {
         let mut going_on = law.duration(total, spin, first, 1.0);
         let mut stopping = law.duration(total, spin, first, last);
         if let Some(tail) = self.tail(from, limits) {
-            let leaving = tail.duration();
+            let leaving = tail.duration(spin);
             going_on = going_on.max(leaving);
             stopping = stopping.max(leaving);
         }
         (going_on, (stopping - going_on).max(0.0))
     }
 
-    /// The short axis of a run-out with a speed of its own (107).
+    /// The short axis of a run-out: at its own speed (107), or at the cutting feed
+    /// and taken up in the time of 026. Without either it stays on the straight line.
     fn tail(&self, from: Point, limits: &MotionLimits) -> Option<Tail> {
         let (axis, factor) = match self.long {
             Axis::X => (Axis::Z, 2.0),
             Axis::Z => (Axis::X, 1.0),
         };
         let way = self.to.get(axis) - from.get(axis);
-        let rate = limits.tail_rate() * factor;
-        (self.run_out && rate > 0.0 && way != 0.0).then(|| Tail {
+        let own = limits.tail_rate() * factor;
+        let time = limits.tail_time();
+        let rate = if own > 0.0 {
+            TailRate::Own(own)
+        } else {
+            TailRate::CuttingFeed {
+                way_per_turn: way.abs() / self.turns(from),
+            }
+        };
+        (self.run_out && way != 0.0 && (own > 0.0 || time > 0.0)).then(|| Tail {
             axis,
             from: from.get(axis),
             way,
             rate,
-            time: limits.tail_time(),
+            time,
             passed: 0.0,
         })
     }
 }
 
-/// The short axis of a run-out: `x = v (t - T (1 - e^(-t/T)))` with 107 and 026.
+/// How fast the short axis leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum TailRate {
+    /// mm/s: that of 107, or the cutting feed once the run-out has begun.
+    Own(f64),
+    /// As fast as on the straight line to the end at the speed of the spindle with
+    /// which the run-out begins (107 = 0).
+    CuttingFeed {
+        /// mm.
+        way_per_turn: f64,
+    },
+}
+
+/// The short axis of a run-out: `x = v (t - T (1 - e^(-t/T)))`, v of 107 or the
+/// cutting feed, T of 026 (manual I-3.2.4.4, III-12.5).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Tail {
     axis: Axis,
     from: f64,
     way: f64,
-    rate: f64,
+    rate: TailRate,
     time: f64,
     passed: f64,
 }
 
 impl Tail {
+    /// Final speed at `spin` turns/s of the spindle, mm/s.
+    const fn rate(&self, spin: f64) -> f64 {
+        match self.rate {
+            TailRate::Own(rate) => rate,
+            TailRate::CuttingFeed { way_per_turn } => way_per_turn * spin,
+        }
+    }
+
+    /// Goes on for `time` seconds at `spin` turns/s; begins with a spindle that turns.
+    fn advance(&mut self, spin: f64, time: f64) {
+        if spin > 0.0 && time > 0.0 {
+            self.rate = TailRate::Own(self.rate(spin));
+        }
+        if let TailRate::Own(_) = self.rate {
+            self.passed += time;
+        }
+    }
+
     fn made(&self, passed: f64) -> f64 {
         let lag = if self.time > 0.0 {
             self.time * (1.0 - libm::exp(-passed / self.time))
         } else {
             0.0
         };
-        (self.rate * (passed - lag)).clamp(0.0, self.way.abs())
+        let TailRate::Own(rate) = self.rate else {
+            return 0.0;
+        };
+        (rate * (passed - lag)).clamp(0.0, self.way.abs())
     }
 
     fn finished(&self) -> bool {
@@ -180,14 +223,16 @@ impl Tail {
         self.from + self.made(self.passed) * self.way.signum()
     }
 
-    /// Within a thousandth of the time constant.
-    fn duration(&self) -> f64 {
-        let mut whole = self.way.abs() / self.rate;
-        if self.time > 0.0 {
-            for _ in 0..20 {
-                let lag = self.time * (1.0 - libm::exp(-whole / self.time));
-                whole = self.way.abs() / self.rate + lag;
-            }
+    /// Seconds from its beginning to its end; Newton's steps come down from above.
+    fn duration(&self, spin: f64) -> f64 {
+        let straight = self.way.abs() / self.rate(spin);
+        if self.time <= 0.0 || !straight.is_finite() {
+            return straight;
+        }
+        let mut whole = straight + self.time;
+        for _ in 0..8 {
+            let risen = 1.0 - libm::exp(-whole / self.time);
+            whole -= (whole - self.time * risen - straight) / risen;
         }
         whole
     }
@@ -255,8 +300,8 @@ impl Thread {
         self.follower.done() >= self.total
     }
 
-    /// Whether it passes its speed on to a thread that follows. A run-out with a
-    /// speed of its own comes to rest.
+    /// Whether it passes its speed on to a thread that follows. A run-out whose
+    /// short axis has a law of its own comes to rest.
     const fn passes_on(&self, continues: bool) -> bool {
         continues && self.tail.is_none()
     }
@@ -275,7 +320,7 @@ impl Thread {
         let spent = self.follower.advance(tick, way, time);
         match &mut self.tail {
             Some(tail) if !tail.finished() => {
-                tail.passed += spent.offered;
+                tail.advance(tick.rpm.abs() / 60.0, spent.offered);
                 spent.waiting + spent.offered
             }
             _ => spent.waiting + spent.used,
@@ -314,14 +359,5 @@ impl Thread {
             }),
             ..self
         }
-    }
-}
-
-/// The law of lead-in and tail, from the parameters.
-pub(super) fn gear_law(parameters: &crate::memory::Parameters) -> GearLaw {
-    GearLaw {
-        time: parameters.feed_time() / 1000.0,
-        exponential: parameters.thread_exponential(),
-        lowest: parameters.thread_floor() / 60.0,
     }
 }

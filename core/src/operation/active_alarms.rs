@@ -1,20 +1,15 @@
 //! The alarms that stand, newest first.
 
+use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, groups};
 
 /// Alarms that stand until RESET or until their cause is gone.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ActiveAlarms {
     list: Vec<Alarm>,
 }
-
-/// Emergency stop or overtravel switch (manual III-2.4).
-pub const EMERGENCY_STOP: u16 = 207;
-
-/// The parameter switch is on (manual III-2.5.1).
-pub const PARAMETER_SWITCH: u16 = 100;
 
 impl ActiveAlarms {
     /// Newest first.
@@ -38,7 +33,7 @@ impl ActiveAlarms {
     }
 
     /// More is known of an alarm that stands.
-    pub fn restate(&mut self, number: u16, detail: String) {
+    pub fn restate(&mut self, number: u16, detail: Message) {
         if let Some(alarm) = self.list.iter_mut().find(|alarm| alarm.number == number) {
             alarm.detail = Some(detail);
         }
@@ -54,10 +49,11 @@ impl ActiveAlarms {
         self.list.retain(|alarm| alarm.number != number);
     }
 
-    /// RESET: everything goes that RESET can clear; the emergency stop goes with
-    /// its contact alone, 100 with the parameter switch and 000 with the power.
-    pub fn reset(&mut self) {
+    /// RESET: everything goes that RESET can clear, but for what still `stands`; the
+    /// emergency stop goes with its contact alone, 100 with the parameter switch and
+    /// 000 with the power.
+    pub fn reset(&mut self, stands: impl Fn(u16) -> bool) {
         self.list
-            .retain(|alarm| matches!(alarm.number, 0 | EMERGENCY_STOP | PARAMETER_SWITCH));
+            .retain(|alarm| groups::outlives_reset(alarm.number) || stands(alarm.number));
     }
 }

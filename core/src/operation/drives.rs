@@ -1,72 +1,10 @@
-//! Alarm and ready signals of the drives (manual III-12.3, IV-2.1.3).
+//! What the alarm and ready signals of the drives have led to (manual III-12.3).
 
+use crate::units::PerAxis;
 use serde::{Deserialize, Serialize};
-
-use crate::alarm::Alarm;
-use crate::cnc::Cnc;
-use crate::machine::Inputs;
-use crate::units::{Axis, PerAxis};
-
-/// How long the ready signal of a drive may take to follow its enable, ms.
-const FOLLOWS_WITHIN_MS: u16 = 100;
 
 /// How long the ready signals have disagreed with the enable, ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct DriveWatch {
-    disagree: PerAxis<u16>,
-}
-
-/// What the signals of a drive say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Said {
-    Well,
-    NotReady,
-    Alarm,
-}
-
-impl Cnc {
-    /// Watches the drives; once a millisecond. All axes stop at once; RESET clears
-    /// the alarm when the drive is well again.
-    pub(crate) fn watch_drives(&mut self, inputs: &Inputs) {
-        let x = self.drive_says(Axis::X, inputs);
-        let z = self.drive_says(Axis::Z, inputs);
-        let number = match (x, z) {
-            (Said::Well, Said::Well) => return,
-            (Said::Alarm, Said::Alarm) => 252,
-            (Said::Alarm, _) => 221,
-            (_, Said::Alarm) => 222,
-            (Said::NotReady, Said::NotReady) => 251,
-            (Said::NotReady, Said::Well) => 211,
-            (Said::Well, Said::NotReady) => 212,
-        };
-        if !self.alarms.contains(number) {
-            self.interpolator.stop_now();
-            self.at_reference = PerAxis::default();
-            self.raise(Alarm::new(number));
-        }
-    }
-
-    fn drive_says(&mut self, axis: Axis, inputs: &Inputs) -> Said {
-        let parameters = &self.parameters;
-        let alarm = *inputs.drive_alarm.get(axis) == parameters.drive_alarm_level(axis);
-        let ready = *inputs.drive_ready.get(axis) == parameters.drive_ready_level();
-        let enabled = !self.emergency_stop;
-        // A pulse board has no ready lines; it speaks for its drives itself.
-        let told = self.board.is_none();
-        let too_early_is_alarm = !parameters.drive_may_be_early();
-        let disagree = self.drives.disagree.get_mut(axis);
-        *disagree = if ready == enabled || !told {
-            0
-        } else {
-            disagree.saturating_add(1)
-        };
-        let disagrees = *disagree > FOLLOWS_WITHIN_MS;
-        if alarm || disagrees && ready && too_early_is_alarm {
-            Said::Alarm
-        } else if disagrees && enabled {
-            Said::NotReady
-        } else {
-            Said::Well
-        }
-    }
+    pub disagree: PerAxis<u16>,
 }

@@ -82,6 +82,16 @@ impl Handshake {
         self.phases.iter().any(|phase| *phase != Phase::Idle)
     }
 
+    /// The first function whose strobe stands and is not answered, with its code.
+    pub fn unfinished(&self) -> Option<(Strobe, u32)> {
+        let codes = [
+            (Strobe::M, u32::from(self.m)),
+            (Strobe::S, self.s),
+            (Strobe::T, u32::from(self.t)),
+        ];
+        codes.into_iter().find(|(strobe, _)| self.strobe(*strobe))
+    }
+
     /// One millisecond, with the FIN signal as the PLC left it.
     pub fn tick(&mut self, fin: bool) {
         for (index, phase) in self.phases.iter_mut().enumerate() {

@@ -1,19 +1,13 @@
-//! The handwheel (manual III-6.2): 100 graduations a turn, one increment each.
+//! Detents of the handwheel, counted from its two tracks (manual III-6.2).
 
 use serde::{Deserialize, Serialize};
-
-use super::manual::Way;
-use crate::cnc::Cnc;
-use crate::motion::JogRate;
-use crate::units::Axis;
 
 /// Half graduations that the counter takes in a tick: 500 a second, five turns of
 /// a wheel of 100 graduations. What comes faster is lost.
 const HALVES_A_TICK: i32 = 1;
+
 /// Half graduations that may come at once: a tenth of a second's worth.
 const HALVES_AT_ONCE: i32 = 100;
-/// The axis follows the wheel by at most the way of so many seconds at rapid.
-const LAG_S: f64 = 0.5;
 
 /// The counter of the handwheel's pulses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,7 +29,7 @@ impl Default for WheelCounter {
 
 impl WheelCounter {
     /// The graduations that count this tick.
-    pub(super) const fn counts(&mut self, wheel: i32) -> i32 {
+    pub(crate) const fn counts(&mut self, wheel: i32) -> i32 {
         let turned = match self.last {
             Some(last) => wheel.wrapping_sub(last),
             None => 0,
@@ -55,27 +49,6 @@ impl WheelCounter {
         };
         self.room -= 2 * counted.abs();
         counted
-    }
-}
-
-impl Cnc {
-    /// The selected axis follows the wheel, at no more than its rapid rate.
-    pub(super) fn follow_wheel(&mut self, axis: Axis, counts: i32) {
-        let rate = JogRate::Feed(self.limits.rapid_rate(axis));
-        let rate = self.board_slows(axis, rate);
-        self.guide_step(axis, rate);
-        if self.from_plc.wheel_axis != Some(axis) || self.interlocked(axis) {
-            return;
-        }
-        let distance = f64::from(counts) * self.step_distance(axis);
-        let Some(way) = Way::of(distance) else {
-            return;
-        };
-        let rest = self.interpolator.step_rest(axis).unwrap_or(0.0);
-        let too_far = (rest + distance).abs() > self.limits.rapid_rate(axis) / 60.0 * LAG_S;
-        if self.may_go(axis, way) && !(too_far && Way::of(rest) == Some(way)) {
-            self.interpolator.start_step(axis, distance, rate);
-        }
     }
 }
 

@@ -1,42 +1,50 @@
-//! Operating modes and run states, the M/S/T handshake, reset, emergency stop,
-//! manual motion, zero return, travel limits, and the list of active alarms.
+//! States and rules of operation that need no control around them: modes, run states,
+//! the M/S/T handshake, PLC signals by name, the list of active alarms. The control
+//! (`cnc`) carries them out.
 
 mod active_alarms;
 mod arrival;
 mod automatic;
 mod board;
 mod drives;
-mod execution;
 mod gear_speed;
 mod handshake;
 mod handwheel;
 mod input_filter;
-mod interlock;
 mod intervention;
 mod limits;
 mod manual;
-mod mode;
-mod reset;
+mod run_state;
 mod sensors;
 mod signals;
 mod soft_switch;
 mod thread;
+mod thread_state;
 mod zero_return;
 
+pub use crate::mode::Mode;
 pub use active_alarms::ActiveAlarms;
-pub(crate) use active_alarms::EMERGENCY_STOP;
-pub use automatic::{Automatic, RunState};
-pub(crate) use board::{BoardDrives, BoardSpindle, SpindleTrouble, ZeroWiring};
+pub(crate) use arrival::Arrival;
+pub use automatic::Automatic;
+pub(crate) use automatic::{Aside, Current, Stage, is_cut};
+pub(crate) use board::{
+    BoardDrives, BoardSpindle, Checked, SpindleTrouble, ZeroWiring, board_rates, why_not,
+};
 pub(crate) use drives::DriveWatch;
 pub(crate) use gear_speed::check_gear_speed;
 pub use handshake::{Handshake, Phase, Strobe};
 pub(crate) use handwheel::WheelCounter;
 pub use input_filter::{InputFilter, X_BYTES};
-pub(crate) use manual::JOG_RATE_MAX;
+pub(crate) use limits::travel_alarm;
 pub use manual::jog_rate;
-pub use mode::Mode;
+pub(crate) use manual::{Direction, JOG_RATE_MAX};
+pub use run_state::RunState;
 pub use sensors::Sensors;
 pub use signals::{FromPlc, ToPlc};
 pub use soft_switch::SoftSwitch;
-pub(crate) use thread::{check_encoder, check_standing, check_thread_speed};
+pub(crate) use soft_switch::Turning;
+pub(crate) use thread::{
+    AfterThread, STANDING_RPM, check_encoder, check_standing, check_thread_speed,
+};
+pub(crate) use thread_state::{Protection, TapStage};
 pub(crate) use zero_return::Return;

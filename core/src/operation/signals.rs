@@ -5,8 +5,8 @@ use gsk_plc::Memory;
 use serde::{Deserialize, Serialize};
 
 use super::handshake::{Handshake, Strobe};
-use super::mode::Mode;
 use crate::memory::Parameters;
+use crate::mode::Mode;
 use crate::units::{Axis, PerAxis};
 
 /// The G signals, decoded once after every PLC slot.
@@ -232,6 +232,10 @@ pub struct ToPlc<'a> {
     pub sending: bool,
     /// Something comes in through it.
     pub receiving: bool,
+    /// BGEACT: a program is read in beside the one that runs.
+    pub reading_in: bool,
+    /// CINP: the slides have not made all that was commanded yet.
+    pub checking: bool,
     /// Switches of the soft machine panel, as the bits of F75.
     pub soft_switches: u8,
     /// MA: the control is ready; not with a system alarm.
@@ -299,15 +303,17 @@ impl ToPlc<'_> {
         );
         set(
             3,
-            match self.mode {
-                Mode::Step => 1 << 0,
-                Mode::Handwheel => 1 << 1,
-                Mode::Jog => 1 << 2,
-                Mode::Mdi => 1 << 3,
-                Mode::Auto => 1 << 5,
-                Mode::Edit => 1 << 6,
-                Mode::MachineZero | Mode::ProgramZero => 0,
-            },
+            u8::from(self.mode.teaches()) << 7
+                | match self.mode.motion() {
+                    Mode::Step => 1 << 0,
+                    Mode::Handwheel => 1 << 1,
+                    Mode::Jog => 1 << 2,
+                    Mode::Mdi => 1 << 3,
+                    Mode::Dnc => 1 << 4,
+                    Mode::Auto => 1 << 5,
+                    Mode::Edit => 1 << 6,
+                    _ => 0,
+                },
         );
         set(
             4,
@@ -335,6 +341,7 @@ impl ToPlc<'_> {
         }
         set(26, self.handshake.t);
         set(34, 1 << (self.gear.clamp(1, 4) - 1));
+        set(53, pack(&[(4, self.reading_in)]));
         set(75, self.soft_switches);
         set(76, pack(&[(3, self.tapping)]));
         set(94, pack_axes(self.at_reference));
@@ -344,9 +351,16 @@ impl ToPlc<'_> {
         set(197, pack(&[(1, self.output_key)]));
         set(198, pack_axes(self.at_program_zero));
         set(199, u8::from(self.spindle_jog));
-        set(212, pack(&[(2, self.dwelling), (4, g.feed_override == 0)]));
+        set(
+            212,
+            pack(&[
+                (2, self.dwelling),
+                (3, self.checking),
+                (4, g.feed_override == 0),
+            ]),
+        );
         set(213, pack(&[(0, self.sending), (1, self.receiving)]));
-        set(207, self.parameters.value(84) as u8);
+        set(207, self.parameters.stations());
         for (f, parameter) in MIRRORED {
             set(f, self.parameters.byte(parameter));
         }

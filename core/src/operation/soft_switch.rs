@@ -39,3 +39,11 @@ impl SoftSwitch {
         }
     }
 }
+
+/// A switch on its way to a new state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Turning {
+    pub switch: SoftSwitch,
+    pub to: bool,
+    pub left_ms: u32,
+}

@@ -1,6 +1,7 @@
 //! Machine time of a preview: motion, M, S, T and dwell.
 
 use crate::command::{SpindleCommand, Timing};
+use crate::memory::parameter;
 use crate::setup::Setup;
 
 /// Time since the start of the program, with what runs beside the motion.
@@ -25,27 +26,29 @@ struct Turret {
 
 impl Clock {
     pub(super) fn new(setup: &Setup) -> Self {
-        let seconds = |number| f64::from(setup.parameters.value(number)) / 1000.0;
+        let seconds = |number| f64::from(setup.memory.parameters.timer_ms(number)) / 1000.0;
         // 065 and 066, and the way of a gear whose switch is looked at (AGIN).
         let shift = |travel_ms: u32| {
             let travel = f64::from(travel_ms) / 1000.0;
-            (seconds(65) + travel + seconds(66)).max(seconds(80))
+            (seconds(parameter::GEAR_TIME_1) + travel + seconds(parameter::GEAR_TIME_2))
+                .max(seconds(parameter::M_TIME))
         };
-        let checked = setup.parameters.bit(164, 6) && !setup.parameters.bit(168, 2);
+        let checked =
+            setup.memory.parameters.watches_gear() && !setup.memory.parameters.watches_chuck();
         let travel_ms = setup.lathe.chuck.travel_ms;
         Self {
             gear_s: [shift(if checked { travel_ms } else { 0 }), shift(0)],
             now: 0.0,
             busy_until: 0.0,
-            m_s: seconds(80),
-            s_s: seconds(81),
+            m_s: seconds(parameter::M_TIME),
+            s_s: seconds(parameter::S_TIME),
             turret: Turret {
-                stations: u8::try_from(setup.parameters.value(84)).unwrap_or(0),
-                at: u8::try_from(setup.parameters.value(75)).unwrap_or(0).max(1),
+                stations: setup.memory.parameters.stations(),
+                at: setup.memory.parameters.tool_in_position().max(1),
                 station_s: f64::from(setup.lathe.turret.station_ms) / 1000.0,
                 clamp_s: f64::from(setup.lathe.turret.clamp_ms) / 1000.0
-                    + seconds(82)
-                    + seconds(85),
+                    + seconds(parameter::CLAMP_DELAY)
+                    + seconds(parameter::CLAMP_TIME),
             },
         }
     }

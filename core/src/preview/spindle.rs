@@ -1,6 +1,8 @@
 //! What the preview knows of the spindle: enough for feeds per revolution.
 
-use crate::alarm::Alarm;
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
 use crate::command::SpindleCommand;
 use crate::interpreter::surface_rpm;
 use crate::setup::Setup;
@@ -56,9 +58,9 @@ impl Spindle {
             speed: Speed::Fixed(given),
             steps: setup.lathe.spindle.steps,
             limit: None,
-            lowest: f64::from(setup.parameters.value(43)),
-            top: (setup.parameters.analog_spindle())
-                .then(|| [1, 2, 3, 4].map(|gear| setup.parameters.gear_maximum(gear))),
+            lowest: setup.memory.parameters.surface_lowest(),
+            top: (setup.memory.parameters.analog_spindle())
+                .then(|| [1, 2, 3, 4].map(|gear| setup.memory.parameters.gear_maximum(gear))),
             gear: 1,
             engaged: false,
         }
@@ -142,7 +144,7 @@ impl Spindle {
     pub(super) fn rpm_for_feed(&self, radius: f64) -> Result<f64, Alarm> {
         let rpm = self.rpm(radius);
         if rpm < 1.0 {
-            return Err(Alarm::new(11).because("feed per revolution (G99) with a standing spindle"));
+            return Err(Alarm::new(number::NO_FEED).because(say::spindle_stands_at_feed()));
         }
         Ok(rpm)
     }

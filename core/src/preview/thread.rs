@@ -95,6 +95,7 @@ impl Walk<'_> {
         let from = self.so_far.machine;
         let frame = self.so_far.frame;
         self.so_far.machine = to;
+        self.look_at_move(command.source);
         self.motionless = 0;
         self.so_far.lengths.thread += path_length(kind, from, to, None);
         self.so_far.cutting_s += took;
@@ -109,6 +110,6 @@ impl Walk<'_> {
             duration_s: took,
         };
         self.count(&executed);
-        (self.on_move)(&executed);
+        self.show(&executed);
     }
 }

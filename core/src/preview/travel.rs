@@ -37,8 +37,12 @@ impl Walk<'_> {
             check_gear_speed(&self.limits, top)?;
         }
         self.so_far.machine = to;
+        self.look_at_move(command.source);
         if from == to && center.is_none() {
             return Ok(());
+        }
+        if kind != MoveKind::Rapid {
+            self.look_at_cut(command, feed);
         }
         self.settle(true);
         self.motionless = 0;
@@ -74,7 +78,7 @@ impl Walk<'_> {
         if over {
             self.unsettled = Some(executed);
         } else {
-            (self.on_move)(&executed);
+            self.show(&executed);
         }
         Ok(())
     }
@@ -84,6 +88,13 @@ impl Walk<'_> {
         bounds::include(&mut self.so_far.bounds, executed);
         self.clock.advance(executed.duration_s);
         self.so_far.moves += 1;
+    }
+
+    /// Hands a move out; what an alarm keeps from being made is not shown.
+    pub(super) fn show(&mut self, executed: &ExecutedMove) {
+        if self.behind.is_none() {
+            (self.on_move)(executed);
+        }
     }
 
     /// The cut that waits for what follows it: unless that is a cut too, the tool
@@ -98,7 +109,7 @@ impl Walk<'_> {
             self.so_far.cutting_s += closing;
             self.clock.advance(closing);
         }
-        (self.on_move)(&executed);
+        self.show(&executed);
     }
 
     pub(super) fn dwell(&mut self, source: Source, ms: u32) {
@@ -119,6 +130,6 @@ impl Walk<'_> {
         };
         self.clock.advance(took);
         self.so_far.moves += 1;
-        (self.on_move)(&executed);
+        self.show(&executed);
     }
 }

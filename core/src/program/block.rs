@@ -2,10 +2,12 @@
 
 use core::fmt;
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use super::number::{Number, Variable};
-use super::parse::{BlockError, Syntax, check_values};
+use super::syntax::{BlockError, Syntax};
+use crate::alarm;
 
 /// Words a block can hold besides N and O; more raise alarm 012.
 pub const MAX_WORDS: usize = 24;
@@ -271,4 +273,59 @@ impl TryFrom<Plain> for Block {
         check_values(&block)?;
         Ok(block)
     }
+}
+
+/// Checks every number of a block against table 2-1; references to variables are
+/// left out.
+pub(super) fn check_values(block: &Block) -> Result<(), BlockError> {
+    let g65 = block.has_g(65);
+    for word in block.words() {
+        if word.value.variable().is_some() {
+            continue;
+        }
+        let (low, high) = range(block, word, g65);
+        let value = word.value.millionths();
+        if value < low || value > high {
+            return Err(out_of_range(word, low, high));
+        }
+    }
+    Ok(())
+}
+
+const ONE: i64 = 1_000_000;
+/// Largest length, ±9999.999 mm.
+const LENGTH: i64 = 9_999_999_000;
+/// Largest dwell, 99999.999 s; a negative one is told when its block is carried out.
+const DWELL: i64 = 99_999_999_000;
+/// What a macro operation can hold, ±2³².
+const MACRO: i64 = (1 << 32) * ONE;
+
+/// Lowest and highest value of a word, in millionths.
+fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
+    match word.address {
+        b'H' | b'P' | b'Q' | b'R' if g65 => (-MACRO, MACRO),
+        b'X' | b'U' if block.has_g(4) => (-DWELL, DWELL),
+        // G76 R(d): an integer counts in 0.001 mm.
+        b'R' if block.has_g(76) && !word.value.has_point() => (-9_999_999 * ONE, 9_999_999 * ONE),
+        // Vector of an arc, or threads per inch.
+        b'I' => (-LENGTH, 25_400 * ONE),
+        b'F' => (0, 9_999_999 * ONE),
+        b'G' | b'M' | b'H' => (0, 99 * ONE),
+        b'L' => (ONE, 99 * ONE),
+        b'S' | b'T' => (0, 9999 * ONE),
+        b'P' => (-99_999_999 * ONE, 99_999_999 * ONE),
+        b'Q' => (-9_999_999 * ONE, 9_999_999 * ONE),
+        _ => (-LENGTH, LENGTH),
+    }
+}
+
+#[cold]
+fn out_of_range(word: &Word, low: i64, high: i64) -> BlockError {
+    let limit = |millionths: i64| {
+        let text = Number::from_millionths(millionths).to_string();
+        text.trim_end_matches('.').to_string()
+    };
+    let name = char::from(word.address);
+    let detail = say::word_out_of_range(name, word.value, limit(low), limit(high));
+    BlockError::at(alarm::number::OUT_OF_RANGE, word.span.0.into(), detail)
 }

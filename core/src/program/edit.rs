@@ -5,6 +5,8 @@
 //! block until the end of block is keyed in; leaving it ends it too. The line of
 //! the program name and the `%` stay as they are.
 
+mod teach;
+
 use serde::{Deserialize, Serialize};
 
 use super::head::Head;

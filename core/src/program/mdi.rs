@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
-use super::parse::{BlockError, Syntax, parse_block};
+use super::parse::parse_block;
 use super::points::with_points;
+use super::syntax::{BlockError, Syntax};
 use super::text::Program;
 use crate::alarm::Alarm;
 use crate::memory::Parameters;
@@ -88,6 +89,16 @@ impl MdiBlock {
     /// The block as a program of one block, for the interpreter.
     pub fn program(&self) -> Program {
         Program::new(self.text())
+    }
+
+    /// The value of a block of R alone, which is a nose radius unless the code of
+    /// group 01 takes R (manual II-1.3), mm.
+    pub fn lone_r(&self, parameters: &Parameters) -> Option<f64> {
+        let [(Slot::Address(b'R'), _)] = self.words.as_slice() else {
+            return None;
+        };
+        let r = self.block(parameters).ok()?.number(b'R')?;
+        r.variable().is_none().then(|| r.mm())
     }
 
     /// What was keyed in for an address, number only; of several G the last.

@@ -25,6 +25,7 @@ mod block;
 mod edit;
 mod head;
 mod index;
+mod inflow;
 mod lexer;
 mod listing;
 mod mdi;
@@ -32,16 +33,19 @@ mod number;
 mod parse;
 mod points;
 mod store;
+mod syntax;
 #[cfg(test)]
 mod tests;
 mod text;
 
 pub use block::{Block, MAX_WORDS, Word};
 pub use edit::{Completion, Editing};
+pub use inflow::{Inflow, LineTooLong};
 pub use listing::{end_column, without_end};
 pub use mdi::MdiBlock;
 pub use number::{Number, Variable};
-pub use parse::{BlockError, Syntax, parse_block};
+pub use parse::parse_block;
 pub use points::with_points;
 pub use store::{CHARACTER_LIMIT, PROGRAM_LIMIT, ProgramMemory, RANGE};
+pub use syntax::{BlockError, Syntax};
 pub use text::{Program, split};

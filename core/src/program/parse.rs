@@ -1,92 +1,14 @@
 //! The word syntax: text of a block to words, with every range (manual I-2.2,
 //! table 2-1).
 
-use core::fmt;
+use gsk_messages::say;
 
-use super::block::{Block, Word, is_length};
+use super::block::{Block, Word, check_values, is_length};
 use super::lexer::{FOREIGN, Lexer};
 use super::number::{Number, Variable};
-use crate::alarm::Alarm;
-use crate::memory::Parameters;
-
-/// What parameters change in the syntax.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Syntax {
-    /// 013 POD: a decimal point is compulsory on X Z U W R I J K F.
-    pub point_required: bool,
-    /// Lengths are inches, to 0.0001.
-    pub inch: bool,
-}
-
-impl Syntax {
-    /// The least input increment of a length, in millionths of its unit.
-    pub(super) const fn increment(self) -> i64 {
-        if self.inch { 100 } else { 1000 }
-    }
-}
-
-impl From<&Parameters> for Syntax {
-    fn from(parameters: &Parameters) -> Self {
-        Self {
-            point_required: parameters.point_required(),
-            inch: false,
-        }
-    }
-}
-
-/// Why a text is no block.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BlockError {
-    /// Alarm number.
-    pub alarm: u16,
-    /// Column in the text of the block, in characters from 1.
-    pub column: u32,
-    /// The rule that is broken, in English.
-    pub detail: String,
-}
-
-impl BlockError {
-    /// An error at a byte of the text.
-    #[cold]
-    fn at(alarm: u16, byte: usize, detail: impl Into<String>) -> Self {
-        let column = u32::try_from(byte).unwrap_or(u32::MAX).saturating_add(1);
-        Self {
-            alarm,
-            column,
-            detail: detail.into(),
-        }
-    }
-
-    pub(super) fn too_many_words() -> Self {
-        Self::at(12, 0, "more words than a block can hold")
-    }
-
-    /// Turns the byte column into one of characters.
-    fn located(mut self, text: &str) -> Self {
-        let byte = (self.column - 1) as usize;
-        let before = text.char_indices().take_while(|(at, _)| *at < byte).count();
-        self.column = u32::try_from(before).unwrap_or(u32::MAX).saturating_add(1);
-        self
-    }
-}
-
-impl fmt::Display for BlockError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{:03} at column {}: {}",
-            self.alarm, self.column, self.detail
-        )
-    }
-}
-
-impl core::error::Error for BlockError {}
-
-impl From<BlockError> for Alarm {
-    fn from(error: BlockError) -> Self {
-        Self::new(error.alarm).because(format!("column {}: {}", error.column, error.detail))
-    }
-}
+use super::syntax::{BlockError, Syntax};
+use crate::alarm::number;
+use crate::dialect::{self, advised};
 
 /// Reads one block: up to the first `;`, `*`, `%` or end of line outside
 /// comments. Does not allocate unless it fails.
@@ -126,20 +48,18 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
             _ => return Err(misplaced(text, start, byte)),
         };
         if !is_address(address) {
-            let detail = format!("{} is not an address", char::from(address));
-            return Err(BlockError::at(9, start, detail));
+            let rule = say::address_unknown(char::from(address));
+            let detail = advised(rule, dialect::instead_of_address(address));
+            return Err(BlockError::at(number::BAD_ADDRESS, start, detail));
         }
         if g65 && !matches!(address, b'H' | b'P' | b'Q' | b'R') {
-            let detail = format!(
-                "{} after G65: only H, P, Q, R may follow",
-                char::from(address)
-            );
-            return Err(BlockError::at(125, start, detail));
+            let detail = say::macro_address_wrong(char::from(address));
+            return Err(BlockError::at(number::BAD_IN_MACRO, start, detail));
         }
         let bit = 1 << (address - b'A');
         if seen & bit != 0 && address != b'G' {
-            let detail = format!("a second {} in the block", char::from(address));
-            return Err(BlockError::at(18, start, detail));
+            let detail = say::address_twice(char::from(address));
+            return Err(BlockError::at(number::ADDRESS_TWICE, start, detail));
         }
         seen |= bit;
 
@@ -157,9 +77,9 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
         if address == b'G' && value.integer() == 65 && value.variable().is_none() {
             if !block.is_empty() {
                 return Err(BlockError::at(
-                    125,
+                    number::BAD_IN_MACRO,
                     start,
-                    "only O and N may stand before G65",
+                    say::macro_not_first_in_block(),
                 ));
             }
             g65 = true;
@@ -185,7 +105,7 @@ fn narrow(at: usize) -> u16 {
 fn skip_blanks(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     lexer
         .skip_blanks()
-        .map_err(|open| BlockError::at(6, open, "a comment that is not closed on its line"))
+        .map_err(|open| BlockError::at(number::BAD_CHARACTER, open, say::comment_not_closed()))
 }
 
 /// Table 2-1, with J and L, which the thread codes use.
@@ -202,20 +122,28 @@ const fn takes_point(address: u8) -> bool {
 #[cold]
 fn misplaced(text: &str, at: usize, byte: u8) -> BlockError {
     match byte {
-        b'0'..=b'9' | b'.' => BlockError::at(6, at, "a number without an address"),
-        b'+' | b'-' | b'#' => BlockError::at(
-            2,
-            at,
-            "the number before it ends in a way that cannot be read",
-        ),
-        b'/' => BlockError::at(6, at, "/ stands only at the start of a block"),
+        b'#' if text
+            .get(..at)
+            .is_some_and(|before| before.trim().is_empty()) =>
+        {
+            let rule = say::block_begins_with_variable();
+            BlockError::at(
+                number::BAD_CHARACTER,
+                at,
+                advised(rule, dialect::instead_of_character(byte)),
+            )
+        }
+        b'0'..=b'9' | b'.' => {
+            BlockError::at(number::BAD_CHARACTER, at, say::number_without_address())
+        }
+        b'+' | b'-' | b'#' => BlockError::at(number::BAD_VALUE, at, say::number_end_wrong()),
+        b'/' => BlockError::at(number::BAD_CHARACTER, at, say::skip_mark_misplaced()),
         _ => {
             let character = text.get(at..).and_then(|rest| rest.chars().next());
-            let detail = format!(
-                "{:?} is no character of the language",
-                character.unwrap_or(' ')
-            );
-            BlockError::at(6, at, detail)
+            let character = character.unwrap_or(' ');
+            let rule = say::character_unknown(format_args!("{character:?}"));
+            let detail = advised(rule, dialect::instead_of_character(byte));
+            BlockError::at(number::BAD_CHARACTER, at, detail)
         }
     }
 }
@@ -274,7 +202,11 @@ fn read_number(
             }
         }
         if lexer.peek().0 == b'.' {
-            return Err(BlockError::at(7, lexer.at, "a second decimal point"));
+            return Err(BlockError::at(
+                number::BAD_POINT,
+                lexer.at,
+                say::point_twice(),
+            ));
         }
     }
 
@@ -283,17 +215,21 @@ fn read_number(
     }
     if point && (g65 || !takes_point(address)) {
         return Err(BlockError::at(
-            7,
+            number::BAD_POINT,
             point_at,
-            format!("{name} takes no decimal point"),
+            say::point_not_allowed(name),
         ));
     }
     if !point && syntax.point_required && takes_point(address) && !g65 {
-        let detail = format!("{name} needs a decimal point (parameter 013 POD = 1)");
-        return Err(BlockError::at(7, start, detail));
+        let detail = say::point_missing(name);
+        return Err(BlockError::at(number::BAD_POINT, start, detail));
     }
     if address == b'F' && significant > 7 {
-        return Err(BlockError::at(43, start, "F has more than 7 digits"));
+        return Err(BlockError::at(
+            number::OUT_OF_RANGE,
+            start,
+            say::feed_digits_too_many(),
+        ));
     }
     let size = whole.min(HUGE) * 1_000_000 + fraction;
     let millionths = if negative { -size } else { size };
@@ -320,11 +256,7 @@ const MAX_DIGITS: u8 = 20;
 #[cold]
 fn no_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> BlockError {
     if marks {
-        return BlockError::at(
-            2,
-            start,
-            format!("{name} has a sign or a point but no digits"),
-        );
+        return BlockError::at(number::BAD_VALUE, start, say::number_without_digits(name));
     }
     match lexer.peek().0 {
         FOREIGN
@@ -337,11 +269,11 @@ fn no_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> BlockE
         | b'<'..=b'@'
         | b'['..=b'`'
         | b'{'.. => BlockError::at(
-            6,
+            number::BAD_CHARACTER,
             lexer.at,
-            format!("{name} is followed by a character that is no number"),
+            say::number_foreign_character(name),
         ),
-        _ => BlockError::at(5, start, format!("{name} has no number")),
+        _ => BlockError::at(number::NO_VALUE, start, say::number_missing(name)),
     }
 }
 
@@ -351,7 +283,11 @@ fn read_variable(lexer: &mut Lexer<'_>, address: u8, negative: bool) -> Result<N
     let at = lexer.at;
     let name = char::from(address);
     if matches!(address, b'N' | b'O' | b'J' | b'L') {
-        return Err(BlockError::at(2, at, format!("{name} takes no variable")));
+        return Err(BlockError::at(
+            number::BAD_VALUE,
+            at,
+            say::variable_not_allowed(name),
+        ));
     }
     lexer.at += lexer.peek().1;
     let mut digits = 0;
@@ -361,21 +297,25 @@ fn read_variable(lexer: &mut Lexer<'_>, address: u8, negative: bool) -> Result<N
         digits += 1;
         if digits > 4 {
             return Err(BlockError::at(
-                115,
+                number::BAD_VARIABLE,
                 at,
-                "a variable number has at most 4 digits",
+                say::variable_number_too_long(),
             ));
         }
         number = number * 10 + u16::from(byte - b'0');
     }
     if digits == 0 {
-        return Err(BlockError::at(2, at, "# without a variable number"));
+        return Err(BlockError::at(
+            number::BAD_VALUE,
+            at,
+            say::variable_number_missing(),
+        ));
     }
     if lexer.peek().0 == b'.' {
         return Err(BlockError::at(
-            7,
+            number::BAD_POINT,
             lexer.at,
-            "a variable number takes no decimal point",
+            say::variable_number_with_point(),
         ));
     }
     Ok(Number::from_variable(Variable { number, negative }))
@@ -385,68 +325,9 @@ fn program_number(address: u8, value: Number, at: usize) -> Result<u16, BlockErr
     match u16::try_from(value.integer()) {
         Ok(number @ ..=9999) => Ok(number),
         _ => {
-            let detail = format!("{}{value} is outside 0 to 9999", char::from(address));
-            Err(BlockError::at(43, at, detail))
+            let rule = say::number_out_of_four_digits(char::from(address), value);
+            let detail = advised(rule, dialect::instead_of_number(address));
+            Err(BlockError::at(number::OUT_OF_RANGE, at, detail))
         }
     }
-}
-
-/// Checks every number of a block against table 2-1; references to variables are
-/// left out.
-pub(super) fn check_values(block: &Block) -> Result<(), BlockError> {
-    let g65 = block.has_g(65);
-    for word in block.words() {
-        if word.value.variable().is_some() {
-            continue;
-        }
-        let (low, high) = range(block, word, g65);
-        let value = word.value.millionths();
-        if value < low || value > high {
-            return Err(out_of_range(word, low, high));
-        }
-    }
-    Ok(())
-}
-
-const ONE: i64 = 1_000_000;
-/// Largest length, ±9999.999 mm.
-const LENGTH: i64 = 9_999_999_000;
-/// Largest dwell, 99999.999 s; negative values count as zero.
-const DWELL: i64 = 99_999_999_000;
-/// What a macro operation can hold, ±2³².
-const MACRO: i64 = (1 << 32) * ONE;
-
-/// Lowest and highest value of a word, in millionths.
-fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
-    match word.address {
-        b'H' | b'P' | b'Q' | b'R' if g65 => (-MACRO, MACRO),
-        b'X' | b'U' if block.has_g(4) => (-DWELL, DWELL),
-        // G76 R(d): an integer counts in 0.001 mm.
-        b'R' if block.has_g(76) && !word.value.has_point() => (-9_999_999 * ONE, 9_999_999 * ONE),
-        // Vector of an arc, or threads per inch.
-        b'I' => (-LENGTH, 25_400 * ONE),
-        b'F' => (0, 9_999_999 * ONE),
-        b'G' | b'M' | b'H' => (0, 99 * ONE),
-        b'L' => (ONE, 99 * ONE),
-        b'S' | b'T' => (0, 9999 * ONE),
-        b'P' => (-99_999_999 * ONE, 99_999_999 * ONE),
-        b'Q' => (-9_999_999 * ONE, 9_999_999 * ONE),
-        _ => (-LENGTH, LENGTH),
-    }
-}
-
-#[cold]
-fn out_of_range(word: &Word, low: i64, high: i64) -> BlockError {
-    let limit = |millionths: i64| {
-        let text = Number::from_millionths(millionths).to_string();
-        text.trim_end_matches('.').to_string()
-    };
-    let name = char::from(word.address);
-    let detail = format!(
-        "{name}{} is outside {} to {}",
-        word.value,
-        limit(low),
-        limit(high)
-    );
-    BlockError::at(43, word.span.0.into(), detail)
 }

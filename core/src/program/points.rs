@@ -1,7 +1,8 @@
 //! 013.3 PODI: decimal points that the control appends while a block is keyed in.
 
 use super::block::is_length;
-use super::parse::{Syntax, parse_block};
+use super::parse::parse_block;
+use super::syntax::Syntax;
 
 /// A block as keyed in, with a point after each number that takes one and has
 /// none. A block that cannot be read stays as it is, and so does G65.

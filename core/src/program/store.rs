@@ -5,10 +5,12 @@ use core::ops::RangeInclusive;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
+use super::inflow::Inflow;
 use super::text::Program;
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
 
 /// Programs the memory takes; one more raises alarm 072 (manual III-8.2).
@@ -25,6 +27,8 @@ pub const RANGE: RangeInclusive<u16> = 0..=9999;
 pub struct ProgramMemory {
     stored: BTreeMap<u16, Program>,
     external: Option<Program>,
+    /// What comes in through the line while it runs.
+    inflow: Option<Inflow>,
     current: Option<ProgramId>,
 }
 
@@ -37,7 +41,7 @@ impl ProgramMemory {
     pub fn store(&mut self, text: impl Into<Arc<str>>) -> Result<u16, Alarm> {
         let program = Program::new(text);
         let number = program.number().ok_or_else(|| {
-            Alarm::new(74).because("the text has no program number O0000 to O9999")
+            Alarm::new(number::PROGRAM_NUMBER).because(say::program_number_missing())
         })?;
         self.put(number, program)?;
         Ok(number)
@@ -51,7 +55,7 @@ impl ProgramMemory {
         let program = Program::new(text);
         match program.number() {
             Some(number) if self.stored.contains_key(&number) => {
-                Err(Alarm::new(73).because(format!("O{number:04} is in the memory")))
+                Err(Alarm::new(number::PROGRAM_STORED).because(say::program_in_memory(number)))
             }
             _ => self.store(program.text()),
         }
@@ -84,7 +88,7 @@ impl ProgramMemory {
     /// As [`Self::copy`].
     pub fn save_as(&mut self, to: u16) -> Result<(), Alarm> {
         let Some(program) = self.current.and_then(|id| self.get(id)) else {
-            return Err(Alarm::new(71).because("no program is selected"));
+            return Err(Alarm::new(number::NOT_FOUND).because(say::program_not_selected()));
         };
         let program = program.renumbered(to);
         self.must_be_free(to)?;
@@ -105,6 +109,23 @@ impl ProgramMemory {
             program.renumbered(number)
         };
         self.put(number, program)
+    }
+
+    /// What outlasts power-off: the stored programs and which of them is selected.
+    #[must_use]
+    pub fn retained(&self) -> Self {
+        let is_stored = |id: &ProgramId| matches!(id, ProgramId::Stored(_));
+        Self {
+            stored: self.stored.clone(),
+            external: None,
+            inflow: None,
+            current: self.current.filter(is_stored),
+        }
+    }
+
+    /// The text under a number as it is being typed, not checked yet and not stored.
+    pub fn overlay(&mut self, number: u16, program: Program) {
+        self.stored.insert(number, program);
     }
 
     /// Gives a program another number; the selection goes with it.
@@ -157,11 +178,36 @@ impl ProgramMemory {
         self.external.as_ref()
     }
 
+    /// The program that comes in through the line, while it runs.
+    pub const fn inflow(&self) -> Option<&Inflow> {
+        self.inflow.as_ref()
+    }
+
+    /// Begins to take a program in, or ends that.
+    pub(crate) fn set_inflow(&mut self, inflow: Option<Inflow>) {
+        self.inflow = inflow;
+    }
+
+    pub(crate) const fn inflow_mut(&mut self) -> Option<&mut Inflow> {
+        self.inflow.as_mut()
+    }
+
+    /// Whether more of a program may come than can be read now.
+    pub(crate) fn goes_on(&self, id: ProgramId) -> bool {
+        id == ProgramId::Dnc && self.inflow.as_ref().is_some_and(Inflow::goes_on)
+    }
+
+    /// Whether a block behind the last one is worth waiting for.
+    pub(crate) fn may_bring_another(&self, id: ProgramId) -> bool {
+        id == ProgramId::Dnc && self.inflow.as_ref().is_some_and(Inflow::may_bring_another)
+    }
+
     /// A program; the MDI block is none of the memory.
     pub fn get(&self, id: ProgramId) -> Option<&Program> {
         match id {
             ProgramId::Stored(number) => self.stored.get(&number),
             ProgramId::External => self.external.as_ref(),
+            ProgramId::Dnc => self.inflow.as_ref().map(Inflow::window),
             ProgramId::Mdi => None,
         }
     }
@@ -214,16 +260,18 @@ impl ProgramMemory {
 
     fn put(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
         if !RANGE.contains(&number) {
-            return Err(Alarm::new(74).because(format!("O{number} is outside 0 to 9999")));
+            return Err(Alarm::new(number::PROGRAM_NUMBER)
+                .because(say::program_number_out_of_range(number)));
         }
         let replaced = self.stored.get(&number);
         if replaced.is_none() && self.count() >= PROGRAM_LIMIT {
-            return Err(Alarm::new(72).because(format!("{PROGRAM_LIMIT} programs are stored")));
+            return Err(Alarm::new(number::TOO_MANY_PROGRAMS)
+                .because(say::program_places_used(PROGRAM_LIMIT)));
         }
         let free = self.free_characters() + replaced.map_or(0, Program::characters);
         if program.characters() > free {
             let size = program.characters();
-            return Err(Alarm::new(68).because(format!("{size} characters, {free} are free")));
+            return Err(Alarm::new(number::MEMORY_FULL).because(say::program_too_large(size, free)));
         }
         self.stored.insert(number, program);
         self.current.get_or_insert(ProgramId::Stored(number));
@@ -232,10 +280,11 @@ impl ProgramMemory {
 
     fn must_be_free(&self, number: u16) -> Result<(), Alarm> {
         if self.stored.contains_key(&number) {
-            return Err(Alarm::new(110).because(format!("O{number:04} exists")));
+            return Err(Alarm::new(number::PROGRAM_EXISTS).because(say::program_exists(number)));
         }
         if !RANGE.contains(&number) {
-            return Err(Alarm::new(74).because(format!("O{number} is outside 0 to 9999")));
+            return Err(Alarm::new(number::PROGRAM_NUMBER)
+                .because(say::program_number_out_of_range(number)));
         }
         Ok(())
     }
@@ -258,5 +307,5 @@ impl ProgramMemory {
 }
 
 fn missing(number: u16) -> Alarm {
-    Alarm::new(71).because(format!("O{number:04} is not in the memory"))
+    Alarm::new(number::NOT_FOUND).because(say::program_not_in_memory(number))
 }

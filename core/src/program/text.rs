@@ -2,12 +2,15 @@
 
 use std::sync::Arc;
 
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
 use super::head::Head;
 use super::index::{Index, Place, line_end, line_start};
-use super::parse::{BlockError, Syntax, read_block};
+use super::parse::read_block;
+use super::syntax::{BlockError, Syntax};
+use crate::alarm::number;
 
 /// A program text with the index of its blocks; cheap to clone.
 ///
@@ -162,9 +165,9 @@ impl Program {
             return Ok(block);
         }
         block.resolve(syntax, |variable| {
-            let detail = format!("variable #{} has no value here", variable.number);
+            let detail = say::variable_without_value(variable.number);
             Err(BlockError {
-                alarm: 115,
+                alarm: number::BAD_VARIABLE,
                 column: 1,
                 detail,
             })
@@ -251,6 +254,15 @@ impl Program {
         }
         whole.push_str(after);
         Self::from_line(Arc::from(whole), shared.first_line)
+    }
+
+    /// The text from a line of the file on, with more text behind it; lines keep their
+    /// numbers.
+    pub(super) fn moved_on(&self, first: u32, more: &str) -> Self {
+        let first = first.max(self.shared.first_line);
+        let kept = self.shared.text.get(self.shared.line_byte(first)..);
+        let whole = [kept.unwrap_or(""), more].concat();
+        Self::from_line(Arc::from(whole), first)
     }
 
     /// The same program under another number: its O word is replaced, or put in
@@ -343,20 +355,35 @@ impl Shared {
             return "";
         }
         let at = self.line_byte(line);
-        let (end, _) = line_end(&self.text, at);
+        // Its last block is near its end, however many stand in front.
+        let last = self.last_block_up_to(line);
+        let last = last.filter(|place| place.line == line);
+        let near = last.map_or(at, |place| at.max(place.byte as usize));
+        let (end, _) = line_end(&self.text, near);
         self.text.get(at..end).unwrap_or("")
     }
 
-    /// Where a line begins; the length of the text for one beyond the end.
-    fn line_byte(&self, line: u32) -> usize {
+    /// The last block in this line or before it.
+    fn last_block_up_to(&self, line: u32) -> Option<&Place> {
         let known = self.blocks.partition_point(|place| place.line <= line);
-        let (mut at, mut here) = match known
-            .checked_sub(1)
-            .and_then(|index| self.blocks.get(index))
+        self.blocks.get(known.checked_sub(1)?)
+    }
+
+    /// Where a line begins; the length of the text for one beyond the end. A line may
+    /// hold the whole program: no more of it is read than one of its blocks.
+    fn line_byte(&self, line: u32) -> usize {
+        let first = self.blocks.partition_point(|place| place.line < line);
+        if let Some(place) = self.blocks.get(first)
+            && place.line == line
         {
-            Some(place) => (line_start(&self.text, place.byte as usize), place.line),
-            None => (0, self.first_line),
-        };
+            return line_start(&self.text, place.byte as usize);
+        }
+        let before = line
+            .checked_sub(1)
+            .and_then(|line| self.last_block_up_to(line));
+        let (mut at, mut here) = before.map_or((0, self.first_line), |place| {
+            (place.byte as usize, place.line)
+        });
         while here < line && at < self.text.len() {
             (at, here) = (line_end(&self.text, at).1, here + 1);
         }

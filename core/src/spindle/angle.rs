@@ -49,7 +49,7 @@ impl SpindleAngle {
     pub fn new(parameters: &Parameters) -> Self {
         Self {
             scale: Encoder::counts_per_spindle_turn(parameters).map_or(0.0, |counts| 1.0 / counts),
-            direct: parameters.value(110) == parameters.value(111),
+            direct: parameters.encoder_is_direct(),
             count: None,
             index_count: None,
             beyond: 0.5,

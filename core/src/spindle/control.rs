@@ -56,16 +56,15 @@ struct Settings {
 
 impl Settings {
     fn new(parameters: &Parameters) -> Self {
-        let value = |number| f64::from(parameters.value(number));
         Self {
             analog: parameters.analog_spindle(),
             gears_usable: parameters.automatic_gears(),
             top: [1, 2, 3, 4].map(|gear| parameters.gear_maximum(gear)),
             lowest_surface: parameters.surface_lowest(),
-            gear_change: value(67),
-            jog: value(109),
-            gain: value(21) / 625.0,
-            zero_volts: value(36) * 10.0 / 8192.0,
+            gear_change: parameters.gear_change_speed(),
+            jog: parameters.spindle_jog_speed(),
+            gain: f64::from(parameters.analog_gain()) / 625.0,
+            zero_volts: f64::from(parameters.analog_zero()) * 10.0 / 8192.0,
             encoder_scale: Encoder::scale(parameters),
         }
     }

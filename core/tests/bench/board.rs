@@ -3,18 +3,19 @@
 use core::time::Duration;
 
 use gsk_core::cnc::Request;
-use gsk_core::machine::link::{LinkConfig, LinkState, Linked, Note};
+use gsk_core::linked::{Linked, Note};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Axis;
+use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, Make};
 use gsk_twins::wire::Wire;
 
-use crate::keys::{AUTO, CYCLE_START, MDI, RESET, X_PLUS, Z_PLUS, ZERO};
+use super::keys::{AUTO, CYCLE_START, MDI, RESET, X_PLUS, Z_PLUS, ZERO};
 
 /// One millisecond of all three.
 const MS: u64 = 1_000_000;
@@ -267,7 +268,7 @@ impl<T: Board> Machine<T> {
     pub fn wired(twin: T, config: LinkConfig, changes: &[(u16, i32)]) -> Self {
         let mut setup = Setup::delivered();
         for (number, value) in changes {
-            setup.parameters.set(*number, *value).unwrap();
+            setup.memory.parameters.set(*number, *value).unwrap();
         }
         let mut simulation = Simulation::new(setup);
         for _ in 0..100 {

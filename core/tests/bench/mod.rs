@@ -1,5 +1,10 @@
 //! Time and keys for tests of the whole control.
 
+pub mod board;
+pub mod dice;
+pub mod keys;
+pub mod program;
+
 use gsk_core::plc::address::BitAddress;
 use gsk_core::simulation::Simulation;
 

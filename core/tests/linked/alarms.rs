@@ -2,12 +2,12 @@
 //! gone, and what it takes to go on.
 
 use gsk_core::cnc::Request;
-use gsk_core::machine::link::LinkState;
+use gsk_link::LinkState;
 use gsk_twins::grbl::{GrblTwin, Variant};
 
-use crate::SHORT;
-use crate::board::{Board, Machine, Timed};
-use crate::keys::{JOG, MDI, RESET, Z_PLUS};
+use super::SHORT;
+use crate::bench::board::{Board, Machine, Timed};
+use crate::bench::keys::{JOG, MDI, RESET, Z_PLUS};
 
 /// A program in its cut.
 fn working<T: Board>(ready: &Machine<T>) -> Machine<T> {
@@ -260,6 +260,39 @@ fn the_spindle_does_not_come_back_with_the_board() {
         (machine.twin.outputs().0, machine.twin.outputs().2),
         (3, true)
     );
+}
+
+/// What the board has dropped by itself the panel does not show as if it ran on.
+#[test]
+fn what_a_board_dropped_is_shown_as_off() {
+    fn drops<T: Board>(ready: &Machine<T>, breaks: impl Fn(&mut Machine<T>), number: u16) {
+        let mut machine = working(ready);
+        machine.pass(500);
+        let lamps = |machine: &Machine<T>| {
+            let memory = machine.simulation.cnc.plc().memory();
+            // Spindle forward and coolant: outputs and the lamps of their keys.
+            [(1, 2), (5, 1), (0, 3), (5, 0)].map(|(byte, bit)| memory.y(byte) >> bit & 1 == 1)
+        };
+        assert_eq!(lamps(&machine), [true; 4], "{number}");
+        breaks(&mut machine);
+        machine.pass(6000);
+        assert!(machine.alarms().contains(&number), "{:?}", machine.alarms());
+        assert_eq!(lamps(&machine), [false; 4], "{number}");
+        let cnc = &machine.simulation.cnc;
+        assert!(matches!(cnc.modal().m, Some(5 | 9)), "{:?}", cnc.modal().m);
+        let speed = cnc.spindle_actual();
+        assert!(speed < 1.0, "{number}: S {speed}");
+        // And it does not come back by itself.
+        machine.press(RESET);
+        machine.pass(3000);
+        assert_eq!(lamps(&machine), [false; 4], "{number}");
+    }
+    let line = Machine::referenced(Variant::Grbl);
+    drops(&line, |machine| machine.twin.press_reset(), 606);
+    drops(&line, |machine| machine.twin.give_up(5), 608);
+    let timed = Machine::timed_referenced();
+    drops(&timed, |machine| machine.twin.press_reset(), 606);
+    drops(&timed, |machine| machine.twin.fail(), 608);
 }
 
 /// Nothing is driven through a board that comes back with other settings.

@@ -1,12 +1,13 @@
 //! When the board's count is compared with the commanded one: a board that has lost a
 //! pulse is found out at the next standstill, whatever brought it about.
 
-use gsk_core::machine::link::{LinkState, Note};
+use gsk_core::linked::Note;
+use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
 
-use crate::SHORT;
-use crate::board::{Board, Machine};
-use crate::keys::{CYCLE_START, FEED_HOLD, RESET, SINGLE_BLOCK, X_PLUS, ZERO};
+use super::SHORT;
+use crate::bench::board::{Board, Machine};
+use crate::bench::keys::{CYCLE_START, FEED_HOLD, RESET, SINGLE_BLOCK, X_PLUS, ZERO};
 
 /// A line of Z, then what makes the slides stand.
 fn program(behind: &str) -> String {
@@ -26,7 +27,7 @@ fn cutting<T: Board>(ready: &Machine<T>, text: &str) -> Machine<T> {
 fn is_found_out<T: Board>(mut machine: Machine<T>, limit_ms: u32, place: &str) {
     let told = |machine: &Machine<T>| machine.alarms().contains(&611);
     assert!(machine.wait(limit_ms, told), "{place}: not found out");
-    let detail = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    let detail = machine.simulation.cnc.alarms()[0].detail_en();
     let [_, z] = machine.made();
     for count in [z, z + 1] {
         assert!(detail.contains(&format!("Z {count}")), "{place}: {detail}");

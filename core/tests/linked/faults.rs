@@ -1,18 +1,18 @@
 //! What breaks: cables, boards, bytes, power, and what lies in the way.
 
-use gsk_core::machine::link::LinkState;
 use gsk_core::operation::RunState;
+use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
 use gsk_twins::wire::Damage;
 
-use crate::board::Machine;
-use crate::dice::{Dice, rounds};
-use crate::keys::{AUTO, CYCLE_START, JOG, RESET, Z_MINUS, Z_PLUS};
-use crate::{SHORT, assert_together};
+use super::{SHORT, assert_together};
+use crate::bench::board::Machine;
+use crate::bench::dice::{Dice, rounds};
+use crate::bench::keys::{AUTO, CYCLE_START, JOG, RESET, Z_MINUS, Z_PLUS};
 
 #[test]
 fn a_limit_of_the_board_is_left_by_hand() {
-    for variant in crate::LINES {
+    for variant in super::LINES {
         let mut machine = Machine::connected(variant);
         machine.twin.place_switches([20.0, 2.0]);
         machine.press(JOG);
@@ -159,7 +159,7 @@ fn without_power_the_board_is_still_and_forgets() {
 
 #[test]
 fn the_emergency_stop_of_the_board_is_that_of_the_control() {
-    for variant in crate::LINES {
+    for variant in super::LINES {
         let mut machine = Machine::referenced(variant);
         machine.load(SHORT, None);
         machine.start();

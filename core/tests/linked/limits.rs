@@ -1,12 +1,12 @@
 //! A limit switch that is operated: farther into it no key leads, whatever happened
 //! since, and where nobody knows on which end it lies the axis goes in short pieces.
 
-use gsk_core::machine::link::{LinkConfig, LinkState};
 use gsk_core::plc::address::BitAddress;
+use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 
-use crate::board::{Board, Machine};
-use crate::keys::{JOG, RESET, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
+use crate::bench::board::{Board, Machine};
+use crate::bench::keys::{JOG, RESET, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
 
 /// A millimetre of Z.
 const MM: i64 = 200;
@@ -63,7 +63,7 @@ fn the_same_key_again<T: Board>(ready: &Machine<T>) {
 
 #[test]
 fn after_reset_the_same_key_leads_no_farther_into_the_switch() {
-    for variant in crate::LINES {
+    for variant in super::LINES {
         the_same_key_again(&Machine::referenced(variant));
     }
     the_same_key_again(&Machine::timed_referenced());

@@ -1,14 +1,14 @@
 //! Lines and clocks as they are, and a computer that pauses, on a line board: what it
 //! has in its buffer covers them, or there is a defined stop.
 
-use gsk_core::machine::link::LinkState;
 use gsk_core::operation::RunState;
+use gsk_link::LinkState;
 use gsk_twins::grbl::{GrblTwin, Variant};
 use gsk_twins::wire::{Damage, Wire};
 
-use crate::board::Machine;
-use crate::keys::RESET;
-use crate::{SHORT, assert_together};
+use super::{SHORT, assert_together};
+use crate::bench::board::Machine;
+use crate::bench::keys::RESET;
 
 const MS: u64 = 1_000_000;
 

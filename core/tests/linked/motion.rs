@@ -3,14 +3,14 @@
 use core::time::Duration;
 
 use gsk_core::cnc::Request;
-use gsk_core::machine::link::LinkState;
 use gsk_core::operation::RunState;
 use gsk_core::units::Axis;
+use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{Board, Machine};
-use crate::keys::{AUTO, CYCLE_START, FEED_HOLD, JOG, MDI, RAPID, RESET, SLOWER, Z_MINUS};
-use crate::{SHORT, assert_together};
+use super::{SHORT, assert_together};
+use crate::bench::board::{Board, Machine};
+use crate::bench::keys::{AUTO, CYCLE_START, FEED_HOLD, JOG, MDI, RAPID, RESET, SLOWER, Z_MINUS};
 
 const CUT: &str = "O1\nG50 X60 Z20\nG98 G01 Z-100 F600\nM30\n";
 

@@ -1,11 +1,11 @@
 //! Parameters that change behind the check at the opening, and boards that change behind
 //! it.
 
-use gsk_core::machine::link::LinkState;
+use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{Board, Machine};
-use crate::keys::{JOG, RESET, Z_MINUS, Z_PLUS, ZERO};
+use crate::bench::board::{Board, Machine};
+use crate::bench::keys::{JOG, RESET, Z_MINUS, Z_PLUS, ZERO};
 
 /// 603 names the parameter, and nothing moves.
 #[track_caller]
@@ -13,8 +13,8 @@ fn is_refused<T: Board>(machine: &mut Machine<T>, number: &str) {
     let expected =
         format!("No.{number} has changed since the board was connected: connect it again");
     assert_eq!(machine.alarms(), [603], "No.{number}");
-    let detail = machine.simulation.cnc.alarms()[0].detail.clone();
-    assert_eq!(detail, Some(expected));
+    let detail = machine.simulation.cnc.alarms()[0].detail_en();
+    assert_eq!(detail, expected);
     machine.press(RESET);
     machine.pass(300);
     assert_eq!(machine.alarms(), [0_u16; 0]);

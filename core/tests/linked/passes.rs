@@ -1,14 +1,15 @@
 //! Threads that the board cuts behind its own spindle, one pass after the other.
 
-use gsk_core::machine::link::{LinkConfig, LinkState, Note};
+use gsk_core::linked::Note;
 use gsk_core::operation::RunState;
+use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::grbl::{Settings, State};
 use gsk_twins::wire::Damage;
 
-use crate::assert_together;
-use crate::board::Machine;
-use crate::dice::{Dice, rounds};
-use crate::keys::{AUTO, CYCLE_START, FEED_HOLD, RESET, SINGLE_BLOCK};
+use super::assert_together;
+use crate::bench::board::Machine;
+use crate::bench::dice::{Dice, rounds};
+use crate::bench::keys::{AUTO, CYCLE_START, FEED_HOLD, RESET, SINGLE_BLOCK};
 
 /// 300 r/min, lead 2 mm, three passes.
 const CYCLE: &str = "O1\nN10 G50 X60 Z20\nN20 G98 G97 S300 M03\nN30 G00 X30 Z5\n\
@@ -80,7 +81,7 @@ fn refusal(machine: &Machine, text: &str) -> (String, Option<u32>) {
     let alarm = machine.simulation.cnc.alarms()[0].clone();
     let moved = machine.made() != stood;
     let line = alarm.source.map(|source| source.line);
-    (alarm.detail.unwrap_or_default(), line.filter(|_| !moved))
+    (alarm.detail_en(), line.filter(|_| !moved))
 }
 
 #[test]
@@ -259,7 +260,7 @@ fn the_pages_follow_the_board_and_a_hold_comes_behind_the_pass() {
     // 10 mm/s; the board is asked every 50 ms, and shown one answer later.
     assert!(worst < 1.5, "{worst} mm behind");
     machine.pass(5000);
-    assert_eq!(machine.simulation.cnc.run_state(), RunState::Stop);
+    assert_eq!(machine.simulation.cnc.run_state(), RunState::Hold);
     assert_eq!(machine.twin.passes().len(), 1);
     assert_together(&machine);
     // Behind the thread the first move is still made: X is out of it.
@@ -402,7 +403,7 @@ fn a_spindle_that_does_not_turn_is_an_alarm_and_nothing_hangs() {
     machine.start();
     machine.pass(20_000);
     assert_eq!(machine.alarms(), [94]);
-    let text = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    let text = machine.simulation.cnc.alarms()[0].detail_en();
     assert!(text.contains("r/min is too slow"), "{text}");
     assert!(machine.twin.passes().is_empty());
 }
@@ -533,7 +534,7 @@ fn a_lead_that_was_damaged_on_its_way_is_seen_in_the_cut() {
         machine.start();
         machine.pass(30_000);
         stopped += u32::from(machine.simulation.cnc.alarms().iter().any(|alarm| {
-            let text = alarm.detail.as_deref().unwrap_or_default();
+            let text = alarm.detail_en();
             text.contains("900 mm/min instead of 600")
         }));
     }

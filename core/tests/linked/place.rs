@@ -1,11 +1,13 @@
 //! Where the slides stand after a fault: what the pages show, and what the alarms say.
 
-use gsk_core::machine::link::{LinkState, Stamp};
-use gsk_twins::grbl::Variant;
+use gsk_core::linked::Stamp;
+use gsk_link::LinkState;
+use gsk_twins::grbl::{GrblTwin, Variant};
+use gsk_twins::wire::Damage;
 
-use crate::assert_together;
-use crate::board::{Board, Machine, Timed};
-use crate::keys::{AUTO, CYCLE_START, JOG, RESET, X_PLUS, Z_MINUS, ZERO};
+use super::assert_together;
+use crate::bench::board::{Board, Machine, Timed};
+use crate::bench::keys::{AUTO, CYCLE_START, JOG, RESET, X_PLUS, Z_MINUS, ZERO};
 
 /// 10 mm/s of Z, 2000 pulses/s.
 const CUT: &str = "O1\nG98 G01 W-60 F600\nM30\n";
@@ -35,10 +37,14 @@ fn shown<T: Board>(machine: &Machine<T>) -> i64 {
 fn says<T: Board>(machine: &Machine<T>, number: u16, sure: &str) {
     let alarms = machine.simulation.cnc.alarms();
     let alarm = alarms.iter().find(|alarm| alarm.number == number);
-    let detail = alarm.unwrap().detail.clone().unwrap();
+    let detail = alarm.unwrap().detail_en();
     let at = machine.simulation.cnc.position_machine();
+    let source = match sure {
+        DOWN => "by what the board had been told",
+        _ => "by the board's count",
+    };
     let place = format!(
-        "machine coordinates X {:.3} Z {:.3} by the board's count, {sure}",
+        "machine coordinates X {:.3} Z {:.3} {source}, {sure}",
         2.0 * at.x,
         at.z
     );
@@ -79,6 +85,7 @@ fn shows_the_made<T: Board>(
     }
 }
 
+const OFF_PATH: &str = "uncertain: that is not on the commanded path";
 const DEAD: &str = "uncertain: the motors were stopped dead and may have lost steps";
 const RESTARTED: &str = "uncertain: its last count before it was reset";
 const DOWN: &str = "uncertain: as it was when the board shut down, which nobody has read";
@@ -115,6 +122,44 @@ fn a_stopped_line_board_is_shown_where_it_stands() {
     };
     let sure = "uncertain: the board may have misunderstood its orders";
     shows_the_made(&ready, breaks, (608, 0, sure));
+}
+
+/// FluidNC goes on for a tenth of a second behind its reset: it is asked until it stands.
+#[test]
+fn a_board_that_goes_on_behind_its_reset_is_shown_where_it_stands() {
+    let ready = Machine::referenced(Variant::FluidNc);
+    let sure = "uncertain: the board may have misunderstood its orders";
+    let breaks = |machine: &mut Machine<GrblTwin>| {
+        machine.twin.write(b"G99Q\n");
+        machine.pass(60);
+    };
+    shows_the_made(&ready, breaks, (608, 0, sure));
+    // A count that jumps off the path and stays so.
+    let off = |machine: &mut Machine<GrblTwin>| machine.twin.miscount([400, 0]);
+    let (machine, ..) = broken(&ready, off);
+    assert_eq!(machine.alarms(), [611]);
+    assert_eq!(shown(&machine), machine.made()[1]);
+    says(&machine, 611, OFF_PATH);
+}
+
+/// What was on its way when the board shut down it never made.
+#[test]
+fn a_board_that_was_told_too_late_is_shown_no_farther_than_it_was_told() {
+    let ready = Machine::timed_referenced();
+    for ms in [130, 160, 190, 220] {
+        let breaks = |machine: &mut Machine<Timed>| {
+            let [to_board, _] = machine.twin.wires();
+            let next = to_board.given();
+            to_board.damage(next, Damage::Stalled(ms * 1_000_000));
+        };
+        let (machine, ..) = broken(&ready, breaks);
+        let (shown, made) = (shown(&machine), machine.made()[1]);
+        assert!(
+            (shown - made).abs() <= 8,
+            "{ms}: {shown}, made {made}, {:?}",
+            machine.simulation.cnc.alarms()
+        );
+    }
 }
 
 #[test]
@@ -224,7 +269,7 @@ fn nothing_said<T: Board>(opened: &Machine<T>) {
     machine.cut_cable();
     machine.pass(7000);
     assert_eq!(machine.alarms(), [601]);
-    let detail = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    let detail = machine.simulation.cnc.alarms()[0].detail_en();
     assert!(!detail.contains("coordinates"), "{detail}");
 }
 
@@ -237,7 +282,7 @@ fn a_board_that_never_answered_says_nothing_of_a_place() {
 /// A board counts anew from its switches; when they do not come there is no count.
 #[test]
 fn behind_a_return_that_failed_nobody_knows_the_place() {
-    for variant in crate::LINES {
+    for variant in super::LINES {
         let mut machine = Machine::referenced(variant);
         machine.twin.place_switches([900.0, 900.0]);
         machine.press(ZERO);
@@ -246,7 +291,7 @@ fn behind_a_return_that_failed_nobody_knows_the_place() {
         machine.pass(1500);
         let alarms = machine.simulation.cnc.alarms();
         let alarm = alarms.iter().find(|alarm| alarm.number == 609).unwrap();
-        let detail = alarm.detail.clone().unwrap();
+        let detail = alarm.detail_en();
         assert!(
             detail.ends_with("; nobody knows where the slides stand"),
             "{variant:?} {detail}"
@@ -268,7 +313,7 @@ fn is_stopped_at_rest<T: Board>(ready: &Machine<T>) {
         machine.simulation.lathe.set_emergency_button(pressed);
         machine.pass(1500);
     }
-    let detail = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    let detail = machine.simulation.cnc.alarms()[0].detail_en();
     assert!(detail.contains(" by the board's count, uncertain: "));
 }
 
@@ -285,7 +330,7 @@ fn is_stopped_by_its_contact<T: Board>(ready: &Machine<T>, off: i64, sure: &str)
     let (shown, made) = (shown(&machine), machine.made()[1]);
     assert!((shown - made).abs() <= off, "{shown}, made {made}");
     says(&machine, 207, sure);
-    let detail = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    let detail = machine.simulation.cnc.alarms()[0].detail_en();
     assert_eq!(detail.matches("coordinates").count(), 1, "{detail}");
 }
 
@@ -294,7 +339,7 @@ fn an_emergency_stop_by_the_contact_of_the_board_says_so_once() {
     let powerless = "uncertain: the drives were without power";
     is_stopped_by_its_contact(&Machine::timed_referenced(), 0, powerless);
     // Its contact resets a line board: nobody has read it since its last report.
-    for variant in crate::LINES {
+    for variant in super::LINES {
         is_stopped_by_its_contact(&Machine::referenced(variant), 140, DEAD);
     }
 }
@@ -310,7 +355,7 @@ fn is_told<T: Board>(mut machine: Machine<T>, sure: &str) {
     assert_eq!(machine.linked.state(), LinkState::Locked);
     assert_eq!(machine.alarms(), [610]);
     let alarm = machine.simulation.cnc.alarms()[0].clone();
-    let detail = alarm.detail.unwrap();
+    let detail = alarm.detail_en();
     assert!(detail.starts_with("the reference was dropped"), "{detail}");
     assert_together(&machine);
     says(&machine, 610, sure);

@@ -1,14 +1,15 @@
 //! Programs on a board: to the pulse, or refused before anything moves.
 
-use gsk_core::machine::link::{LinkState, Note};
+use gsk_core::linked::Note;
 use gsk_core::operation::RunState;
+use gsk_link::LinkState;
 use gsk_twins::grbl::{State, Variant};
 
-use crate::board::{Board, Machine};
-use crate::keys::{
+use super::{BUSHING, GROOVE, LINES, PIN, SHAFT, SHORT, assert_together};
+use crate::bench::board::{Board, Machine};
+use crate::bench::keys::{
     CYCLE_START, DRY_RUN, INCREMENT_100, JOG, MACHINE_LOCK, RESET, SINGLE_BLOCK, STEP, Z_MINUS,
 };
-use crate::{BUSHING, GROOVE, LINES, PIN, SHAFT, SHORT, assert_together};
 
 #[test]
 fn the_samples_end_on_the_pulse_of_the_kernel() {
@@ -143,7 +144,7 @@ fn a_board_too_slow_for_the_rapids_is_named_before_the_start() {
     machine.load("O3\nG00 X1\nM30\n", None);
     machine.start();
     assert_eq!(machine.alarms(), [604]);
-    let detail = machine.simulation.cnc.alarms()[0].detail.clone().unwrap();
+    let detail = machine.simulation.cnc.alarms()[0].detail_en();
     assert!(
         detail.starts_with("No.022 = 3800 mm/min makes 126667 pulses/s of X"),
         "{detail}"
@@ -185,7 +186,7 @@ fn a_cut_too_fast_for_the_board_is_named_before_the_start() {
         assert_eq!(machine.alarms(), [604], "{text}");
         let alarm = machine.simulation.cnc.alarms()[0].clone();
         assert_eq!(alarm.source.unwrap().line, line, "{alarm}");
-        let detail = alarm.detail.clone().unwrap();
+        let detail = alarm.detail_en();
         assert!(detail.contains(&format!("{axis} would need")), "{detail}");
         assert_eq!(machine.made(), stood, "nothing moves");
     }

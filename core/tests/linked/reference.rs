@@ -1,11 +1,11 @@
 //! Nothing runs before the reference return, which the board makes by itself.
 
-use gsk_core::machine::link::{LinkConfig, LinkState};
+use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::grbl::{Settings, Variant};
 
-use crate::SHAFT;
-use crate::board::Machine;
-use crate::keys::{JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
+use super::SHAFT;
+use crate::bench::board::Machine;
+use crate::bench::keys::{JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
 
 #[test]
 fn without_a_reference_no_program_starts() {
@@ -38,7 +38,7 @@ fn a_switch_that_never_comes_is_alarm_609() {
 
 #[test]
 fn reset_ends_a_reference_return() {
-    for variant in crate::LINES {
+    for variant in super::LINES {
         let mut machine = Machine::connected(variant);
         machine.press(ZERO);
         machine.press(X_PLUS);

@@ -2,10 +2,10 @@
 
 use gsk_core::operation::RunState;
 
-use crate::board::{Board, Machine};
-use crate::dice::Dice;
-use crate::keys::FEED_HOLD;
-use crate::{SHORT, assert_together};
+use super::{SHORT, assert_together};
+use crate::bench::board::{Board, Machine};
+use crate::bench::dice::Dice;
+use crate::bench::keys::FEED_HOLD;
 
 fn minutes() -> u64 {
     let wanted = std::env::var("MINUTES").ok();
@@ -16,7 +16,7 @@ fn minutes() -> u64 {
 /// minutes of machine time; more with `MINUTES=480` in the environment.
 #[test]
 fn a_shift_of_parts_loses_no_pulse() {
-    for variant in crate::LINES {
+    for variant in super::LINES {
         work(Machine::referenced(variant), minutes());
     }
 }

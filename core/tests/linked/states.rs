@@ -1,12 +1,12 @@
 //! What may happen in every state of the link: the cable comes out and goes back in,
 //! the board gets a reset, the computer is away for two seconds.
 
-use gsk_core::machine::link::LinkState;
+use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{Board, Machine};
-use crate::keys::{JOG, RESET, X_PLUS, Z_MINUS, ZERO};
-use crate::{SHORT, assert_together};
+use super::{SHORT, assert_together};
+use crate::bench::board::{Board, Machine};
+use crate::bench::keys::{JOG, RESET, X_PLUS, Z_MINUS, ZERO};
 
 /// A state, and for some how it came about.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,7 @@ fn line() -> Machines<gsk_twins::grbl::GrblTwin> {
     }
 }
 
-fn timed() -> Machines<crate::board::Timed> {
+fn timed() -> Machines<crate::bench::board::Timed> {
     Machines {
         opened: Machine::timed(10_000),
         connected: Machine::timed_connected(),

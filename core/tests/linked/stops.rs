@@ -1,12 +1,12 @@
 //! Stops that somebody asked for, or a busy computer made.
 
-use gsk_core::machine::link::LinkState;
+use gsk_link::LinkState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{Board, Machine};
-use crate::dice::{Dice, rounds};
-use crate::keys::{AUTO, CYCLE_START, FEED_HOLD, JOG, RESET, Z_MINUS};
-use crate::{SHORT, assert_together};
+use super::{SHORT, assert_together};
+use crate::bench::board::{Board, Machine};
+use crate::bench::dice::{Dice, rounds};
+use crate::bench::keys::{AUTO, CYCLE_START, FEED_HOLD, JOG, RESET, Z_MINUS};
 
 #[test]
 fn holds_at_any_time_lose_no_pulse() {

@@ -3,13 +3,13 @@
 use core::time::Duration;
 use std::collections::VecDeque;
 
-use gsk_core::machine::link::Stamp;
+use gsk_core::linked::Stamp;
 use gsk_core::operation::RunState;
 use gsk_twins::grbl::Variant;
 
-use crate::board::{APART, Board, Machine};
-use crate::keys::{AUTO, CYCLE_START};
-use crate::{GROOVE, PIN, SHAFT, assert_together};
+use super::{GROOVE, PIN, SHAFT, assert_together};
+use crate::bench::board::{APART, Board, Machine};
+use crate::bench::keys::{AUTO, CYCLE_START};
 
 /// Lengths that differ by less are the same, mm.
 const SAME: f64 = 1e-9;

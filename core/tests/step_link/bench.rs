@@ -2,10 +2,11 @@
 
 use core::time::Duration;
 
-use gsk_core::machine::link::step_queue::StepLink;
-use gsk_core::machine::link::{Event, FINE, LinkConfig, LinkState, Refused, RunTime, Sample};
+use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
+use gsk_link::step_queue::StepLink;
+use gsk_link::{Backend, Event, FINE, LinkConfig, LinkState, Refused, RunTime, Sample};
 use gsk_twins::klipper::{KlipperTwin, Make};
 
 /// One millisecond of both.
@@ -16,7 +17,7 @@ pub const WIRED: &str = r#"(
     baud: 250000,
     x: (step: "PA0", dir: "PA1", limit: "^PC0", dec: "PC4", zero: "PC5"),
     z: (step: "PA2", dir: "PA3", limit: "^PC1", dec: "PC6"),
-    io: (enable: "PL0", estop: "!PC2", spindle_cw: "PB4", spindle_pwm: "PB6", coolant: "!PB7", index: "PC3"),
+    io: (enable: "PL0", estop: "!PC2", spindle_cw: "PB4", spindle_pwm: "PH6", coolant: "!PB7", index: "PC3"),
 )"#;
 
 #[derive(Clone)]
@@ -53,7 +54,7 @@ impl Bench {
         let mut twin = KlipperTwin::new(make);
         twin.set_pin("PC2", true);
         Self {
-            link: StepLink::open(config, &parameters(), Duration::ZERO),
+            link: StepLink::open(config, &drives(&parameters()), Duration::ZERO),
             twin,
             run: RunTime::ZERO,
             at: (0.0, 0.0),
@@ -79,7 +80,7 @@ impl Bench {
     /// The port is closed and opened again, without a word to the board.
     pub fn open_again(&mut self) {
         let now = Duration::from_nanos(self.twin.now());
-        self.link = StepLink::open(config(), &parameters(), now);
+        self.link = StepLink::open(config(), &drives(&parameters()), now);
         self.events.clear();
     }
 

@@ -2,13 +2,14 @@
 
 use core::time::Duration;
 
-use gsk_core::machine::link::step_queue::StepLink;
-use gsk_core::machine::link::{Event, Input, LinkState, Output, Refused, SpindleView, Stop};
+use gsk_core::linked::drives;
 use gsk_core::plc::address::{Area, BitAddress};
+use gsk_link::step_queue::StepLink;
+use gsk_link::{Backend, Event, Input, LinkConfig, LinkState, Output, Refused, SpindleView, Stop};
 use gsk_twins::klipper::{Make, State};
 
-use crate::bench::{Bench, config, parameters};
-use crate::machine::Machine;
+use super::bench::{Bench, config, parameters};
+use super::machine::Machine;
 
 #[test]
 fn a_board_is_identified_set_up_and_locked() {
@@ -34,17 +35,60 @@ fn a_board_keeps_its_configuration_over_a_new_port_and_not_over_another_machine_
     let mut bench = Bench::new(Make::default());
     assert!(bench.gets(LinkState::Locked, 3000));
     let now = Duration::from_nanos(bench.twin.now());
-    bench.link = StepLink::open(config(), &parameters(), now);
+    bench.link = StepLink::open(config(), &drives(&parameters()), now);
     assert!(bench.gets(LinkState::Locked, 3000), "{:?}", bench.events);
     assert_eq!(bench.twin.state(), State::Runs);
     // The deceleration switch of Z was moved: the board is reset and set up anew.
     let mut other = config();
     other.z.dec = "PC7".to_owned();
     let now = Duration::from_nanos(bench.twin.now());
-    bench.link = StepLink::open(other, &parameters(), now);
+    bench.link = StepLink::open(other, &drives(&parameters()), now);
     assert!(bench.gets(LinkState::Configure, 3000));
     assert!(bench.wait(1000, |bench| bench.twin.state() == State::Boots));
     assert!(bench.gets(LinkState::Locked, 3000), "{:?}", bench.events);
+    assert_eq!(bench.alarms(), [0_u16; 0]);
+}
+
+/// Connected with these wires; what is told of it.
+fn refused(change: impl Fn(&mut LinkConfig)) -> Vec<(u16, String)> {
+    let mut wrong = config();
+    change(&mut wrong);
+    let mut bench = Bench::wired(wrong, Make::default());
+    assert!(bench.gets(LinkState::Fault, 5000), "{:?}", bench.events);
+    let told = bench.events.iter().filter_map(|event| match event {
+        Event::Alarm { number, detail } => Some((*number, detail.clone())),
+        _ => None,
+    });
+    told.collect()
+}
+
+#[test]
+fn a_configuration_that_the_board_gives_up_at_is_refused_in_its_own_words() {
+    let told = refused(|wrong| wrong.io.spindle_pwm = "PB6".into());
+    let text = "the board does not take its configuration: Can not use timer1 for PWM; timer1 \
+                is used for timers (link.io.spindle_pwm: PB6)";
+    assert_eq!(told, [(603, text.to_owned())]);
+    let told = refused(|wrong| wrong.io.spindle_pwm = "PA5".into());
+    let text = "the board does not take its configuration: Not a valid PWM pin \
+                (link.io.spindle_pwm: PA5)";
+    assert_eq!(told, [(603, text.to_owned())]);
+}
+
+#[test]
+fn a_pin_that_the_board_needs_for_itself_is_named() {
+    let told = refused(|wrong| wrong.io.coolant = "PE1".into());
+    let text = "link.io.coolant: the board needs PE1 for itself (serial)";
+    assert_eq!(told, [(603, text.to_owned())]);
+}
+
+#[test]
+fn a_board_that_gave_up_at_its_pins_takes_the_right_ones_behind_it() {
+    let mut wrong = config();
+    wrong.io.spindle_pwm = "PB6".into();
+    let mut bench = Bench::wired(wrong, Make::default());
+    assert!(bench.gets(LinkState::Fault, 5000), "{:?}", bench.events);
+    bench.open_again();
+    assert!(bench.gets(LinkState::Locked, 5000), "{:?}", bench.events);
     assert_eq!(bench.alarms(), [0_u16; 0]);
 }
 
@@ -53,7 +97,7 @@ fn a_pin_the_board_has_not_is_named() {
     let mut wrong = config();
     wrong.z.limit = "^PQ1".to_owned();
     let mut bench = Bench::new(Make::default());
-    bench.link = StepLink::open(wrong, &parameters(), Duration::ZERO);
+    bench.link = StepLink::open(wrong, &drives(&parameters()), Duration::ZERO);
     assert!(bench.gets(LinkState::Fault, 3000));
     let text = "link.z.limit: the board has no pin PQ1".to_owned();
     let alarm = Event::Alarm {
@@ -69,7 +113,7 @@ fn a_silent_port_is_601_and_another_firmware_602() {
         ("", 601, LinkState::Lost),
         ("Grbl 1.1h ['$' for help]\r\n~", 602, LinkState::Fault),
     ] {
-        let mut link = StepLink::open(config(), &parameters(), Duration::ZERO);
+        let mut link = StepLink::open(config(), &drives(&parameters()), Duration::ZERO);
         let mut alarms = Vec::new();
         for ms in 0..6000 {
             let now = Duration::from_millis(ms);
@@ -109,12 +153,12 @@ fn outputs_switch_with_the_motion() {
     }
     let late = bench.link.executed().abs_diff(at);
     assert!(late <= Duration::from_millis(15), "{late:?}");
-    assert_eq!(bench.twin.output("PB6"), Some(127));
+    assert_eq!(bench.twin.output("PH6"), Some(127));
     bench.link.stop(Stop::Kill);
     bench.write();
     bench.pass(20);
     assert_eq!(
-        (bench.twin.output("PB7"), bench.twin.output("PB6")),
+        (bench.twin.output("PB7"), bench.twin.output("PH6")),
         (Some(1), Some(0))
     );
 }
@@ -122,16 +166,16 @@ fn outputs_switch_with_the_motion() {
 #[test]
 fn the_index_tells_the_speed_of_the_spindle() {
     let mut bench = Bench::ready();
-    assert_eq!(bench.link.spindle(None), SpindleView::default());
+    assert_eq!(bench.link.spindle(None), Some(SpindleView::default()));
     bench.twin.turn_spindle("PC3", 600.0);
     bench.pass(3000);
-    let view = bench.link.spindle(None);
+    let view = bench.link.spindle(None).unwrap();
     assert!((view.rpm - 600.0).abs() < 0.5, "{view:?}");
     assert!((view.now - view.before - 0.01).abs() < 1e-5, "{view:?}");
     assert!(view.variation.unwrap() < 0.001, "{view:?}");
     bench.twin.lose_index(true);
     bench.pass(600);
-    let view = bench.link.spindle(None);
+    let view = bench.link.spindle(None).unwrap();
     assert!(view.rpm == 0.0 && view.now == view.before, "{view:?}");
 }
 

@@ -2,13 +2,14 @@
 
 use core::time::Duration;
 
-use gsk_core::machine::link::step_queue::StepLink;
-use gsk_core::machine::link::{Event, LinkState, Stop};
+use gsk_core::linked::drives;
 use gsk_core::units::{PerAxis, Pulses};
+use gsk_link::step_queue::StepLink;
+use gsk_link::{Backend, Event, LinkState, Stop};
 use gsk_twins::klipper::State;
 use gsk_twins::wire::Damage;
 
-use crate::bench::{Bench, MS, config, parameters};
+use super::bench::{Bench, MS, config, parameters};
 
 /// The host dies: nobody renews anything any more.
 #[test]
@@ -17,7 +18,11 @@ fn a_dead_host_stops_the_axes_within_250_ms() {
     // Motion for longer than the heartbeat lasts lies in the board.
     let mut long = config();
     long.lookahead_ms = Some(400);
-    bench.link = StepLink::open(long, &parameters(), Duration::from_nanos(bench.twin.now()));
+    bench.link = StepLink::open(
+        long,
+        &drives(&parameters()),
+        Duration::from_nanos(bench.twin.now()),
+    );
     bench.pass(1500);
     assert_eq!(bench.link.state(), LinkState::Locked, "{:?}", bench.events);
     bench.set_position();
@@ -296,7 +301,7 @@ fn a_heartbeat_lost_at_rest_leaves_the_board_running() {
             let mut config = config();
             config.lookahead_ms = Some(lookahead);
             let now = Duration::from_nanos(bench.twin.now());
-            bench.link = StepLink::open(config, &parameters(), now);
+            bench.link = StepLink::open(config, &drives(&parameters()), now);
             bench.pass(2000);
             bench.set_position();
             bench.pass(500 + phase);

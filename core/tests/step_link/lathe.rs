@@ -1,11 +1,11 @@
 //! A machine whose spindle the board drives and sees.
 
-use gsk_core::machine::link::LinkConfig;
 use gsk_core::setup::Setup;
+use gsk_link::LinkConfig;
 use gsk_twins::klipper::{Make, SpindleMake};
 
-use crate::bench::WIRED;
-use crate::machine::Machine;
+use super::bench::WIRED;
+use super::machine::Machine;
 
 /// The wires of a machine file; without its index.
 fn wires(index: bool) -> LinkConfig {
@@ -27,16 +27,16 @@ pub fn turning(index: bool, parameters: &[(u16, i32)]) -> Machine {
 /// The same with another board.
 pub fn turning_with(make: Make, index: bool, parameters: &[(u16, i32)]) -> Machine {
     let mut setup = Setup::delivered();
-    setup.parameters.set(37, 2000).unwrap();
+    setup.memory.parameters.set(37, 2000).unwrap();
     for (number, value) in parameters {
-        setup.parameters.set(*number, *value).unwrap();
+        setup.memory.parameters.set(*number, *value).unwrap();
     }
     let mut machine = Machine::one_switch(make, wires(index), setup);
     machine.twin.fit_spindle(SpindleMake {
         index: "PC3",
         forward: "PB4",
         reverse: "PB5",
-        speed: "PB6",
+        speed: "PH6",
         top: 2000.0,
         inertia: 0.2,
     });

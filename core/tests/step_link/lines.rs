@@ -4,11 +4,11 @@
 use core::f64::consts::TAU;
 use core::time::Duration;
 
-use gsk_core::machine::link::LinkState;
+use gsk_link::{Backend, LinkState};
 use gsk_twins::klipper::{KlipperTwin, Make};
 use gsk_twins::wire::{Damage, Wire};
 
-use crate::bench::{Bench, MS};
+use super::bench::{Bench, MS};
 
 /// What a line does to the traffic that is to come.
 type Trouble = fn(&mut KlipperTwin);

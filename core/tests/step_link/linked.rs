@@ -1,11 +1,11 @@
 //! The whole control with such a board in place of its simulated slides.
 
 use gsk_core::cnc::Request;
-use gsk_core::machine::link::LinkState;
 use gsk_core::operation::RunState;
+use gsk_link::LinkState;
 
-use crate::keys::CYCLE_START;
-use crate::machine::Machine;
+use super::machine::Machine;
+use crate::bench::keys::CYCLE_START;
 
 const SHAFT: &str = include_str!("../../../assets/programs/01-stepped-shaft.CNC");
 const PIN: &str = include_str!("../../../assets/programs/03-grooved-pin.CNC");

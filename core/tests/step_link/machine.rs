@@ -3,17 +3,18 @@
 use core::time::Duration;
 
 use gsk_core::cnc::Request;
-use gsk_core::machine::link::{LinkConfig, LinkState, Linked};
+use gsk_core::linked::Linked;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Axis;
+use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::klipper::{KlipperTwin, Make, Travel};
 
-use crate::bench::{MS, config};
-use crate::keys::{AUTO, CYCLE_START, RESET, X_PLUS, Z_PLUS, ZERO};
+use super::bench::{MS, config};
+use crate::bench::keys::{AUTO, CYCLE_START, RESET, X_PLUS, Z_PLUS, ZERO};
 
 /// A step of Z and the turns of the spindle at that moment.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +49,11 @@ impl Machine {
     pub fn with(config: LinkConfig, bits: &[(u16, u8, bool)]) -> Self {
         let mut setup = Setup::delivered();
         for (number, bit, value) in bits {
-            setup.parameters.set_bit(*number, *bit, *value).unwrap();
+            setup
+                .memory
+                .parameters
+                .set_bit(*number, *bit, *value)
+                .unwrap();
         }
         Self::one_switch(Make::default(), config, setup)
     }
@@ -56,7 +61,7 @@ impl Machine {
     /// The same with another board and control.
     pub fn one_switch(make: Make, config: LinkConfig, mut setup: Setup) -> Self {
         for bit in [0, 1] {
-            setup.parameters.set_bit(7, bit, true).unwrap();
+            setup.memory.parameters.set_bit(7, bit, true).unwrap();
         }
         let mut machine = Self::wired(make, config, setup);
         for (pin, axis, from, to) in [("PC4", 0, 800, 4800), ("PC6", 1, 400, 2400)] {
@@ -75,7 +80,7 @@ impl Machine {
     /// Electronic gear 1/5; no switches yet.
     pub fn wired(make: Make, config: LinkConfig, mut setup: Setup) -> Self {
         for number in [17, 18] {
-            setup.parameters.set(number, 5).unwrap();
+            setup.memory.parameters.set(number, 5).unwrap();
         }
         let mut simulation = Simulation::new(setup);
         for _ in 0..100 {

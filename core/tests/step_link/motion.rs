@@ -2,10 +2,10 @@
 
 use core::time::Duration;
 
-use gsk_core::machine::link::{Event, LinkState, Refused};
+use gsk_link::{Backend, Event, LinkState, Refused};
 use gsk_twins::klipper::Make;
 
-use crate::bench::{Bench, MS, config};
+use super::bench::{Bench, MS, config};
 
 #[test]
 fn a_job_ends_on_the_commanded_pulse() {
@@ -113,5 +113,51 @@ fn a_direction_is_turned_over_by_its_pin_or_by_its_axis() {
         assert!(bench.gets(LinkState::Ready, 1000), "{:?}", bench.events);
         assert_eq!(bench.alarms(), [0_u16; 0]);
         assert_eq!(bench.made(), (way * 200, way * -400), "{sign:?} {invert}");
+    }
+}
+
+/// Both axes at 25 000 pulses a second, 40 µs apart: the times the board is told lie no
+/// farther from their own than a quarter of the way; those it makes are later by the steps of
+/// the other axis, and no later.
+#[test]
+fn steps_of_two_fast_axes_keep_their_times() {
+    const TOP: f64 = 25.0;
+    const APART: f64 = 1e6 / 25_000.0;
+    let mut bench = Bench::ready();
+    let ramp = |k: u32| TOP * f64::from(k.min(500)) / 500.0;
+    bench.twin.record_steps();
+    let mut steps = Vec::new();
+    for k in 0..2000 {
+        let (x, z) = bench.at;
+        assert!(
+            bench.sample(x + ramp(k), z + 0.97 * ramp(k)),
+            "{:?}",
+            bench.events
+        );
+        steps.extend(bench.twin.recorded_steps());
+    }
+    for (axis, apart) in [(0, APART), (1, APART / 0.97)] {
+        let fast: Vec<_> = steps
+            .iter()
+            .filter(|step| step.axis == axis)
+            .skip(10_000)
+            .collect();
+        assert!(fast.len() > 10_000, "{}", fast.len());
+        let told: Vec<f64> = fast.iter().map(|step| step.due as f64 / 1000.0).collect();
+        let made: Vec<f64> = fast.iter().map(|step| step.at as f64 / 1000.0).collect();
+        let begin = told[0];
+        let off = |times: &[f64]| {
+            let off = times
+                .iter()
+                .enumerate()
+                .map(|(k, at)| at - begin - apart * k as f64);
+            let (least, most) = off.fold((f64::MAX, f64::MIN), |(least, most), off| {
+                (least.min(off), most.max(off))
+            });
+            most - least
+        };
+        // To either side.
+        assert!(off(&told) <= 2.0 * apart / 4.0, "{}", off(&told));
+        assert!(off(&made) <= 2.0 * apart / 4.0 + 11.0, "{}", off(&made));
     }
 }

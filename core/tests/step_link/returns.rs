@@ -1,14 +1,14 @@
 //! The return to the machine zero, driven by the control and stopped by the board.
 
-use gsk_core::machine::link::{LinkConfig, LinkState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
+use gsk_link::{LinkConfig, LinkState};
 use gsk_twins::klipper::{Make, Travel};
 
-use crate::bench::config;
-use crate::dice::{Dice, rounds};
-use crate::keys::{FEED_HOLD, JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
-use crate::machine::Machine;
+use super::bench::config;
+use super::machine::Machine;
+use crate::bench::dice::{Dice, rounds};
+use crate::bench::keys::{FEED_HOLD, JOG, RESET, X_MINUS, X_PLUS, Z_MINUS, Z_PLUS, ZERO};
 
 /// Switches of the lathe: X closes at -6000 and lets go at -4000 (5 mm at 400
 /// pulses/mm), Z at -3000 and -2000; the motors turn once in 1600 and 1000 pulses. When
@@ -53,7 +53,7 @@ fn power_on(config: LinkConfig, one: bool, slides: [i64; 2]) -> Machine {
 fn keyed(config: LinkConfig, one: bool, press: bool, slides: [i64; 2]) -> Machine {
     let mut setup = Setup::delivered();
     for (number, bit, value) in [(7, 0, one), (7, 1, one), (11, 2, press)] {
-        setup.parameters.set_bit(number, bit, value).unwrap();
+        setup.memory.parameters.set_bit(number, bit, value).unwrap();
     }
     let mut machine = Machine::wired(Make::default(), config, setup);
     machine.twin.put_slides(slides);

@@ -1,9 +1,9 @@
 //! Boards that give up, that are found shut down, or set up for somebody else.
 
-use gsk_core::machine::link::{Event, LinkState};
+use gsk_link::{Backend, Event, LinkState};
 use gsk_twins::klipper::{Make, State};
 
-use crate::bench::Bench;
+use super::bench::Bench;
 
 /// What the firmware says, the alarm, and a word of what the operator is told to do.
 const TEXTS: [(&str, u16, &str); 12] = [
@@ -148,7 +148,7 @@ fn a_board_met_before_is_not_asked_for_its_dictionary() {
     let learned = bench.learned();
     assert_eq!(learned.len(), 1);
     assert_eq!(learned[0].0, "atmega2560 v0.13.0-730");
-    assert_eq!(learned[0].1.len(), 3576);
+    assert_eq!(learned[0].1.len(), 3574);
     let other = {
         let mut bench = Bench::new(makes()[1]);
         assert!(bench.gets(LinkState::Locked, 5000));

@@ -2,9 +2,9 @@
 
 use gsk_core::operation::RunState;
 
-use crate::bench::config;
-use crate::lathe::turning;
-use crate::machine::Machine;
+use super::bench::config;
+use super::lathe::turning;
+use super::machine::Machine;
 
 const BUSHING: &str = include_str!("../../../assets/programs/02-bushing.CNC");
 
@@ -53,7 +53,7 @@ fn the_speed_follows_the_slide_and_not_the_kernel() {
         let diameter = 2.0 * (at - cnc.frame().zero.x);
         if (22.0..60.0).contains(&diameter) && cnc.modal().motion == 1 {
             let rpm = 1000.0 * 120.0 / (core::f64::consts::PI * diameter);
-            let duty = f64::from(machine.twin.output("PB6").unwrap());
+            let duty = f64::from(machine.twin.output("PH6").unwrap());
             worst = worst.max((rpm / 9999.0 * 255.0 - duty).abs());
             seen += 1;
         }
@@ -120,7 +120,7 @@ fn the_bushing_as_it_is_ends_on_the_pulse_of_the_kernel() {
     let mut duties = std::collections::BTreeSet::new();
     for _ in 0..3_600_000 {
         lathe.ms();
-        duties.extend(lathe.twin.output("PB6"));
+        duties.extend(lathe.twin.output("PH6"));
         let cnc = &lathe.simulation.cnc;
         if !lathe.linked.is_behind() && !cnc.is_moving() && cnc.run_state() != RunState::Run {
             break;

@@ -1,10 +1,10 @@
 //! What stops the axes, and where they stand then.
 
-use gsk_core::machine::link::{Awaited, Event, Input, LinkState, Refused, Stop, Until};
 use gsk_core::units::{Axis, PerAxis, Pulses};
+use gsk_link::{Awaited, Backend, Event, Input, LinkState, Refused, Stop, Until};
 use gsk_twins::klipper::State;
 
-use crate::bench::Bench;
+use super::bench::Bench;
 
 #[test]
 fn a_flush_keeps_the_count_and_when_it_was_slow_the_position() {
@@ -198,4 +198,35 @@ fn inputs_end_a_move_where_the_board_saw_them() {
     bench.twin.set_pin("PC1", true);
     bench.pass(100);
     assert_eq!(bench.alarms(), [622]);
+}
+
+/// Whatever was written last, and wherever it was broken off: the bytes for whoever holds
+/// the port when the program is gone stop the board.
+#[test]
+fn the_bytes_that_stop_the_board_do_so_behind_any_broken_block() {
+    let mut begun = Bench::ready();
+    assert!(begun.feed(-4.0, 300));
+    for cut in 0..40 {
+        // Each time another number is awaited.
+        assert!(begun.feed(-4.0, 1));
+        let mut bench = begun.clone();
+        let mut broken = [0; 40];
+        (broken[0], broken[1]) = (40, 0x13);
+        bench.twin.write(&broken[..cut]);
+        bench.twin.write(&bench.link.stop_bytes());
+        bench.twin.advance(20_000_000);
+        let state = bench.twin.state();
+        assert_eq!(state, State::Shutdown("Command request"), "{cut}");
+        assert_eq!(bench.twin.output("PL0"), Some(0));
+    }
+}
+
+#[test]
+fn a_board_that_is_not_known_or_shut_down_is_not_to_be_stopped() {
+    let mut bench = Bench::new(gsk_twins::klipper::Make::default());
+    assert!(bench.link.stop_bytes().is_empty());
+    assert!(bench.gets(LinkState::Locked, 5000));
+    assert!(!bench.link.stop_bytes().is_empty());
+    bench.link.stop(Stop::Kill);
+    assert!(bench.link.stop_bytes().is_empty());
 }

@@ -1,12 +1,12 @@
 //! Threads behind the index of a real spindle: every pass in the same groove, and
 //! none cut by a spindle that does not keep its speed.
 
-use gsk_core::machine::link::LinkState;
+use gsk_link::LinkState;
 use gsk_twins::klipper::Make;
 
-use crate::keys::{CYCLE_START, FEED_HOLD, RESET};
-use crate::lathe::{turning, turning_with};
-use crate::machine::{Cut, Machine};
+use super::lathe::{turning, turning_with};
+use super::machine::{Cut, Machine};
+use crate::bench::keys::{CYCLE_START, FEED_HOLD, RESET};
 
 /// A pulse of Z, mm.
 const PULSE: f64 = 0.005;

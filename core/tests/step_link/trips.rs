@@ -1,10 +1,10 @@
 //! A limit switch that was hit: the board proves the place, so the reference stays.
 
-use gsk_core::machine::link::LinkState;
 use gsk_core::operation::RunState;
+use gsk_link::LinkState;
 
-use crate::keys::{CYCLE_START, JOG, RESET, Z_MINUS, Z_PLUS};
-use crate::machine::Machine;
+use super::machine::Machine;
+use crate::bench::keys::{CYCLE_START, JOG, RESET, Z_MINUS, Z_PLUS};
 
 fn referenced() -> Machine {
     let mut machine = Machine::new();

@@ -8,7 +8,7 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 
-use crate::run::{G32, Run};
+use super::run::{G32, Run};
 
 #[test]
 fn threads_need_a_turning_spindle_and_a_usable_encoder() {
@@ -37,7 +37,7 @@ fn a_run_out_that_is_too_fast_is_refused_before_the_thread() {
     run.finish();
     assert_eq!((run.alarm(), run.z()), (Some(94), 5.0));
     let alarm = &run.simulation.cnc.alarms()[0];
-    let detail = alarm.detail.clone().unwrap_or_default();
+    let detail = alarm.detail_en();
     assert_eq!(alarm.source.map(|source| source.line), Some(5));
     assert!(
         detail.contains("X would need 20000 mm/min at 500 r/min, 3800 are allowed (022)"),
@@ -67,8 +67,8 @@ fn a_spindle_that_becomes_too_fast_stops_the_thread() {
     run.until("stopped", |simulation| !simulation.cnc.alarms().is_empty());
     let fastest = run.simulation.lathe.spindle_rpm();
     assert_eq!(run.alarm(), Some(94));
-    let detail = run.simulation.cnc.alarms()[0].detail.clone();
-    assert!(detail.unwrap_or_default().contains("(022)"));
+    let detail = run.simulation.cnc.alarms()[0].detail_en();
+    assert!(detail.contains("(022)"));
     // 3800 mm/min are 950 r/min.
     assert!((950.0..1150.0).contains(&fastest), "{fastest} r/min");
 }
@@ -77,7 +77,7 @@ fn a_spindle_that_becomes_too_fast_stops_the_thread() {
 fn the_preview_raises_the_same_alarms() {
     let alarm = |text: &str, lines: i32| {
         let mut setup = Setup::default();
-        setup.parameters.set(70, lines).unwrap();
+        setup.memory.parameters.set(70, lines).unwrap();
         let mut simulation = Simulation::new(setup.clone());
         let request = Request::OpenExternal(Program::new(text));
         assert_eq!(simulation.cnc.request(request), Ok(()));

@@ -8,7 +8,7 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 
-use crate::run::{DRY_RUN, G32, Run};
+use super::run::{DRY_RUN, G32, Run};
 
 #[test]
 fn threads_end_exactly_and_are_reported() {

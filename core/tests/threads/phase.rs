@@ -4,7 +4,7 @@ use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 
-use crate::run::Run;
+use super::run::Run;
 
 /// One pulse of Z, mm.
 const PULSE: f64 = 0.001;

@@ -7,7 +7,7 @@ use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 
-use crate::program::{started, with_program};
+use crate::bench::program::{started, with_program};
 
 const MINUTE: u32 = 60_000;
 
@@ -26,7 +26,7 @@ pub const G32: &str =
 pub fn setup(changes: &[(u16, i32)]) -> Setup {
     let mut setup = Setup::default();
     for (number, value) in changes {
-        assert!(setup.parameters.set(*number, *value).is_ok());
+        assert!(setup.memory.parameters.set(*number, *value).is_ok());
     }
     setup
 }

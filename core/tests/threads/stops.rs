@@ -3,8 +3,8 @@
 use gsk_core::machine::Fault;
 use gsk_core::operation::RunState;
 
+use super::run::{CYCLE_START, FEED_HOLD, G32, RESET, Run, SINGLE_BLOCK, SPINDLE_FASTER};
 use crate::bench::press;
-use crate::run::{CYCLE_START, FEED_HOLD, G32, RESET, Run, SINGLE_BLOCK, SPINDLE_FASTER};
 
 #[test]
 fn feed_hold_waits_for_the_first_block_after_a_thread() {
@@ -12,9 +12,9 @@ fn feed_hold_waits_for_the_first_block_after_a_thread() {
     run.until_z(-5.0);
     run.press(FEED_HOLD);
     assert_eq!(run.state(), RunState::Hold, "SPL stands at once");
-    run.until("stopped", |simulation| {
-        simulation.cnc.run_state() == RunState::Stop
-    });
+    run.wait(15_000);
+    assert_eq!(run.state(), RunState::Hold, "the hold stands");
+    assert!(!run.simulation.cnc.is_moving());
     let at = run.simulation.cnc.position_absolute();
     assert_eq!((at.diameter().0, at.z), (60.0, -30.0));
     assert_eq!(run.line(), 7);
@@ -45,9 +45,9 @@ fn feed_hold_lets_a_thread_cycle_retract() {
     run.until_z(-5.0);
     run.press(FEED_HOLD);
     assert_eq!(run.state(), RunState::Hold);
-    run.until("stopped", |simulation| {
-        simulation.cnc.run_state() == RunState::Stop
-    });
+    run.wait(15_000);
+    assert_eq!(run.state(), RunState::Hold, "the hold stands");
+    assert!(!run.simulation.cnc.is_moving());
     let at = run.simulation.cnc.position_absolute();
     assert_eq!((at.diameter().0, at.z), (40.0, -20.0), "after the retract");
     run.press(CYCLE_START);
@@ -132,9 +132,9 @@ fn feed_hold_before_the_one_turn_signal_does_not_keep_a_thread_from_beginning() 
     });
     run.press(FEED_HOLD);
     assert_eq!((run.state(), run.z()), (RunState::Hold, 5.0));
-    run.until("stopped", |simulation| {
-        simulation.cnc.run_state() == RunState::Stop
-    });
+    run.wait(15_000);
+    assert_eq!(run.state(), RunState::Hold, "the hold stands");
+    assert!(!run.simulation.cnc.is_moving());
     let at = run.simulation.cnc.position_absolute();
     assert_eq!((at.diameter().0, at.z), (60.0, 3.0));
 }
@@ -148,10 +148,14 @@ fn single_block_stops_after_each_move_of_a_thread_cycle() {
     });
     press(&mut run.simulation, SINGLE_BLOCK);
     let mut stops = Vec::new();
-    while run.state() != RunState::Reset {
+    loop {
         run.finish();
         let at = run.simulation.cnc.position_absolute();
         stops.push((at.diameter().0, at.z));
+        // A further key would start the program again.
+        if run.state() == RunState::Reset {
+            break;
+        }
         run.press(CYCLE_START);
     }
     stops.dedup();

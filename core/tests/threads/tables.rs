@@ -8,7 +8,7 @@
 //!             b   c                         c   b      b - c = c - full speed
 //! ```
 
-use crate::run::Run;
+use super::run::Run;
 
 const RPM: f64 = 500.0;
 /// Where the thread begins and how long it is, mm.

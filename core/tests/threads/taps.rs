@@ -3,7 +3,7 @@
 use gsk_core::command::MoveKind;
 use gsk_core::operation::RunState;
 
-use crate::run::{CYCLE_START, FEED_HOLD, Run};
+use super::run::{CYCLE_START, FEED_HOLD, Run};
 
 #[test]
 fn tapping_follows_the_spindle_through_its_reversal() {
@@ -44,9 +44,9 @@ fn feed_hold_waits_for_the_end_of_a_tap() {
     run.until_z(0.0);
     run.press(FEED_HOLD);
     assert_eq!(run.state(), RunState::Hold);
-    run.until("stopped", |simulation| {
-        simulation.cnc.run_state() == RunState::Stop
-    });
+    run.wait(15_000);
+    assert_eq!(run.state(), RunState::Hold, "the hold stands");
+    assert!(!run.simulation.cnc.is_moving());
     assert_eq!((run.z(), run.line()), (5.0, 5));
     run.press(CYCLE_START);
     run.finish();

@@ -123,7 +123,19 @@ fn name_plate(parts: &mut Vec<Part>) {
         y: y + 32.0,
         ..right
     };
-    print(parts, "仿真器  EMULATOR", 16.0, below, Colour::Hint);
+    let middle = Rect::new(x + 194.0, y + 6.0, 210.0, h - 12.0);
+    for (what, rect, radius, colour) in [
+        (What::Emulator, below, 0.0, Colour::Hint),
+        (What::RealMotion, middle, 6.0, Colour::Danger),
+    ] {
+        parts.push(Part {
+            what,
+            rect,
+            outline: Outline::Rounded(radius),
+            layer: ON_PLATE,
+            colour,
+        });
+    }
 }
 
 /// The edit keyboard: RESET, page and cursor keys; addresses; numbers; the row

@@ -15,6 +15,10 @@ use crate::glyphs::text_columns;
 use crate::keys::{Bit, Key, Role, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
+/// What stands on the panel of a simulated machine, and of a real one.
+const EMULATOR: &str = "仿真器  EMULATOR";
+const REAL_MOTION: [&str; 2] = ["真实机床", "REAL MOTION"];
+
 /// Largest scale of [`paint`].
 const MOST_SCALE: f32 = 8.0;
 /// How far a part paints beyond its rectangle: shadow, glow, pointer of the
@@ -35,6 +39,8 @@ pub struct FaceState<'a> {
     pub lcd: Option<PixmapRef<'a>>,
     /// Position of the handwheel, graduations.
     pub wheel: i32,
+    /// The keys move a real machine.
+    pub real: bool,
 }
 
 /// What of the state shows on a part: as long as it is the same, so is the part.
@@ -49,6 +55,7 @@ pub fn look(part: &Part, state: &FaceState<'_>) -> u32 {
             u32::from(STRIP.get(index).is_some_and(lit))
         }
         What::Handwheel => state.wheel.rem_euclid(GRADUATIONS).unsigned_abs(),
+        What::Emulator | What::RealMotion => u32::from(state.real),
         _ => 0,
     }
 }
@@ -127,6 +134,11 @@ impl Painter {
             What::Key(key) => self.key(part, key, state),
             What::Handwheel => self.handwheel(part, state.wheel),
             What::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
+            What::Emulator if !state.real => {
+                self.text(EMULATOR, LINE_HEIGHT, part.rect, part.colour.rgb());
+            }
+            What::RealMotion if state.real => self.real_motion(part),
+            What::Emulator | What::RealMotion => {}
         }
     }
 
@@ -140,6 +152,19 @@ impl Painter {
             rect,
             ink,
         );
+    }
+
+    /// A red plate with white print.
+    fn real_motion(&mut self, part: &Part) {
+        let Rect { x, y, w, h } = part.rect;
+        if let Some(path) = outline(part.rect, part.outline) {
+            self.fill_flat(&path, opaque(part.colour.rgb()));
+            self.line(&path, faint(255, 0.8), 1.5);
+        }
+        for (line, text) in REAL_MOTION.into_iter().enumerate() {
+            let half = Rect::new(x, y + line as f32 * h / 2.0, w, h / 2.0);
+            self.text(text, h / 2.0, half, part.colour.ink());
+        }
     }
 
     fn fill(&mut self, path: &Path, shader: Shader<'_>) {

@@ -78,6 +78,7 @@ fn it_is_painted_at_any_scale() {
         pressed: &[Key::EmergencyStop, Key::CycleStart],
         lcd: None,
         wheel: -7,
+        real: false,
     };
     let picture = paint(&state, 1.0).unwrap();
     assert_eq!((picture.width(), picture.height()), (1280, 756));
@@ -93,14 +94,18 @@ fn a_part_is_painted_as_in_the_whole_picture() {
         pressed: &[Key::EmergencyStop, Key::CycleStart, Key::Auto],
         lcd: None,
         wheel: -7,
+        real: false,
     };
     let scale = 1.37;
-    let whole = paint(&state, scale).unwrap();
-    let changing = parts()
-        .iter()
-        .filter(|part| matches!(part.what, What::Key(_) | What::Strip(_) | What::Handwheel));
-    for part in changing {
-        let (piece, [left, top]) = paint_part(part, &state, scale).unwrap();
+    for real in [false, true] {
+        pieces_as_in_the_whole(&FaceState { real, ..state }, scale);
+    }
+}
+
+fn pieces_as_in_the_whole(state: &FaceState<'_>, scale: f32) {
+    let whole = paint(state, scale).unwrap();
+    for part in parts().iter().filter(|part| part.layer > 1) {
+        let (piece, [left, top]) = paint_part(part, state, scale).unwrap();
         for (index, dot) in piece.pixels().iter().enumerate() {
             let (x, y) = (index as u32 % piece.width(), index as u32 / piece.width());
             let there = whole.pixel(left + x, top + y).unwrap();
@@ -138,5 +143,31 @@ fn what_changes_the_picture_changes_the_look() {
         assert_eq!(look(part, &dark) != look(part, &lit), lamp, "{part:?}");
         let wheel = part.what == What::Handwheel;
         assert_eq!(look(part, &dark) != look(part, &turned), wheel);
+        let linked = FaceState { real: true, ..dark };
+        let says = matches!(part.what, What::Emulator | What::RealMotion);
+        assert_eq!(look(part, &dark) != look(part, &linked), says);
     }
+}
+
+#[test]
+fn a_panel_with_a_real_machine_is_no_emulator() {
+    let dots = |real: bool, what: What| {
+        let part = parts().iter().find(|part| part.what == what).unwrap();
+        let state = FaceState {
+            real,
+            ..FaceState::default()
+        };
+        paint_part(part, &state, 1.0).unwrap().0
+    };
+    let plain = |piece: &Pixmap| {
+        let row = |y: u32| (8..piece.width() - 8).map(move |x| piece.pixel(x, y).unwrap());
+        (8..piece.height() - 8).all(|y| row(y).all(|dot| dot == row(y).next().unwrap()))
+    };
+    assert!(!plain(&dots(false, What::Emulator)));
+    assert!(plain(&dots(true, What::Emulator)), "the word is gone");
+    assert!(plain(&dots(false, What::RealMotion)));
+    let badge = dots(true, What::RealMotion);
+    let red = |dot: &tiny_skia::PremultipliedColorU8| dot.red() > 150 && dot.green() < 90;
+    let share = badge.pixels().iter().filter(|dot| red(dot)).count();
+    assert!(share * 2 > badge.pixels().len(), "{share} red dots");
 }

@@ -1,8 +1,9 @@
 //! The alarm pages: messages of the machine's ladder and alarms of the control
 //! (manual III-2.4).
 
-use gsk_core::alarm::{self, Alarm};
+use gsk_core::alarm::{self, Alarm, groups};
 use gsk_core::cnc::Cnc;
+use gsk_messages::Language;
 
 use crate::glyphs;
 use crate::screen::{COLUMNS, Screen};
@@ -13,7 +14,7 @@ const LAST_ROW: usize = 12;
 
 /// 外部信息.
 pub fn messages(screen: &mut Screen, cnc: &Cnc) {
-    let english = screen.is_english();
+    let english = screen.language() == Language::En;
     let messages = cnc.plc_messages().map(|(number, text)| {
         let known = alarm::row(number).filter(|_| english);
         let text = known.map_or(text, |row| row.meaning_en);
@@ -24,22 +25,18 @@ pub fn messages(screen: &mut Screen, cnc: &Cnc) {
 
 /// 报警信息.
 pub fn alarms(screen: &mut Screen, cnc: &Cnc) {
-    let english = screen.is_english();
-    let lines = cnc.alarms().iter().map(|alarm| line(alarm, english));
+    let language = screen.language();
+    let lines = cnc.alarms().iter().map(|alarm| line(alarm, language));
     list(screen, lines);
 }
 
-/// Alarms of the memory name what was damaged.
-const MEMORY_ALARMS: [u16; 2] = [69, 101];
-
-fn line(alarm: &Alarm, english: bool) -> String {
-    let line = if english {
-        alarm.line_text_en()
-    } else {
-        alarm.line_text()
+fn line(alarm: &Alarm, language: Language) -> String {
+    let line = match language {
+        Language::En => alarm.line_text_en(),
+        Language::Zh => alarm.line_text(),
     };
     match &alarm.detail {
-        Some(detail) if MEMORY_ALARMS.contains(&alarm.number) => {
+        Some(detail) if groups::is_of_memory(alarm.number) => {
             format!("{line}({detail})")
         }
         _ => line,

@@ -3,13 +3,15 @@
 //! read-only.
 
 use gsk_core::cnc::Cnc;
+use gsk_core::memory;
 use gsk_core::operation::Sensors;
 use gsk_core::plc::address::{Area, BitAddress};
+use gsk_messages::{Message, say};
 
 use super::format;
 use super::frame;
 use super::lists::{self, HEADING_ROW};
-use super::parameters::BITS;
+use super::parameters::{self, BITS};
 use super::plc_names;
 use super::table::PageId;
 use super::view::View;
@@ -22,7 +24,7 @@ const SCREEN: usize = 16;
 /// A register made of contacts or outputs.
 struct Register {
     number: usize,
-    group: &'static str,
+    group: fn() -> Message,
     area: Area,
     /// Byte and bit of each place, bit 7 first; `None` where nothing is wired.
     bits: [Option<(u16, u8)>; 8],
@@ -33,50 +35,47 @@ struct Register {
 /// are.
 struct Signals {
     number: usize,
-    group: &'static str,
+    group: fn() -> Message,
     names: [&'static str; 8],
-    meanings: [&'static str; 8],
+    meanings: [Option<fn() -> Message>; 8],
 }
 
 /// Zero signals, drives and the encoder (manual III-12.7.1).
 const SIGNALS: [Signals; 3] = [
     Signals {
         number: 8,
-        group: "驱动单元和编码器的信号",
+        group: say::lcd_drives_and_encoder,
         names: ["-", "-", "*ALMZ", "*ALMX", "-", "PCS", "PCZ", "PCX"],
         meanings: [
-            "",
-            "",
-            "Z轴驱动器无报警",
-            "X轴驱动器无报警",
-            "",
-            "主轴编码器一转信号",
-            "Z轴零点信号",
-            "X轴零点信号",
+            None,
+            None,
+            Some(say::lcd_z_drive_well),
+            Some(say::lcd_x_drive_well),
+            None,
+            Some(say::lcd_spindle_one_turn),
+            Some(say::lcd_z_zero),
+            Some(say::lcd_x_zero),
         ],
     },
     Signals {
         number: 11,
-        group: "主轴编码器计数(低8位)",
+        group: say::lcd_encoder_low,
         names: ["7", "6", "5", "4", "3", "2", "1", "0"],
-        meanings: [""; 8],
+        meanings: [None; 8],
     },
     Signals {
         number: 12,
-        group: "主轴编码器计数(高8位)",
+        group: say::lcd_encoder_high,
         names: ["15", "14", "13", "12", "11", "10", "9", "8"],
-        meanings: [""; 8],
+        meanings: [None; 8],
     },
 ];
-
-const INPUTS: &str = "机床侧的输入信号(I/O板)";
-const OUTPUTS: &str = "输出到机床侧的信号(I/O板)";
 
 /// The registers of the machine interface (manual IV-2).
 const REGISTERS: [Register; 5] = [
     Register {
         number: 0,
-        group: INPUTS,
+        group: say::lcd_machine_inputs,
         area: Area::X,
         bits: wired([
             (0, 7),
@@ -92,7 +91,7 @@ const REGISTERS: [Register; 5] = [
     },
     Register {
         number: 1,
-        group: INPUTS,
+        group: say::lcd_machine_inputs,
         area: Area::X,
         bits: wired([
             (1, 5),
@@ -108,7 +107,7 @@ const REGISTERS: [Register; 5] = [
     },
     Register {
         number: 2,
-        group: INPUTS,
+        group: say::lcd_machine_inputs,
         area: Area::X,
         bits: [
             Some((1, 2)),
@@ -124,7 +123,7 @@ const REGISTERS: [Register; 5] = [
     },
     Register {
         number: 4,
-        group: OUTPUTS,
+        group: say::lcd_machine_outputs,
         area: Area::Y,
         bits: wired([
             (0, 7),
@@ -140,7 +139,7 @@ const REGISTERS: [Register; 5] = [
     },
     Register {
         number: 5,
-        group: OUTPUTS,
+        group: say::lcd_machine_outputs,
         area: Area::Y,
         bits: wired([
             (1, 7),
@@ -170,6 +169,16 @@ const fn wired(bits: [(u16, u8); 8]) -> [Option<(u16, u8)>; 8] {
 const TOOL: usize = 75;
 /// Status parameters that are mirrored a hundred lower.
 const MIRRORED: [usize; 5] = [64, 68, 72, 73, 74];
+/// Times and limits of gear change, pressure, tool change, M and S: on the control
+/// before this one they were set here; now they are the data parameters of the same
+/// numbers (manual I-3.5, IV-2.8), shown as they count.
+const TIMES: [u16; 12] = [65, 66, 67, 69, 76, 78, 80, 81, 82, 83, 84, 85];
+
+/// The data parameter that a diagnosis number shows.
+fn time_of(number: usize) -> Option<u16> {
+    let number = u16::try_from(number).ok()?;
+    TIMES.contains(&number).then_some(number)
+}
 
 impl Register {
     fn of(number: usize) -> Option<&'static Self> {
@@ -192,31 +201,43 @@ impl Register {
 pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::Dgn);
     let item = cursor.item.min(DIAGNOSES - 1);
-    screen.put(HEADING_ROW, 0, "序号    数据        序号    数据");
+    screen.say(HEADING_ROW, 0, &say::lcd_diagnosis_heading());
     let first = item / SCREEN * SCREEN;
-    let shown =
-        (first..DIAGNOSES).map(|number| (format!("{number:03}"), format::byte(value(number, cnc))));
+    let shown = (first..DIAGNOSES).map(|number| {
+        let value = match time_of(number) {
+            Some(parameter) => cnc.parameters().value(parameter).to_string(),
+            None => format::byte(value(number, cnc)),
+        };
+        (format!("{number:03}"), value)
+    });
     lists::draw(screen, &BITS, shown, item % SCREEN);
     if let Some(register) = Register::of(item) {
         let bit = cursor.bit.min(7);
         let place = usize::from(7 - bit);
         let end = screen.put(10, 0, &format!("Bit{bit}:{}", register.names[place]));
         if let Some(address) = register.address(bit) {
-            let meaning = plc_names::meaning(cnc.plc().ladder(), address, screen.is_english());
+            let meaning = plc_names::meaning(cnc.plc().ladder(), address, screen.language());
             screen.put(10, end + 1, &meaning);
         }
         lists::bit_names(screen, 11, |bit| register.names[usize::from(7 - bit)]);
-        screen.put(12, 0, register.group);
+        screen.say(12, 0, &(register.group)());
     }
     if let Some(signals) = SIGNALS.iter().find(|signals| signals.number == item) {
         let bit = cursor.bit.min(7);
         let place = usize::from(7 - bit);
         let end = screen.put(10, 0, &format!("Bit{bit}:{}", signals.names[place]));
-        screen.put(10, end + 1, signals.meanings[place]);
+        if let Some(meaning) = signals.meanings[place] {
+            screen.say(10, end + 1, &meaning());
+        }
         lists::bit_names(screen, 11, |bit| signals.names[usize::from(7 - bit)]);
-        screen.put(12, 0, signals.group);
+        screen.say(12, 0, &(signals.group)());
     }
-    frame::input_line(screen, &format!("序号 {item:03} "), view);
+    if let Some(row) = time_of(item).and_then(|parameter| memory::row(parameter, None)) {
+        screen.put(10, 0, parameters::meaning(screen, row));
+        screen.say(12, 0, &say::lcd_data_parameter(item));
+    }
+    let prompt = say::lcd_number_prompt(format!("{item:03}"));
+    frame::input_line(screen, &prompt, view);
 }
 
 fn value(number: usize, cnc: &Cnc) -> u8 {

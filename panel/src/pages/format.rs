@@ -22,8 +22,8 @@ impl Display {
     /// The display of a control, by its parameters.
     pub fn of(cnc: &Cnc) -> Self {
         Self {
-            diameter: !cnc.parameters().bit(1, 2),
-            inch: cnc.parameters().bit(4, 0),
+            diameter: !cnc.parameters().radius_programming(),
+            inch: cnc.parameters().inch_machine(),
         }
     }
 

@@ -4,7 +4,8 @@
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
 use gsk_core::operation::Mode;
-use gsk_core::program::Program;
+use gsk_core::program::{Inflow, Program};
+use gsk_messages::{Message, say};
 
 use super::format::four;
 use super::table::PageId;
@@ -21,16 +22,15 @@ const SEQUENCE_COLUMN: usize = 34;
 /// The input line ends in front of this column.
 const INPUT_END: usize = 27;
 
-/// The texts of the status row, and where they begin.
-const ALARM: (usize, &str) = (0, "报警");
-const HOLD: (usize, &str) = (5, "暂停");
-const NOT_READY: (usize, &str) = (0, "准备未绪");
+/// Where the texts of the status row begin.
+const ALARM_COLUMN: usize = 0;
+const HOLD_COLUMN: usize = 5;
 const MODE_COLUMN: usize = 20;
 const COMMUNICATION_COLUMN: usize = 30;
 
 /// Draws the frame of a page.
 pub fn draw(screen: &mut Screen, page: PageId, view: &View, cnc: &Cnc) {
-    screen.put(0, 0, page.title());
+    screen.say(0, 0, &page.title());
     screen.put(0, PROGRAM_COLUMN, &format!("O{:04}", program_number(cnc)));
     screen.put(0, SEQUENCE_COLUMN, &format!("N{:04}", sequence(view, cnc)));
 
@@ -41,7 +41,7 @@ pub fn draw(screen: &mut Screen, page: PageId, view: &View, cnc: &Cnc) {
     screen.put(INPUT_ROW, SEQUENCE_COLUMN, &tool);
 
     draw_state(screen, view, cnc);
-    screen.put(STATUS_ROW, MODE_COLUMN, cnc.mode().text());
+    screen.say(STATUS_ROW, MODE_COLUMN, &mode_text(cnc.mode()));
     draw_communication(screen, view);
 }
 
@@ -49,33 +49,62 @@ pub fn draw(screen: &mut Screen, page: PageId, view: &View, cnc: &Cnc) {
 fn draw_state(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let lit = view.flash_on();
     if cnc.not_ready() {
-        screen.put_flashing(STATUS_ROW, NOT_READY.0, NOT_READY.1, lit);
+        screen.say_flashing(STATUS_ROW, ALARM_COLUMN, &say::lcd_not_ready(), lit);
         return;
     }
     if cnc.in_alarm() {
-        screen.put_flashing(STATUS_ROW, ALARM.0, ALARM.1, lit);
+        screen.say_flashing(STATUS_ROW, ALARM_COLUMN, &say::lcd_alarm(), lit);
     }
     if cnc.in_feed_hold() {
-        screen.put(STATUS_ROW, HOLD.0, HOLD.1);
+        screen.say(STATUS_ROW, HOLD_COLUMN, &say::lcd_hold());
+    }
+}
+
+/// The mode as it stands in the status row.
+fn mode_text(mode: Mode) -> Message {
+    match mode {
+        Mode::Edit => say::lcd_mode_edit(),
+        Mode::Auto => say::lcd_mode_auto(),
+        Mode::Mdi => say::lcd_mode_mdi(),
+        Mode::Step => say::lcd_mode_step(),
+        Mode::Handwheel => say::lcd_mode_handwheel(),
+        Mode::Jog => say::lcd_mode_jog(),
+        Mode::MachineZero => say::lcd_mode_machine_zero(),
+        Mode::ProgramZero => say::lcd_mode_program_zero(),
+        Mode::Dnc => say::lcd_mode_dnc(),
+        Mode::TeachJog => say::lcd_mode_teach_jog(),
+        Mode::TeachStep => say::lcd_mode_teach_step(),
+        Mode::TeachHandwheel => say::lcd_mode_teach_handwheel(),
     }
 }
 
 fn draw_communication(screen: &mut Screen, view: &View) {
     let text = match view.communication {
         Communication::Idle => return,
-        Communication::Receiving => "输入",
-        Communication::Sending => "输出",
-        Communication::NotConnected => "串口未连接",
-        Communication::Failed => "通信出错",
+        Communication::Receiving => say::lcd_receiving(),
+        Communication::Sending => say::lcd_sending(),
+        Communication::NotConnected => say::lcd_no_port(),
+        Communication::Failed => say::lcd_transfer_failed(),
     };
     let lit = view.communication != Communication::Sending || view.flash_on();
-    screen.put_flashing(STATUS_ROW, COMMUNICATION_COLUMN, text, lit);
+    screen.say_flashing(STATUS_ROW, COMMUNICATION_COLUMN, &text, lit);
 }
 
-/// The input line: the prompt and what was keyed in behind it. A trailing
-/// address letter flashes until its number follows.
-pub fn input_line(screen: &mut Screen, prompt: &str, view: &View) {
-    let start = screen.put(INPUT_ROW, 0, prompt);
+/// The input line: the prompt and, a column behind it, what was keyed in.
+pub fn input_line(screen: &mut Screen, prompt: &Message, view: &View) {
+    let end = screen.say(INPUT_ROW, 0, prompt);
+    keyed_in(screen, end + 1, view);
+}
+
+/// The input line of a setting: `序号ISO=`, and what was keyed in.
+pub fn setting_line(screen: &mut Screen, name: &str, view: &View) {
+    let end = screen.say(INPUT_ROW, 0, &say::lcd_setting_prompt(name));
+    keyed_in(screen, end, view);
+}
+
+/// What was keyed in, from a column on. A trailing address letter flashes until its
+/// number follows.
+fn keyed_in(screen: &mut Screen, start: usize, view: &View) {
     let room = INPUT_END.saturating_sub(start);
     let length = view.input.chars().count();
     let shown: String = view
@@ -110,6 +139,10 @@ fn selected(cnc: &Cnc) -> Option<ProgramId> {
 fn program_number(cnc: &Cnc) -> u16 {
     match selected(cnc) {
         Some(ProgramId::Stored(number)) => number,
+        Some(ProgramId::Dnc) => {
+            let inflow = cnc.programs().inflow();
+            inflow.and_then(Inflow::number).unwrap_or(0)
+        }
         Some(program) => cnc
             .programs()
             .get(program)
@@ -126,7 +159,7 @@ fn sequence(view: &View, cnc: &Cnc) -> u16 {
         return sequence;
     }
     let (program, line) = match &view.editor.editing {
-        Some(editing) if cnc.mode() == Mode::Edit => (Some(editing.program()), editing.cursor().0),
+        Some(editing) if cnc.mode().edits() => (Some(editing.program()), editing.cursor().0),
         _ => (current_program(cnc), cursor.line),
     };
     program
@@ -150,7 +183,7 @@ pub fn spindle_speed(cnc: &Cnc) -> f64 {
     if let Some(measured) = cnc.spindle_measured() {
         return measured;
     }
-    if cnc.parameters().bit(1, 4) {
+    if cnc.parameters().analog_spindle() {
         cnc.spindle_commanded()
     } else {
         cnc.modal().spindle
@@ -159,7 +192,15 @@ pub fn spindle_speed(cnc: &Cnc) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::sequence_of;
+    use super::*;
+    use gsk_messages::Language;
+
+    #[test]
+    fn a_mode_is_called_as_the_control_calls_it() {
+        for mode in Mode::ALL {
+            assert_eq!(mode_text(mode).text(Language::Zh), mode.text());
+        }
+    }
 
     #[test]
     fn the_sequence_number_of_a_block() {

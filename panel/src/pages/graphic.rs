@@ -3,6 +3,7 @@
 
 use gsk_core::cnc::Cnc;
 use gsk_core::units::{Axis, Point};
+use gsk_messages::{Message, say};
 
 use super::format::{Display, thousandths};
 use super::frame;
@@ -30,40 +31,42 @@ const MARKER: f64 = 3.0;
 /// The parameters.
 pub fn parameters(screen: &mut Screen, view: &View) {
     let settings = &view.graphic;
-    let rows = [
+    let rows: [(Message, String, Option<Message>); 8] = [
         (
-            "坐标选择  = ",
+            say::lcd_graphic_plane(),
             u32::from(settings.zx).to_string(),
-            "   (XZ:0  ZX:1)",
+            Some("   (XZ:0  ZX:1)".into()),
         ),
-        ("缩放比例  = ", settings.scale.to_string(), ""),
+        (say::lcd_graphic_scale(), settings.scale.to_string(), None),
         (
-            "图形中心  = ",
+            say::lcd_graphic_center(),
             thousandths(settings.center_x),
-            "(X轴工件座标值)",
+            Some(say::lcd_graphic_x_of_work()),
         ),
         (
-            "图形中心  = ",
+            say::lcd_graphic_center(),
             thousandths(settings.center_z),
-            "(Z轴工件座标值)",
+            Some(say::lcd_graphic_z_of_work()),
         ),
-        ("X最大值   = ", thousandths(settings.max_x), ""),
-        ("Z最大值   = ", thousandths(settings.max_z), ""),
-        ("X最小值   = ", thousandths(settings.min_x), ""),
-        ("Z最小值   = ", thousandths(settings.min_z), ""),
+        (say::lcd_graphic_x_max(), thousandths(settings.max_x), None),
+        (say::lcd_graphic_z_max(), thousandths(settings.max_z), None),
+        (say::lcd_graphic_x_min(), thousandths(settings.min_x), None),
+        (say::lcd_graphic_z_min(), thousandths(settings.min_z), None),
     ];
-    screen.put(1, 14, "图形参数");
+    screen.say(1, 14, &say::lcd_graphic_parameters());
     let cursor = view.cursors.get(PageId::GraphPar).item.min(rows.len() - 1);
     for (index, (label, value, note)) in rows.into_iter().enumerate() {
         let row = 3 + index;
         if index == cursor {
             screen.put(row, 0, "_");
         }
-        let column = screen.put(row, 1, label);
+        let column = screen.say(row, 1, &label) + 1;
         let column = screen.put(row, column, &value);
-        screen.put(row, column, note);
+        if let Some(note) = note {
+            screen.say(row, column, &note);
+        }
     }
-    frame::input_line(screen, &format!("序号{:03}=", cursor + 1), view);
+    frame::setting_line(screen, &format!("{:03}", cursor + 1), view);
 }
 
 /// The picture.
@@ -75,17 +78,17 @@ pub fn picture(screen: &mut Screen, view: &View, cnc: &Cnc) {
         screen.put_right(row, 40, &display.coordinate(axis, at.get(axis)));
     }
     let choices = [
-        (6, "S: 作图", view.graphic.drawing),
-        (7, "T: 停止", !view.graphic.drawing),
-        (8, "R: 清除", false),
+        (6, say::lcd_graphic_draw(), view.graphic.drawing),
+        (7, say::lcd_graphic_stop(), !view.graphic.drawing),
+        (8, say::lcd_graphic_clear(), false),
     ];
     for (row, text, chosen) in choices {
         if chosen {
             screen.put(row, 29, "*");
         }
-        screen.put(row, 30, text);
+        screen.say(row, 30, &text);
     }
-    let plot = Plot::new(&view.graphic, display, cnc.parameters().bit(175, 0));
+    let plot = Plot::new(&view.graphic, display, cnc.parameters().up_is_positive());
     let dots = screen.graphic_mut();
     plot.trace(dots, &view.trace);
     plot.marker(dots, at);

@@ -66,10 +66,13 @@ pub fn draw(
 
 /// Writes the names of the eight bits, bit 7 first; when they do not fit in the
 /// row, the longest ones are cut.
-pub fn bit_names<'a>(screen: &mut Screen, row: usize, name: impl Fn(u8) -> &'a str) {
-    let names: Vec<&str> = (0..8).rev().map(name).collect();
+pub fn bit_names<N: AsRef<str>>(screen: &mut Screen, row: usize, name: impl Fn(u8) -> N) {
+    let names: Vec<N> = (0..8).rev().map(name).collect();
     let cut = |width: usize| {
-        let cut: Vec<&str> = names.iter().map(|name| head(name, width)).collect();
+        let cut: Vec<&str> = names
+            .iter()
+            .map(|name| head(name.as_ref(), width))
+            .collect();
         cut.join(" ")
     };
     let text = (4..=COLUMNS)

@@ -3,6 +3,7 @@
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::{Mode, RunState};
 use gsk_core::program::{Block, Syntax};
+use gsk_messages::say;
 
 use super::format::{Display, four};
 use super::frame;
@@ -27,7 +28,7 @@ const NO_LIMIT: f64 = 9999.0;
 
 /// Draws the page.
 pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
-    screen.put(1, 4, "(程序段值)          (模态值)");
+    screen.say(1, 4, &say::lcd_block_and_modal());
     if let Some((block, text)) = shown_block(cnc) {
         draw_words(screen, &block, &text, cnc);
     }
@@ -36,14 +37,14 @@ pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
     }
     draw_modal(screen, cnc);
     if cnc.mode() == Mode::Mdi {
-        frame::input_line(screen, "地址 ", view);
+        frame::input_line(screen, &say::lcd_address_prompt(), view);
     }
 }
 
 /// The block keyed in, or in AUTO the block in execution, with its text.
 fn shown_block(cnc: &Cnc) -> Option<(Block, String)> {
     let syntax = Syntax::from(cnc.parameters());
-    if cnc.mode() != Mode::Auto {
+    if !matches!(cnc.mode(), Mode::Auto | Mode::Dnc) {
         let block = cnc.mdi_block().block(cnc.parameters()).ok()?;
         return Some((block, cnc.mdi_block().text()));
     }

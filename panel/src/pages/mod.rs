@@ -11,6 +11,7 @@ mod mdi;
 mod offsets;
 mod parameters;
 mod password;
+mod password_entry;
 mod plc;
 mod plc_names;
 mod position;
@@ -22,10 +23,11 @@ mod table;
 mod view;
 
 use gsk_core::cnc::Cnc;
+use gsk_messages::Language;
 
 pub use graphic_settings::GraphicSettings;
 pub use parameters::{PITCH_POINTS, data_numbers, state_numbers};
-pub use password::{Hint, PasswordEntry};
+pub use password_entry::{Hint, PasswordEntry};
 pub use plc::{bit_item, bit_item_of, bit_items, value_item, value_item_of, value_items};
 pub use plc_names::{short as signal_name, signal_meaning};
 pub use power_on::{POWER_ON_TICKS, draw as power_on};
@@ -38,9 +40,18 @@ pub use view::{
 
 use crate::screen::Screen;
 
+/// The language of the LCD (184.0 CH_EN).
+pub fn language(cnc: &Cnc) -> Language {
+    if cnc.parameters().in_english() {
+        Language::En
+    } else {
+        Language::Zh
+    }
+}
+
 /// Draws a page.
 pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
-    let mut screen = Screen::in_english(cnc.parameters().bit(184, 0));
+    let mut screen = Screen::in_language(language(cnc));
     let target = &mut screen;
     frame::draw(target, page, view, cnc);
     match page {
@@ -71,4 +82,55 @@ pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
         PageId::Version => plc::version(target, cnc),
     }
     screen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::setup::Setup;
+    use gsk_messages::{Id, texts};
+
+    use crate::glyphs::text_columns;
+
+    /// A text of the table without its values.
+    fn words(text: &str) -> String {
+        let pieces = text.split('{');
+        let behind = pieces.map(|piece| piece.split_once('}').map_or(piece, |(_, rest)| rest));
+        behind.collect()
+    }
+
+    /// Titles stand alone in their row; what else is English takes at most the cells of
+    /// the Chinese, so that every page keeps its layout.
+    #[test]
+    fn english_takes_no_more_room_than_chinese() {
+        let titles: Vec<Id> = PAGES.iter().map(|row| row.page.title().id()).collect();
+        let mut count = 0;
+        for (id, [english, chinese]) in Id::all().iter().zip(texts()) {
+            if !id.name().starts_with("lcd_") || titles.contains(id) {
+                continue;
+            }
+            let (english, chinese) = (words(english), words(chinese));
+            assert!(english.is_ascii(), "{english}");
+            assert!(english.len() <= text_columns(&chinese), "{english}");
+            count += 1;
+        }
+        assert!(count > 100, "the texts of the LCD are elsewhere now");
+    }
+
+    #[test]
+    fn no_page_shows_chinese_in_english() {
+        let mut setup = Setup::default();
+        setup.memory.parameters.set_bit(184, 0, true).unwrap();
+        let cnc = Cnc::new(setup);
+        for row in PAGES {
+            let screen = draw(row.page, &View::default(), &cnc);
+            for line in screen.text().lines() {
+                // The ladder's own header is what its author wrote.
+                let own = row.page == PageId::Version
+                    && ["LADDER", "NOTE"].iter().any(|label| line.contains(label));
+                assert!(line.is_ascii() || own, "{}: {line}", row.name);
+            }
+        }
+        assert!(power_on(Language::En).text().is_ascii());
+    }
 }

@@ -3,6 +3,7 @@
 use gsk_core::cnc::Cnc;
 use gsk_core::memory::{OFFSETS, Variables};
 use gsk_core::units::Axis;
+use gsk_messages::say;
 
 use super::format::Display;
 use super::frame;
@@ -13,10 +14,10 @@ use crate::screen::Screen;
 
 /// Variables of one screen.
 const VARIABLE_SCREEN: usize = 16;
-/// A variable without a value, or with one that does not fit.
-const VACANT: &str = "******";
+/// A variable with a value that does not fit (manual I-3.7.3.3).
+const TOO_LONG: &str = "******";
 /// The greatest value that fits.
-const GREATEST_SHOWN: u64 = 99_999_999;
+const GREATEST_SHOWN: u64 = 9_999_999;
 
 const VARIABLE_COLUMNS: [Column; 2] = [
     Column {
@@ -35,7 +36,7 @@ const VARIABLE_COLUMNS: [Column; 2] = [
 pub fn offsets(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Oft).item.min(OFFSETS - 1);
     let display = Display::of(cnc);
-    screen.put(HEADING_ROW, 0, "序号       X        Z        R      T");
+    screen.say(HEADING_ROW, 0, &say::lcd_offset_heading());
     let first = item / LIST_ROWS * LIST_ROWS;
     let rows = cnc.offsets().iter().skip(first).take(LIST_ROWS);
     for (row, (number, offset)) in (FIRST_ROW..).zip(rows) {
@@ -49,32 +50,35 @@ pub fn offsets(screen: &mut Screen, view: &View, cnc: &Cnc) {
         screen.put_right(row, 37, &offset.t.to_string());
     }
     relative_position(screen, cnc);
-    frame::input_line(screen, "地址 ", view);
+    frame::input_line(screen, &say::lcd_address_prompt(), view);
 }
 
 /// 宏变量.
 pub fn variables(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let numbers: Vec<u16> = Variables::numbers().collect();
     let item = view.cursors.get(PageId::Macro).item.min(numbers.len() - 1);
-    screen.put(HEADING_ROW, 0, "序号      数 据     序号      数 据");
+    screen.say(HEADING_ROW, 0, &say::lcd_variables_heading());
     let shown = numbers
         .iter()
         .skip(item / VARIABLE_SCREEN * VARIABLE_SCREEN);
     let shown = shown.map(|number| {
-        let value = cnc.variables().get(*number);
-        let value = value.filter(|value| value.unsigned_abs() <= GREATEST_SHOWN);
-        let value = value.map_or_else(|| VACANT.to_owned(), |value| value.to_string());
-        (number.to_string(), value)
+        let value = cnc.variables().get(*number).unwrap_or(0);
+        let text = if value.unsigned_abs() <= GREATEST_SHOWN {
+            value.to_string()
+        } else {
+            TOO_LONG.to_owned()
+        };
+        (number.to_string(), text)
     });
     lists::draw(screen, &VARIABLE_COLUMNS, shown, item % VARIABLE_SCREEN);
     relative_position(screen, cnc);
-    frame::input_line(screen, "地址 ", view);
+    frame::input_line(screen, &say::lcd_address_prompt(), view);
 }
 
 fn relative_position(screen: &mut Screen, cnc: &Cnc) {
     let display = Display::of(cnc);
     let at = cnc.position_relative();
-    screen.put(10, 0, "现在位置(相对位置)");
+    screen.say(10, 0, &say::lcd_position_relative_below());
     screen.put(11, 2, "U");
     screen.put_right(11, 13, &display.coordinate(Axis::X, at.x));
     screen.put(11, 20, "W");

@@ -4,12 +4,14 @@
 use gsk_core::cnc::Cnc;
 use gsk_core::memory::{self, ParameterRow};
 use gsk_core::units::Axis;
+use gsk_messages::{Language, Message, say};
 
 use super::format;
 use super::frame;
 use super::lists::{self, Column, HEADING_ROW};
 use super::table::PageId;
 use super::view::View;
+use crate::glyphs;
 use crate::screen::Screen;
 
 /// Parameters of one screen.
@@ -70,23 +72,44 @@ pub fn states(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let row = memory::row(*number, Some(bit));
     let meaning = row.map_or("", |row| meaning(screen, row));
     screen.put(10, 0, &format!("BIT{bit}:{meaning}"));
-    lists::bit_names(screen, 11, |bit| name(*number, bit));
-    frame::input_line(screen, &format!("序号 {number:03} "), view);
+    let language = screen.language();
+    lists::bit_names(screen, 11, |bit| name(*number, bit, language));
+    let prompt = say::lcd_number_prompt(format!("{number:03}"));
+    frame::input_line(screen, &prompt, view);
 }
 
 /// What it means, in the language of the screen.
-const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str {
-    if screen.is_english() {
-        row.meaning_en
-    } else {
-        row.meaning_zh
+pub(super) const fn meaning(screen: &Screen, row: &ParameterRow) -> &'static str {
+    match screen.language() {
+        Language::En => row.meaning_en,
+        Language::Zh => row.meaning_zh,
     }
 }
 
-/// The short name of a bit.
-fn name(number: u16, bit: u8) -> &'static str {
+/// The short name of a bit, in the room of the Chinese.
+fn name(number: u16, bit: u8, language: Language) -> String {
+    if let Some(name) = chinese_name(number, bit) {
+        let room = glyphs::text_columns(&name.text(Language::Zh));
+        return match language {
+            Language::Zh => name.text(language),
+            Language::En => format!("{:room$}", name.text(language)),
+        };
+    }
     let symbol = memory::row(number, Some(bit)).map_or("", |row| row.symbol);
-    if symbol.is_empty() { "**" } else { symbol }
+    if symbol.is_empty() { "**" } else { symbol }.to_owned()
+}
+
+/// The bits whose short name is Chinese.
+fn chinese_name(number: u16, bit: u8) -> Option<Message> {
+    Some(match (number, bit) {
+        (1, 4) => say::lcd_bit_analog_spindle(),
+        (1, 3) => say::lcd_bit_handwheel(),
+        (1, 2) => say::lcd_bit_radius(),
+        (2, 1) => say::lcd_bit_nose_radius(),
+        (3, 5) => say::lcd_bit_pitch_errors(),
+        (3, 4) => say::lcd_bit_offset_mode(),
+        _ => return None,
+    })
 }
 
 /// 数据参数.
@@ -108,17 +131,18 @@ pub fn data(screen: &mut Screen, view: &View, cnc: &Cnc) {
         let meaning = meaning(screen, row);
         screen.put(10, 0, meaning);
     }
-    frame::input_line(screen, &format!("序号 {number:03} "), view);
+    let prompt = say::lcd_number_prompt(format!("{number:03}"));
+    frame::input_line(screen, &prompt, view);
 }
 
 fn heading(screen: &mut Screen) {
-    screen.put(HEADING_ROW, 0, "序号    数 据       序号    数 据");
+    screen.say(HEADING_ROW, 0, &say::lcd_parameters_heading());
 }
 
 /// 螺距补偿参数.
 pub fn pitch(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let item = view.cursors.get(PageId::Pitch).item.min(PITCH_POINTS - 1);
-    screen.put(HEADING_ROW, 0, "序号          X             Z");
+    screen.say(HEADING_ROW, 0, &say::lcd_pitch_heading());
     let first = item / PITCH_SCREEN * PITCH_SCREEN;
     let points = (first..PITCH_POINTS).take(PITCH_SCREEN);
     for (row, point) in (lists::FIRST_ROW..).zip(points) {
@@ -131,5 +155,21 @@ pub fn pitch(screen: &mut Screen, view: &View, cnc: &Cnc) {
             screen.put_right(row, end, &value.to_string());
         }
     }
-    frame::input_line(screen, &format!("序号 {item:03} "), view);
+    let prompt = say::lcd_number_prompt(format!("{item:03}"));
+    frame::input_line(screen, &prompt, view);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_chinese_names_of_bits_are_those_of_the_table() {
+        for row in memory::rows() {
+            let Some(bit) = row.bit else { continue };
+            let name = chinese_name(row.number, bit).map(|name| name.text(Language::Zh));
+            let symbol = Some(row.symbol).filter(|symbol| !symbol.is_ascii());
+            assert_eq!(name.as_deref(), symbol, "{}.{bit}", row.number);
+        }
+    }
 }

@@ -5,6 +5,7 @@ use gsk_core::cnc::Cnc;
 use gsk_core::operation::SoftSwitch;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 use gsk_core::units::Axis;
+use gsk_messages::say;
 
 use super::format::{self, Display};
 use super::frame;
@@ -95,7 +96,7 @@ fn screen_of(address: ByteAddress, size: usize) -> impl Iterator<Item = ByteAddr
 pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let cursor = view.cursors.get(PageId::PlcBits);
     let at = bit_item(cursor.item);
-    screen.put(HEADING_ROW, 0, "序号    数据        序号    数据");
+    screen.say(HEADING_ROW, 0, &say::lcd_diagnosis_heading());
     let memory = cnc.plc().memory();
     let shown = screen_of(at, BIT_SCREEN)
         .map(|address| (address.to_string(), format::byte(memory.byte(address))));
@@ -111,18 +112,18 @@ pub fn signals(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let meaning = plc_names::meaning(
         ladder,
         BitAddress::new(at.area, at.byte, bit),
-        screen.is_english(),
+        screen.language(),
     );
     let end = screen.put(10, 0, &format!("BIT{bit}: {}", name(bit)));
     screen.put(10, end + 1, &meaning);
     lists::bit_names(screen, 11, name);
-    frame::input_line(screen, &format!("序号 {at} "), view);
+    frame::input_line(screen, &say::lcd_number_prompt(at), view);
 }
 
 /// PLC数值诊断.
 pub fn values(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let at = value_item(view.cursors.get(PageId::PlcValues).item);
-    screen.put(HEADING_ROW, 0, "序号         当前值         预定值");
+    screen.say(HEADING_ROW, 0, &say::lcd_plc_values_heading());
     let memory = cnc.plc().memory();
     let rows = screen_of(at, LIST_ROWS);
     for (row, address) in (lists::FIRST_ROW..).zip(rows) {
@@ -140,27 +141,27 @@ pub fn values(screen: &mut Screen, view: &View, cnc: &Cnc) {
         }
         screen.put_right(row, 34, &format!("{preset:08}"));
     }
-    frame::input_line(screen, &format!("序号 {at} "), view);
+    frame::input_line(screen, &say::lcd_number_prompt(at), view);
 }
 
 /// 机床面板: the states that the ladder has raised.
 pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
-    const TEXTS: [&str; 5] = [
-        "机床锁住(键1) :",
-        "辅助锁住(键2) :",
-        "单程序段(键3) :",
-        "空运行  (键4) :",
-        "程序选跳(键5) :",
+    let texts = [
+        say::lcd_machine_lock(),
+        say::lcd_auxiliary_lock(),
+        say::lcd_single_block(),
+        say::lcd_dry_run(),
+        say::lcd_block_skip(),
     ];
-    for ((row, text), switch) in (2..).zip(TEXTS).zip(SoftSwitch::ALL) {
+    for ((row, text), switch) in (2..).zip(texts).zip(SoftSwitch::ALL) {
         let on = cnc.soft_switch_state(switch);
-        screen.put(row, 0, text);
-        screen.put(row, 18, "关    开");
+        screen.say(row, 0, &text);
+        screen.say(row, 18, &say::lcd_off_on());
         screen.put(row, if on { 23 } else { 17 }, "*");
     }
     let display = Display::of(cnc);
     let at = cnc.position_relative();
-    screen.put(9, 0, "现在位置");
+    screen.say(9, 0, &say::lcd_position());
     for (row, (letter, axis)) in (10..).zip([("U", Axis::X), ("W", Axis::Z)]) {
         screen.put(row, 2, letter);
         screen.put_right(row, 17, &display.coordinate(axis, at.get(axis)));
@@ -170,20 +171,19 @@ pub fn soft_panel(screen: &mut Screen, cnc: &Cnc) {
 /// 系统版本信息.
 pub fn version(screen: &mut Screen, cnc: &Cnc) {
     let header = cnc.plc().ladder().header();
+    // Row, label, blanks behind it, value.
     let rows = [
-        (2, "产品型号:   ", "GSK-980TD-1"),
-        (3, "软件版本号: ", "V05.01.15"),
-        (4, "硬件版本号: ", "RS"),
-        (6, "梯形图设计单位: ", &header.unit),
-        (7, "梯形图版本号: ", &header.version),
-        (8, "梯形图设计者: ", &header.author),
-        (9, "备注: ", &header.remark),
+        (2, say::lcd_model(), 3, "GSK-980TD-1"),
+        (3, say::lcd_software_version(), 1, "V05.01.15"),
+        (4, say::lcd_hardware_version(), 1, "RS"),
+        (6, say::lcd_ladder_unit(), 1, &header.unit),
+        (7, say::lcd_ladder_version(), 1, &header.version),
+        (8, say::lcd_ladder_author(), 1, &header.author),
+        (9, say::lcd_ladder_note(), 1, &header.remark),
     ];
-    for (row, label, value) in rows {
-        let column = screen.put(row, 0, label);
-        screen.verbatim(|screen| {
-            screen.put(row, column, value);
-        });
+    for (row, label, gap, value) in rows {
+        let end = screen.say(row, 0, &label);
+        screen.put(row, end + gap, value);
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::LazyLock;
 
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Ladder, Subject};
+use gsk_messages::Language;
 
 /// One named bit.
 struct Row {
@@ -52,7 +53,8 @@ pub fn short(address: BitAddress) -> &'static str {
 }
 
 /// What a bit means: the ladder's own comment, else the table's text.
-pub fn meaning(ladder: &Ladder, address: BitAddress, english: bool) -> String {
+pub fn meaning(ladder: &Ladder, address: BitAddress, language: Language) -> String {
+    let english = language == Language::En;
     let comment = ladder.comment(Subject::Bit(address));
     match (comment, row(address)) {
         (Some(comment), _) if english && !comment.english.is_empty() => comment.english.clone(),
@@ -65,8 +67,11 @@ pub fn meaning(ladder: &Ladder, address: BitAddress, english: bool) -> String {
 
 /// What the table of signals says of a bit, in Chinese or English; nothing of a bit
 /// that is none of its signals.
-pub fn signal_meaning(address: BitAddress, english: bool) -> &'static str {
-    row(address).map_or("", |row| if english { row.text_en } else { row.text_zh })
+pub fn signal_meaning(address: BitAddress, language: Language) -> &'static str {
+    row(address).map_or("", |row| match language {
+        Language::Zh => row.text_zh,
+        Language::En => row.text_en,
+    })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::Mode;
 use gsk_core::units::{Axis, Point};
+use gsk_messages::{Message, say};
 
 use super::format::{self, Display};
 use super::frame;
@@ -53,39 +54,45 @@ fn state_rows(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let modal = cnc.modal();
     let (programmed_label, programmed) = first_rate(cnc);
     let override_row = if view.spindle_override {
-        ("主轴倍率:", format!("{}%", cnc.spindle_override()))
+        (
+            say::lcd_spindle_override(),
+            format!("{}%", cnc.spindle_override()),
+        )
     } else {
-        ("快速倍率:", format::rapid_override(cnc.rapid_override()))
+        (
+            say::lcd_rapid_override(),
+            format::rapid_override(cnc.rapid_override()),
+        )
     };
     let left = [
         (programmed_label, programmed),
-        ("实际速率:", actual_rate(cnc)),
-        ("进给倍率:", format!("{}%", cnc.feed_override())),
+        (say::lcd_actual_rate(), actual_rate(cnc)),
+        (
+            say::lcd_feed_override(),
+            format!("{}%", cnc.feed_override()),
+        ),
         override_row,
     ];
     for (row, (label, value)) in (10..).zip(left) {
-        screen.put(row, 0, label);
+        screen.say(row, 0, &label);
         screen.put_right(row, 17, &value);
     }
     let group_3 = if modal.feed_per_revolution { 99 } else { 98 };
-    let codes = format!("G功能码: G{:02}, G{group_3}", modal.motion);
-    screen.put(10, 20, &codes);
+    screen.say(10, 20, &say::lcd_g_codes(modal.motion, group_3));
     let counters = cnc.counters();
-    screen.put(11, 20, "加工件数:");
+    screen.say(11, 20, &say::lcd_parts());
     screen.put_right(11, 36, &counters.parts.to_string());
-    screen.put(12, 20, "切削时间:");
+    screen.say(12, 20, &say::lcd_cutting_time());
     screen.put(12, 30, &format::clock(counters.cutting_ms));
 }
 
 /// The first of the rate rows, which depends on the mode.
-fn first_rate(cnc: &Cnc) -> (&'static str, String) {
-    match cnc.mode() {
-        Mode::Jog => ("手动速率:", format::jog_rate(cnc.jog_rate())),
-        Mode::Step => ("单步增量:", increment(cnc)),
-        Mode::Handwheel => ("手轮增量:", increment(cnc)),
-        Mode::Edit | Mode::Auto | Mode::Mdi | Mode::MachineZero | Mode::ProgramZero => {
-            ("编程速率:", feed(cnc, 1.0))
-        }
+fn first_rate(cnc: &Cnc) -> (Message, String) {
+    match cnc.mode().motion() {
+        Mode::Jog => (say::lcd_jog_rate(), format::jog_rate(cnc.jog_rate())),
+        Mode::Step => (say::lcd_step_size(), increment(cnc)),
+        Mode::Handwheel => (say::lcd_handwheel_step(), increment(cnc)),
+        _ => (say::lcd_programmed_rate(), feed(cnc, 1.0)),
     }
 }
 
@@ -98,13 +105,13 @@ fn increment(cnc: &Cnc) -> String {
 
 /// What the page calls the actual rate: F and override. By hand, the speed.
 fn actual_rate(cnc: &Cnc) -> String {
-    match cnc.mode() {
+    match cnc.mode().motion() {
         Mode::Jog | Mode::Step | Mode::Handwheel => format!("{:.0}", cnc.feed_actual()),
-        Mode::Edit | Mode::Auto | Mode::Mdi | Mode::MachineZero | Mode::ProgramZero => {
+        _ => {
             let factor = if threads(cnc) {
                 1.0
             } else {
-                f64::from(cnc.feed_override()) / 100.0
+                cnc.feed_override_factor()
             };
             feed(cnc, factor)
         }
@@ -137,16 +144,16 @@ pub fn overall(screen: &mut Screen, cnc: &Cnc) {
 }
 
 /// A heading and its two axis letters.
-type Heading = (&'static str, [&'static str; 2]);
-const RELATIVE: Heading = ("(相对坐标)", ["U", "W"]);
-const ABSOLUTE: Heading = ("(绝对坐标)", ["X", "Z"]);
-const MACHINE: Heading = ("(机床坐标)", ["X", "Z"]);
-const REMAINING: Heading = ("(余移动量)", ["X", "Z"]);
+type Heading = (fn() -> Message, [&'static str; 2]);
+const RELATIVE: Heading = (say::lcd_coordinates_relative, ["U", "W"]);
+const ABSOLUTE: Heading = (say::lcd_coordinates_absolute, ["X", "Z"]);
+const MACHINE: Heading = (say::lcd_coordinates_machine, ["X", "Z"]);
+const REMAINING: Heading = (say::lcd_distance_to_go, ["X", "Z"]);
 
 fn group(screen: &mut Screen, row: usize, column: usize, what: Heading, at: Point, cnc: &Cnc) {
     let (heading, letters) = what;
     let display = Display::of(cnc);
-    screen.put(row, column, heading);
+    screen.say(row, column, &heading());
     for ((row, letter), axis) in (row + 1..).zip(letters).zip([Axis::X, Axis::Z]) {
         screen.put(row, column, letter);
         screen.put_right(row, column + 14, &display.coordinate(axis, at.get(axis)));
@@ -155,7 +162,7 @@ fn group(screen: &mut Screen, row: usize, column: usize, what: Heading, at: Poin
 
 /// Coordinates and program; 180.0 SPOS shows the remaining distance.
 pub fn with_program(screen: &mut Screen, cnc: &Cnc) {
-    let (what, at) = if cnc.parameters().bit(180, 0) {
+    let (what, at) = if cnc.parameters().shows_remaining() {
         (REMAINING, cnc.distance_to_go())
     } else {
         (RELATIVE, cnc.position_relative())

@@ -2,6 +2,7 @@
 
 use gsk_core::cnc::Cnc;
 use gsk_core::operation::Mode;
+use gsk_messages::say;
 
 use super::frame;
 use super::program_text::{self, Mark};
@@ -17,13 +18,16 @@ const VERSION: &str = "Gsk-980TD V05.05.12";
 /// The program page: editor in EDIT, else the block in execution.
 pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let mode = cnc.mode();
-    if matches!(mode, Mode::Edit | Mode::Auto) {
+    if mode.edits() || mode == Mode::Auto {
         let searching = view.editor.searching;
-        let prompt = if searching { "检索 " } else { "地址 " };
-        frame::input_line(screen, prompt, view);
+        let prompt = match searching {
+            true => say::lcd_search_prompt(),
+            false => say::lcd_address_prompt(),
+        };
+        frame::input_line(screen, &prompt, view);
     }
     let editing = match &view.editor.editing {
-        Some(editing) if mode == Mode::Edit => Some(editing),
+        Some(editing) if mode.edits() => Some(editing),
         _ => None,
     };
     let hidden = frame::program_is_hidden(cnc);
@@ -38,7 +42,7 @@ pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
         Some(editing) => editing.cursor(),
         None => (cnc.cursor().line.max(1), 0),
     };
-    let mark = if mode == Mode::Edit {
+    let mark = if mode.edits() {
         Mark::Edit {
             line,
             column,
@@ -71,10 +75,10 @@ pub fn directory(screen: &mut Screen, view: &View, cnc: &Cnc) {
     let memory = cnc.programs();
     let (stored, room) = (memory.count(), memory.free_count());
     let (used, free) = (memory.characters(), memory.free_characters());
-    screen.put(1, 0, &format!("系统版本号: {VERSION}"));
-    screen.put(2, 0, &format!("已存程序数: {stored:04}  剩余: {room:04}"));
-    screen.put(3, 0, &format!("已用存储量: {used}  剩余: {free}"));
-    screen.put(4, 0, "程序目录表:");
+    screen.say(1, 0, &say::lcd_control_version(VERSION));
+    screen.say(2, 0, &say::lcd_programs_stored(stored, room));
+    screen.say(3, 0, &say::lcd_memory_used(used, free));
+    screen.say(4, 0, &say::lcd_directory());
     let first = view.directory_screen % directory_screens(cnc) * DIRECTORY_SCREEN;
     for (index, number) in listed(cnc).skip(first).take(DIRECTORY_SCREEN).enumerate() {
         let (row, column) = (index / DIRECTORY_ROW, index % DIRECTORY_ROW);

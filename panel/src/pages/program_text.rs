@@ -64,7 +64,7 @@ fn shown(line: &str, end_of_block: char) -> String {
 
 /// The sign for the end of a block: 012.1 EBCL.
 fn end_of_block(cnc: &Cnc) -> char {
-    if cnc.parameters().bit(12, 1) {
+    if cnc.parameters().semicolon_ends_blocks() {
         ';'
     } else {
         '*'
@@ -153,7 +153,7 @@ pub fn draw(screen: &mut Screen, program: &Program, listing: Listing, mark: Mark
             return;
         };
         for range in wrap(&text, skip + end - row).into_iter().skip(skip) {
-            screen.verbatim(|screen| draw_row(screen, row, &text, range, line, mark));
+            draw_row(screen, row, &text, range, line, mark);
             row += 1;
         }
         skip = 0;

@@ -1,6 +1,7 @@
 //! The table of pages: which key opens them, in which order the page keys step
 //! through them, and what the title row says (manual III-2).
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 /// One page of the LCD.
@@ -94,25 +95,15 @@ pub struct PageRow {
     pub display: u8,
     /// Screens the page has; the page keys step through them first.
     pub screens: u16,
-    /// The title row.
-    pub title: &'static str,
 }
 
-const fn row(
-    page: PageId,
-    name: &'static str,
-    key: PageKey,
-    display: u8,
-    screens: u16,
-    title: &'static str,
-) -> PageRow {
+const fn row(page: PageId, name: &'static str, key: PageKey, display: u8, screens: u16) -> PageRow {
     PageRow {
         page,
         name,
         key,
         display,
         screens,
-        title,
     }
 }
 
@@ -124,31 +115,31 @@ pub const PAGES: [PageRow; PAGE_COUNT] = {
     use PageId as P;
     use PageKey as K;
     [
-        row(P::PosRel, "pos-rel", K::Pos, 0, 1, "现在位置(相对坐标)"),
-        row(P::PosAbs, "pos-abs", K::Pos, 0, 1, "现在位置(绝对坐标)"),
-        row(P::PosAll, "pos-all", K::Pos, 0, 1, "现在位置"),
-        row(P::PosPrg, "pos-prg", K::Pos, 0, 1, "现在位置"),
-        row(P::Prg, "prg", K::Prg, 0, 1, "程序"),
-        row(P::Mdi, "mdi", K::Prg, 0, 1, "程序"),
-        row(P::Dir, "dir", K::Prg, 0, 1, "程序"),
-        row(P::Oft, "oft", K::Oft, 0, 5, "偏置"),
-        row(P::Macro, "macro", K::Oft, 0, 3, "宏变量"),
-        row(P::Msg, "msg", K::Alm, 0, 1, "外部信息"),
-        row(P::Alm, "alm", K::Alm, 0, 1, "报警信息"),
-        row(P::SetCode, "set-code", K::Set, 0, 1, "设置"),
-        row(P::SetSwitch, "set-switch", K::Set, 0, 1, "设置"),
-        row(P::Edisk, "edisk", K::Set, 0, 1, "电子盘设置"),
-        row(P::Password, "password", K::Set, 0, 1, "密码设置"),
-        row(P::GraphPar, "graph-par", K::Set, 1, 1, "图形"),
-        row(P::Graph, "graph", K::Set, 1, 1, "图形"),
-        row(P::ParBit, "par-bit", K::Par, 0, 2, "状态参数"),
-        row(P::ParData, "par-data", K::Par, 1, 7, "数据参数"),
-        row(P::Pitch, "pitch", K::Par, 2, 32, "螺距补偿参数"),
-        row(P::Dgn, "dgn", K::Dgn, 0, 8, "诊断"),
-        row(P::PlcBits, "plc-bits", K::Dgn, 1, 104, "PLC信号状态"),
-        row(P::PlcValues, "plc-values", K::Dgn, 2, 151, "PLC数值诊断"),
-        row(P::Softpanel, "softpanel", K::Dgn, 3, 1, "机床面板"),
-        row(P::Version, "version", K::Dgn, 4, 1, "系统版本信息"),
+        row(P::PosRel, "pos-rel", K::Pos, 0, 1),
+        row(P::PosAbs, "pos-abs", K::Pos, 0, 1),
+        row(P::PosAll, "pos-all", K::Pos, 0, 1),
+        row(P::PosPrg, "pos-prg", K::Pos, 0, 1),
+        row(P::Prg, "prg", K::Prg, 0, 1),
+        row(P::Mdi, "mdi", K::Prg, 0, 1),
+        row(P::Dir, "dir", K::Prg, 0, 1),
+        row(P::Oft, "oft", K::Oft, 0, 5),
+        row(P::Macro, "macro", K::Oft, 0, 3),
+        row(P::Msg, "msg", K::Alm, 0, 1),
+        row(P::Alm, "alm", K::Alm, 0, 1),
+        row(P::SetCode, "set-code", K::Set, 0, 1),
+        row(P::SetSwitch, "set-switch", K::Set, 0, 1),
+        row(P::Edisk, "edisk", K::Set, 0, 1),
+        row(P::Password, "password", K::Set, 0, 1),
+        row(P::GraphPar, "graph-par", K::Set, 1, 1),
+        row(P::Graph, "graph", K::Set, 1, 1),
+        row(P::ParBit, "par-bit", K::Par, 0, 2),
+        row(P::ParData, "par-data", K::Par, 1, 7),
+        row(P::Pitch, "pitch", K::Par, 2, 32),
+        row(P::Dgn, "dgn", K::Dgn, 0, 8),
+        row(P::PlcBits, "plc-bits", K::Dgn, 1, 104),
+        row(P::PlcValues, "plc-values", K::Dgn, 2, 151),
+        row(P::Softpanel, "softpanel", K::Dgn, 3, 1),
+        row(P::Version, "version", K::Dgn, 4, 1),
     ]
 };
 
@@ -164,8 +155,29 @@ impl PageId {
     }
 
     /// Its title.
-    pub fn title(self) -> &'static str {
-        self.row().title
+    pub fn title(self) -> Message {
+        match self {
+            Self::PosRel => say::lcd_position_relative(),
+            Self::PosAbs => say::lcd_position_absolute(),
+            Self::PosAll | Self::PosPrg => say::lcd_position(),
+            Self::Prg | Self::Mdi | Self::Dir => say::lcd_program(),
+            Self::Oft => say::lcd_offset(),
+            Self::Macro => say::lcd_macro_variables(),
+            Self::Msg => say::lcd_messages(),
+            Self::Alm => say::lcd_alarms(),
+            Self::SetCode | Self::SetSwitch => say::lcd_setting(),
+            Self::Edisk => say::lcd_disk(),
+            Self::Password => say::lcd_password(),
+            Self::GraphPar | Self::Graph => say::lcd_graphic(),
+            Self::ParBit => say::lcd_state_parameters(),
+            Self::ParData => say::lcd_data_parameters(),
+            Self::Pitch => say::lcd_pitch_errors(),
+            Self::Dgn => say::lcd_diagnosis(),
+            Self::PlcBits => say::lcd_plc_signals(),
+            Self::PlcValues => say::lcd_plc_values(),
+            Self::Softpanel => say::lcd_machine_panel(),
+            Self::Version => say::lcd_version(),
+        }
     }
 
     /// The page of a name.

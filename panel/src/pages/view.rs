@@ -5,7 +5,7 @@ use gsk_core::units::Axis;
 use serde::{Deserialize, Serialize};
 
 use super::graphic_settings::GraphicSettings;
-use super::password::PasswordEntry;
+use super::password_entry::PasswordEntry;
 use super::table::{PAGE_COUNT, PageId};
 use crate::trace::Trace;
 

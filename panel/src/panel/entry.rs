@@ -17,6 +17,11 @@ pub(crate) fn is_typable(character: char) -> bool {
     character == ' ' || character.is_ascii_graphic() && character != '"'
 }
 
+/// Whether programs are selected and searched on the program page in a mode.
+const fn lists_programs(mode: Mode) -> bool {
+    mode.edits() || matches!(mode, Mode::Auto)
+}
+
 impl Panel {
     /// A character from the PC keyboard.
     pub(super) fn typed(&mut self, character: char, cnc: &Cnc, requests: &mut Vec<Request>) {
@@ -125,9 +130,9 @@ impl Panel {
     }
 
     /// Whether the page shows the input line and reads it.
-    fn takes_input(&self, cnc: &Cnc) -> bool {
+    pub(super) fn takes_input(&self, cnc: &Cnc) -> bool {
         match self.page {
-            PageId::Prg => matches!(cnc.mode(), Mode::Edit | Mode::Auto),
+            PageId::Prg => lists_programs(cnc.mode()),
             PageId::Mdi | PageId::GraphPar => cnc.mode() == Mode::Mdi,
             PageId::Oft
             | PageId::SetCode
@@ -175,7 +180,7 @@ impl Panel {
                 self.view.spindle_override = !self.view.spindle_override;
             }
             PageId::Dir => self.next_directory_screen(cnc),
-            PageId::Prg if matches!(cnc.mode(), Mode::Edit | Mode::Auto) => {
+            PageId::Prg if lists_programs(cnc.mode()) => {
                 let searching = !self.view.editor.searching;
                 self.clear_input();
                 self.view.editor.searching = searching;
@@ -190,7 +195,7 @@ impl Panel {
 
     /// The cursor keys.
     pub(super) fn cursor_key(&mut self, key: Key, cnc: &Cnc, requests: &mut Vec<Request>) {
-        if self.page == PageId::Prg && matches!(cnc.mode(), Mode::Edit | Mode::Auto) {
+        if self.page == PageId::Prg && lists_programs(cnc.mode()) {
             self.program_cursor(key, cnc, requests);
             return;
         }

@@ -1,7 +1,6 @@
 //! Which page is shown, and the cursor on list pages (manual III-1.2.5).
 
 use gsk_core::cnc::{Cnc, Request};
-use gsk_core::operation::Mode;
 
 use super::{Panel, group};
 use crate::keys::Key;
@@ -51,7 +50,7 @@ impl Panel {
             }
             _ if again => return,
             PageKey::Pos => self.last_shown[0],
-            PageKey::Prg if cnc.mode() == Mode::Edit => PageId::Prg,
+            PageKey::Prg if cnc.mode().edits() => PageId::Prg,
             PageKey::Prg => self.last_shown[1],
             PageKey::Oft => self.last_shown[2],
             PageKey::Alm => self.last_shown[3],
@@ -61,7 +60,7 @@ impl Panel {
 
     /// The page keys: screens of the page first, then the next page.
     pub(super) fn turn_page(&mut self, forward: bool, cnc: &Cnc, requests: &mut Vec<Request>) {
-        if self.page == PageId::Prg && cnc.mode() == Mode::Edit {
+        if self.page == PageId::Prg && cnc.mode().edits() {
             self.turn_text(forward, cnc, requests);
             return;
         }

@@ -10,15 +10,13 @@ use super::Panel;
 use crate::keys::Key;
 use crate::pages::{PAGE_ROWS, PageId};
 
-/// Parameter 042: step of automatic sequence numbers.
-const NUMBER_STEP: u16 = 42;
 /// `O-` and these digits mean all programs.
 const ALL_PROGRAMS: [&str; 2] = ["999", "9999"];
 
 impl Panel {
-    /// Whether keys change a program text: the program page in EDIT.
+    /// Whether keys change a program text: the program page in EDIT and in teach-in.
     pub(super) fn edits(&self, cnc: &Cnc) -> bool {
-        self.page == PageId::Prg && cnc.mode() == Mode::Edit
+        self.page == PageId::Prg && cnc.mode().edits()
     }
 
     /// Whether a character goes into the input line of the editor instead of the
@@ -192,7 +190,7 @@ impl Panel {
             }
             return;
         }
-        if cnc.mode() == Mode::Edit
+        if cnc.mode().edits()
             && let Some(editing) = self.editing(cnc)
         {
             match key {
@@ -266,7 +264,7 @@ impl Panel {
     }
 
     /// Changes the text, as far as that is allowed and the memory has room.
-    fn edit(
+    pub(super) fn edit(
         &mut self,
         cnc: &Cnc,
         requests: &mut Vec<Request>,
@@ -296,6 +294,16 @@ impl Panel {
         *editing = changed;
         self.edited = Some(number);
         true
+    }
+
+    /// The program that is being edited, as it would be stored now: the memory of
+    /// the control is buffered by its battery key by key.
+    pub fn edited(&self) -> Option<(u16, Program)> {
+        let number = self.edited?;
+        let editing = self.view.editor.editing.as_ref()?;
+        editing
+            .changed()
+            .then(|| (number, editing.clone().finish().clone()))
     }
 
     /// Stores the text when it was changed: before another program, on another
@@ -372,7 +380,7 @@ fn running(cnc: &Cnc) -> bool {
 
 /// 自动序号 and decimal points, as the control is set.
 fn completion(cnc: &Cnc) -> Completion {
-    let step = u16::try_from(cnc.parameters().value(NUMBER_STEP)).unwrap_or(0);
+    let step = cnc.parameters().block_number_step();
     Completion {
         numbering: cnc.settings().numbering.then_some(step),
         points: cnc.parameters().point_is_appended(),

@@ -2,6 +2,7 @@ use gsk_core::program::Editing;
 use gsk_core::setup::Setup;
 use gsk_core::units::Axis;
 use gsk_core::units::Point;
+use gsk_messages::Language;
 
 use super::*;
 use crate::emulator::{Condition, Emulator};
@@ -59,7 +60,10 @@ fn a_walk_over_all_pages() {
             assert_eq!(page(&emulator).row().key, first.row().key);
             assert_eq!(page(&emulator).row().display, first.row().display);
             let title = emulator.screen().row(0);
-            assert!(title.starts_with(page(&emulator).title()), "{title}");
+            assert!(
+                title.starts_with(&page(&emulator).title().text(Language::Zh)),
+                "{title}"
+            );
         }
     }
     for row in &PAGES {
@@ -443,7 +447,7 @@ fn during_the_self_test_the_display_is_deaf() {
     emulator.run_until(&Condition::SelfTestOver, 5000);
     assert_eq!(page(&emulator), PageId::PosRel);
     let mut setup = Setup::default();
-    setup.parameters.set_bit(173, 2, true).unwrap();
+    setup.memory.parameters.set_bit(173, 2, true).unwrap();
     let mut waiting = Emulator::new(setup);
     waiting.power_cycle();
     waiting.run(2000);

@@ -11,17 +11,44 @@ use serde::{Deserialize, Serialize};
 use super::Panel;
 use super::program_text::{is_all_programs, number};
 use crate::pages::{Communication, PageId};
+pub use files::LineError;
 
-/// 002.5 RS232: the port is active.
-const PORT: (u16, u8) = (2, 5);
-/// 044: bits a second.
-const BAUD: u16 = 44;
 /// A PC talks at this rate or a higher one (manual III-9.3).
 const SLOWEST: u64 = 4800;
 /// A character on the line: start bit, eight bits, stop bit.
 const CHARACTER_BITS: u64 = 10;
 /// Ticks of a second.
 const SECOND: u64 = 1000;
+
+/// Why the control takes no file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotTaken {
+    /// Parameter 002.5.
+    #[error("the serial port of the control is off (002.5)")]
+    PortOff,
+    /// Another file is on its way.
+    #[error("the control is busy with another transfer")]
+    Busy,
+    /// The rate of the port.
+    #[error("parameter 044 is below {SLOWEST} baud")]
+    TooSlow,
+    /// The file cannot be read.
+    #[error("{name}: {cause}")]
+    Unreadable {
+        /// Its name.
+        name: String,
+        /// What is wrong with it.
+        cause: LineError,
+    },
+    /// The file may not come in now.
+    #[error("{name}: {why}")]
+    Refused {
+        /// Its name.
+        name: String,
+        /// What forbids it.
+        why: &'static str,
+    },
+}
 
 /// A file on its way through the port.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -134,23 +161,25 @@ impl Panel {
         file: SerialFile,
         cnc: &Cnc,
         requests: &mut Vec<Request>,
-    ) -> Result<(), String> {
-        let (number, bit) = PORT;
-        if !self.awake() || !cnc.parameters().bit(number, bit) {
-            return Err("the serial port of the control is off (002.5)".to_owned());
+    ) -> Result<(), NotTaken> {
+        if !self.awake() || !cnc.parameters().has_serial_port() {
+            return Err(NotTaken::PortOff);
         }
         if self.port_is_busy() {
-            return Err("the control is busy with another transfer".to_owned());
+            return Err(NotTaken::Busy);
         }
         if baud(cnc) < SLOWEST {
             self.view.communication = Communication::NotConnected;
-            return Err(format!("parameter 044 is below {SLOWEST} baud"));
+            return Err(NotTaken::TooSlow);
         }
         let received = match files::read(&file) {
             Ok(received) => received,
             Err(said) => {
                 self.view.communication = Communication::Failed;
-                return Err(format!("{}: {said}", file.name));
+                return Err(NotTaken::Unreadable {
+                    name: file.name,
+                    cause: said,
+                });
             }
         };
         let rights = cnc.rights();
@@ -163,7 +192,10 @@ impl Panel {
                 // Its alarm is the control's.
                 requests.push(Request::Receive(received));
             }
-            return Err(format!("{}: {}", file.name, reason(refusal)));
+            return Err(NotTaken::Refused {
+                name: file.name,
+                why: reason(refusal),
+            });
         }
         self.transfer.until = self.clock + Self::line_time(file.text.len(), cnc);
         self.transfer.incoming = Some(file);
@@ -183,8 +215,7 @@ impl Panel {
         if self.page == PageId::Prg {
             self.clear_input();
         }
-        let (number, bit) = PORT;
-        if !cnc.parameters().bit(number, bit) || !self.may_send(wanted, cnc, requests) {
+        if !cnc.parameters().has_serial_port() || !self.may_send(wanted, cnc, requests) {
             return;
         }
         if !self.transfer.partner || baud(cnc) < SLOWEST {
@@ -275,5 +306,5 @@ const fn reason(refusal: Refusal) -> &'static str {
 }
 
 fn baud(cnc: &Cnc) -> u64 {
-    u64::try_from(cnc.parameters().value(BAUD)).unwrap_or_default()
+    cnc.parameters().baud().into()
 }

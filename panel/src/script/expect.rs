@@ -51,18 +51,53 @@ pub enum Expect {
     Value(ByteAddress, i32),
 }
 
+/// What is there instead of what was expected.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unmet {
+    /// A row of the LCD.
+    #[error("row {0} reads \"{1}\"")]
+    Row(usize, String),
+    /// Coordinates as the display counts them.
+    #[error("the coordinates are {0:.3} {1:.3}")]
+    Position(f64, f64),
+    /// Places of the slides, X as a diameter.
+    #[error("the slides stand at {0:.3} {1:.3}")]
+    Slides(f64, f64),
+    /// Pulses given to the drives.
+    #[error("the pulses are {0} {1}")]
+    Pulses(i64, i64),
+    /// The analogue output for the spindle.
+    #[error("the output is {0:.3} V")]
+    Volts(f64),
+    /// A lamp.
+    #[error("the lamp {0} is {1}")]
+    Lamp(String, &'static str),
+    /// Alarms and messages that stand.
+    #[error("{0}")]
+    Alarms(String),
+    /// The mode.
+    #[error("the mode is {0}")]
+    Mode(&'static str),
+    /// A bit of PLC memory.
+    #[error("{0} is {1}")]
+    Bit(BitAddress, u8),
+    /// A byte or entry of PLC memory.
+    #[error("{0} is {1}")]
+    Value(ByteAddress, i32),
+}
+
 impl Expect {
     /// Compares.
     ///
     /// # Errors
     /// What was seen instead.
-    pub fn check(&self, emulator: &Emulator) -> Result<(), String> {
+    pub fn check(&self, emulator: &Emulator) -> Result<(), Unmet> {
         let cnc = &emulator.simulation.cnc;
         match self {
             Self::Row(row, text) => {
                 let seen = emulator.screen().row(*row);
                 let fits = folded(&seen).contains(&folded(text));
-                verdict(fits, || format!("row {row} reads \"{}\"", seen.trim_end()))
+                verdict(fits, || Unmet::Row(*row, seen.trim_end().to_owned()))
             }
             Self::Position(coordinates, x, z) => {
                 let at = match coordinates {
@@ -71,7 +106,7 @@ impl Expect {
                     Coordinates::Relative => cnc.position_relative(),
                 };
                 let seen = Point::new(
-                    if cnc.parameters().bit(1, 2) {
+                    if cnc.parameters().radius_programming() {
                         at.x
                     } else {
                         at.x * 2.0
@@ -79,42 +114,42 @@ impl Expect {
                     at.z,
                 );
                 verdict(near(seen.x, *x) && near(seen.z, *z), || {
-                    format!("the coordinates are {:.3} {:.3}", seen.x, seen.z)
+                    Unmet::Position(seen.x, seen.z)
                 })
             }
             Self::Slides(x, z) => {
                 let at = emulator.simulation.lathe.slides();
                 verdict(near(at.x * 2.0, *x) && near(at.z, *z), || {
-                    format!("the slides stand at {:.3} {:.3}", at.x * 2.0, at.z)
+                    Unmet::Slides(at.x * 2.0, at.z)
                 })
             }
             Self::Pulses(x, z) => {
                 let seen = cnc.pulses();
                 verdict(x.contains(&seen.x.0) && z.contains(&seen.z.0), || {
-                    format!("the pulses are {} {}", seen.x.0, seen.z.0)
+                    Unmet::Pulses(seen.x.0, seen.z.0)
                 })
             }
             Self::Volts(volts) => {
                 let seen = cnc.spindle_volts();
-                verdict(near(seen, *volts), || format!("the output is {seen:.3} V"))
+                verdict(near(seen, *volts), || Unmet::Volts(seen))
             }
             Self::Lamp(name, lamp, on) => {
                 let seen = emulator.lamp(*lamp);
                 verdict(seen == *on, || {
-                    format!("the lamp {name} is {}", if seen { "on" } else { "off" })
+                    Unmet::Lamp(name.clone(), if seen { "on" } else { "off" })
                 })
             }
             Self::Alarm(number) => verdict(
                 standing(emulator).iter().any(|(seen, _)| seen == number),
-                || alarms(emulator),
+                || Unmet::Alarms(alarms(emulator)),
             ),
-            Self::NoAlarm => verdict(standing(emulator).is_empty(), || alarms(emulator)),
-            Self::Mode(mode) => verdict(cnc.mode() == *mode, || {
-                format!("the mode is {}", cnc.mode().text())
+            Self::NoAlarm => verdict(standing(emulator).is_empty(), || {
+                Unmet::Alarms(alarms(emulator))
             }),
+            Self::Mode(mode) => verdict(cnc.mode() == *mode, || Unmet::Mode(cnc.mode().text())),
             Self::Bit(address, on) => {
                 let seen = cnc.plc().memory().bit(*address);
-                verdict(seen == *on, || format!("{address} is {}", u8::from(seen)))
+                verdict(seen == *on, || Unmet::Bit(*address, u8::from(seen)))
             }
             Self::Value(address, value) => {
                 let memory = cnc.plc().memory();
@@ -123,7 +158,7 @@ impl Expect {
                 } else {
                     memory.byte(*address).into()
                 };
-                verdict(seen == *value, || format!("{address} is {seen}"))
+                verdict(seen == *value, || Unmet::Value(*address, seen))
             }
         }
     }
@@ -133,7 +168,7 @@ fn near(a: f64, b: f64) -> bool {
     (a - b).abs() < TOLERANCE
 }
 
-fn verdict(fits: bool, seen: impl FnOnce() -> String) -> Result<(), String> {
+fn verdict(fits: bool, seen: impl FnOnce() -> Unmet) -> Result<(), Unmet> {
     if fits { Ok(()) } else { Err(seen()) }
 }
 

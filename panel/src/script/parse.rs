@@ -6,7 +6,7 @@ use gsk_core::machine::Fault;
 use gsk_core::operation::Mode;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 
-use super::{Action, Coordinates, Expect, FORMS, Line, Script, ScriptError};
+use super::{Action, Coordinates, Expect, FORMS, Line, ParseError, Script, ScriptError};
 use crate::emulator::Condition;
 use crate::keys::{self, Key};
 use crate::panel::is_typable;
@@ -17,17 +17,6 @@ const DEFAULT_LIMIT: u64 = 60_000;
 /// Longest time that can be written, milliseconds: a hundred days.
 const LONGEST: f64 = 100.0 * 24.0 * 3600.0 * 1000.0;
 
-const MODES: [Mode; 8] = [
-    Mode::Edit,
-    Mode::Auto,
-    Mode::Mdi,
-    Mode::Step,
-    Mode::Handwheel,
-    Mode::Jog,
-    Mode::MachineZero,
-    Mode::ProgramZero,
-];
-
 pub(super) fn script(text: &str) -> Result<Script, Vec<ScriptError>> {
     let mut script = Script::default();
     let mut errors = Vec::new();
@@ -35,9 +24,9 @@ pub(super) fn script(text: &str) -> Result<Script, Vec<ScriptError>> {
     for (number, text) in (1..).zip(text.lines()) {
         match line(number, text) {
             Ok(line) => script.lines.extend(line),
-            Err(message) => errors.push(ScriptError {
+            Err(cause) => errors.push(ScriptError {
                 line: number,
-                message,
+                cause,
             }),
         }
     }
@@ -55,19 +44,16 @@ struct Word<'a> {
     quoted: bool,
 }
 
-fn line(number: u32, text: &str) -> Result<Option<Line>, String> {
+fn line(number: u32, text: &str) -> Result<Option<Line>, ParseError> {
     let code = without_comment(text)?.trim();
     if code.is_empty() {
         return Ok(None);
     }
     let (at, rest) = match code.strip_prefix('@') {
         Some(rest) => {
-            let (tick, rest) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-            let tick = tick.parse().map_err(|_| {
-                format!(
-                    "\"@{tick}\" is no tick: write @ and whole milliseconds, as in @12345 press CS"
-                )
-            })?;
+            let (word, rest) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+            let tick = word.parse();
+            let tick = tick.map_err(|_| ParseError::NoTick(word.to_owned()))?;
             (Some(tick), rest.trim())
         }
         None => (None, code),
@@ -83,7 +69,7 @@ fn line(number: u32, text: &str) -> Result<Option<Line>, String> {
 }
 
 /// The line up to a `#` that begins a word outside quotation marks.
-fn without_comment(text: &str) -> Result<&str, String> {
+fn without_comment(text: &str) -> Result<&str, ParseError> {
     let (mut quoted, mut blank) = (false, true);
     for (at, character) in text.char_indices() {
         match character {
@@ -94,7 +80,7 @@ fn without_comment(text: &str) -> Result<&str, String> {
         blank = character.is_whitespace();
     }
     if quoted {
-        return Err("a quotation mark is not closed".to_owned());
+        return Err(ParseError::NotClosed);
     }
     Ok(text)
 }
@@ -125,11 +111,14 @@ fn form(verb: &str) -> &'static str {
     found.map_or("", |(_, form)| form)
 }
 
-fn wrong(verb: &str) -> String {
-    format!("{verb} is written: {}", form(verb))
+fn wrong(verb: &str) -> ParseError {
+    ParseError::Form {
+        verb: verb.to_owned(),
+        form: form(verb),
+    }
 }
 
-fn action(verb: &str, rest: &str) -> Result<Action, String> {
+fn action(verb: &str, rest: &str) -> Result<Action, ParseError> {
     let words = words(rest);
     let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
     match (verb, texts.as_slice()) {
@@ -140,6 +129,8 @@ fn action(verb: &str, rest: &str) -> Result<Action, String> {
         ("type", [_, ..]) => typed(rest, &words),
         ("load", [_, ..]) => Ok(Action::Load(path(rest, &words))),
         ("receive", [_, ..]) => Ok(Action::Receive(path(rest, &words))),
+        ("dnc", ["off"]) => Ok(Action::Dnc(None)),
+        ("dnc", [_, ..]) => Ok(Action::Dnc(Some(path(rest, &words)))),
         ("power", ["off"]) => Ok(Action::Power(false)),
         ("power", ["on"]) => Ok(Action::Power(true)),
         ("fault", [name, state]) => Ok(Action::Fault(fault(name)?, on_off(state)?)),
@@ -174,52 +165,60 @@ fn path(rest: &str, words: &[Word<'_>]) -> String {
     }
 }
 
-fn unknown_verb(verb: &str) -> String {
+fn unknown_verb(verb: &str) -> ParseError {
     let near = FORMS
         .iter()
         .map(|(name, _)| (keys::distance(&verb.to_lowercase(), name), *name))
         .filter(|(distance, _)| *distance <= 2)
         .min();
     let all: Vec<&str> = FORMS.iter().map(|(name, _)| *name).collect();
+    let verb = verb.to_owned();
     match near {
-        Some((_, name)) => format!("unknown action \"{verb}\"; near: {}", form(name)),
-        None => format!("unknown action \"{verb}\"; there are {}", all.join(" ")),
+        Some((_, name)) => ParseError::NearAction {
+            verb,
+            form: form(name),
+        },
+        None => ParseError::UnknownAction {
+            verb,
+            all: all.join(" "),
+        },
     }
 }
 
-fn key(name: &str) -> Result<Key, String> {
+fn key(name: &str) -> Result<Key, ParseError> {
     if let Some(key) = Key::from_id(name) {
         return Ok(key);
     }
     let near = keys::near_ids(name);
     if near.is_empty() {
-        return Err(format!(
-            "unknown key \"{name}\"; \"gsk980td keys\" lists the names of all keys"
-        ));
+        return Err(ParseError::UnknownKey(name.to_owned()));
     }
-    Err(format!("unknown key \"{name}\"; near: {}", near.join(" ")))
+    Err(ParseError::NearKey {
+        name: name.to_owned(),
+        near: near.join(" "),
+    })
 }
 
-fn typed(rest: &str, words: &[Word<'_>]) -> Result<Action, String> {
+fn typed(rest: &str, words: &[Word<'_>]) -> Result<Action, ParseError> {
     let text = match words {
         [Word { text, quoted: true }] => *text,
         _ => rest,
     };
     if let Some(strange) = text.chars().find(|c| !is_typable(*c)) {
-        return Err(format!(
-            "'{strange}' cannot be typed: the edit keyboard has letters, digits and signs of ASCII"
-        ));
+        return Err(ParseError::NotTypable(strange));
     }
     Ok(Action::Type(text.to_ascii_uppercase()))
 }
 
-/// A time in milliseconds: `500ms`, `2s`, `1.5s`, `10min`.
-fn graduations(text: &str) -> Result<i32, String> {
-    text.parse()
-        .map_err(|_| format!("\"{text}\" is no whole number; {}", wrong("turn")))
+fn graduations(text: &str) -> Result<i32, ParseError> {
+    text.parse().map_err(|_| ParseError::NoGraduations {
+        text: text.to_owned(),
+        form: form("turn"),
+    })
 }
 
-fn duration(text: &str) -> Result<u64, String> {
+/// A time in milliseconds: `500ms`, `2s`, `1.5s`, `10m`, `10min`.
+fn duration(text: &str) -> Result<u64, ParseError> {
     let end = text
         .find(|c: char| c.is_ascii_alphabetic())
         .unwrap_or(text.len());
@@ -227,7 +226,7 @@ fn duration(text: &str) -> Result<u64, String> {
     let factor = match unit {
         "ms" => 1.0,
         "s" => 1000.0,
-        "min" => 60_000.0,
+        "m" | "min" => 60_000.0,
         _ => 0.0,
     };
     let plain = number.bytes().all(|b| b.is_ascii_digit() || b == b'.');
@@ -235,64 +234,61 @@ fn duration(text: &str) -> Result<u64, String> {
         Ok(value) if plain && factor > 0.0 && value * factor <= LONGEST => {
             Ok((value * factor).round() as u64)
         }
-        _ => Err(format!(
-            "\"{text}\" is no time: write a number with ms, s or min, up to 100 days, as in 500ms, 1.5s, 2min"
-        )),
+        _ => Err(ParseError::NoTime(text.to_owned())),
     }
 }
 
-fn on_off(text: &str) -> Result<bool, String> {
+fn on_off(text: &str) -> Result<bool, ParseError> {
     match text {
         "on" => Ok(true),
         "off" => Ok(false),
-        _ => Err(format!("\"{text}\" should be on or off")),
+        _ => Err(ParseError::NotOnOff(text.to_owned())),
     }
 }
 
-fn zero_one(text: &str) -> Result<bool, String> {
+fn zero_one(text: &str) -> Result<bool, ParseError> {
     match text {
         "1" => Ok(true),
         "0" => Ok(false),
-        _ => Err(format!("\"{text}\" should be 0 or 1")),
+        _ => Err(ParseError::NotZeroOne(text.to_owned())),
     }
 }
 
-fn fault(name: &str) -> Result<Fault, String> {
+fn fault(name: &str) -> Result<Fault, ParseError> {
     Fault::from_name(name).ok_or_else(|| {
         let names: Vec<&str> = Fault::ALL.iter().map(|(name, _)| *name).collect();
-        format!("unknown fault \"{name}\"; there are {}", names.join(" "))
+        ParseError::UnknownFault {
+            name: name.to_owned(),
+            all: names.join(" "),
+        }
     })
 }
 
-fn bit(text: &str) -> Result<BitAddress, String> {
-    text.parse()
-        .map_err(|error: gsk_core::plc::address::AddressError| error.to_string())
+fn bit(text: &str) -> Result<BitAddress, ParseError> {
+    Ok(text.parse()?)
 }
 
 /// A byte or entry of PLC memory.
-fn byte(text: &str) -> Result<ByteAddress, String> {
-    text.parse()
-        .map_err(|error: gsk_core::plc::address::AddressError| error.to_string())
+fn byte(text: &str) -> Result<ByteAddress, ParseError> {
+    Ok(text.parse()?)
 }
 
-fn whole_number(text: &str) -> Result<i32, String> {
+fn whole_number(text: &str) -> Result<i32, ParseError> {
     text.parse()
-        .map_err(|_| format!("\"{text}\" is no whole number"))
+        .map_err(|_| ParseError::NotWhole(text.to_owned()))
 }
 
 /// A machine input: X0.0 to X3.7.
-fn input(text: &str) -> Result<BitAddress, String> {
+fn input(text: &str) -> Result<BitAddress, ParseError> {
     let address = bit(text)?;
     if address.area == Area::X && address.byte < 4 {
         return Ok(address);
     }
-    Err(format!(
-        "{text} is no machine input: those are X0.0 to X3.7"
-    ))
+    Err(ParseError::NoInput(text.to_owned()))
 }
 
 /// `wait Y1.6 1 5s`, or with a window: `wait Y1.6 1 40ms..60ms`.
-fn wait_for_bit(address: &str, state: &str, times: Option<&str>) -> Result<Action, String> {
+fn wait_for_bit(address: &str, state: &str, times: Option<&str>) -> Result<Action, ParseError> {
     let condition = Condition::Bit(bit(address)?, zero_one(state)?);
     let (earliest, latest) = match times.map(|times| times.split_once("..").ok_or(times)) {
         None => (0, DEFAULT_LIMIT),
@@ -300,14 +296,12 @@ fn wait_for_bit(address: &str, state: &str, times: Option<&str>) -> Result<Actio
         Some(Ok((from, to))) => (duration(from)?, duration(to)?),
     };
     if earliest > latest {
-        return Err(format!(
-            "{earliest}ms..{latest}ms ends before it begins: the shorter time comes first"
-        ));
+        return Err(ParseError::Backward { earliest, latest });
     }
     Ok(Action::WaitFor(condition, earliest, latest))
 }
 
-fn wait(words: &[Word<'_>]) -> Result<Action, String> {
+fn wait(words: &[Word<'_>]) -> Result<Action, ParseError> {
     if let [address, state, times @ ..] = words
         && !address.quoted
         && address.text.contains('.')
@@ -339,12 +333,12 @@ fn wait(words: &[Word<'_>]) -> Result<Action, String> {
     ))
 }
 
-fn expect(words: &[&str]) -> Result<Expect, String> {
+fn expect(words: &[&str]) -> Result<Expect, ParseError> {
     Ok(match words {
         ["row", row, text] => {
             let number = row.strip_prefix('R').unwrap_or(row);
             let row = number.parse().ok().filter(|row| *row < ROWS);
-            let row = row.ok_or_else(|| format!("\"{number}\" is no row: they are 0 to 14"))?;
+            let row = row.ok_or_else(|| ParseError::NoRow(number.to_owned()))?;
             Expect::Row(row, (*text).to_owned())
         }
         [kind @ ("abs" | "machine" | "rel"), x, z] => {
@@ -363,14 +357,19 @@ fn expect(words: &[&str]) -> Result<Expect, String> {
             Expect::Lamp((*name).to_owned(), lamp, on_off(state)?)
         }
         ["alarm", "none"] => Expect::NoAlarm,
-        ["alarm", number] => Expect::Alarm(number.parse().map_err(|_| {
-            format!("\"{number}\" is no alarm number; write it as in 011, or none")
-        })?),
+        ["alarm", number] => Expect::Alarm(
+            number
+                .parse()
+                .map_err(|_| ParseError::NoAlarm((*number).to_owned()))?,
+        ),
         ["mode", text] => {
-            let mode = MODES.iter().find(|mode| mode.text() == *text);
+            let mode = Mode::ALL.iter().find(|mode| mode.text() == *text);
             Expect::Mode(*mode.ok_or_else(|| {
-                let all: Vec<&str> = MODES.iter().map(|mode| mode.text()).collect();
-                format!("unknown mode \"{text}\"; there are {}", all.join(" "))
+                let all: Vec<&str> = Mode::ALL.iter().map(|mode| mode.text()).collect();
+                ParseError::UnknownMode {
+                    text: (*text).to_owned(),
+                    all: all.join(" "),
+                }
             })?)
         }
         [address, state] if address.starts_with(|c: char| c.is_ascii_uppercase()) => {
@@ -384,45 +383,47 @@ fn expect(words: &[&str]) -> Result<Expect, String> {
     })
 }
 
-fn coordinate(text: &str) -> Result<f64, String> {
+fn coordinate(text: &str) -> Result<f64, ParseError> {
     let plain = text
         .bytes()
         .all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-'));
     match text.parse() {
         Ok(value) if plain => Ok(value),
-        _ => Err(format!(
-            "\"{text}\" is no coordinate; write millimetres, as in -12.345"
-        )),
+        _ => Err(ParseError::NoCoordinate(text.to_owned())),
     }
 }
 
-fn voltage(text: &str) -> Result<f64, String> {
+fn voltage(text: &str) -> Result<f64, ParseError> {
     let number = text.strip_suffix('V').unwrap_or(text);
-    coordinate(number).map_err(|_| format!("\"{text}\" is no voltage; write volts, as in 5.000"))
+    coordinate(number).map_err(|_| ParseError::NoVoltage(text.to_owned()))
 }
 
 /// A number of pulses, or from which to which.
-fn pulses(text: &str) -> Result<RangeInclusive<i64>, String> {
+fn pulses(text: &str) -> Result<RangeInclusive<i64>, ParseError> {
     let (low, high) = text.split_once("..").unwrap_or((text, text));
     let number = |text: &str| {
         text.parse()
-            .map_err(|_| format!("\"{text}\" is no whole number of pulses"))
+            .map_err(|_| ParseError::NoPulses(text.to_owned()))
     };
     Ok(number(low)?..=number(high)?)
 }
 
-fn no_lamp(name: &str) -> String {
+fn no_lamp(name: &str) -> ParseError {
     if Key::from_id(name).is_some() {
-        return format!("the key {name} has no lamp");
+        return ParseError::DarkKey(name.to_owned());
     }
     let strip: Vec<&str> = keys::STRIP.iter().map(|lamp| lamp.id).collect();
     let near = keys::near_ids(name);
+    let name = name.to_owned();
     if near.is_empty() {
-        format!(
-            "unknown lamp \"{name}\"; keys have lamps, and the strip {}",
-            strip.join(" ")
-        )
+        ParseError::UnknownLamp {
+            name,
+            strip: strip.join(" "),
+        }
     } else {
-        format!("unknown lamp \"{name}\"; near: {}", near.join(" "))
+        ParseError::NearLamp {
+            name,
+            near: near.join(" "),
+        }
     }
 }

@@ -33,6 +33,13 @@ pub enum Effect {
     /// Read this file and give it to [`Emulator::receive`]; what is said then is for
     /// the partner, and no failure of the script.
     Receive(String),
+    /// Be the partner that sends this file, from its beginning whenever
+    /// [`Cnc::dnc_calls`](gsk_core::cnc::Cnc::dnc_calls) counts on; `None`: no partner
+    /// any more.
+    Dnc(Option<String>),
+    /// The partner may send ([`Cnc::dnc_room`](gsk_core::cnc::Cnc::dnc_room)); it sends
+    /// something, has no more, or breaks off.
+    DncRoom,
 }
 
 /// How far a script has come.
@@ -75,6 +82,10 @@ pub struct Runner {
     /// The clock at the start of the script.
     origin: u64,
     stage: Stage,
+    /// A partner sends programs in DNC mode.
+    dnc: bool,
+    /// When it was asked last.
+    asked: Option<u64>,
 }
 
 /// What the runner is in the middle of.
@@ -124,6 +135,8 @@ impl Runner {
             next: 0,
             origin: 0,
             stage: Stage::SelfTest(None),
+            dnc: false,
+            asked: None,
         }
     }
 
@@ -168,6 +181,10 @@ impl Runner {
 
     fn look(&mut self, emulator: &mut Emulator) -> Next {
         let now = emulator.ticks();
+        let room = self.dnc && emulator.simulation.cnc.dnc_room() > 0;
+        if room && self.asked.replace(now) != Some(now) {
+            return Next::Say(Progress::Effect(Effect::DncRoom));
+        }
         match &mut self.stage {
             Stage::SelfTest(until) => {
                 let until = *until.get_or_insert(now + POWER_ON_TICKS);
@@ -270,7 +287,9 @@ impl Runner {
                 emulator.key_down(key);
                 self.stage = Stage::Holding(key, now + ticks, 0);
             }
-            Action::Down(key) => emulator.key_down(key),
+            Action::Down(key) => {
+                emulator.key_down(key);
+            }
             Action::Up(key) => emulator.key_up(key),
             Action::Type(text) => {
                 let characters = text.chars().rev().collect();
@@ -278,6 +297,11 @@ impl Runner {
             }
             Action::Load(path) => return Next::Say(Progress::Effect(Effect::Load(path))),
             Action::Receive(path) => return Next::Say(Progress::Effect(Effect::Receive(path))),
+            Action::Dnc(path) => {
+                self.dnc = path.is_some();
+                emulator.simulation.cnc.connect_dnc(self.dnc);
+                return Next::Say(Progress::Effect(Effect::Dnc(path)));
+            }
             Action::Power(true) => emulator.power_on(),
             Action::Power(false) => emulator.power_off(),
             Action::Fault(fault, on) => emulator.simulation.lathe.set_fault(fault, on),
@@ -312,7 +336,7 @@ impl Runner {
             }
             Action::Expect(expect) => {
                 if let Err(seen) = expect.check(emulator) {
-                    return Next::Say(Progress::Failed(self.failure(seen)));
+                    return Next::Say(Progress::Failed(self.failure(seen.to_string())));
                 }
             }
             Action::Show => {
@@ -331,17 +355,17 @@ impl Runner {
 ///
 /// # Errors
 /// The line that failed, also when its effect could not be carried out.
-pub fn run(
+pub fn run<E: fmt::Display>(
     script: Script,
     emulator: &mut Emulator,
-    carry_out: &mut dyn FnMut(Effect, &mut Emulator) -> Result<(), String>,
+    carry_out: &mut dyn FnMut(Effect, &mut Emulator) -> Result<(), E>,
 ) -> Result<(), Failure> {
     let mut runner = Runner::new(script);
     loop {
         match runner.advance(emulator, SLICE) {
             Progress::Running => {}
             Progress::Effect(effect) => {
-                carry_out(effect, emulator).map_err(|seen| runner.failure(seen))?;
+                carry_out(effect, emulator).map_err(|seen| runner.failure(seen.to_string()))?;
             }
             Progress::Failed(failure) => return Err(failure),
             Progress::Finished => return Ok(()),

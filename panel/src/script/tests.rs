@@ -13,7 +13,9 @@ fn run_text(text: &str) -> (Result<(), Failure>, Vec<Effect>, Emulator) {
     let mut emulator = Emulator::new(Setup::default());
     let script = Script::parse(text).expect("a script");
     let mut effects = Vec::new();
-    let result = run(script, &mut emulator, &mut |effect, emulator| {
+    let result = run(script, &mut emulator, &mut |effect,
+                                                  emulator|
+     -> Result<(), String> {
         if effect == Effect::Load("part.CNC".to_owned()) {
             let text = "O0001;\nG0 X100 Z50;\nM30;\n";
             emulator
@@ -41,7 +43,7 @@ fn every_form_of_the_manual_page_is_read() {
         fault turret-blocked on\n\
         @12345 press CS\n\
         turn -10\n\
-        wait 500ms\nwait idle 60s\nwait \"text  on the LCD\" 1.5s\nwait alarm\n\
+        wait 500ms\nwait idle 1m\nwait \"text  on the LCD\" 1.5s\nwait alarm\n\
         set X0.5 0\nfree X0.5\n\
         expect row 3 \"U 16.000\"\nexpect row R14 自动方式\n\
         expect abs 100.000 50.000\nexpect machine -1 2\nexpect rel 0 .5\n\
@@ -184,7 +186,10 @@ fn a_runner_can_be_driven_in_small_steps() {
     let text = "press JOG\nhold ZM 300ms\nwait idle 5s\nexpect mode 手动方式\n";
     let mut whole = Emulator::new(Setup::default());
     let mut pieces = whole.clone();
-    run(Script::parse(text).unwrap(), &mut whole, &mut |_, _| Ok(())).unwrap();
+    run(Script::parse(text).unwrap(), &mut whole, &mut |_, _| {
+        Ok::<_, Failure>(())
+    })
+    .unwrap();
     let mut runner = Runner::new(Script::parse(text).unwrap());
     loop {
         match runner.advance(&mut pieces, 7) {
@@ -224,7 +229,7 @@ fn a_recording_replays_tick_by_tick() {
     );
     let mut replay = Emulator::new(Setup::default());
     run(Script::parse(&script).unwrap(), &mut replay, &mut |_, _| {
-        Ok(())
+        Ok::<_, Failure>(())
     })
     .unwrap();
     replay.run(live.ticks() - replay.ticks());

@@ -46,9 +46,9 @@ pub fn lathe() -> Simulation {
 pub fn lathe_from(mut setup: Setup) -> Simulation {
     for number in [8, 23, 88, 1000] {
         let text = format!("O{number:04};\nG50 X0 Z0;\nM3 S2;\nM30;\n%\n");
-        setup.programs.store(text).unwrap();
+        setup.memory.programs.store(text).unwrap();
     }
-    setup.programs.store(PROGRAM).unwrap();
+    setup.memory.programs.store(PROGRAM).unwrap();
     let mut simulation = Simulation::new(setup);
     ticks(&mut simulation, 200);
     simulation.cnc.request(Request::SelectProgram(1)).unwrap();

@@ -13,7 +13,7 @@ fn compiles_clean_and_prints_itself() {
     assert_eq!(ladder.header().remark, "980TD标准梯形图");
     assert_eq!(ladder.header().version, "2005.2.28");
     assert_eq!(ladder.parts(), 3);
-    assert_eq!(ladder.messages().len(), 12);
+    assert_eq!(ladder.messages().len(), 11);
     let listing = ladder.to_source();
     let again = Ladder::compile(&listing).unwrap();
     assert_eq!(again.to_source(), listing);
@@ -21,7 +21,8 @@ fn compiles_clean_and_prints_itself() {
     assert_eq!(again.messages(), ladder.messages());
     assert_eq!(again.comments(), ladder.comments());
     assert_eq!(again.start_values(), ladder.start_values());
-    for function in 1..=28 {
+    // F22, the start enable, is the control's.
+    for function in (1..=28).filter(|function| *function != 22) {
         let title = format!(".NET \"F{function:02} ");
         assert!(SOURCE.contains(&title), "{title}");
     }

@@ -4,9 +4,9 @@ use core::cell::LazyCell;
 use core::mem::discriminant;
 
 use gsk_core::alarm::Alarm;
-use gsk_core::command::{Action, Command};
+use gsk_core::command::{Action, Command, ExecutedMove};
 use gsk_core::interpreter::{Immediate, Interpreter, Step};
-use gsk_core::preview::{End, preview};
+use gsk_core::preview::{End, preview_beyond_alarms};
 use gsk_core::setup::Setup;
 use gsk_core::units::{PerAxis, Point};
 
@@ -15,16 +15,16 @@ use super::watch;
 /// Steps through the selected program, at most so many steps. Whether it ended
 /// within them.
 pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
-    let Some(program) = setup.programs.current() else {
+    let Some(program) = setup.memory.programs.current() else {
         return true;
     };
     let mut host = Immediate {
-        parameters: setup.parameters.clone(),
-        offsets: &setup.offsets,
-        variables: setup.variables.clone(),
+        parameters: setup.memory.parameters.clone(),
+        offsets: &setup.memory.offsets,
+        variables: setup.memory.variables.clone(),
         inputs: LazyCell::new(Box::new(|| 0b1010)),
         outputs: 0,
-        programs: &setup.programs,
+        programs: &setup.memory.programs,
         position: setup.start.unwrap_or_default(),
         referenced: PerAxis::new(true, true),
         block_skip: true,
@@ -81,7 +81,7 @@ fn look_at(command: &Command) {
 }
 
 fn look_at_alarm(alarm: &Alarm) {
-    let rule = watch::rule(alarm.detail.as_deref().unwrap_or(""));
+    let rule = watch::rule(&alarm.detail_en());
     watch::seen("alarm", (alarm.number, rule));
 }
 
@@ -92,10 +92,13 @@ fn assert_finite(point: Point) {
     );
 }
 
-/// Previews the selected program.
+/// Blocks without motion after which a preview is given up.
+const MOTIONLESS_BLOCKS: u64 = 1_500_000;
+
+/// Previews the selected program, beyond its alarms.
 pub(super) fn preview_all(setup: &Setup) {
     let mut moves = 0_u64;
-    let seen = preview(setup, &setup.programs, &mut |executed| {
+    let mut on_move = |executed: &ExecutedMove| {
         moves += 1;
         assert_finite(executed.from);
         assert_finite(executed.to);
@@ -107,11 +110,17 @@ pub(super) fn preview_all(setup: &Setup) {
             "a move takes {} s",
             executed.duration_s
         );
-    });
+    };
+    let seen = preview_beyond_alarms(
+        setup,
+        &setup.memory.programs,
+        &mut on_move,
+        &mut |progress| progress.motionless < MOTIONLESS_BLOCKS,
+    );
     assert_eq!(seen.moves, moves, "moves are counted as they are reported");
     assert_eq!(seen.end == End::Alarm, seen.alarm.is_some());
     assert!(seen.time_s.is_finite() && seen.time_s >= seen.cutting_s);
-    if let Some(alarm) = &seen.alarm {
+    for alarm in seen.alarm.iter().chain(&seen.further.alarms) {
         look_at_alarm(alarm);
     }
     watch::seen("moves", watch::roughly(moves));

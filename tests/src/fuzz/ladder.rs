@@ -16,7 +16,10 @@ pub(super) fn run(input: &[u8]) {
         Err(errors) => {
             assert!(!errors.errors.is_empty(), "a refusal says why");
             for error in errors.errors.iter().chain(&errors.warnings) {
-                watch::seen("error", (error.code, watch::rule(&error.message)));
+                watch::seen(
+                    "error",
+                    (error.code, watch::rule(&error.message.to_string())),
+                );
             }
             return;
         }

@@ -8,10 +8,11 @@ use core::mem::discriminant;
 use core::time::Duration;
 use std::cell::OnceCell;
 
-use gsk_core::machine::link::line::LineLink;
-use gsk_core::machine::link::{LinkConfig, LinkState, RunTime, Sample, Stop};
+use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
+use gsk_link::line::LineLink;
+use gsk_link::{Backend, LinkConfig, LinkState, RunTime, Sample, Stop};
 use gsk_twins::grbl::{GrblTwin, Settings, Variant};
 
 use super::watch;
@@ -82,7 +83,13 @@ fn act(desk: &mut Desk, byte: u8) {
             let _ = desk.link.finish();
         }
         0xF8 => desk.link.write_settings(),
-        0xF9 => desk.link = LineLink::open(LinkConfig::default(), &Parameters::default(), desk.now),
+        0xF9 => {
+            desk.link = LineLink::open(
+                LinkConfig::default(),
+                &drives(&Parameters::default()),
+                desk.now,
+            );
+        }
         0xFA.. => {}
         _ => desk.link.rx(&[byte], desk.now),
     }
@@ -94,7 +101,7 @@ fn ready_desk(variant: Variant) -> Desk {
     let mut settings = Settings::default();
     let mut link = LineLink::open(
         LinkConfig::default(),
-        &Parameters::default(),
+        &drives(&Parameters::default()),
         Duration::ZERO,
     );
     for setting in &link.required().settings {

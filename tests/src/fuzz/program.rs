@@ -59,7 +59,10 @@ fn parse(program: &Program, index: u32, syntax: Syntax) {
             }
         }
         Err(error) => {
-            watch::seen("error", (error.alarm, watch::rule(&error.detail)));
+            watch::seen(
+                "error",
+                (error.alarm, watch::rule(&error.detail.to_string())),
+            );
             let length = program.block(index).chars().count();
             assert!(
                 error.column >= 1 && error.column as usize <= length + 1,

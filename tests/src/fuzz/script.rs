@@ -52,7 +52,7 @@ pub(super) fn run(input: &[u8]) {
 fn without_errors(text: &str, errors: &[ScriptError]) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     for error in errors {
-        watch::seen("error", watch::rule(&error.message));
+        watch::seen("error", watch::rule(&error.cause.to_string()));
         let line = (error.line as usize).checked_sub(1);
         match line.and_then(|line| lines.get_mut(line)) {
             Some(line) => *line = "",

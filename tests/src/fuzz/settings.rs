@@ -21,10 +21,10 @@ pub(super) fn setup(text: &str) -> Setup {
         return setup;
     };
     for program in programs {
-        let _ = setup.programs.store(program.text());
+        let _ = setup.memory.programs.store(program.text());
     }
-    setup.programs.open_external(first);
-    setup.programs.select(ProgramId::External);
+    setup.memory.programs.open_external(first);
+    setup.memory.programs.select(ProgramId::External);
     setup
 }
 
@@ -45,18 +45,26 @@ fn apply(setup: &mut Setup, setting: &str) -> Option<()> {
         let offset = ToolOffset {
             r: r.parse().ok()?,
             t: t.parse().ok()?,
-            ..setup.offsets.get(number)
+            ..setup.memory.offsets.get(number)
         };
-        return setup.offsets.set(number, offset).ok();
+        return setup.memory.offsets.set(number, offset).ok();
     }
     match what.split_once('.') {
         Some((number, bit)) => {
             let (number, bit) = (number.parse().ok()?, bit.parse().ok()?);
-            setup.parameters.set_bit(number, bit, value == "1").ok()
+            setup
+                .memory
+                .parameters
+                .set_bit(number, bit, value == "1")
+                .ok()
         }
         None => {
             let number = what.parse().ok()?;
-            setup.parameters.set(number, value.parse().ok()?).ok()
+            setup
+                .memory
+                .parameters
+                .set(number, value.parse().ok()?)
+                .ok()
         }
     }
 }

@@ -9,10 +9,11 @@ use core::mem::discriminant;
 use core::time::Duration;
 use std::cell::OnceCell;
 
-use gsk_core::machine::link::step_queue::StepLink;
-use gsk_core::machine::link::{Awaited, Input, LinkConfig, RunTime, Sample, Stop, Until};
+use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_core::units::{PerAxis, Pulses};
+use gsk_link::step_queue::StepLink;
+use gsk_link::{Awaited, Backend, Input, LinkConfig, RunTime, Sample, Stop, Until};
 use gsk_twins::klipper::{KlipperTwin, Make, block};
 
 use super::watch;
@@ -152,7 +153,7 @@ fn act(desk: &mut Desk, byte: u8) {
 fn ready_desk() -> Desk {
     let config: LinkConfig = ron::from_str(WIRED).unwrap_or_default();
     let mut desk = Desk {
-        link: StepLink::open(config, &Parameters::default(), Duration::ZERO),
+        link: StepLink::open(config, &drives(&Parameters::default()), Duration::ZERO),
         twin: KlipperTwin::new(Make::default()),
         run: RunTime::ZERO,
         z: 0,

@@ -86,6 +86,7 @@ impl GrblTwin {
     }
 
     pub(super) fn soft_reset(&mut self) {
+        self.resets += 1;
         let moving = matches!(self.state, State::Run | State::Hold { complete: false });
         if self.state == State::Home {
             self.state = State::Alarm;

@@ -4,7 +4,7 @@ use super::block;
 use super::dictionary::{self, Command, Response, response_id};
 use super::objects::{Counter, Endstop, Group, Output};
 use super::stepper::{Queued, Stepper};
-use super::{KlipperTwin, Object, QUEUE, RATE};
+use super::{KlipperTwin, Object, QUEUE, RATE, pins};
 
 /// Most parameters of a command.
 const MOST: usize = 8;
@@ -80,6 +80,7 @@ impl KlipperTwin {
             Command::ConfigReset => {
                 self.shutdown = None;
                 self.crc = None;
+                self.most_oids = None;
                 self.oids.clear();
                 Ok(())
             }
@@ -106,7 +107,11 @@ impl KlipperTwin {
                 let clock = self.clock();
                 self.say(Response::Uptime, &[clock >> 32, i64::from(clock as u32)]);
             }
-            Command::AllocateOids => {}
+            Command::AllocateOids if self.most_oids.is_some() => {
+                return Err("oids already allocated");
+            }
+            Command::AllocateOids => self.most_oids = Some(n[0]),
+            Command::FinalizeConfig if self.crc.is_some() => return Err("Already finalized"),
             Command::FinalizeConfig => self.crc = Some(n[0]),
             Command::EmergencyStop => return Err("Command request"),
             Command::ClearShutdown => return Err("Shutdown cleared when not shutdown"),
@@ -117,7 +122,7 @@ impl KlipperTwin {
             | Command::ConfigEndstop
             | Command::ConfigDigitalOut
             | Command::ConfigPwmOut
-            | Command::ConfigCounter => self.configure(command, n),
+            | Command::ConfigCounter => return self.configure(command, n),
             Command::ResetStepClock => {
                 let clock = self.whole(n[1]);
                 self.stepper(n[0])?.set_clock(clock)?;
@@ -187,7 +192,18 @@ impl KlipperTwin {
         self.send(&content);
     }
 
-    fn configure(&mut self, command: Command, n: [u32; MOST]) {
+    fn configure(&mut self, command: Command, n: [u32; MOST]) -> Result<(), Reason> {
+        let within = self.most_oids.is_some_and(|most| n[0] < most);
+        if !within || self.oids.contains_key(&n[0]) || self.crc.is_some() {
+            return Err("Can't assign oid");
+        }
+        match command {
+            Command::ConfigStepper => pins::output(n[1]).and_then(|()| pins::output(n[2]))?,
+            Command::ConfigDigitalOut => pins::output(n[1])?,
+            Command::ConfigPwmOut => pins::pulse_width(n[1])?,
+            Command::ConfigEndstop | Command::ConfigCounter => pins::input(n[1])?,
+            _ => {}
+        }
         let output = |longest: u32, value: u32, default: u32, pulse_width| {
             let output = Output {
                 pin: n[1],
@@ -213,6 +229,7 @@ impl KlipperTwin {
             }),
         };
         self.oids.insert(n[0], object);
+        Ok(())
     }
 
     fn queue_step(&mut self, n: [u32; MOST]) -> Result<(), Reason> {

@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use miniz_oxide::deflate::compress_to_vec_zlib;
 
+use super::pins::PORTS;
+
 macro_rules! messages {
     ($kind:ident $table:ident: $($name:ident $text:literal)*) => {
         /// A message.
@@ -61,7 +63,7 @@ messages! { Response RESPONSES:
 }
 
 /// Reasons of a shutdown.
-pub(super) const TEXTS: [&str; 17] = [
+pub(super) const TEXTS: [&str; 24] = [
     "Timer too close",
     "Stepper too far in past",
     "Rescheduled timer in the past",
@@ -79,15 +81,18 @@ pub(super) const TEXTS: [&str; 17] = [
     "Can't add signal that is already active",
     "Shutdown cleared when not shutdown",
     "config_reset only available when shutdown",
+    "oids already allocated",
+    "Can't assign oid",
+    "Already finalized",
+    "Not an output pin",
+    "Not a valid input pin",
+    "Not a valid PWM pin",
+    "Can not use timer1 for PWM; timer1 is used for timers",
 ];
 /// Number of the first text.
 const FIRST_TEXT: usize = 2;
-/// Eight pins a port.
-const PORTS: [&str; 11] = [
-    "PA", "PB", "PC", "PD", "PE", "PF", "PG", "PH", "PJ", "PK", "PL",
-];
 /// Texts of build tools make up the rest of a real dictionary.
-const REST: usize = 3967;
+const REST: usize = 3773;
 
 /// Ids on purpose as boards have them: negative ones, and some of two bytes.
 pub(super) fn command_id(command: Command) -> i64 {
@@ -120,14 +125,6 @@ pub(super) fn text_id(text: &str) -> i64 {
     (FIRST_TEXT + place.unwrap_or(0)) as i64
 }
 
-/// The number of a pin.
-pub(super) fn pin(name: &str) -> Option<u32> {
-    let (port, bit) = name.split_at_checked(2)?;
-    let port = PORTS.iter().position(|known| *known == port)?;
-    let bit: u32 = bit.parse().ok().filter(|bit| *bit < 8)?;
-    Some(port as u32 * 8 + bit)
-}
-
 /// The dictionary of an ATmega2560 board as it goes over the wire.
 pub(super) fn packed(rate: u32, window: u32, resets: bool) -> Vec<u8> {
     let mut text = String::from("{\"build_versions\":\"");
@@ -149,9 +146,9 @@ pub(super) fn packed(rate: u32, window: u32, resets: bool) -> Vec<u8> {
         let _ = write!(text, "{comma}\"{form}\":{}", response_id(*name));
     }
     text.push_str("},\"enumerations\":{\"pin\":{");
-    for (place, port) in PORTS.iter().enumerate() {
+    for (place, (port, first)) in PORTS.iter().enumerate() {
         let comma = if place == 0 { "" } else { "," };
-        let _ = write!(text, "{comma}\"{port}0\":[{},8]", place * 8);
+        let _ = write!(text, "{comma}\"{port}0\":[{first},8]");
     }
     text.push_str("},\"static_string_id\":{");
     for (place, reason) in TEXTS.iter().enumerate() {
@@ -161,7 +158,7 @@ pub(super) fn packed(rate: u32, window: u32, resets: bool) -> Vec<u8> {
     let _ = write!(
         text,
         "}}}},\"config\":{{\"CLOCK_FREQ\":{rate},\"MCU\":\"atmega2560\",\"PWM_MAX\":255,\
-         \"RECEIVE_WINDOW\":{window},\"STATS_SUMSQ_BASE\":256}},\"version\":\"v0.13.0-730\"}}"
+         \"RECEIVE_WINDOW\":{window},\"RESERVE_PINS_serial\":\"PE0,PE1\",\"STATS_SUMSQ_BASE\":256}},\"version\":\"v0.13.0-730\"}}"
     );
     compress_to_vec_zlib(text.as_bytes(), 9)
 }

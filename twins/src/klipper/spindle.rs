@@ -3,7 +3,7 @@
 
 use core::f64::consts::PI;
 
-use super::{KlipperTwin, Object, dictionary};
+use super::{KlipperTwin, Object, pins};
 
 /// Part of a turn in which the index signal is high.
 const INDEX: f64 = 0.1;
@@ -109,7 +109,7 @@ impl Spindle {
 impl KlipperTwin {
     /// A spindle that turns by itself, with its index at this pin.
     pub fn turn_spindle(&mut self, name: &str, rpm: f64) {
-        self.spindle = dictionary::pin(name).map(|pin| {
+        self.spindle = pins::number(name).map(|pin| {
             let mut spindle = Spindle::new(pin, self.now);
             spindle.target = rpm / 60.0;
             spindle.speed = spindle.target;
@@ -119,7 +119,7 @@ impl KlipperTwin {
 
     /// A spindle that the board's outputs drive.
     pub fn fit_spindle(&mut self, make: SpindleMake<'_>) {
-        let pin = |name: &str| dictionary::pin(name);
+        let pin = |name: &str| pins::number(name);
         self.spindle = pin(make.index).map(|index| Spindle {
             outputs: Some([pin(make.forward), pin(make.reverse), pin(make.speed)]),
             top: make.top / 60.0,

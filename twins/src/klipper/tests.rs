@@ -41,7 +41,9 @@ fn stepper(twin: &mut KlipperTwin) {
     ask(
         twin,
         &[
+            (C::AllocateOids, &[3]),
             (C::ConfigStepper, &[0, 0, 1, 0, 32]),
+            (C::ConfigStepper, &[2, 2, 3, 0, 32]),
             (C::ConfigTrsync, &[1]),
             (C::FinalizeConfig, &[77]),
         ],
@@ -63,7 +65,7 @@ fn blocks_as_in_the_fixtures() {
 
 #[test]
 fn the_dictionary_comes_in_91_pieces() {
-    assert_eq!(dictionary::packed(RATE, 192, true).len(), 3576);
+    assert_eq!(dictionary::packed(RATE, 192, true).len(), 3574);
     let mut twin = booted();
     let mut offset = 0;
     loop {
@@ -76,7 +78,7 @@ fn the_dictionary_comes_in_91_pieces() {
         }
         offset += i64::from(reply[0]);
     }
-    assert_eq!((offset, twin.figures().identify), (3576, 91));
+    assert_eq!((offset, twin.figures().identify), (3574, 91));
 }
 
 #[test]
@@ -172,7 +174,6 @@ fn forty_thousand_steps_on_both_axes_are_made_and_fifty_are_not() {
     for (interval, made) in [(400, true), (320, false)] {
         let mut twin = booted();
         stepper(&mut twin);
-        ask(&mut twin, &[(C::ConfigStepper, &[2, 2, 3, 0, 32])]);
         let clock = soon(&twin, 100);
         for oid in [0, 2] {
             ask(
@@ -234,7 +235,8 @@ fn an_output_that_is_not_renewed_ends_it_all() {
     ask(
         &mut twin,
         &[
-            (C::ConfigDigitalOut, &[3, 80, 0, 0, 8_000_000]),
+            (C::AllocateOids, &[4]),
+            (C::ConfigDigitalOut, &[3, 88, 0, 0, 8_000_000]),
             (C::FinalizeConfig, &[1]),
         ],
     );
@@ -271,7 +273,11 @@ fn turns_are_counted_twice() {
     let mut twin = booted();
     ask(
         &mut twin,
-        &[(C::ConfigCounter, &[5, 19, 0]), (C::FinalizeConfig, &[1])],
+        &[
+            (C::AllocateOids, &[6]),
+            (C::ConfigCounter, &[5, 19, 0]),
+            (C::FinalizeConfig, &[1]),
+        ],
     );
     twin.turn_spindle("PC3", 600.0);
     let clock = soon(&twin, 10);
@@ -296,16 +302,17 @@ fn the_outputs_drive_the_spindle() {
         index: "PC3",
         forward: "PB4",
         reverse: "PB5",
-        speed: "PB6",
+        speed: "PH6",
         top: 2550.0,
         inertia: 0.1,
     });
-    let pin = |name| i64::from(dictionary::pin(name).unwrap());
+    let pin = |name| i64::from(pins::number(name).unwrap());
     ask(
         &mut twin,
         &[
+            (C::AllocateOids, &[5]),
             (C::ConfigDigitalOut, &[3, pin("PB4"), 0, 0, 0]),
-            (C::ConfigPwmOut, &[4, pin("PB6"), 16_000, 0, 0, 0]),
+            (C::ConfigPwmOut, &[4, pin("PH6"), 16_000, 0, 0, 0]),
             (C::FinalizeConfig, &[1]),
         ],
     );
@@ -346,4 +353,52 @@ fn the_outputs_drive_the_spindle() {
     twin.shut_down_for("test");
     twin.advance(2000 * MS);
     assert!(twin.spindle_rpm().abs() < 0.01);
+}
+
+#[test]
+fn what_the_processor_has_not_is_refused_as_the_firmware_does() {
+    let pin = |name| i64::from(pins::number(name).unwrap());
+    let (timer_1, plain, none) = (pin("PB6"), pin("PA4"), 64);
+    for (command, numbers, reason) in [
+        (
+            C::ConfigPwmOut,
+            [0, timer_1, 16_000, 0, 0, 0],
+            "Can not use timer1 for PWM; timer1 is used for timers",
+        ),
+        (
+            C::ConfigPwmOut,
+            [0, plain, 16_000, 0, 0, 0],
+            "Not a valid PWM pin",
+        ),
+        (
+            C::ConfigDigitalOut,
+            [0, none, 0, 0, 0, 0],
+            "Not an output pin",
+        ),
+        (
+            C::ConfigStepper,
+            [0, plain, none, 0, 32, 0],
+            "Not an output pin",
+        ),
+        (
+            C::ConfigEndstop,
+            [0, none, 1, 0, 0, 0],
+            "Not a valid input pin",
+        ),
+        (C::ConfigTrsync, [1, 0, 0, 0, 0, 0], "Can't assign oid"),
+    ] {
+        let mut twin = booted();
+        let (_, text) = dictionary::COMMANDS[command as usize];
+        let numbers = &numbers[..text.matches('=').count()];
+        ask(
+            &mut twin,
+            &[
+                (C::AllocateOids, &[1]),
+                (command, numbers),
+                (C::FinalizeConfig, &[7]),
+            ],
+        );
+        assert_eq!(twin.state(), State::Shutdown(reason));
+        assert_eq!(twin.crc, None, "{reason}");
+    }
 }

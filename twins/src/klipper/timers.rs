@@ -63,11 +63,13 @@ impl KlipperTwin {
                     .count();
                 self.figures.steps += 1;
                 self.last_pulse = self.moment(when);
+                let due = self.moment(at);
                 if let Some(count) = self.pulses.get_mut(place) {
                     *count += if up { 1 } else { -1 };
                     if let Some(recorded) = &mut self.recorded {
                         recorded.push(Made {
                             at: self.last_pulse,
+                            due,
                             axis: place,
                             place: *count,
                         });

@@ -1,10 +1,11 @@
-//! What `link test` measures at a board: round trips, and, when the owner asks
-//! for it, moves of Z with holds in them.
+//! What `link test` measures at a board: round trips, the switches that are operated, and,
+//! when the owner asks for it, moves of Z with holds in them.
 
+use crate::commands::CommandError;
 use std::time::Duration;
 
-use gsk_core::machine::link::{Event, FINE as PARTS, LinkState, Refused, RunTime, Sample};
 use gsk_core::units::{PerAxis, Pulses};
+use gsk_link::{Event, FINE as PARTS, Input, LinkState, Refused, RunTime, Sample, Stop};
 
 use super::super::{ALARM, FINE, output};
 use crate::board::Board;
@@ -24,14 +25,15 @@ fn figures(times: &mut [Duration]) -> Option<(f64, f64)> {
     Some((ms(&times[times.len() / 2]), ms(worst)))
 }
 
-/// Round trips of an idle board.
-pub fn idle(board: &mut Board) -> Result<(), String> {
+/// Round trips of an idle board; what happened meanwhile.
+pub fn idle(board: &mut Board) -> Vec<Event> {
+    let mut events = Vec::new();
     let end = board.now() + IDLE;
     let mut trips = Vec::new();
     let mut reports = board.link.traffic().reports;
     let over = |state| matches!(state, LinkState::Lost | LinkState::Off);
     while board.now() < end && !over(board.link.state()) {
-        board.pump();
+        events.extend(board.pump());
         let traffic = board.link.traffic();
         if traffic.reports != reports {
             reports = traffic.reports;
@@ -45,6 +47,21 @@ pub fn idle(board: &mut Board) -> Result<(), String> {
         )),
         None => output::print("answers   none\n"),
     }
+    events
+}
+
+/// The switches without which nothing may move, and what they are called.
+const SWITCHES: [(Input, &str); 4] = [
+    (Input::LimitX, "limit switch of X"),
+    (Input::LimitZ, "limit switch of Z"),
+    (Input::EmergencyStop, "emergency stop"),
+    (Input::DriveAlarm, "alarm of the drives"),
+];
+
+/// Those of them that are operated.
+pub fn operated(board: &Board) -> Vec<&'static str> {
+    let operated = |(input, name)| (board.link.input(input) == Some(true)).then_some(name);
+    SWITCHES.into_iter().filter_map(operated).collect()
 }
 
 /// A move of Z under way: speed in pulses a tick.
@@ -55,6 +72,8 @@ struct Drill<'a> {
     z: f64,
     speed: f64,
     pulses: i64,
+    /// Way handed over, pulses, and when it is made.
+    ways: Vec<(RunTime, u64)>,
     refused: Option<Refused>,
 }
 
@@ -70,6 +89,7 @@ impl Drill<'_> {
     /// Hands over a tick that ends where Z is, as soon as there is room.
     fn push(&mut self) -> bool {
         self.run += Duration::from_millis(1);
+        let before = self.pulses;
         self.pulses = self.z.round() as i64;
         let sample = Sample {
             fine: PerAxis::new(0, (self.z * PARTS as f64).round() as i64),
@@ -83,10 +103,27 @@ impl Drill<'_> {
             }
         }
         let pushed = self.board.link.push(sample);
-        if let Err(refused) = pushed {
-            self.refused = Some(refused);
+        match pushed {
+            Ok(()) => {
+                let way = self.ways.last().map_or(0, |(_, way)| *way);
+                let way = way + self.pulses.abs_diff(before);
+                self.ways.push((self.run, way));
+            }
+            Err(refused) => {
+                self.pulses = before;
+                self.refused = Some(refused);
+                // What was handed over is not to run dry.
+                self.board.link.stop(Stop::Flush);
+            }
         }
         pushed.is_ok()
+    }
+
+    /// Pulses that the board has certainly made.
+    fn made(&self) -> u64 {
+        let executed = self.board.link.executed();
+        let made = self.ways.partition_point(|(end, _)| *end <= executed);
+        made.checked_sub(1).map_or(0, |last| self.ways[last].1)
     }
 
     /// The way that one more tick towards the top speed takes, and braking after it:
@@ -133,11 +170,20 @@ impl Drill<'_> {
     }
 }
 
-/// Processor time of this process so far, where the system tells.
-fn processor_time() -> Option<f64> {
+/// Processor time of this process and of the one that holds the port so far, where the
+/// system tells.
+fn processor_time(board: &Board) -> Option<f64> {
+    let own = time_of("self")?;
+    let holder = board
+        .holder()
+        .and_then(|holder| time_of(&holder.to_string()));
+    Some(own + holder.unwrap_or(0.0))
+}
+
+fn time_of(process: &str) -> Option<f64> {
     /// Ticks a second in which Linux counts for programs.
     const TICKS: f64 = 100.0;
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
     // The name of the program, in brackets, may hold blanks.
     let (_, fields) = stat.rsplit_once(')')?;
     let mut times = fields.split_whitespace().skip(11);
@@ -147,15 +193,12 @@ fn processor_time() -> Option<f64> {
 }
 
 /// Moves Z there and back with holds, and compares the counts.
-pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, String> {
+pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, CommandError> {
     let per_mm = board.link.pulses_per_mm()[1];
     let top = feed / 60_000.0 * per_mm;
     let (rate, most) = (top * 1000.0, board.link.rates().each[1]);
     if rate > most {
-        return Err(format!(
-            "{feed} mm/min are {rate:.0} pulses a second of Z, the board makes {most:.0}: a lower \
-             --feed"
-        ));
+        return Err(CommandError::TooFast { feed, rate, most });
     }
     // A board with homing wakes up locked.
     board.wait(Duration::from_millis(500), |_, _| false);
@@ -166,10 +209,10 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
         .set_position(PerAxis::default(), RunTime::ZERO)
         .is_err()
     {
-        return Err("the board does not stand still, or stays locked".to_owned());
+        return Err(CommandError::NotStill);
     }
     let (from, before) = (board.now(), board.link.traffic());
-    let processor = processor_time();
+    let processor = processor_time(board);
     let mut drill = Drill {
         board,
         events: Vec::new(),
@@ -177,6 +220,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
         z: 0.0,
         speed: 0.0,
         pulses: 0,
+        ways: Vec::new(),
         refused: None,
     };
     let leg = millimetres * per_mm;
@@ -205,7 +249,8 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
     }
     let traffic = drill.board.link.traffic();
     let seconds = drill.board.now().saturating_sub(from).as_secs_f64();
-    let load = processor.zip(processor_time());
+    let made = drill.made();
+    let load = processor.zip(processor_time(drill.board));
     whole = whole && drill.return_to_start(top);
     if !whole {
         // Some boards tell the cause only with their next report.
@@ -215,20 +260,20 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
     let (commanded, refused, events) = (drill.pulses, drill.refused, drill.events);
     output::print(&format!(
         "motion    {} segments, {:.0} a second; {:.0} steps a second; {:.0} bytes a second\n",
-        traffic.segments,
-        traffic.segments as f64 / seconds,
-        2.0 * leg.abs() / seconds,
+        traffic.segments - before.segments,
+        (traffic.segments - before.segments) as f64 / seconds,
+        made as f64 / seconds,
         (traffic.sent - before.sent) as f64 / seconds
-    ))?;
+    ));
     if let Some((before, after)) = load {
         let percent = (after - before) / seconds * 100.0;
-        output::print(&format!("host      {percent:.1} % of a processor\n"))?;
+        output::print(&format!("host      {percent:.1} % of a processor\n"));
     }
     if let Some((median, worst)) = figures(&mut holds) {
         output::print(&format!(
             "hold      key to standstill {median:.0} ms, worst {worst:.0} ms ({} holds)\n",
             holds.len()
-        ))?;
+        ));
     }
     let failed = super::report(&events);
     let position = events.iter().rev().find_map(|event| match event {
@@ -239,14 +284,15 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Stri
         Some(counted) if whole && !failed => {
             output::print(&format!(
                 "pulses    Z commanded {commanded}, counted {counted}\n"
-            ))?;
+            ));
             Ok(if counted == commanded { FINE } else { ALARM })
         }
         _ => {
-            if refused == Some(Refused::TooFast) {
-                eprintln!("gsk980td: the board does not make so many pulses a second");
+            if let Some(refused) = refused {
+                let (number, text) = refused.judged();
+                complain!("gsk980td: {number}: {text}");
             }
-            output::print("pulses    the run broke off; where Z stands is not certain\n")?;
+            output::print("pulses    the run broke off; where Z stands is not certain\n");
             Ok(ALARM)
         }
     }

@@ -1,6 +1,7 @@
 //! `link twin`: a board without hardware, behind a pseudo terminal, at the pace of
 //! the wall clock.
 
+use crate::commands::CommandError;
 use std::time::{Duration, Instant};
 
 use gsk_twins::grbl::{GrblTwin, Settings, State, Variant};
@@ -35,7 +36,7 @@ const SPINDLE: SpindleMake<'_> = SpindleMake {
     index: "PC3",
     forward: "PB4",
     reverse: "PB5",
-    speed: "PB6",
+    speed: "PH6",
     top: 9999.0,
     inertia: 0.2,
 };
@@ -50,6 +51,7 @@ enum Twin {
 #[derive(PartialEq)]
 struct Shown {
     state: String,
+    resets: u32,
     stands: bool,
     pulses: [i64; 2],
 }
@@ -115,6 +117,7 @@ impl Twin {
         match self {
             Self::Grbl(board) => Shown {
                 state: format!("{:?}", board.state()),
+                resets: board.resets,
                 stands: board.state() == State::Idle,
                 pulses: board.pulses(),
             },
@@ -124,6 +127,7 @@ impl Twin {
                     klipper::State::Runs => "runs".to_owned(),
                     klipper::State::Shutdown(reason) => format!("shut down: {reason}"),
                 },
+                resets: 0,
                 // A quarter of a second without a pulse.
                 stands: board.now().saturating_sub(board.last_pulse()) > 250_000_000,
                 pulses: board.pulses(),
@@ -143,14 +147,14 @@ const fn machine(firmware: TwinBoard) -> &'static str {
 }
 
 /// Plays a board until its time is up.
-pub fn twin(args: &LinkTwinArgs) -> Result<u8, String> {
+pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
     if args.print_machine {
-        output::print(machine(args.firmware))?;
+        output::print(machine(args.firmware));
         return Ok(FINE);
     }
     let (mut near, _far, name) = Port::pair()?;
     let mut board = Twin::new(args);
-    output::print(&format!("{name}\n"))?;
+    output::print(&format!("{name}\n"));
     if args.delay_ms > 0 {
         let delay = Damage::HeldUp(args.delay_ms * 1_000_000);
         board.wire().damage(0, delay);
@@ -168,25 +172,27 @@ pub fn twin(args: &LinkTwinArgs) -> Result<u8, String> {
                 board.wire().damage(damaged, Damage::Lost);
             }
         }
-        let bytes = near.read().map_err(|error| error.to_string())?;
+        let bytes = near.read().map_err(CommandError::Gone)?;
         let elapsed = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
         if let (Twin::Klipper(board), Some(after)) = (&mut board, args.lose_index) {
             board.lose_index(start.elapsed() >= Duration::from_secs(after));
         }
         let mut said = board.play(&bytes, elapsed);
         while !said.is_empty() {
-            let count = near.write(&said).map_err(|error| error.to_string())?;
+            let count = near.write(&said).map_err(CommandError::Gone)?;
             said.drain(..count);
         }
         let now = board.shown();
-        if now.state != shown.state || (now.stands && now.pulses != shown.pulses) {
+        let reset = now.resets != shown.resets;
+        if reset || now.state != shown.state || (now.stands && now.pulses != shown.pulses) {
             output::print(&format!(
-                "{:9.3} {}, X {} Z {} pulses\n",
+                "{:9.3} {}{}, X {} Z {} pulses\n",
                 elapsed as f64 * 1e-9,
+                if reset { "reset, " } else { "" },
                 now.state,
                 now.pulses[0],
                 now.pulses[1]
-            ))?;
+            ));
             shown = now;
         }
     }

@@ -11,10 +11,9 @@ use gsk_core::machine::Fault;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_panel::pages::{signal_meaning, signal_name};
 
-use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::window::texts::say;
+use gsk_messages::{Language, Message, say};
 
 /// Height of a line, points.
 const LINE: f32 = 24.0;
@@ -54,7 +53,7 @@ impl Bench {
     /// Draws the bench and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language, machine: Option<&Arc<MachineView>>) {
         let Some(machine) = machine else {
-            ui.centered_and_justified(|ui| ui.label(say(language, "请稍候…", "One moment …")));
+            ui.centered_and_justified(|ui| ui.label(say::window_one_moment().text(language)));
             return;
         };
         let state = Panel::bottom("machine state").frame(super::bar_frame());
@@ -71,24 +70,16 @@ impl Bench {
 
     fn faults(&self, ui: &mut Ui, language: Language, machine: &MachineView) {
         ui.horizontal(|ui| {
-            ui.heading(say(language, "故障", "Faults"));
+            ui.heading(say::bench_faults().text(language));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let words = say(language, "全部恢复", "Mend all");
-                let hint = say(
-                    language,
-                    "取消全部故障和强制输入",
-                    "Ends all faults and lets go of all inputs",
-                );
+                let words = say::bench_mend_all().text(language);
+                let hint = say::bench_mend_all_hint().text(language);
                 if ui.button(words).on_hover_text(hint).clicked() {
                     self.console.send(Command::Mend);
                 }
             });
         });
-        let hint = say(
-            language,
-            "右边是脚本中的名称; 指向故障可看其后果",
-            "On the right the name for scripts; point at a fault for its effect",
-        );
+        let hint = say::bench_faults_hint().text(language);
         ui.label(RichText::new(hint).weak());
         ui.add_space(4.0);
         ScrollArea::vertical()
@@ -97,19 +88,19 @@ impl Bench {
                 ui.set_max_width(ui.available_width() - SCROLL_BAR);
                 for (name, fault) in Fault::ALL {
                     let row = fault.row();
-                    let text = say(language, row.zh, row.en);
-                    let effect = say(language, row.effect_zh, row.effect_en);
+                    let text = row.label().text(language);
+                    let effect = row.effect().text(language);
                     let mut on = machine.lathe.has_fault(fault);
                     let colour = if on { BROKEN } else { Color32::from_gray(215) };
                     line(ui, |ui| {
                         let script = RichText::new(name).monospace().weak();
                         ui.label(script);
                         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                            let check = ui.checkbox(&mut on, RichText::new(text).color(colour));
+                            let check = ui.checkbox(&mut on, RichText::new(&text).color(colour));
                             check.widget_info(|| {
-                                egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, text)
+                                egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, &text)
                             });
-                            if check.on_hover_text(effect).changed() {
+                            if check.on_hover_text(&effect).changed() {
                                 self.console.send(Command::Fault(fault, on));
                             }
                         });
@@ -126,17 +117,17 @@ impl Bench {
 
     fn inputs(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         ui.horizontal(|ui| {
-            ui.heading(say(language, "机床输入", "Machine inputs"));
+            ui.heading(say::bench_inputs().text(language));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let words = say(language, "添加", "Add");
+                let words = say::window_add().text(language);
                 let added = ui.button(words).clicked();
                 let entry = egui::TextEdit::singleline(&mut self.entry)
                     .desired_width(70.0)
                     .hint_text("X20.5");
                 let response = ui.add(entry);
-                let name = say(language, "输入地址", "Input address");
+                let name = say::bench_input_address().text(language);
                 response
-                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+                    .widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
                 let entered =
                     response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
                 if (added || entered) && !self.entry.trim().is_empty() {
@@ -149,11 +140,11 @@ impl Bench {
         }
         line(ui, |ui| {
             ui.add_space(SCROLL_BAR);
-            ui.label(RichText::new(say(language, "强制", "held at")).weak());
+            ui.label(RichText::new(say::bench_held_at().text(language)).weak());
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                heading(ui, say(language, "触点", "contact"), CONTACT);
+                heading(ui, &say::bench_contact().text(language), CONTACT);
                 heading(ui, "PLC", ACCEPTED);
-                let words = say(language, "地址", "address");
+                let words = say::bench_address().text(language);
                 ui.label(RichText::new(words).weak());
             });
         });
@@ -177,9 +168,9 @@ impl Bench {
         let accepted = machine.plc.memory().bit(address);
         line(ui, |ui| {
             for (value, word) in [
-                (Some(true), "1"),
-                (Some(false), "0"),
-                (None, say(language, "传感器", "sensor")),
+                (Some(true), "1".to_owned()),
+                (Some(false), "0".to_owned()),
+                (None, say::bench_sensor().text(language)),
             ] {
                 let chosen = held == value;
                 let (fill, ink) = match (chosen, value) {
@@ -187,7 +178,7 @@ impl Bench {
                     (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
                     (false, _) => (Color32::TRANSPARENT, Color32::from_gray(150)),
                 };
-                let button = egui::Button::new(RichText::new(word).color(ink))
+                let button = egui::Button::new(RichText::new(&word).color(ink))
                     .fill(fill)
                     .min_size(vec2(28.0, 0.0));
                 let response = ui.add(button);
@@ -200,11 +191,11 @@ impl Bench {
                 }
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                lamp(ui, contact, say(language, "触点", "contact"), CONTACT);
+                lamp(ui, contact, &say::bench_contact().text(language), CONTACT);
                 lamp(ui, accepted, "PLC", ACCEPTED);
                 ui.label(RichText::new(format!("X{}.{}", address.byte, address.bit)).monospace());
                 let symbol = signal_name(address);
-                let meaning = signal_meaning(address, language == Language::En);
+                let meaning = signal_meaning(address, language);
                 let words = if symbol == "-" {
                     meaning.to_owned()
                 } else {
@@ -228,14 +219,7 @@ impl Bench {
                 self.entry.clear();
                 None
             }
-            Ok(_) => {
-                let words = say(
-                    language,
-                    "这里只有输入 X0.0 至 X29.7",
-                    "there are inputs X0.0 to X29.7 here",
-                );
-                Some(format!("{entry}: {words}"))
-            }
+            Ok(_) => Some(say::bench_inputs_here(entry).text(language)),
             Err(error) => Some(error.to_string()),
         };
     }
@@ -283,49 +267,35 @@ fn lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
 /// What the machine does and what the control says to it.
 fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
     let lathe = &machine.lathe;
-    let yes =
-        |on: bool, zh: &'static str, en: &'static str| on.then(|| say(language, zh, en).to_owned());
-    let station = lathe.station().map_or_else(
-        || say(language, "刀架在两刀位之间", "tool post between stations").to_owned(),
-        |station| format!("{} {station}", say(language, "刀位", "station")),
-    );
+    let station = lathe
+        .station()
+        .map_or_else(say::bench_between_stations, say::bench_station);
     let slides = lathe.slides();
     let facts = [
-        Some(format!(
-            "X {:.3} mm ({})",
-            slides.x,
-            say(language, "半径", "radius")
-        )),
-        Some(format!("Z {:.3} mm", slides.z)),
-        Some(format!("S {:.0} r/min", lathe.spindle_rpm())),
+        Some(say::bench_x_as_radius(slides.x)),
+        Some(format!("Z {:.3} mm", slides.z).into()),
+        Some(format!("S {:.0} r/min", lathe.spindle_rpm()).into()),
         Some(station),
-        yes(
-            !lathe.tool_post_clamped(),
-            "刀架未锁紧",
-            "tool post not clamped",
-        ),
-        yes(lathe.chuck_clamped(), "卡盘夹紧", "chuck clamped"),
-        yes(lathe.tailstock_forward(), "尾座进", "tailstock forward"),
-        yes(lathe.coolant(), "冷却开", "coolant"),
-        yes(lathe.lubrication(), "润滑开", "lubrication"),
-        yes(lathe.over_limit(), "行程开关压下", "limit switch tripped"),
-        yes(
-            !lathe.emergency_loop_closed(),
-            "急停回路断开",
-            "emergency loop open",
-        ),
+        (!lathe.tool_post_clamped()).then(say::bench_tool_post_not_clamped),
+        lathe.chuck_clamped().then(say::bench_chuck_clamped),
+        lathe.tailstock_forward().then(say::bench_tailstock_forward),
+        lathe.coolant().then(say::bench_coolant),
+        lathe.lubrication().then(say::bench_lubrication),
+        lathe.over_limit().then(say::bench_limit_switch_tripped),
+        (!lathe.emergency_loop_closed()).then(say::bench_emergency_loop_open),
     ];
     ui.horizontal_wrapped(|ui| {
-        let words = say(language, "机床", "Machine");
+        let words = say::bench_machine().text(language);
         ui.label(RichText::new(words).weak());
-        let facts: Vec<String> = facts.into_iter().flatten().collect();
+        let facts = facts.into_iter().flatten();
+        let facts: Vec<String> = facts.map(|fact: Message| fact.text(language)).collect();
         ui.label(facts.join("   "));
     });
     ui.horizontal_wrapped(|ui| {
-        let words = say(language, "报警", "Alarms");
+        let words = say::bench_alarms().text(language);
         ui.label(RichText::new(words).weak());
         if machine.alarms.is_empty() {
-            ui.label(say(language, "无", "none"));
+            ui.label(say::bench_no_alarms().text(language));
         } else {
             ui.label(RichText::new(machine.alarms.join("   ")).color(BROKEN));
         }

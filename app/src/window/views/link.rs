@@ -3,15 +3,17 @@
 mod figures;
 mod words;
 
+pub use words::state as state_name;
+
 use egui::{Color32, Label, Panel, RichText, ScrollArea, Ui, vec2};
-use gsk_core::machine::link::LinkState;
+use gsk_link::LinkState;
 
 use super::aside;
-use crate::cli::Language;
 use crate::kernel::link_view::LinkView;
 use crate::kernel::{Command, Console, LinkOrder};
-use crate::window::chinese;
-use crate::window::texts::say;
+use crate::window::fonts;
+use gsk_messages::{Language, Message, say};
+use gsk_runner::chinese;
 
 const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
 const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
@@ -77,16 +79,16 @@ impl LinkPage {
 
     fn bar(&self, ui: &mut Ui, language: Language, view: &LinkView) {
         ui.horizontal_wrapped(|ui| {
-            let state = RichText::new(words::state(view.state, language));
+            let state = RichText::new(words::state(view.state).text(language));
             ui.label(state.color(colour(view.state)).strong());
             let board = match view.board.firmware.as_str() {
-                "" => say(language, "驱动板未知", "board not known"),
-                firmware => firmware,
+                "" => say::link_page_board_not_known().text(language),
+                firmware => firmware.to_owned(),
             };
             ui.label(board);
             ui.label(RichText::new(&view.port).monospace().weak());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let words = say(language, "保存报告…", "Save report…");
+                let words = say::link_page_save_report().text(language);
                 if ui.button(words).clicked() {
                     let view = view.clone();
                     let kind = ("link.txt", "txt");
@@ -95,24 +97,19 @@ impl LinkPage {
                         report(&view)
                     });
                 }
-                let words = say(language, "校验位置", "Check position");
-                let hint = say(
-                    language,
-                    "比较指令脉冲与驱动板的计数",
-                    "Compares the commanded pulses with the board's count",
-                );
+                let words = say::link_page_check_position().text(language);
+                let hint = say::link_page_check_position_hint().text(language);
                 let ready = view.state == LinkState::Ready;
                 let button = ui.add_enabled(ready, egui::Button::new(words));
                 self.order(&button.on_hover_text(hint), LinkOrder::Check);
-                let words = say(language, "重新连接", "Reconnect");
+                let words = say::link_page_reconnect().text(language);
                 let still = view.state != LinkState::Moving;
                 let button = ui.add_enabled(still, egui::Button::new(words));
                 self.order(&button, LinkOrder::Reconnect);
             });
         });
-        let advice = words::advice(view.state, language);
-        if !advice.is_empty() {
-            ui.label(RichText::new(advice).weak());
+        if let Some(advice) = words::advice(view.state) {
+            ui.label(RichText::new(advice.text(language)).weak());
         }
     }
 
@@ -129,7 +126,7 @@ impl LinkPage {
             ui.separator();
         }
         if !view.log.is_empty() {
-            ui.heading(say(language, "位置校验", "Position checks"));
+            ui.heading(say::link_page_position_checks().text(language));
             for line in view.log.iter().rev().take(4).rev() {
                 let good = !line.ends_with("DIFFERS");
                 let ink = if good { Color32::from_gray(190) } else { BAD };
@@ -138,7 +135,7 @@ impl LinkPage {
             }
             ui.separator();
         }
-        ui.heading(say(language, "通信记录", "Traffic"));
+        ui.heading(say::link_page_traffic().text(language));
         let height = ui.text_style_height(&egui::TextStyle::Monospace);
         ScrollArea::vertical()
             .auto_shrink([false, false])
@@ -159,11 +156,7 @@ impl LinkPage {
 
     /// Settings of the board that are not as they must be.
     fn differences(&self, ui: &mut Ui, language: Language, view: &LinkView) {
-        ui.heading(say(
-            language,
-            "驱动板参数不符",
-            "Settings of the board differ",
-        ));
+        ui.heading(say::link_page_settings_differ().text(language));
         ui.add_space(2.0);
         // A board may differ in all it has; the button stays in sight.
         let most = ui.available_height() * 0.6;
@@ -172,19 +165,10 @@ impl LinkPage {
             .max_height(most)
             .show(ui, |ui| differences(ui, language, view));
         ui.add_space(4.0);
-        let words = say(
-            language,
-            "写入驱动板",
-            "Write these settings into the board",
-        );
+        let words = say::link_page_write_settings().text(language);
         self.order(&ui.button(words), LinkOrder::WriteSettings);
         if view.board.forgets {
-            ui.label(say(
-                language,
-                "此固件断电后忘记所写的设定: 请同时写入板上的 config.yaml。",
-                "This firmware forgets what is written when it is switched off: put it into its \
-                 config.yaml as well.",
-            ));
+            ui.label(say::link_page_board_forgets().text(language));
         }
     }
 }
@@ -196,41 +180,38 @@ fn differences(ui: &mut Ui, language: Language, view: &LinkView) {
         .spacing(vec2(24.0, 4.0))
         .striped(true)
         .show(ui, |ui| {
-            let words = [
-                ("参数", "setting"),
-                ("驱动板", "board"),
-                ("应为", "must be"),
-                ("含义", "meaning"),
-            ];
-            for (zh, en) in words {
-                ui.label(RichText::new(say(language, zh, en)).weak());
+            for heading in [
+                say::link_page_column_setting(),
+                say::link_page_column_board(),
+                say::link_page_column_wanted(),
+                say::link_page_column_meaning(),
+            ] {
+                ui.label(RichText::new(heading.text(language)).weak());
             }
             ui.end_row();
             for difference in &view.differences {
                 ui.monospace(&difference.name);
                 ui.monospace(difference.board.as_deref().unwrap_or("-"));
                 ui.monospace(&difference.wanted);
-                ui.label(words::setting(difference.number, language));
+                let meaning = words::setting(difference.number);
+                ui.label(meaning.map_or_else(String::new, |it| it.text(language)));
                 ui.end_row();
             }
         });
 }
 
+/// A sentence with options of the command line in it.
+fn sentence(ui: &mut Ui, text: &str) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    ui.label(fonts::words(text, font, ui.visuals().text_color()));
+}
+
 fn nothing(ui: &mut Ui, language: Language) {
     ui.add_space(12.0);
-    ui.heading(say(language, "没有驱动板", "No pulse board"));
-    ui.label(say(
-        language,
-        "滑板是仿真的。用 gsk980td --link 端口 启动, 或在机床文件的 link 一节中写明 port, 面板就驱动真实机床。",
-        "The slides are simulated. Start with gsk980td --link PORT, or name the port in the \
-         section link of the machine file, and this panel drives a real lathe.",
-    ));
+    ui.heading(say::link_page_no_board().text(language));
+    sentence(ui, &say::link_page_no_board_how_to_link().text(language));
     ui.add_space(6.0);
-    ui.label(say(
-        language,
-        "没有硬件时, gsk980td link twin 提供一块虚拟驱动板。说明: docs/real-lathe.zh-CN.md",
-        "Without hardware, gsk980td link twin plays a board. How to begin: docs/real-lathe.md",
-    ));
+    sentence(ui, &say::link_page_no_board_twin().text(language));
 }
 
 const fn colour(state: LinkState) -> Color32 {
@@ -248,7 +229,7 @@ const fn colour(state: LinkState) -> Color32 {
 fn report(view: &LinkView) -> String {
     let mut out = format!(
         "{}  {}  {}\n\n",
-        words::state(view.state, Language::En),
+        words::state(view.state).text(Language::En),
         view.board.firmware,
         view.port
     );
@@ -260,12 +241,10 @@ fn report(view: &LinkView) -> String {
         out.push('\n');
     }
     for difference in &view.differences {
-        out.push_str(&format!(
-            "{} is {}, must be {}\n",
-            difference.name,
-            difference.board.as_deref().unwrap_or("missing"),
-            difference.wanted
-        ));
+        let board = difference.board.as_deref();
+        let board = board.map_or_else(say::link_page_setting_missing, Message::from);
+        let line = say::link_page_setting_differs(&difference.name, board, &difference.wanted);
+        out.push_str(&format!("{line}\n"));
     }
     for line in &view.log {
         out.push_str(&format!("{line}\n"));

@@ -11,13 +11,16 @@ use egui::{Color32, Context, Event, Frame, Key, Margin, Ui, ViewportBuilder, Vie
 
 use std::sync::Arc;
 
-use super::texts::Text;
-use crate::cli::Language;
+use gsk_link::LinkState;
+
+use super::badge;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use bench::Bench;
+use gsk_messages::{Language, Message, say};
 use ladder::LadderView;
 use link::LinkPage;
+pub use link::state_name;
 use scope::Scope;
 
 /// A view.
@@ -45,7 +48,7 @@ pub struct ViewRow {
     /// The view.
     pub view: View,
     /// Its name.
-    pub name: Text,
+    pub name: fn() -> Message,
     /// The key that opens and closes it, with Shift.
     pub key: Key,
     /// Size of its window, points.
@@ -58,28 +61,28 @@ pub struct ViewRow {
 pub static VIEWS: [ViewRow; 4] = [
     ViewRow {
         view: View::Scope,
-        name: Text::Scope,
+        name: say::window_view_scope,
         key: Key::F2,
         size: [1120.0, 720.0],
         least: [760.0, 360.0],
     },
     ViewRow {
         view: View::Bench,
-        name: Text::Bench,
+        name: say::window_view_bench,
         key: Key::F3,
         size: [1000.0, 640.0],
         least: [760.0, 320.0],
     },
     ViewRow {
         view: View::Ladder,
-        name: Text::Ladder,
+        name: say::window_view_ladder,
         key: Key::F4,
         size: [1240.0, 780.0],
         least: [820.0, 360.0],
     },
     ViewRow {
         view: View::Link,
-        name: Text::Link,
+        name: say::window_view_link,
         key: Key::F5,
         size: [1040.0, 740.0],
         least: [760.0, 320.0],
@@ -148,7 +151,12 @@ impl Views {
 
     /// Draws the open views. What their windows leave to the panel of the keyboard
     /// comes back, and whether one of them has the focus.
-    pub fn show(&mut self, context: &Context, language: Language) -> Typed {
+    pub fn show(
+        &mut self,
+        context: &Context,
+        language: Language,
+        board: Option<LinkState>,
+    ) -> Typed {
         let mut typed = Typed::default();
         if let Some(machine) = self.console.machine.pop() {
             self.machine = Some(Arc::new(machine));
@@ -157,8 +165,13 @@ impl Views {
             if !self.open[index] {
                 continue;
             }
-            let stays = window(context, row, language, &mut typed, |ui, native| {
-                match row.view {
+            let stays = window(
+                context,
+                row,
+                language,
+                board,
+                &mut typed,
+                |ui, native| match row.view {
                     View::Scope => self.scope.show(ui, language, native),
                     View::Link => self.link.show(ui, language),
                     View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
@@ -166,11 +179,14 @@ impl Views {
                         let machine = self.machine.as_ref();
                         self.ladder.show(ui, language, machine, native);
                     }
-                }
-            });
+                },
+            );
             if !stays {
                 self.toggle(row.view);
             }
+        }
+        if let Some(view) = typed.toggled {
+            self.toggle(view);
         }
         typed
     }
@@ -183,6 +199,8 @@ pub struct Typed {
     pub focused: bool,
     /// Keys of the PC.
     pub events: Vec<Event>,
+    /// A key of another view.
+    toggled: Option<View>,
 }
 
 /// Draws a view in a window of its own, or inside the window where the system has
@@ -191,10 +209,11 @@ fn window(
     context: &Context,
     row: &ViewRow,
     language: Language,
+    board: Option<LinkState>,
     typed: &mut Typed,
     mut add: impl FnMut(&mut Ui, bool),
 ) -> bool {
-    let title = row.name.of(language);
+    let title = (row.name)().text(language);
     let id = format!("{:?}", row.view);
     if context.embed_viewports() {
         let mut open = true;
@@ -204,16 +223,20 @@ fn window(
             .default_size(row.size)
             .min_size(row.least)
             .collapsible(false)
-            .show(context, |ui| add(ui, false));
+            .show(context, |ui| {
+                badge::show(ui, &id, board, language);
+                add(ui, false);
+            });
         return open;
     }
     let builder = ViewportBuilder::default()
-        .with_title(format!("{title} - GSK980TD"))
+        .with_title(badge::title(&format!("{title} - GSK980TD"), board))
         .with_app_id("gsk980td")
         .with_inner_size(row.size)
         .with_min_inner_size(row.least);
-    let id = ViewportId::from_hash_of(&id);
-    context.show_viewport_immediate(id, builder, |ui, _| {
+    let viewport = ViewportId::from_hash_of(&id);
+    context.show_viewport_immediate(viewport, builder, |ui, _| {
+        badge::show(ui, &id, board, language);
         add(ui, true);
         let typing = ui.ctx().egui_wants_keyboard_input();
         ui.input(|input| {
@@ -224,7 +247,11 @@ fn window(
                 .filter(|event| for_panel(event, row.view, typing));
             typed.events.extend(events.cloned());
             let closing = input.viewport().close_requested();
-            let again = toggled(&input.events) == Some(row.view);
+            let toggled = toggled(&input.events);
+            let again = toggled == Some(row.view);
+            if !again {
+                typed.toggled = typed.toggled.or(toggled);
+            }
             !closing && !again
         })
     })

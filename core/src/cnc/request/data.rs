@@ -4,21 +4,25 @@
 use gsk_plc::address::{Area, ByteAddress};
 
 use super::OffsetEntry;
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::axis::SoftLimits;
 use crate::cnc::{Cnc, TIMER_PRESETS};
-use crate::memory::{Disk, DiskContent, ParameterError, Parameters, Setting, ToolOffset};
+use crate::memory::{
+    Disk, DiskContent, ParameterError, Parameters, Setting, ToolOffset, parameter,
+};
 use crate::motion::MotionLimits;
 use crate::setup::TOOL_IN_POSITION;
 use crate::spindle::SpindleAngle;
 use crate::units::Axis;
 
-/// Alarm 100: the parameter switch is on.
-const SWITCH_ALARM: u16 = 100;
 /// The highest tool that DGN.075 takes.
 const LAST_TOOL: u8 = 32;
 /// Parameters that the spindle angle is worked out from.
-const ENCODER: [u16; 3] = [70, 110, 111];
+const ENCODER: [u16; 3] = [
+    parameter::ENCODER_LINES,
+    parameter::SPINDLE_TEETH,
+    parameter::ENCODER_TEETH,
+];
 /// Millimetres of an inch.
 const INCH: f64 = 25.4;
 
@@ -29,7 +33,7 @@ impl Cnc {
         if self.rights().offsets().is_err() {
             return Ok(());
         }
-        let mut offset = self.offsets.get(number);
+        let mut offset = self.memory.offsets.get(number);
         let (axis, value) = match entry {
             OffsetEntry::NoseRadius(r) => {
                 offset.r = r;
@@ -39,7 +43,9 @@ impl Cnc {
                 offset.t = t;
                 return self.store_offset(number, offset);
             }
-            OffsetEntry::Counter(_) if self.parameters.bit(10, 5) => return Ok(()),
+            OffsetEntry::Counter(_) if self.memory.parameters.counter_input_locked() => {
+                return Ok(());
+            }
             OffsetEntry::Counter(axis) => (
                 axis,
                 self.as_offset(axis, self.position_relative().get(axis)),
@@ -51,7 +57,7 @@ impl Cnc {
                 };
                 (axis, old + self.in_mm(by))
             }
-            OffsetEntry::Length(axis, value) if self.parameters.bit(12, 5) => {
+            OffsetEntry::Length(axis, value) if self.memory.parameters.takes_measured_offsets() => {
                 (axis, self.measured(axis, self.in_mm(value)))
             }
             OffsetEntry::Length(axis, value) => (axis, self.in_mm(value)),
@@ -65,10 +71,10 @@ impl Cnc {
 
     /// Row 000 is there for the work shift alone (012.6 WSFT).
     fn store_offset(&mut self, number: u8, offset: ToolOffset) -> Result<(), Alarm> {
-        if number == 0 && self.parameters.work_shift() {
-            self.offsets.set_work_shift(offset)
+        if number == 0 && self.memory.parameters.work_shift() {
+            self.memory.offsets.set_work_shift(offset)
         } else {
-            self.offsets.set(number, offset)
+            self.memory.offsets.set(number, offset)
         }
     }
 
@@ -77,11 +83,11 @@ impl Cnc {
     /// measured.
     fn measured(&self, axis: Axis, measured: f64) -> f64 {
         let radius = match axis {
-            Axis::X if !self.parameters.radius_programming() => measured / 2.0,
+            Axis::X if !self.memory.parameters.radius_programming() => measured / 2.0,
             Axis::X | Axis::Z => measured,
         };
-        let in_force = if self.parameters.g50_sets_relative() {
-            self.frame.offset.get(axis)
+        let in_force = if self.memory.parameters.g50_sets_relative() {
+            self.coordinates.frame.offset.get(axis)
         } else {
             0.0
         };
@@ -92,13 +98,13 @@ impl Cnc {
     /// unless 004.4 ORC says otherwise.
     fn as_offset(&self, axis: Axis, distance: f64) -> f64 {
         match axis {
-            Axis::X if !self.parameters.offset_is_radius() => distance * 2.0,
+            Axis::X if !self.memory.parameters.offset_is_radius() => distance * 2.0,
             Axis::X | Axis::Z => distance,
         }
     }
 
     fn in_mm(&self, value: f64) -> f64 {
-        if self.parameters.inch_machine() {
+        if self.memory.parameters.inch_machine() {
             value * INCH
         } else {
             value
@@ -113,7 +119,7 @@ impl Cnc {
         if self.rights().parameters().is_err() {
             return Ok(());
         }
-        let mut changed = self.parameters.clone();
+        let mut changed = self.memory.parameters.clone();
         change(&mut changed)?;
         self.take_parameters(changed);
         Ok(())
@@ -122,34 +128,37 @@ impl Cnc {
     /// New values of all parameters: what is worked out from them follows, except
     /// for those that wait for the next power-on (alarm 000).
     pub(super) fn take_parameters(&mut self, changed: Parameters) {
-        let needs_power_cycle = changed.needs_power_cycle(&self.parameters);
+        let needs_power_cycle = changed.needs_power_cycle(&self.memory.parameters);
         let encoder = ENCODER
             .iter()
-            .any(|&number| changed.value(number) != self.parameters.value(number));
-        self.parameters = changed;
-        let in_force = self.parameters.in_force(&self.at_power_on);
-        self.limits = MotionLimits::from(&in_force);
-        self.soft_limits = SoftLimits::new(&in_force);
-        self.axes.reconfigure(&in_force, &self.pitch);
-        self.spindle.reconfigure(&in_force);
+            .any(|&number| changed.value(number) != self.memory.parameters.value(number));
+        self.memory.parameters = changed;
+        let in_force = self.memory.parameters.in_force(&self.at_power_on);
+        self.drives.limits = MotionLimits::from(&in_force);
+        self.drives.soft_limits = SoftLimits::new(&in_force);
+        self.drives.chain.reconfigure(&in_force, &self.memory.pitch);
+        self.spindle.control.reconfigure(&in_force);
         if encoder {
-            self.angle = SpindleAngle::new(&in_force);
+            self.spindle.angle = SpindleAngle::new(&in_force);
         }
         for (entry, parameter) in TIMER_PRESETS {
-            let value = self.parameters.value(parameter);
-            self.plc.memory_mut().set_dt(entry, value);
+            let time = self.memory.parameters.timer_ms(parameter);
+            self.plc.engine.memory_mut().set_dt(entry, time);
         }
         if needs_power_cycle {
-            self.raise(Alarm::new(0).because("a changed parameter takes effect at power-on"));
+            self.raise(
+                Alarm::new(number::POWER_CYCLE)
+                    .because("a changed parameter takes effect at power-on"),
+            );
         }
     }
 
     /// A point of the pitch error table.
     pub(super) fn set_pitch(&mut self, axis: Axis, point: u8, value: i16) -> Result<(), Alarm> {
         if self.rights().parameters().is_ok() {
-            self.pitch.set(axis, point, value)?;
-            let in_force = self.parameters.in_force(&self.at_power_on);
-            self.axes.reconfigure(&in_force, &self.pitch);
+            self.memory.pitch.set(axis, point, value)?;
+            let in_force = self.memory.parameters.in_force(&self.at_power_on);
+            self.drives.chain.reconfigure(&in_force, &self.memory.pitch);
         }
         Ok(())
     }
@@ -158,10 +167,10 @@ impl Cnc {
         if self.rights().settings().is_err() {
             return;
         }
-        self.settings.set(setting, on);
+        self.memory.settings.set(setting, on);
         if setting == Setting::Inch {
-            self.interpreter.set_inch_input(on);
-            self.modal.inch = on;
+            self.run.interpreter.set_inch_input(on);
+            self.run.modal.inch = on;
         }
     }
 
@@ -171,28 +180,28 @@ impl Cnc {
         let refused = if on {
             self.rights().parameter_switch().is_err()
         } else {
-            self.automatic.operating()
+            self.run.automatic.operating()
         };
-        if refused || self.parameter_switch == on {
+        if refused || self.switches.parameters == on {
             return;
         }
-        self.parameter_switch = on;
+        self.switches.parameters = on;
         if on {
-            self.raise(Alarm::new(SWITCH_ALARM));
+            self.raise(Alarm::new(number::PARAMETER_SWITCH));
         } else {
             self.cancel_switch_alarm();
         }
     }
 
     pub(super) fn cancel_switch_alarm(&mut self) {
-        self.alarms.remove(SWITCH_ALARM);
+        self.alarms.remove(number::PARAMETER_SWITCH);
     }
 
     pub(super) fn load_disk(&mut self, disk: Disk) {
         if self.rights().disks().is_ok() {
-            let content = self.disks.load(disk);
-            self.offsets = content.offsets;
-            self.pitch = content.pitch;
+            let content = self.memory.disks.load(disk);
+            self.memory.offsets = content.offsets;
+            self.memory.pitch = content.pitch;
             self.take_parameters(content.parameters);
         }
     }
@@ -200,26 +209,26 @@ impl Cnc {
     pub(super) fn save_disk(&mut self, disk: Disk) {
         if self.rights().disks().is_ok() {
             let content = DiskContent {
-                parameters: self.parameters.clone(),
-                offsets: self.offsets.clone(),
-                pitch: self.pitch.clone(),
+                parameters: self.memory.parameters.clone(),
+                offsets: self.memory.offsets.clone(),
+                pitch: self.memory.pitch.clone(),
             };
-            self.disks.save(disk, content);
+            self.memory.disks.save(disk, content);
         }
     }
 
     /// DGN.075: the tool post was turned by hand, with the power off.
     pub(super) fn set_tool_in_position(&mut self, tool: u8) -> Result<(), Alarm> {
-        if self.rights().machine_data().is_err() || self.automatic.operating() {
+        if self.rights().machine_data().is_err() || self.run.automatic.operating() {
             return Ok(());
         }
         if tool > LAST_TOOL {
             let detail = format!("tool {tool} is outside 0 to {LAST_TOOL}");
-            return Err(Alarm::new(43).because(detail));
+            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
         }
-        self.plc.memory_mut().set_k(TOOL_IN_POSITION, tool);
-        self.tool = (tool, 0);
-        self.interpreter.set_tool(tool);
+        self.plc.engine.memory_mut().set_k(TOOL_IN_POSITION, tool);
+        self.run.tool = (tool, 0);
+        self.run.interpreter.set_tool(tool);
         self.remember_tool(tool);
         Ok(())
     }
@@ -233,9 +242,11 @@ impl Cnc {
             return Ok(());
         }
         if value < 0 || address.area == Area::D && value > i32::from(u8::MAX) {
-            return Err(Alarm::new(43).because(format!("{value} does not fit {address}")));
+            return Err(
+                Alarm::new(number::OUT_OF_RANGE).because(format!("{value} does not fit {address}"))
+            );
         }
-        let memory = self.plc.memory_mut();
+        let memory = self.plc.engine.memory_mut();
         match address.area {
             Area::D => memory.set_byte(address, value as u8),
             Area::T => memory.set_dt(address.byte, value),

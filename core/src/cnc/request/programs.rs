@@ -1,7 +1,7 @@
 //! Requests about the program memory (manual III-5.1, III-8.1, III-8.2).
 
 use super::allowed;
-use crate::alarm::Alarm;
+use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
 use crate::command::ProgramId;
 use crate::operation::{Mode, RunState};
@@ -9,58 +9,62 @@ use crate::program::Program;
 
 impl Cnc {
     pub(super) fn select(&mut self, program: ProgramId) -> Result<(), Alarm> {
-        if self.automatic.operating() {
+        if self.run.automatic.operating() {
             return Ok(());
         }
         let hidden = match program {
             ProgramId::Stored(number) => self.rights().hides(number),
             _ => false,
         };
-        if hidden || self.programs.get(program).is_none() {
+        if hidden || self.memory.programs.get(program).is_none() {
             return Err(self.not_found_program());
         }
-        self.programs.select(program);
+        self.memory.programs.select(program);
         self.forget_run();
-        self.cursor_line = 1;
+        self.run.cursor_line = 1;
         Ok(())
     }
 
     fn not_found_program(&self) -> Alarm {
-        Alarm::new(if self.mode == Mode::Auto { 31 } else { 71 })
+        Alarm::new(if self.run.mode == Mode::Auto {
+            number::PROGRAM_MISSING
+        } else {
+            number::NOT_FOUND
+        })
     }
 
     /// What a search on the program page raises that found nothing.
     pub(super) fn not_found(&self, sequence: bool) -> Alarm {
-        Alarm::new(if sequence && self.mode == Mode::Auto {
-            60
+        Alarm::new(if sequence && self.run.mode == Mode::Auto {
+            number::SEQUENCE_MISSING
         } else {
-            71
+            number::NOT_FOUND
         })
     }
 
     pub(super) fn create_program(&mut self, number: u16) -> Result<(), Alarm> {
         if allowed(self.rights().program(number))? {
-            self.programs.create(number)?;
+            self.memory.programs.create(number)?;
             self.show_changed(number);
             // Behind the name, where the first block goes.
-            self.cursor_line = 2;
+            self.run.cursor_line = 2;
         }
         Ok(())
     }
 
     pub(super) fn save_program_as(&mut self, number: u16) -> Result<(), Alarm> {
         if allowed(self.rights().program(number))? {
-            self.programs.save_as(number)?;
+            self.memory.programs.save_as(number)?;
         }
         Ok(())
     }
 
     pub(super) fn rename_program(&mut self, number: u16) -> Result<(), Alarm> {
-        let Some(ProgramId::Stored(from)) = self.programs.current() else {
+        let Some(ProgramId::Stored(from)) = self.memory.programs.current() else {
             return Ok(());
         };
         if allowed(self.rights().program(from))? && allowed(self.rights().program(number))? {
-            self.programs.rename(from, number)?;
+            self.memory.programs.rename(from, number)?;
             self.show_changed(number);
         }
         Ok(())
@@ -68,8 +72,8 @@ impl Cnc {
 
     pub(super) fn delete_program(&mut self, number: u16) -> Result<(), Alarm> {
         if allowed(self.rights().program(number))? {
-            let was_selected = self.programs.current() == Some(ProgramId::Stored(number));
-            self.programs.delete(number)?;
+            let was_selected = self.memory.programs.current() == Some(ProgramId::Stored(number));
+            self.memory.programs.delete(number)?;
             if was_selected {
                 self.void_run();
             }
@@ -81,10 +85,15 @@ impl Cnc {
         if !allowed(self.rights().program(0))? {
             return Ok(());
         }
-        let numbers: Vec<u16> = self.programs.iter().map(|(number, _)| number).collect();
+        let numbers: Vec<u16> = self
+            .memory
+            .programs
+            .iter()
+            .map(|(number, _)| number)
+            .collect();
         for number in numbers {
             if self.rights().program(number).is_ok() {
-                self.programs.delete(number)?;
+                self.memory.programs.delete(number)?;
             }
         }
         self.void_run();
@@ -93,36 +102,37 @@ impl Cnc {
 
     /// What was typed while it was allowed; the mode may have changed since.
     pub(super) fn store_edited(&mut self, number: u16, program: Program) -> Result<(), Alarm> {
-        if self.automatic.state == RunState::Run || !allowed(self.rights().program_memory(number))?
+        if self.run.automatic.state == RunState::Run
+            || !allowed(self.rights().program_memory(number))?
         {
             return Ok(());
         }
-        self.programs.replace(number, program)?;
-        if self.programs.current() == Some(ProgramId::Stored(number)) {
-            let line = self.cursor_line;
+        self.memory.programs.replace(number, program)?;
+        if self.memory.programs.current() == Some(ProgramId::Stored(number)) {
+            let line = self.run.cursor_line;
             self.void_run();
-            self.cursor_line = line;
+            self.run.cursor_line = line;
         }
         Ok(())
     }
 
     fn show_changed(&mut self, number: u16) {
-        self.programs.select(ProgramId::Stored(number));
+        self.memory.programs.select(ProgramId::Stored(number));
         self.void_run();
     }
 
     /// The rest of a held run cannot be gone on with: the next start begins at the
     /// head.
     fn void_run(&mut self) {
-        if self.automatic.operating() {
+        if self.run.automatic.operating() {
             self.stop_run(RunState::Reset);
         }
         self.forget_run();
-        self.cursor_line = 1;
+        self.run.cursor_line = 1;
     }
 
     /// A moved cursor voids the rest of a stopped run.
     pub(super) fn forget_run(&mut self) {
-        self.automatic.clear();
+        self.run.automatic.clear();
     }
 }

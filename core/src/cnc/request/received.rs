@@ -38,19 +38,19 @@ impl Cnc {
             Received::Program(text) => {
                 let number = Program::new(text.as_str()).number();
                 if allowed(self.rights().receive_program(number.unwrap_or(0)))? {
-                    self.programs.receive(text)?;
+                    self.memory.programs.receive(text)?;
                 }
                 return Ok(());
             }
             _ if self.rights().receive_data().is_err() => {}
-            Received::Offsets(offsets) => self.offsets = offsets,
+            Received::Offsets(offsets) => self.memory.offsets = offsets,
             Received::Pitch(pitch) => {
-                self.pitch = pitch;
-                let in_force = self.parameters.in_force(&self.at_power_on);
-                self.axes.reconfigure(&in_force, &self.pitch);
+                self.memory.pitch = pitch;
+                let in_force = self.memory.parameters.in_force(&self.at_power_on);
+                self.drives.chain.reconfigure(&in_force, &self.memory.pitch);
             }
             Received::Parameters(values) => {
-                let mut changed = self.parameters.clone();
+                let mut changed = self.memory.parameters.clone();
                 for (number, value) in values {
                     changed.set(number, value)?;
                 }

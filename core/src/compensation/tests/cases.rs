@@ -27,8 +27,8 @@ pub(super) fn run(text: &str, nose: ToolOffset, start: Point) -> (Vec<ExecutedMo
         start: Some(start),
         ..Setup::default()
     };
-    setup.parameters.set_bit(2, 1, true).unwrap();
-    setup.offsets.set(1, nose).unwrap();
+    setup.memory.parameters.set_bit(2, 1, true).unwrap();
+    setup.memory.offsets.set(1, nose).unwrap();
     let mut programs = ProgramMemory::default();
     programs.open_external(Program::new(text));
     let mut moves = Vec::new();

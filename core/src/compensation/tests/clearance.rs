@@ -2,6 +2,7 @@
 //! an alarm; nothing third. The part is looked at with geometry of its own.
 
 use std::fmt::Write;
+use std::ops::RangeInclusive;
 
 use proptest::prelude::*;
 
@@ -26,11 +27,11 @@ struct Step {
 
 /// A piece of the part's surface.
 #[derive(Clone, Copy, Debug)]
-struct Surface {
-    from: Point,
-    to: Point,
+pub(super) struct Surface {
+    pub(super) from: Point,
+    pub(super) to: Point,
     /// Centre and whether it turns clockwise.
-    about: Option<(Point, bool)>,
+    pub(super) about: Option<(Point, bool)>,
 }
 
 fn angle(center: Point, point: Point) -> f64 {
@@ -60,8 +61,12 @@ impl Surface {
             Some((center, clockwise)) => {
                 let whole = swept(center, self.from, self.to, clockwise);
                 let radius = (self.from - center).length();
-                (swept(center, self.from, point, clockwise) <= whole)
-                    .then(|| ((point - center).length() - radius).abs())
+                let growth = (self.to - center).length() - radius;
+                let way = swept(center, self.from, point, clockwise);
+                (way <= whole).then(|| {
+                    let radius = radius + growth * (way / whole);
+                    ((point - center).length() - radius).abs()
+                })
             }
         };
         between.map_or(ends, |between| between.min(ends))
@@ -93,7 +98,7 @@ fn points(made: &ExecutedMove) -> Vec<Point> {
         .collect()
 }
 
-fn mm(thousandths: i64) -> String {
+pub(super) fn mm(thousandths: i64) -> String {
     let sign = if thousandths < 0 { "-" } else { "" };
     format!(
         "{sign}{}.{:03}",
@@ -184,12 +189,22 @@ fn outcome(steps: &[Step], nose: ToolOffset, left: bool) -> Outcome {
     if let Some(alarm) = preview.alarm {
         return Outcome::Alarm(alarm.number);
     }
+    let (deep, place) = deepest(&surface, &moves, nose, 3..=steps.len() as u32 + 2);
+    Outcome::Cut(deep, format!("{place} in\n{text}"))
+}
+
+/// How far the nose comes into the part on the moves of these lines, mm, and where.
+pub(super) fn deepest(
+    surface: &[Surface],
+    moves: &[ExecutedMove],
+    nose: ToolOffset,
+    lines: RangeInclusive<u32>,
+) -> (f64, String) {
     let mut worst = (f64::MIN, String::new());
-    let last = steps.len() as u32 + 2;
-    for made in &moves {
-        if made.source.line < 3 || made.source.line > last {
-            continue;
-        }
+    for made in moves
+        .iter()
+        .filter(|made| lines.contains(&made.source.line))
+    {
         for point in points(made) {
             let center = point - tip_of(&nose);
             let clear = surface
@@ -202,7 +217,7 @@ fn outcome(steps: &[Step], nose: ToolOffset, left: bool) -> Outcome {
             }
         }
     }
-    Outcome::Cut(worst.0, format!("{} in\n{text}", worst.1))
+    worst
 }
 
 /// Steps toward the chuck that never come back in Z.

@@ -4,3 +4,4 @@ mod cases;
 mod clearance;
 mod distances;
 mod random_programs;
+mod tangents;

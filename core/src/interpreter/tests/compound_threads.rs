@@ -45,7 +45,7 @@ fn the_example_of_the_manual() {
     let mut bench = Bench::at(80.0, 130.0);
     let trace = bench.trace(EXAMPLE);
     let begins: Vec<_> = trace.iter().skip(1).step_by(5).take(5).collect();
-    // X 68 - 2 d, Z 130 - d tan 30°; the finishing pass keeps Z of B_f.
+    // X 68 - 2 d, Z 130 - d tan 30°, the finishing pass B_e (d = k) too.
     assert_eq!(
         begins,
         [
@@ -53,7 +53,7 @@ fn the_example_of_the_manual() {
             "2: rapid X62.908832 Z128.530306 |",
             "2: rapid X61.764618 Z128.2 |",
             "2: rapid X61.04 Z127.990821 |",
-            "2: rapid X60.64 Z127.990821 |",
+            "2: rapid X60.64 Z127.875351 |",
         ]
     );
     // r·0.1·lead = 6: run-out from Z31, 6 mm high, but not beyond X_A.
@@ -81,7 +81,11 @@ fn depths_explain_themselves() {
                 .last()
                 .is_none_or(|(pass, ..)| *pass != explanation.pass)
         {
-            passes.push((explanation.pass, explanation.depth, explanation.formula));
+            passes.push((
+                explanation.pass,
+                explanation.depth,
+                explanation.formula.to_string(),
+            ));
         }
     }
     let depths: Vec<_> = passes

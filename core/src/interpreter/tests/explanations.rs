@@ -41,7 +41,7 @@ fn said(bench: Bench, text: &str) -> Vec<Said> {
                 one.passes,
                 one.level,
                 one.depth,
-                one.formula,
+                one.formula.to_string(),
             )
         })
         .collect()

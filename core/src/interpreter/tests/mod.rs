@@ -5,6 +5,7 @@ mod calls_and_units;
 mod compound_threads;
 mod corners;
 mod cycles;
+mod dialect;
 mod explanations;
 mod macros;
 mod motion;

@@ -135,18 +135,19 @@ fn an_arc_word_without_axes_sets_the_mode_only() {
 
 #[test]
 fn dwell_times() {
-    let trace = Bench::new()
-        .trace("G04 P1500;\nG04 X1.5;\nG04 U1.5;\nG04 P200 X9;\nG04 X1 U2;\nG04;\nG04 X-1;");
+    let trace =
+        Bench::new().trace("G04 P1500;\nG04 X1.5;\nG04 U1.5;\nG04 P200 X9;\nG04 X1 U2;\nG04;");
     let times: Vec<_> = trace
         .iter()
         .filter_map(|line| line.split("dwell ").nth(1))
         .collect();
     assert_eq!(
         times,
-        [
-            "1500 |", "1500 |", "1500 |", "200 |", "1000 |", "0 |", "0 |"
-        ]
+        ["1500 |", "1500 |", "1500 |", "200 |", "1000 |", "0 |"]
     );
+    for text in ["G04 X-1;", "G04 U-0.001;", "G04 P-500;", "G04 P500 X-1;"] {
+        assert_eq!(Bench::new().fault(text), (43, 1), "{text}");
+    }
 }
 
 #[test]

@@ -51,9 +51,9 @@ fn a_small_part() {
 #[test]
 fn offsets_do_not_show_in_the_path() {
     let mut setup = Setup::default();
-    let mut row = setup.offsets.get(1);
+    let mut row = setup.memory.offsets.get(1);
     (row.x, row.z) = (0.37, -1.23);
-    setup.offsets.set(1, row).unwrap();
+    setup.memory.offsets.set(1, row).unwrap();
     let (result, moves) = check_with(&setup, "T0101;\nG00 X33.3 Z-7.7;\nG01 X44.4 F100;\n");
     assert_eq!(moves[0].to, Point::new(16.65, -7.7));
     assert_eq!(moves[1].to, Point::new(22.2, -7.7));
@@ -92,12 +92,12 @@ fn the_program_stop_is_passed() {
 #[test]
 fn relative_coordinates_follow_a_preset_only_with_ppd() {
     let mut setup = Setup::default();
-    setup.parameters.set_bit(5, 1, true).unwrap();
+    setup.memory.parameters.set_bit(5, 1, true).unwrap();
     assert_eq!(
         check_with(&setup, "G50 X10 Z20;").0.relative,
         Point::new(5.0, 20.0)
     );
-    setup.parameters.set_bit(5, 1, false).unwrap();
+    setup.memory.parameters.set_bit(5, 1, false).unwrap();
     assert_eq!(
         check_with(&setup, "G50 X10 Z20;").0.relative,
         Point::new(150.0, 300.0)

@@ -387,7 +387,10 @@ fn levels_explain_themselves() {
         (explanation.level, explanation.depth, explanation.remaining),
         (Some(193.0), 4.0, 76.0)
     );
-    assert_eq!(explanation.formula, "X1 = 201.000 -8.000·1 = 193.000");
+    assert_eq!(
+        explanation.formula.to_string(),
+        "X1 = 201.000 -8.000·1 = 193.000"
+    );
 }
 
 #[test]

@@ -289,17 +289,37 @@ fn a_multi_start_thread_keeps_its_words() {
 }
 
 #[test]
-fn other_codes_forget_the_words_of_the_thread_cycle() {
-    for code in ["G00", "G32", "G50 U0", "G74 R1"] {
-        let text = format!("G92 X40 Z-30 R-1 F2 J0 L3;\n{code};\nG92 X40 Z-30;");
+fn other_codes_forget_the_end_of_the_thread_cycle_and_keep_its_run_out() {
+    for code in ["G00", "G32", "G50 U0", "G74 R1", "G65 H01 P#200 Q1"] {
+        let text = format!("G92 X40 Z-30 R-1 F2 J3 K2 L2;\n{code};\nG92 X40 Z-30;");
         let trace = Bench::at(50.0, 0.0).trace(&text);
         let last: Vec<_> = trace.iter().filter(|line| line.starts_with("3:")).collect();
         assert_eq!(last[0], "3: rapid X40 Z0 |", "{code}");
+        assert_eq!(last[1], "3: thread X40 Z-28 Z lead 2 at 0", "{code}");
         assert_eq!(
-            last[2], "3: run-out X42 Z-30 Z lead 2 continued |",
+            last[2], "3: run-out X46 Z-30 Z lead 2 continued |",
             "{code}"
         );
+        assert!(last[6].contains("at 180"), "{code}: {}", last[6]);
     }
+}
+
+#[test]
+fn the_end_of_a_program_forgets_the_run_out() {
+    let mut bench = Bench::at(50.0, 0.0);
+    bench.trace("G92 X40 Z-30 F2 J3 K2 L2;\nM30;");
+    let trace = bench.trace("G92 X40 Z-30;");
+    let cuts: Vec<_> = trace
+        .iter()
+        .filter(|line| line.contains("Z lead"))
+        .collect();
+    assert_eq!(
+        cuts,
+        [
+            "1: thread X40 Z-29 Z lead 2 at 0",
+            "1: run-out X42 Z-30 Z lead 2 continued |",
+        ]
+    );
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! What goes through the serial port, as plain text: programs as they are, offsets,
 //! pitch errors and parameters one a line.
 
+use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Cnc, Received};
-use gsk_core::memory::{Offsets, PitchTable, ToolOffset};
+use gsk_core::memory::{Offsets, PitchError, PitchTable, ToolOffset};
 use gsk_core::program::Program;
 use gsk_core::units::Axis;
 
@@ -80,11 +81,36 @@ fn parameters(cnc: &Cnc) -> String {
     states.chain(data).collect()
 }
 
+/// Why a file cannot be read, with its line from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LineError {
+    /// A line in another form.
+    #[error("line {0}: write it as NUMBER=VALUE")]
+    Form(usize),
+    /// A line without a number.
+    #[error("line {0}: {1} begins with no number")]
+    NoNumber(usize, String),
+    /// A value that cannot be read.
+    #[error("line {0}: {1} is no value here")]
+    NoValue(usize, String),
+    /// An offset that the control refuses.
+    #[error("line {line}: {}", .alarm.line_text())]
+    Offset {
+        /// Line, from 1.
+        line: usize,
+        /// Why.
+        alarm: Box<Alarm>,
+    },
+    /// A pitch error that the control refuses.
+    #[error("line {0}: {1}")]
+    Pitch(usize, PitchError),
+}
+
 /// What a file holds, by its name.
 ///
 /// # Errors
 /// The line that cannot be read, and why.
-pub(super) fn read(file: &SerialFile) -> Result<Received, String> {
+pub(super) fn read(file: &SerialFile) -> Result<Received, LineError> {
     let extension = file.name.rsplit('.').next().unwrap_or_default();
     match extension.to_ascii_lowercase().as_str() {
         "ofs" => read_offsets(&file.text).map(Received::Offsets),
@@ -100,7 +126,7 @@ pub(super) fn number_of(text: &str) -> u16 {
 }
 
 /// The lines `NUMBER=VALUE`, with their place for messages.
-fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), String>> {
+fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), LineError>> {
     let lines = text
         .lines()
         .enumerate()
@@ -108,20 +134,18 @@ fn lines(text: &str) -> impl Iterator<Item = Result<(usize, u16, &str), String>>
     lines
         .filter(|(_, line)| !line.is_empty())
         .map(|(at, line)| {
-            let (number, value) = line
-                .split_once('=')
-                .ok_or_else(|| format!("line {at}: write it as NUMBER=VALUE"))?;
+            let (number, value) = line.split_once('=').ok_or(LineError::Form(at))?;
             let number = number.trim().parse();
-            let number = number.map_err(|_| format!("line {at}: {line} begins with no number"))?;
+            let number = number.map_err(|_| LineError::NoNumber(at, line.to_owned()))?;
             Ok((at, number, value.trim()))
         })
 }
 
-fn wrong(at: usize, value: &str) -> String {
-    format!("line {at}: {value} is no value here")
+fn wrong(at: usize, value: &str) -> LineError {
+    LineError::NoValue(at, value.to_owned())
 }
 
-fn read_offsets(text: &str) -> Result<Offsets, String> {
+fn read_offsets(text: &str) -> Result<Offsets, LineError> {
     let mut offsets = Offsets::default();
     for line in lines(text) {
         let (at, number, value) = line?;
@@ -131,7 +155,10 @@ fn read_offsets(text: &str) -> Result<Offsets, String> {
         }
         let number = u8::try_from(number).map_err(|_| wrong(at, value))?;
         let set = offsets.set(number, offset);
-        set.map_err(|alarm| format!("line {at}: {}", alarm.line_text()))?;
+        set.map_err(|alarm| LineError::Offset {
+            line: at,
+            alarm: Box::new(alarm),
+        })?;
     }
     Ok(offsets)
 }
@@ -151,7 +178,7 @@ fn offset(value: &str) -> Option<ToolOffset> {
     values.next().is_none().then_some(offset)
 }
 
-fn read_pitch(text: &str) -> Result<PitchTable, String> {
+fn read_pitch(text: &str) -> Result<PitchTable, LineError> {
     let mut table = PitchTable::default();
     for line in lines(text) {
         let (at, number, value) = line?;
@@ -160,13 +187,13 @@ fn read_pitch(text: &str) -> Result<PitchTable, String> {
         for (axis, digits) in [(Axis::X, x), (Axis::Z, z)] {
             let micrometres = digits.trim().parse().map_err(|_| wrong(at, value))?;
             let set = table.set(axis, point, micrometres);
-            set.map_err(|error| format!("line {at}: {error}"))?;
+            set.map_err(|error| LineError::Pitch(at, error))?;
         }
     }
     Ok(table)
 }
 
-fn read_parameters(text: &str) -> Result<Vec<(u16, i32)>, String> {
+fn read_parameters(text: &str) -> Result<Vec<(u16, i32)>, LineError> {
     let states: Vec<u16> = pages::state_numbers().collect();
     let mut values = Vec::new();
     for line in lines(text) {
@@ -207,7 +234,8 @@ mod tests {
         ] {
             let read = read(&file(name, text));
             assert!(
-                read.as_ref().is_err_and(|error| error.contains(said)),
+                read.as_ref()
+                    .is_err_and(|error| error.to_string().contains(said)),
                 "{text}: {read:?}"
             );
         }

@@ -89,6 +89,7 @@ impl GrblTwin {
     }
 
     fn fluid_reset(&mut self) {
+        self.resets += 1;
         let unhomed = self.fluid.unhomed != [false; 2];
         let alarm = match self.state {
             State::Home => {

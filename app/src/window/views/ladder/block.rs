@@ -6,7 +6,7 @@ use gsk_core::plc::{Operand, Statement};
 use super::draw::{ADDRESS, COMMENT, HELD, LEAD, LIVE, Pen, RAIL, WIRE};
 use super::layout::{HEADING, LINE};
 use super::value;
-use crate::window::texts::say;
+use gsk_messages::say;
 
 impl Pen<'_> {
     /// Draws a function instruction between the bus and the right rail.
@@ -75,7 +75,7 @@ impl Pen<'_> {
             top += LINE;
         }
         if !output.table.is_empty() {
-            let words = say(self.sheet.language, "表", "table");
+            let words = say::ladder_operand_table().text(self.sheet.language);
             let font = FontId::proportional(12.0);
             painter.text(
                 pos2(place.left() + 8.0, top),

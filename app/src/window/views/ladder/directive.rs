@@ -3,8 +3,7 @@
 use gsk_core::plc::Subject;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 
-use crate::cli::Language;
-use crate::window::texts::say;
+use gsk_messages::{Message, say};
 
 /// A table that belongs to a ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,27 +26,30 @@ impl Table {
     }
 
     /// Names of the fields of a row, the address first.
-    pub const fn fields(self, language: Language) -> &'static [&'static str] {
-        match (self, language) {
-            (Self::Messages, Language::Zh) => &["A 地址", "信息号", "显示信息"],
-            (Self::Messages, Language::En) => &["A address", "Number", "Text"],
-            (Self::Comments, Language::Zh) => &["地址", "中文注释", "英文注释"],
-            (Self::Comments, Language::En) => &["Address", "Chinese comment", "English comment"],
-            (Self::StartValues, Language::Zh) => &["地址", "初始值"],
-            (Self::StartValues, Language::En) => &["Address", "Initial"],
+    pub fn fields(self) -> Vec<Message> {
+        match self {
+            Self::Messages => vec![
+                say::ladder_column_message_address(),
+                say::ladder_column_message_number(),
+                say::ladder_column_message_text(),
+            ],
+            Self::Comments => vec![
+                say::ladder_column_address(),
+                say::ladder_column_chinese_comment(),
+                say::ladder_column_english_comment(),
+            ],
+            Self::StartValues => vec![
+                say::ladder_column_address(),
+                say::ladder_column_initial_value(),
+            ],
         }
     }
 
     /// The line of a row; why there is none.
-    fn line(self, fields: &[String], language: Language) -> Result<String, String> {
+    fn line(self, fields: &[String]) -> Result<String, Message> {
         let quoted = |text: &str| format!("\"{}\"", text.trim());
         if fields.iter().any(|field| field.contains(['"', '\n'])) {
-            let words = say(
-                language,
-                "文字中不能有引号",
-                "a text has no quotation mark in it",
-            );
-            return Err(words.to_owned());
+            return Err(say::ladder_text_has_quotation_mark());
         }
         let directive = self.directive();
         Ok(match (self, fields) {
@@ -73,8 +75,8 @@ impl Table {
     }
 
     /// The list with a row put in, in the place of the one with its address.
-    pub fn with(self, list: &str, fields: &[String], language: Language) -> Result<String, String> {
-        let line = self.line(fields, language)?;
+    pub fn with(self, list: &str, fields: &[String]) -> Result<String, Message> {
+        let line = self.line(fields)?;
         let subject = fields.first().and_then(|address| subject(address));
         Ok(self.replaced(list, subject, Some(&line)))
     }
@@ -139,7 +141,7 @@ mod tests {
     #[test]
     fn a_row_is_replaced_added_and_deleted_and_nothing_else_changes() {
         let with = |table: Table, texts: &[&str]| {
-            let text = table.with(LIST, &fields(texts), Language::En).unwrap();
+            let text = table.with(LIST, &fields(texts)).unwrap();
             Ladder::compile(&text).unwrap();
             text
         };
@@ -163,6 +165,6 @@ mod tests {
     #[test]
     fn quotation_marks_are_refused() {
         let row = fields(&["A0.0", "1000", "a \"b\""]);
-        assert!(Table::Messages.with(LIST, &row, Language::Zh).is_err());
+        assert!(Table::Messages.with(LIST, &row).is_err());
     }
 }

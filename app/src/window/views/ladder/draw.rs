@@ -11,8 +11,7 @@ use gsk_core::plc::{
 use gsk_panel::pages::signal_meaning;
 
 use super::layout::{self, OUTPUT_COLUMNS, Placed, TITLE, cells};
-use crate::cli::Language;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 /// Room for the number of a rung, points.
 pub const GUTTER: f32 = 62.0;
@@ -289,9 +288,9 @@ impl Pen<'_> {
         }
         self.names(contact.bit, corner, cell);
         let kind = if contact.normally_closed {
-            say(self.sheet.language, "常闭触点", "normally closed")
+            say::ladder_normally_closed().text(self.sheet.language)
         } else {
-            say(self.sheet.language, "常开触点", "normally open")
+            say::ladder_normally_open().text(self.sheet.language)
         };
         self.choose(contact.at, place, &format!("{} {kind}", contact.bit));
         out
@@ -446,7 +445,7 @@ pub fn comment(ladder: &Ladder, subject: Subject, language: Language) -> String 
     });
     match (own, subject) {
         (Some(own), _) if !own.is_empty() => own.to_owned(),
-        (_, Subject::Bit(bit)) => signal_meaning(bit, language == Language::En).to_owned(),
+        (_, Subject::Bit(bit)) => signal_meaning(bit, language).to_owned(),
         _ => String::new(),
     }
 }

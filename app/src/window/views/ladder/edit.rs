@@ -12,10 +12,9 @@ use gsk_core::setup::standard_ladder;
 use super::change::{Change, changed, lines};
 use super::draft::Draft;
 use super::{LadderView, Tab, words};
-use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
-use crate::window::texts::say;
 use crate::window::views::aside;
+use gsk_messages::{Language, say};
 
 /// Colour of what the compiler finds wrong.
 pub const WRONG: Color32 = Color32::from_rgb(255, 130, 104);
@@ -124,8 +123,8 @@ impl LadderView {
         let is_changed = draft.is_changed();
         ui.horizontal_wrapped(|ui| {
             for (word, hint, on, redo) in [
-                (say(language, "撤消", "Undo"), "Ctrl+Z", back, false),
-                (say(language, "重做", "Redo"), "Ctrl+Y", again, true),
+                (say::ladder_undo().text(language), "Ctrl+Z", back, false),
+                (say::ladder_redo().text(language), "Ctrl+Y", again, true),
             ] {
                 if ui
                     .add_enabled(on, Button::new(word))
@@ -142,12 +141,8 @@ impl LadderView {
                 self.rung_tools(ui, language, right);
             }
             ui.separator();
-            let hint = say(
-                language,
-                "F9: 保存为指令表, 下次上电运行",
-                "F9: saved as instruction list, runs at the next power-on",
-            );
-            let save = Button::new(say(language, "保存", "Save"));
+            let hint = say::ladder_save_hint().text(language);
+            let save = Button::new(say::window_save().text(language));
             let may = self.refused.is_none();
             if ui
                 .add_enabled(right && is_changed && may, save)
@@ -157,22 +152,22 @@ impl LadderView {
                 self.save();
             }
             if let Some(refusal) = self.refused.filter(|_| is_changed) {
-                let words = words::refusal(refusal, language);
+                let words = words::refusal(refusal).text(language);
                 ui.label(RichText::new(words).color(super::draw::HELD));
             }
-            let discard = Button::new(say(language, "放弃修改", "Discard"));
+            let discard = Button::new(say::ladder_discard().text(language));
             if ui.add_enabled(is_changed, discard).clicked() {
                 self.draft = None;
                 self.editing = false;
             }
-            ui.menu_button(say(language, "文件", "File"), |ui| {
+            ui.menu_button(say::ladder_file_menu().text(language), |ui| {
                 self.files(ui, language);
             });
         });
     }
 
     fn files(&mut self, ui: &mut Ui, language: Language) {
-        let words = say(language, "打开指令表…", "Open list…");
+        let words = say::ladder_open_list().text(language);
         if ui.button(words).clicked() {
             let opened = Arc::clone(&self.opened);
             let context = ui.ctx().clone();
@@ -182,7 +177,7 @@ impl LadderView {
             ui.close();
         }
         if ui
-            .button(say(language, "导出指令表…", "Export list…"))
+            .button(say::ladder_export_list().text(language))
             .clicked()
         {
             if let Some(draft) = &self.draft {
@@ -198,7 +193,7 @@ impl LadderView {
             }
             ui.close();
         }
-        let words = say(language, "换成标准梯形图", "Replace by the standard ladder");
+        let words = say::ladder_replace_by_standard().text(language);
         if ui.button(words).clicked() {
             if let Some(draft) = &mut self.draft {
                 draft.set(standard_ladder().source().to_owned(), None);
@@ -211,12 +206,8 @@ impl LadderView {
     fn element_tools(&mut self, ui: &mut Ui, language: Language, right: bool) {
         let on = right && self.chosen.is_some();
         if ui
-            .add_enabled(on, Button::new(say(language, "开/闭", "Open/closed")))
-            .on_hover_text(say(
-                language,
-                "常开与常闭互换; 线圈: OUT、SET、RST",
-                "Normally open or closed; a coil: OUT, SET, RST",
-            ))
+            .add_enabled(on, Button::new(say::ladder_open_or_closed().text(language)))
+            .on_hover_text(say::ladder_open_or_closed_hint().text(language))
             .clicked()
         {
             self.change(Change::Kind);
@@ -225,36 +216,24 @@ impl LadderView {
             .desired_width(70.0)
             .hint_text("R30.5");
         let response = ui.add(field);
-        let name = say(language, "元件地址", "Element address");
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+        let name = say::ladder_element_address().text(language);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
         let bit: Option<BitAddress> = self.address.trim().to_ascii_uppercase().parse().ok();
         type Make = fn(BitAddress) -> Change;
-        let tools: [(&str, &str, Make); 3] = [
+        let tools: [(String, String, Make); 3] = [
             (
-                say(language, "改地址", "Address"),
-                say(
-                    language,
-                    "所选元件改用此地址",
-                    "The chosen element takes this address",
-                ),
+                say::ladder_change_address().text(language),
+                say::ladder_change_address_hint().text(language),
                 Change::Address,
             ),
             (
-                say(language, "串联", "Series"),
-                say(
-                    language,
-                    "在所选触点后串联一触点",
-                    "A contact behind the chosen one",
-                ),
+                say::ladder_series().text(language),
+                say::ladder_series_hint().text(language),
                 Change::Series,
             ),
             (
-                say(language, "并联", "Parallel"),
-                say(
-                    language,
-                    "在所选触点或线圈下并联一个",
-                    "A contact or coil below the chosen one",
-                ),
+                say::ladder_parallel().text(language),
+                say::ladder_parallel_hint().text(language),
                 Change::Parallel,
             ),
         ];
@@ -268,7 +247,7 @@ impl LadderView {
                 self.change(make(bit));
             }
         }
-        let delete = Button::new(say(language, "删除", "Delete"));
+        let delete = Button::new(say::ladder_delete_element().text(language));
         if ui.add_enabled(on, delete).on_hover_text("Delete").clicked() {
             self.change(Change::Delete);
         }
@@ -276,7 +255,7 @@ impl LadderView {
 
     fn rung_tools(&mut self, ui: &mut Ui, language: Language, right: bool) {
         let on = right && self.chosen.is_some();
-        let insert = Button::new(say(language, "插入梯级", "Insert rung"));
+        let insert = Button::new(say::ladder_insert_rung().text(language));
         if ui.add_enabled(on, insert).clicked() {
             self.replace_rung(|network| {
                 let mut rung = lines(network);
@@ -291,7 +270,7 @@ impl LadderView {
                 self.show_rung = Some(next.number);
             }
         }
-        let delete = Button::new(say(language, "删除梯级", "Delete rung"));
+        let delete = Button::new(say::ladder_delete_rung().text(language));
         if ui.add_enabled(on, delete).clicked() {
             self.replace_rung(|_| Some(Vec::new()));
         }
@@ -353,11 +332,7 @@ impl LadderView {
             });
         }
         let Some(mut editor) = self.editor.take() else {
-            let words = say(
-                language,
-                "点击要编辑的梯级中的元件",
-                "Click an element of the rung to be edited",
-            );
+            let words = say::ladder_click_rung_to_edit().text(language);
             ui.label(RichText::new(words).weak());
             return;
         };
@@ -380,7 +355,7 @@ impl LadderView {
                     .desired_width(f32::INFINITY);
                 let response = ui.add(field);
                 response.widget_info(|| {
-                    let name = say(language, "梯级指令", "Instructions of the rung");
+                    let name = say::ladder_rung_instructions().text(language);
                     egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, true, name)
                 });
                 if response.changed()
@@ -442,7 +417,7 @@ impl LadderView {
                     .interactive(editing);
                 let response = ui.add(field);
                 response.widget_info(|| {
-                    let name = say(language, "指令表", "Instruction list");
+                    let name = say::ladder_instruction_list().text(language);
                     egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, editing, name)
                 });
                 if response.changed()
@@ -490,13 +465,14 @@ fn complaints(
             let ink = if compiles { super::draw::HELD } else { WRONG };
             for error in found {
                 let own = rung == WHOLE || error.rung == rung;
-                let place = if own {
+                let finding = words::finding(error, language);
+                let text = if own {
                     let line = error.line.saturating_sub(first) + 1;
-                    format!("{} {line}", say(language, "行", "line"))
+                    say::ladder_at_line(line, finding)
                 } else {
-                    format!("{} {:04}", say(language, "梯级", "rung"), error.rung)
+                    say::ladder_at_rung(error.rung, finding)
                 };
-                let text = format!("{place}: {}", words::finding(error, language));
+                let text = text.text(language);
                 let label = egui::Label::new(RichText::new(text).color(ink))
                     .wrap()
                     .sense(egui::Sense::click());

@@ -23,13 +23,12 @@ use gsk_core::memory::Refusal;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Ladder, Statement, Subject};
 
-use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
-use crate::window::texts::say;
 use draft::Draft;
 use draw::Sheet;
 use edit::Editor;
+use gsk_messages::{Language, Message, say};
 use layout::Drawing;
 use search::Search;
 
@@ -52,13 +51,13 @@ impl Tab {
         Self::StartValues,
     ];
 
-    const fn name(self, language: Language) -> &'static str {
+    fn name(self) -> Message {
         match self {
-            Self::Rungs => say(language, "梯形图", "Ladder"),
-            Self::List => say(language, "指令表", "List"),
-            Self::Messages => say(language, "显示信息表", "Messages"),
-            Self::Comments => say(language, "注释表", "Comments"),
-            Self::StartValues => say(language, "初始化数据表", "Initial data"),
+            Self::Rungs => say::ladder_tab_rungs(),
+            Self::List => say::ladder_tab_list(),
+            Self::Messages => say::ladder_tab_messages(),
+            Self::Comments => say::ladder_tab_comments(),
+            Self::StartValues => say::ladder_tab_initial_data(),
         }
     }
 }
@@ -138,7 +137,7 @@ impl LadderView {
         own_keys: bool,
     ) {
         let Some(machine) = machine else {
-            ui.centered_and_justified(|ui| ui.label(say(language, "请稍候…", "One moment …")));
+            ui.centered_and_justified(|ui| ui.label(say::window_one_moment().text(language)));
             return;
         };
         self.follow(machine);
@@ -206,7 +205,7 @@ impl LadderView {
         ui.horizontal_wrapped(|ui| {
             for tab in Tab::ALL {
                 if ui
-                    .selectable_label(self.tab == tab, tab.name(language))
+                    .selectable_label(self.tab == tab, tab.name().text(language))
                     .clicked()
                 {
                     self.tab = tab;
@@ -217,22 +216,18 @@ impl LadderView {
             ui.separator();
             let halted = machine.halted;
             let word = if halted {
-                say(language, "运行", "Run")
+                say::ladder_run().text(language)
             } else {
-                say(language, "停止", "Halt")
+                say::ladder_halt().text(language)
             };
-            let hint = say(
-                language,
-                "停止或继续扫描; 停止后可逐扫描或逐梯级执行",
-                "Halts the scan or lets it run on; halted it can be stepped",
-            );
+            let hint = say::ladder_halt_hint().text(language);
             let button = egui::Button::new(word).min_size(vec2(52.0, 0.0));
             if ui.add(button).on_hover_text(hint).clicked() {
                 self.ask(Request::HaltLadder(!halted));
             }
             for (word, step) in [
-                (say(language, "单扫描", "One scan"), LadderStep::Slot),
-                (say(language, "单梯级", "One rung"), LadderStep::Rung),
+                (say::ladder_one_scan().text(language), LadderStep::Slot),
+                (say::ladder_one_rung().text(language), LadderStep::Rung),
             ] {
                 if ui.add_enabled(halted, egui::Button::new(word)).clicked() {
                     self.ask(Request::StepLadder(step));
@@ -242,13 +237,16 @@ impl LadderView {
                 }
             }
             ui.separator();
-            let edit = egui::Button::selectable(self.editing, say(language, "编辑", "Edit"));
+            let edit = egui::Button::selectable(self.editing, say::ladder_edit().text(language));
             if ui.add(edit).clicked() {
                 self.toggle_editing(machine);
             }
             if self.tab == Tab::Rungs {
                 ui.separator();
-                ui.checkbox(&mut self.comments, say(language, "注释", "Comments"));
+                ui.checkbox(
+                    &mut self.comments,
+                    say::ladder_show_comments().text(language),
+                );
                 ui.separator();
                 let ladder = self.shown(machine);
                 self.search_field(ui, language, &ladder);
@@ -347,15 +345,14 @@ impl LadderView {
         ui.horizontal(|ui| {
             let (words, colour) = match (plc.fault(), machine.halted) {
                 (Some(fault), _) => {
-                    let words = words::fault(fault, language);
+                    let words = fault.message().text(language);
                     (words, egui::Color32::from_rgb(255, 120, 96))
                 }
                 (None, true) => {
                     let rung = plc.next_rung().unwrap_or(0);
-                    let words = say(language, "已停止, 下一梯级", "halted, next rung");
-                    (format!("{words} {rung:04}"), draw::HELD)
+                    (say::ladder_halted(rung).text(language), draw::HELD)
                 }
-                (None, false) => (say(language, "运行", "running").to_owned(), draw::LIVE),
+                (None, false) => (say::ladder_running().text(language), draw::LIVE),
             };
             ui.label(RichText::new(words).color(colour));
             ui.separator();
@@ -368,30 +365,15 @@ impl LadderView {
                 .collect();
             ui.label(RichText::new(about.join("  ")).weak());
             ui.separator();
-            let steps = say(language, "步", "steps");
-            let rungs = say(language, "梯级", "rungs");
-            let parts = say(language, "二级分段:", "parts of level 2:");
-            let figures = format!(
-                "{} {steps}   {} {rungs}   {parts} {}",
-                ladder.steps(),
-                ladder.rung_count(),
-                ladder.parts()
-            );
+            let figures = say::ladder_size(ladder.steps(), ladder.rung_count(), ladder.parts());
+            let figures = figures.text(language);
             ui.label(RichText::new(figures).weak());
             if machine.next_ladder.is_some() {
                 ui.separator();
-                let words = say(
-                    language,
-                    "新梯形图待重新上电后运行",
-                    "a new ladder runs at the next power-on",
-                );
+                let words = say::ladder_new_at_power_on().text(language);
                 ui.label(RichText::new(words).color(draw::HELD));
-                let words = say(language, "重新上电", "Power off and on");
-                let hint = say(
-                    language,
-                    "控制断电再上电, 程序停止",
-                    "The control goes off and on again; a program stops",
-                );
+                let words = say::ladder_power_off_and_on().text(language);
+                let hint = say::ladder_power_off_and_on_hint().text(language);
                 if ui.button(words).on_hover_text(hint).clicked() {
                     self.console.send(Command::PowerCycle);
                 }

@@ -6,8 +6,7 @@ use gsk_core::plc::{Ladder, Subject};
 
 use super::draw::comment;
 use super::{LadderView, subjects};
-use crate::cli::Language;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 /// What is looked for, and where it was found.
 #[derive(Clone, Debug, Default)]
@@ -79,16 +78,12 @@ fn by_words(ladder: &Ladder, text: &str) -> Vec<usize> {
 
 impl LadderView {
     pub(super) fn search_field(&mut self, ui: &mut Ui, language: Language, ladder: &Ladder) {
-        let name = say(language, "查找", "Find");
+        let name = say::ladder_find().text(language);
         let field = egui::TextEdit::singleline(&mut self.search.text)
             .desired_width(196.0)
-            .hint_text(say(
-                language,
-                "地址, 指令或注释",
-                "address, instruction, comment",
-            ));
+            .hint_text(say::ladder_find_hint().text(language));
         let response = ui.add(field);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
         if response.changed() {
             self.search.done = false;
         }
@@ -107,18 +102,18 @@ impl LadderView {
         }
         let count = self.search.found.len();
         for (sign, words, way) in [
-            ("◀", say(language, "上一个", "Previous"), -1),
-            ("▶", say(language, "下一个", "Next"), 1),
+            ("◀", say::ladder_find_previous().text(language), -1),
+            ("▶", say::ladder_find_next().text(language), 1),
         ] {
             let button = ui.add_enabled(count > 0, egui::Button::new(sign));
-            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, count > 0, words));
+            button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, count > 0, &words));
             if button.on_hover_text(words).clicked() {
                 self.next_found(ladder, way);
             }
         }
         if self.search.done {
             let words = if count == 0 {
-                say(language, "没有找到", "not found").to_owned()
+                say::ladder_not_found().text(language)
             } else {
                 format!("{} / {count}", self.search.at + 1)
             };

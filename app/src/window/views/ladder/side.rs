@@ -8,10 +8,9 @@ use gsk_panel::pages::signal_name;
 
 use super::draw::{self, comment};
 use super::{LadderView, subjects, value};
-use crate::cli::Language;
 use crate::kernel::Command;
 use crate::kernel::monitor::MachineView;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 /// Width of the list, points.
 pub const WIDTH: f32 = 304.0;
@@ -25,19 +24,15 @@ impl LadderView {
                 let chosen = self.chosen.and_then(|at| ladder.statements().get(at));
                 match chosen {
                     Some(statement) => {
-                        let words = say(language, "梯级", "Rung");
-                        ui.label(RichText::new(format!("{words} {:04}", statement.rung)).weak());
+                        let rung = say::ladder_rung(statement.rung).text(language);
+                        ui.label(RichText::new(rung).weak());
                         ui.label(RichText::new(statement.to_string()).monospace().strong());
                         for subject in subjects(statement) {
                             self.subject(ui, language, machine, &ladder, subject);
                         }
                     }
                     None => {
-                        let words = say(
-                            language,
-                            "点击触点、线圈或功能指令, 查看其状态和使用处",
-                            "Click a contact, a coil or a box for its state and its uses",
-                        );
+                        let words = say::ladder_click_element().text(language);
                         ui.label(RichText::new(words).weak());
                     }
                 }
@@ -84,8 +79,8 @@ impl LadderView {
         }
         let references = ladder.references(subject);
         for (access, words) in [
-            (Access::Write, say(language, "写入", "written")),
-            (Access::Read, say(language, "读出", "read")),
+            (Access::Write, say::ladder_written().text(language)),
+            (Access::Read, say::ladder_read().text(language)),
         ] {
             let mut listed = references
                 .iter()
@@ -123,11 +118,11 @@ impl LadderView {
             .find(|force| force.bit == bit)
             .map(|force| force.value);
         ui.horizontal(|ui| {
-            ui.label(RichText::new(say(language, "强制", "Force")).weak());
+            ui.label(RichText::new(say::ladder_force().text(language)).weak());
             for (value, word) in [
-                (Some(true), "1"),
-                (Some(false), "0"),
-                (None, say(language, "取消", "free")),
+                (Some(true), "1".to_owned()),
+                (Some(false), "0".to_owned()),
+                (None, say::ladder_force_free().text(language)),
             ] {
                 let chosen = held == value;
                 let (fill, ink) = match (chosen, value) {
@@ -135,12 +130,12 @@ impl LadderView {
                     (true, None) => (Color32::from_gray(58), Color32::from_gray(210)),
                     (false, _) => (Color32::from_gray(42), Color32::from_gray(190)),
                 };
-                let button = egui::Button::new(RichText::new(word).color(ink))
+                let button = egui::Button::new(RichText::new(&word).color(ink))
                     .fill(fill)
                     .min_size(vec2(30.0, 0.0));
                 let response = ui.add(button);
                 response.widget_info(|| {
-                    let name = format!("{} {bit} {word}", say(language, "强制", "Force"));
+                    let name = say::ladder_force_to(bit, &word).text(language);
                     egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, name)
                 });
                 if response.clicked() {
@@ -157,13 +152,13 @@ impl LadderView {
         }
         ui.add_space(10.0);
         ui.separator();
-        let words = say(language, "已强制的位", "Forced bits");
+        let words = say::ladder_forced_bits().text(language);
         ui.label(RichText::new(words).color(draw::HELD));
         for force in forces {
             ui.horizontal(|ui| {
                 let text = format!("{} = {}", force.bit, u8::from(force.value));
                 ui.label(RichText::new(text).monospace());
-                let name = format!("{} {}", say(language, "取消强制", "Release"), force.bit);
+                let name = say::ladder_release(force.bit).text(language);
                 let button = ui.small_button("×");
                 button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
                 if button.on_hover_text(&name).clicked() {
@@ -172,7 +167,7 @@ impl LadderView {
             });
         }
         if ui
-            .button(say(language, "全部取消", "Release all"))
+            .button(say::ladder_release_all().text(language))
             .clicked()
         {
             self.console.send(Command::FreeBits);

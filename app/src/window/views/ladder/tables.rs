@@ -10,28 +10,27 @@ use gsk_core::plc::{Ladder, Subject};
 use super::directive::Table;
 use super::draft::Draft;
 use super::{LadderView, draw, value, words};
-use crate::cli::Language;
 use crate::kernel::monitor::MachineView;
-use crate::window::texts::say;
+use gsk_messages::{Language, Message, say};
 
 /// Height of a row, points.
 const ROW: f32 = 22.0;
 
 /// A column: heading and width; the last one takes what is left.
-type Column = (&'static str, f32);
+type Column = (Message, f32);
 
 impl LadderView {
     pub(super) fn messages(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         self.row_editor(ui, language, Table::Messages);
         let ladder = self.shown(machine);
         let columns = [
-            (say(language, "A 地址", "A address"), 110.0),
-            (say(language, "信息号", "Number"), 90.0),
-            (say(language, "状态", "State"), 70.0),
-            (say(language, "显示信息", "Text"), 0.0),
+            (say::ladder_column_message_address(), 110.0),
+            (say::ladder_column_message_number(), 90.0),
+            (say::ladder_column_state(), 70.0),
+            (say::ladder_column_message_text(), 0.0),
         ];
         let messages = ladder.messages();
-        let clicked = table(ui, &columns, messages.len(), |index| {
+        let clicked = table(ui, language, &columns, messages.len(), |index| {
             let Some(message) = messages.get(index) else {
                 return Vec::new();
             };
@@ -62,13 +61,13 @@ impl LadderView {
         self.row_editor(ui, language, Table::Comments);
         let ladder = self.shown(machine);
         let columns = [
-            (say(language, "地址", "Address"), 110.0),
-            (say(language, "使用", "Uses"), 60.0),
-            (say(language, "中文注释", "Chinese comment"), 260.0),
-            (say(language, "英文注释", "English comment"), 0.0),
+            (say::ladder_column_address(), 110.0),
+            (say::ladder_column_uses(), 60.0),
+            (say::ladder_column_chinese_comment(), 260.0),
+            (say::ladder_column_english_comment(), 0.0),
         ];
         let comments = ladder.comments();
-        let clicked = table(ui, &columns, comments.len(), |index| {
+        let clicked = table(ui, language, &columns, comments.len(), |index| {
             let Some(comment) = comments.get(index) else {
                 return Vec::new();
             };
@@ -97,13 +96,13 @@ impl LadderView {
         self.row_editor(ui, language, Table::StartValues);
         let ladder = self.shown(machine);
         let columns = [
-            (say(language, "地址", "Address"), 110.0),
-            (say(language, "初始值", "Initial"), 120.0),
-            (say(language, "当前值", "Now"), 140.0),
-            (say(language, "注释", "Comment"), 0.0),
+            (say::ladder_column_address(), 110.0),
+            (say::ladder_column_initial_value(), 120.0),
+            (say::ladder_column_value_now(), 140.0),
+            (say::ladder_column_comment(), 0.0),
         ];
         let values = ladder.start_values();
-        let clicked = table(ui, &columns, values.len(), |index| {
+        let clicked = table(ui, language, &columns, values.len(), |index| {
             let Some(start) = values.get(index) else {
                 return Vec::new();
             };
@@ -135,7 +134,7 @@ impl LadderView {
 
     /// The fields of the row that was clicked, or of a new one.
     fn row_editor(&mut self, ui: &mut Ui, language: Language, kind: Table) {
-        let names = kind.fields(language);
+        let names: Vec<String> = kind.fields().iter().map(|it| it.text(language)).collect();
         self.row.resize(names.len(), String::new());
         if !self.editing {
             return;
@@ -145,26 +144,25 @@ impl LadderView {
         panel.show(ui, |ui| {
             ui.horizontal_wrapped(|ui| {
                 for (at, (name, text)) in names.iter().zip(&mut self.row).enumerate() {
-                    ui.label(RichText::new(*name).weak());
+                    ui.label(RichText::new(name).weak());
                     let texts = at > 0 && kind != Table::StartValues && names.len() - at < 3;
                     let long = texts && !(kind == Table::Messages && at == 1);
                     let width = if long { 260.0 } else { 90.0 };
                     let response = ui.add(TextEdit::singleline(text).desired_width(width));
                     response.widget_info(|| {
-                        egui::WidgetInfo::labeled(egui::Role::TextInput, true, *name)
+                        egui::WidgetInfo::labeled(egui::Role::TextInput, true, name)
                     });
                 }
                 let source = self.draft.as_ref().map_or("", Draft::text);
-                let write = say(language, "写入", "Write");
-                let hint = say(
-                    language,
-                    "写入此行; 同一地址的旧行被替换",
-                    "Puts the row in; one with the same address is replaced",
-                );
+                let write = say::ladder_write_row().text(language);
+                let hint = say::ladder_write_row_hint().text(language);
                 if ui.button(write).on_hover_text(hint).clicked() {
-                    list = Some(kind.with(source, &self.row, language));
+                    list = Some(
+                        kind.with(source, &self.row)
+                            .map_err(|wrong| wrong.text(language)),
+                    );
                 }
-                if ui.button(say(language, "删除此行", "Delete row")).clicked() {
+                if ui.button(say::ladder_delete_row().text(language)).clicked() {
                     let address = self.row.first().map_or("", String::as_str);
                     list = Some(Ok(kind.without(source, address)));
                 }
@@ -199,13 +197,16 @@ impl LadderView {
 /// Draws a table; tells which row was clicked.
 fn table(
     ui: &mut Ui,
+    language: Language,
     columns: &[Column],
     count: usize,
     row: impl Fn(usize) -> Vec<RichText>,
 ) -> Option<usize> {
     let mut clicked = None;
     ui.add_space(6.0);
-    let heads = columns.iter().map(|(head, _)| RichText::new(*head).weak());
+    let heads = columns
+        .iter()
+        .map(|(head, _)| RichText::new(head.text(language)).weak());
     cells(ui, columns, heads.collect());
     ui.separator();
     ScrollArea::vertical()

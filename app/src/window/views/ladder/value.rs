@@ -2,8 +2,7 @@
 
 use gsk_core::plc::{Area, ByteAddress, Kind, Memory, Mnemonic, Operand, Statement};
 
-use crate::cli::Language;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 /// Lines that a function instruction's box has for its operands; none for a coil.
 pub fn operand_count(output: &Statement) -> usize {
@@ -14,28 +13,29 @@ pub fn operand_count(output: &Statement) -> usize {
 }
 
 /// What an operand is for.
-pub const fn role(kind: Kind, language: Language) -> &'static str {
-    match kind {
-        Kind::Contact => say(language, "复位", "reset"),
-        Kind::Coil => say(language, "输出", "output"),
-        Kind::ThreeCoils => say(language, "> = <", "> = <"),
-        Kind::Length => say(language, "字节", "bytes"),
-        Kind::Value | Kind::Source => say(language, "输入", "input"),
+pub fn role(kind: Kind, language: Language) -> String {
+    let role = match kind {
+        Kind::Contact => say::ladder_operand_reset(),
+        Kind::Coil => say::ladder_operand_output(),
+        Kind::ThreeCoils => return "> = <".to_owned(),
+        Kind::Length => say::ladder_operand_bytes(),
+        Kind::Value | Kind::Source => say::ladder_operand_input(),
         Kind::Target | Kind::DecodeTarget | Kind::TableTarget | Kind::RotationTarget => {
-            say(language, "结果", "result")
+            say::ladder_operand_result()
         }
-        Kind::Index => say(language, "表号", "index"),
-        Kind::Position => say(language, "位置", "position"),
-        Kind::Timer => say(language, "定时器", "timer"),
-        Kind::Counter => say(language, "计数器", "counter"),
-        Kind::Time | Kind::Count => say(language, "设定", "preset"),
-        Kind::Number => say(language, "基准", "base"),
-        Kind::Stations => say(language, "工位数", "stations"),
-        Kind::TableSize => say(language, "表大小", "table size"),
-        Kind::CounterFormat | Kind::RotationFormat => say(language, "格式", "format"),
-        Kind::Label => say(language, "标号", "label"),
-        Kind::Subprogram => say(language, "子程序", "subprogram"),
-    }
+        Kind::Index => say::ladder_operand_index(),
+        Kind::Position => say::ladder_operand_position(),
+        Kind::Timer => say::ladder_operand_timer(),
+        Kind::Counter => say::ladder_operand_counter(),
+        Kind::Time | Kind::Count => say::ladder_operand_preset(),
+        Kind::Number => say::ladder_operand_base(),
+        Kind::Stations => say::ladder_operand_stations(),
+        Kind::TableSize => say::ladder_operand_table_size(),
+        Kind::CounterFormat | Kind::RotationFormat => say::ladder_operand_format(),
+        Kind::Label => say::ladder_operand_label(),
+        Kind::Subprogram => say::ladder_operand_subprogram(),
+    };
+    role.text(language)
 }
 
 /// What an operand holds now; nothing for a number.

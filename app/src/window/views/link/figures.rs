@@ -3,13 +3,12 @@
 use std::time::Duration;
 
 use egui::{Align, Layout, ProgressBar, RichText, Ui};
-use gsk_core::machine::link::{Input, Protocol, SpindleWay, Traffic};
 use gsk_core::units::{Axis, Pulses};
+use gsk_link::{Input, Protocol, SpindleDirection, Traffic};
 
 use super::{BAD, GOOD, words};
-use crate::cli::Language;
 use crate::kernel::link_view::LinkView;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 /// Between two looks at the counters, s.
 const INTERVAL: f64 = 1.0;
@@ -47,9 +46,9 @@ impl Rates {
 /// A block of figures.
 pub struct Section {
     /// Heading.
-    pub title: &'static str,
+    pub title: String,
     /// Names and values.
-    pub rows: Vec<(&'static str, String)>,
+    pub rows: Vec<(String, String)>,
 }
 
 /// Draws them.
@@ -72,12 +71,12 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
             0 if view.state.takes_motion() => {
                 if let Some(agrees) = agrees {
                     // While slides move the report is always a little behind.
-                    let (zh, en, ink) = match (agrees, view.outstanding.is_zero()) {
-                        (true, _) => ("两边计数一致", "The counts agree", GOOD),
-                        (false, false) => ("运动中", "On the way", ui.visuals().text_color()),
-                        (false, true) => ("两边计数不一致", "The counts differ", BAD),
+                    let (words, ink) = match (agrees, view.outstanding.is_zero()) {
+                        (true, _) => (say::link_page_counts_agree(), GOOD),
+                        (false, false) => (say::link_page_on_the_way(), ui.visuals().text_color()),
+                        (false, true) => (say::link_page_counts_differ(), BAD),
                     };
-                    ui.label(RichText::new(say(language, zh, en)).color(ink));
+                    ui.label(RichText::new(words.text(language)).color(ink));
                 }
             }
             1 => {
@@ -89,11 +88,7 @@ pub fn show(ui: &mut Ui, language: Language, view: &LinkView, rates: &Rates) {
         }
     }
     ui.add_space(8.0);
-    let words = say(
-        language,
-        "未接线的信号 (刀架、卡盘、尾座等) 由仿真机床回答。",
-        "What is not wired (tool post, chuck, tailstock …) is answered by the simulated lathe.",
-    );
+    let words = say::link_page_not_wired_is_simulated().text(language);
     ui.label(RichText::new(words).weak());
 }
 
@@ -116,38 +111,35 @@ fn position(language: Language, view: &LinkView) -> Section {
         }
     };
     let known = match view.position_known {
-        true => say(language, "已知", "known"),
-        false => say(language, "未知", "not known"),
+        true => say::link_page_place_known().text(language),
+        false => say::link_page_place_not_known().text(language),
     };
     Section {
-        title: say(language, "位置 (脉冲)", "Position (pulses)"),
+        title: say::link_page_position().text(language),
         rows: vec![
             (
-                say(language, "X 指令 / 驱动板", "X commanded / board"),
+                say::link_page_x_commanded_board().text(language),
                 axis(Axis::X),
             ),
             (
-                say(language, "Z 指令 / 驱动板", "Z commanded / board"),
+                say::link_page_z_commanded_board().text(language),
                 axis(Axis::Z),
             ),
-            (
-                say(language, "滑板位置", "place of the slides"),
-                known.to_owned(),
-            ),
+            (say::link_page_place_of_slides().text(language), known),
         ],
     }
 }
 
 fn queue(language: Language, view: &LinkView) -> Section {
     Section {
-        title: say(language, "未完成的运动", "Motion not made yet"),
+        title: say::link_page_motion_not_made().text(language),
         rows: vec![
             (
-                say(language, "未完成 / 提前量", "outstanding / lookahead"),
+                say::link_page_outstanding_lookahead().text(language),
                 format!("{} / {} ms", whole(view.outstanding), whole(view.lookahead)),
             ),
             (
-                say(language, "驱动板队列", "places in the board's queue"),
+                say::link_page_queue_places().text(language),
                 view.board.blocks.to_string(),
             ),
         ],
@@ -163,44 +155,37 @@ fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
     let rate = |index: usize| rates.rates.map_or(0.0, |rates| rates[index]);
     let (sent, segments) = match view.protocol {
         Protocol::Line => (
-            say(language, "发送行数", "lines sent"),
-            say(language, "线段", "segments"),
+            say::link_page_lines_sent().text(language),
+            say::link_page_segments().text(language),
         ),
         Protocol::StepQueue => (
-            say(language, "发送数据块", "blocks sent"),
-            say(language, "步进指令", "step commands"),
+            say::link_page_blocks_sent().text(language),
+            say::link_page_step_commands().text(language),
         ),
     };
     Section {
-        title: say(language, "通信", "Wire"),
+        title: say::link_page_wire().text(language),
         rows: vec![
+            (say::link_page_round_trip().text(language), trip),
             (
-                say(language, "往返时间 中值/最大", "round trip, median / worst"),
-                trip,
-            ),
-            (
-                say(
-                    language,
-                    "电脑未查看端口 近来/最长",
-                    "computer away, of late / longest",
-                ),
+                say::link_page_computer_away().text(language),
                 match view.connected {
                     true => format!("{} / {} ms", tenths(view.away.0), tenths(view.away.1)),
                     false => "-".to_owned(),
                 },
             ),
             (
-                say(language, "字节/秒 发送/接收", "bytes/s out / in"),
+                say::link_page_bytes_per_second().text(language),
                 format!("{:.0} / {:.0}", rate(0), rate(1)),
             ),
             (sent, traffic.lines.to_string()),
             (segments, format!("{} ({:.0}/s)", traffic.segments, rate(2))),
             (
-                say(language, "重发", "sent again"),
+                say::link_page_sent_again().text(language),
                 traffic.resent.to_string(),
             ),
             (
-                say(language, "无法识别", "made no sense"),
+                say::link_page_made_no_sense().text(language),
                 traffic.garbage.to_string(),
             ),
         ],
@@ -208,21 +193,21 @@ fn wire(language: Language, view: &LinkView, rates: &Rates) -> Section {
 }
 
 fn contacts(language: Language, view: &LinkView) -> Section {
-    let missing = say(language, "未接线", "not wired");
+    let missing = say::link_page_not_wired().text(language);
     let told = |input: &Input| {
         let mut inputs = view.inputs.iter();
         match inputs.find(|(other, _)| other == input)?.1 {
-            _ if !view.connected => Some("-"),
-            None => Some(missing),
-            Some(true) => Some(say(language, "动作", "operated")),
-            Some(false) => Some(say(language, "正常", "free")),
+            _ if !view.connected => Some("-".to_owned()),
+            None => Some(missing.clone()),
+            Some(true) => Some(say::link_page_input_operated().text(language)),
+            Some(false) => Some(say::link_page_input_free().text(language)),
         }
     };
-    let mut rows: Vec<(&'static str, String)> = words::INPUTS
-        .iter()
-        .map(|(inputs, zh, en)| {
+    let mut rows: Vec<(String, String)> = words::inputs()
+        .into_iter()
+        .map(|(inputs, name)| {
             let states: Vec<_> = inputs.iter().filter_map(told).collect();
-            (say(language, zh, en), states.join(" / "))
+            (name.text(language), states.join(" / "))
         })
         .collect();
     let contacts: Vec<String> = view
@@ -237,11 +222,11 @@ fn contacts(language: Language, view: &LinkView) -> Section {
         })
         .collect();
     rows.push((
-        say(language, "其他触点", "other contacts"),
+        say::link_page_other_contacts().text(language),
         if !view.connected {
             "-".to_owned()
         } else if contacts.is_empty() {
-            missing.to_owned()
+            missing
         } else {
             contacts.join("  ")
         },
@@ -251,22 +236,22 @@ fn contacts(language: Language, view: &LinkView) -> Section {
             if !view.connected {
                 "-".to_owned()
             } else {
-                say(language, "切换中", "being switched").to_owned()
+                say::link_page_being_switched().text(language)
             }
         },
         |outputs| {
             let spindle = match outputs.spindle {
-                SpindleWay::Stop => "M05",
-                SpindleWay::Forward => "M03",
-                SpindleWay::Reverse => "M04",
+                SpindleDirection::Stop => "M05",
+                SpindleDirection::Forward => "M03",
+                SpindleDirection::Reverse => "M04",
             };
             let coolant = if outputs.coolant { "M08" } else { "M09" };
             let volts = f64::from(outputs.millivolts) / 1000.0;
             format!("{spindle} {volts:.2} V  {coolant}")
         },
     );
-    rows.push((say(language, "主轴、冷却", "spindle, coolant"), outputs));
-    let name = say(language, "主轴一转信号", "index of the spindle");
+    rows.push((say::link_page_spindle_coolant().text(language), outputs));
+    let name = say::link_page_spindle_index().text(language);
     rows.push((name, index(language, view)));
     if !view.missing_outputs.is_empty() {
         let names: Vec<_> = view
@@ -274,11 +259,11 @@ fn contacts(language: Language, view: &LinkView) -> Section {
             .iter()
             .map(|output| words::output(*output))
             .collect();
-        let name = say(language, "未接线的输出", "outputs not wired");
+        let name = say::link_page_outputs_not_wired().text(language);
         rows.push((name, names.join(" ")));
     }
     Section {
-        title: say(language, "输入和输出", "Inputs and outputs"),
+        title: say::link_page_inputs_outputs().text(language),
         rows,
     }
 }
@@ -289,17 +274,16 @@ fn index(language: Language, view: &LinkView) -> String {
         return "-".to_owned();
     }
     let Some(spindle) = view.spindle else {
-        return say(language, "未接线", "not wired").to_owned();
+        return say::link_page_not_wired().text(language);
     };
     if spindle.rpm <= 0.0 {
-        return say(language, "主轴停止", "it stands").to_owned();
+        return say::link_page_spindle_stands().text(language);
     }
     let varies = spindle.variation.map_or_else(
         || "-".to_owned(),
         |variation| format!("{:.2} %", variation * 100.0),
     );
-    let word = say(language, "波动", "varies by");
-    format!("{:.1} r/min, {word} {varies}", spindle.rpm)
+    say::link_page_spindle_turns(spindle.rpm, varies).text(language)
 }
 
 fn whole(time: Duration) -> u128 {
@@ -312,8 +296,8 @@ fn tenths(time: Duration) -> String {
 
 #[cfg(test)]
 mod tests {
-    use gsk_core::machine::link::{BoardInfo, LinkState};
     use gsk_core::units::PerAxis;
+    use gsk_link::{BoardInfo, LinkState};
 
     use super::*;
 

@@ -17,10 +17,9 @@ use egui::{Event, Key, Panel, Ui};
 use gsk_core::plc::address::BitAddress;
 
 use super::aside;
-use crate::cli::Language;
 use crate::kernel::probe::{BITS, Probe};
 use crate::kernel::{Command, Console};
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 use pointer::Drag;
 use record::Record;
 use scale::Range;
@@ -59,7 +58,7 @@ pub struct Scope {
     record: Option<Record>,
     running: bool,
     /// Right edge of a picture that stands, ticks.
-    stands_at: Option<u64>,
+    stopped_at: Option<u64>,
     /// What the time axis counts from.
     origin: u64,
     span: u64,
@@ -83,7 +82,7 @@ impl Scope {
             console,
             record: None,
             running: true,
-            stands_at: None,
+            stopped_at: None,
             origin: 0,
             span: 5000,
             over: 8,
@@ -104,7 +103,7 @@ impl Scope {
     pub fn open(&mut self) {
         self.record = Some(Record::new());
         self.running = true;
-        self.stands_at = None;
+        self.stopped_at = None;
         self.origin = 0;
         self.cursors = None;
         self.trigger.arm();
@@ -168,7 +167,7 @@ impl Scope {
                 continue;
             };
             self.origin = edge;
-            self.stands_at = Some(edge + after);
+            self.stopped_at = Some(edge + after);
             if self.trigger.mode == Mode::Once {
                 self.running = false;
                 break;
@@ -179,18 +178,18 @@ impl Scope {
     /// First and last tick of the picture; the first may lie before the record.
     fn shown(&self) -> Option<(u64, u64)> {
         let (_, last) = self.record.as_ref()?.ticks()?;
-        let end = self.stands_at.unwrap_or(last);
+        let end = self.stopped_at.unwrap_or(last);
         Some((end.saturating_sub(self.span), end))
     }
 
     fn pause(&mut self) {
-        self.stands_at = self.shown().map(|(_, end)| end);
+        self.stopped_at = self.shown().map(|(_, end)| end);
         self.running = false;
     }
 
     fn go_on(&mut self) {
         self.running = true;
-        self.stands_at = None;
+        self.stopped_at = None;
         self.trigger.arm();
     }
 
@@ -209,9 +208,9 @@ impl Scope {
         let now = now.unwrap_or(SPANS.len() - 1) as i32;
         let next = (now + steps).clamp(0, SPANS.len() as i32 - 1);
         let span = SPANS[next as usize];
-        if let Some(end) = self.stands_at {
+        if let Some(end) = self.stopped_at {
             let fixed = end as f64 - (1.0 - at) * self.span as f64;
-            self.stands_at = Some((fixed + (1.0 - at) * span as f64).max(0.0).round() as u64);
+            self.stopped_at = Some((fixed + (1.0 - at) * span as f64).max(0.0).round() as u64);
         }
         self.span = span;
     }
@@ -224,8 +223,8 @@ impl Scope {
         let Some((first, last)) = self.record.as_ref().and_then(Record::ticks) else {
             return;
         };
-        let end = self.stands_at.unwrap_or(last);
-        self.stands_at = Some(end.saturating_add_signed(-ticks).clamp(first, last));
+        let end = self.stopped_at.unwrap_or(last);
+        self.stopped_at = Some(end.saturating_add_signed(-ticks).clamp(first, last));
     }
 
     fn toggle_cursors(&mut self) {
@@ -297,8 +296,7 @@ impl Scope {
         let entry = self.entry.trim().to_ascii_uppercase();
         match entry.parse::<BitAddress>() {
             Err(error) => {
-                let words = say(language, "地址不对", "Not an address");
-                self.complaint = Some(format!("{words}: {error}"));
+                self.complaint = Some(say::scope_not_an_address(error).text(language));
             }
             Ok(address) => {
                 self.complaint = None;

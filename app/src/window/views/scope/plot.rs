@@ -12,8 +12,7 @@ use super::scale::{Range, decimals_of, nice_step};
 use super::side::{BIT_COLOUR, CURSOR_COLOURS};
 use super::trace::{Quantity, TRACES, Trace};
 use super::{BitChannel, Scope};
-use crate::cli::Language;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 /// Room for the figures of a scale, points.
 const GUTTER: f32 = 74.0;
@@ -57,13 +56,13 @@ impl Scope {
         let room = ui.available_rect_before_wrap().shrink2(vec2(6.0, 6.0));
         let response = ui.interact(room, ui.scope_id().with("plot"), Sense::CLICK | Sense::DRAG);
         response.widget_info(|| {
-            let name = say(language, "示波图", "Scope picture");
+            let name = say::scope_picture().text(language);
             WidgetInfo::labeled(Role::Canvas, true, name)
         });
         let area = Rect::from_min_max(room.min + vec2(GUTTER, 0.0), room.max - vec2(4.0, FOOT));
         let lanes = self.lanes(area);
         let Some((first, last)) = self.shown() else {
-            let words = say(language, "等待采样…", "Waiting for samples …");
+            let words = say::scope_waits_for_samples().text(language);
             let font = FontId::proportional(15.0);
             ui.painter()
                 .text(room.center(), Align2::CENTER_CENTER, words, font, FIGURES);

@@ -5,8 +5,7 @@ use gsk_panel::pages::signal_meaning;
 
 use super::trace::{Quantity, TRACES};
 use super::{BitChannel, Cursors, Scope};
-use crate::cli::Language;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 /// Width of the list, points.
 pub const WIDTH: f32 = 366.0;
@@ -44,10 +43,10 @@ impl Scope {
                 ui,
                 LINE,
                 |ui| {
-                    ui.label(RichText::new(say(language, "显示", "Shown")).weak());
+                    ui.label(RichText::new(say::scope_shown().text(language)).weak());
                 },
                 |ui| {
-                    let words = say(language, "右边缘的值", "at the right edge");
+                    let words = say::scope_at_right_edge().text(language);
                     ui.label(RichText::new(words).weak());
                 },
             );
@@ -60,7 +59,7 @@ impl Scope {
             ui,
             LINE,
             |ui| {
-                ui.label(RichText::new(say(language, "游标", "Cursors")).weak());
+                ui.label(RichText::new(say::scope_cursors().text(language)).weak());
             },
             |ui| {
                 reading(ui, RichText::new("B - A").weak());
@@ -74,7 +73,7 @@ impl Scope {
             ui,
             LINE,
             |ui| {
-                ui.label(say(language, "时间 s", "Time s"));
+                ui.label(say::scope_time_seconds().text(language));
             },
             |ui| {
                 reading(ui, figure(Some((b as f64 - a as f64) / 1000.0), 3));
@@ -87,12 +86,8 @@ impl Scope {
                     let response = ui.add_sized([READING, LINE], entry);
                     let name = ["A", "B"][place];
                     response.widget_info(|| {
-                        let words = say(language, "游标时间", "Time of cursor");
-                        egui::WidgetInfo::labeled(
-                            egui::Role::SpinButton,
-                            true,
-                            format!("{words} {name}"),
-                        )
+                        let name = say::scope_time_of_cursor(name).text(language);
+                        egui::WidgetInfo::labeled(egui::Role::SpinButton, true, name)
                     });
                     if response.changed() {
                         at[place] = (origin as f64 + time * 1000.0).round().max(0.0) as u64;
@@ -105,11 +100,11 @@ impl Scope {
 
     fn traces(&mut self, ui: &mut Ui, language: Language, quantity: Quantity) {
         ui.add_space(4.0);
-        let radius = match quantity {
-            Quantity::Position => say(language, ", X 为半径", ", X as radius"),
-            _ => "",
+        let (name, unit) = (quantity.name(language), quantity.unit());
+        let heading = match quantity {
+            Quantity::Position => say::scope_x_as_radius(name, unit).text(language),
+            _ => format!("{name}  {unit}"),
         };
-        let heading = format!("{}  {}{radius}", quantity.name(language), quantity.unit());
         ui.label(RichText::new(heading).weak());
         for (index, trace) in TRACES.iter().enumerate() {
             if trace.quantity != quantity {
@@ -142,7 +137,7 @@ impl Scope {
     }
 
     fn bits(&mut self, ui: &mut Ui, language: Language) {
-        ui.label(RichText::new(say(language, "PLC 位", "PLC bits")).weak());
+        ui.label(RichText::new(say::scope_plc_bits().text(language)).weak());
         let mut gone = None;
         for (index, channel) in self.bits.iter().enumerate() {
             let state = |scope: &Self, tick| {
@@ -155,8 +150,8 @@ impl Scope {
                 ui,
                 LINE,
                 |ui| {
-                    let words = say(language, "移去", "Remove");
-                    let button = ui.small_button("×").on_hover_text(words);
+                    let words = say::scope_remove().text(language);
+                    let button = ui.small_button("×").on_hover_text(&words);
                     let name = format!("{words} {}", channel.address);
                     button
                         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
@@ -190,11 +185,11 @@ impl Scope {
                 .desired_width(110.0)
                 .hint_text("X0.5  F1.0  G8.4");
             let response = ui.add(entry);
-            let name = say(language, "位地址", "Bit address");
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+            let name = say::scope_bit_address().text(language);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, &name));
             let entered =
                 response.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
-            let button = ui.button(say(language, "添加", "Add"));
+            let button = ui.button(say::window_add().text(language));
             if (button.clicked() || entered) && !self.entry.trim().is_empty() {
                 self.add_bit(language);
                 if entered {
@@ -224,7 +219,7 @@ impl Scope {
 
 /// What a bit means, in the words of the signal table.
 pub fn meaning(channel: &BitChannel, language: Language) -> String {
-    signal_meaning(channel.address, language == Language::En).to_owned()
+    signal_meaning(channel.address, language).to_owned()
 }
 
 /// A line with something on the left and something on the right.

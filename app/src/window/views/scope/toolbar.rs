@@ -4,18 +4,17 @@ use egui::{ComboBox, RichText, Ui};
 
 use super::trigger::{Mode, Source};
 use super::{AVERAGES, SPANS, Scope};
-use crate::cli::Language;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 impl Scope {
     pub(super) fn toolbar(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
             let word = if self.running {
-                say(language, "暂停", "Pause")
+                say::scope_pause().text(language)
             } else {
-                say(language, "继续", "Run")
+                say::scope_run().text(language)
             };
-            let hint = say(language, "空格键", "Space");
+            let hint = say::scope_space_key().text(language);
             // Both words take the same room, so that nothing moves.
             let button = egui::Button::new(word).min_size(egui::vec2(64.0, 0.0));
             if ui.add(button).on_hover_text(hint).clicked() {
@@ -27,29 +26,17 @@ impl Scope {
             ui.separator();
             self.choose_trigger(ui, language);
             ui.separator();
-            ui.checkbox(&mut self.autoscale, say(language, "自动量程", "Autoscale"))
-                .on_hover_text(say(
-                    language,
-                    "A 键; 关闭后可在刻度上滚动或拖动",
-                    "Key A; without it scroll or drag on a scale",
-                ));
+            ui.checkbox(&mut self.autoscale, say::scope_autoscale().text(language))
+                .on_hover_text(say::scope_autoscale_hint().text(language));
             let mut cursors = self.cursors.is_some();
-            let hint = say(
-                language,
-                "C 键; 拖动, 或用 ← → (Shift: 1 ms), ↑ ↓ 换游标",
-                "Key C; drag them, or use ← → (Shift: 1 ms), ↑ ↓ for the other one",
-            );
-            let response = ui.checkbox(&mut cursors, say(language, "游标", "Cursors"));
+            let hint = say::scope_cursors_hint().text(language);
+            let response = ui.checkbox(&mut cursors, say::scope_cursors().text(language));
             if response.on_hover_text(hint).changed() {
                 self.toggle_cursors();
             }
             ui.separator();
-            let hint = say(
-                language,
-                "把所示时间段存为表格",
-                "Saves the time shown as a table",
-            );
-            let export = ui.button(say(language, "导出 CSV…", "Export CSV…"));
+            let hint = say::scope_export_hint().text(language);
+            let export = ui.button(say::scope_export().text(language));
             if export.on_hover_text(hint).clicked() {
                 self.export(language, &ui.ctx().clone());
             }
@@ -57,7 +44,7 @@ impl Scope {
     }
 
     fn choose_span(&mut self, ui: &mut Ui, language: Language) {
-        let name = say(language, "时间", "Span");
+        let name = say::scope_span().text(language);
         let label = ui.label(name);
         let mut chosen = self.span;
         let shown = ComboBox::from_id_salt("span")
@@ -79,7 +66,7 @@ impl Scope {
     }
 
     fn choose_average(&mut self, ui: &mut Ui, language: Language) {
-        let label = ui.label(say(language, "平均", "Average"));
+        let label = ui.label(say::scope_average().text(language));
         let shown = ComboBox::from_id_salt("average")
             .width(64.0)
             .selected_text(time(self.over))
@@ -88,16 +75,12 @@ impl Scope {
                     ui.selectable_value(&mut self.over, over, time(over));
                 }
             });
-        let hint = say(
-            language,
-            "速度与加速度取此时间内的平均值",
-            "Speed and acceleration are averaged over this time",
-        );
+        let hint = say::scope_average_hint().text(language);
         shown.response.labelled_by(label.id).on_hover_text(hint);
     }
 
     fn choose_trigger(&mut self, ui: &mut Ui, language: Language) {
-        let label = ui.label(say(language, "触发", "Trigger"));
+        let label = ui.label(say::scope_trigger().text(language));
         let mut mode = self.trigger.mode;
         let shown = ComboBox::from_id_salt("trigger mode")
             .width(72.0)
@@ -110,7 +93,7 @@ impl Scope {
         shown.response.labelled_by(label.id);
         let mut source = self.trigger.source;
         if mode != Mode::Off {
-            let name = say(language, "触发源", "Trigger source");
+            let name = say::scope_trigger_source().text(language);
             let shown = ComboBox::from_id_salt("trigger source")
                 .width(118.0)
                 .selected_text(self.source_name(source, language))
@@ -129,11 +112,11 @@ impl Scope {
         }
         if mode != Mode::Off {
             let state = if !self.running {
-                say(language, "停止", "stopped")
+                say::scope_trigger_stopped().text(language)
             } else if self.trigger.fired() {
-                say(language, "已触发", "triggered")
+                say::scope_triggered().text(language)
             } else {
-                say(language, "等待", "waiting")
+                say::scope_trigger_waits().text(language)
             };
             ui.label(RichText::new(state).weak());
         }
@@ -154,19 +137,19 @@ impl Scope {
             known.map_or_else(|| "?".to_owned(), |channel| channel.address.to_string())
         };
         match source {
-            Source::Motion => say(language, "轴开始移动", "an axis starts").to_owned(),
-            Source::Spindle => say(language, "主轴启动", "spindle starts").to_owned(),
+            Source::Motion => say::scope_when_axis_starts().text(language),
+            Source::Spindle => say::scope_when_spindle_starts().text(language),
             Source::BitRises(place) => format!("{} 0 → 1", bit(place)),
             Source::BitFalls(place) => format!("{} 1 → 0", bit(place)),
         }
     }
 }
 
-fn mode_name(mode: Mode, language: Language) -> &'static str {
+fn mode_name(mode: Mode, language: Language) -> String {
     match mode {
-        Mode::Off => say(language, "关", "off"),
-        Mode::Each => say(language, "每次", "each"),
-        Mode::Once => say(language, "一次", "once"),
+        Mode::Off => say::scope_trigger_off().text(language),
+        Mode::Each => say::scope_trigger_each().text(language),
+        Mode::Once => say::scope_trigger_once().text(language),
     }
 }
 

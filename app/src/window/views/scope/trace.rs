@@ -3,8 +3,7 @@
 use egui::Color32;
 use gsk_core::units::Axis;
 
-use crate::cli::Language;
-use crate::window::texts::say;
+use gsk_messages::{Language, say};
 
 /// What is measured; each has a lane with an axis of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,14 +31,15 @@ impl Quantity {
     ];
 
     /// Its name.
-    pub const fn name(self, language: Language) -> &'static str {
-        match self {
-            Self::Position => say(language, "位置", "Position"),
-            Self::Speed => say(language, "速度", "Speed"),
-            Self::Acceleration => say(language, "加速度", "Acceleration"),
-            Self::Following => say(language, "跟随误差", "Following error"),
-            Self::Spindle => say(language, "主轴", "Spindle"),
-        }
+    pub fn name(self, language: Language) -> String {
+        let name = match self {
+            Self::Position => say::scope_position(),
+            Self::Speed => say::scope_speed(),
+            Self::Acceleration => say::scope_acceleration(),
+            Self::Following => say::scope_following_error(),
+            Self::Spindle => say::scope_spindle(),
+        };
+        name.text(language)
     }
 
     /// Its unit.
@@ -124,16 +124,17 @@ impl Trace {
     }
 
     /// `X`, `X 指令`, …; short, for a list under the name of the quantity.
-    pub const fn name(&self, language: Language) -> &'static str {
-        match (self.quantity, self.of, self.commanded) {
-            (_, Of::Axis(Axis::X), false) => "X",
-            (_, Of::Axis(Axis::Z), false) => "Z",
-            (_, Of::Axis(Axis::X), true) => say(language, "X 指令", "X command"),
-            (_, Of::Axis(Axis::Z), true) => say(language, "Z 指令", "Z command"),
-            (Quantity::Spindle, Of::Path, true) => say(language, "指令", "command"),
-            (Quantity::Spindle, Of::Path, false) => say(language, "实际", "actual"),
-            (_, Of::Path, _) => say(language, "合成", "along path"),
-        }
+    pub fn name(&self, language: Language) -> String {
+        let name = match (self.quantity, self.of, self.commanded) {
+            (_, Of::Axis(Axis::X), false) => return "X".to_owned(),
+            (_, Of::Axis(Axis::Z), false) => return "Z".to_owned(),
+            (_, Of::Axis(Axis::X), true) => say::scope_x_command(),
+            (_, Of::Axis(Axis::Z), true) => say::scope_z_command(),
+            (Quantity::Spindle, Of::Path, true) => say::scope_spindle_command(),
+            (Quantity::Spindle, Of::Path, false) => say::scope_spindle_actual(),
+            (_, Of::Path, _) => say::scope_along_path(),
+        };
+        name.text(language)
     }
 
     /// Quantity and name, for screen readers.

@@ -1,0 +1,231 @@
+//! Nothing that a command writes overwrites what it reads.
+
+use std::fs;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Component, Path, PathBuf};
+
+use crate::files::subprograms;
+use crate::output;
+
+/// What a command reads.
+#[derive(Clone, Debug, Default)]
+pub struct Read<'a> {
+    /// Files that are named.
+    pub files: Vec<&'a Path>,
+    /// The program whose folder is searched for subprograms.
+    pub main: Option<&'a Path>,
+    /// The data directory.
+    pub data: Option<&'a Path>,
+}
+
+/// Why a result is not written.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ApartError {
+    /// Two results have its name.
+    #[error("{} is to be written twice", .0.display())]
+    Twice(PathBuf),
+    /// The command reads it.
+    #[error("{} is read by this command: give what is written another name", .0.display())]
+    Read(PathBuf),
+    /// The next run would read it.
+    #[error(
+        "{} would be read as the subprogram O{number:04} beside {}: give what is \
+         written another name, or write it into another folder",
+        .path.display(),
+        .main.display()
+    )]
+    Subprogram {
+        /// The result.
+        path: PathBuf,
+        /// The number it would have.
+        number: u16,
+        /// The program that is run.
+        main: PathBuf,
+    },
+    /// It belongs to a data directory.
+    #[error(
+        "{} belongs to the memory in {}: give what is written another name",
+        .path.display(),
+        .data.display()
+    )]
+    Memory {
+        /// The result.
+        path: PathBuf,
+        /// The data directory.
+        data: PathBuf,
+    },
+}
+
+/// Folders of the data directory that are the memory's own.
+const MEMORY_FOLDERS: [&str; 4] = ["programs", "copies", "boards", crate::log::FOLDER];
+/// Files of the data directory that are, besides those that end in `.ron`.
+const MEMORY_FILES: [&str; 3] = ["ladder.il", "link.log", "lock"];
+
+/// Refuses results that would overwrite what the command reads, or each other.
+///
+/// # Errors
+/// Which, and why.
+pub fn keep_apart(read: &Read<'_>, written: &[&Path]) -> Result<(), ApartError> {
+    for (index, path) in written.iter().enumerate() {
+        let before = &written[..index];
+        if before
+            .iter()
+            .any(|other| other == path || same_file(other, path))
+        {
+            return Err(ApartError::Twice(path.to_path_buf()));
+        }
+        if output::is_standard(Some(path)) {
+            continue;
+        }
+        if read.files.iter().any(|source| same_file(source, path)) {
+            return Err(ApartError::Read(path.to_path_buf()));
+        }
+        if let Some(main) = read.main
+            && let Some(number) = subprogram(main, path)
+        {
+            return Err(ApartError::Subprogram {
+                path: path.to_path_buf(),
+                number,
+                main: main.to_owned(),
+            });
+        }
+        if let Some(data) = read.data
+            && is_memory(data, path)
+        {
+            return Err(ApartError::Memory {
+                path: path.to_path_buf(),
+                data: data.to_owned(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Whether two names, links included, are one plain file.
+pub fn same_file(one: &Path, other: &Path) -> bool {
+    let plain = |path| fs::metadata(path).ok().filter(fs::Metadata::is_file);
+    plain(one)
+        .zip(plain(other))
+        .is_some_and(|(one, other)| one.dev() == other.dev() && one.ino() == other.ino())
+}
+
+/// Where a file is or would be, links followed.
+fn place(path: &Path) -> PathBuf {
+    let found = path.canonicalize().or_else(|error| {
+        let name = path.file_name().ok_or(error)?;
+        let folder = path.parent().filter(|folder| *folder != Path::new(""));
+        folder
+            .unwrap_or(Path::new("."))
+            .canonicalize()
+            .map(|folder| folder.join(name))
+    });
+    found.unwrap_or_else(|_| path.to_owned())
+}
+
+/// The number of the subprogram that a file beside a program is or would be.
+fn subprogram(main: &Path, path: &Path) -> Option<u16> {
+    let (main_at, at) = (place(main), place(path));
+    let by_name = (main_at.parent() == at.parent())
+        .then(|| subprograms::number_in_name(&at))
+        .flatten();
+    by_name.or_else(|| {
+        // It may have no number in its name, or stand there under another one.
+        path.is_file()
+            .then(|| subprograms::beside(main))?
+            .into_iter()
+            .find_map(|(number, found)| same_file(&found, path).then_some(number))
+    })
+}
+
+/// Whether a file belongs to the memory in a data directory.
+fn is_memory(data: &Path, path: &Path) -> bool {
+    let at = place(path);
+    let Ok(inside) = at.strip_prefix(place(data)) else {
+        return false;
+    };
+    let mut names = inside.components().map(|part| match part {
+        Component::Normal(name) => name.to_string_lossy(),
+        _ => "".into(),
+    });
+    match (names.next(), names.next()) {
+        (Some(file), None) => file.ends_with(".ron") || MEMORY_FILES.contains(&file.as_ref()),
+        (Some(folder), Some(_)) => MEMORY_FOLDERS.contains(&folder.as_ref()),
+        (None, _) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read<'a>(files: &[&'a Path]) -> Read<'a> {
+        Read {
+            files: files.to_vec(),
+            ..Read::default()
+        }
+    }
+
+    #[test]
+    fn what_is_read_is_not_written() {
+        let folder = crate::files::test_folder("apart");
+        let (source, link) = (folder.join("a.nc"), folder.join("b.nc"));
+        fs::write(&source, "G00").expect("write");
+        fs::hard_link(&source, &link).expect("link");
+        let new = folder.join("c.nc");
+        let read = read(&[&source]);
+        assert!(keep_apart(&read, &[&new]).is_ok());
+        assert!(keep_apart(&read, &[&link]).is_err());
+        assert!(keep_apart(&read, &[&new, &new]).is_err());
+        fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn subprograms_beside_a_program_are_not_written() {
+        let folder = crate::files::test_folder("apart-subprograms");
+        let put = |name: &str, text: &str| {
+            let path = folder.join(name);
+            fs::create_dir_all(path.parent().expect("folder")).expect("folder");
+            fs::write(&path, text).expect("write");
+            path
+        };
+        let main = put("main.CNC", "M98 P3\nM30\n");
+        let by_word = put("groove.txt", "O0003\nM99\n");
+        let result = put("path.csv", "t,x,z\n");
+        let elsewhere = put("out/9001.CNC", "");
+        let link = folder.join("out/groove.txt");
+        fs::hard_link(&by_word, &link).expect("link");
+        let read = Read {
+            main: Some(&main),
+            ..Read::default()
+        };
+        let refused = |path: &Path| {
+            let error = keep_apart(&read, &[path]).err();
+            error.map(|error| error.to_string()).unwrap_or_default()
+        };
+        // Not there yet: the next run would find it.
+        let new = folder.join("out/../9001.CNC");
+        assert!(refused(&new).contains("the subprogram O9001"));
+        assert!(refused(&by_word).contains("the subprogram O0003"));
+        assert!(refused(&link).contains("the subprogram O0003"));
+        for free in [&result, &elsewhere, &folder.join("new.ndjson")] {
+            assert_eq!(refused(free), "");
+        }
+        fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn the_memory_is_not_written() {
+        let data = crate::files::test_folder("apart-data");
+        fs::create_dir_all(data.join("programs")).expect("folder");
+        let read = Read {
+            data: Some(&data),
+            ..Read::default()
+        };
+        let is_free = |name: &str| keep_apart(&read, &[&data.join(name)]).is_ok();
+        for own in ["offsets.ron", "ladder.il", "programs/O0001.CNC"] {
+            assert!(!is_free(own), "{own}");
+        }
+        assert!(is_free("path.ndjson") && is_free("../offsets.ron"));
+        fs::remove_dir_all(data).expect("clean");
+    }
+}

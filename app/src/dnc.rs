@@ -1,0 +1,239 @@
+//! The partner at the serial line in DNC operation: a file, standard input, or a
+//! serial port, read as far as the control has room and no farther.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::os::unix::fs::FileTypeExt;
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
+use gsk_core::cnc::Cnc;
+use gsk_runner::partner::Patience;
+
+use crate::ports::{self, Port, PortError};
+
+/// What stands in the folder of the data directory under this name is sent when
+/// nothing else was named.
+pub const IN_FOLDER: &str = "DNC.CNC";
+
+/// Characters read at once.
+const CHUNK: usize = 4096;
+/// Chunks that wait for the control.
+const CHUNKS: usize = 2;
+/// Reader start and stop.
+const DC1: u8 = 0x11;
+const DC3: u8 = 0x13;
+
+/// Where programs come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A file, from its beginning whenever a program is called for.
+    File(PathBuf),
+    /// Standard input, which goes on where it was.
+    Standard,
+    /// A serial port; DC1 and DC3 tell the partner to begin and to end.
+    Port(String),
+}
+
+impl Source {
+    /// From its name on the command line: `-` is standard input, a character device is
+    /// a port, everything else a file.
+    pub fn of(name: &Path) -> Self {
+        let device = std::fs::metadata(name).is_ok_and(|data| data.file_type().is_char_device());
+        match name.to_str() {
+            Some("-") => Self::Standard,
+            Some(port) if device => Self::Port(port.to_owned()),
+            _ => Self::File(name.to_owned()),
+        }
+    }
+}
+
+/// Why nothing can be sent.
+#[derive(Debug, thiserror::Error)]
+enum SourceError {
+    #[error(
+        "{} cannot be read: {error}; put the program there, or name another source with --dnc",
+        .path.display()
+    )]
+    File { path: PathBuf, error: io::Error },
+    #[error(transparent)]
+    Port(#[from] PortError),
+    #[error(transparent)]
+    Thread(io::Error),
+}
+
+/// What was read, or why no more can be.
+type Chunk = io::Result<Vec<u8>>;
+
+/// The partner.
+#[derive(Debug)]
+pub struct Partner {
+    source: Source,
+    /// The call that is being answered.
+    call: u32,
+    chunks: Option<Receiver<Chunk>>,
+    /// To the reader of a port: a character for the other end.
+    say: Option<Sender<u8>>,
+    /// What was read and not taken yet.
+    rest: Vec<u8>,
+    taken: usize,
+}
+
+impl Partner {
+    /// A partner that sends from a source.
+    pub const fn new(source: Source) -> Self {
+        Self {
+            source,
+            call: 0,
+            chunks: None,
+            say: None,
+            rest: Vec::new(),
+            taken: 0,
+        }
+    }
+
+    /// The control has called for a program.
+    fn begin(&mut self, cnc: &Cnc) -> Result<(), SourceError> {
+        match &self.source {
+            Source::File(path) => {
+                let refused = |error| SourceError::File {
+                    path: path.clone(),
+                    error,
+                };
+                let file = File::open(path).map_err(refused)?;
+                self.forget();
+                self.chunks = Some(read_aside(file)?);
+            }
+            Source::Standard if self.chunks.is_some() => {}
+            Source::Standard => self.chunks = Some(read_aside(io::stdin())?),
+            Source::Port(path) => {
+                let baud = cnc.parameters().baud();
+                let port = Port::open_with_handshake(path, baud)?;
+                self.forget();
+                let (say, said) = bounded(4);
+                let _ = say.try_send(DC1);
+                self.say = Some(say);
+                self.chunks = Some(listen_aside(port, said)?);
+            }
+        }
+        Ok(())
+    }
+
+    fn forget(&mut self) {
+        self.rest.clear();
+        self.taken = 0;
+    }
+
+    /// The next characters; `false` if there are none now.
+    fn fetch(&mut self, cnc: &mut Cnc, patience: Patience) -> bool {
+        let Some(chunks) = &self.chunks else {
+            cnc.dnc_end();
+            return false;
+        };
+        let chunk = match patience {
+            Patience::Waits => chunks.recv().map_err(|_| TryRecvError::Disconnected),
+            Patience::None => chunks.try_recv(),
+        };
+        match chunk {
+            Ok(Ok(characters)) => {
+                (self.rest, self.taken) = (characters, 0);
+                return true;
+            }
+            Ok(Err(error)) => cnc.dnc_broken(&ports::gone(&error)),
+            Err(TryRecvError::Disconnected) => cnc.dnc_end(),
+            Err(TryRecvError::Empty) => {}
+        }
+        false
+    }
+}
+
+impl gsk_runner::partner::Partner for Partner {
+    fn feed(&mut self, cnc: &mut Cnc, patience: Patience) {
+        cnc.connect_dnc(true);
+        if self.call != cnc.dnc_calls() {
+            self.call = cnc.dnc_calls();
+            if let Err(said) = self.begin(cnc) {
+                return cnc.dnc_broken(&said.to_string());
+            }
+        }
+        while cnc.dnc_room() > 0 {
+            let rest = self.rest.get(self.taken..).unwrap_or_default();
+            if rest.is_empty() && !self.fetch(cnc, patience) {
+                return;
+            }
+            let rest = self.rest.get(self.taken..).unwrap_or_default();
+            self.taken += cnc.dnc_send(rest);
+        }
+        if cnc.programs().inflow().is_none()
+            && let Some(say) = self.say.take()
+        {
+            let _ = say.try_send(DC3);
+            self.chunks = None;
+        }
+    }
+}
+
+/// Reads in a thread of its own, no farther ahead than the channel has room for.
+fn read_aside(mut source: impl Read + Send + 'static) -> Result<Receiver<Chunk>, SourceError> {
+    aside(move |chunks| {
+        let mut buffer = vec![0; CHUNK];
+        loop {
+            let chunk = match source.read(&mut buffer) {
+                Ok(0) => return,
+                Ok(count) => Ok(buffer[..count].to_vec()),
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Err(error) => Err(error),
+            };
+            let over = chunk.is_err();
+            if chunks.send(chunk).is_err() || over {
+                return;
+            }
+        }
+    })
+}
+
+/// The same for a port, which is spoken to as well.
+fn listen_aside(mut port: Port, said: Receiver<u8>) -> Result<Receiver<Chunk>, SourceError> {
+    aside(move |chunks| {
+        loop {
+            let mut over = false;
+            loop {
+                match said.try_recv() {
+                    Ok(character) => {
+                        // A port that is gone is told of by the next reading.
+                        let _ = port.write(&[character]);
+                    }
+                    Err(TryRecvError::Empty) => break,
+                    Err(TryRecvError::Disconnected) => {
+                        over = true;
+                        break;
+                    }
+                }
+            }
+            if over {
+                return;
+            }
+            let chunk = match port.read() {
+                Ok(characters) if characters.is_empty() => continue,
+                chunk => chunk,
+            };
+            let over = chunk.is_err();
+            if chunks.send(chunk).is_err() || over {
+                let _ = port.write(&[DC3]);
+                return;
+            }
+        }
+    })
+}
+
+fn aside(
+    work: impl FnOnce(&Sender<Chunk>) + Send + 'static,
+) -> Result<Receiver<Chunk>, SourceError> {
+    let (send, receive) = bounded(CHUNKS);
+    thread::Builder::new()
+        .name("dnc".to_owned())
+        .spawn(move || work(&send))
+        .map_err(SourceError::Thread)?;
+    Ok(receive)
+}

@@ -1,0 +1,439 @@
+//! Files that are kept twice under a manifest: what is damaged or gone is noticed,
+//! and its copy takes its place.
+//!
+//! ```text
+//! manifest.ron             what every file must be
+//! NAME                     the file
+//! copies/manifest.ron
+//! copies/NAME              its copy
+//! ```
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::atomic::{self, Readers};
+use super::manifest::{Manifest, Mark, State};
+
+const MANIFEST: &str = "manifest.ron";
+const COPIES: &str = "copies";
+
+/// What is said of a file whose copy took its place.
+const COPY_USED: &str = "its last good copy is used";
+
+/// The largest manifest that is read.
+const LARGEST_MANIFEST: u64 = 16 * 1024 * 1024;
+
+/// Files of one folder.
+#[derive(Debug)]
+pub struct Kept {
+    folder: PathBuf,
+    /// Nothing is renamed or written.
+    read_only: bool,
+    manifest: Mutex<Manifest>,
+    /// What is wrong with the manifest itself.
+    complaint: Option<String>,
+}
+
+/// What a file is to become: a content, or nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// Name of the file in its folder.
+    pub name: String,
+    /// What it is to hold; `None` deletes it.
+    pub content: Option<Vec<u8>>,
+    /// Who may read it.
+    pub readers: Readers,
+}
+
+/// What was found in the place of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// The content, of the file or of its copy; `None` if neither can be used.
+    pub content: Option<Vec<u8>>,
+    /// What was wrong, as a sentence.
+    pub damage: Option<String>,
+}
+
+impl Kept {
+    /// The files of a folder, as its manifest has them.
+    pub fn open(folder: &Path, read_only: bool) -> Self {
+        let (manifest, complaint) = match read_manifest(folder) {
+            Ok(manifest) => (manifest, None),
+            Err((manifest, complaint)) => (manifest, Some(complaint)),
+        };
+        Self {
+            folder: folder.to_owned(),
+            read_only,
+            manifest: Mutex::new(manifest),
+            complaint,
+        }
+    }
+
+    /// What is wrong with the manifest itself, as a sentence.
+    pub fn complaint(&self) -> Option<&str> {
+        self.complaint.as_deref()
+    }
+
+    /// The names that the manifest has.
+    pub fn names(&self) -> Vec<String> {
+        self.manifest().names().map(str::to_owned).collect()
+    }
+
+    /// Reads a file of at most `largest` bytes; a damaged one is renamed, and its
+    /// copy is read in its place.
+    pub fn read(&self, name: &str, largest: u64) -> Found {
+        let path = self.folder.join(name);
+        let (found, reason) = match read_plain(&path, largest) {
+            Ok(found) => (found, None),
+            Err(reason) => (None, Some(reason)),
+        };
+        let state = found.as_deref().map(Mark::of);
+        let mut manifest = self.manifest();
+        let reason = match reason {
+            None if manifest.allows(name, state) => {
+                manifest.found(name, state);
+                return Found {
+                    content: found,
+                    damage: None,
+                };
+            }
+            None if found.is_none() => None,
+            None => Some("its checksum is wrong".to_owned()),
+            reason => reason,
+        };
+        let copy = read_plain(&self.folder.join(COPIES).join(name), largest)
+            .ok()
+            .flatten()
+            .filter(|bytes| {
+                manifest.state(name).is_some() && manifest.allows(name, Some(Mark::of(bytes)))
+            });
+        // Whatever happens to it now, it is to be written anew.
+        manifest.settle(name, None);
+        Found {
+            damage: Some(self.sentence(&path, reason, copy.is_some())),
+            content: copy,
+        }
+    }
+
+    /// Notes that what a good file says cannot be used; a sentence.
+    pub fn reject(&self, name: &str, reason: &str) -> String {
+        self.manifest().settle(name, None);
+        self.sentence(&self.folder.join(name), Some(reason.to_owned()), false)
+    }
+
+    /// What happened to a file (`reason`, or it is gone), and what is used instead.
+    fn sentence(&self, path: &Path, reason: Option<String>, copy: bool) -> String {
+        let instead = match copy {
+            true => COPY_USED,
+            false => "there is no good copy of it: it is as delivered",
+        };
+        let Some(reason) = reason else {
+            return format!("{} is missing; {instead}", path.display());
+        };
+        let kept = match self.read_only {
+            true => String::new(),
+            false => match atomic::set_aside(path) {
+                Ok(kept) => format!("; it is kept as {}", kept.display()),
+                Err(error) => format!("; it cannot be renamed ({error})"),
+            },
+        };
+        format!("{} is damaged ({reason}){kept}; {instead}", path.display())
+    }
+
+    /// Writes what is not so yet, each file for itself; the sentences say what could
+    /// not be written.
+    pub fn commit(&self, changes: Vec<Change>) -> Vec<String> {
+        let mut manifest = self.manifest();
+        let changes: Vec<(Change, State)> = changes
+            .into_iter()
+            .map(|change| {
+                let state = change.content.as_deref().map(Mark::of);
+                (change, state)
+            })
+            .filter(|(change, state)| manifest.state(&change.name) != Some(*state))
+            .collect();
+        if changes.is_empty() {
+            return Vec::new();
+        }
+        let before: Vec<Option<State>> = changes
+            .iter()
+            .map(|(change, _)| manifest.state(&change.name))
+            .collect();
+        for (change, state) in &changes {
+            manifest.begin(&change.name, *state);
+        }
+        let mut failures = Vec::new();
+        failures.extend(self.write_manifest(&manifest).err());
+        let with_manifest = failures.is_empty();
+        for ((change, state), before) in changes.iter().zip(before) {
+            match self.make(change) {
+                Ok(()) => manifest.settle(&change.name, *state),
+                Err(failure) => {
+                    failures.push(failure);
+                    match before {
+                        Some(before) => manifest.settle(&change.name, before),
+                        None => manifest.adopt(&change.name),
+                    }
+                }
+            }
+        }
+        if with_manifest {
+            failures.extend(self.write_manifest(&manifest).err());
+        }
+        failures
+    }
+
+    fn make(&self, change: &Change) -> Result<(), String> {
+        let path = self.folder.join(&change.name);
+        let copy = self.folder.join(COPIES).join(&change.name);
+        let Some(content) = &change.content else {
+            return remove(&path).and_then(|()| remove(&copy));
+        };
+        write(&path, content, change.readers)?;
+        write(&copy, content, change.readers)
+    }
+
+    /// A manifest that cannot be written must not speak against the files that can.
+    fn write_manifest(&self, manifest: &Manifest) -> Result<(), String> {
+        let (path, copy) = (
+            self.folder.join(MANIFEST),
+            self.folder.join(COPIES).join(MANIFEST),
+        );
+        let text = manifest.to_text().map_err(|error| error.to_string())?;
+        let written = write(&path, text.as_bytes(), Readers::Any)
+            .and_then(|()| write(&copy, text.as_bytes(), Readers::Any));
+        if written.is_err() {
+            let _ = remove(&path);
+            let _ = remove(&copy);
+        }
+        written
+    }
+
+    fn manifest(&self) -> MutexGuard<'_, Manifest> {
+        self.manifest.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The manifest or its copy; with a sentence if one of them is damaged.
+fn read_manifest(folder: &Path) -> Result<Manifest, (Manifest, String)> {
+    let read = |path: &Path| match read_plain(path, LARGEST_MANIFEST) {
+        Ok(None) => Ok(None),
+        Ok(Some(bytes)) => String::from_utf8(bytes)
+            .ok()
+            .and_then(|text| Manifest::from_text(&text))
+            .map(Some)
+            .ok_or(()),
+        Err(_) => Err(()),
+    };
+    let path = folder.join(MANIFEST);
+    let (main, copy) = (read(&path), read(&folder.join(COPIES).join(MANIFEST)));
+    match (main, copy) {
+        (Ok(Some(manifest)), _) => Ok(manifest),
+        // A directory of a version without manifest, or a new one.
+        (Ok(None), Ok(None)) => Ok(Manifest::default()),
+        (main, Ok(Some(manifest))) => {
+            let said = match main {
+                Ok(_) => format!("{} is missing; {COPY_USED}", path.display()),
+                Err(()) => format!("{} is damaged (checksum); {COPY_USED}", path.display()),
+            };
+            Err((manifest, said))
+        }
+        (_, _) => {
+            let said = format!(
+                "{} is damaged, and so is its copy: what is missing or damaged here cannot be told",
+                path.display()
+            );
+            Err((Manifest::default(), said))
+        }
+    }
+}
+
+/// Reads a plain file; `None` if there is none.
+fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
+    let facts = match fs::metadata(path) {
+        Ok(facts) => facts,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(error.to_string()),
+    };
+    // A pipe would be waited for.
+    if !facts.is_file() {
+        return Err("it is no plain file".to_owned());
+    }
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
+        .map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > largest {
+        return Err(format!("it is larger than {largest} bytes"));
+    }
+    Ok(Some(bytes))
+}
+
+fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), String> {
+    let said = |error| format!("{} cannot be written: {error}", path.display());
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(said)?;
+    }
+    atomic::write_for(path, bytes, readers).map_err(said)
+}
+
+fn remove(path: &Path) -> Result<(), String> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(format!("{} cannot be deleted: {error}", path.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::test_folder;
+
+    const LARGEST: u64 = 1000;
+
+    fn change(name: &str, content: &str) -> Change {
+        Change {
+            name: name.to_owned(),
+            content: Some(content.as_bytes().to_vec()),
+            readers: Readers::Any,
+        }
+    }
+
+    fn folder_with(name: &str, files: &[(&str, &str)]) -> PathBuf {
+        let folder = test_folder(name);
+        let changes = files
+            .iter()
+            .map(|(name, text)| change(name, text))
+            .collect();
+        assert_eq!(Kept::open(&folder, false).commit(changes), [""; 0]);
+        folder
+    }
+
+    #[test]
+    fn a_flipped_bit_a_cut_and_a_deletion_are_noticed_and_mended_by_the_copy() {
+        let folder = folder_with("kept-damage", &[("a.ron", "(24: 584)"), ("b.ron", "()")]);
+        type Damage = fn(&Path);
+        let damages: [(&str, Damage); 3] = [
+            ("checksum is wrong", |path| {
+                fs::write(path, "(24: 585)").unwrap();
+            }),
+            ("checksum is wrong", |path| {
+                fs::write(path, "(24").unwrap();
+            }),
+            ("a.ron is missing", |path| fs::remove_file(path).unwrap()),
+        ];
+        for (said, damage) in damages {
+            damage(&folder.join("a.ron"));
+            let kept = Kept::open(&folder, false);
+            let found = kept.read("a.ron", LARGEST);
+            assert_eq!(found.content.as_deref(), Some(b"(24: 584)".as_slice()));
+            let sentence = found.damage.unwrap();
+            assert!(sentence.contains(said), "{sentence}");
+            assert!(sentence.contains("last good copy is used"), "{sentence}");
+            assert_eq!(kept.read("b.ron", LARGEST).damage, None);
+            // It is said once: the next saving writes the file anew.
+            assert_eq!(kept.commit(vec![change("a.ron", "(24: 584)")]), [""; 0]);
+            assert_eq!(
+                Kept::open(&folder, false).read("a.ron", LARGEST).damage,
+                None
+            );
+        }
+        assert!(folder.join("a.ron.damaged2").exists());
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn who_only_reads_changes_nothing() {
+        let folder = folder_with("kept-read", &[("a.ron", "one")]);
+        fs::write(folder.join("a.ron"), "two").unwrap();
+        for _ in 0..2 {
+            let found = Kept::open(&folder, true).read("a.ron", LARGEST);
+            assert_eq!(found.content.as_deref(), Some(b"one".as_slice()));
+            assert!(found.damage.is_some());
+        }
+        assert_eq!(fs::read(folder.join("a.ron")).unwrap(), b"two");
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn one_file_that_cannot_be_written_keeps_no_other_from_it() {
+        let folder = folder_with("kept-each", &[("a", "1"), ("b", "1"), ("c", "1")]);
+        fs::remove_file(folder.join("b")).unwrap();
+        fs::create_dir(folder.join("b")).unwrap();
+        fs::write(folder.join("b/in-the-way"), "").unwrap();
+        let kept = Kept::open(&folder, false);
+        let failures = kept.commit(vec![change("a", "2"), change("b", "2"), change("c", "2")]);
+        assert_eq!(failures.len(), 1, "{failures:?}");
+        assert!(failures[0].contains("b cannot be written"), "{failures:?}");
+        for name in ["a", "c"] {
+            assert_eq!(fs::read(folder.join(name)).unwrap(), b"2");
+            assert_eq!(Kept::open(&folder, false).read(name, LARGEST).damage, None);
+        }
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
+    fn a_damaged_manifest_is_replaced_by_its_copy() {
+        let folder = folder_with("kept-manifest", &[("a", "1")]);
+        fs::write(folder.join("manifest.ron"), "// 0\n").unwrap();
+        let kept = Kept::open(&folder, false);
+        assert!(kept.complaint().unwrap().contains("is damaged"));
+        fs::write(folder.join("a"), "2").unwrap();
+        assert!(kept.read("a", LARGEST).damage.is_some());
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// A kill between the first manifest and the files leaves the old ones; what is
+    /// then wanted is written although the manifest has it already as the new state.
+    #[test]
+    fn what_a_kill_left_undone_is_done_by_the_next_commit() {
+        let deletion = |name: &str| Change {
+            content: None,
+            ..change(name, "")
+        };
+        let folder = folder_with("kept-killed", &[("a", "old"), ("b", "old"), ("c", "old")]);
+        let kept = Kept::open(&folder, false);
+        let mut manifest = kept.manifest().clone();
+        manifest.begin("a", Some(Mark::of(b"new")));
+        manifest.begin("b", None);
+        manifest.begin("c", None);
+        kept.write_manifest(&manifest).unwrap();
+        // The third one was deleted already, but not its copy.
+        fs::remove_file(folder.join("c")).unwrap();
+        let kept = Kept::open(&folder, false);
+        let contents = ["a", "b", "c"].map(|name| kept.read(name, LARGEST));
+        let old = Some(b"old".to_vec());
+        assert_eq!(contents.each_ref().map(|found| &found.damage), [&None; 3]);
+        assert_eq!(
+            contents.map(|found| found.content),
+            [old.clone(), old, None]
+        );
+        let changes = vec![change("a", "new"), deletion("b"), deletion("c")];
+        assert_eq!(kept.commit(changes), [""; 0]);
+        for place in [folder.clone(), folder.join(COPIES)] {
+            assert_eq!(fs::read(place.join("a")).unwrap(), b"new");
+            assert!(!place.join("b").exists() && !place.join("c").exists());
+        }
+        assert_eq!(Kept::open(&folder, false).names(), ["a"]);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_not_waited_for() {
+        let folder = folder_with("kept-pipe", &[("a", "1")]);
+        fs::remove_file(folder.join("a")).unwrap();
+        let made = std::process::Command::new("mkfifo")
+            .arg(folder.join("a"))
+            .status();
+        assert!(made.unwrap().success());
+        let found = Kept::open(&folder, false).read("a", LARGEST);
+        assert!(found.damage.unwrap().contains("no plain file"));
+        assert_eq!(found.content.as_deref(), Some(b"1".as_slice()));
+        fs::remove_dir_all(folder).unwrap();
+    }
+}

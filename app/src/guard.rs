@@ -1,0 +1,303 @@
+//! The port of a board in the hands of a small process of its own, which stops the
+//! board when the program is gone, however it went.
+//!
+//! ```text
+//!   program: kernel, link ──► Guard ═══ socket ═══ holder ──► port ──► board
+//!   window, picture, files                         (the same binary, `hold-port`)
+//! ```
+//!
+//! A library of the window may end the process without asking anybody, memory may run
+//! out, somebody may kill it: nobody is left then who could stop the board. The holder
+//! sees its socket close. It knows nothing of the board but the bytes that stop it,
+//! which the link tells it ahead.
+
+pub mod frame;
+pub mod holder;
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::net::UnixStream;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use frame::{Kind, Reader};
+
+/// The hidden command of the holder.
+pub const COMMAND: &str = "hold-port";
+
+/// How long a read may wait for the first byte.
+const READ_WAIT: Duration = Duration::from_millis(2);
+/// A holder that has not answered by then never will.
+const STARTS_WITHIN: Duration = Duration::from_secs(10);
+/// A holder has stopped the board and ended by then.
+const ENDS_WITHIN: Duration = Duration::from_secs(5);
+/// Between two looks whether it has.
+const LOOK: Duration = Duration::from_millis(2);
+/// What may wait for the holder before nothing more is taken.
+const MOST_WAITING: usize = frame::MOST;
+
+/// This program, for a holder of the same version: the file may have been replaced.
+pub fn program() -> PathBuf {
+    let own = Path::new("/proc/self/exe");
+    if own.exists() {
+        return own.to_owned();
+    }
+    std::env::current_exe().unwrap_or_else(|_| "gsk980td".into())
+}
+
+/// Why there is no port that another process holds.
+#[derive(Debug, thiserror::Error)]
+pub enum GuardError {
+    /// There is no process.
+    #[error("{port}: the process that is to hold the port cannot be started: {error}")]
+    NotStarted {
+        /// The port.
+        port: String,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// It has gone.
+    #[error("{port}: the process that is to hold the port has ended at once")]
+    Ended {
+        /// The port.
+        port: String,
+    },
+    /// The holder cannot open the port, and says why.
+    #[error("{0}")]
+    Refused(String),
+    /// The holder is none.
+    #[error("{port}: the process that is to hold the port says what nobody understands")]
+    Strange {
+        /// The port.
+        port: String,
+    },
+    /// The holder says nothing.
+    #[error("{port}: the process that is to hold the port does not answer")]
+    Silent {
+        /// The port.
+        port: String,
+    },
+}
+
+/// A port that another process holds. Dropped without [`Guard::end`] it leaves a board
+/// that was stopped.
+pub struct Guard {
+    child: Child,
+    socket: UnixStream,
+    reader: Reader,
+    /// Frames the socket has not taken yet.
+    waiting: Vec<u8>,
+    stop: Vec<u8>,
+    program: PathBuf,
+    port: String,
+    baud: u32,
+}
+
+impl Guard {
+    /// Starts a holder of this port.
+    ///
+    /// # Errors
+    /// A sentence that names the port, or says why there is no holder.
+    pub fn open(program: &Path, port: &str, baud: u32) -> Result<Self, GuardError> {
+        let cannot = |error| GuardError::NotStarted {
+            port: port.to_owned(),
+            error,
+        };
+        let (socket, far) = UnixStream::pair().map_err(cannot)?;
+        socket.set_nonblocking(true).map_err(cannot)?;
+        let child = Command::new(program)
+            .arg0("gsk980td")
+            .args([COMMAND, "--baud", &baud.to_string(), "--", port])
+            .stdin(Stdio::from(OwnedFd::from(far)))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            // Ctrl-C at the terminal is for the program.
+            .process_group(0)
+            .spawn()
+            .map_err(cannot)?;
+        let mut guard = Self {
+            child,
+            socket,
+            reader: Reader::default(),
+            waiting: Vec::new(),
+            stop: Vec::new(),
+            program: program.to_owned(),
+            port: port.to_owned(),
+            baud,
+        };
+        guard.is_open()?;
+        Ok(guard)
+    }
+
+    /// Waits until the holder has opened the port.
+    fn is_open(&mut self) -> Result<(), GuardError> {
+        let port = self.port.clone();
+        let begun = Instant::now();
+        while begun.elapsed() < STARTS_WITHIN {
+            let heard = self.hear(LOOK);
+            match self.reader.take() {
+                Ok(Some((Kind::Open, _))) => return Ok(()),
+                Ok(Some((Kind::Refused, said))) => {
+                    let said = String::from_utf8_lossy(&said);
+                    return Err(GuardError::Refused(said.into_owned()));
+                }
+                Ok(None) if heard.is_err() => return Err(GuardError::Ended { port }),
+                Ok(None) => {}
+                Ok(Some(_)) | Err(frame::Strange) => {
+                    return Err(GuardError::Strange { port });
+                }
+            }
+        }
+        Err(GuardError::Silent { port })
+    }
+
+    /// The holder.
+    pub fn process(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// What has arrived; empty when nothing did for 2 ms.
+    ///
+    /// # Errors
+    /// The port is gone, or its holder is.
+    pub fn read(&mut self) -> io::Result<Vec<u8>> {
+        let heard = self.hear(READ_WAIT);
+        let mut bytes = Vec::new();
+        loop {
+            match self.reader.take() {
+                Ok(Some((Kind::Data, more))) => bytes.extend(more),
+                Ok(Some((Kind::Gone, number))) => return Err(port_error(&number)),
+                Ok(None) if bytes.is_empty() => {
+                    return heard.map(|()| bytes).map_err(|_| self.is_alone());
+                }
+                Ok(None) => return Ok(bytes),
+                Ok(Some(_)) | Err(frame::Strange) => return Err(self.is_alone()),
+            }
+        }
+    }
+
+    /// Writes as much as the holder takes now. Of one that is gone the next read tells.
+    pub fn write(&mut self, bytes: &[u8]) -> usize {
+        self.speak();
+        if bytes.is_empty() || self.waiting.len() > MOST_WAITING {
+            return 0;
+        }
+        let count = bytes.len().min(frame::MOST);
+        frame::put(&mut self.waiting, Kind::Data, &bytes[..count]);
+        self.speak();
+        count
+    }
+
+    /// From now on these bytes stop the board when the program is gone; none: nothing
+    /// is to be stopped.
+    pub fn stop_with(&mut self, bytes: &[u8]) {
+        if self.stop != bytes {
+            self.stop = bytes.to_vec();
+            frame::put(&mut self.waiting, Kind::Stop, bytes);
+            self.speak();
+        }
+    }
+
+    /// All is said, the port is closed.
+    pub fn end(mut self) {
+        frame::put(&mut self.waiting, Kind::End, &[]);
+        let begun = Instant::now();
+        self.speak();
+        while !self.waiting.is_empty() && begun.elapsed() < ENDS_WITHIN {
+            thread::sleep(LOOK);
+            self.speak();
+        }
+        // What is left is waited for when the value is dropped.
+    }
+
+    /// Reads what the holder says, when it says something within this time.
+    fn hear(&mut self, within: Duration) -> io::Result<()> {
+        let mut look = [PollFd::from_borrowed_fd(self.socket.as_fd(), PollFlags::IN)];
+        let within = Timespec::try_from(within).map_err(io::Error::other)?;
+        match poll(&mut look, Some(&within)) {
+            Ok(0) | Err(rustix::io::Errno::INTR) => return Ok(()),
+            Ok(_) => {}
+            Err(error) => return Err(error.into()),
+        }
+        let mut buffer = [0; frame::MOST];
+        match self.socket.read(&mut buffer) {
+            Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
+            Ok(count) => {
+                self.reader.give(&buffer[..count]);
+                Ok(())
+            }
+            Err(error) if passes(&error) => Ok(()),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Hands over what waits, as far as it is taken.
+    fn speak(&mut self) {
+        while !self.waiting.is_empty() {
+            match self.socket.write(&self.waiting) {
+                Ok(count) => drop(self.waiting.drain(..count)),
+                Err(error) if passes(&error) => return,
+                // Why, it may have said: that is read next.
+                Err(_) => self.waiting.clear(),
+            }
+        }
+    }
+
+    /// The holder has ended by itself, and nobody holds the board: another one stops it.
+    fn is_alone(&mut self) -> io::Error {
+        let stop = core::mem::take(&mut self.stop);
+        if !stop.is_empty() {
+            let (program, port, baud) = (self.program.clone(), self.port.clone(), self.baud);
+            // Dropped, it stops the board; the control does not wait for that.
+            let stop_board = move || {
+                if let Ok(mut guard) = Self::open(&program, &port, baud) {
+                    guard.stop_with(&stop);
+                }
+            };
+            let _ = thread::Builder::new().spawn(stop_board);
+        }
+        io::Error::new(
+            ErrorKind::ConnectionAborted,
+            "the process that holds the port has ended",
+        )
+    }
+}
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        // Behind an End it changes nothing.
+        let _ = self.socket.shutdown(std::net::Shutdown::Write);
+        let begun = Instant::now();
+        while begun.elapsed() < ENDS_WITHIN {
+            if !matches!(self.child.try_wait(), Ok(None)) {
+                return;
+            }
+            // Whoever is heard does not wait with what he says.
+            if self.hear(LOOK).is_err() {
+                thread::sleep(LOOK);
+            }
+            self.reader = Reader::default();
+        }
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Whether the socket is only busy.
+fn passes(error: &io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
+}
+
+/// The error of the port that the holder has told.
+fn port_error(number: &[u8]) -> io::Error {
+    let number: [u8; 4] = number.try_into().unwrap_or_default();
+    match i32::from_le_bytes(number) {
+        0 => io::Error::new(ErrorKind::BrokenPipe, "the port was closed"),
+        number => io::Error::from_raw_os_error(number),
+    }
+}

@@ -1,0 +1,195 @@
+//! The process that holds a port: it carries bytes, and stops the board when the
+//! program at the other end of the socket is gone.
+
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::fd::AsFd;
+use std::os::unix::net::UnixStream;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+use signal_hook::flag;
+
+use super::frame::{self, Kind, Reader};
+use crate::ports::Port;
+
+/// A port that another process holds may be that of a program that has just ended.
+const FREE_WITHIN: Duration = Duration::from_secs(1);
+/// Between two looks whether the port says something.
+const READ_WAIT: Duration = Duration::from_secs(1);
+/// Bytes that are written at once: whoever can take some takes so many.
+const AT_ONCE: usize = 256;
+/// How long a port may take none while the board is being stopped.
+const STUCK: Duration = Duration::from_millis(500);
+/// When the board is told to stop after the program has gone, ms. Once may be lost, and
+/// FluidNC carries out a line that it had taken behind the first one.
+const STOPS: [u64; 5] = [0, 30, 100, 250, 600];
+/// What the board answers to that is taken away for so long: whoever opens the port next
+/// would take it for an answer of his own.
+const ANSWERS: Duration = Duration::from_millis(200);
+
+/// How the program went.
+enum Gone {
+    /// It said so.
+    Closed,
+    /// It did not: whatever the reason.
+    Lost,
+}
+
+/// Standard input is no program that wants a port held.
+#[derive(Debug, thiserror::Error)]
+#[error("the program starts this by itself, to hold the port of a board ({0})")]
+pub struct NoProgram(io::Error);
+
+/// Opens a port and holds it until the program at standard input is gone.
+///
+/// # Errors
+/// Standard input is no such program.
+pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
+    let mut partner = partner().map_err(NoProgram)?;
+    // The board is stopped before this process goes, whatever it is told.
+    let told = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
+        let _ = flag::register(signal, Arc::clone(&told));
+    }
+    // A name for the list of processes; it goes without.
+    let _ = std::fs::write("/proc/self/comm", "gsk980td-port");
+    let opened = Port::open_within(path, baud, FREE_WITHIN)
+        .and_then(|port| Ok((port.reading(READ_WAIT)?, port)));
+    let (inward, mut port) = match opened {
+        Ok(opened) => opened,
+        Err(cause) => {
+            let _ = say(&mut partner, Kind::Refused, cause.to_string().as_bytes());
+            return Ok(());
+        }
+    };
+    // Before anything the board says; whoever does not hear it is gone already, and that
+    // is noticed below.
+    let _ = say(&mut partner, Kind::Open, &[]);
+    let reads = partner
+        .try_clone()
+        .and_then(|partner| listen(inward, partner));
+    if let Err(error) = reads {
+        tell_gone(&mut partner, &error);
+        return Ok(());
+    }
+    let mut stop = Vec::new();
+    match carry(&mut partner, &mut port, &mut stop) {
+        // It has stopped the board by itself.
+        Ok(Gone::Closed) => {}
+        Ok(Gone::Lost) => stop_board(&mut port, &stop),
+        Err(error) => tell_gone(&mut partner, &error),
+    }
+    Ok(())
+}
+
+/// The program that has started this one.
+fn partner() -> io::Result<UnixStream> {
+    let stream = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
+    stream.local_addr()?;
+    Ok(stream)
+}
+
+fn say(partner: &mut UnixStream, kind: Kind, content: &[u8]) -> io::Result<()> {
+    let mut bytes = Vec::new();
+    frame::put(&mut bytes, kind, content);
+    partner.write_all(&bytes)
+}
+
+fn tell_gone(partner: &mut UnixStream, error: &io::Error) {
+    let number = error.raw_os_error().unwrap_or(0);
+    let _ = say(partner, Kind::Gone, &number.to_le_bytes());
+}
+
+/// What the board says goes to the program, in a thread of its own.
+fn listen(mut port: Port, mut partner: UnixStream) -> io::Result<()> {
+    let listen = move || {
+        loop {
+            match port.read() {
+                Ok(bytes) if bytes.is_empty() => {}
+                // A program that is gone hears nothing; the board goes on speaking.
+                Ok(bytes) => drop(say(&mut partner, Kind::Data, &bytes)),
+                Err(error) => {
+                    tell_gone(&mut partner, &error);
+                    // Without a port there is nothing to hold.
+                    std::process::exit(0);
+                }
+            }
+        }
+    };
+    thread::Builder::new()
+        .stack_size(1 << 17)
+        .spawn(listen)
+        .map(drop)
+}
+
+/// Carries what the program says to the port until it is gone.
+fn carry(partner: &mut UnixStream, port: &mut Port, stop: &mut Vec<u8>) -> io::Result<Gone> {
+    let mut reader = Reader::default();
+    let mut buffer = [0; frame::MOST];
+    loop {
+        match partner.read(&mut buffer) {
+            Ok(0) => return Ok(Gone::Lost),
+            Ok(count) => reader.give(&buffer[..count]),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(_) => return Ok(Gone::Lost),
+        }
+        loop {
+            match reader.take() {
+                // What a program that is gone has left says nothing any more.
+                Ok(Some((Kind::Data, _))) if is_gone(partner) => {}
+                Ok(Some((Kind::Data, bytes))) => {
+                    write(port, &bytes, |_| is_gone(partner))?;
+                }
+                Ok(Some((Kind::Stop, bytes))) => *stop = bytes,
+                Ok(Some((Kind::End, _))) => return Ok(Gone::Closed),
+                Ok(None) => break,
+                Ok(Some(_)) | Err(_) => return Ok(Gone::Lost),
+            }
+        }
+    }
+}
+
+/// Whether the program is gone.
+fn is_gone(partner: &UnixStream) -> bool {
+    let mut look = [PollFd::from_borrowed_fd(
+        partner.as_fd(),
+        PollFlags::empty(),
+    )];
+    poll(&mut look, Some(&Timespec::default())).is_ok()
+        && look[0].revents().contains(PollFlags::HUP)
+}
+
+/// Writes all of it, unless it is given up: asked whenever the port takes nothing, with
+/// the time since it last did.
+fn write(port: &mut Port, mut bytes: &[u8], give_up: impl Fn(Duration) -> bool) -> io::Result<()> {
+    let mut taken = Instant::now();
+    while !bytes.is_empty() {
+        let count = port.write(&bytes[..bytes.len().min(AT_ONCE)])?;
+        if count > 0 {
+            taken = Instant::now();
+        } else if give_up(taken.elapsed()) {
+            return Ok(());
+        }
+        bytes = &bytes[count..];
+    }
+    Ok(())
+}
+
+/// Tells the board to stop at these times.
+fn stop_board(port: &mut Port, stop: &[u8]) {
+    if stop.is_empty() {
+        return;
+    }
+    let begun = Instant::now();
+    for ms in STOPS {
+        thread::sleep(Duration::from_millis(ms).saturating_sub(begun.elapsed()));
+        if write(port, stop, |stuck| stuck >= STUCK).is_err() {
+            return;
+        }
+    }
+    thread::sleep(ANSWERS);
+}

@@ -1,0 +1,81 @@
+//! What the log says of the control and its board: alarms that come and go, where the
+//! link stands, a computer that is too slow.
+
+use std::time::{Duration, Instant};
+
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::Cnc;
+use gsk_link::LinkState;
+use tracing::{info, warn};
+
+/// Late is who comes so much after his time.
+const LATE: Duration = Duration::from_millis(100);
+/// Between two words about it.
+const AGAIN: Duration = Duration::from_secs(10);
+
+/// What was seen at the last look.
+#[derive(Debug, Default)]
+pub(super) struct Journal {
+    alarms: Vec<Alarm>,
+    link: Option<LinkState>,
+    late: Option<Instant>,
+}
+
+impl Journal {
+    /// Looks what has changed.
+    pub(super) fn look(&mut self, cnc: &Cnc, link: Option<LinkState>) {
+        self.look_at_alarms(cnc.alarms());
+        self.look_at_link(link, cnc.alarms().first());
+    }
+
+    fn look_at_alarms(&mut self, now: &[Alarm]) {
+        if self.alarms == now {
+            return;
+        }
+        for alarm in now.iter().filter(|alarm| !self.alarms.contains(alarm)) {
+            warn!(
+                number = alarm.number,
+                line = alarm.source.map(|source| source.line),
+                detail = alarm.detail.as_ref().map(tracing::field::display),
+                "alarm raised: {}",
+                alarm.line_text_en()
+            );
+        }
+        for alarm in self.alarms.iter().filter(|alarm| !now.contains(alarm)) {
+            info!(number = alarm.number, "alarm cleared");
+        }
+        self.alarms = now.to_vec();
+    }
+
+    fn look_at_link(&mut self, now: Option<LinkState>, alarm: Option<&Alarm>) {
+        if self.link == now {
+            return;
+        }
+        let before = core::mem::replace(&mut self.link, now);
+        match (before, now) {
+            (_, None) => info!("link closed"),
+            (before, Some(LinkState::Fault | LinkState::Lost | LinkState::Tripped)) => warn!(
+                from = before.map(LinkState::name),
+                state = now.map(LinkState::name),
+                cause = alarm.map(Alarm::line_text_en),
+                "link stopped"
+            ),
+            (None, Some(state)) => info!(state = state.name(), "link opened"),
+            (before, Some(state)) => info!(
+                from = before.map(LinkState::name),
+                state = state.name(),
+                "link changed"
+            ),
+        }
+    }
+
+    /// The kernel thread has its turn now, and should have had it at `due`.
+    pub(super) fn turn(&mut self, now: Instant, due: Instant) {
+        let late = now.saturating_duration_since(due);
+        let told = self.late.is_some_and(|told| now < told + AGAIN);
+        if late > LATE && !told {
+            self.late = Some(now);
+            warn!(ms = late.as_millis(), "the kernel thread was late");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! A program that was read from a file becomes a program of the memory, or it is said
+//! why it does not.
+
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::Request;
+use gsk_core::command::ProgramId;
+use gsk_core::memory::Refusal;
+use gsk_core::operation::RunState;
+use gsk_core::program::Program;
+use tracing::info;
+
+use super::{Kernel, Notice, Opened, Storing};
+
+/// Where an opened program stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In the memory, under its number.
+    Stored(u16),
+    /// It can be run and read, but not edited, and is gone with the power.
+    OnlyRun(NotStored),
+}
+
+/// Why an opened program is not in the memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NotStored {
+    /// It has no number, nor has its name.
+    NoNumber,
+    /// Its number belongs to another program, which was to stay.
+    NumberTaken(u16),
+    /// Switch, lock or level stand against it.
+    Refused(Refusal),
+    /// The memory does not take it.
+    Alarm(Alarm),
+}
+
+/// The last program that was opened.
+#[derive(Clone, Debug)]
+pub(super) struct LastOpened {
+    pub name: String,
+    /// Its text as it was stored.
+    stored: Option<Program>,
+}
+
+impl Kernel {
+    pub(super) fn open(&mut self, opened: Opened) {
+        let run_state = self.emulator.simulation.cnc.run_state();
+        if matches!(run_state, RunState::Run | RunState::Hold) {
+            let name = &opened.name;
+            let why = format!("{name}: a program is running: open it after [RESET]");
+            self.say(Notice::Said(why.into()));
+            return;
+        }
+        let program = numbered(&opened);
+        let taken = program
+            .number()
+            .filter(|number| self.is_anothers(*number, &program, &opened.name));
+        if let (Some(number), Storing::Ask) = (taken, opened.storing) {
+            return self.say(Notice::NumberTaken(Box::new(opened), number));
+        }
+        for program in &opened.subprograms {
+            self.store_subprogram(program);
+        }
+        let kept = match (taken, opened.storing) {
+            (Some(number), Storing::RunOnly) => Err(NotStored::NumberTaken(number)),
+            _ => self.store(&program),
+        };
+        let place = match kept {
+            Ok(number) => Place::Stored(number),
+            Err(why) => {
+                if let Err(alarm) = self.emulator.load_external(opened.program) {
+                    return self.say(Notice::Refused(alarm));
+                }
+                Place::OnlyRun(why)
+            }
+        };
+        let stored = matches!(place, Place::Stored(_)).then_some(program);
+        let Opened { name, path, .. } = opened;
+        self.opened = Some(LastOpened {
+            name: name.clone(),
+            stored,
+        });
+        info!(file = name, place = ?place, "program opened");
+        self.say(Notice::Opened { name, path, place });
+    }
+
+    /// Whether the memory has a program of this number that is not the file's, nor
+    /// what the file was when it was opened last.
+    fn is_anothers(&self, number: u16, program: &Program, name: &str) -> bool {
+        let programs = self.emulator.simulation.cnc.programs();
+        let Some(there) = programs.get(ProgramId::Stored(number)) else {
+            return false;
+        };
+        let last = self.opened.as_ref().filter(|last| last.name == name);
+        let before = last.and_then(|last| last.stored.as_ref());
+        there.text() != program.text() && before.is_none_or(|before| before.text() != there.text())
+    }
+
+    /// Stores a program where it may be stored, and selects it.
+    fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
+        let number = program.number().ok_or(NotStored::NoNumber)?;
+        let cnc = &mut self.emulator.simulation.cnc;
+        let there = cnc.programs().get(ProgramId::Stored(number));
+        let request = if there.is_some_and(|there| there.text() == program.text()) {
+            Request::SelectProgram(number)
+        } else {
+            let allowed = cnc.rights().program_memory(number);
+            allowed.map_err(NotStored::Refused)?;
+            Request::StoreProgram(program.text().to_owned())
+        };
+        cnc.request(request).map_err(NotStored::Alarm)?;
+        Ok(number)
+    }
+
+    /// A subprogram that the memory has already stays as it is.
+    fn store_subprogram(&mut self, program: &Program) {
+        let cnc = &mut self.emulator.simulation.cnc;
+        let known = program
+            .number()
+            .is_some_and(|number| cnc.programs().get(ProgramId::Stored(number)).is_some());
+        if known {
+            return;
+        }
+        let request = Request::StoreProgram(program.text().to_owned());
+        if let Err(alarm) = cnc.request(request) {
+            self.say(Notice::Refused(alarm));
+        }
+    }
+}
+
+/// The program with its number; one without takes that of its file.
+fn numbered(opened: &Opened) -> Program {
+    let program = &opened.program;
+    match (
+        program.number(),
+        gsk_panel::emulator::number_of_name(&opened.name),
+    ) {
+        (None, Some(number)) => program.renumbered(number),
+        _ => program.clone(),
+    }
+}

@@ -1,0 +1,206 @@
+//! The log of the program: what it did, for whoever looks for a fault afterwards. The
+//! window writes it into a file of the day, commands on standard error if they are told
+//! to. Its words are English.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use tracing::level_filters::LevelFilter;
+use tracing::{Subscriber, error, info, subscriber};
+use tracing_appender::non_blocking::{NonBlocking, WorkerGuard};
+use tracing_appender::rolling::{InitError, RollingFileAppender, Rotation};
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::fmt::{self, MakeWriter};
+use tracing_subscriber::layer::SubscriberExt;
+
+/// The folder in the data directory.
+pub const FOLDER: &str = "log";
+/// Files of days that are kept.
+const MOST_FILES: usize = 14;
+/// What the events of this program come from; those of libraries are left out.
+const OWN: &str = "gsk_app";
+
+/// Levels, from nothing to everything.
+pub const LEVELS: [(&str, LevelFilter); 6] = [
+    ("off", LevelFilter::OFF),
+    ("error", LevelFilter::ERROR),
+    ("warn", LevelFilter::WARN),
+    ("info", LevelFilter::INFO),
+    ("debug", LevelFilter::DEBUG),
+    ("trace", LevelFilter::TRACE),
+];
+
+/// A word that is no level.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no level of the log: off, error, warn, info, debug or trace")]
+pub struct NoLevel(String);
+
+/// Reads a level.
+///
+/// # Errors
+/// It is none.
+pub fn level(word: &str) -> Result<LevelFilter, NoLevel> {
+    let found = LEVELS.iter().find(|(name, _)| *name == word);
+    let found = found.map(|(_, level)| *level);
+    found.ok_or_else(|| NoLevel(word.to_owned()))
+}
+
+/// Why there is no log.
+#[derive(Debug, thiserror::Error)]
+pub enum LogError {
+    /// Its folder cannot be made.
+    #[error("the log in {} cannot be written: {cause}", .folder.display())]
+    Folder {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system said.
+        cause: io::Error,
+    },
+    /// The file of today cannot be opened.
+    #[error("the log in {} cannot be written: {cause}", .folder.display())]
+    File {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system said.
+        cause: InitError,
+    },
+}
+
+/// The thread that writes the file: dropped, it has written what waits.
+static WRITER: Mutex<Option<WorkerGuard>> = Mutex::new(None);
+
+/// A log under way, which is finished when this is dropped.
+#[must_use]
+#[derive(Debug)]
+pub struct Log(());
+
+impl Drop for Log {
+    fn drop(&mut self) {
+        finish();
+    }
+}
+
+/// Says that the program ends, and writes what waits: for an end that drops nothing.
+pub fn finish() {
+    info!("ended");
+    if let Ok(mut writer) = WRITER.lock() {
+        writer.take();
+    }
+}
+
+/// Begins the log in a data directory, in a file of today; a thread of its own writes
+/// it. None: it is off.
+///
+/// # Errors
+/// The folder cannot be written.
+pub fn in_data(data: &Path, level: LevelFilter) -> Result<Option<Log>, LogError> {
+    if level == LevelFilter::OFF {
+        return Ok(None);
+    }
+    let (writer, guard) = file(&data.join(FOLDER))?;
+    if let Ok(mut writer) = WRITER.lock() {
+        *writer = Some(guard);
+    }
+    begin(subscriber(writer, level));
+    started(Some(data));
+    Ok(Some(Log(())))
+}
+
+/// Begins the log on standard error. None: it is off.
+pub fn on_terminal(level: LevelFilter) -> Option<Log> {
+    if level == LevelFilter::OFF {
+        return None;
+    }
+    begin(subscriber(io::stderr, level));
+    started(None);
+    Some(Log(()))
+}
+
+/// A file a day, the oldest go.
+fn file(folder: &Path) -> Result<(NonBlocking, WorkerGuard), LogError> {
+    let made = std::fs::create_dir_all(folder);
+    made.map_err(|cause| LogError::Folder {
+        folder: folder.to_owned(),
+        cause,
+    })?;
+    let files = RollingFileAppender::builder()
+        .rotation(Rotation::DAILY)
+        .filename_prefix("gsk980td")
+        .filename_suffix("log")
+        .max_log_files(MOST_FILES)
+        .build(folder)
+        .map_err(|cause| LogError::File {
+            folder: folder.to_owned(),
+            cause,
+        })?;
+    Ok(tracing_appender::non_blocking(files))
+}
+
+fn subscriber(
+    writer: impl for<'a> MakeWriter<'a> + Send + Sync + 'static,
+    level: LevelFilter,
+) -> impl Subscriber + Send + Sync {
+    let lines = fmt::layer().with_ansi(false).with_writer(writer);
+    let own = Targets::new().with_target(OWN, level);
+    tracing_subscriber::registry().with(lines.with_filter(own))
+}
+
+fn begin(subscriber: impl Subscriber + Send + Sync) {
+    // Only the first log of a process is one.
+    let _ = subscriber::set_global_default(subscriber);
+    let before = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let thread = std::thread::current();
+        error!(thread = thread.name().unwrap_or("-"), "panic: {panic}");
+        before(panic);
+    }));
+}
+
+fn started(data: Option<&Path>) {
+    let data = data.map_or_else(|| "-".to_owned(), |data| data.display().to_string());
+    info!(
+        version = env!("CARGO_PKG_VERSION"),
+        platform = format_args!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
+        data,
+        "started"
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::test_folder;
+
+    #[test]
+    fn a_run_leaves_a_file_that_begins_with_its_start() {
+        let data = test_folder("log");
+        let (writer, guard) = file(&data.join(FOLDER)).expect("a log");
+        subscriber::with_default(subscriber(writer, LevelFilter::INFO), || {
+            started(Some(&data));
+            tracing::debug!("not at this level");
+            tracing::error!(target: "winit", "not of this program");
+        });
+        drop(guard);
+        let mut files = std::fs::read_dir(data.join(FOLDER)).expect("folder");
+        let file = files.next().expect("a file").expect("a file").path();
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        assert!(name.starts_with("gsk980td.") && name.ends_with(".log"));
+        let text = std::fs::read_to_string(&file).expect("text");
+        let version = format!("version=\"{}\"", env!("CARGO_PKG_VERSION"));
+        assert!(
+            text.contains("started") && text.contains(&version),
+            "{text}"
+        );
+        assert_eq!(text.lines().count(), 1, "{text}");
+        std::fs::remove_dir_all(data).expect("clean");
+    }
+
+    #[test]
+    fn levels_are_words() {
+        assert_eq!(level("off"), Ok(LevelFilter::OFF));
+        let refused = level("loud").expect_err("no level");
+        assert!(refused.to_string().starts_with("`loud` is no level"));
+    }
+}

@@ -1,0 +1,131 @@
+//! Keeps the memory of a running control on the disk.
+
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+
+use crossbeam::channel::{Receiver, Sender, bounded};
+use gsk_panel::emulator::Emulator;
+
+use super::snapshot::Snapshot;
+use super::writer::Writer;
+use super::{Restored, Standing};
+use crate::files::data_dir::DataDir;
+
+/// Looks between two savings of what changes all the time in a run: counters and
+/// position.
+const COUNTER_LOOKS: u32 = 100;
+
+/// Looks between two savings of a text that is being typed.
+pub(super) const TEXT_LOOKS: u32 = 5;
+
+/// A snapshot to be written, and who waits for it.
+type Job = (Snapshot, Option<Sender<()>>);
+
+/// Watches the memory and saves what has changed, in a thread of its own: a slow
+/// disk never holds up the kernel.
+pub struct Keeper {
+    last: Snapshot,
+    looks: u32,
+    pub(super) to_disk: Option<Sender<Job>>,
+    complaints: Receiver<String>,
+    pub(super) thread: Option<JoinHandle<()>>,
+}
+
+impl Keeper {
+    /// Starts to keep the memory of a control in a directory.
+    pub fn start(
+        data: Arc<DataDir>,
+        restored: &Restored,
+        emulator: &Emulator,
+    ) -> std::io::Result<Self> {
+        let (to_disk, from_kernel) = bounded::<Job>(1);
+        let (say, complaints) = bounded(16);
+        let last = Snapshot::of_emulator(emulator);
+        let mut writer = Writer::new(data, restored, Arc::clone(&last.ladder));
+        let thread = thread::Builder::new()
+            .name("memory".to_owned())
+            .spawn(move || {
+                for (snapshot, waiting) in from_kernel {
+                    for complaint in writer.write(&snapshot) {
+                        let _ = say.try_send(complaint);
+                    }
+                    if let Some(waiting) = waiting {
+                        let _ = waiting.send(());
+                    }
+                }
+            })?;
+        Ok(Self {
+            last,
+            looks: 0,
+            to_disk: Some(to_disk),
+            complaints,
+            thread: Some(thread),
+        })
+    }
+
+    /// Saves the memory if it has changed.
+    pub fn look(&mut self, emulator: &Emulator) {
+        self.looks += 1;
+        let now = Snapshot::of_emulator(emulator);
+        if now == self.last {
+            return;
+        }
+        // A machine zero set by hand is no small thing of the moment.
+        let places = |(now, last): (Standing, Standing)| Standing {
+            zero_kept: now.zero_kept,
+            ..last
+        };
+        let mut rest = Snapshot {
+            standing: now.standing.zip(self.last.standing).map(places),
+            ..now.clone()
+        };
+        rest.memory.counters = self.last.memory.counters;
+        if rest == self.last && self.looks < COUNTER_LOOKS {
+            return;
+        }
+        if emulator.panel.edited().is_some() && self.looks < TEXT_LOOKS {
+            rest.memory.programs.clone_from(&self.last.memory.programs);
+            if rest == self.last {
+                return;
+            }
+        }
+        // A disk that still writes the last one gets this one at the next look.
+        if let Some(to_disk) = &self.to_disk
+            && to_disk.try_send((now.clone(), None)).is_ok()
+        {
+            self.last = now;
+            self.looks = 0;
+        }
+    }
+
+    /// Saves everything and waits until it is on the disk.
+    pub fn settle(&mut self, emulator: &Emulator) {
+        let (done, written) = bounded(1);
+        let now = Snapshot::of_emulator(emulator);
+        if let Some(to_disk) = &self.to_disk
+            && to_disk.send((now.clone(), Some(done))).is_ok()
+            && written.recv().is_ok()
+        {
+            self.last = now;
+            self.looks = 0;
+        }
+    }
+
+    /// What could not be saved, since the last call.
+    pub fn complaints(&self) -> Vec<String> {
+        self.complaints.try_iter().collect()
+    }
+
+    /// Saves everything and waits for the disk.
+    pub fn finish(mut self, emulator: &Emulator) {
+        if let Some(to_disk) = self.to_disk.take() {
+            let _ = to_disk.send((Snapshot::of_emulator(emulator), None));
+        }
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+        for complaint in self.complaints() {
+            complain!("gsk980td: {complaint}");
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The control's battery-backed memory and the data directory: loading at the
+//! start, saving while the control runs.
+
+mod keeper;
+mod snapshot;
+#[cfg(test)]
+mod tests;
+mod writer;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_core::cnc::Cnc;
+use gsk_core::command::ProgramId;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::units::{PerAxis, Point};
+use gsk_panel::emulator::Emulator;
+use gsk_panel::panel::PanelRetained;
+use serde::{Deserialize, Serialize};
+
+pub use keeper::Keeper;
+use snapshot::{Snapshot, parts};
+use writer::Writer;
+
+use crate::files::data_dir::{DataDir, Loaded};
+use crate::files::decode::Encoding;
+
+/// Where the slides stand, and what the display says of it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Standing {
+    /// Machine coordinates (X as a radius), mm.
+    pub machine: Point,
+    /// Absolute coordinates.
+    pub absolute: Point,
+    /// Axes whose machine zero was set by hand (zero return of method A).
+    #[serde(default)]
+    pub zero_kept: PerAxis<bool>,
+}
+
+/// What a data directory held.
+#[derive(Debug)]
+pub struct Restored {
+    /// The encodings of the programs, to be written back the same way.
+    encodings: BTreeMap<u16, Encoding>,
+    /// Sentences about damaged files.
+    pub complaints: Vec<String>,
+    /// Where the slides stood.
+    pub standing: Option<Standing>,
+    /// What the panel kept.
+    pub panel: Option<PanelRetained>,
+}
+
+impl Restored {
+    /// Puts the slides where they stood: for sessions that go on with the machine.
+    pub fn place(&self, setup: &mut Setup) {
+        if let Some(standing) = self.standing {
+            setup.start = Some(standing.machine);
+            setup.absolute = Some(standing.absolute);
+            setup.zero_kept = standing.zero_kept;
+        }
+    }
+
+    /// Gives the panel back what it kept.
+    pub fn restore_panel(&self, emulator: &mut Emulator) {
+        if let Some(panel) = &self.panel {
+            emulator.panel.restore(panel);
+        }
+    }
+}
+
+/// Puts the memory of a data directory into a setup.
+pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
+    let mut complaints = Vec::new();
+    for (name, part) in parts(&mut setup.memory) {
+        part.load(data, name, &mut complaints);
+    }
+    let mut selected = None;
+    take(data.load("selected"), &mut selected, &mut complaints);
+    let mut standing = None;
+    take(data.load("standing"), &mut standing, &mut complaints);
+    let mut panel = None;
+    take(data.load("panel"), &mut panel, &mut complaints);
+    complaints.extend(data.complaint().map(str::to_owned));
+    setup.plc_retained = value(data.load("plc"), &mut complaints);
+    if let Some(ladder) = value(data.ladder(), &mut complaints) {
+        setup.ladder = Arc::new(ladder);
+    }
+    let (programs, damaged) = data.programs();
+    complaints.extend(damaged);
+    let mut encodings = BTreeMap::new();
+    for stored in programs {
+        let program = Program::new(stored.text.as_str());
+        let text = match program.number() {
+            Some(number) if number == stored.number => stored.text,
+            _ => program.renumbered(stored.number).text().to_owned(),
+        };
+        match setup.memory.programs.store(text) {
+            Ok(number) => {
+                encodings.insert(number, stored.encoding);
+            }
+            Err(alarm) => complaints.push(format!("O{:04}: {}", stored.number, alarm.line_text())),
+        }
+    }
+    if let Some(number) = selected {
+        setup.memory.programs.select(ProgramId::Stored(number));
+    }
+    if !complaints.is_empty() {
+        let names = damaged_names(&complaints);
+        setup
+            .alarms
+            .push(Alarm::new(number::MEMORY_DAMAGED).because(names));
+    }
+    if !data.interrupted().is_empty() {
+        let names = data.interrupted().join(", ");
+        setup
+            .alarms
+            .push(Alarm::new(number::WRITE_INTERRUPTED).because(names));
+    }
+    Restored {
+        encodings,
+        complaints,
+        standing,
+        panel,
+    }
+}
+
+/// The names of the files that the sentences are about.
+fn damaged_names(complaints: &[String]) -> String {
+    let names = complaints.iter().map(|said| {
+        let (path, _) = said.split_once(" is ").unwrap_or((said, ""));
+        path.rsplit(['/', '\\']).next().unwrap_or(path)
+    });
+    names.collect::<Vec<_>>().join(", ")
+}
+
+fn take<T>(loaded: Loaded<T>, place: &mut T, complaints: &mut Vec<String>) {
+    if let Some(value) = value(loaded, complaints) {
+        *place = value;
+    }
+}
+
+/// What was loaded, if anything; what was wrong with it is added to the complaints.
+fn value<T>(loaded: Loaded<T>, complaints: &mut Vec<String>) -> Option<T> {
+    match loaded {
+        Loaded::Value(value) => Some(value),
+        Loaded::Recovered(value, said) => {
+            complaints.push(said);
+            Some(value)
+        }
+        Loaded::Missing => None,
+        Loaded::Damaged(said) => {
+            complaints.push(said);
+            None
+        }
+    }
+}
+
+/// Writes the memory of a control into its directory, once.
+///
+/// # Errors
+/// What could not be written, a sentence a line; the rest is.
+pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), String> {
+    save_once(data, restored, &Snapshot::of(cnc))
+}
+
+/// Writes the memory of a whole emulator into its directory, once.
+///
+/// # Errors
+/// What could not be written, a sentence a line; the rest is.
+pub fn save_emulator(
+    data: DataDir,
+    restored: &Restored,
+    emulator: &Emulator,
+) -> Result<(), String> {
+    save_once(data, restored, &Snapshot::of_emulator(emulator))
+}
+
+fn save_once(data: DataDir, restored: &Restored, now: &Snapshot) -> Result<(), String> {
+    // Only the window loads another ladder.
+    let ladder = Arc::clone(&now.ladder);
+    let failures = Writer::new(Arc::new(data), restored, ladder).write(now);
+    if failures.is_empty() {
+        Ok(())
+    } else {
+        Err(failures.join("\n"))
+    }
+}

@@ -1,0 +1,103 @@
+//! Everything that survives power-off, and the files it stands in.
+
+use std::sync::Arc;
+
+use gsk_core::battery::Memory;
+use gsk_core::cnc::Cnc;
+use gsk_core::command::ProgramId;
+use gsk_core::plc::{Ladder, Retained as PlcRetained};
+use gsk_panel::emulator::Emulator;
+use gsk_panel::panel::PanelRetained;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::{Standing, take};
+use crate::files::data_dir::{DataDir, as_ron};
+use crate::files::kept::Change;
+
+/// Everything that survives power-off.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Snapshot {
+    /// What the control's battery keeps.
+    pub memory: Memory,
+    pub plc: PlcRetained,
+    pub standing: Option<Standing>,
+    pub panel: Option<PanelRetained>,
+    /// The ladder that the next power-on runs.
+    pub ladder: Arc<Ladder>,
+}
+
+impl Snapshot {
+    pub(super) fn of(cnc: &Cnc) -> Self {
+        Self {
+            memory: cnc.battery(),
+            plc: cnc.plc().memory().retained(),
+            ladder: Arc::clone(cnc.next_ladder().unwrap_or(cnc.plc().ladder())),
+            standing: None,
+            panel: None,
+        }
+    }
+
+    /// With what the whole emulator keeps besides the control.
+    pub(super) fn of_emulator(emulator: &Emulator) -> Self {
+        let cnc = &emulator.simulation.cnc;
+        let mut snapshot = Self::of(cnc);
+        if let Some((number, program)) = emulator.panel.edited() {
+            snapshot.memory.programs.overlay(number, program);
+        }
+        Self {
+            standing: Some(Standing {
+                machine: cnc.position_machine(),
+                absolute: cnc.position_absolute(),
+                zero_kept: cnc.reference_without_switch(),
+            }),
+            panel: Some(emulator.panel.retained()),
+            ..snapshot
+        }
+    }
+
+    /// The selected program.
+    pub(super) fn selected(&self) -> Option<u16> {
+        match self.memory.programs.current() {
+            Some(ProgramId::Stored(number)) => Some(number),
+            _ => None,
+        }
+    }
+}
+
+/// A part of the memory that has a file of its own.
+pub(super) trait Part {
+    /// Takes on what the file holds; what is wrong with it is added to the complaints.
+    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<String>);
+
+    /// The file.
+    ///
+    /// # Errors
+    /// A sentence that says why it cannot be written down.
+    fn file(&self, name: &str) -> Result<Change, String>;
+}
+
+impl<T: Serialize + DeserializeOwned> Part for T {
+    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<String>) {
+        take(data.load(name), self, complaints);
+    }
+
+    fn file(&self, name: &str) -> Result<Change, String> {
+        as_ron(name, self)
+    }
+}
+
+/// The parts of the control's memory, each with the name of its file; programs have a
+/// file each.
+pub(super) fn parts(memory: &mut Memory) -> [(&'static str, &mut dyn Part); 8] {
+    [
+        ("parameters", &mut memory.parameters),
+        ("offsets", &mut memory.offsets),
+        ("pitch", &mut memory.pitch),
+        ("counters", &mut memory.counters),
+        ("variables", &mut memory.variables),
+        ("settings", &mut memory.settings),
+        ("authority", &mut memory.authority),
+        ("disks", &mut memory.disks),
+    ]
+}

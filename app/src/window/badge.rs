@@ -1,0 +1,53 @@
+//! The sign that the keys move a real machine, in every window, with the state of the
+//! board that moves it.
+
+use egui::{Color32, Frame, Margin, Panel, RichText, Ui};
+use gsk_link::LinkState;
+
+use super::views::state_name;
+use gsk_messages::{Language, say};
+
+/// What it says, in both languages whatever the window's is.
+fn real() -> String {
+    let texts = [Language::En, Language::Zh].map(|it| say::window_real_motion().text(it));
+    texts.join(" / ")
+}
+
+/// Its height, points.
+const HEIGHT: f32 = 30.0;
+/// Its ground: slides may move; nothing moves them now.
+const LIVE: Color32 = Color32::from_rgb(208, 30, 24);
+const DEAD: Color32 = Color32::from_rgb(150, 84, 20);
+
+/// Draws it over a window, if a board moves the slides.
+pub fn show(ui: &mut Ui, place: &str, board: Option<LinkState>, language: Language) {
+    let Some(state) = board else { return };
+    let ground = match state {
+        LinkState::Off | LinkState::Lost => DEAD,
+        _ => LIVE,
+    };
+    let frame = Frame::new()
+        .fill(ground)
+        .inner_margin(Margin::symmetric(10, 0));
+    let panel = Panel::top(format!("real motion {place}"))
+        .exact_size(HEIGHT)
+        .frame(frame)
+        .show_separator_line(false);
+    panel.show(ui, |ui| {
+        ui.horizontal_centered(|ui| {
+            let white = |text: &str| RichText::new(text).color(Color32::WHITE).strong();
+            ui.label(white(&real()).size(19.0));
+            ui.add_space(14.0);
+            let words = say::window_board_state(state_name(state)).text(language);
+            ui.label(white(&words).size(16.0));
+        });
+    });
+}
+
+/// The title of a window.
+pub fn title(title: &str, board: Option<LinkState>) -> String {
+    match board {
+        Some(_) => format!("{} - {title}", real()),
+        None => title.to_owned(),
+    }
+}

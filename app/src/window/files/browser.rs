@@ -1,0 +1,353 @@
+//! The file dialog of this program, in a window of its own: folders, files, a line for
+//! the name.
+
+use std::path::{Path, PathBuf};
+
+use crossbeam::channel::{Receiver, bounded};
+use egui::{Button, Context, Key, Panel, ScrollArea, TextEdit, Ui, ViewportBuilder, ViewportId};
+
+use super::{Ask, Asked, Wanted, beside};
+use gsk_messages::{Language, say};
+
+/// Size of the dialog, points.
+const SIZE: [f32; 2] = [640.0, 460.0];
+
+/// An entry of a folder.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Entry {
+    /// Folders stand first.
+    is_file: bool,
+    name: String,
+}
+
+/// What a folder holds, or why it cannot be read.
+type Listing = Result<Vec<Entry>, String>;
+
+/// The dialog while it is open.
+struct Open {
+    ask: Ask,
+    folder: PathBuf,
+    reading: Option<Receiver<Listing>>,
+    listing: Listing,
+    /// The line for the name.
+    typed: String,
+    /// Files with other endings are shown, too.
+    all: bool,
+    /// A file that would be overwritten.
+    overwrites: Option<PathBuf>,
+    focus: bool,
+}
+
+/// The dialog.
+#[derive(Default)]
+pub struct Browser {
+    open: Option<Open>,
+    /// The folder that was looked at last.
+    last: Option<PathBuf>,
+}
+
+/// What became of the dialog in one picture.
+enum Outcome {
+    Stays,
+    GivenUp,
+    Chosen(PathBuf),
+}
+
+impl Browser {
+    /// Draws the dialog, if a file is to be chosen.
+    pub fn show(&mut self, context: &Context, language: Language) {
+        if self.open.is_none()
+            && let Some(ask) = Asked::of(context).take()
+        {
+            let folder = self.last.clone().unwrap_or_else(first_folder);
+            self.open = Some(Open::new(ask, folder, context));
+        }
+        let Some(open) = &mut self.open else { return };
+        let outcome = in_window(context, language, open);
+        if matches!(outcome, Outcome::Stays) {
+            return;
+        }
+        let Some(open) = self.open.take() else { return };
+        self.last = Some(open.folder);
+        if let Outcome::Chosen(path) = outcome {
+            let Ask { then, say, .. } = open.ask;
+            beside(context, &say, move || then(path));
+        }
+    }
+}
+
+/// Where the first dialog begins: where the program was called, else at home.
+fn first_folder() -> PathBuf {
+    let called = std::env::current_dir().ok();
+    let called = called.filter(|folder| folder.parent().is_some());
+    let home = || directories::BaseDirs::new().map(|folders| folders.home_dir().to_owned());
+    called.or_else(home).unwrap_or_else(|| PathBuf::from("/"))
+}
+
+/// A window of its own, or one inside the window where the system has only one.
+fn in_window(context: &Context, language: Language, open: &mut Open) -> Outcome {
+    let title = match open.ask.wanted {
+        Wanted::Open(..) => say::browser_open_title().text(language),
+        Wanted::Save(..) => say::browser_save_title().text(language),
+    };
+    if context.embed_viewports() {
+        let mut stays = true;
+        let shown = egui::Window::new(title)
+            .id(egui::Id::unique("files"))
+            .open(&mut stays)
+            .fixed_size(SIZE)
+            .collapsible(false)
+            .show(context, |ui| open.show(ui, language));
+        let outcome = shown.and_then(|shown| shown.inner);
+        return match outcome {
+            Some(outcome) if stays => outcome,
+            _ => Outcome::GivenUp,
+        };
+    }
+    let builder = ViewportBuilder::default()
+        .with_title(format!("{title} - GSK980TD"))
+        .with_app_id("gsk980td")
+        .with_inner_size(SIZE)
+        .with_min_inner_size([420.0, 260.0]);
+    let id = ViewportId::from_hash_of("files");
+    context.show_viewport_immediate(id, builder, |ui, _| {
+        let outcome = open.show(ui, language);
+        let closing = ui.input(|input| input.viewport().close_requested());
+        match outcome {
+            Outcome::Stays if closing => Outcome::GivenUp,
+            outcome => outcome,
+        }
+    })
+}
+
+impl Open {
+    fn new(ask: Ask, folder: PathBuf, context: &Context) -> Self {
+        let typed = match &ask.wanted {
+            Wanted::Open(..) => String::new(),
+            Wanted::Save(name, _) => name.clone(),
+        };
+        let mut open = Self {
+            ask,
+            folder: PathBuf::new(),
+            reading: None,
+            listing: Ok(Vec::new()),
+            typed,
+            all: false,
+            overwrites: None,
+            focus: true,
+        };
+        open.go(folder, context);
+        open
+    }
+
+    /// Looks into a folder; a slow disk does not hold up the window.
+    fn go(&mut self, folder: PathBuf, context: &Context) {
+        let (deliver, reading) = bounded(1);
+        self.reading = Some(reading);
+        self.listing = Ok(Vec::new());
+        self.folder.clone_from(&folder);
+        let waker = context.clone();
+        beside(context, &self.ask.say, move || {
+            // A dialog that was closed meanwhile reads nothing.
+            let _ = deliver.send(listing(&folder));
+            waker.request_repaint();
+            None
+        });
+    }
+
+    fn show(&mut self, ui: &mut Ui, language: Language) -> Outcome {
+        if let Some(read) = self.reading.as_ref().and_then(|it| it.try_recv().ok()) {
+            self.listing = read;
+            self.reading = None;
+        }
+        let mut outcome = Outcome::Stays;
+        Panel::top("files: folder").show(ui, |ui| self.folder_bar(ui, language));
+        Panel::bottom("files: name").show(ui, |ui| {
+            outcome = self.name_bar(ui, language);
+        });
+        egui::CentralPanel::default().show(ui, |ui| {
+            if let Outcome::Stays = outcome {
+                outcome = self.entries(ui, language);
+            }
+        });
+        if ui.input(|input| input.key_pressed(Key::Escape)) {
+            return Outcome::GivenUp;
+        }
+        outcome
+    }
+
+    fn folder_bar(&mut self, ui: &mut Ui, language: Language) {
+        let mut to = None;
+        ui.horizontal(|ui| {
+            let up = self.folder.parent().map(Path::to_owned);
+            let words = say::browser_up().text(language);
+            if ui.add_enabled(up.is_some(), Button::new(words)).clicked() {
+                to = up;
+            }
+            if ui.button(say::browser_home().text(language)).clicked() {
+                to = directories::BaseDirs::new().map(|it| it.home_dir().to_owned());
+            }
+            ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
+        });
+        if let Some(to) = to {
+            self.go(to, ui.ctx());
+        }
+    }
+
+    fn entries(&mut self, ui: &mut Ui, language: Language) -> Outcome {
+        let endings = match &self.ask.wanted {
+            Wanted::Open(_, endings) => endings.clone(),
+            Wanted::Save(_, ending) => vec![*ending],
+        };
+        let entries = match &self.listing {
+            Ok(entries) => entries,
+            Err(said) => {
+                ui.label(said);
+                return Outcome::Stays;
+            }
+        };
+        let shown: Vec<Entry> = entries
+            .iter()
+            .filter(|entry| !entry.is_file || self.all || ends_so(&entry.name, &endings))
+            .cloned()
+            .collect();
+        if shown.is_empty() && self.reading.is_none() {
+            ui.weak(say::browser_no_files().text(language));
+        }
+        let mut clicked = None;
+        let height = ui.spacing().interact_size.y;
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show_rows(ui, height, shown.len(), |ui, rows| {
+                for entry in shown.get(rows).unwrap_or_default() {
+                    let sign = if entry.is_file { "  " } else { "▸ " };
+                    let selected = entry.is_file && entry.name == self.typed;
+                    let row = ui.selectable_label(selected, format!("{sign}{}", entry.name));
+                    if row.double_clicked() || row.clicked() {
+                        clicked = Some((entry.clone(), row.double_clicked()));
+                    }
+                }
+            });
+        let Some((entry, twice)) = clicked else {
+            return Outcome::Stays;
+        };
+        let path = self.folder.join(&entry.name);
+        if !entry.is_file {
+            self.go(path, ui.ctx());
+            return Outcome::Stays;
+        }
+        self.overwrites = None;
+        self.typed = entry.name;
+        match twice {
+            true => self.choose(ui.ctx()),
+            false => Outcome::Stays,
+        }
+    }
+
+    fn name_bar(&mut self, ui: &mut Ui, language: Language) -> Outcome {
+        let mut outcome = Outcome::Stays;
+        if self.overwrites.is_some() {
+            let words = say::browser_file_exists().text(language);
+            ui.colored_label(ui.visuals().warn_fg_color, words);
+        }
+        ui.horizontal(|ui| {
+            ui.label(say::browser_file_name().text(language));
+            let line = TextEdit::singleline(&mut self.typed);
+            let line = ui.add(line.desired_width(ui.available_width() - 230.0));
+            if core::mem::take(&mut self.focus) {
+                line.request_focus();
+            }
+            if line.changed() {
+                self.overwrites = None;
+            }
+            let entered = line.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            let words = match (&self.ask.wanted, &self.overwrites) {
+                (Wanted::Open(..), _) => say::window_open().text(language),
+                (Wanted::Save(..), None) => say::window_save().text(language),
+                (Wanted::Save(..), Some(_)) => say::browser_replace().text(language),
+            };
+            let button = ui.add_enabled(!self.typed.is_empty(), Button::new(words));
+            if button.clicked() || entered && !self.typed.is_empty() {
+                outcome = self.choose(ui.ctx());
+            }
+            if ui.button(say::window_cancel().text(language)).clicked() {
+                outcome = Outcome::GivenUp;
+            }
+            ui.checkbox(&mut self.all, say::window_all_files().text(language));
+        });
+        outcome
+    }
+
+    /// The name as it stands in the line is meant: a folder is looked into.
+    fn choose(&mut self, context: &Context) -> Outcome {
+        let mut path = self.folder.join(self.typed.trim());
+        if path.is_dir() {
+            self.typed.clear();
+            self.go(path, context);
+            return Outcome::Stays;
+        }
+        if let Wanted::Save(_, ending) = &self.ask.wanted {
+            if path.extension().is_none() {
+                path.set_extension(ending);
+            }
+            if path.exists() && self.overwrites.as_ref() != Some(&path) {
+                self.overwrites = Some(path);
+                return Outcome::Stays;
+            }
+        }
+        Outcome::Chosen(path)
+    }
+}
+
+/// Whether a name has one of these endings, in either case.
+fn ends_so(name: &str, endings: &[&str]) -> bool {
+    let ending = Path::new(name).extension();
+    ending.is_some_and(|ending| {
+        endings
+            .iter()
+            .any(|wanted| ending.eq_ignore_ascii_case(wanted))
+    })
+}
+
+/// What a folder holds, folders first, without what begins with a point.
+fn listing(folder: &Path) -> Listing {
+    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let mut entries = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(wrong)? {
+        let entry = entry.map_err(wrong)?;
+        let Ok(name) = entry.file_name().into_string() else {
+            continue;
+        };
+        if !name.starts_with('.') {
+            entries.push(Entry {
+                is_file: !entry.path().is_dir(),
+                name,
+            });
+        }
+    }
+    entries.sort();
+    Ok(entries)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_stand_first_and_endings_count_in_either_case() {
+        let folder = crate::files::test_folder("browser");
+        std::fs::create_dir_all(folder.join("zz")).expect("made");
+        for name in ["b.nc", "a.txt", ".hidden"] {
+            std::fs::write(folder.join(name), "").expect("written");
+        }
+        let names: Vec<_> = listing(&folder)
+            .expect("read")
+            .into_iter()
+            .map(|entry| entry.name)
+            .collect();
+        assert_eq!(names, ["zz", "a.txt", "b.nc"]);
+        assert!(ends_so("A.CNC", &["cnc"]) && !ends_so("cnc", &["cnc"]));
+        assert!(listing(&folder.join("none")).is_err());
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+}

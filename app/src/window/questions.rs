@@ -1,0 +1,147 @@
+//! What the window asks before something is ended or overwritten. The panel stays
+//! within reach beside a question: a stop must not wait for an answer.
+
+use egui::{Align2, Context, ViewportCommand, Window};
+use gsk_core::operation::RunState;
+
+use crate::kernel::{Command, Console, Opened, Snapshot, Storing};
+use gsk_messages::{Language, say};
+
+/// Whether the window may close.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Closing {
+    /// Nobody asked for it.
+    #[default]
+    Open,
+    /// It was asked for while a program runs.
+    Asked,
+    /// It closes without a question.
+    Agreed,
+}
+
+/// The questions that stand.
+#[derive(Debug, Default)]
+pub struct Questions {
+    closing: Closing,
+    /// A program whose number belongs to another one.
+    taken: Option<(Box<Opened>, u16)>,
+}
+
+impl Questions {
+    /// The window closes without a question from now on.
+    pub const fn let_close(&mut self) {
+        self.closing = Closing::Agreed;
+    }
+
+    /// The memory has another program of this number.
+    pub fn ask_for_place(&mut self, opened: Box<Opened>, number: u16) {
+        self.taken = Some((opened, number));
+    }
+
+    /// Draws the questions that stand and does what was answered.
+    pub fn show(
+        &mut self,
+        context: &Context,
+        language: Language,
+        picture: Option<&Snapshot>,
+        console: &Console,
+    ) {
+        self.closing(context, language, picture);
+        self.place(context, language, console);
+    }
+
+    fn closing(&mut self, context: &Context, language: Language, picture: Option<&Snapshot>) {
+        let run = picture.map(|picture| picture.run);
+        let Some(run @ (RunState::Run | RunState::Hold)) = run else {
+            if self.closing == Closing::Asked {
+                self.closing = Closing::Open;
+            }
+            return;
+        };
+        let asked = context.input(|input| input.viewport().close_requested());
+        if asked && self.closing != Closing::Agreed {
+            context.send_viewport_cmd(ViewportCommand::CancelClose);
+            self.closing = Closing::Asked;
+        }
+        if self.closing != Closing::Asked {
+            return;
+        }
+        let title = match run {
+            RunState::Hold => say::question_program_held().text(language),
+            _ => say::question_program_runs().text(language),
+        };
+        let linked = picture.is_some_and(|picture| picture.board.is_some());
+        let consequence = if linked {
+            say::question_closing_stops_board().text(language)
+        } else {
+            say::question_closing_ends_program().text(language)
+        };
+        let answers = [
+            say::question_do_not_close().text(language),
+            say::question_stop_and_close().text(language),
+        ];
+        match ask(context, "closing", &title, &consequence, &answers) {
+            Some(1) => {
+                self.closing = Closing::Agreed;
+                context.send_viewport_cmd(ViewportCommand::Close);
+            }
+            Some(_) => self.closing = Closing::Open,
+            None => {}
+        }
+    }
+
+    fn place(&mut self, context: &Context, language: Language, console: &Console) {
+        let Some((opened, number)) = &self.taken else {
+            return;
+        };
+        let name = &opened.name;
+        let title = say::question_number_taken(number).text(language);
+        let consequence = say::question_number_taken_by(name, number).text(language);
+        let answers = [
+            say::question_replace_by_file().text(language),
+            say::question_only_run_file().text(language),
+            say::window_cancel().text(language),
+        ];
+        let answer = ask(context, "place", &title, &consequence, &answers);
+        let Some(answer) = answer else { return };
+        let storing = match answer {
+            0 => Some(Storing::Replace),
+            1 => Some(Storing::RunOnly),
+            _ => None,
+        };
+        if let (Some((opened, _)), Some(storing)) = (self.taken.take(), storing) {
+            let opened = Opened { storing, ..*opened };
+            console.send(Command::Open(Box::new(opened)));
+        }
+    }
+}
+
+/// Draws a question; the answer that was clicked.
+fn ask(
+    context: &Context,
+    id: &str,
+    title: &str,
+    consequence: &str,
+    answers: &[String],
+) -> Option<usize> {
+    let mut answer = None;
+    Window::new(title)
+        .id(egui::Id::unique(("question", id)))
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, [0.0, -60.0])
+        .show(context, |ui| {
+            ui.add_space(6.0);
+            ui.label(consequence);
+            ui.add_space(10.0);
+            ui.horizontal(|ui| {
+                for (index, words) in answers.iter().enumerate() {
+                    if ui.button(words).clicked() {
+                        answer = Some(index);
+                    }
+                }
+            });
+            ui.add_space(4.0);
+        });
+    answer
+}

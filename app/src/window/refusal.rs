@@ -1,0 +1,108 @@
+//! A dialog in place of the window, when the window cannot be opened: another one is
+//! open, or the data directory takes nothing.
+
+use eframe::egui::{self, Button};
+
+use super::{TITLE, fonts};
+use gsk_messages::{Language, Message, say};
+use gsk_runner::chinese;
+
+/// Size of the dialog, points.
+const SIZE: [f32; 2] = [560.0, 230.0];
+
+/// Shows a sentence until it is closed: in a language, or in both when none was chosen.
+/// Without a display nothing is shown.
+pub fn tell(said: &str, language: Option<Language>) {
+    let sentences = sentences(said, language);
+    let viewport = egui::ViewportBuilder::default()
+        .with_title(TITLE)
+        .with_app_id("gsk980td")
+        .with_inner_size(SIZE)
+        .with_resizable(false);
+    let options = eframe::NativeOptions {
+        viewport,
+        centered: true,
+        ..eframe::NativeOptions::default()
+    };
+    // The sentence stands on standard error as well.
+    let _ = eframe::run_native(
+        "gsk980td",
+        options,
+        Box::new(move |creation| {
+            fonts::set_up(&creation.egui_ctx);
+            Ok(Box::new(Refusal { sentences }))
+        }),
+    );
+}
+
+fn sentences(said: &str, language: Option<Language>) -> Vec<String> {
+    let languages = match language {
+        Some(language) => vec![language],
+        None => vec![Language::Zh, Language::En],
+    };
+    let sentences = languages.into_iter();
+    let mut sentences: Vec<String> = sentences
+        .map(|language| chinese::say(said, language).into_owned())
+        .collect();
+    sentences.dedup();
+    sentences
+}
+
+/// In English and Chinese.
+fn in_both(message: &Message) -> String {
+    let texts = [Language::En, Language::Zh].map(|language| message.text(language));
+    texts.join(" / ")
+}
+
+struct Refusal {
+    sentences: Vec<String>,
+}
+
+impl eframe::App for Refusal {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let frame = egui::Frame::new().inner_margin(18);
+        egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+            ui.heading(TITLE);
+            ui.add_space(6.0);
+            for sentence in &self.sentences {
+                let font = egui::FontId::proportional(15.0);
+                ui.label(fonts::words(sentence, font, ui.visuals().text_color()));
+                ui.add_space(8.0);
+            }
+            let button = ui.add(Button::new(format!(
+                "   {}   ",
+                in_both(&say::window_confirm())
+            )));
+            let keys = [egui::Key::Enter, egui::Key::Escape];
+            let pressed = ui.input(|input| keys.iter().any(|key| input.key_pressed(*key)));
+            if button.clicked() || pressed {
+                ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::files::data_dir::DataError;
+
+    #[test]
+    fn what_stands_against_the_window_is_told_in_both_languages() {
+        let path = PathBuf::from("/data");
+        let source = std::io::Error::from(std::io::ErrorKind::PermissionDenied);
+        for error in [
+            DataError::InUse { path: path.clone() },
+            DataError::Unusable { path, source },
+            DataError::NoDefault,
+        ] {
+            let said = error.to_string();
+            let both = sentences(&said, None);
+            assert_eq!(both.len(), 2, "no Chinese for: {said}");
+            assert_eq!(sentences(&said, Some(Language::En)), [said]);
+            assert_eq!(sentences(&both[1], Some(Language::Zh)), both[..1]);
+        }
+    }
+}

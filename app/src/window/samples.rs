@@ -1,0 +1,103 @@
+//! The sample programs that come with the program itself, for its menu.
+
+use gsk_core::program::{self, Program};
+
+use crate::kernel::{Opened, Storing};
+use gsk_messages::{Language, Message, say};
+
+/// A sample.
+#[derive(Debug)]
+pub struct Sample {
+    /// Name of its file.
+    pub name: &'static str,
+    /// What it shows.
+    shows: fn() -> Message,
+    text: &'static str,
+    /// Subprograms that it calls.
+    calls: &'static [&'static str],
+}
+
+macro_rules! text {
+    ($name:literal) => {
+        include_str!(concat!("../../../assets/programs/", $name))
+    };
+}
+
+macro_rules! sample {
+    ($name:literal, $shows:ident $(, calls $called:literal)*) => {
+        Sample {
+            name: $name,
+            shows: say::$shows,
+            text: text!($name),
+            calls: &[$(text!($called)),*],
+        }
+    };
+}
+
+/// The samples in the order of the menu.
+pub static SAMPLES: [Sample; 7] = [
+    sample!("01-stepped-shaft.CNC", sample_stepped_shaft),
+    sample!("02-bushing.CNC", sample_bushing),
+    sample!(
+        "03-grooved-pin.CNC",
+        sample_grooved_pin,
+        calls "O1031.CNC"
+    ),
+    sample!("04-manual-example.CNC", sample_manual_example),
+    sample!("faulty/01-arc-too-small.CNC", sample_faulty_arc),
+    sample!("faulty/02-no-feed.CNC", sample_faulty_no_feed),
+    sample!(
+        "faulty/03-missing-subprogram.CNC",
+        sample_faulty_no_subprogram
+    ),
+];
+
+impl Sample {
+    /// What it shows.
+    pub fn shows(&self, language: Language) -> String {
+        (self.shows)().text(language)
+    }
+
+    /// Ready for the control.
+    pub fn opened(&self) -> Opened {
+        let called = self.calls.iter().map(|text| Program::new(*text));
+        let mut parts = program::split(self.text).into_iter();
+        let program = parts.next();
+        Opened {
+            name: self.name.to_owned(),
+            path: None,
+            storing: Storing::Ask,
+            program: program.unwrap_or_else(|| Program::new(self.text)),
+            subprograms: parts.chain(called).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn every_sample_of_the_folder_is_in_the_menu_with_a_number_of_its_own() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/programs");
+        let mut files = BTreeSet::new();
+        for place in ["", "faulty/"] {
+            for entry in std::fs::read_dir(folder.join(place)).unwrap() {
+                let name = entry.unwrap().file_name().into_string().unwrap();
+                if name.ends_with(".CNC") && !name.starts_with('O') {
+                    files.insert(format!("{place}{name}"));
+                }
+            }
+        }
+        let names = SAMPLES.iter().map(|sample| sample.name.to_owned());
+        assert_eq!(names.collect::<BTreeSet<_>>(), files);
+        let numbers = SAMPLES.iter().map(|it| it.opened().program.number());
+        let numbers: BTreeSet<_> = numbers.map(Option::unwrap).collect();
+        assert_eq!(numbers.len(), SAMPLES.len());
+        let pin = SAMPLES[2].opened();
+        assert_eq!(pin.subprograms[0].number(), Some(1031));
+    }
+}

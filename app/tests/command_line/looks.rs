@@ -1,0 +1,187 @@
+//! What `check` and `plot` say of a program.
+
+use std::path::Path;
+
+use super::{Scratch, said};
+
+#[test]
+fn all_alarms_of_a_program_are_listed() {
+    let text = b"M03 S500\nG54\nG00 X50 Z2 C1\nM98 P0777\nG93\nM30\n";
+    let program = Scratch::new("more.nc", text);
+    let (code, out, _) = said(&["check", program.path()]);
+    assert_eq!(code, 1, "{out}");
+    for line in [
+        "\n  P/S 010 ",
+        "\n  also P/S 009 ",
+        "\n  also P/S 078 ",
+        "\n  what comes behind line 4 was not checked\n",
+    ] {
+        assert_eq!(out.matches(line).count(), 1, "{line} {out}");
+    }
+    let (code, out, _) = said(&["check", program.path(), "--json"]);
+    assert_eq!(code, 1, "{out}");
+    let report: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let alarms = report["more_alarms"].as_array().unwrap();
+    let numbers: Vec<_> = alarms
+        .iter()
+        .map(|it| (&it["number"], &it["line"]))
+        .collect();
+    assert_eq!(report["alarm"]["number"], 10);
+    assert_eq!(numbers, [(&9.into(), &3.into()), (&78.into(), &4.into())]);
+    assert_eq!(report["unchecked_behind"], 4);
+}
+
+#[test]
+fn check_speaks_chinese_and_english() {
+    let text = b"G00 X50 Z2\nG01 Z-5 F100\nG54\nG28 U0 W0\nM77\nM00\nM98 P0777\n";
+    let program = Scratch::new("tongues.nc", text);
+    let check = |language: &str| said(&["check", program.path(), "--lang", language]).1;
+    let (english, chinese) = (check("en"), check("zh"));
+    for line in [
+        "P/S 010 G code cannot be used, line 3: G54\n  G54 is not a code",
+        "also P/S 019 M code error, line 5: M77\n",
+        "warning: line 2: a cut while the spindle stands\n",
+    ] {
+        assert!(english.contains(line), "{line}\n{english}");
+    }
+    let foreign = |letter: char| !letter.is_ascii() && letter != '\u{2026}';
+    assert!(!english.contains(foreign), "{english}");
+    for line in [
+        "P/S 010 \u{6307}\u{4ee4}",
+        ", 第 3 行: G54\n  本系统没有 G54",
+        "另有 P/S 019",
+        "警告: 第 2 行: 切削时主轴没有旋转\n",
+        "警告: 第 4 行: G28 回机床零点; 未给出 --work-zero 时",
+        "第 7 行之后未检查",
+        "刀路范围 X 50 … 300",
+    ] {
+        assert!(chinese.contains(line), "{line}\n{chinese}");
+    }
+    // No English word is left but for the options; codes are capital letters.
+    let rest = chinese
+        .replace(program.path(), "")
+        .replace("--work-zero", "")
+        .replace("mm", "");
+    assert!(
+        !rest.contains(|letter: char| letter.is_ascii_lowercase()),
+        "{rest}"
+    );
+    let keys = |language: &str| -> (Vec<String>, serde_json::Value) {
+        let (_, out, _) = said(&["check", program.path(), "--json", "--lang", language]);
+        let report: serde_json::Value = serde_json::from_str(&out).unwrap();
+        let keys = report.as_object().unwrap().keys().cloned().collect();
+        (keys, report["alarm"]["text"].clone())
+    };
+    let ((one, text), (other, chinese)) = (keys("en"), keys("zh"));
+    assert_eq!(one, other);
+    assert_eq!(text, "G code cannot be used");
+    assert_ne!(text, chinese);
+}
+
+/// The points of the rapids in a picture, X as a diameter, by the grid around them.
+fn rapids(svg: &str) -> Vec<(f64, f64)> {
+    let value = |text: &str, name: &str| -> f64 {
+        let rest = text.split_once(&format!(" {name}=\"")).unwrap().1;
+        rest.split('"').next().unwrap().parse().unwrap()
+    };
+    // A line of the grid: its pixel and its label. Those along Z stand first.
+    let scale = |across: &str, along: &str| {
+        let lines = svg
+            .lines()
+            .filter(|line| line.contains("</text>") && line.starts_with("<line"));
+        let lines = lines.filter(|line| {
+            value(line, &format!("{across}1")) == value(line, &format!("{across}2"))
+        });
+        let lines = lines
+            .filter(|line| value(line, &format!("{along}1")) != value(line, &format!("{along}2")));
+        let ticks: Vec<(f64, f64)> = lines
+            .map(|line| {
+                let label = line
+                    .rsplit_once("</text>")
+                    .unwrap()
+                    .0
+                    .rsplit_once('>')
+                    .unwrap()
+                    .1;
+                (value(line, &format!("{across}1")), label.parse().unwrap())
+            })
+            .collect();
+        let ((from, low), (to, high)) = (ticks[0], *ticks.last().unwrap());
+        move |pixel: f64| low + (pixel - from) * (high - low) / (to - from)
+    };
+    let (z, x) = (scale("x", "y"), scale("y", "x"));
+    let dashed = svg
+        .lines()
+        .filter(|line| line.starts_with("<polyline") && line.contains("dash"));
+    let points = dashed.flat_map(|line| {
+        let points = line.split_once("points=\"").unwrap().1;
+        points.split('"').next().unwrap().split(' ')
+    });
+    points
+        .map(|point| {
+            let (at_z, at_x) = point.split_once(',').unwrap();
+            (x(at_x.parse().unwrap()), z(at_z.parse().unwrap()))
+        })
+        .collect()
+}
+
+#[test]
+fn the_machine_zero_is_drawn_where_it_lies() {
+    let text = b"M03 S500\nG00 X50 Z2\nG01 Z-20 F100\nG28 U0 W0\nM30\n";
+    let program = Scratch::new("return.nc", text);
+    let picture = Scratch::new("return.svg", b"");
+    let plot = [
+        "plot",
+        program.path(),
+        "-o",
+        picture.path(),
+        "--start",
+        "100,50",
+    ];
+    for (zero, place, warned) in [(None, (0.0, 0.0), 1), (Some("0,-150"), (0.0, 150.0), 0)] {
+        let options = zero.map_or(Vec::new(), |zero| vec!["--work-zero", zero]);
+        let (code, _, err) = said(&[&plot[..], &options].concat());
+        assert_eq!(code, 0, "{err}");
+        assert_eq!(
+            err.matches("line 4: G28 goes to the machine zero").count(),
+            warned,
+            "{err}"
+        );
+        let svg = std::fs::read_to_string(picture.path()).unwrap();
+        let points = rapids(&svg);
+        let near = |(x, z): (f64, f64)| {
+            move |point: &(f64, f64)| (point.0 - x).abs() < 0.5 && (point.1 - z).abs() < 0.5
+        };
+        assert!(near((100.0, 50.0))(&points[0]), "{points:?}");
+        assert!(near(place)(points.last().unwrap()), "{points:?}");
+        let check = ["check", program.path(), "--start", "100,50", "--json"];
+        let (_, out, _) = said(&[&check[..], &options].concat());
+        let report: serde_json::Value = serde_json::from_str(&out).unwrap();
+        let end = serde_json::json!([place.0, place.1]);
+        assert_eq!(report["final"]["abs"], end);
+        assert_eq!(report["final"]["machine"], serde_json::json!([0.0, 0.0]));
+    }
+}
+
+#[test]
+fn a_start_beyond_the_slide_is_counted_from_the_work_zero() {
+    let program = Scratch::new("beyond.nc", b"M30\n");
+    let machine =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/machines/small-flat-bed.ron");
+    let options = ["--machine", machine.to_str().unwrap(), "--start", "40,2"];
+    let check = ["check", program.path()];
+    let (code, _, err) = said(&[&check[..], &options].concat());
+    assert!(
+        code == 2 && err.contains("--start: X lies beyond"),
+        "{code} {err}"
+    );
+    let zero = ["--work-zero", "-100,-150", "--json"];
+    let (code, out, err) = said(&[&check[..], &options, &zero].concat());
+    assert_eq!(code, 0, "{err}");
+    let report: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(report["final"]["abs"], serde_json::json!([40.0, 2.0]));
+    assert_eq!(
+        report["final"]["machine"],
+        serde_json::json!([-60.0, -148.0])
+    );
+}

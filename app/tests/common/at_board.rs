@@ -1,0 +1,83 @@
+//! Commands at a virtual board that has its settings.
+
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    reason = "each test uses what it needs, and fails by panicking"
+)]
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::twin::Twin;
+
+/// So often the computer may be too busy.
+pub const ATTEMPTS: u32 = 20;
+
+pub fn gsk(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
+    command.args(arguments);
+    command
+}
+
+/// A folder with files and the machine file of the virtual board.
+pub struct Folder {
+    path: PathBuf,
+    firmware: &'static str,
+}
+
+impl Folder {
+    pub fn new(name: &str, firmware: &'static str, files: &[(&str, &str)]) -> Self {
+        let name = format!("gsk980td-{}-{name}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&path).unwrap();
+        let print = ["link", "twin", "--firmware", firmware, "--print-machine"];
+        let machine = gsk(&print).output().unwrap();
+        std::fs::write(path.join("twin.ron"), machine.stdout).unwrap();
+        for (name, text) in files {
+            std::fs::write(path.join(name), text).unwrap();
+        }
+        Self { path, firmware }
+    }
+
+    pub fn path(&self, name: &str) -> String {
+        self.path.join(name).display().to_string()
+    }
+
+    /// A board, its settings written, as the owner does first.
+    pub fn board(&self) -> Twin {
+        let twin = Twin::play(&["--firmware", self.firmware]);
+        if self.firmware != "klipper" {
+            let machine = self.path("twin.ron");
+            let test = ["link", "test", &twin.port, "--write-settings", "--machine"];
+            let gear = [machine.as_str(), "--param", "17=5", "--param", "18=5"];
+            gsk(&[&test[..], &gear].concat()).output().unwrap();
+        }
+        twin
+    }
+
+    /// A command at a board.
+    pub fn at(&self, twin: &Twin, arguments: &[&str]) -> Command {
+        let mut command = gsk(arguments);
+        command
+            .args(["--link", &twin.port, "--machine", &self.path("twin.ron")])
+            .args(["--data", &self.path("data")])
+            .args(["--param", "17=5", "--param", "18=5", "--param", "11.2=1"]);
+        command
+    }
+
+    /// The last comparison of commanded and counted pulses.
+    pub fn last_count(&self) -> String {
+        let log = std::fs::read_to_string(self.path.join("data").join("link.log"));
+        let log = log.unwrap_or_default();
+        let mut lines = log.lines();
+        let last = lines.rfind(|line| line.contains("commanded"));
+        last.unwrap_or_default().to_owned()
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.path);
+    }
+}

@@ -1,0 +1,19 @@
+//! Window, kernel and command line, one binary: a test is `subject::name`.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "tests fail by panicking"
+)]
+
+mod acceptance;
+mod command_line;
+mod common;
+mod lease;
+mod notices;
+mod overwriting;
+mod streams;
+mod transfer;
+mod views;
+mod window;

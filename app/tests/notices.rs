@@ -1,0 +1,130 @@
+//! The notices of a binary release name every package that the binary links, as it is.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::process::Command;
+
+const AGAIN: &str = "run tools/notices.py";
+
+type Package = (String, String);
+
+fn read(name: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    std::fs::read_to_string(root.join(name)).unwrap()
+}
+
+/// The rows of the table, with their licences; and the packages that the binaries do not
+/// contain.
+fn notices() -> (BTreeMap<Package, String>, BTreeSet<Package>) {
+    let text = read("THIRD-PARTY.md");
+    let (inside, outside) = text.split_once("\n## Not in the binaries\n").unwrap();
+    let rows = inside.lines().filter_map(|line| {
+        let cells: Vec<&str> = line.strip_prefix("| ")?.split(" | ").collect();
+        let [name, version, licence, ..] = cells[..] else {
+            return None;
+        };
+        Some(((name.to_owned(), version.to_owned()), licence.to_owned()))
+    });
+    let others = outside.lines().filter_map(|line| {
+        let (name, version) = line.strip_prefix("- ")?.split_once(' ')?;
+        Some((name.to_owned(), version.to_owned()))
+    });
+    let head = ("Package".to_owned(), "Version".to_owned());
+    (rows.filter(|row| row.0 != head).collect(), others.collect())
+}
+
+/// The packages of Cargo.lock that come from a registry.
+fn locked() -> BTreeSet<Package> {
+    let lock = read("Cargo.lock");
+    let field = |package: &str, name: &str| {
+        let start = format!("{name} = \"");
+        let line = package.lines().find_map(|line| line.strip_prefix(&start));
+        line.map(|value| value.trim_end_matches('"').to_owned())
+    };
+    lock.split("[[package]]")
+        .filter(|package| field(package, "source").is_some())
+        .filter_map(|package| Some((field(package, "name")?, field(package, "version")?)))
+        .collect()
+}
+
+/// What cargo links into the binary on this platform.
+fn linked() -> BTreeMap<Package, String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--locked", "--offline", "-p", "gsk980td"])
+        .args(["-e", "normal,no-proc-macro", "--prefix", "none"])
+        .args(["--format", "{p}\t{l}"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    let packages = text.lines().filter_map(|line| {
+        let (package, licence) = line.trim_end_matches(" (*)").split_once('\t')?;
+        let (name, version) = package.split_once(" v")?;
+        // Those of the workspace have a folder behind their version.
+        let package = (name.to_owned(), version.to_owned());
+        (!version.contains(' ')).then(|| (package, licence.to_owned()))
+    });
+    packages.collect()
+}
+
+#[test]
+fn every_package_that_the_binary_links_is_named_with_its_licence() {
+    let (named, _) = notices();
+    let linked = linked();
+    assert!(linked.len() > 100, "{linked:?}");
+    for (package, licence) in &linked {
+        assert_eq!(named.get(package), Some(licence), "{package:?}: {AGAIN}");
+    }
+}
+
+#[test]
+fn the_notices_are_those_of_the_locked_packages() {
+    let (named, others) = notices();
+    let named: BTreeSet<Package> = named.into_keys().collect();
+    assert!(named.is_disjoint(&others));
+    let all: BTreeSet<Package> = named.union(&others).cloned().collect();
+    let locked = locked();
+    let differ: Vec<_> = all.symmetric_difference(&locked).collect();
+    assert!(differ.is_empty(), "{differ:?}: {AGAIN}");
+}
+
+#[test]
+fn each_licence_taken_has_its_text() {
+    let text = read("THIRD-PARTY.md");
+    let taken: BTreeSet<&str> = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("| ")?.split(" | ").nth(3))
+        .flat_map(|taken| taken.split(" and "))
+        .filter(|taken| !taken.starts_with('-') && *taken != "Taken")
+        .collect();
+    let words = |licence: &str| match licence {
+        "MIT" => "Permission is hereby granted, free of charge",
+        "Apache-2.0" => "END OF TERMS AND CONDITIONS",
+        "BSD-2-Clause" | "BSD-3-Clause" => "Redistribution and use in source and binary forms",
+        "ISC" => "Permission to use, copy, modify, and/or distribute",
+        "MPL-2.0" => "Exhibit B - \"Incompatible With Secondary Licenses\" Notice",
+        "OFL-1.1" => "SIL OPEN FONT LICENSE Version 1.1",
+        "Ubuntu-font-1.0" => "UBUNTU FONT LICENCE Version 1.0",
+        "Unicode-3.0" => "UNICODE LICENSE V3",
+        "Zlib" => "This software is provided 'as-is'",
+        _ => "no text for this licence",
+    };
+    assert!(taken.len() >= 9, "{taken:?}");
+    for licence in taken {
+        assert!(text.contains(words(licence)), "{licence}: {AGAIN}");
+    }
+}
+
+#[test]
+fn the_binary_prints_them() {
+    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        .arg("notices")
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains(read("LICENSE-MIT").trim()));
+    assert!(text.contains(read("NOTICE").trim()));
+    assert!(text.trim_end().ends_with(read("THIRD-PARTY.md").trim()));
+}

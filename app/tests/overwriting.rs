@@ -1,0 +1,157 @@
+//! Results never take the place of what a command reads.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, files: &[(&str, &str)]) -> Self {
+        let name = format!("gsk980td-{}-overwriting-{name}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        fs::create_dir_all(&folder).unwrap();
+        for (name, text) in files {
+            fs::write(folder.join(name), text).unwrap();
+        }
+        Self(folder)
+    }
+
+    fn read(&self, name: &str) -> Option<Vec<u8>> {
+        fs::read(self.0.join(name)).ok()
+    }
+
+    /// Exit code and standard error of a command in this folder.
+    fn said(&self, command: &str) -> (Option<i32>, String) {
+        let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+            .args(command.split_whitespace())
+            .current_dir(&self.0)
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), error)
+    }
+
+    /// Refused with this sentence, and every file is as it was.
+    #[track_caller]
+    fn refuses(&self, command: &str, code: i32, sentence: &str) {
+        let names = || {
+            let mut names: Vec<_> = fs::read_dir(&self.0)
+                .unwrap()
+                .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+                .collect();
+            names.sort();
+            names
+        };
+        let files = || -> Vec<_> {
+            let files = names().into_iter().map(|name| (self.read(&name), name));
+            files.collect()
+        };
+        let before = files();
+        let (found, said) = self.said(command);
+        assert_eq!(found, Some(code), "{command}: {said}");
+        assert!(said.contains(sentence), "{command}: {said}");
+        assert!(files() == before, "{command}: a file is changed");
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+const READ: &str = "is read by this command";
+
+#[test]
+fn what_is_named_stays() {
+    let script = "press AUTO\n";
+    let files = [("part.nc", "G00 X50 Z0\nM30\n"), ("script.txt", script)];
+    let folder = Folder::new("named", &files);
+    folder.refuses("check part.nc --moves part.nc", 2, READ);
+    folder.refuses("run part.nc --positions part.nc", 2, READ);
+    folder.refuses("run --dnc part.nc --moves part.nc", 2, READ);
+    folder.refuses("operate script.txt --record script.txt", 2, READ);
+}
+
+#[test]
+fn subprograms_beside_the_program_stay() {
+    let files = [
+        ("main.CNC", "O0001\nM98 P9001\nM98 P0005\nM30\n"),
+        ("9001.CNC", "O9001\nG00 X10\nM99\n"),
+        ("groove.txt", "O0005\nG00 X20\nM99\n"),
+    ];
+    let folder = Folder::new("subprograms", &files);
+    let number = "would be read as the subprogram O9001 beside main.CNC";
+    for command in ["run", "check"] {
+        folder.refuses(&format!("{command} main.CNC --moves 9001.CNC"), 2, number);
+        let word = format!("{command} main.CNC --moves groove.txt");
+        folder.refuses(&word, 2, "the subprogram O0005");
+    }
+    // It is not there yet, and the next run would find it.
+    let new = "run main.CNC --positions O0007.nc";
+    folder.refuses(new, 2, "the subprogram O0007");
+    let (code, said) = folder.said("run main.CNC --moves moves.txt");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(
+        folder
+            .read("moves.txt")
+            .is_some_and(|moves| moves.len() > 100)
+    );
+}
+
+#[test]
+fn what_a_script_loads_stays() {
+    let files = [
+        ("part.png", "O0001\nG00 X10\nM30\n"),
+        ("data.par", "%\n"),
+        ("line.CNC", "O0002\nM30\n"),
+        ("load.txt", "load part.png\nshot part.png\n"),
+        ("receive.txt", "press EDIT\nreceive data.par\n"),
+        ("dnc.txt", "dnc line.CNC\n"),
+        ("shot.txt", "shot new.png\n"),
+    ];
+    let folder = Folder::new("script", &files);
+    folder.refuses("operate load.txt", 2, READ);
+    folder.refuses("operate receive.txt --record data.par", 2, READ);
+    folder.refuses("operate dnc.txt --record line.CNC", 2, READ);
+    let twice = "is to be written twice";
+    folder.refuses("operate shot.txt --record new.png", 2, twice);
+}
+
+#[test]
+fn a_picture_takes_the_place_of_a_picture_only() {
+    let files = [
+        ("part.CNC", "O0001\nG00 X10\nM30\n"),
+        ("text.png", "not to be lost\n"),
+        ("name.txt", "shot part.CNC\n"),
+        ("link.txt", "shot link.png\n"),
+        ("text.txt", "shot text.png\n"),
+        ("twice.txt", "shot new.png\nshot new.png\n"),
+    ];
+    let folder = Folder::new("picture", &files);
+    std::os::unix::fs::symlink("part.CNC", folder.0.join("link.png")).unwrap();
+    let name = "the name of a picture ends in .png";
+    folder.refuses("operate name.txt", 1, name);
+    folder.refuses("operate link.txt", 1, name);
+    folder.refuses("operate text.txt", 1, "is there and no picture");
+    folder.refuses("screen pos-abs -o part.CNC", 2, name);
+    folder.refuses("plot part.CNC -o text.png", 2, "is there and no picture");
+    let (code, said) = folder.said("operate twice.txt");
+    assert_eq!(code, Some(0), "{said}");
+    let picture = folder.read("new.png").unwrap();
+    assert!(picture.starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn the_memory_stays() {
+    let files = [("part.nc", "G00 X50 Z0\nM30\n")];
+    let folder = Folder::new("memory", &files);
+    let (code, said) = folder.said("run part.nc --data data");
+    assert_eq!(code, Some(0), "{said}");
+    for own in ["offsets.ron", "copies/offsets.ron", "programs/O0001.CNC"] {
+        let command = format!("run part.nc --data data --moves data/{own}");
+        folder.refuses(&command, 2, "belongs to the memory in data");
+    }
+}

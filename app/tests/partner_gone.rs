@@ -1,0 +1,270 @@
+//! The program is gone without having said a word, with a board in motion: the process
+//! that holds its port stops the board.
+//!
+//! `ROUNDS=20 cargo test -p gsk980td --test boards partner_gone` does each of it 20 times.
+
+use std::io::{self, BufRead, BufReader, Read};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::twin::{Twin, signal};
+
+/// So long anything may take on a busy computer, and so often it may be too busy for
+/// motion.
+const LONGEST: Duration = Duration::from_secs(120);
+const ATTEMPTS: u32 = 20;
+/// By then the board has been told to stop.
+const STOPPED_WITHIN: Duration = Duration::from_secs(10);
+/// So long it moves before anything happens.
+const IN_MOTION: Duration = Duration::from_millis(500);
+/// Where the limit switch of Z stops the virtual board.
+const LIMIT: &str = "Z 8000 ";
+/// The way under way takes so long without a stop, s.
+const WAY: &str = "500";
+
+/// One at a time: a computer that is busy with other boards stops a motion by itself.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn rounds() -> u32 {
+    std::env::var("ROUNDS").map_or(1, |rounds| rounds.parse().unwrap())
+}
+
+/// A process that is ended with the test, whatever becomes of it.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// `link test` moves Z of a board; none when the computer was too busy.
+fn moves(twin: &Twin, case: &Case) -> Option<Running> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
+    command
+        .args(["link", "test", &twin.port, "--travel", WAY, "--feed", "600"])
+        .args(["--param", "17=5", "--param", "18=5"])
+        .args(case.options)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let mut running = Running(command.spawn().unwrap());
+    let mut said = BufReader::new(running.0.stdout.take().unwrap()).lines();
+    let answers = |line: &io::Result<String>| line.as_ref().is_ok_and(|it| it.contains("answers"));
+    let _ = said.find(answers)?;
+    // After its answers the board is unlocked, half a second twice, and moves.
+    match case.begins {
+        Some(begins) => drop(twin.says(begins, LONGEST)?),
+        None => {
+            thread::sleep(Duration::from_secs(2));
+            drop(twin.has_said());
+        }
+    }
+    thread::sleep(IN_MOTION);
+    let ended = running.0.try_wait().unwrap().is_some();
+    // A board that says something now moves no more.
+    (!ended && twin.has_said().is_empty()).then_some(running)
+}
+
+/// The process that holds this port.
+fn holder(port: &str) -> Option<u32> {
+    let processes = std::fs::read_dir("/proc").unwrap().flatten();
+    processes
+        .filter_map(|entry| entry.file_name().to_str()?.parse().ok())
+        .find(|process: &u32| {
+            let line = std::fs::read_to_string(format!("/proc/{process}/cmdline"));
+            line.is_ok_and(|line| line.contains("hold-port") && line.contains(port))
+        })
+}
+
+fn wait_until(longest: Duration, so: impl Fn() -> bool) -> bool {
+    let end = Instant::now() + longest;
+    while Instant::now() < end {
+        if so() {
+            return true;
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
+    so()
+}
+
+/// The machine file that the virtual board of timed steps prints for itself.
+fn klipper_machine() -> PathBuf {
+    let name = format!("gsk980td-{}-gone.ron", std::process::id());
+    let path = std::env::temp_dir().join(name);
+    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        .args(["link", "twin", "--firmware", "klipper", "--print-machine"])
+        .output()
+        .unwrap();
+    std::fs::write(&path, output.stdout).unwrap();
+    path
+}
+
+/// A firmware, its options, and what its board prints.
+struct Case<'a> {
+    firmware: &'a str,
+    options: &'a [&'a str],
+    /// As soon as it moves, if it says so.
+    begins: Option<&'a str>,
+    /// When it was told to stop.
+    stops: &'a str,
+}
+
+/// The board moves; then something happens to the program, and the board is stopped
+/// long before its motion would have ended, nobody holds the port any more.
+fn is_stopped(case: &Case, what: &str, happens: impl Fn(&mut Child, u32)) {
+    let _alone = alone();
+    for round in 1..=rounds() {
+        let place = format!("{} {what}, round {round}", case.firmware);
+        let moving = (0..ATTEMPTS).find_map(|_| {
+            let twin = Twin::play(&["--firmware", case.firmware]);
+            let running = moves(&twin, case)?;
+            Some((twin, running))
+        });
+        let (twin, mut running) = moving.unwrap_or_else(|| panic!("{place}: never moves"));
+        let held = holder(&twin.port).unwrap_or_else(|| panic!("{place}: nobody holds it"));
+        happens(&mut running.0, held);
+        let begun = Instant::now();
+        let stopped = twin.says(case.stops, STOPPED_WITHIN);
+        assert!(stopped.is_some(), "{place}: not stopped");
+        // Not by its limit switch.
+        let at_limit = stopped.as_ref().is_some_and(|line| line.contains(LIMIT));
+        assert!(!at_limit, "{place}: {stopped:?}");
+        eprintln!(
+            "{place}: {:.0?}, {}",
+            begun.elapsed(),
+            stopped.unwrap_or_default()
+        );
+        let freed = wait_until(LONGEST, || holder(&twin.port).is_none());
+        assert!(freed, "{place}: the port is still held");
+    }
+}
+
+const LINE_BOARDS: [&str; 3] = ["grbl", "grblhal", "fluidnc"];
+
+/// A board that takes lines.
+const fn line_case(firmware: &str) -> Case<'_> {
+    Case {
+        firmware,
+        options: &["--write-settings"],
+        begins: Some("Run"),
+        // Moving or not: on a busy computer the board may have run dry by now.
+        stops: "reset",
+    }
+}
+
+fn line_board(firmware: &str, what: &str, happens: impl Fn(&mut Child, u32)) {
+    is_stopped(&line_case(firmware), what, happens);
+}
+
+fn ends_by(name: &'static str) -> impl Fn(&mut Child, u32) {
+    move |program, _| {
+        // The first SIGSEGV that no bad access has caused is swallowed.
+        while program.try_wait().unwrap().is_none() {
+            signal(name, program.id());
+            thread::sleep(Duration::from_millis(20));
+        }
+    }
+}
+
+#[test]
+fn a_line_board_is_stopped_when_the_program_is_killed() {
+    for firmware in LINE_BOARDS {
+        line_board(firmware, "kill -9", ends_by("KILL"));
+    }
+}
+
+#[test]
+fn a_line_board_is_stopped_when_the_program_breaks_down() {
+    for name in ["SEGV", "ABRT"] {
+        line_board("grbl", name, ends_by(name));
+    }
+}
+
+#[test]
+fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
+    let machine = klipper_machine();
+    let case = Case {
+        firmware: "klipper",
+        options: &["--machine", machine.to_str().unwrap()],
+        begins: None,
+        // By command, not because nobody was heard for a quarter of a second.
+        stops: "Command request",
+    };
+    is_stopped(&case, "kill -9", ends_by("KILL"));
+    let _ = std::fs::remove_file(machine);
+}
+
+/// Signals of the session reach the holder, too: they do not end it before its work is
+/// done.
+#[test]
+fn the_holder_outlives_the_signals_of_the_session() {
+    line_board("grbl", "signals, then kill -9", |program, holder| {
+        for name in ["INT", "TERM", "HUP", "QUIT", "PIPE"] {
+            signal(name, holder);
+        }
+        ends_by("KILL")(program, holder);
+    });
+}
+
+/// The program hears it, and another holder stops the board.
+#[test]
+fn when_the_holder_is_killed_another_one_stops_the_board_and_the_program_says_it() {
+    let _alone = alone();
+    for _ in 0..rounds() {
+        let twin = Twin::play(&[]);
+        let begins = || moves(&twin, &line_case("grbl"));
+        let mut program = (0..ATTEMPTS).find_map(|_| begins()).unwrap();
+        let held = holder(&twin.port).unwrap();
+        signal("KILL", held);
+        let another = || holder(&twin.port).is_some_and(|other| other != held);
+        assert!(
+            wait_until(STOPPED_WITHIN, another),
+            "nobody stops the board"
+        );
+        let mut said = String::new();
+        let mut complaints = program.0.stderr.take().unwrap();
+        complaints.read_to_string(&mut said).unwrap();
+        assert_eq!(program.0.wait().unwrap().code(), Some(1), "{said}");
+        assert!(said.contains("605"), "{said}");
+        assert!(
+            said.contains("the process that holds the port has ended"),
+            "{said}"
+        );
+        assert!(wait_until(LONGEST, || holder(&twin.port).is_none()));
+    }
+}
+
+/// A normal end leaves nobody behind, and nothing waits to be reaped.
+#[test]
+fn a_normal_end_leaves_no_process_behind() {
+    let _alone = alone();
+    let twin = Twin::play(&[]);
+    let status = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        .args(["link", "monitor", &twin.port, "--seconds", "2"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.code().is_some());
+    assert_eq!(holder(&twin.port), None);
+}
+
+#[test]
+fn whoever_starts_the_holder_by_hand_is_told_what_it_is() {
+    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        .args(["hold-port", "--baud", "115200", "/dev/null"])
+        .stdin(Stdio::null())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("by itself"), "{said}");
+}

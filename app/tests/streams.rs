@@ -1,0 +1,114 @@
+//! A stream that is full or closed ends nothing: what was edited is saved, the exit code
+//! is that of the work.
+
+use std::fs::File;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// A program is typed, its page shown, and something is expected that is not so.
+const SCRIPT: &str = "press EDIT\npress PRG\ntype O1234\npress EOB\nshow\nexpect alarm 999\n";
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let name = format!("gsk980td-{}-streams-{name}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("script.txt"), SCRIPT).unwrap();
+        Self(folder)
+    }
+
+    fn operate(&self) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gsk980td"));
+        command
+            .arg("operate")
+            .arg(self.0.join("script.txt"))
+            .arg("--data")
+            .arg(self.0.join("data"));
+        command
+    }
+
+    fn has_program(&self) -> bool {
+        let programs = std::fs::read_dir(self.0.join("data").join("programs")).unwrap();
+        programs
+            .flatten()
+            .any(|entry| entry.file_name().to_string_lossy().contains("1234"))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+fn full() -> Stdio {
+    File::options()
+        .write(true)
+        .open("/dev/full")
+        .unwrap()
+        .into()
+}
+
+/// A pipe that nobody reads.
+fn closed() -> Stdio {
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    writer.into()
+}
+
+#[test]
+fn what_was_typed_is_saved_whatever_becomes_of_the_streams() {
+    type Streams = fn() -> (Stdio, Stdio);
+    let cases: [(&str, Streams, i32); 4] = [
+        ("full-error", || (Stdio::null(), full()), 1),
+        ("closed-error", || (Stdio::null(), closed()), 1),
+        ("closed-both", || (closed(), closed()), 1),
+        // What was asked for did not arrive: that is told by the exit code.
+        ("full-both", || (full(), full()), 2),
+    ];
+    for (name, streams, code) in cases {
+        let folder = Folder::new(name);
+        let (out, error) = streams();
+        let status = folder.operate().stdout(out).stderr(error).status().unwrap();
+        assert_eq!(status.code(), Some(code), "{name}");
+        assert!(folder.has_program(), "{name}: lost");
+    }
+}
+
+#[test]
+fn a_full_standard_output_is_told() {
+    let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+        .arg("keys")
+        .stdout(full())
+        .stderr(Stdio::piped())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("standard output cannot be written"), "{said}");
+}
+
+/// The run goes on to its end, and its memory is saved.
+#[test]
+fn a_run_explained_to_a_closed_pipe_goes_on() {
+    let folder = Folder::new("explained");
+    let program = folder.0.join("part.CNC");
+    std::fs::write(
+        &program,
+        "O0007\nG50 X60 Z20\nG00 X50 Z10\nG98 G01 Z5 F600\nM30\n",
+    )
+    .unwrap();
+    for (out, code) in [(closed(), 0), (full(), 2)] {
+        let status = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+            .arg("run")
+            .arg(&program)
+            .arg("--explain")
+            .stdout(out)
+            .stderr(Stdio::null())
+            .status()
+            .unwrap();
+        assert_eq!(status.code(), Some(code));
+    }
+}

@@ -1,0 +1,36 @@
+//! Spindle speed arrival (manual PLC-I 9.4): with 175.6 = 1 the first cut after a
+//! rapid or an S function begins only when the ladder's SAR (G29.4) stands. What
+//! SAR says is looked at 072 ms after the cut was read, so that the ladder has seen
+//! the new speed.
+//!
+//! ```text
+//!  S, rapid ──► cut read ──── 072 ────► SAR = 0: waits ... SAR = 1: the cut begins
+//! ```
+
+use crate::cnc::Cnc;
+use crate::command::Action;
+use crate::operation::Arrival;
+
+impl Cnc {
+    /// A command begins: whether it asks for the check, or has to wait for it.
+    pub(crate) fn await_speed(&mut self, action: &Action) {
+        let arrival = &mut self.run.automatic.arrival;
+        match action {
+            Action::Rapid { .. } | Action::Spindle(_) => *arrival = Arrival::Due,
+            Action::Line { .. }
+            | Action::Arc { .. }
+            | Action::Thread { .. }
+            | Action::Tap { .. }
+                if *arrival == Arrival::Due =>
+            {
+                let checked = self.memory.parameters.awaits_speed() && !self.plc.signals.dry_run;
+                *arrival = if checked {
+                    Arrival::Awaited(self.memory.parameters.speed_arrival_delay_ms())
+                } else {
+                    Arrival::Seen
+                };
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,422 @@
+//! Automatic operation: cycle start, feed hold, single block, the walk from
+//! command to motion and handshake (manual III-5).
+
+mod arrival;
+mod execution;
+mod interlock;
+mod intervention;
+mod refusal;
+mod thread;
+mod wait;
+
+use crate::alarm::{Alarm, number};
+use crate::cnc::{Cnc, OffsetEntry, Request, World};
+use crate::command::{Command, ProgramId};
+use crate::interpreter::Step;
+use crate::mode::Mode;
+use crate::operation::{Aside, Current, Protection, RunState};
+use crate::units::TICK_S;
+
+/// X1.2, *STEN: byte and mask.
+const START_ENABLE: (usize, u8) = (1, 1 << 2);
+
+/// Commands without duration carried out in one tick at most, so that no loop
+/// stalls a tick.
+const COMMANDS_PER_TICK: usize = 16;
+
+impl Cnc {
+    /// Whether the next cut follows the one under way without a stop (007.3 = 0):
+    /// neither single block nor an M, S or T function ends the block first.
+    pub(crate) fn cut_continues(&self) -> bool {
+        let stops = |current: &Current| current.command.stop_point && self.plc.signals.single_block;
+        !self.drives.limits.exact_corners()
+            && self.run.automatic.cut_continues()
+            && !self.run.automatic.current.as_ref().is_some_and(stops)
+            && !self.run.handshake.busy()
+    }
+
+    /// The cycle-start signal fell from 1 to 0.
+    pub(crate) fn cycle_start(&mut self) {
+        let interrupted =
+            self.run.automatic.state == RunState::Hold && self.run.automatic.current.is_some();
+        // Axes moved by hand come to rest before the program takes them over.
+        let by_hand = self.run.held.is_some();
+        let moving = (!interrupted || by_hand) && self.drives.interpolator.is_moving();
+        let refused = moving
+            || !self.run.mode.runs_programs()
+            || self.plc.signals.feed_hold
+            || self.resetting()
+            || self.alarm_state()
+            || self.board_is_stopping()
+            || self.run.automatic.state == RunState::Run;
+        if refused {
+            return;
+        }
+        if !self.start_enabled() {
+            return self.raise(Alarm::new(number::START_DISABLED));
+        }
+        let mdi = self.run.mode == Mode::Mdi;
+        let held = self.run.automatic.state == RunState::Hold;
+        if held && !mdi && !self.run.automatic.mdi && !self.runs_in(self.run.mode) {
+            // The rest of the held block belongs to a program of another mode.
+            return;
+        }
+        // Only a stored program can be looked through.
+        if let Some(alarm) = self.board_refuses_start(self.run.mode != Mode::Auto) {
+            return self.raise(alarm);
+        }
+        if !mdi && self.run.automatic.state == RunState::Stop {
+            self.take_up_aside();
+        }
+        match self.run.automatic.state {
+            RunState::Hold if mdi && !self.run.automatic.mdi => self.start_mdi(),
+            RunState::Hold => self.resume_from_hold(),
+            RunState::Stop if self.continues_program() => {
+                self.shift_cycle();
+                self.run.automatic.state = RunState::Run;
+                self.run.automatic.stop_requested = false;
+            }
+            _ if mdi => self.start_mdi(),
+            _ if self.run.mode == Mode::Dnc => self.start_dnc(),
+            _ => self.start_program(),
+        }
+    }
+
+    /// *STEN, the cycle start enable on the pin of T08, where 164.4 STEN asks for it
+    /// and 164.6 AGIN leaves it the pin; 164.5 AGIM says at which level it is given
+    /// (manual PLC-II 13.10).
+    fn start_enabled(&self) -> bool {
+        let asked = self.memory.parameters.start_is_enabled_outside();
+        let high = self.plc.filter.accepted()[START_ENABLE.0] & START_ENABLE.1 != 0;
+        !asked || high == self.memory.parameters.enable_level()
+    }
+
+    /// Whether a stopped run goes on with its next block in this mode.
+    fn continues_program(&self) -> bool {
+        self.run.automatic.goes_on() && self.runs_in(self.run.mode)
+    }
+
+    /// Whether the run that stands or is under way is one of this mode.
+    pub(crate) fn runs_in(&self, mode: Mode) -> bool {
+        let own = match (self.run.automatic.mdi, self.memory.programs.inflow()) {
+            (true, _) => Mode::Mdi,
+            (false, Some(_)) => Mode::Dnc,
+            (false, None) => Mode::Auto,
+        };
+        mode == own
+    }
+
+    fn start_program(&mut self) {
+        if core::mem::take(&mut self.run.rewind_at_start) {
+            self.run.cursor_line = 1;
+        }
+        self.settle_coordinates();
+        let (interpreter, world) = self.interpreter_and_world(true);
+        let Some(program) = world.programs.current() else {
+            return self.raise(Alarm::new(number::PROGRAM_MISSING));
+        };
+        interpreter.start(program, world.cursor_line, &world);
+        self.memory.programs.set_inflow(None);
+        self.run.automatic.clear();
+        self.run.automatic.begin_run(false);
+    }
+
+    /// The program that the partner at the line sends now.
+    fn start_dnc(&mut self) {
+        if let Err(alarm) = self.call_for_program() {
+            return self.raise(alarm);
+        }
+        self.settle_coordinates();
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.start(ProgramId::Dnc, 1, &world);
+        self.run.automatic.clear();
+        self.run.automatic.begin_run(false);
+    }
+
+    /// The block keyed in. A stopped AUTO run waits until it is gone on with.
+    fn start_mdi(&mut self) {
+        if self.run.mdi.is_empty() || self.run.handshake.busy() || self.take_nose_radius() {
+            return;
+        }
+        if self.run.automatic.state == RunState::Hold {
+            self.set_aside_held_motion();
+            let between_moves =
+                self.run.automatic.current.is_none() && !self.run.automatic.may_begin();
+            if self.run.held.is_none() && !between_moves {
+                return;
+            }
+        }
+        let aside = self.lay_run_aside();
+        self.settle_coordinates();
+        let block = self.run.mdi.program();
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.start_mdi(block, &world);
+        self.run.automatic.clear();
+        self.run.automatic.aside = aside;
+        self.run.automatic.begin_run(true);
+    }
+
+    /// R alone in an MDI block sets the nose radius of the offset in force
+    /// (manual II-1.3), unless it is the taper of G90, G92 or G94. Whether it was one.
+    fn take_nose_radius(&mut self) -> bool {
+        let Some(radius) = self.run.mdi.lone_r(&self.memory.parameters) else {
+            return false;
+        };
+        if matches!(self.modal().motion, 90 | 92 | 94) {
+            return false;
+        }
+        let (_, number) = self.tool();
+        if number == 0 {
+            self.raise(Alarm::new(number::BAD_OFFSET).because(
+                "R alone sets the nose radius of the offset in force, and none is: T0101 first",
+            ));
+            return true;
+        }
+        if let Err(refusal) = self.rights().offsets() {
+            if let Some(alarm) = refusal.alarm() {
+                self.raise(alarm);
+            }
+            return true;
+        }
+        let entry = OffsetEntry::NoseRadius(radius);
+        if self.request(Request::SetOffset { number, entry }).is_ok() {
+            self.run.mdi.clear();
+        }
+        true
+    }
+
+    /// The AUTO run that stands, with what was read of it and not carried out.
+    fn lay_run_aside(&mut self) -> Option<Box<Aside>> {
+        if self.run.automatic.mdi || !self.run.automatic.goes_on() {
+            return self.run.automatic.aside.take();
+        }
+        let automatic = core::mem::take(&mut self.run.automatic);
+        let pending = automatic.current.is_some()
+            || automatic.ahead.is_some()
+            || self.run.interpreter.in_block();
+        Some(Box::new(Aside {
+            automatic,
+            held: self.run.held.take(),
+            read_to: pending.then(|| self.run.interpreter.read_to()),
+            frame: self.coordinates.frame,
+        }))
+    }
+
+    /// The AUTO run stands again as it did before the MDI blocks.
+    fn take_up_aside(&mut self) {
+        let Some(aside) = self.run.automatic.aside.take() else {
+            return;
+        };
+        self.run.interpreter.leave_mdi();
+        self.run.automatic = aside.automatic;
+        self.run.held = aside.held;
+        if let Some(read_to) = aside.read_to {
+            let same_frame = self.coordinates.frame == aside.frame;
+            self.run.interpreter.stand_where_read(&read_to, same_frame);
+        }
+    }
+
+    fn resume_from_hold(&mut self) {
+        self.absorb_manual_motion();
+        self.run.automatic.stop_requested = false;
+        self.shift_cycle();
+        self.run.automatic.state = RunState::Run;
+    }
+
+    /// Feed hold: the axes decelerate; a block without motion finishes, and so does
+    /// a thread with the first thing after it.
+    pub(crate) fn feed_hold(&mut self) {
+        if self.run.automatic.state == RunState::Run {
+            self.run.automatic.state = RunState::Hold;
+        } else if self.run.automatic.protection == (Protection::After { again: true }) {
+            self.run.automatic.protection = Protection::None;
+        }
+    }
+
+    /// One tick of automatic operation.
+    pub(crate) fn automatic_tick(&mut self) {
+        self.run.handshake.tick(self.plc.signals.fin);
+        if !self.run.automatic.operating() {
+            return;
+        }
+        self.run.automatic.dwell_left = self.run.automatic.dwell_left.saturating_sub(1);
+        self.run
+            .automatic
+            .arrival
+            .tick(self.plc.signals.speed_arrival);
+        self.tap_tick();
+        self.watch_spindle();
+        self.watch_board_spindle();
+        if !self.run.automatic.operating() {
+            return;
+        }
+        self.carry_out();
+        let between_blocks = self.run.automatic.current.is_none()
+            && !self.run.automatic.within_block
+            && !self.run.automatic.protected();
+        // Held at a block end; another automatic mode or EDIT makes a stop of it.
+        if self.run.automatic.state == RunState::Hold
+            && between_blocks
+            && self.run.automatic.stop_requested
+        {
+            self.run.automatic.stop();
+        }
+        self.read_ahead();
+    }
+
+    /// Ends what is finished and begins what follows, until something takes time.
+    fn carry_out(&mut self) {
+        for _ in 0..COMMANDS_PER_TICK {
+            if self.run.automatic.current.is_none() && !self.begin_next() {
+                break;
+            }
+            if !self.finish_current() {
+                break;
+            }
+        }
+    }
+
+    /// A motion that ended within the tick leaves the rest of it to the next one:
+    /// begins that. Returns whether there is one.
+    pub(crate) fn begin_within_tick(&mut self) -> bool {
+        let ended = self.run.automatic.operating()
+            && self.drives.interpolator.finished()
+            && self.drives.interpolator.time_left() > 0.0;
+        if ended {
+            self.carry_out();
+        }
+        ended && !self.drives.interpolator.finished()
+    }
+
+    /// Machine time now, s: within a tick when a block ended in it.
+    pub(crate) fn now(&self) -> f64 {
+        self.ticks as f64 * TICK_S - self.drives.interpolator.time_left()
+    }
+
+    /// Takes the next command and starts it. Returns whether one is under way.
+    fn begin_next(&mut self) -> bool {
+        if !self.run.automatic.may_begin() {
+            return false;
+        }
+        if let Some(alarm) = self.run.automatic.fault_ahead.take() {
+            self.raise(alarm);
+            return false;
+        }
+        let command = match self.run.automatic.ahead.take() {
+            Some(command) => command,
+            None => match self.read(true) {
+                Some(command) => command,
+                None => return false,
+            },
+        };
+        if self.ends_spoilt(&command.action) {
+            return false;
+        }
+        if self.board_delays(&command.action) {
+            self.run.automatic.ahead = Some(command);
+            return false;
+        }
+        self.begin(command);
+        self.run.automatic.current.is_some()
+    }
+
+    /// Reads one command while another runs, so that motion goes on without a
+    /// gap. Under single block nothing is read ahead, except in a thread.
+    pub(crate) fn read_ahead(&mut self) {
+        let threading = self.run.automatic.threading();
+        let may_read = (self.run.automatic.state == RunState::Run || threading)
+            && self.run.automatic.current.is_some()
+            && self.run.automatic.ahead.is_none()
+            && self.run.automatic.fault_ahead.is_none()
+            && !self.run.automatic.waiting
+            && (!self.plc.signals.single_block || threading);
+        if may_read {
+            self.run.automatic.ahead = self.read(false);
+        }
+    }
+
+    /// Whether a program runs or stands that can be gone on with, MDI blocks apart.
+    pub(crate) fn has_program_run(&self) -> bool {
+        let aside = self.run.automatic.aside.is_some();
+        aside || (self.run.automatic.started && !self.run.automatic.mdi)
+    }
+
+    /// Asks the interpreter for one command.
+    fn read(&mut self, settled: bool) -> Option<Command> {
+        self.take_in_what_arrived();
+        if self.run.automatic.ended {
+            if settled {
+                self.end_of_program();
+            }
+            return None;
+        }
+        let settled = settled && !self.run.handshake.busy() && !self.board_holds_reading();
+        let stands = !self.is_board_behind();
+        let (interpreter, mut world) = self.interpreter_and_world(settled);
+        world.stands = stands;
+        let step = interpreter.next(&mut world);
+        match step {
+            Ok(Step::Command(command)) => {
+                self.run.automatic.waiting = false;
+                if let Some(explanations) = &mut self.run.explanations {
+                    explanations.push_back(self.run.interpreter.explanation());
+                }
+                Some(*command)
+            }
+            Ok(Step::Wait) => {
+                self.run.automatic.waiting = true;
+                None
+            }
+            Ok(Step::Ended) => {
+                self.run.automatic.ended = true;
+                None
+            }
+            Err(alarm) if !settled => {
+                self.run.automatic.fault_ahead = Some(alarm);
+                None
+            }
+            Err(alarm) => {
+                self.raise(alarm);
+                None
+            }
+        }
+    }
+
+    /// The end of an MDI block, or of a program whose end came without M30.
+    pub(crate) fn end_of_program(&mut self) {
+        let mdi = self.run.automatic.mdi;
+        let aside = self.run.automatic.aside.take();
+        self.run.automatic.clear();
+        if mdi {
+            self.run.mdi.clear();
+            self.run.automatic.aside = aside;
+            self.run.automatic.state = RunState::Stop;
+        } else {
+            self.run.automatic.state = RunState::Reset;
+        }
+    }
+
+    /// The interpreter, and the world as it may see it.
+    pub(crate) fn interpreter_and_world(
+        &mut self,
+        settled: bool,
+    ) -> (&mut crate::interpreter::Interpreter, World<'_>) {
+        let machine_position = self.drives.interpolator.position();
+        (
+            &mut self.run.interpreter,
+            World {
+                parameters: &mut self.memory.parameters,
+                offsets: &self.memory.offsets,
+                variables: &mut self.memory.variables,
+                programs: &self.memory.programs,
+                plc: self.plc.engine.memory_mut(),
+                machine_position,
+                referenced: self.coordinates.referenced,
+                block_skip: self.plc.signals.block_skip,
+                settled,
+                stands: true,
+                cursor_line: self.run.cursor_line,
+            },
+        )
+    }
+}

@@ -1,0 +1,291 @@
+//! Threads and tapping in automatic operation: what is checked before and during
+//! them, and the rules of feed hold and single block (manual I-3.2.4, PLC-I «feed
+//! hold», «rigid tapping»).
+//!
+//! ```text
+//!  block     G32 ──► G32 ──► G00 ──►            G92: 1 ──► thread ──► retract ──►
+//!  hold        ▲ SPL, goes on    │ stands             ▲ SPL, goes on        │ stands
+//!                        ▲ again, or still: stands in this block
+//! ```
+
+use crate::alarm::{Alarm, number};
+use crate::cnc::Cnc;
+use crate::command::{Action, ThreadStart};
+use crate::motion::ThreadMove;
+use crate::operation::{
+    RunState, STANDING_RPM, SpindleTrouble, Strobe, TapStage, check_encoder, check_standing,
+    check_thread_speed,
+};
+use crate::units::{Feed, Point};
+
+/// A speed at the limit is measured a little above it.
+const WITHIN_MEASUREMENT: f64 = 0.99;
+
+const SPINDLE_FORWARD: u8 = 3;
+
+const SPINDLE_REVERSE: u8 = 4;
+
+const SPINDLE_STOP: u8 = 5;
+
+impl Cnc {
+    /// Begins a thread: synchronised, or in dry run as a cut.
+    pub(crate) fn begin_thread(&mut self, thread: &ThreadMove) -> Result<(), Alarm> {
+        if self.dry_run().is_some() {
+            let feed = Feed::PerRevolution(thread.lead);
+            self.drives.interpolator.start_line(thread.to, feed);
+            return Ok(());
+        }
+        self.check_encoder()?;
+        check_standing(self.spindle.control.actual_rpm())?;
+        let (from, rpm) = (self.drives.interpolator.position(), self.thread_rpm());
+        check_thread_speed(
+            thread.top_speed(from, rpm, &self.drives.limits),
+            rpm,
+            &self.drives.limits,
+        )?;
+        if self.board_cuts() {
+            self.check_pass_end(thread.to)?;
+            self.ask_pass(thread);
+            return Ok(());
+        }
+        self.drives
+            .interpolator
+            .start_thread(thread, &self.drives.limits);
+        Ok(())
+    }
+
+    /// At the start of a cycle of threads: nothing is fed in toward a cut that the
+    /// spindle does not allow (092, 094).
+    pub(crate) fn check_thread_cycle(&self, per_revolution: Point) -> Result<(), Alarm> {
+        if self.dry_run().is_some() {
+            return Ok(());
+        }
+        self.check_encoder()?;
+        check_standing(self.spindle.control.actual_rpm())?;
+        let rpm = self.thread_rpm();
+        check_thread_speed(per_revolution * rpm, rpm, &self.drives.limits)
+    }
+
+    /// The spindle speed that a thread has to reckon with: the measured one, or the
+    /// commanded one that it is still coming up to.
+    pub(crate) fn thread_rpm(&self) -> f64 {
+        let commanded = self
+            .spindle
+            .control
+            .commanded_rpm()
+            .min(self.spindle.control.top_speed());
+        let measured = self.spindle.control.actual_rpm().abs();
+        if measured * WITHIN_MEASUREMENT <= commanded {
+            commanded
+        } else {
+            measured
+        }
+    }
+
+    /// A thread that is about to begin: the run-out (or thread) that goes on from it
+    /// must be possible too, before anything is cut.
+    pub(crate) fn check_thread_ahead(&mut self) {
+        let (Some(current), Some(ahead)) = (&self.run.automatic.current, &self.run.automatic.ahead)
+        else {
+            return;
+        };
+        let (Some(first), Some(next)) = (
+            ThreadMove::of(&current.command.action),
+            ThreadMove::of(&ahead.action),
+        ) else {
+            return;
+        };
+        let begins = matches!(first.start, ThreadStart::AtIndex { .. });
+        if !begins || next.start != ThreadStart::Continued || self.dry_run().is_some() {
+            return;
+        }
+        let rpm = self.thread_rpm();
+        let source = ahead.source;
+        if let Some(alarm) = self.refuse_ahead(&next) {
+            return self.raise(alarm.at(source));
+        }
+        let top = next.top_speed(first.to, rpm, &self.drives.limits);
+        if let Err(alarm) = check_thread_speed(top, rpm, &self.drives.limits) {
+            self.raise(alarm.at(source));
+        }
+    }
+
+    /// Begins tapping. Without control of the spindle (dry run, M locked) it is two
+    /// cuts.
+    pub(crate) fn begin_tap(&mut self, to: Point, lead: f64) -> Result<(), Alarm> {
+        if self.tap_is_dry() {
+            self.run.automatic.tap = Some(TapStage::In);
+            self.drives
+                .interpolator
+                .start_line(to, Feed::PerRevolution(lead.abs()));
+            return Ok(());
+        }
+        self.check_encoder()?;
+        if self.run.automatic.tap_reverse != 0 {
+            self.run.automatic.tap = Some(TapStage::Restart);
+            return Ok(());
+        }
+        check_standing(self.spindle.control.actual_rpm())?;
+        let rpm = self.thread_rpm();
+        check_thread_speed(Point::new(0.0, lead.abs() * rpm), rpm, &self.drives.limits)?;
+        self.run.automatic.tap = Some(TapStage::Ready);
+        Ok(())
+    }
+
+    fn tap_is_dry(&self) -> bool {
+        self.dry_run().is_some() || self.plc.signals.auxiliary_lock
+    }
+
+    /// The encoder must be one that can be used (alarm 092).
+    pub(crate) fn check_encoder(&self) -> Result<(), Alarm> {
+        check_encoder(&self.memory.parameters)
+    }
+
+    /// One tick of a tap: the M functions that stop and reverse the spindle.
+    pub(crate) fn tap_tick(&mut self) {
+        let Some(stage) = self.run.automatic.tap else {
+            return;
+        };
+        let Some(Action::Tap {
+            to,
+            lead,
+            start_degrees,
+        }) = self.run.automatic.action()
+        else {
+            self.run.automatic.tap = None;
+            return;
+        };
+        let (to, lead, degrees) = (*to, *lead, *start_degrees);
+        let busy = self.run.handshake.busy();
+        let stands = self.spindle.control.actual_rpm().abs() < STANDING_RPM;
+        let next = match stage {
+            TapStage::Restart if !busy => {
+                let forward = self.run.automatic.tap_reverse != SPINDLE_FORWARD;
+                let code = if forward {
+                    SPINDLE_FORWARD
+                } else {
+                    SPINDLE_REVERSE
+                };
+                self.run.handshake.start(Strobe::M, code);
+                TapStage::Ready
+            }
+            TapStage::Ready if !busy && self.spindle_steady() => {
+                self.drives.interpolator.start_tap(to, lead, degrees);
+                TapStage::In
+            }
+            // Carried out as a cut, it is finished at the bottom.
+            TapStage::In if self.drives.interpolator.finished() => {
+                let start = self.report_half();
+                self.drives
+                    .interpolator
+                    .start_line(start, Feed::PerRevolution(lead.abs()));
+                TapStage::Done
+            }
+            TapStage::In if self.drives.interpolator.tap_at_bottom() => {
+                self.run.automatic.tap_reverse = if self.turns_in_reverse() {
+                    SPINDLE_FORWARD
+                } else {
+                    SPINDLE_REVERSE
+                };
+                self.run.handshake.start(Strobe::M, SPINDLE_STOP);
+                TapStage::Stopping
+            }
+            TapStage::Stopping if !busy && stands => {
+                self.report_half();
+                self.drives.interpolator.turn_back();
+                self.run
+                    .handshake
+                    .start(Strobe::M, self.run.automatic.tap_reverse);
+                TapStage::Out
+            }
+            TapStage::Out if self.drives.interpolator.finished() && !busy => {
+                self.run.handshake.start(Strobe::M, SPINDLE_STOP);
+                TapStage::Ending
+            }
+            TapStage::Ending if !busy && stands => TapStage::Done,
+            same => same,
+        };
+        self.run.automatic.tap = Some(next);
+    }
+
+    /// A spindle that was started for this tap has come to its speed; one that
+    /// turned before is taken as it is.
+    fn spindle_steady(&mut self) -> bool {
+        let rpm = self.spindle.control.actual_rpm().abs();
+        self.run.automatic.tap_reverse == 0
+            || (rpm >= STANDING_RPM && self.run.automatic.watch.steady(rpm))
+    }
+
+    /// The direction that the ladder reports (SRVB, SFRB), or else the measured one.
+    fn turns_in_reverse(&self) -> bool {
+        match (
+            self.plc.signals.spindle_forward,
+            self.plc.signals.spindle_reverse,
+        ) {
+            (true, false) => false,
+            (false, true) => true,
+            _ => self.spindle.control.actual_rpm() < 0.0,
+        }
+    }
+
+    /// Watches the spindle during a cut: alarm 091 when its speed changes too much
+    /// in a thread (106), 094 when it has become too fast for an axis, 098 when it
+    /// has stopped (175.2).
+    pub(crate) fn watch_spindle(&mut self) {
+        let thread = match self.run.automatic.action() {
+            Some(Action::Thread { .. }) => self.drives.interpolator.in_thread(),
+            Some(Action::Line { .. } | Action::Arc { .. }) => false,
+            _ => return,
+        };
+        if self.dry_run().is_some() || self.run.automatic.state == RunState::Stop {
+            return;
+        }
+        let rpm = self.spindle.control.actual_rpm();
+        let watch = &mut self.run.automatic.watch;
+        let stands = rpm.abs() < STANDING_RPM;
+        watch.turned |= !stands;
+        let number = if stands && watch.turned && self.memory.parameters.watches_spindle() {
+            number::SPINDLE_STOPPED
+        } else if thread && watch.fluctuates(rpm.abs(), self.memory.parameters.fluctuation_limit())
+        {
+            if self
+                .drives
+                .board
+                .is_some_and(|board| board.spindle.is_some())
+            {
+                watch.spoilt = Some(SpindleTrouble::Fluctuates(rpm.abs()));
+                return;
+            }
+            number::SPEED_FLUCTUATES
+        } else {
+            if thread {
+                self.watch_thread_speed(rpm);
+            }
+            return;
+        };
+        let alarm = Alarm::new(number).because(format!("spindle at {:.0} r/min", rpm.abs()));
+        self.raise_at_last(alarm);
+    }
+
+    /// A spindle that has become faster than at the beginning of the thread.
+    fn watch_thread_speed(&mut self, rpm: f64) {
+        let current = self.run.automatic.current.as_ref();
+        let thread = current.and_then(|current| {
+            let thread = ThreadMove::of(&current.command.action)?;
+            Some(thread.top_speed(current.from, rpm * WITHIN_MEASUREMENT, &self.drives.limits))
+        });
+        let found = thread.map_or(Ok(()), |top| {
+            check_thread_speed(top, rpm, &self.drives.limits)
+        });
+        if let Err(alarm) = found {
+            self.raise_at_last(alarm);
+        }
+    }
+
+    pub(crate) fn raise_at_last(&mut self, alarm: Alarm) {
+        self.raise(match self.run.automatic.last {
+            Some(source) => alarm.at(source),
+            None => alarm,
+        });
+    }
+}

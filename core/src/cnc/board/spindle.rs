@@ -1,0 +1,164 @@
+//! The spindle that the board sees by its index, and what threads ask of it.
+//!
+//! ```text
+//!  cycle ─► 20 steady turns? ─► feed in ─► wait for the index ─► thread ─► run-out ─► 091?
+//!           no: wait, then 091             index against prediction: off ──┘
+//! ```
+
+use crate::alarm::{Alarm, number};
+use crate::cnc::Cnc;
+use crate::command::{Action, ThreadStart};
+use crate::machine::Inputs;
+use crate::operation::{BoardSpindle, SpindleTrouble};
+use crate::spindle::Encoder;
+use crate::units::Feed;
+
+/// A thread bears no greater variation of the spindle's speed, %.
+const VARIATION: f64 = 0.2;
+
+/// How long is waited for a spindle to become steady, ms, and turns besides.
+const PATIENCE_MS: f64 = 10_000.0;
+
+const PATIENCE_TURNS: f64 = 40.0;
+
+/// Below this a spindle stands, r/min.
+const STANDING_RPM: f64 = 1.0;
+
+impl Cnc {
+    /// What the encoder would say of the spindle that the board sees.
+    pub(crate) fn with_board_spindle(&self, inputs: &Inputs, spindle: &BoardSpindle) -> Inputs {
+        let counts = Encoder::counts_per_spindle_turn(&self.memory.parameters).unwrap_or(0.0);
+        let count = |turns: f64| (turns * counts).floor() as i64;
+        Inputs {
+            encoder: count(spindle.turn.now),
+            encoder_index: count(spindle.turn.index),
+            spindle_index: spindle.passed,
+            ..*inputs
+        }
+    }
+
+    /// Whether a thread waits for its angle of the spindle.
+    pub(crate) fn waits_for_spindle(&self) -> bool {
+        self.drives.interpolator.waits_for_spindle()
+    }
+
+    /// Lead of the thread under way, mm.
+    pub(crate) fn lead_followed(&self) -> Option<f64> {
+        if !self.drives.interpolator.in_thread() {
+            return None;
+        }
+        match self.run.automatic.action() {
+            Some(Action::Thread { lead, .. }) => Some(lead.abs().max(1e-3)),
+            _ => None,
+        }
+    }
+
+    /// Whether the spindle is still to become what a command needs: known, and for a
+    /// thread steady. What it never becomes is an alarm when the command begins.
+    pub(crate) fn board_spindle_delays(&mut self, action: &Action) -> bool {
+        let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
+            return false;
+        };
+        let stands = spindle.rpm.abs() < STANDING_RPM;
+        let ready = match action {
+            Action::Thread {
+                start: ThreadStart::AtIndex { .. },
+                ..
+            }
+            | Action::ThreadCycle { .. } => self.steady(&spindle),
+            Action::Line {
+                feed: Feed::PerRevolution(_),
+                ..
+            }
+            | Action::Arc {
+                feed: Feed::PerRevolution(_),
+                ..
+            } => !stands,
+            _ => true,
+        };
+        if ready || (stands && !spindle.commanded) || self.dry_run().is_some() {
+            return false;
+        }
+        let turns = PATIENCE_TURNS * 60_000.0 / spindle.rpm.abs().max(STANDING_RPM);
+        let patience = PATIENCE_MS + if stands { 0.0 } else { turns };
+        let waited = &mut self.run.automatic.watch.waited;
+        *waited += 1;
+        f64::from(*waited) < patience
+    }
+
+    fn steady(&self, spindle: &BoardSpindle) -> bool {
+        let variation = spindle.variation.unwrap_or(f64::INFINITY) * 100.0;
+        variation <= self.variation_allowed() && spindle.turn.now != spindle.turn.before
+    }
+
+    /// The smaller of No.106 and what the board can follow, %.
+    fn variation_allowed(&self) -> f64 {
+        let limit = self.memory.parameters.fluctuation_limit();
+        if limit > 0.0 {
+            limit.min(VARIATION)
+        } else {
+            VARIATION
+        }
+    }
+
+    /// A thread needs a steady spindle (alarm 091). A spindle that stands has its own
+    /// alarm.
+    pub(crate) fn check_board_spindle(&self, action: &Action) -> Result<(), Alarm> {
+        let Some(spindle) = self.drives.board.and_then(|board| board.spindle) else {
+            return Ok(());
+        };
+        let rpm = spindle.rpm.abs();
+        let begins = match action {
+            Action::ThreadCycle { .. } => true,
+            Action::Thread { start, .. } => matches!(start, ThreadStart::AtIndex { .. }),
+            _ => return Ok(()),
+        };
+        if !begins || rpm < STANDING_RPM || self.steady(&spindle) {
+            return Ok(());
+        }
+        Err(
+            Alarm::new(number::SPEED_FLUCTUATES).because(match spindle.variation {
+                Some(variation) => format!(
+                    "the spindle varies by {:.2} % at {rpm:.0} r/min, {} % are allowed",
+                    variation * 100.0,
+                    self.variation_allowed()
+                ),
+                None => format!("the spindle has not kept its {rpm:.0} r/min for 20 turns"),
+            }),
+        )
+    }
+
+    /// What the board tells of the spindle in a thread. A spoilt one goes on to its end
+    /// with its run-out; without an index it ends here.
+    pub(crate) fn watch_board_spindle(&mut self) {
+        let spindle = self.drives.board.and_then(|board| board.spindle);
+        let Some(trouble) = spindle.and_then(|spindle| spindle.trouble) else {
+            return;
+        };
+        let waits = self.drives.interpolator.waits_for_spindle();
+        if waits || trouble == SpindleTrouble::Lost {
+            self.raise_at_last(trouble.alarm());
+        } else {
+            self.run.automatic.watch.spoilt.get_or_insert(trouble);
+        }
+    }
+
+    /// Behind a spoilt thread nothing begins. Returns whether that is so.
+    pub(crate) fn ends_spoilt(&mut self, next: &Action) -> bool {
+        let goes_on = matches!(
+            next,
+            Action::Thread {
+                start: ThreadStart::Continued,
+                ..
+            }
+        );
+        if goes_on {
+            return false;
+        }
+        let spoilt = self.run.automatic.watch.spoilt.take();
+        if let Some(trouble) = spoilt {
+            self.raise_at_last(trouble.alarm());
+        }
+        spoilt.is_some()
+    }
+}

@@ -1,0 +1,76 @@
+//! A program walked through before it begins: how fast it will drive the axes.
+
+use core::cell::LazyCell;
+
+use crate::alarm::Alarm;
+use crate::cnc::Cnc;
+use crate::command::{Action, ProgramId, SpindleCommand};
+use crate::interpreter::{Advance, Host, Immediate};
+use crate::operation::BoardDrives;
+
+/// Commands that are looked at: as many as take no time that matters to a board that
+/// waits for its heartbeat. What comes behind them is looked at block by block.
+const MOST_COMMANDS: u32 = 100_000;
+
+impl Cnc {
+    /// The first cut of a program that the board could not follow, with the offsets,
+    /// overrides and inputs as they are. What else may be wrong with the program it
+    /// tells itself, when its turn comes.
+    pub(crate) fn walk_for_board(
+        &mut self,
+        board: &BoardDrives,
+        program: ProgramId,
+    ) -> Option<Alarm> {
+        if self.dry_run().is_some() {
+            return None;
+        }
+        let line = if self.run.rewind_at_start {
+            1
+        } else {
+            self.run.cursor_line
+        };
+        let mut interpreter = self.run.interpreter.clone();
+        let (inputs, outputs) = {
+            let (_, world) = self.interpreter_and_world(true);
+            (world.interface_inputs(), world.interface_outputs())
+        };
+        let mut host = Immediate {
+            parameters: self.memory.parameters.clone(),
+            offsets: &self.memory.offsets,
+            variables: self.memory.variables.clone(),
+            inputs: LazyCell::new(Box::new(move || inputs)),
+            outputs,
+            programs: &self.memory.programs,
+            position: self.position(),
+            referenced: self.coordinates.referenced,
+            block_skip: self.plc.signals.block_skip,
+        };
+        let speed = self.spindle.control.commanded_rpm();
+        let mut rpm = (speed > 0.0).then_some(speed);
+        let mut at = host.position;
+        interpreter.start(program, line, &host);
+        for _ in 0..MOST_COMMANDS {
+            let Ok(Advance::Command(command)) = interpreter.advance(&mut host) else {
+                return None;
+            };
+            if let Some(alarm) = self.too_fast_for_board(board, &command.action, at, rpm) {
+                return Some(alarm.at(command.source));
+            }
+            match command.action {
+                Action::Rapid { to }
+                | Action::Line { to, .. }
+                | Action::Arc { to, .. }
+                | Action::Thread { to, .. } => {
+                    at = to;
+                    host.position = to;
+                }
+                Action::Spindle(SpindleCommand::Speed(speed)) => rpm = Some(speed),
+                Action::Spindle(SpindleCommand::Limit(_)) => {}
+                Action::Spindle(_) => rpm = None,
+                Action::End { .. } | Action::Repeat => return None,
+                _ => {}
+            }
+        }
+        None
+    }
+}

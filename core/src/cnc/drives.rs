@@ -1,0 +1,71 @@
+//! Alarm and ready signals of the drives (manual III-12.3, IV-2.1.3).
+
+use crate::alarm::{Alarm, number};
+use crate::cnc::Cnc;
+use crate::machine::Inputs;
+use crate::units::{Axis, PerAxis};
+
+/// How long the ready signal of a drive may take to follow its enable, ms.
+const FOLLOWS_WITHIN_MS: u16 = 100;
+
+/// What the signals of a drive say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Said {
+    Well,
+    NotReady,
+    Alarm,
+}
+
+impl Cnc {
+    /// Watches the drives; once a millisecond. All axes stop at once; RESET clears
+    /// the alarm when the drive is well again.
+    pub(crate) fn watch_drives(&mut self, inputs: &Inputs) {
+        let x = self.drive_says(Axis::X, inputs);
+        let z = self.drive_says(Axis::Z, inputs);
+        let number = match (x, z) {
+            (Said::Well, Said::Well) => return,
+            (Said::Alarm, Said::Alarm) => number::DRIVES_ALARM,
+            (Said::Alarm, _) => number::X_DRIVE_ALARM,
+            (_, Said::Alarm) => number::Z_DRIVE_ALARM,
+            (Said::NotReady, Said::NotReady) => number::DRIVES_NOT_READY,
+            (Said::NotReady, Said::Well) => number::X_DRIVE_NOT_READY,
+            (Said::Well, Said::NotReady) => number::Z_DRIVE_NOT_READY,
+        };
+        if !self.alarms.contains(number) {
+            let failed = [(Axis::X, x), (Axis::Z, z)].into_iter();
+            let unmet = failed
+                .filter(|(_, said)| *said != Said::Well)
+                .find_map(|(axis, _)| self.unmet_switch(axis));
+            self.drives.interpolator.stop_now();
+            self.coordinates.at_reference = PerAxis::default();
+            self.raise(Alarm {
+                detail: unmet.map(Into::into),
+                ..Alarm::new(number)
+            });
+        }
+    }
+
+    fn drive_says(&mut self, axis: Axis, inputs: &Inputs) -> Said {
+        let parameters = &self.memory.parameters;
+        let alarm = *inputs.drive_alarm.get(axis) == parameters.drive_alarm_level(axis);
+        let ready = *inputs.drive_ready.get(axis) == parameters.drive_ready_level();
+        let enabled = !self.emergency_stop;
+        // A pulse board has no ready lines; it speaks for its drives itself.
+        let told = self.drives.board.is_none();
+        let too_early_is_alarm = !parameters.drive_may_be_early();
+        let disagree = self.drives.watch.disagree.get_mut(axis);
+        *disagree = if ready == enabled || !told {
+            0
+        } else {
+            disagree.saturating_add(1)
+        };
+        let disagrees = *disagree > FOLLOWS_WITHIN_MS;
+        if alarm || disagrees && ready && too_early_is_alarm {
+            Said::Alarm
+        } else if disagrees && enabled {
+            Said::NotReady
+        } else {
+            Said::Well
+        }
+    }
+}

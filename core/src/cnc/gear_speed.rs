@@ -1,0 +1,56 @@
+//! Alarm 097: an electronic gear that multiplies lowers the highest speed of its axis
+//! (manual III-12.4).
+
+use crate::alarm::Alarm;
+use crate::cnc::Cnc;
+use crate::command::MoveKind;
+use crate::motion::top_speed;
+use crate::operation::check_gear_speed;
+use crate::units::{Axis, Feed, Point};
+
+impl Cnc {
+    /// Before a rapid or a cut: at the overrides as they are.
+    pub(crate) fn check_gear_before(
+        &self,
+        kind: MoveKind,
+        to: Point,
+        feed: Feed,
+    ) -> Result<(), Alarm> {
+        if !self.drives.limits.gear_limits_speed() {
+            return Ok(());
+        }
+        let per_minute = match feed {
+            Feed::PerMinute(rate) => rate,
+            Feed::PerRevolution(rate) => rate * self.spindle.control.actual_rpm().abs(),
+        };
+        let way = to - self.drives.interpolator.commanded();
+        let feed = per_minute * self.feed_override_factor();
+        let mut top = top_speed(kind, way, feed, &self.drives.limits);
+        if kind == MoveKind::Rapid {
+            let part = f64::from(self.plc.signals.rapid_override) / 100.0;
+            let at_most = |axis| {
+                top.get(axis)
+                    .min(self.drives.limits.rapid_rate(axis) * part)
+            };
+            top = Point::new(at_most(Axis::X), at_most(Axis::Z));
+        }
+        check_gear_speed(&self.drives.limits, top)
+    }
+
+    /// Watches the speed of the last tick.
+    pub(crate) fn watch_gear_speed(&mut self) {
+        if !self.drives.limits.gear_limits_speed() {
+            return;
+        }
+        let speed = self.drives.interpolator.velocity() * 60.0;
+        let Err(alarm) = check_gear_speed(&self.drives.limits, speed) else {
+            return;
+        };
+        self.drives.interpolator.decelerate();
+        let alarm = match &self.run.automatic.current {
+            Some(current) => alarm.at(current.command.source),
+            None => alarm,
+        };
+        self.raise(alarm);
+    }
+}

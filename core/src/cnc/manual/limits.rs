@@ -1,0 +1,134 @@
+//! Travel limits of the software, 045–048 (manual III-3.5.2). Those of the ladder are
+//! among its interlocks; the hard limits open the emergency-stop loop.
+
+use crate::alarm::Alarm;
+use crate::cnc::Cnc;
+use crate::machine::{Inputs, OverLimit};
+use crate::operation::{Direction, travel_alarm};
+use crate::units::{Axis, PerAxis, Point};
+
+/// Both axes, both ways.
+const SIDES: [(Axis, Direction); 4] = [
+    (Axis::X, Direction::Plus),
+    (Axis::X, Direction::Minus),
+    (Axis::Z, Direction::Plus),
+    (Axis::Z, Direction::Minus),
+];
+
+impl Cnc {
+    /// Whether an axis may be moved by hand this way: a limit leaves only the way
+    /// back, until the axis is inside again and the alarm is cleared.
+    pub(crate) fn may_go(&mut self, axis: Axis, way: Direction) -> bool {
+        if self.direction_locked(axis, way) {
+            return false;
+        }
+        let beyond = !self.machine_locked() && self.is_outside(axis, way);
+        if beyond {
+            // The limit came to lie inside of it: it goes back instead of further.
+            self.raise(Alarm::new(travel_alarm(axis, way)));
+        }
+        !beyond
+    }
+
+    /// Whether the slide stands beyond a software limit that is watched.
+    fn is_outside(&self, axis: Axis, way: Direction) -> bool {
+        let place = self.slide().get(axis);
+        *self.watched().get(axis)
+            && self
+                .drives
+                .soft_limits
+                .is_beyond(axis, way == Direction::Plus, place)
+    }
+
+    /// The overtravel alarms that RESET does not clear yet: the axis has to be moved
+    /// back by hand first (manual III-3.5.3), or off the limit of the ladder.
+    pub(crate) fn still_outside(&self) -> [Option<u16>; 4] {
+        SIDES.map(|(axis, way)| {
+            let outside = self.limit_reached(axis, way) || self.is_outside(axis, way);
+            outside.then(|| travel_alarm(axis, way))
+        })
+    }
+
+    /// Axes whose software limits are watched: with 172.4 MOT = 0, those whose
+    /// machine coordinates are true.
+    fn watched(&self) -> PerAxis<bool> {
+        if self.memory.parameters.soft_limits_masked() {
+            return PerAxis::default();
+        }
+        let known = |axis| {
+            *self.coordinates.referenced.get(axis) || !self.memory.parameters.has_zero_switch(axis)
+        };
+        PerAxis::new(known(Axis::X), known(Axis::Z))
+    }
+
+    /// Software travel limits; once a tick.
+    pub(crate) fn watch_travel(&mut self) {
+        if self.machine_locked() || !self.drives.interpolator.is_moving() {
+            return;
+        }
+        let watched = self.watched();
+        if !watched.x && !watched.z {
+            return;
+        }
+        let over = self
+            .drives
+            .soft_limits
+            .overrun(self.slide(), self.stopping_point(), watched);
+        if over.into_iter().any(|over| over) {
+            for ((axis, way), over) in SIDES.into_iter().zip(over) {
+                if over {
+                    self.raise_travel(axis, way);
+                }
+            }
+        }
+    }
+
+    /// Whether a cut that nothing here can stop ends within the limits.
+    pub(crate) fn check_pass_end(&self, to: Point) -> Result<(), Alarm> {
+        let over = self
+            .drives
+            .soft_limits
+            .overrun(self.slide(), to, self.watched());
+        let found = SIDES.into_iter().zip(over).find(|(_, over)| *over);
+        match found {
+            Some(((axis, way), _)) => Err(Alarm::new(travel_alarm(axis, way))),
+            None => Ok(()),
+        }
+    }
+
+    /// What a look at the limit switches shows when the loop opens: the axis, its side
+    /// and the way off.
+    pub(crate) fn over_limit_detail(&self, inputs: &Inputs) -> Option<String> {
+        let mut said = Vec::new();
+        for axis in [Axis::X, Axis::Z] {
+            let Some(tripped) = *inputs.over_limit.get(axis) else {
+                continue;
+            };
+            let (at, back) = match tripped {
+                OverLimit::Minus => ('-', '+'),
+                OverLimit::Plus => ('+', '-'),
+                OverLimit::Stuck => {
+                    said.push(format!("a limit switch of {axis:?} is tripped by no slide"));
+                    continue;
+                }
+            };
+            said.push(format!(
+                "limit switch {axis:?}{at}: hold the overtravel release, jog {axis:?}{back}"
+            ));
+            said.extend(self.unmet_switch(axis));
+        }
+        (!said.is_empty()).then(|| said.join("; "))
+    }
+
+    /// Raises the alarm of a limit, with the block that ran into it.
+    pub(crate) fn raise_travel(&mut self, axis: Axis, way: Direction) {
+        let alarm = Alarm::new(travel_alarm(axis, way));
+        let source = self
+            .run
+            .automatic
+            .current
+            .as_ref()
+            .map(|current| current.command.source);
+        self.raise(source.map_or(alarm.clone(), |source| alarm.at(source)));
+    }
+}

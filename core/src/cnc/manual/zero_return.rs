@@ -1,0 +1,378 @@
+//! Return to the machine zero and to the program zero point (manual III-7, II-2.8.3).
+//!
+//! ```text
+//!  A  (014 ZRS = 0)         ───────── rapid ─────────────────► coordinate 0
+//!
+//!  B  (ZRS = 1, 007 ZC = 0)
+//!     speed  113 ───────────╮
+//!            033            ╰────────────┬───┐
+//!     switch ___________/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾\____
+//!     zero signal                            ▲  stop: machine zero
+//!
+//!  C  (ZRS = 1, ZC = 1)
+//!     speed  113 ───────────╮
+//!            033            ╰────────────╮
+//!              0                         │   back at 033
+//!     switch ___________/‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾\__/  stop: machine zero
+//! ```
+//!
+//! X approaches at half of 113; the rapid override acts on the approach alone. The
+//! zero input latches the pulse count at which its signal changes, and the axis
+//! stops on that pulse: what the tick went too far is taken back.
+
+use crate::alarm::{Alarm, number};
+use crate::cnc::{Cnc, Event};
+use crate::command::Action;
+use crate::machine::Inputs;
+use crate::mode::Mode;
+use crate::motion::{JogRate, RapidOverride};
+use crate::operation::{Return, RunState};
+use crate::units::{Axis, PerAxis, Point, Pulses};
+
+/// Deceleration switches, X0.3 and X1.3.
+const SWITCH_MASK: u8 = 1 << 3;
+
+impl Cnc {
+    /// The keys of one axis in the zero modes: either starts the return; letting go
+    /// stops it (011.2 ZNIK, with which one press is enough, is the ladder's).
+    pub(crate) fn return_keys(&mut self, axis: Axis, held: bool, pressed: bool) {
+        if pressed && self.coordinates.returns.get(axis).is_none() {
+            if let Err(alarm) = self.begin_return(axis) {
+                self.raise(alarm);
+            }
+        } else if !held
+            && !matches!(
+                self.coordinates.returns.get(axis),
+                None | Some(Return::Board)
+            )
+        {
+            *self.coordinates.returns.get_mut(axis) = None;
+            self.command_axis(axis, None);
+            self.drives.interpolator.release(axis);
+            self.advise_to_hold(axis);
+        }
+    }
+
+    /// A return that ends because its key was let go says so; with 011.2 ZNIK = 1 a key
+    /// was pressed to stop it.
+    fn advise_to_hold(&mut self, axis: Axis) {
+        if !*self.hand.axis_keys.get(axis) && !self.memory.parameters.zero_keys_latch() {
+            self.events.push(Event::Advised(format!(
+                "the return of {axis:?} is broken off: hold its key until the lamp lights, or set \
+                 011.2 = 1"
+            )));
+        }
+    }
+
+    fn begin_return(&mut self, axis: Axis) -> Result<(), Alarm> {
+        if self.run.mode == Mode::ProgramZero {
+            let zero = self.coordinates.program_zero.ok_or_else(|| {
+                Alarm::new(number::ZERO_UNDEFINED)
+                    .because("no G50 has set a program zero point since power-on")
+            })?;
+            self.drives
+                .interpolator
+                .go_to(axis, zero.get(axis), JogRate::Rapid);
+            *self.coordinates.returns.get_mut(axis) = Some(Return::Straight);
+            return Ok(());
+        }
+        self.seek_reference(axis)
+    }
+
+    /// Begins the return of an axis to its machine zero.
+    fn seek_reference(&mut self, axis: Axis) -> Result<(), Alarm> {
+        if let Some(board) = self.drives.board
+            && self.memory.parameters.has_zero_switch(axis)
+        {
+            return self.seek_with_board(axis, &board);
+        }
+        if self.board_seeks() {
+            // The switch of the other axis would stop this one dead.
+            return Ok(());
+        }
+        let stage = if !self.memory.parameters.has_zero_switch(axis) {
+            if !*self.coordinates.referenced.get(axis) {
+                return Err(Alarm::new(number::ZERO_UNDEFINED)
+                    .because("014 says no zero switch, and no machine zero has been set"));
+            }
+            self.drives.interpolator.go_to(axis, 0.0, JogRate::Rapid);
+            Return::Straight
+        } else if self.coordinates.at_reference.get(axis).is_some()
+            || *self.plc.signals.machine_lock.get(axis)
+        {
+            return Ok(());
+        } else if self.on_zero_switch(axis) {
+            return Err(self.begins_on_switch(axis));
+        } else {
+            Return::Approach
+        };
+        *self.coordinates.returns.get_mut(axis) = Some(stage);
+        Ok(())
+    }
+
+    /// A return that begins on its switch, and which way leads off it.
+    pub(crate) fn begins_on_switch(&self, axis: Axis) -> Alarm {
+        let back = if self.memory.parameters.zero_is_negative(axis) {
+            '+'
+        } else {
+            '-'
+        };
+        Alarm::new(number::ZERO_RETURN).because(format!(
+            "{axis:?} stands on its deceleration switch: jog {axis:?}{back} until it is off, \
+             then return"
+        ))
+    }
+
+    /// What a stop in the middle of an approach has to do with it.
+    pub(crate) fn unmet_switch(&self, axis: Axis) -> Option<String> {
+        let approaches = *self.coordinates.returns.get(axis) == Some(Return::Approach);
+        approaches.then(|| {
+            format!(
+                "{axis:?} was returning to its machine zero and had not met the deceleration \
+                 switch"
+            )
+        })
+    }
+
+    /// G28: seeks the reference points of axes that have none; those that have one
+    /// stand on it already.
+    pub(crate) fn begin_zero_return(&mut self, x: bool, z: bool) -> Result<(), Alarm> {
+        let mut axes = [(Axis::X, x), (Axis::Z, z)];
+        // Those without a switch first.
+        axes.sort_by_key(|(axis, _)| self.memory.parameters.has_zero_switch(*axis));
+        for (axis, taken) in axes {
+            if taken && *self.coordinates.referenced.get(axis) {
+                self.stand_on_reference(axis);
+            } else if taken {
+                self.seek_reference(axis)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether an axis is on its way to a zero.
+    pub(crate) const fn returning(&self) -> bool {
+        self.coordinates.returns.x.is_some() || self.coordinates.returns.z.is_some()
+    }
+
+    /// Forgets the returns under way; what moves is stopped elsewhere.
+    pub(crate) fn abandon_returns(&mut self) {
+        for axis in [Axis::X, Axis::Z] {
+            if self.coordinates.returns.get_mut(axis).take().is_some() {
+                *self.hand.jog.get_mut(axis) = None;
+                self.drives.interpolator.release(axis);
+            }
+        }
+    }
+
+    /// One tick of the returns under way.
+    pub(crate) fn return_tick(&mut self, inputs: &Inputs) {
+        if !self.returning() {
+            return;
+        }
+        if self.emergency_stop || self.resetting() || self.is_not_ready() {
+            return self.abandon_returns();
+        }
+        for axis in [Axis::X, Axis::Z] {
+            if let Some(stage) = *self.coordinates.returns.get(axis) {
+                self.go_on(axis, stage, *inputs.index_latch.get(axis));
+            }
+        }
+    }
+
+    fn go_on(&mut self, axis: Axis, stage: Return, latch: Option<Pulses>) {
+        if self.return_with_board(axis, stage) {
+            return;
+        }
+        let low = self.memory.parameters.zero_low_rate();
+        // A dog too short to brake on: the signal counts only at the low rate.
+        let slow = self.drives.interpolator.manual_speed(axis) <= low * 1.001;
+        let next = match stage {
+            Return::Straight => return self.go_straight(axis),
+            Return::Board | Return::Leave | Return::Past(_) => return,
+            Return::Approach if self.on_zero_switch(axis) => Return::OnSwitch,
+            Return::OnSwitch if !self.on_zero_switch(axis) => {
+                if self.memory.parameters.one_zero_switch(axis) {
+                    Return::Turning
+                } else {
+                    Return::Search
+                }
+            }
+            Return::Turning if self.drives.interpolator.manual_speed(axis) <= 0.0 => Return::Back,
+            Return::Search | Return::Back if slow && latch.is_some() => {
+                return self.meet_zero(axis, latch);
+            }
+            stage => stage,
+        };
+        *self.coordinates.returns.get_mut(axis) = Some(next);
+        self.drive_return(axis, next);
+    }
+
+    fn go_straight(&mut self, axis: Axis) {
+        if self.drives.interpolator.stepping(axis) {
+            return self.guide_step(axis, JogRate::Rapid);
+        }
+        let zero = match self.run.mode {
+            Mode::ProgramZero => self.coordinates.program_zero.map(|zero| zero.get(axis)),
+            _ => Some(0.0),
+        };
+        if zero == Some(self.position().get(axis)) {
+            self.arrive(axis, false);
+        } else {
+            // A limit has stopped it on the way.
+            *self.coordinates.returns.get_mut(axis) = None;
+        }
+    }
+
+    /// Speed and direction of a return, as the locks allow.
+    pub(crate) fn drive_return(&mut self, axis: Axis, stage: Return) {
+        let back = matches!(stage, Return::Back | Return::Leave);
+        let negative = self.memory.parameters.zero_is_negative(axis) != back;
+        let way = if negative {
+            crate::operation::Direction::Minus
+        } else {
+            crate::operation::Direction::Plus
+        };
+        let held = self.return_held(axis) || !self.board_lets_return(axis);
+        let rate = match stage {
+            Return::Approach => self.approach_rate(axis),
+            _ => self.memory.parameters.zero_low_rate(),
+        };
+        let stands = stage == Return::Turning || held || !self.may_go(axis, way);
+        let command = (!stands).then_some((!negative, JogRate::Approach(rate)));
+        self.command_axis(axis, command);
+    }
+
+    /// Whether something keeps a return from going on.
+    pub(crate) fn return_held(&self, axis: Axis) -> bool {
+        let by_program = self.run.automatic.state == RunState::Run && self.plc.signals.start_lock;
+        by_program || self.run.automatic.state == RunState::Hold || self.interlocked(axis)
+    }
+
+    fn approach_rate(&self, axis: Axis) -> f64 {
+        let rate = self.memory.parameters.zero_approach_rate(axis);
+        match RapidOverride::from_percent(self.plc.signals.rapid_override) {
+            RapidOverride::F0 => self.memory.parameters.rapid_lowest().min(rate),
+            RapidOverride::Percent(percent) => rate * f64::from(percent.min(100)) / 100.0,
+        }
+    }
+
+    /// Whether the deceleration switch is pressed (004.5 DECI).
+    pub(crate) fn on_zero_switch(&self, axis: Axis) -> bool {
+        let byte = match axis {
+            Axis::X => 0,
+            Axis::Z => 1,
+        };
+        let closed = self.plc.filter.accepted()[byte] & SWITCH_MASK != 0;
+        closed == self.memory.parameters.closed_means_deceleration()
+    }
+
+    /// The zero signal came: the place of its pulse is the machine zero.
+    pub(crate) fn meet_zero(&mut self, axis: Axis, latch: Option<Pulses>) {
+        let Some(count) = latch else { return };
+        let here = self.drives.chain.zero_at(axis, count);
+        let mut shift = Point::default();
+        *shift.get_mut(axis) = here - self.position().get(axis);
+        self.drives.interpolator.translate(shift);
+        self.drives.interpolator.stop_on(axis, 0.0);
+        self.command_axis(axis, None);
+        self.shift_frame(shift);
+        let shifted = shift.get(axis).abs() > 1e-9;
+        self.arrive(axis, shifted);
+    }
+
+    /// The end of a return; `shifted`: the machine coordinates are others now.
+    pub(crate) fn arrive(&mut self, axis: Axis, shifted: bool) {
+        *self.coordinates.returns.get_mut(axis) = None;
+        let before = self.coordinates.frame;
+        if self.run.mode == Mode::ProgramZero {
+            *self.coordinates.frame.offset.get_mut(axis) = 0.0;
+            self.tell_frame();
+        } else {
+            self.stand_on_reference(axis);
+        }
+        let by_program = matches!(self.run.automatic.action(), Some(Action::ZeroReturn { .. }));
+        if !by_program && (shifted || before != self.coordinates.frame) {
+            // The rest of a stopped program was read for other coordinates.
+            self.forget_stopped_program();
+        }
+        if !by_program {
+            let (interpreter, world) = self.interpreter_and_world(true);
+            interpreter.cancel_offset(axis, &world);
+        }
+    }
+
+    /// An axis stands on its reference point: lamp, coordinates of 049 and 050
+    /// (012.7 APRS), end of the tool offset.
+    fn stand_on_reference(&mut self, axis: Axis) {
+        let at = self.position().get(axis);
+        *self.coordinates.referenced.get_mut(axis) = true;
+        *self.coordinates.at_reference.get_mut(axis) = Some(at);
+        *self.coordinates.frame.offset.get_mut(axis) = 0.0;
+        if self.memory.parameters.reference_sets_coordinates() {
+            let shown = self.coordinates.frame.program(self.position()).get(axis);
+            let coordinate = self.memory.parameters.reference_coordinate(axis);
+            *self.coordinates.frame.zero.get_mut(axis) = at - coordinate;
+            let relative = self.coordinates.relative_zero.get_mut(axis);
+            if self.memory.parameters.g50_sets_relative() {
+                *relative = 0.0;
+            } else {
+                *relative += coordinate - shown;
+            }
+        }
+        self.tell_frame();
+    }
+
+    /// Method A: the place where an axis stands becomes its machine zero (取消 and
+    /// the letter of the axis on the page of all positions). Axes with a zero switch
+    /// have theirs.
+    pub(crate) fn set_machine_zero(&mut self, axis: Axis) {
+        let at_rest = !self.is_moving() && !self.run.automatic.operating();
+        if self.memory.parameters.has_zero_switch(axis) || !at_rest {
+            return;
+        }
+        self.forget_stopped_program();
+        self.settle_coordinates();
+        let mut shift = Point::default();
+        *shift.get_mut(axis) = -self.position().get(axis);
+        self.drives.interpolator.translate(shift);
+        self.drives.chain.preset(axis, 0.0);
+        self.shift_frame(shift);
+        *self.coordinates.referenced.get_mut(axis) = true;
+        self.tell_frame();
+    }
+
+    /// What is left of the reference when the pulses were lost: method A's.
+    pub fn reference_without_switch(&self) -> PerAxis<bool> {
+        let kept = |axis| {
+            *self.coordinates.referenced.get(axis) && !self.memory.parameters.has_zero_switch(axis)
+        };
+        PerAxis::new(kept(Axis::X), kept(Axis::Z))
+    }
+
+    /// The machine coordinates begin elsewhere; the program's go on.
+    pub(crate) fn shift_frame(&mut self, shift: Point) {
+        self.coordinates.frame.zero = self.coordinates.frame.zero + shift;
+        if let Some(zero) = &mut self.coordinates.program_zero {
+            *zero = *zero + shift;
+        }
+    }
+
+    fn tell_frame(&mut self) {
+        let frame = self.coordinates.frame;
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.set_frame(frame, &world);
+    }
+
+    fn forget_stopped_program(&mut self) {
+        if self.run.automatic.state == RunState::Reset {
+            return;
+        }
+        self.abandon_current();
+        self.run.held = None;
+        if let Some(last) = self.run.automatic.last {
+            self.run.cursor_line = last.line;
+        }
+        self.run.automatic.clear();
+    }
+}

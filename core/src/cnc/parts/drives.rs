@@ -1,0 +1,48 @@
+//! From the path to the pulses, and the drives behind them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::axis::{AxisChain, SoftLimits};
+use crate::memory::{Parameters, PitchTable};
+use crate::motion::{Interpolator, MotionLimits};
+use crate::operation::{BoardDrives, DriveWatch, Sensors};
+use crate::units::{Axis, Point};
+
+/// Interpolator, axes and drives.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Drives {
+    /// The motion under way.
+    pub interpolator: Interpolator,
+    /// Rates and accelerations.
+    pub limits: MotionLimits,
+    /// Positions to pulses: pitch errors, backlash, gear.
+    pub chain: AxisChain,
+    /// Stored stroke limits.
+    pub soft_limits: SoftLimits,
+    /// Signals of drives and encoder.
+    pub sensors: Sensors,
+    /// What the drives' alarm and ready signals have led to.
+    pub watch: DriveWatch,
+    /// Real drives behind a pulse board, if they make the motion. An open link is never
+    /// part of what is saved.
+    #[serde(skip)]
+    pub board: Option<BoardDrives>,
+}
+
+impl Drives {
+    /// At power-on: slides that stand at `start`.
+    pub(crate) fn new(parameters: &Parameters, pitch: &PitchTable, start: Point) -> Self {
+        let mut chain = AxisChain::new(parameters, pitch);
+        chain.preset(Axis::X, start.x);
+        chain.preset(Axis::Z, start.z);
+        Self {
+            interpolator: Interpolator::new(start),
+            limits: MotionLimits::from(parameters),
+            chain,
+            soft_limits: SoftLimits::new(parameters),
+            sensors: Sensors::default(),
+            watch: DriveWatch::default(),
+            board: None,
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Requests that are refused without an alarm, and why (manual III-2.5.1): words for
+//! the line beside the panel.
+
+use super::Request;
+use crate::cnc::Cnc;
+use crate::memory::Refusal;
+use crate::operation::Mode;
+
+/// The mode that a request needs, when it is refused for the mode.
+const fn needed(request: &Request) -> Mode {
+    match request {
+        Request::CreateProgram(_)
+        | Request::SaveProgramAs(_)
+        | Request::RenameProgram(_)
+        | Request::DeleteProgram(_)
+        | Request::DeleteAllPrograms
+        | Request::AskToEdit(_)
+        | Request::AskToSend(_) => Mode::Edit,
+        _ => Mode::Mdi,
+    }
+}
+
+const fn words(refusal: Refusal, mode: Mode) -> &'static str {
+    match (refusal, mode) {
+        (Refusal::Mode, Mode::Edit) => "this needs EDIT mode: press [编辑]",
+        (Refusal::Mode, _) => "this needs MDI mode: press [录入]",
+        (Refusal::Running, _) => "not while a program runs or is held, or an axis moves",
+        (Refusal::Alarm, _) => "not while an alarm stands (012.3 = 0): press [复位] first",
+        (Refusal::ParameterSwitch, _) => {
+            "the parameter switch is off: key [设置] until 参数开关 shows, then [D]"
+        }
+        (Refusal::ProgramSwitch, _) => {
+            "the program switch is off: key [设置] until 程序开关 shows, then [D]"
+        }
+        (Refusal::Level, _) => "the operation level is too low: give a password, key [设置]",
+        (Refusal::Locked, _) => "locked by 172.1, 172.2, 012.4 or the ladder's KEY1 (G46.3)",
+    }
+}
+
+impl Cnc {
+    /// Why a request would be refused now without an alarm; none: it is carried out,
+    /// or its alarm tells.
+    pub fn refuses(&self, request: &Request) -> Option<&'static str> {
+        let rights = self.rights();
+        let running = |refused: bool| {
+            if refused {
+                Err(Refusal::Running)
+            } else {
+                Ok(())
+            }
+        };
+        let right = match request {
+            Request::ZeroRelative(_) | Request::ClearParts | Request::ClearCuttingTime => {
+                running(self.is_moving())
+            }
+            Request::SetMachineZero(axis) if self.memory.parameters.has_zero_switch(*axis) => {
+                return Some(
+                    "this axis has a zero switch (014): its machine zero is found by the return",
+                );
+            }
+            Request::SetMachineZero(_) => running(self.is_moving() || rights.operating),
+            Request::AskToSend(number) => rights.send_program(*number),
+            Request::CreateProgram(number)
+            | Request::SaveProgramAs(number)
+            | Request::RenameProgram(number)
+            | Request::DeleteProgram(number)
+            | Request::AskToEdit(number) => rights.program(*number),
+            Request::DeleteAllPrograms => rights.program(0),
+            Request::SetVariable { .. } => rights.variables(),
+            Request::SetOffset { .. } => rights.offsets(),
+            Request::SetParameter { .. }
+            | Request::SetParameterBit { .. }
+            | Request::SetPitch { .. } => rights.parameters(),
+            Request::SetSetting(..) => rights.settings(),
+            Request::SetParameterSwitch(true) => rights.parameter_switch(),
+            Request::SelectProgram(_) | Request::SetParameterSwitch(false) => {
+                running(rights.operating)
+            }
+            Request::SetProgramSwitch(_) => rights.program_switch(),
+            Request::EnterPassword(_) | Request::ChangePassword { .. } | Request::LeaveLevel => {
+                rights.password()
+            }
+            Request::LoadDisk(_) | Request::SaveDisk(_) => rights.disks(),
+            Request::SetTool(_) => rights
+                .machine_data()
+                .and_then(|()| running(rights.operating)),
+            Request::SetPreset(..) => rights.machine_data(),
+            _ => Ok(()),
+        };
+        let refusal = right.err()?;
+        // The level of a program has its alarm.
+        let mode = needed(request);
+        let told = mode == Mode::Edit && refusal.alarm().is_some();
+        (!told).then(|| words(refusal, mode))
+    }
+}

@@ -1,0 +1,140 @@
+//! RESET, emergency stop and the raising of alarms (manual III-2.3, III-2.4).
+
+use crate::alarm::{Alarm, AlarmClass, number};
+use crate::cnc::{Cnc, Event};
+use crate::machine::Inputs;
+use crate::operation::RunState;
+use crate::units::PerAxis;
+
+/// RST stands at least this long, so that a whole cycle of level 2 sees it.
+const LEVEL_2_CYCLE_MS: u32 = 32;
+
+impl Cnc {
+    /// Whether the reset signal RST stands.
+    pub(crate) const fn resetting(&self) -> bool {
+        self.reset_left > 0
+    }
+
+    /// AL: an alarm or a PLC message stands.
+    pub(crate) fn alarm_state(&self) -> bool {
+        !self.alarms.is_empty() || self.plc.message
+    }
+
+    /// Raises an alarm. A running program stops: the axes decelerate and the rest
+    /// of the block is dropped.
+    pub(crate) fn raise(&mut self, alarm: Alarm) {
+        if !self.alarms.raise(alarm.clone()) {
+            return;
+        }
+        self.events.push(Event::AlarmRaised(alarm));
+        if self.run.automatic.operating() {
+            self.stop_run(RunState::Stop);
+        }
+    }
+
+    /// Ends the run: the axes decelerate, nothing that was read is carried out.
+    pub(crate) fn stop_run(&mut self, state: RunState) {
+        self.abandon_current();
+        self.abandon_returns();
+        self.drives.interpolator.decelerate();
+        self.run.held = None;
+        // The next start begins at the block where this run broke off.
+        if let Some(source) = self.run.automatic.broken_off() {
+            self.run.cursor_line = source.line;
+        }
+        self.run.automatic.clear();
+        self.run.automatic.state = state;
+    }
+
+    /// RESET key, external reset, or the end of an emergency stop.
+    pub(crate) fn reset(&mut self) {
+        self.stop_run(RunState::Reset);
+        self.run.handshake.reset();
+        self.spindle.control.abandon_gear_change();
+        let outside = self.still_outside();
+        self.alarms.reset(|number| outside.contains(&Some(number)));
+        if !self.emergency_stop {
+            // A board tells of a chain that opened too shortly to be seen here.
+            self.alarms.remove(number::EMERGENCY_STOP);
+        }
+        self.run.mdi.clear();
+        self.coordinates.programmed_ahead = 0.0;
+        let (interpreter, world) = self.interpreter_and_world(true);
+        interpreter.reset(&world);
+        if !self.memory.parameters.reset_keeps_offset() {
+            self.run.tool.1 = 0;
+        }
+        self.coordinates.frame = self.run.interpreter.frame();
+        self.run.modal = *self.run.interpreter.modal();
+        if self.run.mode == crate::operation::Mode::Edit {
+            self.run.cursor_line = 1;
+        }
+    }
+
+    /// Watches the causes of reset and the emergency stop; once a millisecond.
+    pub(crate) fn watch_reset(&mut self, contacts_closed: bool, inputs: &Inputs) {
+        let emergency = !contacts_closed || self.plc.signals.emergency_stop;
+        if emergency {
+            if !self.emergency_stop {
+                self.emergency_stop = true;
+                let detail = self.over_limit_detail(inputs);
+                self.drives.interpolator.stop_now();
+                self.reset();
+                self.raise(Alarm {
+                    detail: detail.map(Into::into),
+                    ..Alarm::new(number::EMERGENCY_STOP)
+                });
+                // Methods B and C lose their reference with the pulses.
+                self.coordinates.referenced = self.reference_without_switch();
+                self.coordinates.at_reference = PerAxis::default();
+            }
+        } else if self.emergency_stop {
+            self.emergency_stop = false;
+            self.alarms.remove(number::EMERGENCY_STOP);
+        }
+
+        let key = self.plc.filter.accepted()[26] & 1 != 0;
+        if emergency || key || self.plc.signals.external_reset {
+            if self.reset_left == 0 && !emergency {
+                self.reset();
+            }
+            self.reset_left = self.memory.parameters.reset_time_ms().max(LEVEL_2_CYCLE_MS);
+        } else {
+            self.reset_left = self.reset_left.saturating_sub(1);
+        }
+    }
+
+    /// 准备未绪: emergency stop or a drive that is not ready.
+    pub(crate) fn is_not_ready(&self) -> bool {
+        self.alarms
+            .list()
+            .iter()
+            .any(|alarm| matches!(alarm.class(), AlarmClass::EmergencyStop | AlarmClass::Servo))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_plc::address::{Area, BitAddress};
+
+    use super::*;
+    use crate::setup::Setup;
+    use crate::simulation::Simulation;
+
+    #[test]
+    fn an_emergency_stop_too_short_to_be_seen_is_told_until_reset() {
+        let mut simulation = Simulation::new(Setup::default());
+        let run = |simulation: &mut Simulation, reset| {
+            let key = BitAddress::new(Area::X, 26, 0);
+            simulation.cnc.set_panel_key(key, reset);
+            for _ in 0..100 {
+                simulation.tick();
+            }
+            simulation.cnc.alarms.contains(number::EMERGENCY_STOP)
+        };
+        assert!(!run(&mut simulation, false));
+        simulation.cnc.raise(Alarm::new(number::EMERGENCY_STOP));
+        assert!(run(&mut simulation, false));
+        assert!(!run(&mut simulation, true));
+    }
+}

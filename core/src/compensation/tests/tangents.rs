@@ -1,0 +1,243 @@
+//! Tangent contours as CAM systems write them: arcs with I and K, rounded. What
+//! runs with R runs with I and K, and the nose stays outside the part.
+
+use std::fmt::Write;
+
+use proptest::prelude::*;
+
+use super::cases::run;
+use super::clearance::{Surface, deepest, mm};
+use crate::memory::ToolOffset;
+use crate::units::Point;
+
+/// How near the nose may come beyond its radius, mm.
+const TOLERANCE: f64 = 0.001;
+/// The limits of the arc itself: ends farther apart than its diameter, and its end
+/// too far from its circle.
+const OWN_LIMITS: [u16; 2] = [13, 48];
+/// The most by which a radius changes on an arc, mm: beyond that the centre moves.
+const FIT: f64 = 0.002;
+
+/// A line of this length, or an arc to this heading: radius, or as large as the nose.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Line(f64),
+    Arc { to: f64, radius: Option<f64> },
+}
+
+/// A piece with its programmed end and centre, X as a radius.
+#[derive(Clone, Copy, Debug)]
+struct Written {
+    to: Point,
+    /// Centre as it comes out of I and K, whether it turns clockwise, R.
+    arc: Option<(Point, bool, f64)>,
+}
+
+fn on(value: f64, grid: f64) -> f64 {
+    (value / grid).round() * grid
+}
+
+/// A point on the grid of the axes.
+fn place(point: Point) -> Point {
+    Point::new(on(point.x, 0.0005), on(point.z, 0.001))
+}
+
+/// The centre that the control takes for the programmed one.
+fn kept(from: Point, to: Point, center: Point) -> Point {
+    let radius = (from - center).length();
+    let chord = to - from;
+    let square = radius * radius - chord.length() * chord.length() / 4.0;
+    if ((to - center).length() - radius).abs() <= FIT || square < 0.0 {
+        return center;
+    }
+    let middle = (from + to) * 0.5;
+    let across = Point::new(chord.z, -chord.x) * (square.sqrt() / chord.length());
+    let (one, other) = (middle + across, middle - across);
+    if (one - center).length() <= (other - center).length() {
+        one
+    } else {
+        other
+    }
+}
+
+/// The contour, written with centres on a grid.
+fn written(steps: &[Step], nose: f64, grid: f64) -> (Point, Vec<Written>) {
+    let first = Point::new(20.0, 0.0);
+    let (mut at, mut heading, mut from) = (first, 0.0_f64, first);
+    let mut pieces = Vec::new();
+    for step in steps {
+        let normal = |heading: f64| Point::new(libm::cos(heading), libm::sin(heading));
+        let arc = match *step {
+            Step::Line(length) => {
+                at = at + Point::new(libm::sin(heading), -libm::cos(heading)) * length;
+                None
+            }
+            Step::Arc { to, .. } if (to - heading).abs() < 0.05 => continue,
+            Step::Arc { to, radius } => {
+                // An inner arc turns toward the nose, an outer one away from it.
+                let inner = to > heading;
+                let radius = match radius {
+                    Some(more) if inner => nose + more,
+                    Some(more) => more,
+                    None => nose,
+                };
+                if grid > 0.001 && radius * (to - heading).abs() < 100.0 * grid {
+                    continue;
+                }
+                let arm = if inner { radius } else { -radius };
+                let center = at + normal(heading) * arm;
+                at = center - normal(to) * arm;
+                heading = to;
+                let i_k = place(center) - from;
+                let center = from + Point::new(on(i_k.x, grid), on(i_k.z, grid));
+                Some((center, inner, on(radius, 0.001)))
+            }
+        };
+        from = place(at);
+        pieces.push(Written { to: from, arc });
+    }
+    (first, pieces)
+}
+
+fn program(first: Point, pieces: &[Written], with_r: bool) -> String {
+    let word = |value: f64| mm((value * 1000.0).round() as i64);
+    let mut text = format!("T0101 F100\nG42 G00 X{} Z5\nZ0\n", word(2.0 * first.x));
+    let mut from = first;
+    for piece in pieces {
+        let to = piece.to;
+        let (x, z) = (word(2.0 * to.x), word(to.z));
+        match piece.arc {
+            None => writeln!(text, "G01 X{x} Z{z}").unwrap(),
+            Some((center, clockwise, radius)) => {
+                let (g, arm) = (if clockwise { 2 } else { 3 }, center - from);
+                let about = if with_r {
+                    format!("R{}", word(radius))
+                } else {
+                    format!("I{} K{}", word(arm.x), word(arm.z))
+                };
+                writeln!(text, "G0{g} X{x} Z{z} {about}").unwrap();
+            }
+        }
+        from = to;
+    }
+    let (x, z) = (word(2.0 * from.x + 40.0), word(from.z - 4.0));
+    writeln!(text, "G40 G00 X{x} Z{z}").unwrap();
+    text
+}
+
+fn steps() -> impl Strategy<Value = Vec<Step>> {
+    let line = (0.1_f64..8.0).prop_map(Step::Line);
+    let radius = prop_oneof![
+        1 => Just(None),
+        2 => (-1.6_f64..3.5).prop_map(|power| Some(libm::exp(power))),
+    ];
+    let arc = (-1.3_f64..1.3, radius).prop_map(|(to, radius)| Step::Arc { to, radius });
+    prop::collection::vec((line, arc), 1..5).prop_map(|pairs| {
+        let mut steps: Vec<Step> = pairs
+            .into_iter()
+            .flat_map(|(line, arc)| [line, arc])
+            .collect();
+        steps.push(Step::Line(6.0));
+        steps
+    })
+}
+
+fn noses() -> impl Strategy<Value = ToolOffset> {
+    prop::sample::select(vec![0.2, 0.4, 0.8, 1.2]).prop_map(|r| ToolOffset {
+        r,
+        t: 3,
+        ..ToolOffset::default()
+    })
+}
+
+fn runs_as_with_r(steps: &[Step], nose: ToolOffset, grid: f64) -> Result<(), TestCaseError> {
+    let (first, pieces) = written(steps, nose.r, grid);
+    let start = Point::new(40.0, 15.0);
+    let text = program(first, &pieces, false);
+    let (moves, preview) = run(&text, nose, start);
+    if let Some(alarm) = &preview.alarm {
+        let fits = run(&program(first, &pieces, true), nose, start)
+            .1
+            .alarm
+            .is_none();
+        prop_assert!(
+            OWN_LIMITS.contains(&alarm.number) || !fits,
+            "{} nose {} {}",
+            alarm.line_text(),
+            nose.r,
+            text
+        );
+        return Ok(());
+    }
+    let mut from = first;
+    let surface: Vec<Surface> = pieces
+        .iter()
+        .map(|piece| {
+            let (start, to) = (core::mem::replace(&mut from, piece.to), piece.to);
+            Surface {
+                from: start,
+                to,
+                about: piece
+                    .arc
+                    .map(|(center, clockwise, _)| (kept(start, to, center), clockwise)),
+            }
+        })
+        .collect();
+    let (deep, place) = deepest(&surface, &moves, nose, 4..=3 + pieces.len() as u32);
+    prop_assert!(
+        deep <= TOLERANCE,
+        "{} deep, {:?} {} {}",
+        deep,
+        nose,
+        place,
+        text
+    );
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 250, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn centres_on_a_thousandth(steps in steps(), nose in noses()) {
+        runs_as_with_r(&steps, nose, 0.001)?;
+    }
+
+    #[test]
+    fn centres_on_a_hundredth(steps in steps(), nose in noses()) {
+        // Coarser centres need coarser contours: no arc that the nose only just fits.
+        let steps: Vec<Step> = steps
+            .into_iter()
+            .map(|step| match step {
+                Step::Arc { to, radius } => Step::Arc { to, radius: radius.or(Some(0.1)) },
+                line => line,
+            })
+            .collect();
+        runs_as_with_r(&steps, nose, 0.01)?;
+    }
+}
+
+/// A move shorter than what rounding does to the direction at its ends, beside an arc
+/// of hundredths or an inner arc as large as the nose.
+#[test]
+fn short_moves_beside_arcs_run() {
+    let bore = |lines: &str| {
+        format!("O0001\nT0101\nG00 X74.000 Z10.000\nG41 G01 X90.000 Z7.000 F200\nZ2.000\n{lines}")
+    };
+    for lines in [
+        "G01 X90.000 Z0.715\nG02 X94.132 Z-3.471 I5.273 K0.000\nG01 X94.800 Z-3.727\n\
+         G02 X94.812 Z-3.731 I0.224 K0.293\nG01 X107.160 Z-8.259\nG01 X116.837 Z-11.808\n\
+         G40 G00 X56.837 Z-14.208\nM30\n",
+        "G01 X90.000 Z-3.149\nG03 X88.826 Z-4.180 I-1.200 K0.000\nG01 X88.606 Z-4.246\n\
+         G01 X78.291 Z-7.312\nG40 G00 X18.291 Z-9.712\nM30\n",
+    ] {
+        let nose = ToolOffset {
+            r: 1.2,
+            t: 2,
+            ..ToolOffset::default()
+        };
+        let (_, preview) = run(&bore(lines), nose, Point::new(50.0, 20.0));
+        let alarm = preview.alarm.map(|alarm| alarm.line_text());
+        assert_eq!(alarm, None, "{lines}");
+    }
+}

@@ -1,0 +1,70 @@
+//! What programs for other controls write, and how it is said on this one: the
+//! advice behind alarms 006, 009, 010, 019 and 043.
+
+use gsk_messages::{Message, say};
+
+/// Instead of a G code that this control does not have (table 3-7).
+pub(crate) fn instead_of_g(code: i64) -> Option<Message> {
+    Some(match code {
+        17..=19 => say::instead_of_plane(),
+        20 | 21 => say::instead_of_inch_code(),
+        36 | 37 => say::instead_of_tool_measuring(),
+        43 | 44 | 49 => say::instead_of_tool_length(),
+        53 => say::instead_of_machine_coordinates(),
+        54..=59 => say::instead_of_work_coordinates(),
+        61 | 64 => say::instead_of_exact_stop(),
+        66 | 67 => say::instead_of_macro_call(),
+        80..=89 => say::instead_of_drilling(),
+        91 => say::instead_of_increments(),
+        95 => say::instead_of_feed_code(),
+        _ => return None,
+    })
+}
+
+/// Instead of an M code that this control does not have (manual I-3.3).
+pub(crate) fn instead_of_m(code: u8) -> Option<Message> {
+    Some(match code {
+        1 => say::instead_of_optional_stop(),
+        2 => say::instead_of_end(),
+        6 => say::instead_of_tool_change(),
+        7 => say::instead_of_coolant(),
+        17 => say::instead_of_return(),
+        _ => return None,
+    })
+}
+
+/// Instead of a letter that is no address (table 2-1).
+pub(crate) fn instead_of_address(letter: u8) -> Option<Message> {
+    Some(match letter {
+        b'A' => say::instead_of_angle(),
+        b'C' => say::instead_of_chamfer_address(),
+        b'E' => say::instead_of_lead_address(),
+        b'B' | b'V' | b'Y' => say::instead_of_axis(),
+        _ => return None,
+    })
+}
+
+/// Instead of a character that is none of the language.
+pub(crate) fn instead_of_character(character: u8) -> Option<Message> {
+    Some(match character {
+        b',' => say::instead_of_comma(),
+        b'#' | b'=' | b'[' | b']' => say::instead_of_variable_formula(),
+        _ => return None,
+    })
+}
+
+/// Instead of a number above 9999 behind O or N.
+pub(crate) fn instead_of_number(address: u8) -> Option<Message> {
+    match address {
+        b'O' => Some(say::instead_of_long_number()),
+        _ => None,
+    }
+}
+
+/// A rule that was broken, with the way this control does it.
+pub(crate) fn advised(rule: Message, advice: Option<Message>) -> Message {
+    match advice {
+        Some(advice) => say::several([rule, advice]),
+        None => rule,
+    }
+}

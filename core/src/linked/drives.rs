@@ -1,0 +1,23 @@
+//! What the parameters say of the drives behind a board.
+
+use gsk_link::Drives;
+
+use crate::axis::pulse_weight;
+use crate::memory::Parameters;
+use crate::operation::board_rates;
+use crate::units::{Axis, PerAxis};
+
+/// The drives that a board is opened for (015–018, 022–025, 027).
+pub fn drives(parameters: &Parameters) -> Drives {
+    let both = |axis| {
+        (
+            pulse_weight(axis, parameters),
+            board_rates(axis, parameters),
+        )
+    };
+    let (x, z) = (both(Axis::X), both(Axis::Z));
+    Drives {
+        pulse_weight: PerAxis::new(x.0, z.0),
+        rates: PerAxis::new(x.1, z.1),
+    }
+}

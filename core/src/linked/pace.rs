@@ -1,0 +1,176 @@
+//! When the kernel may make its next tick, and when the board ran dry.
+
+use core::time::Duration;
+
+use super::Linked;
+use crate::simulation::Simulation;
+use gsk_link::{HostTime, LinkState, Protocol, RunTime};
+
+/// Ticks of the host's clock that are caught up at most.
+const MOST_DUE: u64 = 40;
+/// Shorter gaps between two looks at the port are everyday.
+const EVERYDAY: Duration = Duration::from_millis(30);
+/// The board may have made so much more than it has reported: it is asked every 20 ms.
+const UNREPORTED: Duration = Duration::from_millis(25);
+/// The board may make motion this much later than the host's clock says.
+const PATIENCE: Duration = Duration::from_millis(100);
+const TICK: Duration = Duration::from_millis(1);
+
+/// Time of the host that the kernel has not used.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pace {
+    passed: Duration,
+    /// Since when moving slides have had no room, and how long that may take.
+    blocked: Option<(HostTime, Duration)>,
+}
+
+/// Time of the host and of the kernel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Clock {
+    pub(super) now: HostTime,
+    /// Kernel time since the link was opened.
+    pub(super) run: RunTime,
+    pub(super) pace: Pace,
+}
+
+impl Clock {
+    pub(super) fn new(now: HostTime) -> Self {
+        Self {
+            now,
+            run: RunTime::ZERO,
+            pace: Pace::default(),
+        }
+    }
+
+    /// The host's clock goes on; by how much.
+    pub(super) fn passes(&mut self, now: HostTime) -> Duration {
+        let gap = now.saturating_sub(self.now);
+        self.now = self.now.max(now);
+        self.pace.passes(gap);
+        gap
+    }
+}
+
+/// What a tick says of the power of the control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PowerEvent {
+    /// The control has ticked.
+    Tick,
+    /// Its power has just gone off or come back: its count of pulses begins anew.
+    Lost,
+    /// It is still off.
+    None,
+}
+
+/// Power of the control, as its ticks show it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Power {
+    /// Ticks of the control at the last look: a stop or a jump back is the power.
+    ticks: u64,
+    on: bool,
+}
+
+impl Power {
+    pub(super) const fn new(ticks: u64) -> Self {
+        Self { ticks, on: true }
+    }
+
+    /// A tick is over, and the control counts so many.
+    pub(super) const fn tick(&mut self, ticks: u64) -> PowerEvent {
+        let before = core::mem::replace(&mut self.ticks, ticks);
+        let was_on = self.on;
+        self.on = ticks != before;
+        if ticks > before {
+            PowerEvent::Tick
+        } else if was_on || self.on {
+            PowerEvent::Lost
+        } else {
+            PowerEvent::None
+        }
+    }
+}
+
+impl Pace {
+    fn passes(&mut self, time: Duration) {
+        self.passed = (self.passed + time).min(TICK * MOST_DUE as u32);
+    }
+
+    fn take(&mut self) -> bool {
+        match self.passed.checked_sub(TICK) {
+            Some(rest) => {
+                self.passed = rest;
+                true
+            }
+            None => false,
+        }
+    }
+}
+
+impl Linked {
+    /// Whether the kernel may make a tick now. While slides move the board sets the
+    /// time, else the host's clock does.
+    pub fn may_tick(&mut self, simulation: &mut Simulation) -> bool {
+        if self.thread.pass.is_some() {
+            // The board cuts by itself, the control looks on.
+            self.clock.pace.blocked = None;
+            return self.clock.pace.take();
+        }
+        // A thread that waits for its index takes time in the board, and keeps as far
+        // ahead of it as motion does: a pause of the host must not part its begin from
+        // the index that it was shown.
+        let waits = self.spindle.view.is_some() && simulation.cnc.waits_for_spindle();
+        let moves = self.motion.moved || simulation.cnc.is_moving() || waits;
+        if !moves || !self.link.takes_motion() {
+            self.clock.pace.blocked = None;
+            return self.clock.pace.take();
+        }
+        let room = self.link.room();
+        // Time without a pulse, at the lowest feeds, is ahead of the board too.
+        let unheard = self.clock.run.saturating_sub(self.motion.last);
+        if room > unheard
+            || (waits && room > Duration::ZERO)
+            || (room > Duration::ZERO && self.clock.pace.take())
+        {
+            self.clock.pace.blocked = None;
+            return true;
+        }
+        let ahead = self.link.outstanding().max(self.config.lookahead());
+        let (since, limit) = *self
+            .clock
+            .pace
+            .blocked
+            .get_or_insert((self.clock.now, ahead + PATIENCE));
+        if self.clock.now.saturating_sub(since) > limit {
+            self.clock.pace.blocked = None;
+            let text = format!("the board has taken no motion for {} ms", limit.as_millis());
+            self.stop_late(simulation, &text);
+        }
+        false
+    }
+
+    /// Whether the host was away for longer than the motion it had handed over lasts.
+    pub(super) fn has_starved(&self, simulation: &Simulation, gap: Duration) -> bool {
+        let moves = simulation.cnc.feed_actual() > 0.0;
+        let long = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
+        // A board of timed steps notices by itself.
+        let lines = self.config.protocol == Protocol::Line;
+        let ahead = lines && self.thread.pass.is_none() && self.link.takes_motion();
+        moves && long && ahead && self.link.state() == LinkState::Moving
+    }
+
+    pub(super) fn samples_late(&mut self, simulation: &mut Simulation) {
+        self.stop_late(
+            simulation,
+            "the computer was busy for longer than the lookahead",
+        );
+    }
+
+    /// What was handed over is made; nothing more follows, and the count is compared.
+    fn stop_late(&mut self, simulation: &mut Simulation, text: &str) {
+        simulation.cnc.stop_for_board();
+        self.alarms.late = Some(text.to_owned());
+        if let Err(refused) = self.link.finish() {
+            self.refuse(simulation, refused);
+        }
+    }
+}

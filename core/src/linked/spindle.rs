@@ -1,0 +1,72 @@
+//! The spindle of the control is the one whose index the board sees.
+
+use super::Linked;
+use crate::operation::{BoardSpindle, SpindleTrouble};
+use crate::simulation::Simulation;
+use crate::spindle::SpindleTurn;
+use gsk_link::{SpindleDirection, SpindleView};
+
+/// What an axis behind the spindle may be corrected by in a tick, mm: 2 µm in 10 ms.
+const GIVE: f64 = 0.0002;
+
+/// The spindle as the control was last shown it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spindle {
+    /// Way it turns as it was last switched, 1 or -1, and the index it last passed, turns.
+    way: f64,
+    index: f64,
+    pub(super) view: Option<SpindleView>,
+}
+
+impl Default for Spindle {
+    fn default() -> Self {
+        Self {
+            way: 1.0,
+            index: 0.0,
+            view: None,
+        }
+    }
+}
+
+impl Linked {
+    /// The spindle in the control's next tick; none: it stays the simulated one.
+    pub(super) fn read_spindle(
+        &mut self,
+        simulation: &Simulation,
+        wanted: SpindleDirection,
+    ) -> Option<BoardSpindle> {
+        let way = match wanted {
+            SpindleDirection::Forward => 1.0,
+            SpindleDirection::Reverse => -1.0,
+            SpindleDirection::Stop => self.spindle.way,
+        };
+        if way != self.spindle.way {
+            self.spindle.way = way;
+            self.link.spindle_reversed();
+        }
+        let lead = simulation.cnc.lead_followed();
+        self.spindle.view = self.link.spindle(lead.map(|lead| GIVE / lead));
+        let view = self.spindle.view?;
+        if view.passed {
+            self.spindle.index = way * view.now.floor();
+        }
+        let trouble = if view.lost {
+            Some(SpindleTrouble::Lost)
+        } else {
+            view.deviation.map(SpindleTrouble::Deviates)
+        };
+        Some(BoardSpindle {
+            rpm: way * view.rpm,
+            turn: SpindleTurn {
+                before: way * view.before,
+                now: way * view.now,
+                index: self.spindle.index,
+                zero: 0.0,
+            },
+            passed: view.passed,
+            commanded: wanted != SpindleDirection::Stop,
+            variation: view.variation,
+            trouble,
+        })
+    }
+}

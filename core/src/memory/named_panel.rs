@@ -1,0 +1,101 @@
+//! Parameters by name: what the operator sees, and what may be written.
+
+use super::Parameters;
+
+impl Parameters {
+    /// 002.5 RS232: the serial port is active.
+    pub fn has_serial_port(&self) -> bool {
+        self.bit(2, 5)
+    }
+
+    /// 044: rate of the serial port, bits a second.
+    pub fn baud(&self) -> u32 {
+        u32::try_from(self.value(44)).unwrap_or_default()
+    }
+
+    /// 004.2 DCS: the key 输出 starts an MDI block.
+    pub fn output_key_starts(&self) -> bool {
+        self.bit(4, 2)
+    }
+
+    /// 010.5 NOFC: offsets are not taken over from the relative coordinates.
+    pub fn counter_input_locked(&self) -> bool {
+        self.bit(10, 5)
+    }
+
+    /// 012.5 DOFSI: the length of a measured diameter or face may be typed as an offset.
+    pub fn takes_measured_offsets(&self) -> bool {
+        self.bit(12, 5)
+    }
+
+    /// 012.4 PRG9: programs O9000 and above are hidden.
+    pub fn hides_upper_programs(&self) -> bool {
+        self.bit(12, 4)
+    }
+
+    /// 012.3 EAL: programs may be edited while an alarm stands.
+    pub fn edits_in_alarm(&self) -> bool {
+        self.bit(12, 3)
+    }
+
+    /// 012.1 EBCL: the end of a block is shown as `;`; otherwise as `*`.
+    pub fn semicolon_ends_blocks(&self) -> bool {
+        self.bit(12, 1)
+    }
+
+    /// 019 THDCH: how wide a thread runs out, in tenths of its lead.
+    pub fn run_out_tenths(&self) -> i32 {
+        self.value(19)
+    }
+
+    /// 042 SEQINC: step of the block numbers that the editor writes.
+    pub fn block_number_step(&self) -> u16 {
+        u16::try_from(self.value(42)).unwrap_or(0)
+    }
+
+    /// 119: how many keys are accepted at the same time.
+    pub fn simultaneous_keys(&self) -> usize {
+        self.value(119).clamp(1, 15) as usize
+    }
+
+    /// 172.2 MPWE: the parameter switch is masked.
+    pub fn parameter_switch_masked(&self) -> bool {
+        self.bit(172, 2)
+    }
+
+    /// 172.1 SKEY: the program switch is masked.
+    pub fn program_switch_masked(&self) -> bool {
+        self.bit(172, 1)
+    }
+
+    /// 173.2 SWAT: the first picture waits for a display key.
+    pub fn waits_at_power_on(&self) -> bool {
+        self.bit(173, 2)
+    }
+
+    /// 174.3 KEY1: the program switch is on at power-on.
+    pub fn program_switch_at_power_on(&self) -> bool {
+        self.bit(174, 3)
+    }
+
+    /// 174.2–174.0 MD: code of the mode at power-on; none with 174.4 MDOK = 0: that of
+    /// power-off.
+    pub fn mode_at_power_on(&self) -> Option<u8> {
+        self.bit(174, 4).then(|| self.byte(174) & 0b111)
+    }
+
+    /// 175.0 XVAL: the upper arrow key is X+.
+    pub fn up_is_positive(&self) -> bool {
+        self.bit(175, 0)
+    }
+
+    /// 180.0 SPOS: the position page shows the way that remains.
+    pub fn shows_remaining(&self) -> bool {
+        self.bit(180, 0)
+    }
+
+    /// 184.0 CH_EN: the screen is in English.
+    pub fn in_english(&self) -> bool {
+        self.bit(184, 0)
+    }
+}

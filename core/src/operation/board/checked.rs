@@ -1,0 +1,100 @@
+//! The parameters that a board was checked against when it was connected.
+
+use crate::alarm::{Alarm, number};
+use crate::memory::{Parameters, parameter};
+use crate::units::Axis;
+use gsk_link::{AxisRates, Protocol};
+
+/// The electronic gear of X and of Z.
+const GEAR: [u16; 4] = [
+    parameter::X_MULTIPLIER,
+    parameter::Z_MULTIPLIER,
+    parameter::X_DIVISOR,
+    parameter::Z_DIVISOR,
+];
+/// Radius programming and the inch machine: they make the increment another one.
+const INCREMENT: [(u16, u8); 2] = [(1, 2), (4, 0)];
+/// Rapid rate, its time constant and the highest feed, by axis.
+const RATES: [(Axis, [u16; 3]); 2] = [
+    (
+        Axis::X,
+        [
+            parameter::X_RAPID,
+            parameter::X_RAPID_TIME,
+            parameter::FEED_LIMIT,
+        ],
+    ),
+    (
+        Axis::Z,
+        [
+            parameter::Z_RAPID,
+            parameter::Z_RAPID_TIME,
+            parameter::FEED_LIMIT,
+        ],
+    ),
+];
+
+/// What they were.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Checked {
+    gear: [i32; 4],
+    increment: [bool; 2],
+    /// For a board with rates of its own.
+    rates: Option<[[i32; 3]; 2]>,
+}
+
+impl Checked {
+    pub(crate) fn new(parameters: &Parameters, protocol: Protocol) -> Self {
+        let rates = RATES.map(|(_, numbers)| numbers.map(|number| parameters.value(number)));
+        Self {
+            gear: GEAR.map(|number| parameters.value(number)),
+            increment: INCREMENT.map(|(number, bit)| parameters.bit(number, bit)),
+            rates: (protocol == Protocol::Line).then_some(rates),
+        }
+    }
+
+    /// Why nothing begins to move before the board is connected again.
+    pub(crate) fn alarm(&self, parameters: &Parameters) -> Option<Alarm> {
+        let number = self.outgrown(parameters)?;
+        Some(Alarm::new(number::BOARD_SETTINGS).because(format!(
+            "No.{number} has changed since the board was connected: connect it again"
+        )))
+    }
+
+    /// The first parameter that is not what the board was checked against: pulses would
+    /// be other ways, or the board would be slower than the control. Lower rates do no
+    /// harm.
+    fn outgrown(&self, parameters: &Parameters) -> Option<String> {
+        let mut gear = GEAR.into_iter().zip(self.gear);
+        if let Some((number, _)) = gear.find(|&(number, was)| parameters.value(number) != was) {
+            return Some(format!("{number:03}"));
+        }
+        let mut increment = INCREMENT.into_iter().zip(self.increment);
+        let changed = increment.find(|&((number, bit), was)| parameters.bit(number, bit) != was);
+        if let Some(((number, bit), _)) = changed {
+            return Some(format!("{number:03}.{bit}"));
+        }
+        for ((axis, numbers), was) in RATES.into_iter().zip(self.rates?) {
+            let [rapid, time, feed] = was.map(f64::from);
+            let (was_limits, limits) = (
+                AxisRates::new(rapid, time, feed),
+                board_rates(axis, parameters),
+            );
+            if limits.rate > was_limits.rate || limits.acceleration > was_limits.acceleration {
+                let mut changed = numbers.into_iter().zip(was);
+                let changed = changed.find(|&(number, was)| parameters.value(number) != was);
+                return changed.map(|(number, _)| format!("{number:03}"));
+            }
+        }
+        None
+    }
+}
+
+/// How fast the board must let an axis go, by 022–025 and 027.
+pub(crate) fn board_rates(axis: Axis, parameters: &Parameters) -> AxisRates {
+    AxisRates::new(
+        parameters.rapid_rate(axis),
+        parameters.rapid_time(axis),
+        parameters.feed_limit(),
+    )
+}

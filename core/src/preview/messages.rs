@@ -1,0 +1,52 @@
+//! Messages with which the machine's ladder will hold a program, as far as program and
+//! parameters alone decide (manual I-3.3.2, II-2.8).
+
+use super::spindle::Turning;
+use crate::alarm::{Alarm, number};
+use crate::setup::Setup;
+
+/// What the ladder of a setup has messages for.
+pub(super) struct Messages {
+    /// Numbers that stand in the ladder with the words of the table.
+    known: Vec<u16>,
+    chuck: bool,
+    tailstock: bool,
+}
+
+impl Messages {
+    pub(super) fn new(setup: &Setup) -> Self {
+        let messages = setup.ladder.messages().iter();
+        let known = messages
+            .filter(|message| {
+                Alarm::message(message.number, &message.text)
+                    .row()
+                    .is_some()
+            })
+            .map(|message| message.number)
+            .collect();
+        Self {
+            known,
+            chuck: setup.memory.parameters.has_chuck(),
+            tailstock: setup.memory.parameters.has_tailstock(),
+        }
+    }
+
+    /// The message that an M code brings while the spindle turns like this.
+    pub(super) fn check(&self, code: u8, spindle: Turning) -> Result<(), Alarm> {
+        let turns = spindle != Turning::Stopped;
+        let number = match code {
+            3 if spindle == Turning::CounterClockwise => number::OTHER_DIRECTION,
+            4 if spindle == Turning::Clockwise => number::OTHER_DIRECTION,
+            10 | 11 if !self.tailstock => number::NO_TAILSTOCK,
+            11 if turns => number::TAILSTOCK_WHILE_TURNING,
+            12 | 13 if !self.chuck => number::NO_CHUCK,
+            13 if turns => number::CHUCK_WHILE_TURNING,
+            _ => return Ok(()),
+        };
+        if self.known.contains(&number) {
+            Err(Alarm::new(number))
+        } else {
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! What a preview says beside the path: further alarms, cautions, the work zero.
+
+use super::{MOST_FURTHER, Preview, Slip, preview_beyond_alarms};
+use crate::command::{ExecutedMove, ProgramId};
+use crate::program::{Program, ProgramMemory};
+use crate::setup::Setup;
+use crate::units::Point;
+
+fn look(setup: &Setup, text: &str) -> (Preview, Vec<ExecutedMove>) {
+    let mut programs = ProgramMemory::default();
+    programs.open_external(Program::new(text));
+    let mut moves = Vec::new();
+    let preview = preview_beyond_alarms(
+        setup,
+        &programs,
+        &mut |executed| moves.push(*executed),
+        &mut |progress| progress.blocks < 100_000,
+    );
+    (preview, moves)
+}
+
+/// Number and line of every alarm, and the line behind which nothing was looked at.
+fn alarms_with(setup: &Setup, text: &str) -> (Vec<(u16, u32)>, Option<u32>) {
+    let (preview, _) = look(setup, text);
+    let further = &preview.further;
+    let all = preview.alarm.iter().chain(&further.alarms);
+    let line = |source: Option<crate::command::Source>| source.map_or(0, |source| source.line);
+    (
+        all.map(|alarm| (alarm.number, line(alarm.source)))
+            .collect(),
+        further.ends_at.map(|source| source.line),
+    )
+}
+
+fn alarms(text: &str) -> (Vec<(u16, u32)>, Option<u32>) {
+    alarms_with(&Setup::default(), text)
+}
+
+#[test]
+fn every_wrong_block_is_found() {
+    let text = "M03 S500\nG54\nG00 X50 Z2 C1\nG01 Z-5 F100\nM77\nT0199\nG00 X60 Z2\nG02 X62 Z-20 R1\nM30\n";
+    let expected = vec![(10, 2), (9, 3), (19, 5), (30, 6), (13, 8)];
+    assert_eq!(alarms(text), (expected, None));
+}
+
+#[test]
+fn what_the_control_does_ends_at_the_first_alarm() {
+    let text = "M03 S500\nG00 X50 Z2\nG54\nG01 Z-50 F100\nG00 X300 Z300\nM30\n";
+    let (preview, moves) = look(&Setup::default(), text);
+    assert_eq!(preview.alarm.as_ref().map(|alarm| alarm.number), Some(10));
+    assert_eq!((moves.len(), preview.moves), (1, 1));
+    assert_eq!(preview.absolute, Point::new(25.0, 2.0));
+    assert_eq!(preview.lengths.feed, 0.0);
+    assert_eq!(preview.end, super::End::Alarm);
+}
+
+#[test]
+fn consequences_are_no_alarms() {
+    for text in [
+        // F stood in the block that was refused.
+        "M03 S500\nG00 X50 Z2\nG01 Z-5 F100 C1\nZ-10\nX60\nM30\n",
+        // The F of a thread is none.
+        "M03 S500\nG00 X50 Z2\nG01 Z0 F100 C1\nG92 X49 Z-9 F2\nG01 X60\nM30\n",
+        // E was meant to be F.
+        "M03 S500\nG00 X50 Z2\nG01 Z-5 E100\nG01 Z-10\nM30\n",
+        // Nor does a feed stand for the lead.
+        "M03 S500\nG00 X50 Z2\nG92 X49 Z-9 F2 C1\nG01 X60 F100\nG92 X48 Z-9\nM30\n",
+        // So did the way to the start of the arc.
+        "M03 S500\nG00 X50 Z2\nG01 X20 F100 C1\nG02 X30 Z-3 R5\nM30\n",
+        // The same with increments behind it, and with the code of group 01.
+        "M03 S500\nG00 X50 Z2\nG01 U-30 Z0 F100 C1\nU2 F100\nG03 X30 Z-5 R5\nM30\n",
+        // And the start of the spindle.
+        "M03 S500 C1\nG00 X50 Z2\nG99 G01 Z-5 F0.2\nM30\n",
+        "M03 S500 C1\nG00 X50 Z2\nG32 Z-5 F2\nM30\n",
+    ] {
+        let (found, behind) = alarms(text);
+        assert_eq!((found.len(), behind), (1, None), "{text} {found:?}");
+    }
+    // Said anew, all counts again.
+    let text = "M03 S500\nG00 X50 Z2\nG01 X20 F100 C1\nG00 X20 Z0\nG02 X60 Z-3 R5\nM30\n";
+    assert_eq!(alarms(text), (vec![(9, 3), (13, 5)], None));
+    let text = "M03 S500 C1\nM05\nS300\nG00 X50 Z2\nG99 G01 Z-5 F0.2\nM30\n";
+    assert_eq!(alarms(text), (vec![(9, 1), (11, 5)], None));
+}
+
+#[test]
+fn a_missing_feed_or_spindle_is_told_once() {
+    let text = "M03 S500\nG00 X50 Z2\nG01 Z-5\nZ-10\nX60\nG54\nM30\n";
+    assert_eq!(alarms(text), (vec![(11, 3), (10, 6)], None));
+    let text = "G00 X50 Z2\nG99 G01 Z-5 F0.2\nZ-10\nM03 S0\nZ-12\nM30\n";
+    assert_eq!(alarms(text), (vec![(11, 2), (11, 5)], None));
+}
+
+#[test]
+fn nobody_follows_a_lost_flow() {
+    for (text, line) in [
+        ("M98 P0777\nG54\nM30\n", 1),
+        ("M98 P0777 C1\nG54\nM30\n", 1),
+        ("G65 H01 P#999 Q1\nG54\nM30\n", 1),
+        ("G65 H80 P77\nG54\nM30\n", 1),
+        ("M30 C1\nG54\n", 1),
+        ("M99 P77\nG54\n", 1),
+        ("M#200 C1\nG54\n", 1),
+        (
+            "G00 X50 Z2\nG71 U1 R1\nG71 P10 Q20 F100\nN10 G00 X20 Z3\nN20 G01 Z-5\nG54\nM30\n",
+            3,
+        ),
+        (
+            "G00 X50 Z2\nG71 U1 R1\nG71 P10 Q20 F100\nN10 G00 X20\nG54\nN20 G01 Z-5\nG93\nM30\n",
+            3,
+        ),
+    ] {
+        let (found, behind) = alarms(text);
+        assert_eq!(found.len(), 1, "{text} {found:?}");
+        assert_eq!(behind, Some(found[0].1), "{text}");
+        assert!(found[0].1 >= line, "{text} {found:?}");
+    }
+    // A profile that G70 runs through is left at its alarm.
+    let text = "M03 S500\nG00 X50 Z2\nG70 P10 Q20\nN10 G00 X20\nG01 Z-5\nN20 X40\nG54\nM30\n";
+    assert_eq!(alarms(text), (vec![(11, 5)], Some(5)));
+    // G74 has none.
+    let text = "M03 S500\nG00 X50 Z2\nG74 R1\nG74 Z-20 Q0 F50\nG54\nM30\n";
+    let (found, behind) = alarms(text);
+    assert_eq!(
+        (found[1..].to_vec(), behind),
+        (vec![(10, 5)], None),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_called_program_is_told_once_and_a_loop_ends() {
+    let mut programs = ProgramMemory::default();
+    assert!(programs.store("O0002\nG54\nM99\n").is_ok());
+    programs.open_external(Program::new("M98 P00030002\nM98 P00030002\nG93\nM30\n"));
+    assert!(programs.select(ProgramId::External));
+    let preview = preview_beyond_alarms(&Setup::default(), &programs, &mut |_| {}, &mut |_| true);
+    let lines: Vec<_> = preview
+        .further
+        .alarms
+        .iter()
+        .map(|alarm| alarm.number)
+        .collect();
+    assert_eq!((lines, preview.further.ends_at), (vec![10], None));
+    // Nothing ends this one but the number of refusals.
+    let (found, behind) = alarms("N1 G54\nG65 H80 P1\n");
+    assert_eq!((found, behind), (vec![(10, 1)], Some(1)));
+}
+
+#[test]
+fn the_list_has_an_end() {
+    let text = "G54\n".repeat(40) + "M30\n";
+    let (preview, _) = look(&Setup::default(), &text);
+    assert_eq!(preview.further.alarms.len(), MOST_FURTHER);
+    let last = MOST_FURTHER as u32 + 1;
+    assert_eq!(
+        preview.further.ends_at.map(|source| source.line),
+        Some(last)
+    );
+}
+
+fn with_nose() -> Setup {
+    let mut setup = Setup::default();
+    assert!(setup.memory.parameters.set_bit(2, 1, true).is_ok());
+    let mut row = setup.memory.offsets.get(1);
+    (row.r, row.t) = (0.8, 3);
+    assert!(setup.memory.offsets.set(1, row).is_ok());
+    setup
+}
+
+#[test]
+fn a_contour_goes_on_without_its_compensation() {
+    // An inner arc smaller than the nose, an arc that is wrong by itself, and the
+    // next contour.
+    let text = "T0101\nM03 S500\nG00 X50 Z2\nG42 G01 X30 Z0 F100\nZ-10\nG02 X31 Z-10.5 R0.5\n\
+                G01 X60\nG02 X62 Z-30 R1\nG40 G00 X100 Z50\nG00 X50 Z2\nG42 G03 X60 Z-3 R5\n\
+                G40 G00 X100 Z50\nG54\nM30\n";
+    let (found, behind) = alarms_with(&with_nose(), text);
+    assert_eq!(
+        (found, behind),
+        (vec![(53, 6), (13, 8), (34, 11), (10, 13)], None)
+    );
+}
+
+#[test]
+fn a_change_of_side_is_no_start() {
+    let text = "T0101\nM03 S500\nG00 X50 Z2\nG42 G01 X30 Z0 F100\nZ-5 C1\nG01 X30 Z-5\nG41 G02 X40 Z-10 R5\n\
+                G40 G00 X100 Z50\nG42 G03 X60 Z-3 R90\nM30\n";
+    let (found, _) = alarms_with(&with_nose(), text);
+    assert_eq!(found, [(9, 5), (34, 9)]);
+}
+
+#[test]
+fn a_profile_behind_its_wrong_block_is_not_told_again() {
+    let text = "M03 S500 F100\nG00 X50 Z2\nN10 G00 X20\nG01 Z-5 C1\nN20 X40\nG00 X50 Z2\n\
+                G70 P10 Q20\nG54\nM30\n";
+    assert_eq!(alarms(text), (vec![(9, 4)], Some(7)));
+}
+
+#[test]
+fn cautions_behind_an_alarm_rest_on_what_is_known() {
+    let slips = |text: &str| -> Vec<(Slip, u32)> {
+        let (preview, _) = look(&Setup::default(), text);
+        let cautions = preview.cautions.iter();
+        cautions
+            .map(|caution| (caution.slip, caution.source.line))
+            .collect()
+    };
+    let text = "M03 S500 C1\nG00 X50 Z2\nG98 G01 Z-5 F100\nM30\n";
+    assert_eq!(slips(text), []);
+    let text = "G54\nG00 X50 Z2\nG98 G01 Z-5 F100\nM30\n";
+    assert_eq!(slips(text), [(Slip::SpindleStands, 3)]);
+}
+
+/// Diameter and Z.
+type Place = (f64, f64);
+
+/// Where G50 is taken to be, with its line, and where the program ends.
+fn elsewhere(setup: &Setup, text: &str) -> Option<(u32, Place, Place)> {
+    let (preview, _) = look(setup, text);
+    preview
+        .cautions
+        .iter()
+        .find_map(|caution| match caution.slip {
+            Slip::EndElsewhere { set, end } => Some((caution.source.line, set, end)),
+            _ => None,
+        })
+}
+
+#[test]
+fn a_program_ends_where_its_preset_begins() {
+    let setup = Setup::default();
+    let found = |text: &str| elsewhere(&setup, text);
+    assert_eq!(
+        found("O1\nG50 X100 Z50\nG00 X20 Z2\nX120 Z80\nM30\n"),
+        Some((2, (100.0, 50.0), (120.0, 80.0)))
+    );
+    assert_eq!(
+        found("T0101\nG50 X100\nG50 Z50\nG00 Z2\nX101.5 Z50\nM99\n"),
+        Some((2, (100.0, 50.0), (101.5, 50.0)))
+    );
+    for text in [
+        "G50 X100 Z50\nG00 X20 Z2\nX100 Z50\nM30\n",
+        "G50 X100 Z50\nG00 X20 Z2\nX100.8 Z49.2\nM30\n",
+        // Only one axis is set.
+        "G50 X100\nG00 X20 Z2\nX100 Z80\nM30\n",
+        // Wherever the tool is, it goes to the same place first.
+        "G00 X300 Z300\nG50 X100 Z50\nG00 X20 Z2\nM30\n",
+        "G28 U0 W0\nG50 X100 Z50\nG00 X20 Z2\nM30\n",
+        // A shift on purpose, and a limit of the speed.
+        "G50 U1\nG00 X20 Z2\nM30\n",
+        "G50 S2000\nG00 X20 Z2\nM30\n",
+        // Nobody knows where the machine zero is.
+        "G50 X100 Z50\nG00 X20 Z2\nG28 U0 W0\nM30\n",
+    ] {
+        assert_eq!(found(text), None, "{text}");
+    }
+}
+
+#[test]
+fn a_dropped_offset_shifts_the_next_run() {
+    let text = "G50 X100 Z50\nT0101\nG00 X20 Z2\nX100 Z50\nM30\n";
+    let mut setup = Setup::default();
+    let mut row = setup.memory.offsets.get(1);
+    (row.x, row.z) = (4.0, -10.0);
+    assert!(setup.memory.offsets.set(1, row).is_ok());
+    for (keeps, expected) in [
+        (true, None),
+        (false, Some((1, (100.0, 50.0), (104.0, 40.0)))),
+    ] {
+        assert!(setup.memory.parameters.set_bit(4, 3, keeps).is_ok());
+        assert_eq!(elsewhere(&setup, text), expected, "TOC = {keeps}");
+    }
+}
+
+#[test]
+fn the_machine_zero_lies_where_the_work_zero_says() {
+    let text = "G00 X50 Z2\nG28 U0 W0\nG28 U0\nM30\n";
+    let mut setup = Setup::default();
+    let slips = |preview: &Preview| -> Vec<_> {
+        let cautions = preview.cautions.iter();
+        cautions
+            .map(|caution| (caution.slip, caution.source.line))
+            .collect()
+    };
+    let (preview, _) = look(&setup, text);
+    assert_eq!(slips(&preview), [(Slip::MachineZero, 2)]);
+    assert_eq!(preview.absolute, Point::default());
+    // The work zero at the machine's X0 Z-150, the tool at X100 Z50 from it.
+    (setup.start, setup.absolute) = (Some(Point::new(50.0, -100.0)), Some(Point::new(50.0, 50.0)));
+    let (preview, moves) = look(&setup, text);
+    assert_eq!(slips(&preview), []);
+    assert_eq!(preview.absolute, Point::new(0.0, 150.0));
+    assert_eq!(preview.machine, Point::default());
+    let ends: Vec<_> = moves.iter().map(|moved| (moved.from, moved.to)).collect();
+    let (start, near, zero) = (
+        Point::new(50.0, 50.0),
+        Point::new(25.0, 2.0),
+        Point::new(0.0, 150.0),
+    );
+    assert_eq!(ends, [(start, near), (near, zero)]);
+}

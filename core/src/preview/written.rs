@@ -1,0 +1,81 @@
+//! The words of a line as they are written, whether they make a block or not.
+
+/// A word: its letter, and its number where it is a whole one.
+pub(super) type Written = (u8, Option<u32>);
+
+/// The words of a line; comments are left out.
+pub(super) fn words(line: &str) -> Vec<Written> {
+    let mut words: Vec<(u8, String)> = Vec::new();
+    let mut comment = false;
+    for character in line.chars().map(narrow) {
+        match character {
+            ')' => comment = false,
+            '(' => comment = true,
+            _ if comment || character == ' ' || character == '\t' => {}
+            _ if character.is_ascii_alphabetic() => {
+                words.push((character.to_ascii_uppercase() as u8, String::new()));
+            }
+            _ => {
+                if let Some((_, number)) = words.last_mut() {
+                    number.push(character);
+                }
+            }
+        }
+    }
+    words
+        .into_iter()
+        .map(|(letter, number)| (letter, number.trim_end_matches(';').parse().ok()))
+        .collect()
+}
+
+/// Whether a line has no more than one block.
+pub(super) fn is_one_block(line: &str) -> bool {
+    let line = line.trim_end();
+    !line.strip_suffix(';').unwrap_or(line).contains([';', '*'])
+}
+
+/// Whether a word with this letter is among them.
+pub(super) fn has(words: &[Written], letter: u8) -> bool {
+    words.iter().any(|(written, _)| *written == letter)
+}
+
+/// The numbers of the words with a letter.
+pub(super) fn numbers(
+    words: &[Written],
+    letter: u8,
+) -> impl DoubleEndedIterator<Item = Option<u32>> + Clone {
+    words
+        .iter()
+        .filter(move |(written, _)| *written == letter)
+        .map(|(_, number)| *number)
+}
+
+/// A full-width character as the control reads it.
+fn narrow(character: char) -> char {
+    match u32::from(character) {
+        wide @ 0xFF01..=0xFF5E => char::from_u32(wide - 0xFEE0).unwrap_or(character),
+        0x3000 => ' ',
+        _ => character,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_stand_there_whether_right_or_not() {
+        assert_eq!(
+            words("/N10 g01 X-5. (X9) C2 M#200;"),
+            [
+                (b'N', Some(10)),
+                (b'G', Some(1)),
+                (b'X', None),
+                (b'C', Some(2)),
+                (b'M', None)
+            ]
+        );
+        assert_eq!(words("Ｇ０１　Ｘ５"), [(b'G', Some(1)), (b'X', Some(5))]);
+        assert!(is_one_block("G00 X5;") && !is_one_block("G00 X5; M30;"));
+    }
+}

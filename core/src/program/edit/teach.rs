@@ -1,0 +1,98 @@
+//! Teach-in: an axis word takes the place where the axis stands.
+
+use super::Editing;
+use crate::units::Axis;
+
+impl Editing {
+    /// The axis whose word the cursor is at: on its letter, or right behind it.
+    pub fn axis_word(&self) -> Option<Axis> {
+        self.axis_letter().map(|(axis, _)| axis)
+    }
+
+    /// Gives the axis word at the cursor a value in the place of the one it has, and
+    /// puts the cursor behind it. `false` when there is no such word.
+    pub fn teach(&mut self, value: &str) -> bool {
+        let Some((_, letter)) = self.axis_letter().filter(|_| self.editable()) else {
+            return false;
+        };
+        self.column = letter + 1;
+        let (before, after) = self.split_line();
+        let number = after.trim_start();
+        let rest = number.trim_start_matches(|c: char| matches!(c, '0'..='9' | '.' | '+' | '-'));
+        // A blank in front of the next word stays.
+        let rest = if rest == number { &after } else { rest };
+        self.put(self.line, self.line + 1, &format!("{before}{value}{rest}"));
+        self.column += value.chars().count() as u32;
+        self.numbered = false;
+        true
+    }
+
+    /// The letter X or Z at the cursor or in front of it, and its column.
+    fn axis_letter(&self) -> Option<(Axis, u32)> {
+        if self.in_comment() || self.on_end_mark() {
+            return None;
+        }
+        let at = self.at_cursor().map(|letter| (letter, self.column));
+        let before = self.before_cursor();
+        let before = before.map(|letter| (letter, self.column.saturating_sub(1)));
+        [at, before]
+            .into_iter()
+            .flatten()
+            .find_map(|(letter, column)| match letter.to_ascii_uppercase() {
+                'X' => Some((Axis::X, column)),
+                'Z' => Some((Axis::Z, column)),
+                _ => None,
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::Program;
+
+    fn editing(text: &str, line: u32, column: u32) -> Editing {
+        let mut editing = Editing::new(Program::new(text), line);
+        for _ in 0..column {
+            editing.right();
+        }
+        editing
+    }
+
+    #[test]
+    fn a_word_takes_the_value_behind_its_letter() {
+        let mut edited = editing("O0001;\nG00 X;\nM30;\n", 2, 5);
+        assert_eq!(edited.axis_word(), Some(Axis::X));
+        assert!(edited.teach("10.521"));
+        assert_eq!(edited.program().line(2), "G00 X10.521;");
+        assert_eq!(edited.cursor(), (2, 11));
+    }
+
+    #[test]
+    fn a_value_that_stands_there_is_replaced() {
+        let mut edited = editing("O0001;\nG00 X12. Z-3.5;\nM30;\n", 2, 9);
+        assert_eq!(edited.axis_word(), Some(Axis::Z));
+        assert!(edited.teach("-40.000"));
+        assert_eq!(edited.program().line(2), "G00 X12. Z-40.000;");
+    }
+
+    #[test]
+    fn only_an_axis_word_takes_it() {
+        for (line, column) in [(1, 0), (2, 1), (2, 10), (3, 1), (4, 0)] {
+            let mut edited = editing("O0001;\nG00 U1.5 (X);\nM30;\n", line, column);
+            assert_eq!(edited.axis_word(), None, "{line} {column}");
+            assert!(!edited.teach("1.000"));
+        }
+    }
+
+    #[test]
+    fn a_block_that_is_being_typed_stays_open() {
+        let mut edited = editing("O0001;\n", 2, 0);
+        for character in "G01X".chars() {
+            assert!(edited.insert(character));
+        }
+        assert!(edited.teach("-0.004"));
+        assert_eq!(edited.open_line(), Some(2));
+        assert_eq!(edited.program().line(2), "G01X-0.004");
+    }
+}

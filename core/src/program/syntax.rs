@@ -1,0 +1,90 @@
+//! What a block must keep to, and what is said when it does not.
+
+use core::fmt;
+
+use gsk_messages::{Message, say};
+
+use crate::alarm::{Alarm, number};
+use crate::memory::Parameters;
+
+/// What parameters change in the syntax.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Syntax {
+    /// 013 POD: a decimal point is compulsory on X Z U W R I J K F.
+    pub point_required: bool,
+    /// Lengths are inches, to 0.0001.
+    pub inch: bool,
+}
+
+impl Syntax {
+    /// The least input increment of a length, in millionths of its unit.
+    pub(super) const fn increment(self) -> i64 {
+        if self.inch { 100 } else { 1000 }
+    }
+}
+
+impl From<&Parameters> for Syntax {
+    fn from(parameters: &Parameters) -> Self {
+        Self {
+            point_required: parameters.point_required(),
+            inch: false,
+        }
+    }
+}
+
+/// Why a text is no block.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BlockError {
+    /// Alarm number.
+    pub alarm: u16,
+    /// Column in the text of the block, in characters from 1.
+    pub column: u32,
+    /// The rule that is broken.
+    pub detail: Message,
+}
+
+impl BlockError {
+    /// An error at a byte of the text.
+    #[cold]
+    pub(super) fn at(alarm: u16, byte: usize, detail: Message) -> Self {
+        let column = u32::try_from(byte).unwrap_or(u32::MAX).saturating_add(1);
+        Self {
+            alarm,
+            column,
+            detail,
+        }
+    }
+
+    pub(super) fn too_many_words() -> Self {
+        Self::at(number::TOO_MANY_WORDS, 0, say::block_words_too_many())
+    }
+
+    /// Turns the byte column into one of characters.
+    pub(super) fn located(mut self, text: &str) -> Self {
+        let byte = (self.column - 1) as usize;
+        let before = text.char_indices().take_while(|(at, _)| *at < byte).count();
+        self.column = u32::try_from(before).unwrap_or(u32::MAX).saturating_add(1);
+        self
+    }
+}
+
+impl BlockError {
+    /// Alarm, column and rule.
+    pub fn message(&self) -> Message {
+        say::alarm_at_column(self.alarm, self.column, self.detail.clone())
+    }
+}
+
+impl fmt::Display for BlockError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.message().fmt(f)
+    }
+}
+
+impl core::error::Error for BlockError {}
+
+impl From<BlockError> for Alarm {
+    fn from(error: BlockError) -> Self {
+        Self::new(error.alarm).because(say::at_column(error.column, error.detail))
+    }
+}

@@ -1,0 +1,17 @@
+//! The link with a board of timed steps against the board's twin, in virtual time:
+//! nothing moves by itself, every stop is known, the counts agree to the pulse.
+
+mod bench;
+mod dialogue;
+mod faults;
+mod lathe;
+mod lines;
+mod linked;
+mod machine;
+mod motion;
+mod returns;
+mod shutdowns;
+mod speeds;
+mod stops;
+mod threads;
+mod trips;

@@ -1,0 +1,259 @@
+//! Samples of a millisecond become segments of the board's period.
+
+use core::fmt::Write;
+
+use super::super::{Refused, RunTime, Sample};
+use gsk_units::{PerAxis, Pulses};
+
+/// Standstill longer than this is not carried into the next segment.
+const LONGEST: RunTime = RunTime::from_millis(500);
+
+/// A straight piece of motion for the board.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Segment {
+    /// Its line, with the line end.
+    pub(super) line: String,
+    /// How long it lasts.
+    pub(super) duration: RunTime,
+    /// When it is to end.
+    pub(super) end: RunTime,
+    /// Where it ends.
+    pub(super) pulses: PerAxis<Pulses>,
+}
+
+/// Collects samples until a segment is due.
+#[derive(Clone, Debug)]
+pub(super) struct Segments {
+    period: RunTime,
+    max_rate: f64,
+    pulses_per_mm: [f64; 2],
+    /// End of the last segment.
+    from: RunTime,
+    at: PerAxis<Pulses>,
+    /// The newest sample behind it.
+    newest: Option<Sample>,
+    /// The next segment ends with its first pulse and takes this long at least.
+    run_up: RunTime,
+}
+
+impl Segments {
+    pub(super) fn new(period: RunTime, max_rate: u32, pulses_per_mm: [f64; 2]) -> Self {
+        Self {
+            period,
+            max_rate: max_rate.into(),
+            pulses_per_mm,
+            from: RunTime::ZERO,
+            at: PerAxis::default(),
+            newest: None,
+            run_up: RunTime::ZERO,
+        }
+    }
+
+    /// The board stands with nothing to make, and keeps a few lines only that it has not
+    /// read: while it makes the first pulse, slowly, it reads the next ones. Without that
+    /// a short pause of the host at the begin of a motion would leave it without motion.
+    pub(super) const fn begin_slowly(&mut self, run_up: RunTime) {
+        self.run_up = run_up;
+    }
+
+    /// Begins anew at a place and time.
+    pub(super) fn begin(&mut self, at: PerAxis<Pulses>, from: RunTime) {
+        self.at = at;
+        self.from = from;
+        self.newest = None;
+    }
+
+    /// Motion taken that is not in a segment yet.
+    pub(super) fn pending(&self) -> RunTime {
+        self.newest
+            .filter(|sample| sample.pulses != self.at)
+            .map_or(RunTime::ZERO, |sample| sample.end.saturating_sub(self.from))
+    }
+
+    /// Takes a sample; a segment when one is due.
+    pub(super) fn push(
+        &mut self,
+        sample: Sample,
+        offset: PerAxis<Pulses>,
+    ) -> Result<Option<Segment>, Refused> {
+        if self.newest.is_some_and(|before| self.turns(before, sample)) {
+            let turning = self.cut(offset)?;
+            self.newest = Some(sample);
+            return Ok(turning);
+        }
+        self.newest = Some(sample);
+        let duration = sample.end.saturating_sub(self.from);
+        let first = self.run_up > RunTime::ZERO && sample.pulses != self.at;
+        if duration < self.period && !first {
+            return Ok(None);
+        }
+        if sample.pulses == self.at {
+            if duration >= LONGEST {
+                self.from = sample.end - self.period;
+            }
+            return Ok(None);
+        }
+        self.cut(offset)
+    }
+
+    /// Whether an axis goes back from where the segment so far has taken it: it has to end
+    /// there, or the board would turn short of it.
+    fn turns(&self, before: Sample, sample: Sample) -> bool {
+        let turns = |at: Pulses, before: Pulses, now: Pulses| {
+            (before.0 - at.0).signum() * (now.0 - before.0).signum() < 0
+        };
+        let (at, before, now) = (self.at, before.pulses, sample.pulses);
+        turns(at.x, before.x, now.x) || turns(at.z, before.z, now.z)
+    }
+
+    /// The rest, however short: the kernel stands.
+    pub(super) fn finish(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
+        match self.newest {
+            Some(sample) if sample.pulses != self.at => self.cut(offset),
+            Some(sample) => {
+                // The next motion begins when it begins, not when the last one ended.
+                self.from = sample.end;
+                self.newest = None;
+                Ok(None)
+            }
+            None => Ok(None),
+        }
+    }
+
+    fn cut(&mut self, offset: PerAxis<Pulses>) -> Result<Option<Segment>, Refused> {
+        let Some(sample) = self.newest.take() else {
+            return Ok(None);
+        };
+        let duration = sample.end.saturating_sub(self.from);
+        let duration = duration.max(core::mem::take(&mut self.run_up));
+        let seconds = duration.as_secs_f64().max(1e-3);
+        let steps = [
+            sample.pulses.x.0 - self.at.x.0,
+            sample.pulses.z.0 - self.at.z.0,
+        ];
+        // In a short piece the last pulse may be one that the next piece has less.
+        let whole = u64::from(duration < self.period);
+        if steps.iter().any(|count| {
+            count.unsigned_abs().saturating_sub(whole) as f64 / seconds > self.max_rate
+        }) {
+            return Err(Refused::TooFast);
+        }
+        // Machine coordinates: whatever work offset another program has left in the board.
+        let mut line = String::from("G53");
+        let places = [
+            (
+                'X',
+                steps[0],
+                sample.pulses.x.0 + offset.x.0,
+                self.pulses_per_mm[0],
+            ),
+            (
+                'Z',
+                steps[1],
+                sample.pulses.z.0 + offset.z.0,
+                self.pulses_per_mm[1],
+            ),
+        ];
+        // A `String` takes everything that is written to it.
+        for (letter, steps, place, per_mm) in places {
+            if steps != 0 {
+                let _ = write!(line, "{letter}{:.4}", place as f64 / per_mm);
+            }
+        }
+        // The feed, not the time (G93): to a place that was damaged on the wire the board
+        // then goes at the feed, not as fast as it can.
+        let way = [0, 1].map(|axis| steps[axis] as f64 / self.pulses_per_mm[axis]);
+        let length = libm::hypot(way[0], way[1]);
+        let feed = length / seconds * 60.0;
+        // A line takes its time on the wire: four figures will do.
+        let decimals = if feed < 100.0 { 2 } else { 1 };
+        let _ = writeln!(line, "F{feed:.decimals$}");
+        self.from = sample.end;
+        self.at = sample.pulses;
+        Ok(Some(Segment {
+            line,
+            duration,
+            end: sample.end,
+            pulses: sample.pulses,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(ms: u64, x: i64, z: i64) -> Sample {
+        Sample::new(RunTime::from_millis(ms), PerAxis::new(Pulses(x), Pulses(z)))
+    }
+
+    #[test]
+    fn ten_samples_make_a_segment() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::new(Pulses(0), Pulses(0));
+        for ms in 1..10 {
+            assert_eq!(segments.push(sample(ms, 0, -(ms as i64)), offset), Ok(None));
+        }
+        let segment = segments.push(sample(10, 0, -10), offset).unwrap().unwrap();
+        assert_eq!(segment.line, "G53Z-0.0500F300.0\n");
+        assert_eq!(segments.pending(), RunTime::ZERO);
+    }
+
+    #[test]
+    fn the_first_pulse_takes_its_time() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::default();
+        segments.begin_slowly(RunTime::from_millis(80));
+        assert_eq!(segments.push(sample(1, 0, 0), offset), Ok(None));
+        let segment = segments.push(sample(2, 0, -1), offset).unwrap().unwrap();
+        assert_eq!(segment.line, "G53Z-0.0050F3.75\n");
+        assert_eq!(segment.duration, RunTime::from_millis(80));
+        assert_eq!(segments.push(sample(3, 0, -2), offset), Ok(None));
+        let segment = segments.push(sample(12, 0, -9), offset).unwrap().unwrap();
+        assert_eq!(segment.line, "G53Z-0.0450F240.0\n");
+    }
+
+    #[test]
+    fn a_segment_ends_where_an_axis_turns() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::default();
+        // X goes on, Z turns at 4 in the fourth millisecond.
+        for (ms, z) in [(1, 1), (2, 2), (3, 3), (4, 4)] {
+            assert_eq!(segments.push(sample(ms, ms as i64, z), offset), Ok(None));
+        }
+        let turning = segments.push(sample(5, 5, 3), offset).unwrap().unwrap();
+        assert_eq!(turning.pulses, PerAxis::new(Pulses(4), Pulses(4)));
+        assert_eq!(turning.end, RunTime::from_millis(4));
+        assert_eq!(turning.duration, RunTime::from_millis(4));
+        assert_eq!(segments.pending(), RunTime::from_millis(1));
+        for ms in 6..14 {
+            let back = sample(ms, ms as i64, 8 - ms as i64);
+            assert_eq!(segments.push(back, offset), Ok(None), "{ms}");
+        }
+        let next = segments.push(sample(14, 14, -6), offset).unwrap().unwrap();
+        assert_eq!(next.duration, RunTime::from_millis(10));
+        // The next one goes on the other way: nothing turns inside it.
+        assert_eq!(segments.push(sample(15, 14, -5), offset), Ok(None));
+    }
+
+    #[test]
+    fn a_rate_the_board_cannot_make_is_refused() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::default();
+        assert_eq!(
+            segments.push(sample(10, 301, 0), offset),
+            Err(Refused::TooFast)
+        );
+    }
+
+    #[test]
+    fn standstill_is_not_hoarded() {
+        let mut segments = Segments::new(RunTime::from_millis(10), 30_000, [400.0, 200.0]);
+        let offset = PerAxis::default();
+        for ms in 1..=5000 {
+            assert_eq!(segments.push(sample(ms, 0, 0), offset), Ok(None));
+        }
+        let segment = segments.push(sample(5001, 5, 0), offset).unwrap().unwrap();
+        assert!(segment.duration <= LONGEST, "{:?}", segment.duration);
+    }
+}

@@ -1,0 +1,128 @@
+//! The link with a board that reads lines, from the first byte to the last.
+
+mod backend;
+mod homing;
+mod motion;
+mod outputs;
+mod pass;
+mod received;
+mod reports;
+mod samples;
+mod startup;
+mod stops;
+mod wire;
+
+use core::time::Duration;
+
+use super::opening::Opening;
+use super::required::Required;
+use super::response::{BoardState, Status};
+use super::segments::Segments;
+use crate::drives::Drives;
+use crate::limits::Limits;
+use crate::session::Session;
+use crate::{HostTime, LinkConfig, LinkState};
+use homing::Homing;
+use motion::Motion;
+use outputs::Outputs;
+use pass::ThreadPass;
+use reports::Reports;
+use startup::Startup;
+use stops::{Halt, Stopping};
+use wire::Wire;
+
+/// A board that answers does so within this.
+const HEARD: Duration = Duration::from_millis(100);
+/// Modal words of all motion.
+/// A code of motion wants its F here, way or not.
+const MODES: [&str; 2] = ["G21G18G90", "G1G94F60"];
+
+/// A link to one board.
+#[derive(Clone, Debug)]
+pub struct LineLink {
+    config: LinkConfig,
+    required: Required,
+    session: Session,
+    opening: Opening,
+    wire: Wire,
+    reports: Reports,
+    motion: Motion,
+    limits: Limits,
+    stopping: Stopping,
+    startup: Startup,
+    homing: Option<Homing>,
+    thread: ThreadPass,
+    outputs: Outputs,
+}
+
+impl LineLink {
+    /// A link whose port has just been opened.
+    pub fn open(config: LinkConfig, drives: &Drives, now: HostTime) -> Self {
+        let required = Required::new(drives, &config);
+        let pulses_per_mm = required.pulses_per_mm;
+        let period = Duration::from_millis(config.line.period_ms.into());
+        let segments = Segments::new(period, config.line.max_rate, pulses_per_mm);
+        Self {
+            config,
+            required,
+            session: Session::new(now),
+            opening: Opening::new(now),
+            wire: Wire::default(),
+            reports: Reports::new(now),
+            motion: Motion::new(segments, pulses_per_mm, now),
+            limits: Limits::new(pulses_per_mm),
+            stopping: Stopping::none(),
+            startup: Startup::default(),
+            homing: None,
+            thread: ThreadPass::default(),
+            outputs: Outputs::default(),
+        }
+    }
+
+    /// What the board has to be set to.
+    pub const fn required(&self) -> &Required {
+        &self.required
+    }
+
+    /// The newest report.
+    pub const fn status(&self) -> Option<Status> {
+        self.reports.status
+    }
+
+    /// Whether questions and orders are answered now.
+    const fn is_open(&self) -> bool {
+        matches!(
+            self.session.state,
+            LinkState::Locked | LinkState::Ready | LinkState::Moving | LinkState::Verify
+        )
+    }
+
+    /// Whether the board stands in one of these states and nothing is on its way to it.
+    fn stands_in(&self, states: &[BoardState]) -> bool {
+        self.stopping.is_none()
+            && self.wire.is_answered()
+            && matches!(self.session.state, LinkState::Ready | LinkState::Locked)
+            && self
+                .reports
+                .state()
+                .is_some_and(|state| states.contains(&state))
+    }
+
+    fn enter(&mut self, state: LinkState) {
+        if state == LinkState::Moving && self.session.state != state {
+            // What was reported before says nothing about this motion.
+            self.reports.forget_standstill();
+        }
+        self.session.enter(state);
+    }
+
+    fn send(&mut self, line: &str, is_segment: bool) {
+        self.wire.send(line, is_segment, self.session.now);
+    }
+
+    /// All answered segments but the newest `held` have left the queue of the board.
+    fn retire(&mut self, held: u16) {
+        self.motion
+            .retire(held.into(), self.opening.prepared, self.session.now);
+    }
+}

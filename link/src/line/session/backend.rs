@@ -1,0 +1,269 @@
+//! What the kernel may ask of a board that reads lines.
+
+use core::time::Duration;
+
+use super::{LineLink, MODES};
+use crate::contacts;
+use crate::line::Family;
+use crate::line::describe::next_line;
+use crate::line::realtime::SOFT_RESET;
+use crate::line::response::{BoardState, Response};
+use crate::position::Positioned;
+use crate::session::Session;
+use crate::{
+    Backend, BoardInfo, BoardOutputs, CannotCut, HostTime, Input, LinkState, Pass, Pins,
+    PulseRates, Refused, RunTime, Sample, Stop, ThreadRights, Traffic, Uncertainty,
+};
+use gsk_units::{PerAxis, Pulses};
+
+impl Positioned for LineLink {
+    fn session(&self) -> &Session {
+        &self.session
+    }
+
+    fn session_mut(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    fn align(&mut self, kernel: PerAxis<Pulses>, at: RunTime) -> Result<(), Refused> {
+        let standing = self
+            .reports
+            .status
+            .filter(|status| status.state == BoardState::Idle);
+        let (LinkState::Locked | LinkState::Ready, Some(board)) = (
+            self.session.state,
+            standing.and_then(|status| self.motion.board_count(status)),
+        ) else {
+            return Err(Refused::NotReady);
+        };
+        self.motion.align(kernel, board, at);
+        self.reports.align(kernel);
+        for modes in MODES {
+            self.send(modes, false);
+        }
+        Ok(())
+    }
+
+    fn forget_count(&mut self) {
+        self.reports.forget_count();
+    }
+}
+
+impl Backend for LineLink {
+    fn board(&self) -> &BoardInfo {
+        &self.opening.board
+    }
+
+    fn threads(&self) -> ThreadRights {
+        self.thread_rights()
+    }
+
+    fn cut(&mut self, pass: &Pass) -> Result<(), CannotCut> {
+        self.begin_pass(pass)
+    }
+
+    fn pulses_per_mm(&self) -> [f64; 2] {
+        self.required.pulses_per_mm
+    }
+
+    fn pins(&self) -> Pins {
+        self.reports.pins
+    }
+
+    fn counted(&self) -> Option<PerAxis<Pulses>> {
+        let status = self.reports.status?;
+        self.motion.kernel_count(status)
+    }
+
+    fn standing_since(&self) -> Option<HostTime> {
+        self.reports.still_since()
+    }
+
+    fn traffic(&self) -> Traffic {
+        self.wire.traffic
+    }
+
+    fn executed(&self) -> RunTime {
+        self.motion.executed
+    }
+
+    fn outstanding(&self) -> Duration {
+        self.motion.outstanding(self.session.now)
+    }
+
+    fn room(&self) -> Duration {
+        if !self.is_prepared() || !self.motion.backlog.is_empty() {
+            return Duration::ZERO;
+        }
+        // With a full queue FluidNC looks at `!` and Ctrl-X 20 times a second only, and what
+        // waits at a stop is carried out behind the reset.
+        let blocks = usize::from(self.board().blocks);
+        if self.opening.family == Family::FluidNc && self.motion.queued.len() + 2 >= blocks {
+            return Duration::ZERO;
+        }
+        self.config.lookahead().saturating_sub(self.outstanding())
+    }
+
+    fn rates(&self) -> PulseRates {
+        let each = f64::from(self.config.line.max_rate);
+        PulseRates {
+            each: [each; 2],
+            both: 2.0 * each,
+        }
+    }
+
+    fn tx(&self) -> &[u8] {
+        self.wire.tx()
+    }
+
+    fn consumed(&mut self, count: usize) {
+        self.wire.consumed(count);
+    }
+
+    fn tick(&mut self, now: HostTime) {
+        self.passes(now);
+        if self.session.is_over() {
+            return;
+        }
+        if !self.opening.is_done() {
+            if self.session.state == LinkState::Fault {
+                return;
+            }
+            let outcome = self.opening.tick(self.session.now);
+            self.open_further(outcome);
+            return;
+        }
+        self.motion.settle(false, self.session.now);
+        self.watch_silence();
+        self.watch_pass();
+        self.watch_halt();
+        self.watch_homing();
+        self.ask();
+        self.verify();
+        self.switch();
+    }
+
+    fn rx(&mut self, bytes: &[u8], now: HostTime) {
+        self.passes(now);
+        self.wire.traffic.received += bytes.len() as u64;
+        if !bytes.is_empty() {
+            self.opening.bytes_received(self.session.now);
+        }
+        for &byte in bytes {
+            if let Some(text) = self.wire.receive(byte) {
+                self.opening.take_text(&text);
+                self.take(&Response::parse(&text));
+            }
+        }
+    }
+
+    fn lost(&mut self, cause: &str) {
+        self.lose_board(cause);
+    }
+
+    fn write_settings(&mut self) {
+        let outcome = self.opening.write_settings(self.session.now);
+        self.open_further(outcome);
+    }
+
+    fn close(&mut self) {
+        self.wire.drop_outgoing();
+        if self.opening.is_done() {
+            self.wire.send_realtime(SOFT_RESET);
+        }
+        self.session.lose_position(Uncertainty::Unheard);
+        self.enter(LinkState::Off);
+    }
+
+    fn stop_bytes(&self) -> Vec<u8> {
+        if self.opening.is_done() {
+            vec![SOFT_RESET]
+        } else {
+            Vec::new()
+        }
+    }
+
+    fn last_position(&self) -> Option<PerAxis<Pulses>> {
+        self.reports.position()
+    }
+
+    fn is_stopping(&self) -> bool {
+        let state = self.session.state;
+        let broken = matches!(state, LinkState::Fault | LinkState::Tripped);
+        let goes_on = broken && self.reports.is_settling(self.session.now);
+        let unread = self.reports.counts() && (self.reports.status.is_none() || goes_on);
+        state != LinkState::Lost
+            && (!self.stopping.is_none() || self.stopping.limit.is_some() || unread)
+    }
+
+    fn is_responding(&self) -> bool {
+        self.reports.is_responding(self.session.now)
+    }
+
+    fn takes_motion(&self) -> bool {
+        let state = self.session.state;
+        (state.takes_motion() || state == LinkState::Locked && self.session.released)
+            && self.stopping.is_none()
+    }
+
+    fn is_prepared(&self) -> bool {
+        self.takes_motion() && !self.thread.is_cutting() && self.wire.only_segments()
+    }
+
+    fn homes(&self) -> bool {
+        true
+    }
+
+    fn homes_alone(&self) -> bool {
+        self.opening.alone
+    }
+
+    fn home(&mut self, axes: PerAxis<bool>) -> Result<(), Refused> {
+        self.begin_homing(axes)
+    }
+
+    fn set_outputs(&mut self, outputs: BoardOutputs) {
+        self.outputs.wanted = outputs;
+    }
+
+    fn switched(&self) -> Option<BoardOutputs> {
+        self.wire.only_segments().then_some(self.outputs.switched)
+    }
+
+    fn push(&mut self, sample: Sample) -> Result<(), Refused> {
+        self.take_sample(sample)
+    }
+
+    fn finish(&mut self) -> Result<(), Refused> {
+        self.take_rest()
+    }
+
+    fn stop(&mut self, stop: Stop) {
+        self.stop_at_once(stop);
+    }
+
+    fn reset(&mut self) {
+        self.reset_faults();
+    }
+
+    fn input(&self, input: Input) -> Option<bool> {
+        self.reports.status?;
+        let pins = self.reports.pins;
+        match input {
+            Input::LimitX => Some(pins.x),
+            Input::LimitZ => Some(pins.z),
+            Input::EmergencyStop => Some(pins.emergency),
+            Input::Contact { .. } => {
+                let mut wired = contacts::wired(&self.config.inputs);
+                let (_, pin) = wired.find(|(contact, _)| *contact == input)?;
+                let letter = pin.chars().last()?;
+                Some(pins.letter(letter) != pin.contains('!'))
+            }
+            _ => None,
+        }
+    }
+
+    fn next_text(&self, outward: bool, collected: &mut Vec<u8>) -> Option<String> {
+        next_line(outward, collected)
+    }
+}

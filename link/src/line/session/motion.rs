@@ -1,0 +1,330 @@
+//! Motion on its way: what waits for room in the board, what is in its queue, what its
+//! pulse timer has been handed, and what is certainly made.
+//!
+//! ```text
+//!  samples ─► Segments ─► backlog ─► queued ─► handed ─► made
+//!                         (here)     (board)   (timer)
+//! ```
+
+use core::time::Duration;
+use std::collections::VecDeque;
+
+use crate::line::response::Status;
+use crate::line::segments::{Segment, Segments};
+use crate::{HostTime, RunTime};
+use gsk_units::{PerAxis, Point, Pulses};
+
+/// A board answers for motion so long before it has made it, and a switch is told so
+/// much later.
+const PREPARED: Duration = Duration::from_millis(200);
+/// A report may have been under way for so long.
+const LATE_REPORT: Duration = Duration::from_millis(300);
+/// A segment takes no longer than its duration and this.
+const LATE: Duration = Duration::from_secs(1);
+
+/// Motion in the board that has not been made.
+#[derive(Clone, Debug)]
+pub(super) struct Queued {
+    pub(super) duration: RunTime,
+    pub(super) end: RunTime,
+    pub(super) pulses: PerAxis<Pulses>,
+    pub(super) answered: bool,
+}
+
+/// Motion handed over, and how far the board has come in it.
+#[derive(Clone, Debug)]
+pub(super) struct Motion {
+    pulses_per_mm: [f64; 2],
+    pub(super) segments: Segments,
+    pub(super) backlog: VecDeque<Segment>,
+    pub(super) queued: VecDeque<Queued>,
+    /// Motion that has left the board's queue for its pulse timer, and when it is made.
+    handed: VecDeque<(HostTime, Queued)>,
+    /// Where motion made of late began, and when it was counted as made.
+    past: VecDeque<(HostTime, PerAxis<Pulses>)>,
+    /// Kernel pulses of the last sample taken.
+    pub(super) commanded: PerAxis<Pulses>,
+    /// Board pulses minus kernel pulses.
+    pub(super) offset: PerAxis<Pulses>,
+    /// Time of commanded motion the board has certainly made, and where that ends.
+    pub(super) executed: RunTime,
+    pub(super) made: PerAxis<Pulses>,
+    /// When the oldest queued segment became the oldest.
+    pub(super) progressed: HostTime,
+    /// When motion of X and Z was last made, that up and that down.
+    moved: [[Option<HostTime>; 2]; 2],
+    /// The next sample begins where and when the last pass of a thread ended.
+    pub(super) resumes: bool,
+}
+
+impl Motion {
+    pub(super) fn new(segments: Segments, pulses_per_mm: [f64; 2], now: HostTime) -> Self {
+        Self {
+            pulses_per_mm,
+            segments,
+            backlog: VecDeque::new(),
+            queued: VecDeque::new(),
+            handed: VecDeque::new(),
+            past: VecDeque::new(),
+            commanded: PerAxis::default(),
+            offset: PerAxis::default(),
+            executed: RunTime::ZERO,
+            made: PerAxis::default(),
+            progressed: now,
+            moved: [[None; 2]; 2],
+            resumes: false,
+        }
+    }
+
+    /// From here on the board's count and the kernel's go together.
+    pub(super) fn align(&mut self, kernel: PerAxis<Pulses>, board: PerAxis<Pulses>, at: RunTime) {
+        self.offset = PerAxis::new(
+            Pulses(board.x.0 - kernel.x.0),
+            Pulses(board.z.0 - kernel.z.0),
+        );
+        self.executed = at;
+        self.stand_at(kernel);
+    }
+
+    /// The axes stand at this position of the kernel.
+    pub(super) fn stand_at(&mut self, kernel: PerAxis<Pulses>) {
+        self.commanded = kernel;
+        self.made = kernel;
+        self.segments.begin(kernel, self.executed);
+    }
+
+    /// Nothing that was handed over is made any more.
+    pub(super) fn forget(&mut self) {
+        self.backlog.clear();
+        self.queued.clear();
+        self.handed.clear();
+        self.past.clear();
+        self.resumes = false;
+        self.segments.begin(self.commanded, self.executed);
+    }
+
+    /// Which way the axes went of late says nothing any more.
+    pub(super) const fn forget_ways(&mut self) {
+        self.moved = [[None; 2]; 2];
+    }
+
+    /// Motion handed over that may not have been made yet.
+    pub(super) fn outstanding(&self, now: HostTime) -> Duration {
+        let handed: Duration = self.handed.iter().map(|(_, one)| one.duration).sum();
+        let last = self.handed.back().map_or(now, |(made_by, _)| *made_by);
+        let queued: Duration = self.queued.iter().map(|segment| segment.duration).sum();
+        let waiting: Duration = self.backlog.iter().map(|segment| segment.duration).sum();
+        let prepared = handed.min(last.saturating_sub(now));
+        prepared + queued + waiting + self.segments.pending()
+    }
+
+    /// Whether nothing waits here or in the queue of the board.
+    pub(super) fn is_drained(&self) -> bool {
+        self.backlog.is_empty()
+            && self.queued.is_empty()
+            && self.segments.pending() == RunTime::ZERO
+    }
+
+    /// Takes the next segment that waits, if its characters find room.
+    pub(super) fn next_segment(&mut self, room: usize, now: HostTime) -> Option<Segment> {
+        let segment = self
+            .backlog
+            .pop_front_if(|segment| segment.line.len() <= room)?;
+        if self.queued.is_empty() {
+            self.progressed = now;
+        }
+        self.queued.push_back(Queued {
+            duration: segment.duration,
+            end: segment.end,
+            pulses: segment.pulses,
+            answered: false,
+        });
+        Some(segment)
+    }
+
+    /// The board has read the oldest segment that it had not answered.
+    pub(super) fn segment_answered(&mut self) {
+        if let Some(segment) = self.queued.iter_mut().find(|segment| !segment.answered) {
+            segment.answered = true;
+        }
+    }
+
+    /// All answered segments but the newest `held` have left the queue of the board: its
+    /// pulse timer has been handed them, and has made them so much later.
+    pub(super) fn retire(&mut self, held: usize, prepared: Duration, now: HostTime) {
+        let answered = self
+            .queued
+            .iter()
+            .take_while(|segment| segment.answered)
+            .count();
+        let leaving = answered.saturating_sub(held);
+        let mut made_by = now + prepared;
+        let at = self.handed.len();
+        for segment in self.queued.drain(..leaving).rev() {
+            let duration = segment.duration;
+            self.handed.insert(at, (made_by, segment));
+            made_by = made_by.saturating_sub(duration);
+            self.progressed = now;
+        }
+    }
+
+    /// Counts as made what the pulse timer was handed so long ago; all of it when the
+    /// board stands.
+    pub(super) fn settle(&mut self, stands: bool, now: HostTime) {
+        while let Some((_, segment)) = self
+            .handed
+            .pop_front_if(|(made_by, _)| stands || *made_by <= now)
+        {
+            for (axis, way) in way_between(self.made, segment.pulses)
+                .into_iter()
+                .enumerate()
+            {
+                match way {
+                    1 => self.moved[axis][0] = Some(now),
+                    -1 => self.moved[axis][1] = Some(now),
+                    _ => {}
+                }
+            }
+            self.past.push_back((now, self.made));
+            self.executed = segment.end;
+            self.made = segment.pulses;
+        }
+        while self
+            .past
+            .pop_front_if(|(at, _)| now.saturating_sub(*at) > LATE_REPORT)
+            .is_some()
+        {}
+    }
+
+    /// Whether the oldest segment in the queue takes much longer than it was given.
+    pub(super) fn is_late(&self, now: HostTime) -> bool {
+        let waits = now.saturating_sub(self.progressed);
+        let oldest = self.queued.front();
+        oldest.is_some_and(|segment| waits >= segment.duration + LATE)
+    }
+
+    /// Motion of the board that may not have been made yet, the next first.
+    fn unmade(&self) -> impl Iterator<Item = &Queued> {
+        let handed = self.handed.iter().map(|(_, segment)| segment);
+        handed.chain(&self.queued)
+    }
+
+    /// The ways on which the axes are moving, as far as the board's answers tell; 0: they
+    /// stand, or turn round about now.
+    pub(super) fn ways(&self, now: HostTime) -> [i64; 2] {
+        let recent = |moved: Option<HostTime>| {
+            moved.is_some_and(|moved| now.saturating_sub(moved) < PREPARED)
+        };
+        let mut seen = self.moved.map(|ways| ways.map(recent));
+        let mut from = self.made;
+        for segment in self.unmade() {
+            for (axis, way) in way_between(from, segment.pulses).into_iter().enumerate() {
+                seen[axis][0] |= way > 0;
+                seen[axis][1] |= way < 0;
+            }
+            from = segment.pulses;
+        }
+        seen.map(|[up, down]| i64::from(up) - i64::from(down))
+    }
+
+    /// Speed of the fastest motion handed over and not yet made, mm/min.
+    pub(super) fn fastest(&self) -> f64 {
+        let mut from = self.made;
+        let mut fastest = 0.0_f64;
+        let queued = self.unmade().map(|piece| (piece.pulses, piece.duration));
+        let waiting = self
+            .backlog
+            .iter()
+            .map(|piece| (piece.pulses, piece.duration));
+        for (to, duration) in queued.chain(waiting) {
+            let way = self.between(from, to);
+            fastest = fastest.max(way.length() / duration.as_secs_f64().max(1e-3) * 60.0);
+            from = to;
+        }
+        fastest
+    }
+
+    /// From one position to another as the board goes, mm.
+    pub(super) fn between(&self, from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> Point {
+        let [per_x, per_z] = self.pulses_per_mm;
+        Point::new(
+            (to.x.0 - from.x.0) as f64 / per_x,
+            (to.z.0 - from.z.0) as f64 / per_z,
+        )
+    }
+
+    /// Distance of the board from the path it has been given, mm.
+    pub(super) fn off_path(&self, board: PerAxis<Pulses>) -> f64 {
+        let [per_x, per_z] = self.pulses_per_mm;
+        let millimetres = |pulses: PerAxis<Pulses>| {
+            Point::new(pulses.x.0 as f64 / per_x, pulses.z.0 as f64 / per_z)
+        };
+        let at = millimetres(self.to_kernel(board));
+        let past = self.past.iter().map(|(_, position)| *position);
+        let unmade = self.unmade().map(|segment| segment.pulses);
+        let oldest = self.past.front().map_or(self.made, |(_, first)| *first);
+        let mut from = millimetres(oldest);
+        let mut nearest = (at - from).length();
+        for position in past.chain([self.made]).chain(unmade) {
+            let to = millimetres(position);
+            nearest = nearest.min(distance_to_line(at, from, to));
+            from = to;
+        }
+        nearest
+    }
+
+    /// Whether a count is what was commanded, or as near as the three decimals of a report
+    /// can tell.
+    pub(super) fn agrees(&self, kernel: PerAxis<Pulses>) -> bool {
+        let near = |a: Pulses, b: Pulses, per_mm: f64| {
+            let rounding = if per_mm > 500.0 {
+                (per_mm * 0.000_5).ceil() as u64
+            } else {
+                0
+            };
+            (a.0 - b.0).unsigned_abs() <= rounding
+        };
+        let [x, z] = self.pulses_per_mm;
+        near(kernel.x, self.commanded.x, x) && near(kernel.z, self.commanded.z, z)
+    }
+
+    /// The board's count as the kernel's.
+    pub(super) fn to_kernel(&self, board: PerAxis<Pulses>) -> PerAxis<Pulses> {
+        PerAxis::new(
+            Pulses(board.x.0 - self.offset.x.0),
+            Pulses(board.z.0 - self.offset.z.0),
+        )
+    }
+
+    /// The board's count by a report that names its position.
+    pub(super) fn board_count(&self, status: Status) -> Option<PerAxis<Pulses>> {
+        let [x, z] = status.position?;
+        let [per_x, per_z] = self.pulses_per_mm;
+        Some(PerAxis::new(
+            Pulses((x * per_x).round() as i64),
+            Pulses((z * per_z).round() as i64),
+        ))
+    }
+
+    /// The same as the kernel counts.
+    pub(super) fn kernel_count(&self, status: Status) -> Option<PerAxis<Pulses>> {
+        self.board_count(status).map(|board| self.to_kernel(board))
+    }
+}
+
+/// The ways on which the axes go from one position to another.
+const fn way_between(from: PerAxis<Pulses>, to: PerAxis<Pulses>) -> [i64; 2] {
+    [(to.x.0 - from.x.0).signum(), (to.z.0 - from.z.0).signum()]
+}
+
+/// Distance of a point from the stretch between two others.
+fn distance_to_line(at: Point, from: Point, to: Point) -> f64 {
+    let along = to - from;
+    let square = along.x * along.x + along.z * along.z;
+    if square == 0.0 {
+        return (at - from).length();
+    }
+    let way = at - from;
+    let share = ((way.x * along.x + way.z * along.z) / square).clamp(0.0, 1.0);
+    (way - along * share).length()
+}

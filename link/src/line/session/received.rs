@@ -1,0 +1,238 @@
+//! What the board says: answers, reports, and when it is asked for one.
+
+use crate::Backend;
+use gsk_units::alarm;
+
+use core::time::Duration;
+
+use super::{Halt, LineLink};
+use crate::line::Family;
+use crate::line::opening::{Opening, Outcome};
+use crate::line::realtime::STATUS_QUERY;
+use crate::line::response::{BoardState, Response, Status};
+use crate::{Event, HostTime, LinkState, Uncertainty};
+
+/// Between two reports, standing and moving: the longer, the farther a figure that was
+/// damaged on the wire takes the slides.
+const STATUS_IDLE: Duration = Duration::from_millis(200);
+const STATUS_MOVING: Duration = Duration::from_millis(20);
+/// Longer between two looks at the link means that the computer was busy.
+const AWAY: Duration = Duration::from_millis(100);
+
+impl LineLink {
+    pub(super) fn take(&mut self, answer: &Response) {
+        if self.session.is_over() {
+            // It is for the operator to bring it back; it may say why it was silent.
+            if matches!(answer, Response::Banner(_)) && self.opening.is_done() {
+                self.board_restarted();
+            }
+            return;
+        }
+        if !self.opening.is_done() {
+            let expected = self.opening.expects_banner();
+            if matches!(answer, Response::Banner(_)) && !expected {
+                self.board_restarted();
+                return;
+            }
+            if matches!(answer, Response::Ok | Response::Error(_)) {
+                self.wire.answered();
+            }
+            let outcome = self.opening.take(answer, &self.required, self.session.now);
+            self.open_further(outcome);
+            return;
+        }
+        match answer {
+            Response::Ok => self.line_done(None),
+            Response::Error(number) => self.line_done(Some(*number)),
+            Response::Alarm(number) => self.board_alarm(*number),
+            Response::Message(text) => self.board_message(text),
+            Response::Status(status) => self.report(*status),
+            Response::Banner(_) if self.stopping.restarts() => self.banner_came(),
+            Response::Banner(_) if !self.startup.expects_banner(self.session.now) => {
+                self.board_restarted();
+            }
+            Response::Starts => {
+                self.startup.has_begun();
+                self.board_restarted();
+            }
+            Response::Garbage => {
+                self.wire.traffic.garbage += 1;
+                if self.session.state == LinkState::Moving {
+                    self.protocol_error("a line that made no sense");
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn report(&mut self, status: Status) {
+        let now = self.session.now;
+        if let Some(round_trip) = self.reports.take(status, now) {
+            self.wire.traffic.round_trip = Some(round_trip);
+        }
+        self.wire.traffic.reports += 1;
+        self.follow_spindle(&status);
+        if let Some(kernel) = self.motion.kernel_count(status) {
+            self.reports.count(kernel, now);
+        }
+        if let Some(ways) = self.stopping.limit.take() {
+            self.name_limits(status.pins, ways);
+        }
+        if self.session.state == LinkState::Moving
+            && self.stopping.is_none()
+            && let Some(board) = self.motion.board_count(status)
+        {
+            // Pulses are made one at a time, and reports have three decimals.
+            let [x, z] = self.required.pulses_per_mm;
+            let off = self.motion.off_path(board);
+            if off > 0.002 + 2.0 / x + 2.0 / z {
+                self.session.lose_position(Uncertainty::OffPath);
+                self.session.alarm(
+                    alarm::POSITION_CHECK,
+                    &format!("the board is {off:.3} mm off the commanded path"),
+                );
+                // On a ramp it would go on toward a place nobody commanded.
+                self.forget_motion();
+                self.restart();
+                self.enter(LinkState::Fault);
+                return;
+            }
+        }
+        if let Some(free) = status.free_blocks {
+            let held = self.board().blocks.saturating_sub(free);
+            self.retire(held);
+        }
+        self.motion.settle(status.state == BoardState::Idle, now);
+        self.reports.note_standstill(status.state, now);
+        match status.state {
+            BoardState::Held if matches!(self.stopping.halt, Halt::Braking(_)) => {
+                self.restart();
+            }
+            BoardState::Held if self.stopping.is_none() && self.session.state.takes_motion() => {
+                self.session.alarm(
+                    alarm::BOARD_FAULT,
+                    "the board was held by an input of its own",
+                );
+                self.session.lose_position(Uncertainty::Misunderstood);
+                self.flush();
+                self.enter(LinkState::Fault);
+            }
+            BoardState::Alarm if self.session.state.takes_motion() => {
+                self.board_alarm(0);
+            }
+            BoardState::Alarm if self.startup.unlocks && self.stopping.is_none() => {
+                self.startup.unlocks = false;
+                self.send("$X", false);
+            }
+            BoardState::Idle => self.startup.unlocks = false,
+            BoardState::Other if self.session.state.takes_motion() => {
+                self.session.alarm(
+                    alarm::BOARD_FAULT,
+                    "the board reports a state nobody asked for",
+                );
+                self.flush();
+                self.enter(LinkState::Fault);
+            }
+            _ => {}
+        }
+    }
+
+    /// Asks for a report when one is due.
+    pub(super) fn ask(&mut self) {
+        // A board that seeks its switches does not answer.
+        let restarts = self.stopping.restarts();
+        if restarts && self.opening.family == Family::FluidNc {
+            // It takes a second for that, and answers meanwhile, mostly.
+            self.reports.give_up_question(self.session.now);
+        } else if restarts || self.homing.is_some() {
+            return;
+        }
+        let interval = match self.session.state {
+            _ if !self.stopping.is_none() => STATUS_MOVING,
+            LinkState::Moving => STATUS_MOVING,
+            _ => STATUS_IDLE,
+        };
+        if self.reports.is_due(interval, self.session.now) {
+            self.wire.send_realtime(STATUS_QUERY);
+            self.reports.ask(self.session.now);
+        }
+    }
+
+    /// The board is asked anew who it is and how it is set.
+    pub(super) fn open_again(&mut self) {
+        self.forget_motion();
+        self.restart();
+        self.stopping.halt = Halt::None;
+        self.stopping.limit = None;
+        self.reports.freeze_count();
+        self.startup.begin_anew();
+        self.opening = Opening::again(self.session.now);
+        self.enter(LinkState::Opening);
+    }
+
+    /// The next step of the dialogue that opens the link.
+    pub(super) fn open_further(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Waits => {}
+            Outcome::Send(line) => {
+                if line == "$I" {
+                    self.enter(LinkState::Identify);
+                }
+                self.send(&line, false);
+            }
+            Outcome::Configures(line) => {
+                self.enter(LinkState::Configure);
+                self.send(&line, false);
+            }
+            Outcome::Done => {
+                self.wire.forget_unanswered();
+                self.enter(LinkState::Locked);
+                if core::mem::take(&mut self.startup.unlocks) {
+                    // RESET has asked for it.
+                    self.send("$X", false);
+                }
+            }
+            Outcome::Differs(differences) => {
+                let text = format!("settings of the board that differ: {}", differences.len());
+                self.session
+                    .events
+                    .extend(differences.into_iter().map(Event::Differs));
+                self.session.alarm(alarm::BOARD_SETTINGS, &text);
+            }
+            Outcome::Fails(number, text) => {
+                self.session.alarm(number, &text);
+                self.enter(if number == alarm::BOARD_SILENT {
+                    LinkState::Lost
+                } else {
+                    LinkState::Fault
+                });
+            }
+        }
+    }
+
+    /// Takes the time over. While the computer was away nobody waited for the board.
+    pub(super) fn passes(&mut self, now: HostTime) {
+        let gap = now.saturating_sub(self.session.now);
+        self.session.now = self.session.now.max(now);
+        if gap < AWAY {
+            return;
+        }
+        if gap >= self.config.lookahead() && !self.motion.backlog.is_empty() {
+            // The board stands by now; what waited for room in it would move it again.
+            self.motion.backlog.clear();
+            self.session.alarm(
+                alarm::STEPS_TOO_LATE,
+                "the computer was away while motion waited for room",
+            );
+            self.session.events.push(Event::Halting { reached: false });
+            self.flush();
+        }
+        self.motion.progressed += gap;
+        self.thread.was_away(gap);
+        self.wire.was_away(gap);
+        if let Some(asked) = &mut self.reports.asked {
+            *asked += gap;
+        }
+        self.stopping.was_away(gap);
+    }
+}

@@ -1,0 +1,151 @@
+//! Samples of the kernel go to the board as segments, and its count is compared at
+//! every standstill.
+
+use crate::Backend;
+use core::time::Duration;
+
+use super::LineLink;
+use crate::{Event, LinkState, Refused, RunTime, Sample, Uncertainty};
+use gsk_units::alarm;
+
+/// The first pulse of a motion takes this long.
+const RUN_UP: Duration = Duration::from_millis(80);
+/// Standing so long before the count is compared.
+const SETTLED: Duration = Duration::from_millis(50);
+
+impl LineLink {
+    /// The axes are to be here at the end of a tick.
+    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), Refused> {
+        if !self.is_prepared() {
+            return Err(Refused::NotReady);
+        }
+        let moves = [
+            sample.pulses.x.0 - self.motion.commanded.x.0,
+            sample.pulses.z.0 - self.motion.commanded.z.0,
+        ];
+        let moved = moves != [0; 2];
+        self.limits.allow(
+            moves,
+            [Some(self.reports.pins.x), Some(self.reports.pins.z)],
+        )?;
+        if core::mem::take(&mut self.motion.resumes) {
+            let tick = RunTime::from_millis(1);
+            let from = sample.end.saturating_sub(tick);
+            self.motion.segments.begin(self.motion.commanded, from);
+        }
+        if self.motion.is_drained() {
+            self.motion.segments.begin_slowly(RUN_UP);
+        }
+        let segment = self.motion.segments.push(sample, self.motion.offset)?;
+        self.motion.commanded = sample.pulses;
+        if moved && matches!(self.session.state, LinkState::Ready | LinkState::Locked) {
+            self.enter(LinkState::Moving);
+        }
+        self.motion.backlog.extend(segment);
+        self.feed();
+        Ok(())
+    }
+
+    /// What is left of the last segment goes out.
+    pub(super) fn take_rest(&mut self) -> Result<(), Refused> {
+        if !self.is_prepared() {
+            return Ok(());
+        }
+        let rest = self.motion.segments.finish(self.motion.offset)?;
+        self.motion.backlog.extend(rest);
+        self.feed();
+        Ok(())
+    }
+
+    /// Sends what waits, as far as the receive buffer of the board reaches.
+    fn feed(&mut self) {
+        let space = usize::from(self.board().receive_bytes).saturating_sub(1);
+        let now = self.session.now;
+        loop {
+            let room = space.saturating_sub(self.wire.characters());
+            let Some(segment) = self.motion.next_segment(room, now) else {
+                return;
+            };
+            self.send(&segment.line, true);
+        }
+    }
+
+    pub(super) fn line_done(&mut self, error: Option<u16>) {
+        let Some(line) = self.wire.answered() else {
+            if self.stopping.is_none() && self.is_prepared() {
+                self.protocol_error("an answer to nothing");
+            }
+            return;
+        };
+        if self.homing.is_some() && self.wire.is_answered() {
+            return self.homed(error);
+        }
+        if self.thread.is_cutting() {
+            return self.pass_answered(error);
+        }
+        if let Some(number) = error {
+            let locked = self.session.state == LinkState::Locked && !self.session.released;
+            if self.stopping.is_none() && !locked {
+                self.protocol_error(&format!("a line was refused with error:{number}"));
+            }
+            return;
+        }
+        if line.is_segment {
+            self.motion.segment_answered();
+        }
+        // The board cannot hold more than its queue: what is beyond was made.
+        self.retire(self.board().blocks);
+        self.feed();
+    }
+
+    /// When the board stands and nothing is queued, its count is compared.
+    pub(super) fn verify(&mut self) {
+        let flushed = self.session.state == LinkState::Verify;
+        let stands = self.session.state == LinkState::Ready;
+        if !(flushed || stands || self.session.state == LinkState::Moving)
+            || !self.stopping.is_none()
+        {
+            return;
+        }
+        let idle = self.wire.is_answered() && self.motion.is_drained();
+        let still_since = self.reports.still_since();
+        let settled = still_since.is_some_and(|since| self.session.since(since) >= SETTLED);
+        let Some(kernel) = self.counted() else {
+            return;
+        };
+        if !(idle && settled) {
+            return;
+        }
+        if flushed {
+            // The kernel takes over where the board came to stand.
+            self.motion.stand_at(kernel);
+            if core::mem::take(&mut self.stopping.too_sudden) {
+                self.session.lose_position(Uncertainty::TooFast);
+            }
+            self.session.events.push(Event::Position(kernel));
+            self.stand();
+            return;
+        }
+        if self.motion.agrees(kernel) {
+            if stands {
+                return;
+            }
+            self.session.events.push(Event::Position(kernel));
+            self.session.events.push(Event::Drained);
+            self.stand();
+            return;
+        }
+        self.session.lose_position(Uncertainty::Differs);
+        let text = format!(
+            "commanded X {} Z {} pulses, the board counts X {} Z {}",
+            self.motion.commanded.x.0, self.motion.commanded.z.0, kernel.x.0, kernel.z.0
+        );
+        self.session.alarm(alarm::POSITION_CHECK, &text);
+        self.enter(LinkState::Locked);
+    }
+
+    fn stand(&mut self) {
+        let state = self.session.standing_state();
+        self.enter(state);
+    }
+}

@@ -1,0 +1,439 @@
+//! Everything that stops the board, and what is known afterwards.
+
+use gsk_units::alarm;
+
+use core::time::Duration;
+
+use super::{HEARD, LineLink, MODES};
+use crate::line::Family;
+use crate::line::family::Cause;
+use crate::line::realtime::{FEED_HOLD, SOFT_RESET};
+use crate::line::response::BoardState;
+use crate::{HostTime, LinkState, Pins, Stop, Uncertainty};
+
+/// A board that was asked and is silent for so long is lost.
+const SILENCE: Duration = Duration::from_millis(500);
+/// A line that is not answered by then was lost on the way.
+const ANSWER_WAIT: Duration = Duration::from_secs(2);
+/// A hold stands within this, or the board is given up.
+const HOLD_WAIT: Duration = Duration::from_secs(1);
+/// Ctrl-X is sent again after this, while no banner comes.
+const RESET_AGAIN: Duration = Duration::from_millis(100);
+
+/// How far a flush or an unlock has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Halt {
+    None,
+    /// Waits until the board has read what was sent.
+    Draining(HostTime),
+    /// `!` was sent; waits for the standstill.
+    Braking(HostTime),
+    /// Ctrl-X was sent; waits for the banner.
+    Restarting(Restart),
+}
+
+/// How far a restart of the board has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Restart {
+    since: HostTime,
+    /// When Ctrl-X was sent last; what is sent once may be lost.
+    sent: HostTime,
+    /// A banner came, and one for each further Ctrl-X may come until then.
+    quiet_at: Option<HostTime>,
+}
+
+/// A stop under way, and what is not known of it yet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stopping {
+    pub(super) halt: Halt,
+    /// It was too sudden for the motors to keep their steps.
+    pub(super) too_sudden: bool,
+    /// A limit switch stopped the board on these ways of the axes; which one the next
+    /// report tells. None of an axis: its switch was operated before.
+    pub(super) limit: Option<[Option<i64>; 2]>,
+}
+
+impl Stopping {
+    /// Nothing is being stopped.
+    pub(super) const fn none() -> Self {
+        Self {
+            halt: Halt::None,
+            too_sudden: false,
+            limit: None,
+        }
+    }
+
+    /// Whether the board is neither being stopped nor starting anew.
+    pub(super) fn is_none(&self) -> bool {
+        self.halt == Halt::None
+    }
+
+    /// Whether the board starts anew.
+    pub(super) const fn restarts(&self) -> bool {
+        matches!(self.halt, Halt::Restarting(_))
+    }
+
+    /// While the computer was away nobody waited for the board.
+    pub(super) fn was_away(&mut self, gap: Duration) {
+        match &mut self.halt {
+            Halt::None => {}
+            Halt::Draining(since) | Halt::Braking(since) => *since += gap,
+            Halt::Restarting(restart) => {
+                restart.since += gap;
+                restart.sent += gap;
+            }
+        }
+    }
+}
+
+impl LineLink {
+    pub(super) fn watch_silence(&mut self) {
+        let silent = !self.stopping.restarts()
+            && self
+                .reports
+                .asked
+                .is_some_and(|asked| self.session.since(asked) >= self.thread.patience(SILENCE));
+        let unanswered = self
+            .wire
+            .oldest()
+            .is_some_and(|line| self.session.since(line.sent) >= ANSWER_WAIT);
+        if silent {
+            self.lose_board(&format!(
+                "the board has not answered for {} ms",
+                self.thread.patience(SILENCE).as_millis()
+            ));
+        } else if self.thread.is_cutting() {
+            // A pass has a patience of its own.
+        } else if unanswered && self.stopping.is_none() && self.homing.is_none() && self.is_open() {
+            self.protocol_error("a line was never answered");
+        } else if self.stopping.is_none() && self.motion.is_late(self.session.now) {
+            self.protocol_error("a segment takes much longer than it was given");
+        }
+    }
+
+    pub(super) fn watch_halt(&mut self) {
+        match self.stopping.halt {
+            Halt::Braking(since) if self.session.since(since) >= HOLD_WAIT => {
+                self.session.lose_position(Uncertainty::StoppedDead);
+                self.session
+                    .alarm(alarm::BOARD_FAULT, "the board did not stand within 1 s");
+                self.restart();
+                self.enter(LinkState::Fault);
+            }
+            Halt::Draining(since) => self.watch_draining(since),
+            Halt::Restarting(restart) => self.watch_restart(restart),
+            _ => {}
+        }
+    }
+
+    fn watch_restart(&mut self, restart: Restart) {
+        let passed = |since| self.session.since(since);
+        if let Some(at) = restart.quiet_at {
+            if self.session.now >= at {
+                self.restarted();
+            }
+        } else if passed(restart.since) >= ANSWER_WAIT {
+            self.lose_board("the board did not come back after a reset");
+        } else if passed(restart.sent) >= RESET_AGAIN {
+            self.wire.send_realtime(SOFT_RESET);
+            self.stopping.halt = Halt::Restarting(Restart {
+                sent: self.session.now,
+                ..restart
+            });
+        }
+    }
+
+    /// `!`, standstill, Ctrl-X: nothing queued is left, the position is kept.
+    pub(super) fn flush(&mut self) {
+        if self.thread.is_cutting() {
+            return self.abandon_pass();
+        }
+        if self.stopping.is_none() {
+            self.stopping.too_sudden =
+                self.motion.fastest() > f64::from(self.config.flush_keep_speed);
+            if self.opening.family == Family::FluidNc && !self.wire.is_answered() {
+                self.stopping.halt = Halt::Draining(self.session.now);
+                // Their answers are what is waited for.
+                self.drop_motion();
+                return;
+            }
+            self.brake();
+        }
+        self.forget_motion();
+    }
+
+    fn brake(&mut self) {
+        self.wire.send_realtime(FEED_HOLD);
+        self.stopping.halt = Halt::Braking(self.session.now);
+        self.reports.asked = None;
+        self.reports.hurry();
+    }
+
+    /// A line that FluidNC has taken and not begun when it is held is carried out behind
+    /// the reset: it is held when it has answered all.
+    fn watch_draining(&mut self, since: HostTime) {
+        if self.wire.is_answered() {
+            self.brake();
+        } else if self.session.since(since) >= HEARD {
+            // While it moves a reset locks it, and a locked board carries nothing out.
+            self.session.lose_position(Uncertainty::StoppedDead);
+            self.forget_motion();
+            self.restart();
+        }
+    }
+
+    pub(super) fn restart(&mut self) {
+        self.wire.send_realtime(SOFT_RESET);
+        self.stopping.halt = Halt::Restarting(Restart {
+            since: self.session.now,
+            sent: self.session.now,
+            quiet_at: None,
+        });
+        self.reports.invalidate();
+        self.homing = None;
+        self.wire.drop_partial_line();
+    }
+
+    /// A banner that was asked for. Behind a Ctrl-X that was sent again another may come,
+    /// no later after the last of them than this one after the first.
+    pub(super) fn banner_came(&mut self) {
+        let now = self.session.now;
+        if let Halt::Restarting(restart) = &mut self.stopping.halt
+            && restart.sent > restart.since
+        {
+            let longest = now.saturating_sub(restart.since);
+            restart.quiet_at.get_or_insert(now + longest);
+        } else {
+            self.restarted();
+        }
+    }
+
+    /// The board is there again.
+    fn restarted(&mut self) {
+        self.stopping.halt = Halt::None;
+        self.forget_motion();
+        self.reports.forget();
+        self.reports.hurry();
+        self.outputs.are_off();
+        if core::mem::take(&mut self.startup.unlocks) {
+            self.send("$X", false);
+        }
+        if self.session.state == LinkState::Moving {
+            for modes in MODES {
+                self.send(modes, false);
+            }
+            self.enter(LinkState::Verify);
+        }
+    }
+
+    /// Nothing more goes out, and no answer is waited for.
+    pub(super) fn forget_motion(&mut self) {
+        self.wire.forget_unanswered();
+        self.drop_motion();
+    }
+
+    fn drop_motion(&mut self) {
+        self.motion.forget();
+        self.thread.forget();
+    }
+
+    /// The board started by itself: power or its reset line.
+    pub(super) fn board_restarted(&mut self) {
+        self.forget_motion();
+        self.session.lose_position(Uncertainty::Reset);
+        self.reports.freeze_count();
+        self.startup.has_restarted();
+        self.stopping.halt = Halt::None;
+        self.homing = None;
+        // What was asked before is never answered.
+        self.reports.invalidate();
+        self.outputs.are_off();
+        self.session
+            .alarm(alarm::BOARD_RESET, "the board was reset");
+        self.enter(LinkState::Fault);
+    }
+
+    pub(super) fn protocol_error(&mut self, cause: &str) {
+        self.session.alarm(alarm::LINK_PROTOCOL, cause);
+        self.session.lose_position(Uncertainty::Misunderstood);
+        self.flush();
+        self.enter(LinkState::Fault);
+    }
+
+    pub(super) fn board_alarm(&mut self, number: u16) {
+        let family = self.opening.family;
+        // On the way back from a reset, our own or that of the board.
+        let coming_back = self.stopping.restarts() || self.startup.is_restarted();
+        if coming_back && family.excuses(number) {
+            return;
+        }
+        let [x, z] = self.motion.ways(self.session.now);
+        self.forget_motion();
+        self.session.lose_position(Uncertainty::StoppedDead);
+        match family.cause(number) {
+            Cause::Limit => {
+                let Pins {
+                    x: on_x, z: on_z, ..
+                } = self.reports.pins;
+                self.stopping.limit = Some([(!on_x).then_some(x), (!on_z).then_some(z)]);
+                // Nothing but a reset is heard by the board now; FluidNC needs a second for
+                // it, and answers meanwhile.
+                self.restart();
+                self.enter(LinkState::Tripped);
+            }
+            Cause::Reset => {
+                self.startup.has_restarted();
+                self.session
+                    .alarm(alarm::BOARD_RESET, "the board was reset while it moved");
+                self.enter(LinkState::Fault);
+            }
+            Cause::Homing => {
+                self.homing = None;
+                if family == Family::FluidNc {
+                    // It plans from the position before the return until it is reset.
+                    self.restart();
+                }
+                self.startup.excuse(self.session.now);
+                self.session.alarm(
+                    alarm::BOARD_ZERO_RETURN,
+                    &format!("ALARM:{number} of the board"),
+                );
+                self.enter(LinkState::Locked);
+            }
+            Cause::EmergencyStop => {
+                self.session
+                    .alarm(alarm::EMERGENCY_STOP, "emergency stop input of the board");
+                if family == Family::FluidNc {
+                    // Without it an unlock would do nothing.
+                    self.restart();
+                }
+                self.enter(LinkState::Tripped);
+            }
+            Cause::Spindle => {
+                self.session.alarm(
+                    alarm::THREAD_SPEED,
+                    "the spindle did not turn twice within 5 s (ALARM:14)",
+                );
+                // It waits for ever for the motion it has not begun.
+                self.restart();
+                self.enter(LinkState::Fault);
+            }
+            Cause::Motor => {
+                for (number, axis) in [(alarm::X_DRIVE_ALARM, 'X'), (alarm::Z_DRIVE_ALARM, 'Z')] {
+                    let text = format!("ALARM:17 of the board: motor fault, perhaps of {axis}");
+                    self.session.alarm(number, &text);
+                }
+                self.restart();
+                self.enter(LinkState::Tripped);
+            }
+            Cause::Order => {
+                self.session.alarm(
+                    alarm::LINK_PROTOCOL,
+                    &format!("ALARM:{number} of the board"),
+                );
+                // Whatever it still holds it shall not carry out after an unlock.
+                self.restart();
+                self.enter(LinkState::Fault);
+            }
+            Cause::Locked => {
+                self.session
+                    .alarm(alarm::BOARD_FAULT, "the board is locked");
+                self.restart();
+                self.enter(LinkState::Fault);
+            }
+        }
+    }
+
+    /// Which limit stopped the board; both when neither is operated any more.
+    pub(super) fn name_limits(&mut self, pins: Pins, ways: [Option<i64>; 2]) {
+        for (axis, operated) in [pins.x, pins.z].into_iter().enumerate() {
+            if let (true, Some(way)) = (operated, ways[axis]) {
+                self.limits.hit(axis, way);
+            }
+        }
+        for (operated, number, axis) in [
+            (pins.x, alarm::X_BOARD_LIMIT, 'X'),
+            (pins.z, alarm::Z_BOARD_LIMIT, 'Z'),
+        ] {
+            if operated || !(pins.x || pins.z) {
+                self.session
+                    .alarm(number, &format!("limit input of {axis} at the board"));
+            }
+        }
+    }
+
+    /// The port failed, or the board answers no more.
+    pub(super) fn lose_board(&mut self, cause: &str) {
+        if self.session.is_over() {
+            return;
+        }
+        self.forget_motion();
+        self.session.lose_position(Uncertainty::Unheard);
+        self.reports.status = None;
+        let never_heard = self.session.state == LinkState::Opening;
+        self.session.alarm(
+            if never_heard {
+                alarm::BOARD_SILENT
+            } else {
+                alarm::LINK_LOST
+            },
+            cause,
+        );
+        self.enter(LinkState::Lost);
+    }
+
+    /// Stops the board at once.
+    pub(super) fn stop_at_once(&mut self, stop: Stop) {
+        if !self.opening.is_done() || self.session.is_over() {
+            return;
+        }
+        match stop {
+            Stop::Flush => self.flush(),
+            Stop::Kill => {
+                let moves = self.session.state == LinkState::Moving;
+                self.session
+                    .lose_position(Uncertainty::killed(moves, Uncertainty::StoppedDead));
+                self.forget_motion();
+                self.restart();
+                self.enter(LinkState::Locked);
+            }
+        }
+    }
+
+    /// The operator pressed RESET.
+    pub(super) fn reset_faults(&mut self) {
+        self.limits.look();
+        match self.session.state {
+            LinkState::Fault if self.startup.is_restarted() || !self.opening.is_done() => {
+                self.open_again();
+            }
+            LinkState::Tripped | LinkState::Fault if self.opening.is_done() => {
+                self.forget_motion();
+                if self.stopping.restarts() {
+                    // What is sent before its banner is thrown away.
+                    self.startup.unlocks = true;
+                } else {
+                    self.send("$X", false);
+                }
+                self.enter(LinkState::Locked);
+            }
+            // FluidNC may be locked so that an unlock alone does nothing.
+            LinkState::Locked
+                if self.opening.family == Family::FluidNc
+                    && (self.board_is_locked() || self.reports.status.is_none()) =>
+            {
+                self.startup.unlocks = true;
+                self.restart();
+            }
+            LinkState::Locked if self.board_is_locked() => self.send("$X", false),
+            LinkState::Locked if self.reports.status.is_none() => self.startup.unlocks = true,
+            LinkState::Moving => self.flush(),
+            LinkState::Homing => self.give_up_homing(None),
+            _ => {}
+        }
+    }
+
+    fn board_is_locked(&self) -> bool {
+        self.reports.state() == Some(BoardState::Alarm)
+    }
+}

@@ -1,0 +1,272 @@
+//! Blocks on the wire, `len seq content crc crc 7E`, and the integers in them.
+
+/// A block without content.
+pub(super) const LEAST: usize = 5;
+/// The longest block.
+const MOST: usize = 64;
+/// The longest content.
+pub(super) const CONTENT: usize = MOST - LEAST;
+/// Ends every block.
+const SYNC: u8 = 0x7E;
+/// High bits of every sequence byte.
+const SEQUENCE: u8 = 0x10;
+/// Blocks are numbered so far, then from 0 again.
+pub(super) const NUMBERS: u64 = 16;
+/// Behind these every reader begins with a new block, however the last one was broken
+/// off.
+pub(super) const ENDS: [u8; MOST] = [SYNC; MOST];
+
+/// CRC-16 of a block over everything before it.
+fn crc16(bytes: &[u8]) -> u16 {
+    bytes.iter().fold(0xFFFF, |crc: u16, byte| {
+        let mut byte = byte ^ crc.to_le_bytes()[0];
+        byte ^= byte << 4;
+        let wide = u16::from(byte);
+        ((wide << 8) | (crc >> 8)) ^ (wide >> 4) ^ (wide << 3)
+    })
+}
+
+/// A whole block.
+pub(super) fn encode_block(sequence: u64, content: &[u8]) -> Vec<u8> {
+    let length = u8::try_from(content.len() + LEAST).unwrap_or(u8::MAX);
+    let mut bytes = Vec::with_capacity(content.len() + LEAST);
+    bytes.push(length);
+    bytes.push(SEQUENCE | (sequence & 0x0F) as u8);
+    bytes.extend_from_slice(content);
+    bytes.extend_from_slice(&crc16(&bytes).to_be_bytes());
+    bytes.push(SYNC);
+    bytes
+}
+
+/// Appends an integer as a variable-length quantity (VLQ): seven bits a byte, the most significant first.
+pub(super) fn encode_vlq(out: &mut Vec<u8>, value: i64) {
+    for bytes in (2_u32..=5).rev() {
+        let least = -(1_i64 << (7 * bytes - 9));
+        if value < least || value >= -3 * least {
+            out.push(0x80 | (value >> (7 * (bytes - 1)) & 0x7F) as u8);
+        }
+    }
+    out.push((value & 0x7F) as u8);
+}
+
+/// Decodes a VLQ from the front: its 32 bits, signed or not.
+pub(super) fn decode_vlq(bytes: &mut &[u8]) -> Option<u32> {
+    let (&first, mut rest) = bytes.split_first()?;
+    let mut value = u32::from(first & 0x7F);
+    if first & 0x60 == 0x60 {
+        value |= !0x1F;
+    }
+    let mut last = first;
+    for _ in 0..4 {
+        if last & 0x80 == 0 {
+            break;
+        }
+        let (&next, behind) = rest.split_first()?;
+        value = value << 7 | u32::from(next & 0x7F);
+        (last, rest) = (next, behind);
+    }
+    if last & 0x80 != 0 {
+        return None;
+    }
+    *bytes = rest;
+    Some(value)
+}
+
+/// A block that came whole.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Block {
+    /// The four bits of the sequence.
+    pub(super) sequence: u8,
+    /// What is in it; nothing is an acknowledgement, or a complaint.
+    pub(super) content: Vec<u8>,
+}
+
+/// Finds the blocks in a stream of bytes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Reader {
+    bytes: Vec<u8>,
+    out_of_step: bool,
+    /// Pieces that were no block.
+    pub(super) garbage: u64,
+}
+
+impl Reader {
+    /// What is not whole yet never will be.
+    pub(super) fn forget(&mut self) {
+        self.bytes.clear();
+        self.out_of_step = false;
+    }
+
+    pub(super) fn give(&mut self, bytes: &[u8]) {
+        self.bytes.extend_from_slice(bytes);
+    }
+
+    /// The next block. Never keeps more than one that is not complete.
+    pub(super) fn next(&mut self) -> Option<Block> {
+        loop {
+            if self.out_of_step {
+                let Some(end) = self.bytes.iter().position(|&byte| byte == SYNC) else {
+                    self.bytes.clear();
+                    return None;
+                };
+                self.bytes.drain(..=end);
+                self.out_of_step = false;
+            }
+            let length = usize::from(*self.bytes.first()?);
+            if length == usize::from(SYNC) {
+                self.bytes.remove(0);
+                continue;
+            }
+            let in_range = (LEAST..=MOST).contains(&length);
+            let sequence = self.bytes.get(1).copied().unwrap_or(SEQUENCE);
+            if in_range && sequence & 0xF0 == SEQUENCE {
+                if self.bytes.len() < length {
+                    return None;
+                }
+                let whole: Vec<u8> = self.bytes[..length].to_vec();
+                let (body, tail) = whole.split_at(length - 3);
+                if tail[2] == SYNC && tail[..2] == crc16(body).to_be_bytes() {
+                    self.bytes.drain(..length);
+                    return Some(Block {
+                        sequence: sequence & 0x0F,
+                        content: body[2..].to_vec(),
+                    });
+                }
+            }
+            self.garbage += 1;
+            self.out_of_step = true;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn integer(value: i64) -> Vec<u8> {
+        let mut out = Vec::new();
+        encode_vlq(&mut out, value);
+        out
+    }
+
+    #[test]
+    fn integers_as_the_boards_have_them() {
+        let table: [(i64, &[u8]); 9] = [
+            (95, &[0x5f]),
+            (96, &[0x80, 0x60]),
+            (-32, &[0x60]),
+            (-33, &[0xff, 0x5f]),
+            (12_287, &[0xdf, 0x7f]),
+            (12_288, &[0x80, 0xe0, 0x00]),
+            (1_572_863, &[0xdf, 0xff, 0x7f]),
+            (1_572_864, &[0x80, 0xe0, 0x80, 0x00]),
+            (2_147_483_648, &[0x88, 0x80, 0x80, 0x80, 0x00]),
+        ];
+        for (value, bytes) in table {
+            assert_eq!(integer(value), bytes, "{value}");
+        }
+    }
+
+    #[test]
+    fn sizes_change_at_their_boundaries() {
+        let table = [
+            (-32, 95, 1),
+            (-4096, 12_287, 2),
+            (-524_288, 1_572_863, 3),
+            (-67_108_864, 201_326_591, 4),
+            (i64::from(i32::MIN), i64::from(u32::MAX), 5),
+        ];
+        for (least, most, size) in table {
+            for value in [least, most] {
+                assert_eq!(integer(value).len(), size, "{value}");
+            }
+        }
+        for window in table.windows(2) {
+            assert_eq!(integer(window[0].0 - 1).len(), window[1].2);
+            assert_eq!(integer(window[0].1 + 1).len(), window[1].2);
+        }
+    }
+
+    #[test]
+    fn blocks_as_the_boards_have_them() {
+        let identify = [integer(1), integer(0), integer(40)].concat();
+        assert_eq!(
+            encode_block(1, &identify),
+            [0x08, 0x11, 0x01, 0x00, 0x28, 0x42, 0x24, 0x7e]
+        );
+        let queue_step: Vec<u8> = [22, 1, 1600, 100, -3]
+            .into_iter()
+            .flat_map(integer)
+            .collect();
+        assert_eq!(
+            encode_block(3, &queue_step),
+            [
+                0x0c, 0x13, 0x16, 0x01, 0x8c, 0x40, 0x80, 0x64, 0x7d, 0x7b, 0xd9, 0x7e
+            ]
+        );
+        assert_eq!(encode_block(0, &[]), [0x05, 0x10, 0x9e, 0x81, 0x7e]);
+    }
+
+    #[test]
+    fn integers_without_an_end_are_none() {
+        assert_eq!(decode_vlq(&mut &[0x80_u8, 0x80][..]), None);
+        assert_eq!(
+            decode_vlq(&mut &[0x80_u8, 0x80, 0x80, 0x80, 0x80, 0x00][..]),
+            None
+        );
+        assert_eq!(decode_vlq(&mut &[][..]), None);
+    }
+
+    #[test]
+    fn behind_a_bad_block_the_next_is_found() {
+        let mut reader = Reader::default();
+        let mut bad = encode_block(1, &[1, 2, 3]);
+        bad[3] ^= 0x40;
+        reader.give(&[0x7E]);
+        reader.give(&bad);
+        reader.give(&encode_block(2, &[4]));
+        let found = reader.next().map(|block| (block.sequence, block.content));
+        assert_eq!(found, Some((2, vec![4])));
+        assert_eq!((reader.next(), reader.garbage), (None, 1));
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_encoded_is_decoded(value in i64::from(i32::MIN)..=i64::from(u32::MAX)) {
+            let bytes = integer(value);
+            let mut rest = bytes.as_slice();
+            prop_assert_eq!(decode_vlq(&mut rest), Some(value as u32));
+            prop_assert!(rest.is_empty());
+        }
+
+        #[test]
+        fn blocks_come_through(
+            contents in prop::collection::vec(prop::collection::vec(any::<u8>(), 0..=CONTENT), 1..20),
+            piece in 1usize..30,
+        ) {
+            let stream: Vec<u8> = contents.iter().enumerate()
+                .flat_map(|(count, content)| encode_block(count as u64, content)).collect();
+            let mut reader = Reader::default();
+            let mut found = Vec::new();
+            for bytes in stream.chunks(piece) {
+                reader.give(bytes);
+                while let Some(block) = reader.next() {
+                    found.push(block.content);
+                }
+            }
+            prop_assert_eq!(found, contents);
+            prop_assert_eq!(reader.garbage, 0);
+        }
+
+        #[test]
+        fn any_bytes_keep_little(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
+            let mut reader = Reader::default();
+            for byte in bytes {
+                reader.give(&[byte]);
+                while reader.next().is_some() {}
+                prop_assert!(reader.bytes.len() <= MOST);
+            }
+        }
+    }
+}

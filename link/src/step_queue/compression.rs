@@ -1,0 +1,187 @@
+//! Times of pulses become runs `interval, count, add`: the k-th step of a run comes
+//! `interval·k + add·k(k−1)/2` after the last step before it.
+
+/// Board clock ticks.
+pub(super) type Ticks = i64;
+
+/// The longest run.
+const MOST_STEPS: usize = 65_535;
+/// Where the change of the interval is estimated from.
+const HORIZONS: [usize; 12] = [2, 3, 4, 6, 8, 12, 16, 32, 64, 128, 256, 1024];
+
+/// Steps that are one message to the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Run {
+    pub(super) interval: u32,
+    pub(super) count: u16,
+    pub(super) add: i16,
+}
+
+impl Run {
+    /// When the k-th step comes, after the step before the run.
+    pub(super) const fn step(self, k: Ticks) -> Ticks {
+        self.interval as Ticks * k + self.add as Ticks * (k * (k - 1) / 2)
+    }
+}
+
+/// What a run has to keep to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tolerance {
+    /// Farthest a step may lie from its time.
+    pub(super) off: Ticks,
+    /// Or this part of the way from the step before, if that is more.
+    pub(super) part: Option<Ticks>,
+    /// Least time between two steps.
+    pub(super) apart: Ticks,
+    /// Least time from the step before the run to its first.
+    pub(super) first: Ticks,
+}
+
+/// The longest run that makes the first of the steps due (after `last`) within the
+/// tolerance. Steps due are at least [`Tolerance::apart`] apart; the first may have to
+/// come as late as the tolerance ask.
+pub(super) fn longest_run(last: Ticks, due: &[Ticks], tolerance: Tolerance) -> Option<Run> {
+    let first = due.first()? - last;
+    let mut best = Run {
+        interval: u32::try_from(first.max(tolerance.first).max(1)).ok()?,
+        count: 1,
+        add: 0,
+    };
+    let mut tried = [Ticks::MAX; 2 * HORIZONS.len() + 1];
+    let mut adds = 0;
+    for horizon in HORIZONS
+        .iter()
+        .copied()
+        .filter(|horizon| *horizon <= due.len())
+    {
+        // From the step in the middle and the one at the horizon.
+        let half = horizon / 2;
+        let (n, m) = (horizon as f64, half as f64);
+        let far = (due[horizon - 1] - last) as f64 / n;
+        let near = (due[half.max(1) - 1] - last) as f64 / m.max(1.0);
+        let add = if half == 0 {
+            0.0
+        } else {
+            2.0 * (far - near) / (n - m)
+        };
+        for add in [libm::floor(add) as Ticks, libm::ceil(add) as Ticks, 0] {
+            if !tried[..adds].contains(&add) && adds < tried.len() && i16::try_from(add).is_ok() {
+                tried[adds] = add;
+                adds += 1;
+            }
+        }
+    }
+    for &add in &tried[..adds] {
+        if let Some(run) = reach(last, due, tolerance, add)
+            && run.count > best.count
+        {
+            best = run;
+        }
+    }
+    Some(best)
+}
+
+/// How far a run with this change of the interval reaches.
+fn reach(last: Ticks, due: &[Ticks], tolerance: Tolerance, add: Ticks) -> Option<Run> {
+    // The interval lies between these; each step narrows them.
+    let mut least = tolerance.first;
+    let mut most = Ticks::from(u32::MAX >> 1);
+    let mut found = None;
+    let mut before = last;
+    for (k, due) in (1..).zip(due.iter().take(MOST_STEPS)) {
+        let bend = add * (k * (k - 1) / 2);
+        let away = due - last - bend;
+        let part = tolerance.part.map_or(0, |part| (due - before) / part);
+        let off = tolerance.off.max(part);
+        before = *due;
+        let at_least = div_up(away - off, k).max(tolerance.apart - add * (k - 1));
+        least = least.max(at_least);
+        most = most.min((away + off).div_euclid(k));
+        if least > most {
+            break;
+        }
+        // As near to the middle as the tolerance let it.
+        found = Some((k, least + (most - least) / 2));
+    }
+    let (count, interval) = found?;
+    Some(Run {
+        interval: u32::try_from(interval).ok()?,
+        count: u16::try_from(count).ok()?,
+        add: i16::try_from(add).ok()?,
+    })
+}
+
+const fn div_up(value: Ticks, by: Ticks) -> Ticks {
+    -(-value).div_euclid(by)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const TOLERANCE: Tolerance = Tolerance {
+        off: 80,
+        part: None,
+        apart: 500,
+        first: 500,
+    };
+
+    /// Compresses all, checks every step, and counts the runs.
+    fn compressed(due: &[Ticks], tolerance: Tolerance) -> usize {
+        let (mut last, mut done, mut runs) = (0, 0, 0);
+        while done < due.len() {
+            let run = longest_run(last, &due[done..], tolerance).unwrap();
+            let mut before = last;
+            for k in 1..=Ticks::from(run.count) {
+                let at = last + run.step(k);
+                let wanted = due[done + k as usize - 1];
+                assert!(
+                    (at - wanted).abs() <= tolerance.off,
+                    "{run:?} step {k}: {at} {wanted}"
+                );
+                assert!(at - before >= tolerance.apart, "{run:?} step {k}");
+                before = at;
+            }
+            last = before;
+            done += usize::from(run.count);
+            runs += 1;
+        }
+        runs
+    }
+
+    #[test]
+    fn even_steps_are_one_run() {
+        let due: Vec<Ticks> = (1..=40_000).map(|k| 10_000 + k * 1600).collect();
+        assert_eq!(compressed(&due, TOLERANCE), 2, "the first interval differs");
+    }
+
+    #[test]
+    fn a_ramp_is_few_runs() {
+        // 400 steps from rest with constant acceleration.
+        let due: Vec<Ticks> = (1..=400)
+            .map(|k| (libm::sqrt(f64::from(k) / 2000.0) * 16e6) as Ticks + 20_000)
+            .collect();
+        let runs = compressed(&due, TOLERANCE);
+        assert!(runs <= 40, "{runs}");
+    }
+
+    proptest! {
+        #[test]
+        fn every_step_is_in_time(
+            gaps in prop::collection::vec((500i64..60_000, 1usize..60, -40i64..40), 1..30),
+            off in 4i64..200,
+        ) {
+            let mut due = Vec::new();
+            let mut at = 0;
+            for (mut gap, count, change) in gaps {
+                for _ in 0..count {
+                    gap = (gap + change).max(500);
+                    at += gap;
+                    due.push(at);
+                }
+            }
+            compressed(&due, Tolerance { off, ..TOLERANCE });
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Blocks as text, for who watches the traffic.
+
+use core::fmt::Write;
+
+use super::block::{self, LEAST};
+use super::dictionary::Dictionary;
+
+/// What stands in a whole block, or in a piece of none.
+pub(super) fn block(board: &Dictionary, outward: bool, bytes: &[u8]) -> String {
+    let whole = bytes.len() >= LEAST && usize::from(bytes[0]) == bytes.len();
+    let mut text = String::new();
+    // A `String` takes everything that is written to it.
+    if !whole {
+        for byte in bytes {
+            let _ = write!(text, "\\x{byte:02X}");
+        }
+        return text;
+    }
+    let _ = write!(text, "{:2}", bytes[1] & 0x0F);
+    let mut content = &bytes[2..bytes.len() - 3];
+    while !content.is_empty() {
+        let begin = content;
+        match message(board, outward, &mut content) {
+            Some(message) => {
+                let _ = write!(text, " {message};");
+            }
+            None => {
+                let _ = write!(text, " ?{begin:02X?}");
+                break;
+            }
+        }
+    }
+    text
+}
+
+fn message(board: &Dictionary, outward: bool, content: &mut &[u8]) -> Option<String> {
+    let form = board.form(outward, block::decode_vlq(content)?)?;
+    let mut words = form.split(' ');
+    let mut text = words.next()?.to_owned();
+    for word in words {
+        let (name, kind) = word.split_once('=')?;
+        let _ = match kind {
+            "%s" | "%*s" | "%.*s" => {
+                let (&count, rest) = content.split_first()?;
+                *content = rest.get(usize::from(count)..)?;
+                write!(text, " {name}=({count} bytes)")
+            }
+            "%i" | "%hi" => write!(text, " {name}={}", block::decode_vlq(content)? as i32),
+            _ => write!(text, " {name}={}", block::decode_vlq(content)?),
+        };
+    }
+    Some(text)
+}
+
+/// Takes the next block, or the piece before the next, from bytes that are collected;
+/// none: it is not whole yet.
+pub(super) fn next_block(collected: &mut Vec<u8>) -> Option<Vec<u8>> {
+    let length = usize::from(*collected.first()?);
+    if (LEAST..=LEAST + block::CONTENT).contains(&length) {
+        return (collected.len() >= length).then(|| collected.drain(..length).collect());
+    }
+    let end = collected.iter().position(|&byte| byte == 0x7E);
+    let end = end.or_else(|| collected.len().checked_sub(2 * length.max(64)))?;
+    Some(collected.drain(..=end).collect())
+}

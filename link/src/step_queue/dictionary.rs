@@ -1,0 +1,418 @@
+//! What a board says it understands: its compressed dictionary.
+
+use std::collections::BTreeMap;
+
+use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
+use serde::Deserialize;
+use serde_json::Value;
+use thiserror::Error;
+
+use super::block;
+use super::commands::{COMMANDS, Command, Kind, Need, REPLIES, Reply};
+
+/// No dictionary is longer, packed and unpacked.
+pub(super) const LONGEST_PACKED: usize = 1 << 17;
+const LONGEST: usize = 1 << 20;
+/// `identify` and its response, before anything else is known.
+const IDENTIFY: i64 = 1;
+const IDENTIFY_RESPONSE: u32 = 0;
+
+/// A parameter of a reply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Parameter {
+    Number,
+    Bytes,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Form {
+    kind: Option<Kind>,
+    parameters: Vec<Parameter>,
+}
+
+/// The dictionary of a board.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Dictionary {
+    ids: Vec<Option<i64>>,
+    replies: BTreeMap<u32, Form>,
+    pins: BTreeMap<String, u32>,
+    texts: BTreeMap<u32, String>,
+    constants: BTreeMap<String, Value>,
+    /// Texts of all messages, to the board and from it.
+    forms: [BTreeMap<u32, String>; 2],
+    pub(super) version: String,
+}
+
+/// As it is written.
+#[derive(Deserialize)]
+struct Written {
+    #[serde(default)]
+    commands: BTreeMap<String, i64>,
+    #[serde(default)]
+    responses: BTreeMap<String, i64>,
+    #[serde(default)]
+    enumerations: BTreeMap<String, BTreeMap<String, Value>>,
+    #[serde(default)]
+    config: BTreeMap<String, Value>,
+    #[serde(default)]
+    version: String,
+}
+
+impl Default for Dictionary {
+    /// What can be said and understood before the board has been asked.
+    fn default() -> Self {
+        let ids = COMMANDS
+            .iter()
+            .map(|(command, ..)| (*command == Command::Identify).then_some(IDENTIFY));
+        let response = Form {
+            kind: Some(Kind::Identify),
+            parameters: vec![Parameter::Number, Parameter::Bytes],
+        };
+        Self {
+            ids: ids.collect(),
+            replies: BTreeMap::from([(IDENTIFY_RESPONSE, response)]),
+            pins: BTreeMap::new(),
+            texts: BTreeMap::new(),
+            constants: BTreeMap::new(),
+            forms: [
+                BTreeMap::from([(IDENTIFY as u32, COMMANDS[0].2.to_owned())]),
+                BTreeMap::from([(IDENTIFY_RESPONSE, REPLIES[0].2.to_owned())]),
+            ],
+            version: String::new(),
+        }
+    }
+}
+
+/// Why a dictionary is not understood.
+#[derive(Debug, Error)]
+pub(super) enum DictionaryError {
+    /// It is not what zlib packs, or far too long.
+    #[error("the dictionary of the board cannot be unpacked")]
+    Packed,
+    /// It is not the JSON of a dictionary.
+    #[error("the dictionary of the board makes no sense: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A reply has parameters of a kind that nobody knows.
+    #[error("the reply `{0}` of the board makes no sense")]
+    Reply(String),
+    /// A range of pins is none.
+    #[error("the pins {0} of the board make no sense")]
+    Pins(String),
+}
+
+impl Dictionary {
+    /// From the bytes of the board.
+    pub(super) fn unpack(packed: &[u8]) -> Result<Self, DictionaryError> {
+        let text = decompress_to_vec_zlib_with_limit(packed, LONGEST)
+            .map_err(|_| DictionaryError::Packed)?;
+        Self::read(&text)
+    }
+
+    fn read(text: &[u8]) -> Result<Self, DictionaryError> {
+        let written: Written = serde_json::from_slice(text)?;
+        let mut replies = BTreeMap::new();
+        for (text, id) in &written.responses {
+            let kind = REPLIES.iter().find(|(.., known)| known == text);
+            let form = Form {
+                kind: kind.map(|(kind, ..)| *kind),
+                parameters: parameters(text)?,
+            };
+            replies.insert(*id as u32, form);
+        }
+        let forms = [&written.commands, &written.responses].map(|texts| {
+            texts
+                .iter()
+                .map(|(text, id)| (*id as u32, text.clone()))
+                .collect()
+        });
+        let enumeration = |name: &str| written.enumerations.get(name);
+        let mut texts = BTreeMap::new();
+        for (text, id) in enumeration("static_string_id").into_iter().flatten() {
+            if let Some(id) = id.as_u64().and_then(|id| u32::try_from(id).ok()) {
+                texts.insert(id, text.clone());
+            }
+        }
+        Ok(Self {
+            ids: COMMANDS
+                .iter()
+                .map(|(.., text)| written.commands.get(*text).copied())
+                .collect(),
+            replies,
+            pins: pins(enumeration("pin"))?,
+            texts,
+            constants: written.config,
+            forms,
+            version: written.version,
+        })
+    }
+
+    /// The first message that is needed and missing.
+    pub(super) fn missing(&self, speed: bool, index: bool) -> Option<&'static str> {
+        let wanted = |need: &Need| match need {
+            Need::Always => true,
+            Need::Speed => speed,
+            Need::Index => index,
+            Need::Restart => false,
+        };
+        let has = |text: &str| {
+            let known = REPLIES.iter().find(|(.., known)| *known == text);
+            self.replies
+                .values()
+                .any(|form| form.kind.is_some() && form.kind == known.map(|(kind, ..)| *kind))
+        };
+        let commands = COMMANDS
+            .iter()
+            .filter(|(command, need, _)| wanted(need) && !self.has(*command))
+            .map(|(.., text)| *text);
+        let replies = REPLIES
+            .iter()
+            .filter(|(_, need, text)| wanted(need) && !has(text))
+            .map(|(.., text)| *text);
+        let restart =
+            (!self.has(Command::Reset) && !self.has(Command::ConfigReset)).then_some("reset");
+        commands.chain(replies).chain(restart).next()
+    }
+
+    /// Whether the board knows a command.
+    pub(super) fn has(&self, command: Command) -> bool {
+        self.id(command).is_some()
+    }
+
+    fn id(&self, command: Command) -> Option<i64> {
+        self.ids.get(command as usize).copied().flatten()
+    }
+
+    /// A command with its arguments; empty when the board does not know it.
+    pub(super) fn message(&self, command: Command, arguments: &[i64]) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(16);
+        if let Some(id) = self.id(command) {
+            block::encode_vlq(&mut bytes, id);
+            for argument in arguments {
+                block::encode_vlq(&mut bytes, *argument);
+            }
+        }
+        bytes
+    }
+
+    /// The text of a message.
+    pub(super) fn form(&self, outward: bool, id: u32) -> Option<&str> {
+        self.forms[usize::from(!outward)]
+            .get(&id)
+            .map(String::as_str)
+    }
+
+    /// The replies in the content of a block; `None` where it makes no sense.
+    pub(super) fn replies(&self, mut content: &[u8]) -> Option<Vec<Reply>> {
+        let mut replies = Vec::new();
+        while !content.is_empty() {
+            let form = self.replies.get(&block::decode_vlq(&mut content)?)?;
+            let mut numbers = [0; 4];
+            let mut data = Vec::new();
+            for (place, parameter) in form.parameters.iter().enumerate() {
+                match parameter {
+                    Parameter::Number => {
+                        let number = block::decode_vlq(&mut content)?;
+                        if let Some(place) = numbers.get_mut(place) {
+                            *place = number;
+                        }
+                    }
+                    Parameter::Bytes => {
+                        let (&count, behind) = content.split_first()?;
+                        data = behind.get(..usize::from(count))?.to_vec();
+                        content = &behind[usize::from(count)..];
+                    }
+                }
+            }
+            if let Some(kind) = form.kind {
+                replies.push(Reply {
+                    kind,
+                    numbers,
+                    data,
+                });
+            }
+        }
+        Some(replies)
+    }
+
+    /// The number of a pin.
+    pub(super) fn pin(&self, name: &str) -> Option<u32> {
+        self.pins.get(name).copied()
+    }
+
+    /// What a shutdown says.
+    pub(super) fn text(&self, id: u32) -> String {
+        match self.texts.get(&id) {
+            Some(text) => text.clone(),
+            None => format!("text {id}"),
+        }
+    }
+
+    /// A number among the board's constants.
+    pub(super) fn constant(&self, name: &str) -> Option<u32> {
+        let value = self.constants.get(name)?;
+        u32::try_from(value.as_u64()?).ok()
+    }
+
+    /// What the board needs a pin for by itself, where it says so: `RESERVE_PINS_serial`
+    /// and such, lists of pins.
+    pub(super) fn reserved(&self, pin: &str) -> Option<&str> {
+        self.constants.iter().find_map(|(name, value)| {
+            let purpose = name.strip_prefix("RESERVE_PINS_")?;
+            let mut pins = value.as_str()?.split(',');
+            pins.any(|reserved| reserved.trim() == pin)
+                .then_some(purpose)
+        })
+    }
+
+    /// Name of the processor.
+    pub(super) fn processor(&self) -> &str {
+        let name = self.constants.get("MCU").and_then(Value::as_str);
+        name.unwrap_or_default()
+    }
+}
+
+fn parameters(text: &str) -> Result<Vec<Parameter>, DictionaryError> {
+    let kind = |word: &str| match word.split_once('=').map(|(_, kind)| kind) {
+        Some("%c" | "%u" | "%i" | "%hu" | "%hi") => Ok(Parameter::Number),
+        Some("%s" | "%*s" | "%.*s") => Ok(Parameter::Bytes),
+        _ => Err(DictionaryError::Reply(text.to_owned())),
+    };
+    text.split_whitespace().skip(1).map(kind).collect()
+}
+
+/// Pins by name; `"PA0": [0, 8]` stands for PA0 to PA7.
+fn pins(
+    written: Option<&BTreeMap<String, Value>>,
+) -> Result<BTreeMap<String, u32>, DictionaryError> {
+    /// No board has more in one row.
+    const MOST: u64 = 1024;
+    let mut pins = BTreeMap::new();
+    for (name, value) in written.into_iter().flatten() {
+        if let Some(number) = value.as_u64().and_then(|number| u32::try_from(number).ok()) {
+            pins.insert(name.clone(), number);
+            continue;
+        }
+        let range = value.as_array().and_then(|range| match range.as_slice() {
+            [first, count] => Some((first.as_u64()?, count.as_u64()?)),
+            _ => None,
+        });
+        let stem = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        let from: Option<u64> = name[stem.len()..].parse().ok();
+        let (Some((first, count)), Some(from)) = (range, from) else {
+            return Err(DictionaryError::Pins(name.clone()));
+        };
+        if count > MOST || first > MOST * MOST || from > MOST * MOST {
+            return Err(DictionaryError::Pins(name.clone()));
+        }
+        for index in 0..count {
+            pins.insert(format!("{stem}{}", from + index), (first + index) as u32);
+        }
+    }
+    Ok(pins)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn all_commands(first: i64) -> String {
+        let pair = |(index, text): (usize, &str)| format!("\"{text}\": {}", first - index as i64);
+        let commands = COMMANDS
+            .iter()
+            .map(|(.., text)| *text)
+            .enumerate()
+            .map(pair);
+        let replies = REPLIES.iter().map(|(.., text)| *text).enumerate().map(pair);
+        format!(
+            r#"{{"commands": {{{}}}, "responses": {{{}}}, "enumerations": {{"pin": {{"PA0": [0, 8], "PL0": 80}},
+               "static_string_id": {{"Timer too close": 3}}}}, "config": {{"CLOCK_FREQ": 16000000, "MCU": "atmega2560"}}, "version": "v1"}}"#,
+            commands.collect::<Vec<_>>().join(","),
+            replies.collect::<Vec<_>>().join(",")
+        )
+    }
+
+    #[test]
+    fn a_dictionary_is_read() {
+        let board = Dictionary::read(all_commands(20).as_bytes()).unwrap();
+        assert_eq!(board.missing(true, true), None);
+        assert_eq!((board.pin("PA7"), board.pin("PL0")), (Some(7), Some(80)));
+        assert_eq!((board.pin("PA8"), board.pin("PB0")), (None, None));
+        assert_eq!(board.constant("CLOCK_FREQ"), Some(16_000_000));
+        assert_eq!(board.processor(), "atmega2560");
+        assert_eq!(board.text(3), "Timer too close");
+        assert_eq!(board.text(4), "text 4");
+    }
+
+    #[test]
+    fn a_command_that_differs_by_a_letter_is_named() {
+        let text = all_commands(20).replace("count=%hu add=%hi", "count=%hu add=%i");
+        let board = Dictionary::read(text.as_bytes()).unwrap();
+        assert_eq!(
+            board.missing(false, false),
+            Some("queue_step oid=%c interval=%u count=%hu add=%hi")
+        );
+        let text = all_commands(20).replace("uptime high=%u", "uptime high=%i");
+        let board = Dictionary::read(text.as_bytes()).unwrap();
+        assert_eq!(board.missing(false, false), Some("uptime high=%u clock=%u"));
+        let text = all_commands(20)
+            .replace("\"reset\"", "\"reset_\"")
+            .replace("\"config_reset\"", "\"x\"");
+        let board = Dictionary::read(text.as_bytes()).unwrap();
+        assert_eq!(board.missing(false, false), Some("reset"));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_told() {
+        for text in [
+            "{",
+            r#"{"responses": {"stats x=%q": 1}}"#,
+            r#"{"enumerations": {"pin": {"PA": [0, 8]}}}"#,
+            r#"{"enumerations": {"pin": {"PA0": [0, 99999999]}}}"#,
+        ] {
+            assert!(Dictionary::read(text.as_bytes()).is_err(), "{text}");
+        }
+        assert!(Dictionary::unpack(b"no zlib").is_err());
+    }
+
+    #[test]
+    fn replies_are_told_from_each_other() {
+        let board = Dictionary::read(all_commands(-5).as_bytes()).unwrap();
+        let mut content = Vec::new();
+        for number in [-5 - 2, 1, 99, -5 - 9, -5 - 3, 0, -7] {
+            block::encode_vlq(&mut content, number);
+        }
+        let kinds: Vec<Kind> = board
+            .replies(&content)
+            .unwrap()
+            .iter()
+            .map(|reply| reply.kind)
+            .collect();
+        assert_eq!(kinds, [Kind::Uptime, Kind::Starting, Kind::Position]);
+        assert_eq!(board.replies(&content).unwrap()[2].numbers[1] as i32, -7);
+        assert_eq!(board.replies(&content[..2]), None);
+    }
+
+    proptest! {
+        /// Whatever number a board gives its messages, they come through.
+        #[test]
+        fn any_numbers_do(first in -40_000i64..40_000, arguments in prop::collection::vec(any::<u32>(), 4)) {
+            let board = Dictionary::read(all_commands(first).as_bytes()).unwrap();
+            let arguments: Vec<i64> = arguments.into_iter().map(i64::from).collect();
+            let bytes = board.message(Command::QueueStep, &arguments);
+            let mut rest = bytes.as_slice();
+            prop_assert_eq!(block::decode_vlq(&mut rest), Some((first - Command::QueueStep as i64) as u32));
+            for argument in arguments {
+                prop_assert_eq!(block::decode_vlq(&mut rest), Some(argument as u32));
+            }
+            prop_assert!(rest.is_empty());
+        }
+
+        #[test]
+        fn any_content_is_read_or_refused(content in prop::collection::vec(any::<u8>(), 0..60)) {
+            let board = Dictionary::read(all_commands(60).as_bytes()).unwrap();
+            let _ = board.replies(&content);
+            let _ = Dictionary::unpack(&content);
+        }
+    }
+}

@@ -1,0 +1,445 @@
+//! How the board becomes known: who it is, what it understands, how it is set up.
+
+use crate::position::Positioned;
+use gsk_units::alarm;
+
+use core::time::Duration;
+
+use super::super::super::{ANOTHER, BoardInfo, Event, HostTime, LinkState, Uncertainty};
+use super::super::clock_sync::ClockSync;
+use super::super::commands::Command;
+use super::super::dictionary::{Dictionary, LONGEST_PACKED};
+use super::super::dictionary_cache::DictionaryCache;
+use super::super::send_queue::{Mark, Message};
+use super::super::wiring::Wiring;
+use super::group::Group;
+use super::periodic::Periodic;
+use super::{ASK_AGAIN, Purpose, StepLink};
+
+/// By then the board must be known.
+const SILENCE: Duration = Duration::from_secs(5);
+/// The dictionary is read in pieces of so many bytes.
+const PIECE: usize = 40;
+/// A reset takes effect within this.
+const RESTARTS: Duration = Duration::from_millis(200);
+/// So often a board is reset to be set up.
+const MOST_RESTARTS: u32 = 2;
+
+/// How far the dialogue has come.
+#[derive(Clone, Debug)]
+pub(super) enum Phase {
+    /// Which block does the board expect?
+    Sync,
+    /// Its dictionary so far, or the known one whose end is compared.
+    Identify {
+        packed: Vec<u8>,
+        known: Option<usize>,
+        asked: HostTime,
+    },
+    /// It is asked how it is set up; how often it was reset, and whether it has
+    /// been told; why it gave up behind that.
+    Ask {
+        asked: HostTime,
+        restarts: u32,
+        told: bool,
+        why: Option<String>,
+    },
+    /// It resets itself.
+    Restarting { since: HostTime, restarts: u32 },
+    /// Its clock and its counts are learned; how often it was reset.
+    Learn { restarts: u32 },
+    /// All is known.
+    Running,
+    /// It hears nothing but a reset; whether all was known.
+    ShutDown { opened: bool },
+}
+
+/// The dialogue with a board that is to become known, and what came of it.
+#[derive(Clone, Debug)]
+pub(super) struct Opening {
+    pub(super) phase: Phase,
+    /// When the port was opened, or the board last told something new.
+    opened: HostTime,
+    pub(super) info: BoardInfo,
+    pub(super) dictionary_cache: DictionaryCache,
+}
+
+impl Opening {
+    pub(super) fn new(now: HostTime) -> Self {
+        Self {
+            phase: Phase::Sync,
+            opened: now,
+            info: BoardInfo::default(),
+            dictionary_cache: DictionaryCache::default(),
+        }
+    }
+
+    /// Whether all is known, and the board hears.
+    pub(super) const fn is_running(&self) -> bool {
+        matches!(self.phase, Phase::Running)
+    }
+
+    /// Whether all is known of the board, if it hears or not.
+    pub(super) const fn is_opened(&self) -> bool {
+        matches!(
+            self.phase,
+            Phase::Running | Phase::ShutDown { opened: true }
+        )
+    }
+
+    /// The board hears nothing any more.
+    pub(super) fn shut_down(&mut self) {
+        let opened = self.is_opened();
+        self.phase = Phase::ShutDown { opened };
+    }
+
+    /// Whether it does not.
+    pub(super) const fn is_shut_down(&self) -> bool {
+        matches!(self.phase, Phase::ShutDown { .. })
+    }
+}
+
+impl StepLink {
+    /// From the first byte.
+    pub(super) fn begin(&mut self) {
+        self.opening.phase = Phase::Sync;
+        self.opening.opened = self.session.now;
+        self.lose_position(Uncertainty::Reset);
+        self.stopping = None;
+        self.query.pending = None;
+        self.group = Group::default();
+        self.periodic = Periodic::default();
+        self.forget_spindle();
+        self.wiring = None;
+        self.motion.forget_board();
+        self.wire.begin();
+        self.session.enter(LinkState::Opening);
+    }
+
+    pub(super) fn open_further(&mut self) {
+        if self.is_opened() || self.session.state == LinkState::Fault {
+            return;
+        }
+        if self.session.since(self.opening.opened) >= SILENCE {
+            self.not_opened();
+            return;
+        }
+        let now = self.session.now;
+        match &mut self.opening.phase {
+            Phase::Sync if self.wire.send_queue.is_synced() => {
+                self.session.enter(LinkState::Identify);
+                self.opening.phase = Phase::Identify {
+                    packed: Vec::new(),
+                    known: None,
+                    asked: self.session.now,
+                };
+                self.send_identify();
+            }
+            Phase::Identify { asked, .. }
+                if now.saturating_sub(*asked) >= ASK_AGAIN && self.wire.send_queue.is_empty() =>
+            {
+                // It has arrived; its answer was lost.
+                *asked = now;
+                self.send_identify();
+            }
+            Phase::Ask { asked, .. }
+                if self.wire.send_queue.is_synced()
+                    && self.wire.send_queue.is_empty()
+                    && now.saturating_sub(*asked) >= ASK_AGAIN =>
+            {
+                *asked = now;
+                self.wire.send_query(Command::GetConfig, &[], Mark::Config);
+            }
+            Phase::Restarting { since, restarts } if now.saturating_sub(*since) >= RESTARTS => {
+                self.opening.phase = Phase::Ask {
+                    asked: HostTime::ZERO,
+                    restarts: *restarts,
+                    told: false,
+                    why: None,
+                };
+                self.clock = ClockSync::new(self.clock.rate);
+                self.periodic = Periodic::default();
+                self.wire.send_queue.begin();
+            }
+            Phase::Learn { .. } => self.learn(),
+            _ => {}
+        }
+    }
+
+    fn not_opened(&mut self) {
+        let (heard, bytes) = (
+            self.wire.send_queue.is_synced(),
+            self.wire.traffic.received > 0,
+        );
+        if !heard && bytes && self.wire.send_queue.tries() > 1 {
+            self.refuse(
+                alarm::BOARD_UNSUPPORTED,
+                &format!("what the board sends makes no sense; {ANOTHER}"),
+            );
+        } else {
+            self.session.alarm(
+                alarm::BOARD_SILENT,
+                &format!("no answer from the board within 5 s; {ANOTHER}"),
+            );
+            self.session.enter(LinkState::Lost);
+        }
+    }
+
+    fn refuse(&mut self, number: u16, text: &str) {
+        self.session.alarm(number, text);
+        self.session.enter(LinkState::Fault);
+    }
+
+    /// Asks for the next piece of the dictionary, or for the end that it would have.
+    fn send_identify(&mut self) {
+        if let Phase::Identify { packed, known, .. } = &self.opening.phase {
+            let end = known.and_then(|known| self.opening.dictionary_cache.end(known));
+            let from = end.map_or(packed.len(), |(from, _)| from) as i64;
+            self.wire.send(Command::Identify, &[from, PIECE as i64]);
+        }
+    }
+
+    pub(super) fn identify_reply(&mut self, offset: u32, data: &[u8]) {
+        let now = self.session.now;
+        let Phase::Identify {
+            packed,
+            known,
+            asked,
+        } = &mut self.opening.phase
+        else {
+            return;
+        };
+        if let Some(place) = *known {
+            let Some((from, end)) = self.opening.dictionary_cache.end(place) else {
+                return;
+            };
+            if offset as usize != from {
+                return;
+            }
+            if data == end {
+                let whole = self
+                    .opening
+                    .dictionary_cache
+                    .get(place)
+                    .unwrap_or_default()
+                    .to_vec();
+                self.identified_as(&whole);
+                return;
+            }
+            *known = self.opening.dictionary_cache.find(place + 1, packed);
+        } else {
+            if offset as usize != packed.len() {
+                return;
+            }
+            packed.extend_from_slice(data);
+            if data.is_empty() {
+                let packed = core::mem::take(packed);
+                self.opening.dictionary_cache.insert(packed.clone());
+                self.identified_as(&packed);
+                if self.wiring.is_some() {
+                    let name = self.opening.info.firmware.clone();
+                    self.session.events.push(Event::Learned { name, packed });
+                }
+                return;
+            }
+            if packed.len() > LONGEST_PACKED {
+                self.refuse(
+                    alarm::BOARD_UNSUPPORTED,
+                    "the dictionary of the board never ends",
+                );
+                return;
+            }
+            if offset == 0 {
+                *known = self.opening.dictionary_cache.find(0, packed);
+            }
+        }
+        *asked = now;
+        // A board that is known takes time: silence is counted from here.
+        self.opening.opened = now;
+        self.send_identify();
+    }
+
+    fn identified_as(&mut self, packed: &[u8]) {
+        if let Err((number, text)) = self.understand(packed) {
+            self.refuse(number, &text);
+        }
+    }
+
+    fn understand(&mut self, packed: &[u8]) -> Result<(), (u16, String)> {
+        let board = Dictionary::unpack(packed)
+            .map_err(|error| (alarm::BOARD_UNSUPPORTED, error.to_string()))?;
+        let io = &self.config.io;
+        if let Some(missing) = board.missing(!io.spindle_pwm.is_empty(), !io.index.is_empty()) {
+            return Err((
+                alarm::BOARD_UNSUPPORTED,
+                format!("the board does not know `{missing}`"),
+            ));
+        }
+        let rate = board
+            .constant("CLOCK_FREQ")
+            .filter(|rate| *rate >= 1_000_000);
+        let rate = rate.ok_or((
+            alarm::BOARD_UNSUPPORTED,
+            "the board does not tell its clock rate".to_owned(),
+        ))?;
+        let wiring = Wiring::new(&self.config, &board, rate.into())
+            .map_err(|error| (alarm::BOARD_SETTINGS, error.to_string()))?;
+        let window = board.constant("RECEIVE_WINDOW");
+        self.opening.info.firmware = format!("{} {}", board.processor(), board.version);
+        self.opening.info.receive_bytes = window
+            .and_then(|bytes| bytes.try_into().ok())
+            .unwrap_or(u16::MAX);
+        self.wire.send_queue.set_window(window);
+        self.clock = ClockSync::new(rate.into());
+        self.motion
+            .set_up(&self.config, board.processor(), rate.into());
+        self.wire
+            .send_queue
+            .set_message_rate(self.motion.rates.messages);
+        self.wire.dictionary = board;
+        self.wiring = Some(wiring);
+        self.session.enter(LinkState::Configure);
+        self.opening.phase = Phase::Ask {
+            asked: HostTime::ZERO,
+            restarts: 0,
+            told: false,
+            why: None,
+        };
+        Ok(())
+    }
+
+    /// The board said how it is set up: configured, check, shut down, queue.
+    pub(super) fn config_reply(&mut self, [configured, crc, shut_down, queue]: [u32; 4]) {
+        if self.is_opened() {
+            let ours = self.wiring.as_ref().map(|wiring| wiring.crc);
+            if configured == 0 || ours != Some(crc) {
+                self.board_restarted();
+            }
+            return;
+        }
+        let Phase::Ask {
+            restarts,
+            told,
+            ref why,
+            ..
+        } = self.opening.phase
+        else {
+            return;
+        };
+        let Some(wiring) = &self.wiring else {
+            return;
+        };
+        let ours = configured != 0 && crc == wiring.crc && shut_down == 0;
+        if ours {
+            self.opening.info.blocks = queue.try_into().unwrap_or(u16::MAX);
+            self.motion.queue.set_slots(queue);
+            self.opening.phase = Phase::Learn { restarts };
+        } else if told {
+            let text = self.not_taken(why.as_deref());
+            self.refuse(alarm::BOARD_SETTINGS, &text);
+        } else if configured == 0 && shut_down == 0 {
+            let (messages, crc) = (wiring.messages.clone(), wiring.crc);
+            for bytes in messages {
+                self.wire.send_queue.push(Message::plain(bytes));
+            }
+            self.wire.send(Command::FinalizeConfig, &[crc.into()]);
+            // Asked in the same stream, behind it.
+            self.opening.phase = Phase::Ask {
+                asked: self.session.now,
+                restarts,
+                told: true,
+                why: None,
+            };
+        } else {
+            self.restart_board(restarts + 1, shut_down != 0);
+        }
+    }
+
+    /// What 603 says of a configuration that the board gave up at, in the board's words
+    /// where it told them.
+    fn not_taken(&self, why: Option<&str>) -> String {
+        match why {
+            None => "the board does not take its configuration".into(),
+            // Only one output is of that kind: the reason means its pin.
+            Some(why) if why.contains("PWM") => {
+                let pin = &self.config.io.spindle_pwm;
+                format!(
+                    "the board does not take its configuration: {why} (link.io.spindle_pwm: {pin})"
+                )
+            }
+            Some(why) => format!("the board does not take its configuration: {why}"),
+        }
+    }
+
+    /// A board that gives up because of what an earlier host has left undone begins
+    /// anew; one that gives up at what it was told is asked once more how it is set up.
+    pub(super) fn shut_down_early(&mut self, text: u32) -> bool {
+        let restarts = match &mut self.opening.phase {
+            Phase::Learn { restarts } => *restarts,
+            Phase::Running
+                if !self.session.knows_position()
+                    && self.session.now < self.periodic.inherited_until =>
+            {
+                0
+            }
+            Phase::Ask {
+                told: true, why, ..
+            } => {
+                why.get_or_insert_with(|| self.wire.dictionary.text(text));
+                return true;
+            }
+            _ => return !self.is_opened(),
+        };
+        self.motion.forget_board();
+        self.query.pending = None;
+        self.session.enter(LinkState::Configure);
+        self.restart_board(restarts + 1, true);
+        true
+    }
+
+    /// A board that is set up for something else, or shut down, begins anew.
+    fn restart_board(&mut self, restarts: u32, shut_down: bool) {
+        if restarts > MOST_RESTARTS {
+            self.refuse(
+                alarm::BOARD_SETTINGS,
+                "the board does not give up its old configuration",
+            );
+        } else if self.wire.dictionary.has(Command::Reset) {
+            self.wire.send(Command::Reset, &[]);
+            self.send();
+            self.opening.opened = self.session.now;
+            let since = self.session.now;
+            self.opening.phase = Phase::Restarting { since, restarts };
+        } else {
+            if !shut_down {
+                self.wire.send(Command::EmergencyStop, &[]);
+            }
+            self.wire.send(Command::ConfigReset, &[]);
+            self.opening.phase = Phase::Ask {
+                asked: self.session.now,
+                restarts,
+                told: false,
+                why: None,
+            };
+        }
+    }
+
+    /// The clock, where the axes stand, and the switches.
+    fn learn(&mut self) {
+        self.ask_clock();
+        if !self.clock.is_ready() {
+            return;
+        }
+        self.opening.phase = Phase::Running;
+        self.take_over_outputs();
+        self.forget_spindle();
+        let index = self.wiring.as_ref().and_then(|wiring| wiring.index);
+        if let Some(oid) = index {
+            let at = self.soon();
+            let ticks = |micros| self.clock.ticks(Duration::from_micros(micros)) as i64;
+            let arguments = [oid, i64::from(at as u32), ticks(100), ticks(20_000)];
+            self.wire.send(Command::QueryCounter, &arguments);
+        }
+        self.query_position(Purpose::Opening);
+    }
+}

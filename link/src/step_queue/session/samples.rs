@@ -1,0 +1,302 @@
+//! Samples of the kernel go to the board as steps, and their counts come back.
+
+use crate::Backend;
+use crate::position::Positioned;
+use core::time::Duration;
+
+use super::super::super::{Event, Input, LinkState, Refused, Sample, Uncertainty};
+use super::super::commands::Command;
+use super::super::compression::Ticks;
+use super::super::steps::Stretch;
+use super::{Purpose, StepLink};
+use gsk_units::{PerAxis, Pulses, alarm};
+
+/// Pulses are compressed and sent so often.
+pub(super) const FLUSH_EVERY: Duration = Duration::from_millis(10);
+/// Pulses that can wait are compressed together with later ones, up to this before they
+/// have to be on their way.
+const LEAST_SLACK: Duration = Duration::from_millis(45);
+/// How many times as far from its time a step may lie, by the time it has left.
+const COARSER: [(Duration, Ticks); 4] = [
+    (Duration::from_millis(70), 1),
+    (Duration::from_millis(50), 2),
+    (Duration::from_millis(30), 4),
+    (Duration::from_millis(10), 8),
+];
+const COARSEST: Ticks = 16;
+/// The count of standing axes is compared so often.
+const LOOK_EVERY: Duration = Duration::from_secs(1);
+/// Standing so long before the count is compared.
+const SETTLED: Duration = Duration::from_millis(50);
+/// Messages that wait for the wire; more motion is not taken.
+pub(super) const MOST_WAITING: usize = 1500;
+
+impl StepLink {
+    /// How far the motion handed over now may reach. Besides the lookahead, the time it
+    /// takes to the board: a pause of the host as long as the lookahead does no harm.
+    pub(super) fn farthest(&self) -> Ticks {
+        let reach = self.ahead() + self.margin() + FLUSH_EVERY;
+        self.clock.at(self.session.now + reach) as Ticks
+    }
+
+    /// The axes are to be here at the end of a tick.
+    pub(super) fn take_sample(&mut self, sample: Sample) -> Result<(), Refused> {
+        if !self.is_prepared() {
+            return Err(Refused::NotReady);
+        }
+        let before = self.motion.path.newest;
+        let duration = sample.end.saturating_sub(before.end);
+        let moves = [
+            sample.pulses.x.0 - before.pulses.x.0,
+            sample.pulses.z.0 - before.pulses.z.0,
+        ];
+        let moved = moves != [0; 2];
+        if duration.is_zero() {
+            return if moved {
+                Err(Refused::NotReady)
+            } else {
+                Ok(())
+            };
+        }
+        self.motion.rates.allow(moves, duration.as_secs_f64())?;
+        if moved {
+            let operated = [Input::LimitX, Input::LimitZ].map(|input| self.input(input));
+            self.motion.limits.allow(moves, operated)?;
+        }
+        let rests = !moved && sample.fine == before.fine;
+        if rests && self.motion.path.finished && !self.motion.path.keeps_time {
+            // Rest takes no place in the board.
+            self.motion.path.rest(sample);
+            return Ok(());
+        }
+        if self.is_too_late() || (!rests && self.spindle.is_torn()) {
+            self.late("the kernel has not handed over motion in time");
+            return Err(Refused::NotReady);
+        }
+        let from = self.next_begin();
+        if !rests {
+            // A question where the axes stand is idle now.
+            self.query.pending = self.query.pending.filter(|reading| {
+                !matches!(reading.purpose, Purpose::Verify | Purpose::Look { .. })
+            });
+        }
+        let need = self
+            .wire
+            .send_queue
+            .time_for(self.motion.queue.slowdown.expected());
+        let need = need.saturating_sub(self.slowness() / 2);
+        let slower = self.motion.queue.slowdown.factor(duration, need);
+        let slower = if self.motion.path.keeps_time {
+            1.0
+        } else {
+            slower
+        };
+        let end = from + self.clock.ticks(duration.mul_f64(slower)) as Ticks;
+        for (axis, steps) in self.motion.queue.steps.iter_mut().enumerate() {
+            let pair = |values: PerAxis<i64>| if axis == 0 { values.x } else { values.z };
+            let count = |sample: &Sample| pair(PerAxis::new(sample.pulses.x.0, sample.pulses.z.0));
+            steps.sample(Stretch {
+                clock: [from, end],
+                count: [count(&before), count(&sample)],
+                fine: [pair(before.fine), pair(sample.fine)],
+            });
+        }
+        self.motion.path.push(sample, from, end, rests);
+        self.motion.count.commanded = sample.pulses;
+        let flush_due = self.session.now + FLUSH_EVERY;
+        self.motion.queue.flush_due.get_or_insert(flush_due);
+        if moved {
+            self.motion.queue.last_step = None;
+            self.session.enter(LinkState::Moving);
+        }
+        Ok(())
+    }
+
+    /// Board clock at which the motion handed over so far is over, rest behind it
+    /// counted; none: there is none.
+    fn end_of_rest(&self) -> Option<(Ticks, Ticks)> {
+        let end = self.motion.path.end?;
+        let rest = self.motion.path.rest_behind();
+        Some((end, end + self.clock.ticks(rest) as Ticks))
+    }
+
+    /// Whether moving axes are without motion by now.
+    fn is_too_late(&self) -> bool {
+        let rests = self.motion.path.is_at_rest();
+        let late = self.earliest() as Ticks;
+        !rests && self.end_of_rest().is_some_and(|(_, rest)| rest < late)
+    }
+
+    /// Board clock at which motion begins that is handed over now.
+    pub(super) fn next_begin(&self) -> Ticks {
+        let begin = self.farthest();
+        match self.end_of_rest() {
+            Some((end, rest)) if rest >= self.earliest() as Ticks => rest.min(begin).max(end),
+            // Out of rest it may begin later.
+            _ => begin,
+        }
+    }
+
+    /// The kernel stands: what is left of the motion goes out.
+    pub(super) fn take_rest(&mut self) -> Result<(), Refused> {
+        self.motion.path.finished = true;
+        self.compress();
+        self.send();
+        Ok(())
+    }
+
+    /// Time until the first pulse that is not compressed has to be on its way, so that
+    /// there is time to send it again.
+    fn slack(&self) -> Duration {
+        let first = self.motion.queue.first_due().unwrap_or_default();
+        let slack = self.clock.duration(first.saturating_sub(self.earliest()));
+        slack.saturating_sub(self.slowness())
+    }
+
+    fn slowness(&self) -> Duration {
+        self.wire.send_queue.slowness_now(self.session.now)
+    }
+
+    /// Pulses due become runs. What has had to wait becomes fewer and longer ones:
+    /// they keep the times of the pulses less exactly.
+    fn compress(&mut self) {
+        let slack = self.slack().saturating_sub(self.slowness());
+        let coarse = COARSER.iter().find(|(least, _)| slack >= *least);
+        let coarse = coarse.map_or(COARSEST, |(_, coarse)| *coarse);
+        self.motion.queue.flush_due = None;
+        let now = self.clock.at(self.session.now) as Ticks;
+        let mut entries = Vec::new();
+        for (axis, steps) in self.motion.queue.steps.iter_mut().enumerate() {
+            let mut compressed = Vec::new();
+            steps.compress(now, coarse, &mut compressed);
+            entries.extend(compressed.into_iter().map(|entry| (axis, entry)));
+        }
+        entries.sort_by_key(|(_, entry)| entry.first);
+        let messages = entries.iter().map(|(_, entry)| entry.messages());
+        self.motion.queue.slowdown.compressed(messages.sum());
+        self.motion.queue.backlog.extend(entries);
+        self.hand_over();
+    }
+
+    /// Runs go out as far as the queue of the board reaches.
+    fn hand_over(&mut self) {
+        let now = self.clock.at(self.session.now) as Ticks;
+        let Some(axes) = self.wiring.as_ref().map(|wiring| wiring.axes) else {
+            return;
+        };
+        self.motion.queue.pass(now);
+        while let Some((axis, entry)) = self.motion.queue.next_entry() {
+            let (oid, invert) = match axis {
+                0 => (axes.x, self.config.x.is_turned_over()),
+                _ => (axes.z, self.config.z.is_turned_over()),
+            };
+            let due = entry.first.unsigned_abs();
+            if let Some(from) = entry.from {
+                self.wire
+                    .send_timed(Command::ResetStepClock, &[oid, i64::from(from as u32)], due);
+            }
+            if let Some(up) = entry.up {
+                self.wire.send_timed(
+                    Command::SetNextStepDir,
+                    &[oid, i64::from(up != invert)],
+                    due,
+                );
+            }
+            let run = entry.run;
+            let arguments = [oid, run.interval.into(), run.count.into(), run.add.into()];
+            self.wire.send_steps(axis, &arguments, due);
+            self.wire.traffic.segments += 1;
+        }
+    }
+
+    /// Time passes over the motion.
+    pub(super) fn move_on(&mut self) {
+        let now = self.clock.at(self.session.now) as Ticks;
+        if self.stopping.is_none() {
+            self.motion.path.pass(now);
+        }
+        let due = self
+            .motion
+            .queue
+            .flush_due
+            .is_some_and(|due| self.session.now >= due);
+        // On a line that is slow, or full, longer runs are better than more of them.
+        let narrow = self.wire.send_queue.is_congested() || !self.slowness().is_zero();
+        let may_wait = narrow && self.slack() >= LEAST_SLACK;
+        if due && !may_wait {
+            self.compress();
+        } else {
+            self.hand_over();
+        }
+        let dry = self.motion.path.end.is_some_and(|end| end <= now);
+        if dry && !self.motion.path.is_at_rest() {
+            self.late("the kernel has not handed over motion in time");
+            return;
+        }
+        if dry {
+            self.motion.path.end_if_made();
+        }
+        self.verify(now);
+    }
+
+    /// When the board stands and nothing is queued, its count is compared.
+    fn verify(&mut self, now: Ticks) {
+        let settled = self.clock.ticks(SETTLED) as Ticks;
+        let made = self
+            .motion
+            .queue
+            .last_step
+            .is_some_and(|last| now >= last + settled);
+        let queued = self.motion.queue.is_waiting() || self.wire.send_queue.is_congested();
+        let moving = self.session.state == LinkState::Moving && self.stopping.is_none();
+        if moving && made && !queued && self.query.pending.is_none() {
+            self.query_position(Purpose::Verify);
+        } else if self.session.now >= self.query.look_due && self.may_look() {
+            self.query.look_due = self.session.now + LOOK_EVERY;
+            self.query_position(Purpose::Look { asked: false });
+        }
+    }
+
+    pub(super) fn may_look(&self) -> bool {
+        self.session.state == LinkState::Ready
+            && self.stopping.is_none()
+            && self.query.pending.is_none()
+            && !self.motion.is_under_way()
+    }
+
+    /// The board said where the axes stand.
+    pub(super) fn position_answered(&mut self, purpose: Purpose, board: PerAxis<Pulses>) {
+        match purpose {
+            Purpose::Stopped => self.stopped(board),
+            Purpose::Opening => {
+                self.motion.count.board = Some(board);
+                self.session.enter(LinkState::Locked);
+            }
+            Purpose::Verify | Purpose::Look { .. } => {
+                self.motion.count.board = Some(board);
+                let kernel = self.motion.count.to_kernel(board);
+                let commanded = self.motion.count.commanded;
+                if purpose != (Purpose::Look { asked: false }) {
+                    self.session.events.push(Event::Position(kernel));
+                }
+                if kernel == commanded && purpose != Purpose::Verify {
+                    return;
+                }
+                if kernel == commanded {
+                    self.session.events.push(Event::Drained);
+                    self.session.enter(self.session.standing_state());
+                    return;
+                }
+                self.lose_position(Uncertainty::Differs);
+                let text = format!(
+                    "commanded X {} Z {} pulses, the board counts X {} Z {}",
+                    commanded.x.0, commanded.z.0, kernel.x.0, kernel.z.0
+                );
+                self.session.alarm(alarm::POSITION_CHECK, &text);
+                self.give_up_motion();
+                self.motion.stand_at(kernel);
+                self.session.enter(LinkState::Locked);
+            }
+        }
+    }
+}

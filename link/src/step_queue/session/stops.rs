@@ -1,0 +1,277 @@
+//! Everything that stops the axes, and what is known afterwards.
+//!
+//! The stop group lives in the board: limit switches, emergency stop, drive alarm,
+//! the silence of the host and the link's own flush trigger it; both axes then stop
+//! at once, and the board knows where.
+
+use super::group::{
+    DRIVES, EMERGENCY, FLUSH, LIMIT_X, LIMIT_Z, REACHED, REACHED_Z, SILENT_HOST, is_reached,
+};
+use super::{GIVE_UP, Purpose, StepLink};
+use crate::Backend;
+use crate::position::Positioned;
+use crate::step_queue::commands::Command;
+use crate::step_queue::send_queue::Mark;
+use crate::{Event, HostTime, Input, LinkState, Uncertainty, Until};
+use gsk_units::{PerAxis, Pulses, alarm};
+
+/// Why the axes are being stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Why {
+    /// The kernel asked for it.
+    Flush,
+    /// Motion came late, or could not be brought to the board in time.
+    Late(&'static str),
+    /// Motion of so many turns and bends that the board cannot be sent in time.
+    TooFine,
+    /// The group has not reported itself.
+    GroupSilent,
+    /// The group was triggered.
+    Trip(u32),
+}
+
+/// A stop under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stopping {
+    why: Why,
+    since: HostTime,
+    asked: HostTime,
+    /// The board has confirmed it.
+    stands: bool,
+}
+
+impl StepLink {
+    /// The emergency stop contact of the board is open.
+    pub(super) fn trip(&mut self) {
+        self.periodic.enable.on = false;
+        if self.takes_motion() || self.session.state == LinkState::Homing {
+            self.halt(Why::Trip(EMERGENCY));
+        } else if self.stopping.is_none() {
+            self.lose_position(Uncertainty::Powerless);
+            self.session.enter(LinkState::Tripped);
+        }
+    }
+
+    /// The group says how it is.
+    pub(super) fn trsync_report(&mut self, [oid, can_trigger, reason, clock]: [u32; 4]) {
+        if self.group.armed_oid(self.wiring.as_ref()) != Some(i64::from(oid)) {
+            return;
+        }
+        self.group.has_reported(self.session.now);
+        if can_trigger != 0 {
+            self.clock.clock_report(self.session.now, clock);
+            return;
+        }
+        self.group.is_triggered();
+        let why = match self.stopping {
+            Some(stopping) if reason == FLUSH => stopping.why,
+            _ => Why::Trip(reason),
+        };
+        self.give_up_motion();
+        if let Why::Trip(reason) = why {
+            if self.stopping.is_none() {
+                let reached = is_reached(reason);
+                self.session.events.push(Event::Halting { reached });
+            }
+            self.report_trip(reason);
+        }
+        self.stopping = Some(Stopping {
+            why,
+            since: self.session.now,
+            asked: self.session.now,
+            stands: true,
+        });
+        self.query_position(Purpose::Stopped);
+    }
+
+    fn report_trip(&mut self, reason: u32) {
+        match reason {
+            LIMIT_X => self
+                .session
+                .alarm(alarm::X_BOARD_LIMIT, "limit input of X at the board"),
+            LIMIT_Z => self
+                .session
+                .alarm(alarm::Z_BOARD_LIMIT, "limit input of Z at the board"),
+            EMERGENCY => {
+                self.periodic.enable.on = false;
+                self.session
+                    .alarm(alarm::EMERGENCY_STOP, "emergency stop input of the board");
+            }
+            SILENT_HOST => self.session.alarm(
+                alarm::LINK_LOST,
+                "the board has not heard of the PC for 250 ms",
+            ),
+            DRIVES => self.session.alarm(
+                alarm::X_DRIVE_ALARM,
+                "alarm input of the drives at the board",
+            ),
+            REACHED | REACHED_Z => {}
+            _ => self.session.alarm(
+                alarm::BOARD_FAULT,
+                &format!("the axes were stopped in the board, reason {reason}"),
+            ),
+        }
+    }
+
+    /// Both axes stop at once; nothing queued is left, the position is kept.
+    pub(super) fn flush(&mut self) {
+        if self.takes_motion() {
+            self.halt(Why::Flush);
+        }
+    }
+
+    /// Motion would come too late, or did not come: the axes are stopped.
+    /// Why it did is known when the board has answered, or has not.
+    pub(super) fn late(&mut self, detail: &'static str) {
+        if self.stopping.is_none() && self.is_opened() {
+            self.halt(Why::Late(detail));
+        }
+        self.wire.send_queue.drop_motion();
+    }
+
+    /// The motion needs more messages than the board may be given.
+    pub(super) fn too_fine(&mut self) {
+        if self.stopping.is_none() && self.is_opened() {
+            self.halt(Why::TooFine);
+        }
+        self.wire.send_queue.drop_motion();
+    }
+
+    pub(super) fn halt(&mut self, why: Why) {
+        if self.stopping.is_some() {
+            return;
+        }
+        self.give_up_motion();
+        self.session.events.push(Event::Halting { reached: false });
+        self.stopping = Some(Stopping {
+            why,
+            since: self.session.now,
+            asked: self.session.now,
+            stands: false,
+        });
+        self.trigger();
+        self.session.enter(LinkState::Verify);
+    }
+
+    fn trigger(&mut self) {
+        if let Some(wiring) = &self.wiring {
+            let oid = self.group.oid(wiring);
+            // What is asked before and what is queued behind is without effect.
+            self.wire
+                .send_query(Command::TrsyncTrigger, &[oid, FLUSH.into()], Mark::Group);
+        }
+    }
+
+    pub(super) fn watch_group(&mut self) {
+        let patience = self.patience();
+        if let Some(stopping) = &mut self.stopping {
+            if stopping.stands {
+                return;
+            }
+            if self.session.since(stopping.since) >= GIVE_UP {
+                self.lose_board("the board does not confirm that the axes were stopped");
+            } else if self.session.since(stopping.asked) >= patience {
+                stopping.asked = self.session.now;
+                self.trigger();
+            }
+            return;
+        }
+        if self.group.is_silent(self.session.now) && self.takes_motion() {
+            self.session.alarm(
+                alarm::LINK_LOST,
+                "the stop group of the board does not report itself",
+            );
+            self.halt(Why::GroupSilent);
+            return;
+        }
+        self.watch_left_out();
+    }
+
+    /// Nothing more goes out, and nothing that waits.
+    pub(super) fn give_up_motion(&mut self) {
+        self.motion.drop_queued();
+        self.wire.send_queue.drop_motion();
+        self.query.pending = None;
+    }
+
+    /// Behind a stop that was wanted: with a position that is certain motion is taken
+    /// again.
+    fn go_on(&mut self) {
+        if self.session.knows_position() {
+            self.arm_group();
+            self.session.enter(LinkState::Ready);
+        } else {
+            self.session.enter(LinkState::Locked);
+        }
+    }
+
+    /// The board said where the axes stand after a stop.
+    pub(super) fn stopped(&mut self, board: PerAxis<Pulses>) {
+        let Some(stopping) = self.stopping.take() else {
+            return;
+        };
+        let keep = self.config.flush_keep_speed.into();
+        let now = self.clock.at(self.session.now);
+        let stop = self.motion.stopped_at(board, now, self.pulses_per_mm);
+        let reached = matches!(stopping.why, Why::Trip(reason) if is_reached(reason));
+        let powerless = matches!(stopping.why, Why::Trip(EMERGENCY | DRIVES));
+        // A stepper that was stopped dead may have slipped when it was fast.
+        let exact = stop.on_path && (stop.speed <= keep || reached) && !powerless;
+        self.session.released = false;
+        if !exact {
+            self.lose_position(match (powerless, stop.on_path) {
+                (true, _) => Uncertainty::Powerless,
+                (_, false) => Uncertainty::OffPath,
+                _ => Uncertainty::TooFast,
+            });
+        }
+        let waits = self.group.take_waits();
+        if !reached {
+            self.group.forget_edges();
+        }
+        if let Why::Trip(reason @ (LIMIT_X | LIMIT_Z)) = stopping.why {
+            let (axis, input) = match reason {
+                LIMIT_X => (0, Input::LimitX),
+                _ => (1, Input::LimitZ),
+            };
+            self.motion.limits.hit(axis, stop.way[axis]);
+            // It was seen before it is asked for again.
+            if let Some(switch) = self.switch_at(input) {
+                self.periodic.switches.level_met(switch, switch.level);
+            }
+        }
+        self.session.events.push(Event::Position(stop.kernel));
+        self.resend_outputs();
+        match stopping.why {
+            Why::Flush => self.go_on(),
+            Why::Trip(reason @ (REACHED | REACHED_Z)) => {
+                let axis = (reason - REACHED) as usize;
+                self.group.forget_edge(axis);
+                if let Some(wait) = waits[axis] {
+                    let input = wait.awaited.input;
+                    if let Some(switch) = self.switch_at(input) {
+                        self.periodic.switches.level_met(switch, wait.level);
+                    }
+                    let limit = matches!(input, Input::LimitX | Input::LimitZ);
+                    if limit && wait.awaited.until == Until::Operated {
+                        self.motion.limits.hit(axis, stop.way[axis]);
+                    }
+                    self.session.events.push(Event::Reached(input, stop.kernel));
+                }
+                self.go_on();
+            }
+            Why::Late(detail) => {
+                self.session.alarm(alarm::STEPS_TOO_LATE, detail);
+                self.session.enter(LinkState::Fault);
+            }
+            Why::TooFine => {
+                let text = "the motion turns and bends more often than the board can be told: \
+                            a lower feed, or longer blocks";
+                self.session.alarm(alarm::BOARD_CANNOT, text);
+                self.session.enter(LinkState::Fault);
+            }
+            Why::GroupSilent => self.session.enter(LinkState::Fault),
+            Why::Trip(_) => self.session.enter(LinkState::Tripped),
+        }
+    }
+}

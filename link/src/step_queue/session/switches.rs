@@ -1,0 +1,106 @@
+//! Switches and contacts at the board: asked one after the other, and what was reported.
+
+use core::time::Duration;
+
+use super::StepLink;
+use crate::step_queue::commands::Command;
+use crate::step_queue::wiring::{Switch, Wiring};
+use crate::{HostTime, Input, LinkState};
+
+/// Between two questions for a switch, standing and moving.
+const SWITCH_EVERY: Duration = Duration::from_millis(10);
+const SWITCH_MOVING: Duration = Duration::from_millis(40);
+/// Between two questions for a contact of the control.
+const CONTACT_EVERY: Duration = Duration::from_millis(20);
+/// A round of questions: whose turn it is next, and when.
+#[derive(Clone, Copy, Debug, Default)]
+struct Round {
+    next: usize,
+    due: HostTime,
+}
+
+impl Round {
+    /// The one that is asked now, of so many.
+    fn turn(&mut self, count: usize, every: Duration, now: HostTime) -> Option<usize> {
+        if now < self.due || count == 0 {
+            return None;
+        }
+        self.due = now + every;
+        self.next = (self.next + 1) % count;
+        Some(self.next)
+    }
+}
+
+/// What the board has reported of its switches, and the next questions.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Switches {
+    levels: Vec<(Input, bool)>,
+    of_axes: Round,
+    contacts: Round,
+}
+
+impl Switches {
+    pub(super) fn input(&self, input: Input) -> Option<bool> {
+        let told = self.levels.iter().find(|(told, _)| *told == input);
+        told.map(|(_, operated)| *operated)
+    }
+
+    /// Whether every switch was reported once.
+    pub(super) fn all_reported(&self, wiring: Option<&Wiring>) -> bool {
+        wiring.is_some_and(|wiring| wiring.switches.len() == self.levels.len())
+    }
+
+    pub(super) fn report(&mut self, wiring: Option<&Wiring>, oid: i64, level: u32) {
+        let mut switches = wiring.iter().flat_map(|wiring| &wiring.switches);
+        let Some(switch) = switches.find(|switch| switch.oid == oid) else {
+            return;
+        };
+        let operated = i64::from(level != 0) == switch.level;
+        match self
+            .levels
+            .iter_mut()
+            .find(|(input, _)| *input == switch.input)
+        {
+            Some((_, told)) => *told = operated,
+            None => self.levels.push((switch.input, operated)),
+        }
+    }
+
+    /// The board was stopped by a pin that came to this level.
+    pub(super) fn level_met(&mut self, switch: Switch, level: i64) {
+        let told = self.levels.iter_mut();
+        for (_, operated) in told.filter(|(input, _)| *input == switch.input) {
+            *operated = level == switch.level;
+        }
+    }
+}
+
+impl StepLink {
+    pub(super) fn ask_switch(&mut self) {
+        let Some(wiring) = &self.wiring else {
+            return;
+        };
+        // The contacts of the control stand behind the switches of the axes.
+        let is_contact = |switch: &Switch| matches!(switch.input, Input::Contact { .. });
+        let (of_axes, contacts) = wiring.switches.split_at(
+            wiring
+                .switches
+                .partition_point(|switch| !is_contact(switch)),
+        );
+        let moving = self.session.state == LinkState::Moving;
+        if moving && self.wire.send_queue.is_congested() {
+            return;
+        }
+        let now = self.session.now;
+        let every = if moving { SWITCH_MOVING } else { SWITCH_EVERY };
+        let rounds = &mut self.periodic.switches;
+        let asked = [
+            (rounds.of_axes.turn(of_axes.len(), every, now)).map(|next| of_axes[next].oid),
+            (rounds.contacts.turn(contacts.len(), CONTACT_EVERY, now))
+                .map(|next| contacts[next].oid),
+        ];
+        for oid in asked.into_iter().flatten() {
+            self.wire.send(Command::EndstopQueryState, &[oid]);
+        }
+    }
+}

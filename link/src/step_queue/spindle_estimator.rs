@@ -1,0 +1,359 @@
+//! SpindleEstimator of the spindle, from the counter of its one-turn signal.
+//!
+//! ```text
+//!  pin      ─┐_______┌─┐_______┌─┐____
+//!  count     2       3 4       5 6        even counts are one edge of the signal
+//!  polls    ┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴┴    a clock is up to a poll late
+//! ```
+
+use std::collections::VecDeque;
+
+use super::compression::Ticks;
+
+/// The board looks at the pin so often, s.
+pub(super) const POLL: f64 = 100e-6;
+/// The line goes through so many turns, or those of so long if they are more, s: a
+/// poll is a large part of a quick turn.
+const LINE_TURNS: i64 = 4;
+const LINE_TIME: f64 = 0.4;
+const LEAST_POINTS: usize = 3;
+/// Over so many turns, and at least so long, s, the variation is told.
+const STEADY_TURNS: i64 = 20;
+const STEADY_TIME: f64 = 2.0;
+/// Periods are compared over about so long, s: within it a poll says little.
+const PERIOD_TIME: f64 = 0.1;
+const LONGEST_PERIOD: i64 = 10;
+/// So long a report may take, s.
+const REPORT: f64 = 0.05;
+/// Without an index for so many turns the angle is not known, the signal is lost, or
+/// the spindle stands.
+const UNCERTAIN: f64 = 1.5;
+const LOST: f64 = 2.0;
+const STANDS: f64 = 4.0;
+/// A spindle slower than a turn in this time stands, s.
+const SLOWEST: f64 = 10.0;
+
+/// One passing of the index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct IndexPulse {
+    pub(super) turn: i64,
+    pub(super) clock: Ticks,
+}
+
+/// SpindleEstimator over clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    turn: f64,
+    clock: f64,
+    /// SpindleEstimator a tick.
+    rate: f64,
+}
+
+/// What is known of the turns.
+#[derive(Clone, Debug)]
+pub(super) struct SpindleEstimator {
+    /// Ticks a second.
+    rate: f64,
+    /// The count last reported, and the last even one.
+    reported: Option<u32>,
+    count: Option<u32>,
+    /// ClockSync of the newest edge of either kind: reports may show the other one for a
+    /// while.
+    alive: Ticks,
+    index_pulses: VecDeque<IndexPulse>,
+    line: Option<Line>,
+    variation: Option<f64>,
+}
+
+impl SpindleEstimator {
+    pub(super) const fn new(rate: f64) -> Self {
+        Self {
+            rate,
+            reported: None,
+            count: None,
+            alive: 0,
+            index_pulses: VecDeque::new(),
+            line: None,
+            variation: None,
+        }
+    }
+
+    /// What was learned does not go on: the spindle has stood or was reversed.
+    pub(super) fn begin_anew(&mut self) {
+        let newest = self.index_pulses.back().copied();
+        self.index_pulses.clear();
+        self.line = None;
+        self.variation = None;
+        // The number goes on, the time does not.
+        self.index_pulses.extend(newest);
+    }
+
+    /// The board reports its count and the clock of the newest edge; the passing of
+    /// the index that it tells of, if that is a new one.
+    pub(super) fn counter_report(&mut self, count: u32, clock: u64) -> Option<IndexPulse> {
+        if self.reported == Some(count) {
+            return None;
+        }
+        if self.reported.replace(count).is_none() {
+            // Whenever that was.
+            self.count = count.is_multiple_of(2).then_some(count);
+            return None;
+        }
+        let over = self.is_over(clock as Ticks);
+        self.alive = clock as Ticks;
+        if !count.is_multiple_of(2) {
+            return None;
+        }
+        let more = self
+            .count
+            .map_or(0, |before| count.wrapping_sub(before) / 2);
+        self.count = Some(count);
+        let late = (POLL * self.rate / 2.0) as Ticks;
+        let pulse = IndexPulse {
+            turn: self.index_pulses.back().map_or(0, |last| last.turn) + i64::from(more),
+            clock: clock as Ticks - late,
+        };
+        if over {
+            self.index_pulses.clear();
+        }
+        self.index_pulses.push_back(pulse);
+        self.drop_old(pulse);
+        self.line = self.fit_line();
+        self.variation = self.vary();
+        Some(pulse)
+    }
+
+    fn ticks(&self, seconds: f64) -> Ticks {
+        (seconds * self.rate) as Ticks
+    }
+
+    fn drop_old(&mut self, newest: IndexPulse) {
+        let time = self.ticks(STEADY_TIME);
+        while let Some(second) = self.index_pulses.get(1)
+            && newest.turn - second.turn >= STEADY_TURNS
+            && newest.clock - second.clock >= time
+        {
+            self.index_pulses.pop_front();
+        }
+    }
+
+    /// The line through the last turns.
+    fn fit_line(&self) -> Option<Line> {
+        let newest = *self.index_pulses.back()?;
+        let time = self.ticks(LINE_TIME);
+        let used = |pulse: &&IndexPulse| {
+            newest.turn - pulse.turn <= LINE_TURNS || newest.clock - pulse.clock <= time
+        };
+        // Relative to the newest, the numbers are small.
+        let newer = self.index_pulses.iter().rev().take_while(used).count();
+        let points = || {
+            let points = self.index_pulses.iter().rev().take(newer.max(LEAST_POINTS));
+            points.map(|pulse| {
+                let turn = (pulse.turn - newest.turn) as f64;
+                ((pulse.clock - newest.clock) as f64, turn)
+            })
+        };
+        let (mut count, mut clock, mut turn) = (0.0, 0.0, 0.0);
+        for (at, turns) in points() {
+            count += 1.0;
+            clock += at;
+            turn += turns;
+        }
+        if count < 2.0 {
+            return None;
+        }
+        let (clock, turn) = (clock / count, turn / count);
+        let (mut over, mut under) = (0.0, 0.0);
+        for (at, turns) in points() {
+            over += (turns - turn) * (turns - turn);
+            under += (turns - turn) * (at - clock);
+        }
+        // The turns are exact, the clocks are not.
+        (under > 0.0).then(|| Line {
+            turn: newest.turn as f64 + turn,
+            clock: newest.clock as f64 + clock,
+            rate: over / under,
+        })
+    }
+
+    /// Greatest difference of the periods of late, as a part of their mean, without
+    /// what the polling makes of it; none: too few turns yet.
+    fn vary(&self) -> Option<f64> {
+        let (oldest, newest) = (*self.index_pulses.front()?, *self.index_pulses.back()?);
+        let (turns, time) = (newest.turn - oldest.turn, newest.clock - oldest.clock);
+        if turns < STEADY_TURNS || time < self.ticks(STEADY_TIME) {
+            return None;
+        }
+        let mean = time as f64 / turns as f64;
+        let span = libm::ceil(PERIOD_TIME * self.rate / mean) as i64;
+        let span = span.clamp(1, LONGEST_PERIOD);
+        let (mut least, mut most) = (f64::MAX, 0.0_f64);
+        let mut from = self.index_pulses.iter().peekable();
+        for to in &self.index_pulses {
+            while let Some(begin) = from.next_if(|begin| to.turn - begin.turn >= span) {
+                let period = (to.clock - begin.clock) as f64 / (to.turn - begin.turn) as f64;
+                least = least.min(period);
+                most = most.max(period);
+            }
+        }
+        let polling = POLL * self.rate / span as f64;
+        Some(((most - least - polling) / mean).max(0.0))
+    }
+
+    /// Time since the newest edge, in turns of the line beyond what a report takes.
+    fn age(&self, now: Ticks) -> Option<f64> {
+        let past = now - self.alive - self.ticks(REPORT);
+        Some(past as f64 * self.line?.rate)
+    }
+
+    fn is_over(&self, now: Ticks) -> bool {
+        let slow = now - self.alive > self.ticks(SLOWEST);
+        slow || self.age(now).is_some_and(|age| age > STANDS)
+    }
+
+    /// SpindleEstimator a second; 0: it stands, or nothing is known.
+    pub(super) fn speed(&self, now: Ticks) -> f64 {
+        let (Some(line), Some(age)) = (self.line, self.age(now)) else {
+            return 0.0;
+        };
+        if self.is_over(now) {
+            0.0
+        } else if age > UNCERTAIN {
+            // It has not made its turn: it is no faster than this.
+            line.rate * self.rate / age
+        } else {
+            line.rate * self.rate
+        }
+    }
+
+    /// The signal has not come for too long.
+    pub(super) fn is_lost(&self, now: Ticks) -> bool {
+        self.age(now).is_none_or(|age| age > LOST)
+    }
+
+    /// Whether the angle can be told ahead.
+    pub(super) fn is_known(&self, now: Ticks) -> bool {
+        let turns = self.index_pulses.front().zip(self.index_pulses.back());
+        turns.is_some_and(|(oldest, newest)| newest.turn - oldest.turn >= LINE_TURNS)
+            && self.age(now).is_some_and(|age| age <= UNCERTAIN)
+    }
+
+    /// SpindleEstimator at a clock, by the line.
+    pub(super) fn at(&self, clock: Ticks) -> Option<f64> {
+        let line = self.line?;
+        Some(line.turn + (clock as f64 - line.clock) * line.rate)
+    }
+
+    /// SpindleEstimator in so many ticks, by the line.
+    pub(super) fn in_ticks(&self, ticks: Ticks) -> f64 {
+        self.line.map_or(0.0, |line| ticks as f64 * line.rate)
+    }
+
+    pub(super) const fn variation(&self) -> Option<f64> {
+        self.variation
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE: f64 = 16e6;
+
+    /// Both edges of a spindle, looked at every 0.1 ms, reported every 20 ms; clock
+    /// and truth at the end.
+    fn spin(turns: &mut SpindleEstimator, seconds: f64, angle: impl Fn(f64) -> f64) -> Ticks {
+        let (mut count, mut level, mut edge) = (0_u32, false, 0_u64);
+        let polls = (seconds / POLL) as u64;
+        for poll in 0..polls {
+            let clock = poll * 1600;
+            let high = angle(clock as f64 / RATE).rem_euclid(1.0) < 0.1;
+            if high != level {
+                (level, edge) = (high, clock);
+                count += 1;
+            }
+            if poll % 200 == 0 {
+                turns.counter_report(count, edge);
+            }
+        }
+        (polls * 1600) as Ticks
+    }
+
+    #[test]
+    fn a_steady_spindle_is_foreseen() {
+        for rpm in [37.0, 111.0, 596.1, 1234.5, 2987.0] {
+            let mut turns = SpindleEstimator::new(RATE);
+            let angle = |at: f64| at * rpm / 60.0 + 0.37;
+            let now = spin(&mut turns, 40.0, angle);
+            assert!(turns.is_known(now));
+            let speed = turns.speed(now) * 60.0;
+            assert!((speed / rpm - 1.0).abs() < 1e-3, "{speed} for {rpm}");
+            assert!(turns.variation().unwrap() < 0.001, "{rpm}");
+            // The falling edge is a tenth of a turn behind the index.
+            let ahead = now + turns.ticks(0.13);
+            let foreseen = turns.at(ahead).unwrap();
+            let truth = angle(ahead as f64 / RATE) - 0.1;
+            let off = (foreseen - truth) - (foreseen - truth).round();
+            // Within a poll.
+            assert!(off.abs() < POLL * rpm / 60.0, "{off} at {rpm}");
+        }
+    }
+
+    #[test]
+    fn a_ripple_is_a_variation() {
+        // 1 % up and down at 0.5 Hz, and a tenth of that.
+        for (part, least, most) in [(0.01, 0.015, 0.021), (0.0005, 0.0, 0.0012)] {
+            for rpm in [300.0, 600.0, 2000.0] {
+                let mut turns = SpindleEstimator::new(RATE);
+                let pi = core::f64::consts::PI;
+                spin(&mut turns, 6.0, |at| {
+                    (at - part / pi * libm::cos(pi * at)) * rpm / 60.0
+                });
+                let variation = turns.variation().unwrap();
+                assert!((least..=most).contains(&variation), "{variation} at {rpm}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_spindle_that_stops_is_slower_and_then_stands() {
+        let mut turns = SpindleEstimator::new(RATE);
+        let now = spin(&mut turns, 5.0, |at| at * 10.0);
+        assert!((turns.speed(now) - 10.0).abs() < 0.05);
+        assert!(!turns.is_known(now + turns.ticks(0.31)));
+        let slower = turns.speed(now + turns.ticks(0.31));
+        assert!(slower > 0.0 && slower < 7.0, "{slower}");
+        assert!(turns.is_lost(now + turns.ticks(0.35)));
+        assert_eq!(turns.speed(now + turns.ticks(0.6)), 0.0);
+    }
+
+    #[test]
+    fn a_spindle_that_has_stood_for_long_stands() {
+        // 180 MHz: after 12 s the low half of a clock says nothing any more.
+        let mut turns = SpindleEstimator::new(180e6);
+        for turn in 0..30_u32 {
+            turns.counter_report(turn * 2, u64::from(turn) * 18_000_000);
+        }
+        let stopped = 29 * 18_000_000_u64;
+        for seconds in 0..60 {
+            let now = stopped + seconds * 180_000_000;
+            let told = super::super::clock_sync::near(stopped as u32, now);
+            turns.counter_report(58, told);
+            let speed = turns.speed(now as Ticks);
+            assert!(seconds == 0 || speed == 0.0, "{speed} after {seconds} s");
+        }
+    }
+
+    #[test]
+    fn counts_and_clocks_pass_their_ends() {
+        let mut turns = SpindleEstimator::new(RATE);
+        let mut last = 0;
+        for turn in 0..10_u64 {
+            let count = (turn as u32 * 2).wrapping_sub(10);
+            turns.counter_report(count, 0xFFFF_0000 + turn * 1_600_000);
+            last = 0xFFFF_0000 + turn as i64 * 1_600_000;
+        }
+        assert_eq!(turns.index_pulses.back().unwrap().turn, 9);
+        assert!((turns.at(last - 800).unwrap() - 9.0).abs() < 1e-9);
+    }
+}

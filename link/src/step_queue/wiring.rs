@@ -1,0 +1,294 @@
+//! What hangs on which pin: the configuration the board is given.
+
+use core::fmt::Write;
+
+use super::super::pin::PinName;
+use super::super::{Input, LinkConfig, Output, contacts};
+use super::commands::{COMMANDS, Command};
+use super::dictionary::Dictionary;
+use gsk_units::PerAxis;
+use thiserror::Error;
+
+/// The drives lose their enable so long after the PC has fallen silent, ms.
+const ENABLE_MS: u64 = 500;
+/// Cycles of the spindle voltage a second.
+const SPEED_CYCLES: u64 = 1000;
+/// Full voltage, where the board does not report.
+const USUAL_FULL: u32 = 255;
+
+/// A switch at the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Switch {
+    pub(super) input: Input,
+    pub(super) oid: i64,
+    /// Level of the pin when it is operated.
+    pub(super) level: i64,
+}
+
+/// An output of the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Drain {
+    pub(super) output: Output,
+    pub(super) oid: i64,
+    pub(super) inverted: bool,
+}
+
+/// Everything that hangs on the board.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Wiring {
+    pub(super) axes: PerAxis<i64>,
+    pub(super) groups: [i64; 2],
+    pub(super) enable: Drain,
+    pub(super) switches: Vec<Switch>,
+    pub(super) outputs: Vec<Drain>,
+    pub(super) index: Option<i64>,
+    /// Full spindle voltage.
+    pub(super) full: u32,
+    /// The messages, without the last one.
+    pub(super) messages: Vec<Vec<u8>>,
+    /// What tells this configuration from others.
+    pub(super) crc: u32,
+}
+
+/// A pin of the board.
+struct Pin {
+    number: i64,
+    pull_up: bool,
+    inverted: bool,
+}
+
+struct Writer<'a> {
+    board: &'a Dictionary,
+    oids: i64,
+    text: String,
+    messages: Vec<Vec<u8>>,
+}
+
+/// Why a board cannot be wired as the machine file says; keys are those of its `link`.
+#[derive(Debug, Error)]
+pub(super) enum WiringError {
+    /// The board has no such pin.
+    #[error("link.{key}: the board has no pin {pin}")]
+    NoPin { key: String, pin: String },
+    /// The board uses the pin.
+    #[error("link.{key}: the board needs {pin} for itself ({purpose})")]
+    Reserved {
+        key: String,
+        pin: String,
+        purpose: String,
+    },
+}
+
+impl Writer<'_> {
+    fn oid(&mut self) -> i64 {
+        self.oids += 1;
+        self.oids - 1
+    }
+
+    fn pin(&self, key: &str, name: &str) -> Result<Pin, WiringError> {
+        let pin = PinName::read(name);
+        let number = self.board.pin(pin.name);
+        let number = number.ok_or_else(|| WiringError::NoPin {
+            key: key.to_owned(),
+            pin: pin.name.to_owned(),
+        })?;
+        if let Some(purpose) = self.board.reserved(pin.name) {
+            return Err(WiringError::Reserved {
+                key: key.to_owned(),
+                pin: pin.name.to_owned(),
+                purpose: purpose.to_owned(),
+            });
+        }
+        Ok(Pin {
+            number: number.into(),
+            pull_up: pin.pull_up,
+            inverted: pin.inverted,
+        })
+    }
+
+    fn add(&mut self, command: Command, arguments: &[i64]) {
+        let mut arguments_left = arguments.iter();
+        for word in COMMANDS[command as usize].2.split(' ') {
+            match (word.split_once('='), arguments_left.len()) {
+                // A `String` takes everything that is written to it.
+                (Some((name, _)), 1..) => {
+                    let value = arguments_left.next().copied().unwrap_or_default();
+                    let _ = write!(self.text, " {name}={value}");
+                }
+                _ => self.text.push_str(word),
+            }
+        }
+        self.text.push('\n');
+        self.messages.push(self.board.message(command, arguments));
+    }
+}
+
+impl Wiring {
+    /// The configuration of a board at so many ticks a second.
+    pub(super) fn new(
+        config: &LinkConfig,
+        board: &Dictionary,
+        rate: u64,
+    ) -> Result<Self, WiringError> {
+        let mut writer = Writer {
+            board,
+            oids: 0,
+            text: String::new(),
+            messages: Vec::new(),
+        };
+        let axes = PerAxis::new(writer.oid(), writer.oid());
+        for (oid, names, axis) in [
+            (axes.x, ["x.step", "x.dir"], &config.x),
+            (axes.z, ["z.step", "z.dir"], &config.z),
+        ] {
+            let step = writer.pin(names[0], &axis.step)?;
+            let dir = writer.pin(names[1], &axis.dir)?;
+            let pulse = u64::from(axis.step_pulse_us) * rate / 1_000_000;
+            let inverted = i64::from(step.inverted);
+            writer.add(
+                Command::ConfigStepper,
+                &[oid, step.number, dir.number, inverted, pulse as i64],
+            );
+        }
+        let groups = [writer.oid(), writer.oid()];
+        for oid in groups {
+            writer.add(Command::ConfigTrsync, &[oid]);
+        }
+        let longest = rate * ENABLE_MS / 1000;
+        let enable = writer.digital("io.enable", &config.io.enable, Output::Enable, longest)?;
+        let switches = writer.switches(config)?;
+        let mut outputs = Vec::new();
+        for (key, name, output) in [
+            (
+                "io.spindle_cw",
+                &config.io.spindle_cw,
+                Output::SpindleForward,
+            ),
+            (
+                "io.spindle_ccw",
+                &config.io.spindle_ccw,
+                Output::SpindleReverse,
+            ),
+            ("io.coolant", &config.io.coolant, Output::Coolant),
+        ] {
+            if !name.is_empty() {
+                outputs.push(writer.digital(key, name, output, 0)?);
+            }
+        }
+        let full = board.constant("PWM_MAX").unwrap_or(USUAL_FULL);
+        if !config.io.spindle_pwm.is_empty() {
+            let pin = writer.pin("io.spindle_pwm", &config.io.spindle_pwm)?;
+            let oid = writer.oid();
+            let off = if pin.inverted { i64::from(full) } else { 0 };
+            let cycle = (rate / SPEED_CYCLES) as i64;
+            writer.add(
+                Command::ConfigPwmOut,
+                &[oid, pin.number, cycle, off, off, 0],
+            );
+            outputs.push(Drain {
+                output: Output::SpindleSpeed,
+                oid,
+                inverted: pin.inverted,
+            });
+        }
+        let mut index = None;
+        if !config.io.index.is_empty() {
+            let pin = writer.pin("io.index", &config.io.index)?;
+            let oid = writer.oid();
+            writer.add(
+                Command::ConfigCounter,
+                &[oid, pin.number, i64::from(pin.pull_up)],
+            );
+            index = Some(oid);
+        }
+        let mut messages = vec![board.message(Command::AllocateOids, &[writer.oids])];
+        messages.append(&mut writer.messages);
+        Ok(Self {
+            axes,
+            groups,
+            enable,
+            switches,
+            outputs,
+            index,
+            full,
+            messages,
+            crc: crc32(writer.text.as_bytes()),
+        })
+    }
+}
+
+impl Writer<'_> {
+    fn digital(
+        &mut self,
+        key: &str,
+        name: &str,
+        output: Output,
+        longest: u64,
+    ) -> Result<Drain, WiringError> {
+        let pin = self.pin(key, name)?;
+        let oid = self.oid();
+        let off = i64::from(pin.inverted);
+        self.add(
+            Command::ConfigDigitalOut,
+            &[oid, pin.number, off, off, longest as i64],
+        );
+        Ok(Drain {
+            output,
+            oid,
+            inverted: pin.inverted,
+        })
+    }
+
+    fn switches(&mut self, config: &LinkConfig) -> Result<Vec<Switch>, WiringError> {
+        let own = [
+            ("x.limit", &config.x.limit, Input::LimitX),
+            ("z.limit", &config.z.limit, Input::LimitZ),
+            ("io.estop", &config.io.estop, Input::EmergencyStop),
+            ("io.drive_alarm", &config.io.drive_alarm, Input::DriveAlarm),
+            ("x.dec", &config.x.dec, Input::DecelerationX),
+            ("z.dec", &config.z.dec, Input::DecelerationZ),
+            ("x.zero", &config.x.zero, Input::ZeroX),
+            ("z.zero", &config.z.zero, Input::ZeroZ),
+        ];
+        let own = own.map(|(key, name, input)| (key, name.as_str(), input));
+        let contacts = contacts::wired(&config.inputs).map(|(input, name)| ("inputs", name, input));
+        let mut switches = Vec::new();
+        for (key, name, input) in own.into_iter().chain(contacts) {
+            if name.is_empty() {
+                continue;
+            }
+            let pin = self.pin(key, name)?;
+            let oid = self.oid();
+            self.add(
+                Command::ConfigEndstop,
+                &[oid, pin.number, i64::from(pin.pull_up)],
+            );
+            switches.push(Switch {
+                input,
+                oid,
+                level: i64::from(!pin.inverted),
+            });
+        }
+        Ok(switches)
+    }
+}
+
+/// The usual 32 bit check (IEEE).
+fn crc32(bytes: &[u8]) -> u32 {
+    let update = |crc: u32, byte: &u8| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
+            crc >> 1 ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 }
+        })
+    };
+    !bytes.iter().fold(u32::MAX, update)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_check_is_the_usual_one() {
+        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+    }
+}

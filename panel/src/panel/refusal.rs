@@ -1,0 +1,97 @@
+//! Why a key of page or text would do nothing now.
+
+use gsk_core::cnc::Cnc;
+use gsk_core::command::ProgramId;
+use gsk_core::operation::Mode;
+use gsk_messages::{Message, say};
+
+use super::Panel;
+use crate::keys::{Key, Role};
+use crate::pages::PageId;
+
+impl Panel {
+    /// Why a key would do nothing if it went down now; none: it acts, the control
+    /// tells, or it has nothing to do with page and text.
+    pub fn refuses(&self, key: Key, cnc: &Cnc) -> Option<Message> {
+        if !self.powered() {
+            return (key != Key::EmergencyStop && key != Key::OvertravelRelease)
+                .then(say::key_power_off);
+        }
+        if self.in_self_test() {
+            return None;
+        }
+        match (key.row().role, key) {
+            (Role::Character(first, _), _) => self.refuses_character(first, cnc),
+            (_, Key::Insert | Key::Delete) if self.page() != PageId::Prg => {
+                Some(say::key_edits_programs())
+            }
+            (_, Key::Insert | Key::Delete | Key::Eob | Key::Input)
+                if self.page() == PageId::Prg =>
+            {
+                self.refuses_text(key == Key::Input, cnc)
+            }
+            (_, Key::Input) => self.refuses_value(cnc),
+            (_, Key::Output) => self.refuses_output(cnc),
+            _ => None,
+        }
+    }
+
+    /// The same for a character of the PC's keyboard.
+    pub fn refuses_character(&self, character: char, cnc: &Cnc) -> Option<Message> {
+        if !self.powered() || self.in_self_test() || self.is_held(Key::Cancel) {
+            return None;
+        }
+        match self.page() {
+            PageId::Prg if cnc.mode() == Mode::Auto => None,
+            PageId::Prg if self.edits(cnc) && self.keyed_beside_text(character) => None,
+            PageId::Prg => self.refuses_text(false, cnc),
+            PageId::Mdi if cnc.mode() != Mode::Mdi => Some(say::key_mdi_block_in_mdi_mode()),
+            PageId::GraphPar if cnc.mode() != Mode::Mdi => Some(say::key_graphic_in_mdi_mode()),
+            PageId::PosRel | PageId::PosAll if matches!(character, 'U' | 'W') => None,
+            PageId::Graph
+            | PageId::SetSwitch
+            | PageId::Edisk
+            | PageId::Softpanel
+            | PageId::Password => None,
+            _ if self.takes_input(cnc) => None,
+            _ => Some(say::key_nothing_on_this_page()),
+        }
+    }
+
+    /// The text of a program.
+    fn refuses_text(&self, input: bool, cnc: &Cnc) -> Option<Message> {
+        match cnc.mode() {
+            Mode::Edit if input => None,
+            Mode::Edit => self.refuses_edit(cnc),
+            Mode::Auto if input => Some(say::key_program_is_chosen_with_o()),
+            Mode::Mdi => Some(say::key_mdi_block_on_page_mdi()),
+            _ => Some(say::key_text_in_edit_mode()),
+        }
+    }
+
+    fn refuses_edit(&self, cnc: &Cnc) -> Option<Message> {
+        match cnc.programs().current() {
+            None => Some(say::key_no_program_selected()),
+            Some(ProgramId::External) if self.view().input.is_empty() => {
+                Some(say::key_program_is_outside())
+            }
+            Some(_) => None,
+        }
+    }
+
+    /// An entry that is no value here is dropped.
+    fn refuses_value(&self, cnc: &Cnc) -> Option<Message> {
+        let mut requests = Vec::new();
+        let entered = !self.view().input.trim().is_empty();
+        let dropped = entered && self.commit_value(cnc, &mut requests) && requests.is_empty();
+        dropped.then(say::key_no_value_here)
+    }
+
+    fn refuses_output(&self, cnc: &Cnc) -> Option<Message> {
+        let starts = cnc.parameters().output_key_starts();
+        match cnc.mode() {
+            Mode::Mdi if !starts => Some(say::key_output_starts_with_parameter()),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Why a key that was pressed does nothing (words for the line beside the panel; the
+//! LCD stays as the manual has it).
+//!
+//! Keys of page and text are judged when they go down, by page and mode. Machine keys
+//! act through the ladder alone: they are judged a moment later, by what the ladder has
+//! made of them.
+
+use gsk_core::cnc::Cnc;
+use gsk_core::operation::{Mode, RunState};
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::units::Axis;
+use gsk_messages::{Message, say};
+
+use crate::keys::Key;
+
+/// How long after it went down a machine key is judged, ticks: by then contacts are
+/// accepted and the whole ladder has run with them.
+pub const JUDGED_AFTER: u64 = 48;
+
+/// 175.0 XVAL, 175.1 ZVAL and the like are the ladder's; these are its answers.
+const START: BitAddress = BitAddress::new(Area::G, 7, 2);
+const NEXT_TOOL: BitAddress = BitAddress::new(Area::G, 44, 7);
+const TOOL_STROBE: BitAddress = BitAddress::new(Area::F, 7, 3);
+const FORWARD: BitAddress = BitAddress::new(Area::G, 74, 4);
+const REVERSE: BitAddress = BitAddress::new(Area::G, 74, 5);
+const WHEEL_X: BitAddress = BitAddress::new(Area::G, 18, 0);
+const WHEEL_Z: BitAddress = BitAddress::new(Area::G, 18, 1);
+
+/// What a machine key may change by its press alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Before {
+    run: RunState,
+    /// Override of feed, rapid and spindle, %.
+    overrides: [u8; 3],
+}
+
+impl Before {
+    const fn of(cnc: &Cnc) -> Self {
+        Self {
+            run: cnc.run_state(),
+            overrides: [
+                cnc.feed_override(),
+                cnc.rapid_override(),
+                cnc.spindle_override(),
+            ],
+        }
+    }
+}
+
+/// A machine key that went down, with the state of the control at that moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Press {
+    key: Key,
+    before: Before,
+}
+
+impl Press {
+    /// The key goes down now; none: it is no machine key.
+    pub fn new(key: Key, cnc: &Cnc) -> Option<Self> {
+        key.contact().map(|_| Self {
+            key,
+            before: Before::of(cnc),
+        })
+    }
+
+    /// Why the key, pressed [`JUDGED_AFTER`] ticks ago and still down, does nothing;
+    /// none: it acts, or the ladder has not seen it yet.
+    pub fn refused(&self, cnc: &Cnc) -> Option<Message> {
+        of_machine_key(self.key, cnc).or_else(|| of_no_change(self.key, self.before, cnc))
+    }
+}
+
+/// The greatest and the least override of feed, rapid (F0) and spindle, %
+/// (G12, G14, G30).
+const ENDS: [(u8, u8); 3] = [(0, 150), (0, 100), (50, 120)];
+
+/// Keys whose press must change something.
+fn of_no_change(key: Key, before: Before, cnc: &Cnc) -> Option<Message> {
+    let now = Before::of(cnc);
+    let index = match key {
+        Key::FeedHold => return of_feed_hold(before.run),
+        Key::FeedOverrideUp | Key::FeedOverrideDown => 0,
+        Key::RapidOverrideUp | Key::RapidOverrideDown => 1,
+        Key::SpindleOverrideUp | Key::SpindleOverrideDown => 2,
+        _ => return None,
+    };
+    let percent = now.overrides[index];
+    let (least, greatest) = ENDS[index];
+    if percent != before.overrides[index] {
+        return None;
+    }
+    Some(match index {
+        _ if least < percent && percent < greatest => say::key_override_not_taken(),
+        0 => say::key_feed_override_at_end(percent),
+        1 => say::key_rapid_override_at_end(percent),
+        _ => say::key_spindle_override_at_end(percent),
+    })
+}
+
+fn of_feed_hold(before: RunState) -> Option<Message> {
+    match before {
+        RunState::Run => None,
+        RunState::Hold => Some(say::key_program_is_held()),
+        RunState::Stop | RunState::Reset => Some(say::key_nothing_to_hold()),
+    }
+}
+
+/// Why a machine key that is down does nothing, by what it may do at all.
+fn of_machine_key(key: Key, cnc: &Cnc) -> Option<Message> {
+    let contact = key.contact()?;
+    let memory = cnc.plc().memory();
+    if !memory.bit(BitAddress::new(Area::X, contact.byte, contact.bit)) {
+        return None;
+    }
+    let on = |bit| memory.bit(bit);
+    let why = match key {
+        Key::CycleStart => return of_start(cnc, on(START)),
+        Key::XUp | Key::XDown => return cnc.refuses_axis(Axis::X).map(Message::from),
+        Key::ZLeft | Key::ZRight => return cnc.refuses_axis(Axis::Z).map(Message::from),
+        Key::WheelY | Key::YMinus | Key::YPlus => say::key_no_y_axis(),
+        Key::SpindleForward if !on(FORWARD) => of_spindle(cnc)?,
+        Key::SpindleReverse if !on(REVERSE) => of_spindle(cnc)?,
+        Key::SpindleForward | Key::SpindleReverse => of_speed(cnc)?,
+        Key::SpindleStop if on(FORWARD) || on(REVERSE) => say::key_acts_in_manual_modes(),
+        Key::ToolChange if !on(NEXT_TOOL) && !on(TOOL_STROBE) => of_tool_change(cnc)?,
+        Key::Lubrication if !is_manual(cnc) => say::key_acts_in_manual_modes(),
+        Key::Rapid | Key::RapidOverrideUp | Key::RapidOverrideDown
+            if matches!(cnc.mode(), Mode::Edit | Mode::Handwheel) =>
+        {
+            say::key_not_in_edit_and_handwheel()
+        }
+        Key::Increment1 | Key::Increment10 | Key::Increment100
+            if !matches!(cnc.mode(), Mode::Step | Mode::Handwheel) =>
+        {
+            say::key_step_size_in_step_mode()
+        }
+        Key::Increment100 if cnc.parameters().small_steps_only() => say::key_large_steps_locked(),
+        Key::WheelX if !on(WHEEL_X) => of_wheel(cnc),
+        Key::WheelZ if !on(WHEEL_Z) => of_wheel(cnc),
+        _ => return None,
+    };
+    Some(why)
+}
+
+/// The modes in which the ladder takes keys of spindle, tool post and lubrication.
+const fn is_manual(cnc: &Cnc) -> bool {
+    cnc.mode().is_manual()
+}
+
+fn of_start(cnc: &Cnc, passed: bool) -> Option<Message> {
+    let by_control = cnc.refuses_start().map(Message::from);
+    by_control.or_else(|| (!passed).then(say::key_ladder_holds_cycle_start))
+}
+
+/// A message of the ladder tells by itself.
+fn of_spindle(cnc: &Cnc) -> Option<Message> {
+    if !is_manual(cnc) {
+        return Some(say::key_acts_in_manual_modes());
+    }
+    (!cnc.in_alarm()).then(say::key_ladder_holds_spindle)
+}
+
+fn of_speed(cnc: &Cnc) -> Option<Message> {
+    let stands = cnc.parameters().analog_spindle() && cnc.spindle_commanded() == 0.0;
+    stands.then(say::key_spindle_without_speed)
+}
+
+fn of_tool_change(cnc: &Cnc) -> Option<Message> {
+    if !is_manual(cnc) {
+        Some(say::key_acts_in_manual_modes())
+    } else if cnc.parameters().stations() < 2 {
+        Some(say::key_no_tool_post())
+    } else {
+        None
+    }
+}
+
+fn of_wheel(cnc: &Cnc) -> Message {
+    match cnc.mode() {
+        Mode::Step => say::key_handwheel_in_step_mode(),
+        _ => say::key_handwheel_axis_in_step_mode(),
+    }
+}

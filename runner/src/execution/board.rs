@@ -1,0 +1,283 @@
+//! A program at a real machine: a pulse board makes the motion, at its own pace, and
+//! somebody is asked before anything goes on that has come to a stop.
+
+use gsk_core::operation::RunState;
+use gsk_core::plc::address::{Area, BitAddress};
+use gsk_core::units::Axis;
+
+use super::{End, Run, SETTLE_MS};
+use crate::board::{Answer, Operator, PulseBoard};
+
+const RESET_KEY: BitAddress = BitAddress::new(Area::X, 26, 0);
+const MACHINE_ZERO_KEY: BitAddress = BitAddress::new(Area::X, 20, 3);
+const FEED_HOLD_KEY: BitAddress = BitAddress::new(Area::X, 24, 7);
+/// DM00, the decode signal of M00.
+const PROGRAM_STOP: BitAddress = BitAddress::new(Area::F, 9, 7);
+
+/// The key of an axis that leads to its machine zero.
+const fn axis_key(axis: Axis) -> BitAddress {
+    match axis {
+        Axis::X => BitAddress::new(Area::X, 23, 1),
+        Axis::Z => BitAddress::new(Area::X, 22, 7),
+    }
+}
+/// A return takes no longer, ticks.
+const LONGEST_RETURN: u32 = 10 * 60 * 1000;
+/// After so long without motion a key has done nothing, ticks.
+const KEY_ACTS_WITHIN: u32 = 1000;
+/// What stood before RESET is gone by then, if it goes, ticks.
+const RESET_ACTS_WITHIN: u32 = 5000;
+/// A stop that stands so long, ticks, has no alarm any more that comes later.
+const STANDS: u32 = 300;
+
+/// A pulse board that makes the motion.
+pub struct Board {
+    /// The board.
+    pub(super) live: Box<dyn PulseBoard>,
+    home: bool,
+    person: Option<Box<dyn Operator>>,
+    /// An alarm ends the run: what stood before RESET does not.
+    minds_alarms: bool,
+}
+
+impl Board {
+    /// A board that is known; `home`: the machine zero return of both axes comes first;
+    /// `person`: who is asked at a stop.
+    pub fn new(live: Box<dyn PulseBoard>, home: bool, person: Option<Box<dyn Operator>>) -> Self {
+        Self {
+            live,
+            home,
+            person,
+            minds_alarms: false,
+        }
+    }
+}
+
+/// A stop that is looked after.
+#[derive(Debug, Default)]
+pub(super) struct Standing {
+    /// So long it stands, ticks.
+    ticks: u32,
+    /// The question was put.
+    asked: bool,
+    /// M00 was carried out last.
+    program_stop: bool,
+}
+
+impl Run<'_> {
+    /// Waits until the board lets a tick pass; false: the end was asked for.
+    pub(super) fn may_tick(&mut self) -> bool {
+        let Some(board) = &mut self.board else {
+            return true;
+        };
+        let on = board.live.wait(&mut self.simulation);
+        if !on {
+            self.ended = Some(End::Asked);
+        }
+        // What the board raises between two ticks is no event of theirs.
+        if let Some(alarm) = self.simulation.cnc.alarms().first()
+            && board.minds_alarms
+            && self.ended.is_none()
+        {
+            self.ended = Some(End::Alarm(alarm.clone()));
+        }
+        on
+    }
+
+    /// RESET unlocks the board; with [`Board::home`] both axes make their return.
+    pub(super) fn prepare_board(&mut self) {
+        let Some(home) = self.board.as_ref().map(|board| board.home) else {
+            return;
+        };
+        self.press(RESET_KEY);
+        for _ in 0..RESET_ACTS_WITHIN {
+            if self.simulation.cnc.alarms().is_empty() {
+                break;
+            }
+            self.tick();
+        }
+        if let Some(board) = &mut self.board {
+            board.minds_alarms = true;
+        }
+        if !home {
+            return;
+        }
+        self.press(MACHINE_ZERO_KEY);
+        for axis in [Axis::X, Axis::Z] {
+            self.home(axis);
+        }
+    }
+
+    /// Holds the key of an axis until it has its reference. A board may return both
+    /// axes at the key of the first.
+    fn home(&mut self, axis: Axis) {
+        let key = axis_key(axis);
+        let mut still = 0;
+        for _ in 0..LONGEST_RETURN {
+            if *self.simulation.cnc.referenced().get(axis) || self.ended.is_some() {
+                self.simulation.cnc.set_panel_key(key, false);
+                return self.settle();
+            }
+            self.simulation.cnc.set_panel_key(key, true);
+            self.tick();
+            still = if self.stands() { still + 1 } else { 0 };
+            if still >= KEY_ACTS_WITHIN
+                && let Some(why) = self.simulation.cnc.refuses_axis(axis)
+            {
+                self.ended = Some(End::Refused(why));
+            }
+        }
+        self.simulation.cnc.set_panel_key(key, false);
+        self.ended = Some(End::Refused(format!(
+            "the machine zero return of {axis:?} comes to no end"
+        )));
+    }
+
+    /// Whether control and board stand.
+    fn stands(&self) -> bool {
+        let cnc = &self.simulation.cnc;
+        !cnc.is_moving() && cnc.behind().is_none_or(|behind| behind.ticks == 0)
+    }
+
+    /// Looks after a program that a board carries out, once a tick. A stop is answered
+    /// by a person, at the terminal or with the cycle start of the machine; without
+    /// anybody at a terminal the run is over.
+    pub(super) fn attend(&mut self) {
+        let state = self.simulation.cnc.run_state();
+        if state == RunState::Run {
+            let program_stop = self.simulation.cnc.plc().memory().bit(PROGRAM_STOP);
+            self.standing = Standing {
+                program_stop,
+                ..Standing::default()
+            };
+        }
+        if state == RunState::Run || self.ended.is_some() || !self.stands() {
+            return;
+        }
+        self.standing.ticks += 1;
+        if self.standing.ticks < STANDS {
+            return;
+        }
+        if state == RunState::Reset {
+            let why = match self.begun {
+                true => End::Stop("cycle start: RESET has ended the program".to_owned()),
+                false => End::Refused("cycle start has begun nothing".to_owned()),
+            };
+            self.ended = Some(self.refused().unwrap_or(why));
+            return;
+        }
+        let hold = state == RunState::Hold;
+        let place = self.place(hold);
+        if !self.standing.asked {
+            self.standing.asked = true;
+            match self.question(&place) {
+                true => {}
+                // It was held at the machine, and goes on there.
+                false if hold => {
+                    let on = "cycle start at the machine goes on, Ctrl-C ends";
+                    self.watcher.tell(&format!("{place}: {on}"));
+                }
+                false => self.ended = Some(End::Stop(format!("cycle start at {place}"))),
+            }
+            return;
+        }
+        match self.answer(&place) {
+            Answer::Enter => {
+                self.stops += u32::from(!hold);
+                self.press_again();
+                self.standing = Standing::default();
+            }
+            Answer::Gone if !hold => {
+                self.ended = Some(End::Stop(format!("cycle start at {place}")));
+            }
+            Answer::None | Answer::Other | Answer::Gone => {}
+        }
+    }
+
+    /// Where the program has come to a stop, and how.
+    fn place(&self, hold: bool) -> String {
+        let cnc = &self.simulation.cnc;
+        let what = match self.standing.program_stop {
+            _ if hold => "feed hold",
+            true => "M00",
+            false => "a stop",
+        };
+        format!("{what} in line {}", cnc.cursor().line)
+    }
+
+    /// Asks whether to go on from a place; false: nobody is there to be asked.
+    fn question(&mut self, place: &str) -> bool {
+        let person = self
+            .board
+            .as_ref()
+            .and_then(|board| board.person.as_deref());
+        let Some(person) = person else {
+            return false;
+        };
+        person.forget();
+        self.watcher
+            .tell(&format!("{place}: press Enter to go on, Ctrl-C to stop"));
+        true
+    }
+
+    /// What the person at the terminal says; asked once more if that was no answer.
+    fn answer(&mut self, place: &str) -> Answer {
+        let person = self
+            .board
+            .as_ref()
+            .and_then(|board| board.person.as_deref());
+        let answer = person.map_or(Answer::None, Operator::answer);
+        if answer == Answer::Other {
+            self.question(place);
+        }
+        answer
+    }
+
+    /// Asks whether another part may be begun, and waits for the word of it.
+    pub(super) fn may_begin_another(&mut self) -> bool {
+        if self.board.is_none() {
+            return true;
+        }
+        let place = format!("part {} of {} is made", self.parts, self.wanted_parts);
+        if !self.question(&place) {
+            return false;
+        }
+        while self.ended.is_none() {
+            if self.simulation.cnc.run_state() == RunState::Run {
+                return true;
+            }
+            match self.answer(&place) {
+                Answer::Enter => return true,
+                Answer::Gone => return false,
+                Answer::None | Answer::Other => self.tick(),
+            }
+        }
+        false
+    }
+
+    /// A program that runs on behind the end of the run is held, and the board makes
+    /// what it was handed.
+    pub(super) fn come_to_rest(&mut self) {
+        if self.board.is_none() {
+            return self.settle();
+        }
+        if self.simulation.cnc.run_state() == RunState::Run {
+            self.simulation.cnc.set_panel_key(FEED_HOLD_KEY, true);
+        }
+        for _ in 0..SETTLE_MS {
+            let runs = self.simulation.cnc.run_state() == RunState::Run;
+            if self.stands() && !runs {
+                break;
+            }
+            self.tick();
+        }
+        self.simulation.cnc.set_panel_key(FEED_HOLD_KEY, false);
+    }
+
+    /// Stops the board and closes its port.
+    pub(super) fn close_board(&mut self) {
+        if let Some(board) = self.board.take() {
+            board.live.close(&mut self.simulation);
+        }
+    }
+}

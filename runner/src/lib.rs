@@ -1,0 +1,17 @@
+//! A part program or an operator script carried out to its end, and what is told of it:
+//! moves, reports, pictures. Pure: files, the terminal, ports and pulse boards are handed
+//! in by whoever carries something out.
+
+pub mod board;
+pub mod chinese;
+pub mod execution;
+pub mod language;
+pub mod moves;
+pub mod narration;
+pub mod partner;
+pub mod picture;
+pub mod report;
+pub mod script;
+pub mod words;
+
+pub use language::Language;

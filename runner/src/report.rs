@@ -1,0 +1,253 @@
+//! The result of a program as one JSON object, and in words.
+//!
+//! With a language all texts are in it. Without one the words are English, and the
+//! texts of alarms those of the screen, which are Chinese.
+
+mod checked;
+mod end;
+mod words;
+
+use std::collections::BTreeMap;
+
+use gsk_core::alarm::{Alarm, AlarmClass};
+use gsk_core::command::ProgramId;
+use gsk_core::interpreter::Modal;
+use gsk_core::memory::Parameters;
+use gsk_core::program::ProgramMemory;
+use gsk_core::units::Point;
+use gsk_messages::Message;
+use serde::Serialize;
+
+pub use checked::check;
+pub use end::End;
+
+use crate::chinese;
+use crate::language::Language;
+use crate::moves::diameter_z;
+
+/// An alarm in a result.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AlarmReport {
+    /// PS, SYS, OT, ESTOP, SERVO, LINK or PLC.
+    pub class: &'static str,
+    /// Number.
+    pub number: u16,
+    /// The text of the screen, or its meaning in English.
+    pub text: String,
+    /// Line of the block, from 1.
+    pub line: Option<u32>,
+    /// Its sequence number; not part of the JSON.
+    #[serde(skip)]
+    pub sequence: Option<u16>,
+    /// The program it stands in; not part of the JSON.
+    #[serde(skip)]
+    pub program: Option<ProgramId>,
+    /// The block.
+    pub block: Option<String>,
+    /// The rule that was broken.
+    pub detail: Option<String>,
+    /// What raises it, where the table says so.
+    pub cause: Option<&'static str>,
+    /// What helps: the parameter, the word or the key.
+    pub way_out: Option<&'static str>,
+}
+
+/// Positions at the end: X as a diameter.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Final {
+    /// Absolute coordinates.
+    pub abs: (f64, f64),
+    /// Machine coordinates.
+    pub machine: (f64, f64),
+    /// Relative coordinates.
+    pub rel: (f64, f64),
+}
+
+impl Final {
+    /// From points as the control holds them.
+    pub fn new(absolute: Point, machine: Point, relative: Point) -> Self {
+        Self {
+            abs: diameter_z(absolute),
+            machine: diameter_z(machine),
+            rel: diameter_z(relative),
+        }
+    }
+}
+
+/// The result of `run` and `check`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// The file.
+    pub file: String,
+    /// How it ended.
+    pub end: End,
+    /// The alarm or the message of the ladder that ended it.
+    pub alarm: Option<AlarmReport>,
+    /// Why cycle start was refused, or what the program waited for at the limit or at a
+    /// stop.
+    pub waits_for: Option<String>,
+    /// Machine time, s.
+    pub time_s: f64,
+    /// Of that, with a cutting feed, s.
+    pub cutting_s: f64,
+    /// Blocks executed.
+    pub blocks: u64,
+    /// Moves executed.
+    pub moves: u64,
+    /// Parts counted.
+    pub parts: u32,
+    /// M00 answered with cycle start.
+    pub stops: u32,
+    /// Where everything stands.
+    #[serde(rename = "final")]
+    pub position: Final,
+    /// G codes in force.
+    pub modal: Vec<String>,
+    /// F word in force.
+    pub f: f64,
+    /// S word in force.
+    pub s: f64,
+    /// Tool and offset in force.
+    pub t: String,
+    /// cw, ccw or stop.
+    pub spindle: &'static str,
+    /// Whether the coolant runs.
+    pub coolant: bool,
+    /// Parameters that the program changed, with their values now.
+    pub parameters_changed: BTreeMap<String, i32>,
+    /// What is no alarm and yet likely a slip, with its line.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    /// What `check` knows besides.
+    #[serde(flatten)]
+    pub path: Option<PathReport>,
+}
+
+/// Lengths, tools and the box around the path.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PathReport {
+    /// Alarms behind the first one.
+    pub more_alarms: Vec<AlarmReport>,
+    /// What comes behind this line was not checked for further alarms.
+    pub unchecked_behind: Option<u32>,
+    /// Path length of each kind of move, mm.
+    pub lengths: BTreeMap<&'static str, f64>,
+    /// Tools called, as T words.
+    pub tools: Vec<String>,
+    /// Smallest and largest X (diameter) and Z of the path.
+    #[serde(rename = "box")]
+    pub bounds: Option<Bounds>,
+}
+
+/// A box; X as diameters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Bounds {
+    /// From, to.
+    pub x: (f64, f64),
+    /// From, to.
+    pub z: (f64, f64),
+}
+
+/// What is said of a program that was given up.
+pub const LIMIT: &str = "no end within the limits (run: --limit; check, plot: --give-up, \
+     --most-moves, 1000 hours of machine time)";
+
+/// A sentence of the control in a language.
+pub fn translated(sentence: &str, language: Option<Language>) -> String {
+    chinese::say(sentence, language.unwrap_or(Language::En)).into_owned()
+}
+
+/// A message in the language that was chosen.
+pub fn said(message: &Message, language: Option<Language>) -> String {
+    chinese::say_message(message, language.unwrap_or(Language::En))
+}
+
+/// The short name of a class of alarms.
+pub const fn class_name(class: AlarmClass) -> &'static str {
+    match class {
+        AlarmClass::Ps => "PS",
+        AlarmClass::System => "SYS",
+        AlarmClass::Overtravel => "OT",
+        AlarmClass::EmergencyStop => "ESTOP",
+        AlarmClass::Servo => "SERVO",
+        AlarmClass::Link => "LINK",
+        AlarmClass::Plc => "PLC",
+    }
+}
+
+impl AlarmReport {
+    /// An alarm with the block that raised it.
+    pub fn new(alarm: &Alarm, programs: &ProgramMemory, language: Option<Language>) -> Self {
+        let block = alarm.source.and_then(|source| {
+            programs
+                .get(source.program)
+                .map(|program| program.line(source.line).trim().to_owned())
+        });
+        Self {
+            class: class_name(alarm.class()),
+            number: alarm.number,
+            text: match language {
+                Some(Language::En) => alarm.row().map_or("", |row| row.meaning_en),
+                Some(Language::Zh) | None => alarm.text(),
+            }
+            .to_owned(),
+            line: alarm.source.map(|source| source.line),
+            sequence: alarm.source.and_then(|source| source.sequence),
+            program: alarm.source.map(|source| source.program),
+            block,
+            detail: (alarm.detail.as_ref())
+                .map(|detail| chinese::say_message(detail, language.unwrap_or(Language::En))),
+            cause: match language {
+                Some(Language::Zh) => alarm.advice().map(|advice| advice.cause_zh),
+                Some(Language::En) | None => alarm.row().map(|row| row.cause_en),
+            },
+            way_out: alarm.advice().map(|advice| match language {
+                Some(Language::Zh) => advice.way_out_zh,
+                Some(Language::En) | None => advice.way_out_en,
+            }),
+        }
+    }
+}
+
+impl Report {
+    /// Whether the program did not come to its own end.
+    pub const fn failed(&self) -> bool {
+        !self.end.is_own()
+    }
+
+    /// As one JSON object on a line of its own.
+    ///
+    /// # Errors
+    /// It cannot be told as JSON.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string(self)? + "\n")
+    }
+}
+
+/// The G codes in force, one of each group.
+pub fn modal_codes(modal: &Modal) -> Vec<String> {
+    vec![
+        format!("G{:02}", modal.motion),
+        if modal.surface_speed { "G96" } else { "G97" }.to_owned(),
+        if modal.feed_per_revolution {
+            "G99"
+        } else {
+            "G98"
+        }
+        .to_owned(),
+        format!("G{:02}", modal.nose_compensation),
+    ]
+}
+
+/// The T word of a tool and an offset.
+pub fn tool_word((tool, offset): (u8, u8)) -> String {
+    format!("{tool:02}{offset:02}")
+}
+
+/// The parameters that differ, by their three-digit numbers.
+pub fn changed(before: &Parameters, after: &Parameters) -> BTreeMap<String, i32> {
+    (0..1000)
+        .filter(|number| before.value(*number) != after.value(*number))
+        .map(|number| (format!("{number:03}"), after.value(number)))
+        .collect()
+}

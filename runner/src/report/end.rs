@@ -1,0 +1,64 @@
+//! How a program ended.
+
+use gsk_core::preview;
+use serde::{Serialize, Serializer};
+
+/// How a program ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// M30.
+    M30,
+    /// M99 in the main program.
+    M99,
+    /// The end of the text.
+    Text,
+    /// An alarm, or a message of the ladder.
+    Alarm,
+    /// Cycle start was refused.
+    Refused,
+    /// It stands at a board, and nobody was there to press what goes on.
+    Stop,
+    /// The end was asked for: Ctrl-C, `kill`.
+    Asked,
+    /// Given up: no end within the limits.
+    Limit,
+}
+
+impl End {
+    /// Its name in a report.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::M30 => "M30",
+            Self::M99 => "M99",
+            Self::Text => "EOF",
+            Self::Alarm => "alarm",
+            Self::Refused => "refused",
+            Self::Stop => "stop",
+            Self::Asked => "ended",
+            Self::Limit => "limit",
+        }
+    }
+
+    /// Whether it is the program's own.
+    pub const fn is_own(self) -> bool {
+        matches!(self, Self::M30 | Self::M99 | Self::Text)
+    }
+}
+
+impl Serialize for End {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl From<preview::End> for End {
+    fn from(end: preview::End) -> Self {
+        match end {
+            preview::End::M30 => Self::M30,
+            preview::End::M99 => Self::M99,
+            preview::End::Text => Self::Text,
+            preview::End::Alarm => Self::Alarm,
+            preview::End::Limit => Self::Limit,
+        }
+    }
+}

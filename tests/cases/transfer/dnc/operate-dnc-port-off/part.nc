@@ -1,0 +1,11 @@
+%
+O0077;
+(comes in while it runs)
+N10 G00 X100 Z100;
+N20 G01 X80 F600;
+N30 Z50;
+N40 X60 Z40;
+N50 G00 X100 Z100;
+M30;
+%
+G00 X500;

@@ -1,0 +1,250 @@
+//! Dependencies go one way: between packages as the table of ARCHITECTURE.md says,
+//! between the modules of `core` as `tests/core-modules.tsv` says, and nowhere do two
+//! neighbours use each other.
+
+mod paths;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+
+use gsk_tests::repository;
+use paths::{Source, sources};
+
+/// The modules of `core`, from leaf to root, and what each uses.
+const CORE_MODULES: &str = "tests/core-modules.tsv";
+/// The folders of the packages that have a library.
+const PACKAGES: [&str; 10] = [
+    "messages", "units", "plc", "link", "twins", "core", "panel", "runner", "app", "tests",
+];
+/// Libraries that `core` hands on under its own name.
+const HANDED_ON: [&str; 2] = ["plc", "units"];
+/// Neighbours that still use each other, with the folder they stand in. Nothing is
+/// added here: what two modules share belongs into a third.
+const STILL_BOTH_WAYS: &[(&str, &str, &str)] = &[
+    ("app", "kernel", "transfer"),
+    ("app/window", "badge", "views"),
+    ("core/interpreter", "compound_thread", "cycle"),
+    ("core/interpreter", "cycle", "pattern"),
+    ("core/interpreter", "cycle", "pecking"),
+    ("core/interpreter", "cycle", "roughing"),
+    ("core/interpreter", "cycle", "tapping"),
+    ("core/interpreter", "cycle", "thread_cycle"),
+    ("core/interpreter", "finishing", "subprogram"),
+    ("core/interpreter", "nose_compensation", "reader"),
+];
+
+/// Where one module uses another: file and line.
+type Places = Vec<String>;
+/// Uses between neighbours: `(folder, user, used)`.
+type Uses = BTreeMap<(String, String, String), Places>;
+
+/// The uses between the modules of each folder of a package, its root included.
+fn uses(package: &str) -> Uses {
+    let sources = sources(&repository().join(package).join("src"));
+    let modules: BTreeSet<&[String]> = sources
+        .iter()
+        .flat_map(|source| (1..=source.module.len()).map(|depth| &source.module[..depth]))
+        .collect();
+    let mut uses = Uses::new();
+    for source in &sources {
+        for named in &source.names {
+            let Some(target) = target(&source.module, &named.segments) else {
+                continue;
+            };
+            let shared = source.module.iter().zip(&target);
+            let shared = shared.take_while(|(own, other)| own == other).count();
+            let (Some(user), Some(used)) = (source.module.get(shared), target.get(shared)) else {
+                continue;
+            };
+            if modules.contains(&target[..=shared]) {
+                let mut folder = vec![package.to_owned()];
+                folder.extend_from_slice(&target[..shared]);
+                let place = format!("{}:{}", source.file, named.line);
+                let key = (folder.join("/"), user.clone(), used.clone());
+                uses.entry(key).or_default().push(place);
+            }
+        }
+    }
+    uses
+}
+
+/// A path from the root of its package; none for a path into another package.
+fn target(module: &[String], segments: &[String]) -> Option<Vec<String>> {
+    let ups = segments.iter().take_while(|word| *word == "super").count();
+    let (above, rest) = match segments[0].as_str() {
+        "crate" => (0, &segments[1..]),
+        "self" => (module.len(), &segments[1..]),
+        "super" => (module.len().checked_sub(ups)?, &segments[ups..]),
+        _ => return None,
+    };
+    let above = module[..above].iter();
+    Some(above.chain(rest).cloned().collect())
+}
+
+fn is_still_both_ways(folder: &str, one: &str, other: &str) -> bool {
+    STILL_BOTH_WAYS.contains(&(folder, one, other))
+        || STILL_BOTH_WAYS.contains(&(folder, other, one))
+}
+
+#[test]
+fn modules_of_core_use_what_the_table_says() {
+    let table = fs::read_to_string(repository().join(CORE_MODULES)).expect(CORE_MODULES);
+    let rows: Vec<(&str, BTreeSet<&str>)> = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split_once('\t').unwrap_or((line, "")))
+        .map(|(module, uses)| (module, uses.split_whitespace().collect()))
+        .collect();
+    let found = uses("core");
+    let mut faults = Vec::new();
+    let mut unused: BTreeSet<(&str, &str)> = BTreeSet::new();
+    let mut above = BTreeSet::new();
+    for (module, uses) in &rows {
+        for used in uses {
+            unused.insert((module, used));
+            if !above.contains(used) && !is_still_both_ways("core", module, used) {
+                faults.push(format!("{CORE_MODULES}: {used} must stand above {module}"));
+            }
+        }
+        above.insert(*module);
+    }
+    for ((folder, user, used), places) in &found {
+        if folder == "core" && !unused.remove(&(user.as_str(), used.as_str())) {
+            faults.push(format!(
+                "{user} must not use {used} ({CORE_MODULES}):\n  {}",
+                places.join("\n  ")
+            ));
+        }
+    }
+    for (user, used) in unused {
+        faults.push(format!("{CORE_MODULES}: {user} no longer uses {used}"));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn neighbours_use_each_other_one_way() {
+    let packages = PACKAGES.map(uses);
+    let mut still: BTreeSet<_> = STILL_BOTH_WAYS.iter().copied().collect();
+    assert_eq!(still.len(), STILL_BOTH_WAYS.len(), "a pair stands twice");
+    let mut faults = Vec::new();
+    for uses in &packages {
+        for ((folder, one, other), there) in uses {
+            let back = uses.get(&(folder.clone(), other.clone(), one.clone()));
+            let Some(back) = back.filter(|_| one < other) else {
+                continue;
+            };
+            if !still.remove(&(folder, one, other)) {
+                faults.push(format!(
+                    "{folder}: {one} and {other} use each other:\n  {}\n and\n  {}",
+                    there.join("\n  "),
+                    back.join("\n  ")
+                ));
+            }
+        }
+    }
+    for (folder, one, other) in still {
+        faults.push(format!(
+            "{folder}: {one} and {other} go one way now: take the pair off the list"
+        ));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// What each package may use, as the table of ARCHITECTURE.md says it.
+fn allowed() -> BTreeMap<String, BTreeSet<String>> {
+    let text = fs::read_to_string(repository().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    let mut allowed = BTreeMap::new();
+    for line in text.lines() {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let [_, package, _, uses, _] = cells[..] else {
+            continue;
+        };
+        let Some(package) = package.strip_prefix("`gsk980td") else {
+            continue;
+        };
+        let package = match package.split_once('`') {
+            Some(("", _)) => "app",
+            Some((name, _)) => name.trim_start_matches('-'),
+            None => panic!("{line}: a name in backquotes"),
+        };
+        let words: BTreeSet<&str> = uses.split('`').skip(1).step_by(2).collect();
+        let all = uses.starts_with("everything") || uses.starts_with("all");
+        let named = PACKAGES.into_iter().filter(|name| *name != package);
+        let named = named.filter(|name| all || words.contains(name));
+        allowed.insert(package.to_owned(), named.map(str::to_owned).collect());
+    }
+    allowed
+}
+
+/// What the sources of a package name of the workspace's libraries, and where.
+fn named(package: &str, sources: &[Source]) -> BTreeMap<String, String> {
+    let mut used = BTreeMap::new();
+    for source in sources {
+        for named in &source.names {
+            let Some(library) = named.segments[0].strip_prefix("gsk_") else {
+                continue;
+            };
+            let next = named.segments.get(1).map_or("", String::as_str);
+            let handed_on = library == "core" && HANDED_ON.contains(&next);
+            let library = if handed_on { next } else { library };
+            if library != package {
+                let place = format!("{}:{}", source.file, named.line);
+                used.entry(library.to_owned()).or_insert(place);
+            }
+        }
+    }
+    used
+}
+
+/// The workspace's libraries among the dependencies of a package, without those of its
+/// own tests.
+fn depended_on(package: &str) -> Vec<String> {
+    let manifest = repository().join(package).join("Cargo.toml");
+    let manifest = fs::read_to_string(manifest).expect("Cargo.toml");
+    let sections = manifest.split("\n[").filter(|section| {
+        let head = section.lines().next().unwrap_or_default();
+        head.ends_with("dependencies]") && !head.contains("dev-")
+    });
+    sections
+        .flat_map(str::lines)
+        .filter_map(|line| line.strip_prefix("gsk_"))
+        .filter_map(|line| line.split(['.', ' ', '=']).next())
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn packages_use_what_the_architecture_says() {
+    let allowed = allowed();
+    let mut faults = Vec::new();
+    for package in PACKAGES {
+        let Some(may) = allowed.get(package) else {
+            faults.push(format!("ARCHITECTURE.md has no row for {package}"));
+            continue;
+        };
+        let used = named(package, &sources(&repository().join(package).join("src")));
+        for (library, place) in &used {
+            if !may.contains(library) {
+                faults.push(format!("{place}: {package} must not use {library}"));
+            }
+        }
+        for library in depended_on(package) {
+            if !may.contains(&library) {
+                faults.push(format!(
+                    "{package}/Cargo.toml: {package} must not use {library}"
+                ));
+            }
+        }
+        // The app and the tests may use everything and need not.
+        let whole = may.len() == PACKAGES.len() - 1;
+        for library in may.iter().filter(|_| !whole) {
+            if !used.contains_key(library) {
+                faults.push(format!(
+                    "ARCHITECTURE.md: {package} no longer uses {library}"
+                ));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

@@ -1,0 +1,30 @@
+//! What cases cannot say: properties, coverage of tables, determinism. A test is
+//! `subject::name`.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "tests fail by panicking"
+)]
+
+mod alarm_coverage;
+mod board_path;
+mod causes;
+mod decisions;
+mod dependencies;
+mod determinism;
+mod documents;
+mod edit_keys;
+mod fault_coverage;
+mod fuzz_corpus;
+mod hostile_input;
+mod machine_files;
+mod numbers;
+mod pages;
+mod parameter_coverage;
+mod properties;
+mod protections;
+mod runner;
+mod samples;
+mod window_texts;

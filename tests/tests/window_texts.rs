@@ -1,0 +1,167 @@
+//! The window has no text of its own: what it shows stands in the table of messages, so
+//! that nothing is said in one language alone.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gsk_tests::repository;
+
+/// Where the sources of the window lie.
+const WINDOW: &str = "app/src/window";
+/// Literals of this many words are taken for a sentence.
+const SENTENCE: usize = 3;
+
+/// Literals that nobody reads as a sentence, and why.
+const NOT_SHOWN: [(&str, &str); 1] = [("asked for files", "the key of a value that egui keeps")];
+
+/// A string literal of a source and its line.
+#[derive(Debug, PartialEq, Eq)]
+struct Literal {
+    line: usize,
+    text: String,
+}
+
+/// The string literals of a source without its tests and comments.
+fn literals(source: &str) -> Vec<Literal> {
+    let code = source.split("#[cfg(test)]").next().unwrap_or(source);
+    let mut found = Vec::new();
+    let mut rest = code;
+    while let Some(at) = rest.find(['"', '\'', '/']) {
+        let (before, here) = rest.split_at(at);
+        let passed = match here.as_bytes() {
+            [b'/', b'/', ..] => here.find('\n').unwrap_or(here.len()),
+            [b'"', ..] => {
+                let raw = before.ends_with('r') || before.ends_with('#');
+                assert!(!raw, "a raw string: {}", &here[..here.len().min(40)]);
+                let length = length_of_string(here);
+                found.push(Literal {
+                    line: line_of(code, here),
+                    text: here[1..length - 1].replace("\\\n", " "),
+                });
+                length
+            }
+            [b'\'', ..] => length_of_character(here),
+            _ => 1,
+        };
+        rest = &here[passed..];
+    }
+    found
+}
+
+/// Bytes of the string that a text begins with, with its quotation marks.
+fn length_of_string(text: &str) -> usize {
+    let mut escaped = false;
+    for (at, character) in text.char_indices().skip(1) {
+        match character {
+            '"' if !escaped => return at + 1,
+            '\\' => escaped = !escaped,
+            _ => escaped = false,
+        }
+    }
+    panic!("a string without end: {}", &text[..text.len().min(40)]);
+}
+
+/// Bytes of the character that a text begins with; one of a lifetime.
+fn length_of_character(text: &str) -> usize {
+    let mut characters = text.char_indices().skip(1);
+    match (characters.next(), characters.next(), characters.next()) {
+        // '\u{4e00}', '\'', '\n'
+        (Some((_, '\\')), Some(_), Some((at, _))) => {
+            text[at..].find('\'').map_or(1, |end| at + end + 1)
+        }
+        (Some(_), Some((at, '\'')), _) => at + 1,
+        _ => 1,
+    }
+}
+
+fn line_of(code: &str, rest: &str) -> usize {
+    code[..code.len() - rest.len()].matches('\n').count() + 1
+}
+
+fn is_chinese(text: &str) -> bool {
+    text.chars()
+        .any(|letter| ('\u{3000}'..='\u{9fff}').contains(&letter))
+}
+
+/// Words of a literal: letters between blanks; a placeholder is none.
+fn words(text: &str) -> usize {
+    let mut outside = String::new();
+    let mut depth = 0_u32;
+    for character in text.chars() {
+        match character {
+            '{' => depth += 1,
+            '}' => depth = depth.saturating_sub(1),
+            _ if depth == 0 => outside.push(character),
+            _ => {}
+        }
+    }
+    let is_word = |word: &&str| {
+        let word = word.trim_matches(|letter: char| !letter.is_alphanumeric());
+        word.len() > 1 && word.chars().all(|letter| letter.is_ascii_alphabetic())
+    };
+    outside.split_whitespace().filter(is_word).count()
+}
+
+fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("sources of the window") {
+        let path = entry.expect("entry").path();
+        if path.is_dir() {
+            collect(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn every_text_of_the_window_stands_in_the_table_of_messages() {
+    let mut files = Vec::new();
+    collect(&repository().join(WINDOW), &mut files);
+    files.sort();
+    assert!(files.len() > 30, "the window is elsewhere now");
+    let mut own = Vec::new();
+    for path in &files {
+        let source = fs::read_to_string(path).expect("a source");
+        let name = path.strip_prefix(repository()).unwrap_or(path).display();
+        for Literal { line, text } in literals(&source) {
+            let known = NOT_SHOWN.iter().any(|(literal, _)| *literal == text);
+            if !known && (is_chinese(&text) || words(&text) >= SENTENCE) {
+                own.push(format!("{name}:{line}: {text}"));
+            }
+        }
+    }
+    assert!(
+        own.is_empty(),
+        "give each a row in assets/tables/messages.tsv:\n{}",
+        own.join("\n")
+    );
+}
+
+#[test]
+fn every_exception_is_still_needed() {
+    let mut files = Vec::new();
+    collect(&repository().join(WINDOW), &mut files);
+    let sources: Vec<String> = files
+        .iter()
+        .map(|path| fs::read_to_string(path).expect("a source"))
+        .collect();
+    for (literal, reason) in NOT_SHOWN {
+        let quoted = format!("\"{literal}\"");
+        let used = sources.iter().any(|source| source.contains(&quoted));
+        assert!(used, "nobody says {quoted} any more ({reason})");
+    }
+}
+
+#[test]
+fn literals_are_found_and_comments_characters_and_lifetimes_are_none() {
+    let source = "// \"no\"\nfn a<'a>(x: &'a str) { say('\"', \"two \\\" quotes\"); }\n\
+                  const B: char = '\\''; /* */ \"运行\"\n#[cfg(test)]\n\"never\"";
+    let expected = [(2, "two \\\" quotes"), (3, "运行")].map(|(line, text)| Literal {
+        line,
+        text: text.to_owned(),
+    });
+    assert_eq!(literals(source), expected);
+    assert!(is_chinese("运行") && !is_chinese("S: µm …"));
+    assert_eq!(words("{name} came to no end in {seconds} s"), 5);
+    assert_eq!(words("{:.1} r/min, X {x}"), 0);
+}

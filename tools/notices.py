@@ -1,0 +1,248 @@
+#!/usr/bin/env python3
+"""Writes THIRD-PARTY.md: what the binary `gsk980td` links, and under which licences.
+
+Asks cargo which packages are linked on the platforms that are released, and reads the
+licence files that stand in their sources. Run it in the repository after Cargo.lock has
+changed; it downloads the sources of packages of other platforms once:
+
+    tools/notices.py
+
+`cargo test -p gsk980td --test program notices` says when it has to be run again.
+"""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PLATFORMS = [
+    "x86_64-unknown-linux-gnu",
+    "x86_64-pc-windows-gnu",
+    "x86_64-pc-windows-msvc",
+]
+# Of several licences to choose from the first of these is taken.
+CHOICE = ["MIT", "Apache-2.0", "BSD-3-Clause", "BSD-2-Clause", "Zlib", "ISC", "0BSD"]
+LICENCE_FILE = re.compile(
+    r"licen[cs]e|copying|copyright|unlicense|notice|^fonts/.*\.txt$", re.I
+)
+# What a text is, by words that no other has.
+KINDS = [
+    ("Apache-2.0", "apache license version 2.0"),
+    ("MPL-2.0", "mozilla public license version 2.0"),
+    # It points to the text, which another package has.
+    ("MPL-2.0", "mozilla public license, v. 2.0"),
+    ("OFL-1.1", "sil open font license"),
+    ("Ubuntu-font-1.0", "ubuntu font licence"),
+    ("Unicode-3.0", "unicode license v3"),
+    ("MIT", "to any person obtaining a copy of this software and associated documentation"),
+    ("Zlib", "this software is provided 'as-is', without any express or implied"),
+    ("BSD", "redistribution and use in source and binary forms"),
+    ("ISC", "permission to use, copy, modify, and/or distribute this software for any"),
+    ("ISC", "permission to use, copy, modify, and distribute this software for any"),
+]
+NAMES = {
+    "MIT": "MIT License",
+    "Apache-2.0": "Apache License, Version 2.0",
+    "BSD-3-Clause": "BSD 3-Clause License",
+    "BSD-2-Clause": "BSD 2-Clause License",
+    "MPL-2.0": "Mozilla Public License, Version 2.0",
+    "OFL-1.1": "SIL Open Font License, Version 1.1",
+    "Ubuntu-font-1.0": "Ubuntu Font Licence, Version 1.0",
+    "Unicode-3.0": "Unicode License V3",
+    "Zlib": "zlib License",
+    "ISC": "ISC License",
+}
+
+
+def plain(text):
+    """A text for comparison: words alone."""
+    return re.sub(r"[\s*#>]+", " ", text).replace('"', "").strip().lower()
+
+
+def comparable(text):
+    return plain(text).replace("license, version", "license version").replace("“", "").replace("”", "")
+
+
+def linked(platform):
+    """The packages of a platform: (name, version) to (expression, repository)."""
+    command = ["cargo", "tree", "--locked", "-p", "gsk980td", "-e", "normal,no-proc-macro"]
+    command += ["--prefix", "none", "--target", platform, "--format", "{p}\t{l}\t{r}"]
+    said = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True)
+    packages = {}
+    for line in said.stdout.splitlines():
+        package, expression, repository = line.removesuffix(" (*)").split("\t")
+        name, version, *rest = package.split()
+        if not any(part.startswith("(/") for part in rest):
+            packages[name, version.removeprefix("v")] = (expression, repository)
+    return packages
+
+
+def locked():
+    """The packages of Cargo.lock that come from a registry."""
+    lock = tomllib.loads((ROOT / "Cargo.lock").read_text())
+    return {(p["name"], p["version"]) for p in lock["package"] if "source" in p}
+
+
+def source(name, version):
+    home = Path(os.environ.get("CARGO_HOME", Path.home() / ".cargo"))
+    for folder in sorted(home.glob(f"registry/src/*/{name}-{version}")):
+        return folder
+    sys.exit(f"the source of {name} {version} is not there")
+
+
+def taken(expression):
+    """The licences that are taken of an expression."""
+    expression = expression.replace("/", " OR ")
+    chosen = []
+    for all_of in re.split(r"\s+AND\s+", expression):
+        choices = re.split(r"\s+OR\s+", all_of.strip("() "))
+        known = [licence for licence in CHOICE if licence in choices]
+        chosen.append(known[0] if known else choices[0])
+    return sorted(set(chosen))
+
+
+def kinds(text):
+    words = comparable(text)
+    found = {kind for kind, mark in KINDS if mark in words}
+    if "BSD" in found:
+        found.remove("BSD")
+        found.add("BSD-3-Clause" if "endorse or promote" in words else "BSD-2-Clause")
+    return found
+
+
+def licence_files(folder):
+    """The texts of a package: file name to text."""
+    texts = {}
+    for path in sorted(folder.rglob("*")):
+        inside = path.relative_to(folder)
+        deep = len(inside.parts) > 2
+        code = path.suffix in {".rs", ".toml", ".json", ".py", ".sh", ".ttf", ".h", ".c"}
+        if path.is_file() and not deep and not code and LICENCE_FILE.search(str(inside)):
+            texts[str(inside)] = path.read_text(errors="replace").replace("\r\n", "\n")
+    return texts
+
+
+def copyright_lines(text):
+    """The lines that name a holder, behind each other."""
+    lines = []
+    for line in text.splitlines():
+        line = line.lstrip(" \t*#>/").rstrip()
+        holder = re.match(r"(copyright|\(c\)|©|portions)\b|©", line, re.I)
+        named = re.search(r"\d{4}|authors|developers|contributors|by ", line)
+        form = re.search(r"\[yyyy\]|\{yyyy\}|copyright (notice|owner|holder|license)", line, re.I)
+        if holder and named and not form and line not in lines:
+            lines.append(line)
+    return lines
+
+
+def authors(folder):
+    manifest = tomllib.loads((folder / "Cargo.toml").read_text())
+    names = [re.sub(r"\s*<.*>", "", name) for name in manifest["package"].get("authors", [])]
+    return ", ".join(names)
+
+
+MIT_BODY = re.compile(r"Permission is hereby granted.*?DEALINGS\s+IN\s+THE\s+SOFTWARE\.", re.S)
+# Characters of a title and its holders.
+MOST_HOLDERS = 1000
+FONTS = {"OFL-1.1", "Ubuntu-font-1.0"}
+
+
+def is_usual(licence, text, mit):
+    """Whether a text is the one that all share, but for its holders."""
+    if licence == "Apache-2.0":
+        return True
+    body = MIT_BODY.search(text)
+    if licence != "MIT" or body is None or plain(body[0]) != plain(mit):
+        return False
+    # What else it says are its holders, or the other licence to choose.
+    rest = text.replace(body[0], "")
+    return len(rest) < MOST_HOLDERS or "Apache-2.0" in kinds(rest)
+
+
+def main():
+    packages = {}
+    for platform in PLATFORMS:
+        packages.update(linked(platform))
+    lock = locked()
+    mit = MIT_BODY.search((ROOT / "LICENSE-MIT").read_text())[0]
+
+    holders = {"MIT": [], "Apache-2.0": []}
+    bodies = {}  # (licence, words) -> (text, users)
+
+    def add(licence, text, user):
+        users = bodies.setdefault((licence, plain(text)), (text, []))[1]
+        if user not in users:
+            users.append(user)
+
+    rows = []
+    for (name, version), (expression, repository) in sorted(packages.items()):
+        folder = source(name, version)
+        texts = licence_files(folder)
+        chosen = taken(expression)
+        rows.append((name, version, expression, " and ".join(chosen), repository))
+        for licence in chosen:
+            fitting = [text for text in texts.values() if licence in kinds(text)]
+            own = []
+            for text in fitting:
+                own += [line for line in copyright_lines(text) if line not in own]
+            if licence in holders:
+                if not own:
+                    by = authors(folder)
+                    own = [f"Copyright (c) {by}" if by else f"Copyright (c) the authors of {name}"]
+                holders[licence].append((name, version, own))
+            elif not fitting:
+                sys.exit(f"{name} {version}: no text of {licence} among {sorted(texts)}")
+            for text in fitting:
+                if not is_usual(licence, text, mit):
+                    add(licence, text, f"{name} {version}")
+        # What the Apache licence asks to be handed on; and a font has terms of its own.
+        for file, text in texts.items():
+            handed_on = re.fullmatch(r"notice(\..*)?", file, re.I) and "Apache-2.0" in chosen
+            font = FONTS & set(chosen) and not kinds(text) & set(chosen)
+            if handed_on or font:
+                add("NOTICE", text, f"{name} {version}")
+
+    apache = (ROOT / "LICENSE-APACHE").read_text()
+    out = [
+        "# Third-party notices",
+        "",
+        "The binary `gsk980td` contains the packages below, on one platform or another, each "
+        "under the licence that is taken of those it is offered under. The source of each is at "
+        "`https://crates.io/crates/NAME/VERSION`, unchanged. Written by `tools/notices.py`.",
+        "",
+        "It contains the standard library of Rust, too (https://github.com/rust-lang/rust): "
+        "Copyright (c) The Rust Project Contributors, MIT or Apache-2.0.",
+        "",
+        "| Package | Version | Licence | Taken | Repository |",
+        "|---|---|---|---|---|",
+    ]
+    out += [f"| {' | '.join(row)} |" for row in rows]
+    out += ["", "## Glyphs of GNU Unifont", ""]
+    out += ["The crate `unifont` contains glyphs of GNU Unifont 15.1.05, under this licence:", ""]
+    out += quoted((ROOT / "assets/fonts/OFL.txt").read_text())
+    for licence, text in [("MIT", mit), ("Apache-2.0", apache)]:
+        out += ["", f"## {NAMES[licence]}", ""]
+        for name, version, own in holders[licence]:
+            out += [f"- {name} {version}: {'; '.join(own)}"]
+        out += [""]
+        out += quoted(text)
+    for (licence, _), (text, users) in sorted(bodies.items(), key=lambda body: body[0]):
+        title = "Notice" if licence == "NOTICE" else NAMES[licence]
+        out += ["", f"## {title}: {', '.join(users)}", ""]
+        out += quoted(text)
+    out += ["", "## Not in the binaries", ""]
+    out += ["These packages stand in Cargo.lock for other platforms, for the build and for tests."]
+    out += [""]
+    out += [f"- {name} {version}" for name, version in sorted(lock - packages.keys())]
+    (ROOT / "THIRD-PARTY.md").write_text("\n".join(out) + "\n")
+
+
+def quoted(text):
+    lines = [line.rstrip() for line in text.strip("\n").splitlines()]
+    return ["```text", *(line.replace("```", "'''") for line in lines), "```"]
+
+
+main()

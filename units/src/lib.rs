@@ -1,0 +1,205 @@
+//! Units that cross a boundary: diameter and radius, millimetres and pulses,
+//! feed per minute and feed per revolution never share a bare number. The numbers of
+//! the alarms cross it too, by name.
+
+use core::ops::{Add, Mul, Neg, Sub};
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+/// Numbers of the alarms that the sources name, from the `id` column of
+/// `assets/tables/alarms.tsv`.
+pub mod alarm {
+    include!(concat!(env!("OUT_DIR"), "/alarm_numbers.rs"));
+}
+
+/// The two controlled axes of the lathe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Axis {
+    /// Cross slide, perpendicular to the spindle.
+    X,
+    /// Carriage, parallel to the spindle.
+    Z,
+}
+
+/// One value for each axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PerAxis<T> {
+    /// The X value.
+    pub x: T,
+    /// The Z value.
+    pub z: T,
+}
+
+impl<T> PerAxis<T> {
+    /// Both values.
+    pub const fn new(x: T, z: T) -> Self {
+        Self { x, z }
+    }
+
+    /// The value of one axis.
+    pub const fn get(&self, axis: Axis) -> &T {
+        match axis {
+            Axis::X => &self.x,
+            Axis::Z => &self.z,
+        }
+    }
+
+    /// The value of one axis, to be changed.
+    pub const fn get_mut(&mut self, axis: Axis) -> &mut T {
+        match axis {
+            Axis::X => &mut self.x,
+            Axis::Z => &mut self.z,
+        }
+    }
+}
+
+/// A point or displacement in the working plane.
+///
+/// `x` is a *radius* in mm, always; diameters exist in program words and on
+/// displays only ([`Diameter`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// Distance from the spindle axis (radius), mm.
+    pub x: f64,
+    /// Position along the spindle axis, mm.
+    pub z: f64,
+}
+
+impl Point {
+    /// A point from a radius and a Z, mm.
+    pub const fn new(x: f64, z: f64) -> Self {
+        Self { x, z }
+    }
+
+    /// A point from a diameter and a Z.
+    pub const fn from_diameter(x: Diameter, z: f64) -> Self {
+        Self { x: x.0 / 2.0, z }
+    }
+
+    /// The X as a diameter.
+    pub const fn diameter(self) -> Diameter {
+        Diameter(self.x * 2.0)
+    }
+
+    /// As a vector of the working plane, Z to the right and X up:
+    ///
+    /// ```text
+    ///   X (radius)
+    ///   ^   left(t)        cross(t, left(t)) > 0: counter-clockwise
+    ///   |     |
+    ///   |     +----> t
+    ///   +-----------------> Z
+    /// ```
+    pub const fn vector(self) -> DVec2 {
+        DVec2::new(self.z, self.x)
+    }
+
+    /// The point of a vector of the working plane.
+    pub const fn from_vector(vector: DVec2) -> Self {
+        Self::new(vector.y, vector.x)
+    }
+
+    /// The distance from the origin, mm.
+    pub fn length(self) -> f64 {
+        self.vector().length()
+    }
+
+    /// The scalar product with another displacement, mm².
+    pub fn dot(self, other: Self) -> f64 {
+        self.vector().dot(other.vector())
+    }
+
+    /// The cross product with another displacement, mm²: greater than 0 when the other
+    /// lies counter-clockwise of this one, Z to the right and X up.
+    pub fn cross(self, other: Self) -> f64 {
+        self.vector().perp_dot(other.vector())
+    }
+
+    /// A quarter turn counter-clockwise.
+    #[must_use]
+    pub fn left(self) -> Self {
+        Self::from_vector(self.vector().perp())
+    }
+
+    /// The direction of a displacement, of length 1; `None` without one.
+    pub fn unit(self) -> Option<Self> {
+        self.vector().try_normalize().map(Self::from_vector)
+    }
+
+    /// The coordinate of one axis (X as a radius), mm.
+    pub const fn get(self, axis: Axis) -> f64 {
+        match axis {
+            Axis::X => self.x,
+            Axis::Z => self.z,
+        }
+    }
+
+    /// The coordinate of one axis (X as a radius), to be changed.
+    pub const fn get_mut(&mut self, axis: Axis) -> &mut f64 {
+        match axis {
+            Axis::X => &mut self.x,
+            Axis::Z => &mut self.z,
+        }
+    }
+}
+
+impl Add for Point {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::new(self.x + other.x, self.z + other.z)
+    }
+}
+
+impl Sub for Point {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.x - other.x, self.z - other.z)
+    }
+}
+
+impl Mul<f64> for Point {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        Self::new(self.x * factor, self.z * factor)
+    }
+}
+
+impl Neg for Point {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::new(-self.x, -self.z)
+    }
+}
+
+/// An X value as program words and displays give it: mm of diameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
+pub struct Diameter(pub f64);
+
+impl Diameter {
+    /// The same X as a radius, mm.
+    pub const fn radius(self) -> f64 {
+        self.0 / 2.0
+    }
+}
+
+/// A commanded feed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Feed {
+    /// mm per minute (G98).
+    PerMinute(f64),
+    /// mm per spindle revolution (G99).
+    PerRevolution(f64),
+}
+
+/// Drive pulses of one axis, counted from the machine zero.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+pub struct Pulses(pub i64);
+
+/// Milliseconds of machine time in one interpolation tick.
+pub const TICK_MS: u32 = 1;
+
+/// Seconds of machine time in one interpolation tick.
+pub const TICK_S: f64 = 0.001;

@@ -1,0 +1,85 @@
+//! A case is a folder: `tests/cases/<subject>/<code>/<case>/`.
+
+use std::fs;
+use std::path::Path;
+
+const PROGRAM_CASE: &str = "\
+// What is tested, and where the manual says it (manual I-3.2.2).
+(
+    programs: [\"part.nc\"],
+)
+";
+const PROGRAM: &str = "O0001\nG00 X50 Z5\nG98 G01 Z-10 F200\nM30\n";
+const RESULT: &str = "{ \"end\": \"M30\" }\n";
+const SCRIPT_CASE: &str = "\
+// What is tested, and where the manual says it (manual III-3.1).
+(
+    script: \"operate.txt\",
+)
+";
+const SCRIPT: &str = "press AUTO\nexpect lamp AUTO on\nexpect alarm none\n";
+
+/// Makes a case that passes; what it is to show is written into its files.
+///
+/// # Errors
+/// A sentence: the path is none of a case, or it is there already.
+pub fn new(root: &Path, path: &str, script: bool) -> Result<String, String> {
+    let parts: Vec<&str> = path.split('/').collect();
+    let [_, _, name] = parts[..] else {
+        return Err(format!(
+            "{path}: a case is subject/code/name, for instance cycles/G71/roughing-small-step"
+        ));
+    };
+    let fits = |part: &&str| {
+        !part.is_empty()
+            && part
+                .chars()
+                .all(|letter| letter.is_ascii_alphanumeric() || letter == '-')
+    };
+    if !parts.iter().all(fits) {
+        return Err(format!("{path}: letters, digits and hyphens only"));
+    }
+    let folder = root.join("tests/cases").join(path);
+    if folder.exists() {
+        return Err(format!("{} is there already", folder.display()));
+    }
+    let files: &[(&str, &str)] = if script {
+        &[("case.ron", SCRIPT_CASE), ("operate.txt", SCRIPT)]
+    } else {
+        &[
+            ("case.ron", PROGRAM_CASE),
+            ("part.nc", PROGRAM),
+            ("result.json", RESULT),
+        ]
+    };
+    let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
+    fs::create_dir_all(&folder).map_err(failed)?;
+    for (file, text) in files {
+        fs::write(folder.join(file), text).map_err(failed)?;
+    }
+    Ok(format!(
+        "{}\nrun it: cargo test -p gsk980td-tests --test cases -- {name}\nits expectations are \
+         worked out from the manual; UPDATE_CASES=1 rewrites the values of fields that stand in \
+         them already",
+        folder.display()
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_that_is_none_of_a_case_is_refused() {
+        for path in [
+            "roughing",
+            "cycles/G71",
+            "a/b/c/d",
+            "../G71/x",
+            "a//b",
+            "a/b/c d",
+        ] {
+            assert!(new(Path::new("/nowhere"), path, false).is_err(), "{path}");
+        }
+    }
+}

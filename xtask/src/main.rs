@@ -1,0 +1,117 @@
+//! What a developer does often, on every platform: `cargo xtask --help`.
+
+mod case;
+
+use std::path::PathBuf;
+use std::process::{Command, ExitCode};
+
+use clap::{Parser, Subcommand};
+
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", about = "What a developer does often")]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    /// Everything a change must pass (`.ci/run`)
+    Ci,
+    /// Cases: folders of data under `tests/cases/`
+    #[command(subcommand)]
+    Case(CaseTask),
+    /// The documentation of all packages; a warning is an error
+    Docs {
+        /// Open it in the browser
+        #[arg(long)]
+        open: bool,
+    },
+    /// The figures of speed: every bench, and a program of each kind in the release build
+    Figures,
+}
+
+#[derive(Debug, Subcommand)]
+enum CaseTask {
+    /// A new case to fill in: `cycles/G71/roughing-small-step`
+    New {
+        /// Subject, code and name, as the folders are
+        path: String,
+        /// An operator script instead of a part program
+        #[arg(long)]
+        script: bool,
+    },
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().task {
+        Task::Ci => run("bash", &[".ci/run"], &[]),
+        Task::Case(CaseTask::New { path, script }) => {
+            case::new(&root(), &path, script).map(|said| println!("{said}"))
+        }
+        Task::Docs { open } => docs(open),
+        Task::Figures => figures(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(said) => {
+            eprintln!("{said}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The folder of the repository.
+fn root() -> PathBuf {
+    let manifest = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    manifest
+        .parent()
+        .map_or_else(|| manifest.clone(), Into::into)
+}
+
+/// Runs a command in the folder of the repository.
+fn run(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Result<(), String> {
+    let line = format!("{program} {}", arguments.join(" "));
+    println!("> {line}");
+    let status = Command::new(program)
+        .args(arguments)
+        .envs(environment.iter().copied())
+        .current_dir(root())
+        .status()
+        .map_err(|error| format!("{line}: {error}"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{line}: {status}"))
+    }
+}
+
+fn docs(open: bool) -> Result<(), String> {
+    let mut arguments = vec!["doc", "--workspace", "--no-deps", "--locked"];
+    if open {
+        arguments.push("--open");
+    }
+    run("cargo", &arguments, &[("RUSTDOCFLAGS", "-D warnings")])
+}
+
+/// Sample programs that are checked and run, each with its time.
+const SAMPLES: [&str; 3] = ["01-stepped-shaft", "02-bushing", "03-grooved-pin"];
+
+fn figures() -> Result<(), String> {
+    run("cargo", &["bench", "--workspace", "--locked"], &[])?;
+    run("cargo", &["build", "--release", "--locked"], &[])?;
+    let program = root().join("target/release/gsk980td");
+    let program = program.to_string_lossy();
+    for sample in SAMPLES {
+        let file = format!("assets/programs/{sample}.CNC");
+        for command in ["check", "run"] {
+            let begun = std::time::Instant::now();
+            run(&program, &[command, &file], &[])?;
+            println!(
+                "{sample}: {command} in {:.3} s",
+                begun.elapsed().as_secs_f64()
+            );
+        }
+    }
+    Ok(())
+}
