@@ -20,7 +20,11 @@ use core::cell::LazyCell;
 
 use crate::alarm::{Alarm, number};
 use crate::command::{ExecutedMove, Frame, Source};
-use crate::interpreter::{Advance, Immediate, Interpreter, MachineCodes, Modal};
+use crate::interpreter::Advance;
+use crate::interpreter::Immediate;
+use crate::interpreter::Interpreter;
+use crate::interpreter::MachineCodes;
+use crate::interpreter::Modal;
 use crate::memory::Parameters;
 use crate::motion::{MotionLimits, Sequel};
 use crate::program::ProgramMemory;

@@ -23,14 +23,6 @@ const HANDED_ON: [&str; 2] = ["plc", "units"];
 const STILL_BOTH_WAYS: &[(&str, &str, &str)] = &[
     ("app", "kernel", "transfer"),
     ("app/window", "badge", "views"),
-    ("core/interpreter", "compound_thread", "cycle"),
-    ("core/interpreter", "cycle", "pattern"),
-    ("core/interpreter", "cycle", "pecking"),
-    ("core/interpreter", "cycle", "roughing"),
-    ("core/interpreter", "cycle", "tapping"),
-    ("core/interpreter", "cycle", "thread_cycle"),
-    ("core/interpreter", "finishing", "subprogram"),
-    ("core/interpreter", "nose_compensation", "reader"),
 ];
 
 /// Where one module uses another: file and line.

@@ -22,6 +22,16 @@ pub enum Axis {
     Z,
 }
 
+impl Axis {
+    /// The one that this is not.
+    pub const fn other(self) -> Self {
+        match self {
+            Self::X => Self::Z,
+            Self::Z => Self::X,
+        }
+    }
+}
+
 /// One value for each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PerAxis<T> {

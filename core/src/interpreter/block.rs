@@ -7,23 +7,32 @@
 use crate::alarm::Alarm;
 use crate::command::{Action, SpindleCommand, Timing};
 use crate::interpreter::Modal;
+use crate::interpreter::calls::special_call;
+use crate::interpreter::calls::subprogram;
+use crate::interpreter::canned_cycle::Maker;
+use crate::interpreter::codes::arc;
+use crate::interpreter::codes::coordinates;
+use crate::interpreter::codes::corner;
+use crate::interpreter::codes::dwell;
+use crate::interpreter::codes::miscellaneous::{self, Function};
+use crate::interpreter::codes::nose_radius::{check_arc_block, check_call, check_option};
+use crate::interpreter::codes::positioning;
+use crate::interpreter::codes::positioning::within_stroke;
+use crate::interpreter::codes::reference::Reference;
+use crate::interpreter::codes::spindle_speed;
+use crate::interpreter::codes::tool::{self, Execution, ToolWord};
+use crate::interpreter::compound;
+use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::flow::Flow;
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::words::{AxisWords, OneShot, Words};
 use crate::interpreter::context::{Compensated, Context};
-use crate::interpreter::cycle::Maker;
-use crate::interpreter::exact::Exact;
-use crate::interpreter::flow::Flow;
-use crate::interpreter::miscellaneous::{self, Function};
-use crate::interpreter::nose_radius::{check_arc_block, check_call, check_option};
+use crate::interpreter::cycles::facing_cycle;
+use crate::interpreter::cycles::turning_cycle;
 use crate::interpreter::plan::{Motion, Plan};
-use crate::interpreter::positioning::within_stroke;
-use crate::interpreter::reference::Reference;
-use crate::interpreter::state::State;
-use crate::interpreter::subprogram;
-use crate::interpreter::tool::{self, Execution, ToolWord};
-use crate::interpreter::words::{AxisWords, OneShot, Words};
-use crate::interpreter::{
-    arc, compound, coordinates, corner, dwell, facing_cycle, positioning, special_call,
-    spindle_speed, tapping, thread, thread_cycle, turning_cycle,
-};
+use crate::interpreter::threads::tapping;
+use crate::interpreter::threads::thread;
+use crate::interpreter::threads::thread_cycle;
 
 /// What the motion words of a block amount to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,17 +9,21 @@
 //! ```
 
 use crate::alarm::Alarm;
+use crate::interpreter::canned_cycle::Maker;
 use crate::interpreter::context::Context;
-use crate::interpreter::contour::View;
-use crate::interpreter::cycle::Maker;
-use crate::interpreter::exact::Exact;
-use crate::interpreter::flow::Flow;
-use crate::interpreter::place::Place;
+use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::flow::Flow;
+use crate::interpreter::context::place::Place;
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::words::{AxisWords, OneShot, Words};
+use crate::interpreter::cycles::contour::View;
+use crate::interpreter::cycles::finishing;
+use crate::interpreter::cycles::pattern;
+use crate::interpreter::cycles::pecking;
+use crate::interpreter::cycles::roughing;
 use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::profile::{self, Range};
-use crate::interpreter::state::State;
-use crate::interpreter::words::{AxisWords, OneShot, Words};
-use crate::interpreter::{compound_thread, finishing, pattern, pecking, roughing};
+use crate::interpreter::threads::compound_thread;
 use crate::units::Axis;
 
 /// Plans a block of one of these cycles.

@@ -8,15 +8,15 @@ use serde::{Deserialize, Serialize};
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, Source};
 use crate::interpreter::Modal;
-use crate::interpreter::box_cycle::BoxCycle;
-use crate::interpreter::cycle::{Cycle, Maker};
-use crate::interpreter::emission::Emission;
-use crate::interpreter::explanation::Note;
-use crate::interpreter::flow::{Finishing, Flow};
-use crate::interpreter::moves::{Shift, Two};
-use crate::interpreter::reference::Reference;
-use crate::interpreter::state::State;
-use crate::interpreter::writes::Writes;
+use crate::interpreter::canned_cycle::{Cycle, Maker};
+use crate::interpreter::codes::reference::Reference;
+use crate::interpreter::context::emission::Emission;
+use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::flow::{Finishing, Flow};
+use crate::interpreter::context::moves::{Shift, Two};
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::writes::Writes;
+use crate::interpreter::cycles::box_cycle::BoxCycle;
 
 /// The motion of a block: one variant for each way to make moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -4,10 +4,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::command::{Command, ProgramId, Source};
-use crate::interpreter::explanation::Note;
-use crate::interpreter::flow::Finishing;
-use crate::interpreter::flow::Flow;
-use crate::interpreter::place::{Call, Place};
+use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::flow::Finishing;
+use crate::interpreter::context::flow::Flow;
+use crate::interpreter::context::place::{Call, Place};
 use crate::interpreter::plan::Plan;
 
 /// One run over programs.

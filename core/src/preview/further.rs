@@ -17,7 +17,10 @@ use super::written::{self, Written, has, numbers};
 use super::{Progress, Walk};
 use crate::alarm::{Alarm, groups, number};
 use crate::command::{Command, Source};
-use crate::interpreter::{Immediate, Interpreter, Modal, PassedOver};
+use crate::interpreter::Immediate;
+use crate::interpreter::Interpreter;
+use crate::interpreter::Modal;
+use crate::interpreter::PassedOver;
 use crate::memory::Parameters;
 use crate::program::{Syntax, parse_block};
 

@@ -4,7 +4,9 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use crate::interpreter::{Explanation, Interpreter, Modal};
+use crate::interpreter::Explanation;
+use crate::interpreter::Interpreter;
+use crate::interpreter::Modal;
 use crate::motion::Interpolator;
 use crate::operation::{Automatic, Handshake, Mode};
 use crate::program::MdiBlock;

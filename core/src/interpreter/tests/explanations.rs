@@ -1,7 +1,8 @@
 //! What is written on the board about each pass.
 
 use super::Bench;
-use crate::interpreter::{Explanation, Step};
+use crate::interpreter::Explanation;
+use crate::interpreter::Step;
 
 /// The explanations of a text, one for each pass of each block.
 fn explained(mut bench: Bench, text: &str) -> Vec<Explanation> {

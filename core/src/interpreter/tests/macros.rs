@@ -2,7 +2,7 @@
 
 use super::Bench;
 use crate::interpreter::Step;
-use crate::interpreter::arithmetic::{Operands, Operation, work_out};
+use crate::interpreter::macros::arithmetic::{Operands, Operation, work_out};
 use crate::memory::{ToolOffset, Variables};
 
 /// Runs a text that must end well, and gives #200.

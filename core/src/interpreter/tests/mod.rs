@@ -22,7 +22,9 @@ mod threads;
 
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, ProgramId, ThreadStart};
-use crate::interpreter::{Host, Interpreter, Step};
+use crate::interpreter::Host;
+use crate::interpreter::Interpreter;
+use crate::interpreter::Step;
 use crate::memory::{Offsets, Parameters, ToolOffset, Variables};
 use crate::program::{Program, ProgramMemory};
 use crate::units::{Feed, PerAxis, Point};

@@ -1,0 +1,65 @@
+//! Jumps of G65 H80–H86 to a sequence number (manual I-3.7.3).
+//!
+//! ```text
+//!   P n     forward from the block to the end, then from the beginning
+//!   P -n    backward from the block to the beginning, then forward
+//! ```
+
+use gsk_messages::say;
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::{Alarm, number};
+use crate::interpreter::context::place::Place;
+use crate::program::Program;
+
+/// Jumps remembered, so that a loop searches once.
+const KNOWN: usize = 8;
+
+/// A jump that was made before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Known {
+    from: Place,
+    p: i64,
+    to: u32,
+}
+
+/// The targets of the last jumps.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Jumps {
+    known: [Option<Known>; KNOWN],
+    oldest: u8,
+}
+
+impl Jumps {
+    /// The block that a jump leads to; alarm 128.
+    pub(crate) fn target(&mut self, program: &Program, from: Place, p: i64) -> Result<u32, Alarm> {
+        let number = u16::try_from(p.unsigned_abs()).ok();
+        let Some(number) = number.filter(|number| *number <= 9999) else {
+            return Err(Alarm::new(number::BAD_JUMP).because(say::jump_out_of_range(p)));
+        };
+        let known = self.known.iter().flatten();
+        let mut known = known.filter(|known| known.from == from && known.p == p);
+        // The text may have changed since.
+        if let Some(known) = known.find(|known| program.sequence(known.to) == Some(number)) {
+            return Ok(known.to);
+        }
+        let Some(to) = search(program, from.block, number, p < 0) else {
+            return Err(Alarm::new(number::BAD_JUMP).because(say::jump_target_missing(number)));
+        };
+        let slot = usize::from(self.oldest) % KNOWN;
+        self.known[slot] = Some(Known { from, p, to });
+        self.oldest = (slot + 1) as u8;
+        Ok(to)
+    }
+}
+
+fn search(program: &Program, from: u32, number: u16, backward: bool) -> Option<u32> {
+    let found = |block: &u32| program.sequence(*block) == Some(number);
+    let count = program.block_count();
+    if backward {
+        let mut before = (0..from).rev();
+        return before.find(found).or_else(|| (from..count).find(found));
+    }
+    let mut after = from.saturating_add(1)..count;
+    after.find(found).or_else(|| (0..=from).find(found))
+}

@@ -1,0 +1,86 @@
+//! M, S and T codes that the machine does not have call a subprogram, when
+//! 006.5 CM98 is on (manual I-3.3, III-11.1).
+//!
+//! ```text
+//!   M61  O9061      any M without a function of its own
+//!   S21  O9121      S10–S99 of the stepped spindle (001.4 = 0)
+//!   T15  O9215      T10–T99 of two digits
+//! ```
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::interpreter::codes::miscellaneous;
+use crate::interpreter::context::Context;
+use crate::interpreter::context::words::{OneShot, Words};
+
+/// What S and T of such calls may be.
+const CODES: core::ops::RangeInclusive<i64> = 10..=99;
+
+/// A subprogram called by a word, and how the word reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SpecialCall {
+    pub(crate) program: u16,
+    pub(crate) address: char,
+    pub(crate) code: i64,
+}
+
+impl SpecialCall {
+    /// The block without the calling word.
+    pub(crate) const fn without(self, words: &Words) -> Words {
+        let mut words = *words;
+        match self.address {
+            'M' => words.m = None,
+            'S' => words.s = None,
+            _ => words.t = None,
+        }
+        words
+    }
+}
+
+/// The call that a block makes by its M, S or T.
+pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<SpecialCall>, Alarm> {
+    if !context.parameters.special_codes_call() {
+        return Ok(None);
+    }
+    let m = words
+        .m
+        .filter(|code| !miscellaneous::has_function(*code, context.machine_codes))
+        .map(i64::from);
+    // The S of G50 is a limit.
+    let steps = !context.parameters.analog_spindle()
+        && words.one_shot != Some(OneShot::Coordinates)
+        && words.s_digits <= 2;
+    let s = words.s.filter(|s| steps && CODES.contains(s));
+    let t = words.t.filter(|t| words.t_digits <= 2 && CODES.contains(t));
+    if context.mdi {
+        return in_mdi(m, s, t).map_or(Ok(None), Err);
+    }
+    let mut found = None;
+    for (address, first, code) in [('M', 9000, m), ('S', 9100, s), ('T', 9200, t)] {
+        let Some(code) = code else { continue };
+        if found.is_some() || (address != 'M' && matches!(words.m, Some(30 | 98 | 99))) {
+            return Err(
+                Alarm::new(number::TOO_MANY_WORDS).because(say::call_twice_in_block(address, code))
+            );
+        }
+        found = Some(SpecialCall {
+            program: first + code as u16,
+            address,
+            code,
+        });
+    }
+    Ok(found)
+}
+
+/// Nothing is called from the MDI page.
+fn in_mdi(m: Option<i64>, s: Option<i64>, t: Option<i64>) -> Option<Alarm> {
+    let (number, name, code) = match (m, s, t) {
+        (Some(m), ..) => (number::BAD_M, 'M', m),
+        (_, Some(s), _) => (number::BAD_VALUE, 'S', s),
+        (_, _, Some(t)) => (number::BAD_TOOL, 'T', t),
+        _ => return None,
+    };
+    let detail = say::call_in_mdi(name, code);
+    Some(Alarm::new(number).because(detail))
+}

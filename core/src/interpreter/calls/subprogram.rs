@@ -1,0 +1,133 @@
+//! M98 and M99: calls, returns, repetition (manual I-2.3, I-3.3.1.3).
+//!
+//! ```text
+//!   M98 P 0005 1002     main --> O1002 --> ... four levels
+//!         |    |             5 times
+//!         |    +- program    M99: back behind the call; M99 P n: to block N n
+//!         +------ count      of the caller; in the main program: from the start
+//! ```
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::ProgramId;
+use crate::interpreter::calls::special_call::SpecialCall;
+use crate::interpreter::context::Context;
+use crate::interpreter::context::flow::Flow;
+use crate::interpreter::context::place::{Call, Place};
+
+/// Levels of calls.
+const LEVELS: usize = 4;
+
+/// M98.
+pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+    let Some(p) = p else {
+        return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::call_without_program()));
+    };
+    let (count, number) = (p / 10_000, p % 10_000);
+    let runs = u16::try_from(count).unwrap_or(u16::MAX).max(1);
+    enter(context, number, runs, &format_args!("M98 P{p}"))
+}
+
+/// A call by an M, S or T code (006.5 CM98).
+pub(crate) fn call_special(context: &Context<'_>, call: SpecialCall) -> Result<Flow, Alarm> {
+    let SpecialCall {
+        program,
+        address,
+        code,
+    } = call;
+    let name = format_args!("{address}{code:02}");
+    enter(context, program.into(), 1, &name)
+}
+
+fn enter(
+    context: &Context<'_>,
+    number: i64,
+    runs: u16,
+    name: &core::fmt::Arguments<'_>,
+) -> Result<Flow, Alarm> {
+    if context.calls.len() >= LEVELS {
+        return Err(
+            Alarm::new(number::CALL_TOO_DEEP).because(say::call_too_deep(name, LEVELS + 1, LEVELS)),
+        );
+    }
+    let Some(program) = find_program(context, number) else {
+        return Err(
+            Alarm::new(number::TARGET_MISSING).because(say::call_program_missing(name, number))
+        );
+    };
+    Ok(Flow::Call(Call {
+        program,
+        runs,
+        back: after(context),
+    }))
+}
+
+/// A stored program, or the external one when it has the number.
+fn find_program(context: &Context<'_>, number: i64) -> Option<ProgramId> {
+    let number = u16::try_from(number).ok()?;
+    let stored = ProgramId::Stored(number);
+    if context.programs.get(stored).is_some() {
+        return Some(stored);
+    }
+    let external = context.programs.get(ProgramId::External)?;
+    (external.number() == Some(number)).then_some(ProgramId::External)
+}
+
+/// M99, or the end of a subprogram's text.
+pub(crate) fn back(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+    let Some(call) = context.calls.last() else {
+        return restart(context, p);
+    };
+    if call.runs > 1 {
+        return Ok(Flow::Again);
+    }
+    let Some(n) = p else {
+        return Ok(Flow::Return(call.back));
+    };
+    let block = find_block(context, call.back.program, n)?;
+    Ok(Flow::Return(Place {
+        program: call.back.program,
+        block,
+    }))
+}
+
+/// M99 of the main program.
+fn restart(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
+    let program = context.place.program;
+    if program == ProgramId::Dnc {
+        return Err(Alarm::new(number::TARGET_MISSING).because(say::jump_in_dnc()));
+    }
+    let block = match p {
+        None => 0,
+        Some(n) => find_block(context, program, n)?,
+    };
+    Ok(Flow::Jump(Place { program, block }))
+}
+
+/// Whether a jump begins the main program anew: it counts a part. A jump
+/// forward (M99 P) does not.
+pub(crate) fn repeats(context: &Context<'_>, flow: Flow) -> bool {
+    match flow {
+        Flow::Jump(place) => place.block <= context.place.block,
+        _ => false,
+    }
+}
+
+fn find_block(context: &Context<'_>, program: ProgramId, n: i64) -> Result<u32, Alarm> {
+    if program == ProgramId::Dnc {
+        return Err(Alarm::new(number::TARGET_MISSING).because(say::jump_in_dnc()));
+    }
+    let block = u16::try_from(n).ok().and_then(|n| {
+        let text = context.programs.get(program)?;
+        text.find_sequence_block(n, 0..text.block_count())
+    });
+    block.ok_or_else(|| Alarm::new(number::TARGET_MISSING).because(say::return_target_missing(n)))
+}
+
+fn after(context: &Context<'_>) -> Place {
+    Place {
+        program: context.place.program,
+        block: context.place.block.saturating_add(1),
+    }
+}

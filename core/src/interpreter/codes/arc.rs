@@ -1,0 +1,142 @@
+//! G02 and G03: circular cuts (manual I-3.2.2.3).
+//!
+//! ```text
+//!            X ^        G02 turns clockwise as drawn, G03 the other way.
+//!              |  S     With R the centre M lies on the right of the travel
+//!              | /:\    S -> E for G02, on the left for G03, arc <= 180°:
+//!              |/ :c\
+//!     h = √(R²-c²)---M  c half the chord, M = middle of the chord + h·normal
+//!              |\ : /
+//!              | \:/    With I, K: M = S + (I, K), I a radius value.
+//!              |  E
+//!     ---------+-----------------> Z
+//! ```
+
+use gsk_messages::{Message, say};
+
+use crate::alarm::{Alarm, number};
+use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::words::Words;
+use crate::units::Point;
+
+/// Greatest distance of the end point from the circle about the programmed
+/// centre, in half units of [`Exact`] (0.002 mm).
+const FIT: f64 = 4000.0;
+
+/// Half units in a millimetre: X radii are whole numbers in them.
+const HALF_UNITS: f64 = 2_000_000.0;
+
+/// The centre of the arc, in programmed coordinates; `None` when there is
+/// nothing to cut (R without a distance).
+pub(crate) fn center(
+    start: Exact,
+    end: Exact,
+    words: &Words,
+    clockwise: bool,
+) -> Result<Option<Point>, Alarm> {
+    if let Some(r) = words.r {
+        return by_radius(start, end, r, clockwise);
+    }
+    if words.i.is_none() && words.k.is_none() {
+        return Err(fault(say::arc_radius_or_center_missing()));
+    }
+    by_vector(start, end, words.i.unwrap_or(0), words.k.unwrap_or(0)).map(Some)
+}
+
+fn by_radius(start: Exact, end: Exact, r: i64, clockwise: bool) -> Result<Option<Point>, Alarm> {
+    if r < 0 {
+        return Err(Alarm::new(number::NEGATIVE_RADIUS).because(say::arc_radius_negative()));
+    }
+    let chord = Chord::new(start, end);
+    if chord.square == 0 {
+        return Ok(None);
+    }
+    let diameter = 4 * i128::from(r);
+    let Some(ratio) = chord.height_ratio(diameter * diameter) else {
+        return Err(too_far(&chord, diameter as f64 / 2.0));
+    };
+    let side = if clockwise { ratio } else { -ratio };
+    Ok(Some(chord.beside(side)))
+}
+
+fn by_vector(start: Exact, end: Exact, i: i64, k: i64) -> Result<Point, Alarm> {
+    let (x, z) = (2 * i128::from(i), 2 * i128::from(k));
+    let square = x * x + z * z;
+    if square == 0 {
+        return Err(fault(say::arc_vector_zero()));
+    }
+    let (center_x, center_z) = (i128::from(start.x) + x, 2 * i128::from(start.z) + z);
+    let programmed = Point::new(center_x as f64 / HALF_UNITS, center_z as f64 / HALF_UNITS);
+    let (to_x, to_z) = (
+        i128::from(end.x) - center_x,
+        2 * i128::from(end.z) - center_z,
+    );
+    let radius = (square as f64).sqrt();
+    let at_end = ((to_x * to_x + to_z * to_z) as f64).sqrt();
+    if (at_end - radius).abs() <= FIT {
+        return Ok(programmed);
+    }
+    // The radius is kept and the centre moved to fit both points.
+    let chord = Chord::new(start, end);
+    let Some(ratio) = chord.height_ratio(4 * square) else {
+        return Err(too_far(&chord, radius));
+    };
+    let (one, other) = (chord.beside(ratio), chord.beside(-ratio));
+    let nearer = (one - programmed).length() <= (other - programmed).length();
+    Ok(if nearer { one } else { other })
+}
+
+/// The straight connection of start and end, in half units.
+struct Chord {
+    start_x: i128,
+    start_z: i128,
+    dx: i128,
+    dz: i128,
+    /// Square of its length.
+    square: i128,
+}
+
+impl Chord {
+    fn new(start: Exact, end: Exact) -> Self {
+        let (dx, dz) = (
+            i128::from(end.x) - i128::from(start.x),
+            2 * (i128::from(end.z) - i128::from(start.z)),
+        );
+        Self {
+            start_x: i128::from(start.x),
+            start_z: 2 * i128::from(start.z),
+            dx,
+            dz,
+            square: dx * dx + dz * dz,
+        }
+    }
+
+    /// Distance of the centre from the chord, in chord lengths; `None` when
+    /// the chord is longer than the diameter.
+    fn height_ratio(&self, diameter_square: i128) -> Option<f64> {
+        let rest = diameter_square - self.square;
+        if rest < 0 || self.square == 0 {
+            return None;
+        }
+        Some((rest as f64 / (4 * self.square) as f64).sqrt())
+    }
+
+    /// The point beside the middle, `ratio` chord lengths to the right.
+    fn beside(&self, ratio: f64) -> Point {
+        let middle_x = (2 * self.start_x + self.dx) as f64 / 2.0;
+        let middle_z = (2 * self.start_z + self.dz) as f64 / 2.0;
+        Point::new(
+            (middle_x - self.dz as f64 * ratio) / HALF_UNITS,
+            (middle_z + self.dx as f64 * ratio) / HALF_UNITS,
+        )
+    }
+}
+
+fn too_far(chord: &Chord, radius: f64) -> Alarm {
+    let length = (chord.square as f64).sqrt() / HALF_UNITS;
+    fault(say::arc_ends_too_far_apart(length, radius / HALF_UNITS))
+}
+
+fn fault(detail: Message) -> Alarm {
+    Alarm::new(number::ARC_DATA).because(detail)
+}

@@ -1,0 +1,56 @@
+//! G50: the work coordinate system (manual I-3.2.1).
+//!
+//! ```text
+//!   X ^           no motion: the point where the tool stands gets new names.
+//!     |     o <-- X, Z: its new absolute coordinate
+//!     |     :     U, W: new minus old absolute coordinate
+//!     |     :     It becomes the program zero point.
+//!     O'----+---> Z
+//! ```
+//!
+//! An offset that only shifts the coordinates so far (T without motion, or T
+//! in the same block) is subtracted: the value names the point before it.
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::Action;
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::words::{AxisWords, Target, Words};
+use crate::units::Axis;
+
+/// Sets the coordinates of a G50 block. `None` when it only has S.
+pub(crate) fn set(
+    state: &mut State,
+    words: &Words,
+    axes: &AxisWords,
+    relative_follows: bool,
+) -> Result<Option<Action>, Alarm> {
+    if !axes.any() {
+        if words.s.is_some() {
+            return Ok(None);
+        }
+        return Err(Alarm::new(number::EMPTY_G50).because(say::coordinates_without_word()));
+    }
+    let machine = state.machine(state.position);
+    for axis in [Axis::X, Axis::Z] {
+        let here = state.position.get(axis);
+        let new = match axes.get(axis) {
+            Target::None => continue,
+            Target::Increment(difference) => here + difference,
+            Target::Absolute(value) if *state.untravelled.get(axis) => {
+                value - state.offset.get(axis)
+            }
+            Target::Absolute(value) => value,
+        };
+        state.position.set(axis, new);
+        state
+            .zero
+            .set(axis, machine.get(axis) - state.offset.get(axis) - new);
+    }
+    Ok(Some(Action::Frame {
+        frame: state.frame(),
+        program_zero: Some(machine.point()),
+        relative: relative_follows,
+    }))
+}

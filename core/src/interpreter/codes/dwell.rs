@@ -1,0 +1,36 @@
+//! G04: dwell and exact stop (manual I-3.2.3).
+//!
+//! ```text
+//!   G04 P1500   1500 ms      P before X before U; none of them: exact stop,
+//!   G04 X1.5    1.5 s        the next block begins when the axes stand
+//!   G04 U1.5    1.5 s
+//! ```
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::Action;
+use crate::interpreter::context::exact::{PER_MM, mm};
+use crate::interpreter::context::words::Words;
+
+/// The wait of a G04 block; alarm 043 for a time below zero (manual I-2.2, table 2-1).
+pub(crate) fn dwell(words: &Words) -> Result<Action, Alarm> {
+    let written = [('P', words.p), ('X', words.x), ('U', words.u)];
+    for (letter, value) in written {
+        if let Some(value) = value.filter(|value| *value < 0) {
+            let time = match letter {
+                'P' => format!("P{value}"),
+                _ => format!("{letter}{:.3}", mm(value)),
+            };
+            return Err(Alarm::new(number::OUT_OF_RANGE).because(say::dwell_negative(time)));
+        }
+    }
+    let ms = match (words.p, words.x.or(words.u)) {
+        (Some(p), _) => p,
+        (None, Some(seconds)) => (seconds.saturating_mul(1000) + PER_MM / 2) / PER_MM,
+        (None, None) => 0,
+    };
+    Ok(Action::Dwell {
+        ms: u32::try_from(ms).unwrap_or(u32::MAX),
+    })
+}

@@ -1,0 +1,13 @@
+//! The G, M, S and T codes of single blocks (manual I-3.1 to I-3.2, I-4).
+
+pub(super) mod arc;
+pub(super) mod coordinates;
+pub(super) mod corner;
+pub(super) mod dwell;
+pub(super) mod inch;
+pub(super) mod miscellaneous;
+pub(super) mod nose_radius;
+pub(super) mod positioning;
+pub(super) mod reference;
+pub(super) mod spindle_speed;
+pub(super) mod tool;

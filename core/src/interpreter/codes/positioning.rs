@@ -1,0 +1,62 @@
+//! G00 and G01: straight positioning and cutting (manual I-3.2.2.1, I-3.2.2.2).
+//!
+//! ```text
+//!   X ^            G00: both axes at their own rapid    G01: one straight line
+//!     |   B        rates, the shorter one stops first   at the resultant rate F
+//!     |   |\
+//!     |   | \____  the corner lies where the            Fx = dX/L * F
+//!     |   |      \ faster axis has arrived              Fz = dZ/L * F
+//!     +---+-------A---> Z
+//! ```
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::Action;
+use crate::interpreter::Modal;
+use crate::interpreter::context::exact::{Exact, mm};
+use crate::interpreter::context::state::State;
+use crate::units::{Axis, Feed};
+
+/// The rapid to a programmed point.
+pub(crate) fn rapid(state: &State, to: Exact) -> Action {
+    Action::Rapid {
+        to: state.machine(to).point(),
+    }
+}
+
+/// The straight cut to a programmed point.
+pub(crate) fn line(state: &State, to: Exact) -> Result<Action, Alarm> {
+    Ok(Action::Line {
+        to: state.machine(to).point(),
+        feed: feed(&state.modal)?,
+    })
+}
+
+/// The feed in force, with its unit.
+pub(crate) fn feed(modal: &Modal) -> Result<Feed, Alarm> {
+    if modal.feed <= 0.0 {
+        return Err(Alarm::new(number::NO_FEED).because(say::feed_missing()));
+    }
+    if modal.feed_per_revolution {
+        return Ok(Feed::PerRevolution(modal.feed));
+    }
+    Ok(Feed::PerMinute(modal.feed))
+}
+
+/// Refuses an end point outside the stroke of the control.
+pub(crate) fn within_stroke(end: Exact, x_factor: i64) -> Result<Exact, Alarm> {
+    let Some(axis) = end.beyond_stroke(x_factor) else {
+        return Ok(end);
+    };
+    let (name, factor) = match axis {
+        Axis::X => ("X", x_factor),
+        Axis::Z => ("Z", 1),
+    };
+    Err(
+        Alarm::new(number::OUT_OF_RANGE).because(say::motion_end_out_of_range(
+            name,
+            mm(end.get(axis) / factor),
+        )),
+    )
+}

@@ -1,0 +1,140 @@
+//! G28: return to the reference point (manual I-3.2.7).
+//!
+//! ```text
+//!   A ----rapid----> I ----rapid----> R     I intermediate point (X Z U W),
+//!                    ^                ^     in the programmed axes only
+//!          single block stops         lamps light, tool offset cancelled
+//! ```
+//!
+//! An axis that has no reference point yet seeks it from I on as by hand (switch
+//! and zero signal); where it is, and with it the coordinates, is known only then:
+//! nothing is read until the return is finished.
+
+use gsk_messages::say;
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::{Alarm, number};
+use crate::command::Action;
+use crate::interpreter::codes::positioning;
+use crate::interpreter::context::Context;
+use crate::interpreter::context::emission::Emission;
+use crate::interpreter::context::exact::{Exact, PER_MM};
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::words::{AxisWords, Target};
+use crate::memory::parameter;
+use crate::units::{Axis, PerAxis, Point};
+
+/// A return under way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Reference {
+    intermediate: Point,
+    reference: Point,
+    axes: PerAxis<bool>,
+    /// An axis has no reference point yet.
+    seeks: bool,
+    frame: Option<Action>,
+    step: u8,
+}
+
+impl Reference {
+    /// Plans the return of the programmed axes; `None` without any.
+    pub(crate) fn plan(
+        state: &mut State,
+        context: &Context<'_>,
+        axes: &AxisWords,
+        base: Exact,
+    ) -> Result<Option<Self>, Alarm> {
+        if !axes.any() {
+            return Ok(None);
+        }
+        let moved = PerAxis::new(axes.x != Target::None, axes.z != Target::None);
+        let referenced = context.referenced;
+        let sought = PerAxis::new(moved.x && !referenced.x, moved.z && !referenced.z);
+        for (axis, name) in [(Axis::X, "X"), (Axis::Z, "Z")] {
+            if *sought.get(axis) && !context.parameters.has_zero_switch(axis) {
+                return Err(
+                    Alarm::new(number::ZERO_UNDEFINED).because(say::zero_undefined_of_axis(name))
+                );
+            }
+        }
+        let through =
+            positioning::within_stroke(axes.target(base, state.position), context.x_factor)?;
+        let intermediate = state.machine(through);
+        let mut reference = intermediate;
+        let before = (state.zero, state.offset);
+        for (axis, number) in [
+            (Axis::X, parameter::X_AT_REFERENCE),
+            (Axis::Z, parameter::Z_AT_REFERENCE),
+        ] {
+            if !*moved.get(axis) {
+                continue;
+            }
+            if !*sought.get(axis) {
+                reference.set(axis, 0);
+            }
+            state.offset.set(axis, 0);
+            *state.untravelled.get_mut(axis) = false;
+            if context.parameters.reference_sets_coordinates() {
+                // In 0.001 mm, or 0.0001 inch (004.0 SCW).
+                let increment = if context.parameters.inch_machine() {
+                    PER_MM * 254 / 100_000
+                } else {
+                    PER_MM / 1000
+                };
+                let coordinate = i64::from(context.parameters.value(number)) * increment;
+                let factor = if axis == Axis::X { context.x_factor } else { 1 };
+                state.zero.set(axis, -coordinate * factor);
+            }
+        }
+        if state.offset == Exact::default() {
+            // The nose stays: the compensation comes back with the next move.
+            state.modal.offset = 0;
+        }
+        state.stand_at(reference);
+        let seeks = sought.x || sought.z;
+        let changes = !seeks && before != (state.zero, state.offset);
+        let frame = changes.then(|| Action::Frame {
+            frame: state.frame(),
+            program_zero: None,
+            relative: context.parameters.reference_sets_coordinates()
+                && context.parameters.g50_sets_relative(),
+        });
+        Ok(Some(Self {
+            intermediate: intermediate.point(),
+            reference: reference.point(),
+            axes: moved,
+            seeks,
+            frame,
+            step: 0,
+        }))
+    }
+
+    pub(crate) fn next(&mut self) -> Option<Emission> {
+        let step = self.step;
+        self.step = step.saturating_add(1);
+        match step {
+            0 => Some(Emission::stopping(Action::Rapid {
+                to: self.intermediate,
+            })),
+            1 => Some(Emission::passing(Action::Rapid { to: self.reference })),
+            2 => {
+                let PerAxis { x, z } = self.axes;
+                Some(Emission::passing(if self.seeks {
+                    Action::ZeroReturn { x, z }
+                } else {
+                    Action::Referenced { x, z }
+                }))
+            }
+            _ => self.frame.take().map(Emission::passing),
+        }
+    }
+
+    /// Whether the coordinates are known only when it is finished.
+    pub(crate) const fn seeks(&self) -> bool {
+        self.seeks
+    }
+
+    pub(crate) fn is_done(&self) -> bool {
+        self.step > 2 && self.frame.is_none()
+    }
+}

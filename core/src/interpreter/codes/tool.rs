@@ -1,0 +1,116 @@
+//! T: tool change and offset (manual I-3.5).
+//!
+//! ```text
+//!   T 01 02      slide = programmed point + offset
+//!     |  |
+//!     |  +-- offset number 00-32, 00 cancels
+//!     +----- tool; left out: only the offset changes
+//! ```
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::Action;
+use crate::compensation::Nose;
+use crate::interpreter::context::Context;
+use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::state::State;
+use crate::units::PerAxis;
+
+/// Greatest offset number.
+const LAST_OFFSET: u8 = 32;
+/// Greatest tool number of a post without a turret (084 = 0).
+const LAST_TOOL: u8 = 32;
+
+/// How the offset of a T word comes into force in its block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Execution {
+    /// The coordinates shift; programmed axes travel in the new coordinates.
+    Shift,
+    /// The slide travels the change.
+    Travel,
+    /// Only the tool changes (G04, G02, G03).
+    Not,
+}
+
+/// The parts of a T word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ToolWord {
+    /// `None`: the tool stays.
+    pub(crate) tool: Option<u8>,
+    pub(crate) offset: u8,
+}
+
+impl ToolWord {
+    /// Splits and checks a T word.
+    pub(crate) fn read(value: i64, stations: i32) -> Result<Self, Alarm> {
+        let (tool, offset) = (value / 100, value % 100);
+        let gang = stations == 0;
+        let last = if gang {
+            i64::from(LAST_TOOL)
+        } else {
+            i64::from(stations)
+        };
+        let tool = match u8::try_from(tool) {
+            Ok(number) if tool <= last => number,
+            _ if gang => {
+                return Err(Alarm::new(number::TOOL_TOO_GREAT)
+                    .because(say::tool_too_great(value, tool, LAST_TOOL)));
+            }
+            _ => {
+                return Err(Alarm::new(number::BAD_TOOL)
+                    .because(say::tool_beyond_stations(value, tool, stations)));
+            }
+        };
+        match u8::try_from(offset) {
+            Ok(offset) if offset <= LAST_OFFSET => Ok(Self {
+                tool: (tool != 0).then_some(tool),
+                offset,
+            }),
+            _ => Err(
+                Alarm::new(number::BAD_OFFSET).because(say::tool_offset_too_great(
+                    value,
+                    offset,
+                    LAST_OFFSET,
+                )),
+            ),
+        }
+    }
+}
+
+/// Puts a T word into force and queues its actions.
+pub(crate) fn select(
+    state: &mut State,
+    context: &Context<'_>,
+    word: ToolWord,
+    execution: Execution,
+    actions: &mut impl Extend<Action>,
+) {
+    let tool = word.tool.unwrap_or(state.modal.tool);
+    (state.modal.tool, state.modal.offset) = (tool, word.offset);
+    state.nose = Nose::of(&context.offsets.get(word.offset));
+    actions.extend([Action::Tool {
+        tool,
+        offset: word.offset,
+    }]);
+    let vector = Exact::from_point(context.offsets.vector(word.offset, context.parameters));
+    let changed = vector != state.offset;
+    match execution {
+        Execution::Not => return,
+        Execution::Travel => {
+            state.offset = vector;
+            state.untravelled = PerAxis::new(false, false);
+        }
+        Execution::Shift => {
+            state.shift_offset(vector);
+            state.untravelled = PerAxis::new(true, true);
+        }
+    }
+    if changed {
+        actions.extend([Action::Frame {
+            frame: state.frame(),
+            program_zero: None,
+            relative: false,
+        }]);
+    }
+}

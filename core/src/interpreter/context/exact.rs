@@ -1,0 +1,120 @@
+//! Positions as integers, so that a chain of increments never drifts.
+
+use serde::{Deserialize, Serialize};
+
+use crate::units::{Axis, Point};
+
+/// Units in a millimetre.
+pub(crate) const PER_MM: i64 = 1_000_000;
+
+/// The greatest coordinate, `9999.999` mm (manual I-2.2.3).
+const STROKE: i64 = 9_999_999 * (PER_MM / 1000);
+
+/// A point or displacement, in millionths of a millimetre; X as a *diameter*.
+///
+/// Whatever a program can say is a whole number here, and so is its radius in
+/// half units: end points are what the words say, bit for bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Exact {
+    pub(crate) x: i64,
+    pub(crate) z: i64,
+}
+
+impl Exact {
+    pub(crate) const fn new(x: i64, z: i64) -> Self {
+        Self { x, z }
+    }
+
+    /// The nearest exact point.
+    pub(crate) fn from_point(point: Point) -> Self {
+        Self::new(
+            to_units(point.x * (2 * PER_MM) as f64),
+            to_units(point.z * PER_MM as f64),
+        )
+    }
+
+    /// The point in mm, X as a radius.
+    pub(crate) fn point(self) -> Point {
+        Point::new(
+            self.x as f64 / (2 * PER_MM) as f64,
+            self.z as f64 / PER_MM as f64,
+        )
+    }
+
+    pub(crate) const fn get(self, axis: Axis) -> i64 {
+        match axis {
+            Axis::X => self.x,
+            Axis::Z => self.z,
+        }
+    }
+
+    pub(crate) const fn set(&mut self, axis: Axis, value: i64) {
+        match axis {
+            Axis::X => self.x = value,
+            Axis::Z => self.z = value,
+        }
+    }
+
+    /// The first axis whose coordinate, as it is programmed, leaves the stroke
+    /// of the control. `x_factor` is 2 under radius programming, else 1.
+    pub(crate) const fn beyond_stroke(self, x_factor: i64) -> Option<Axis> {
+        if self.x.abs() > STROKE * x_factor {
+            return Some(Axis::X);
+        }
+        if self.z.abs() > STROKE {
+            return Some(Axis::Z);
+        }
+        None
+    }
+}
+
+impl core::ops::Add for Exact {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self::new(
+            self.x.saturating_add(other.x),
+            self.z.saturating_add(other.z),
+        )
+    }
+}
+
+impl core::ops::Sub for Exact {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self::new(
+            self.x.saturating_sub(other.x),
+            self.z.saturating_sub(other.z),
+        )
+    }
+}
+
+/// `value * numerator / denominator`, rounded half away from zero.
+pub(crate) fn scaled(value: i64, numerator: i64, denominator: i64) -> i64 {
+    if denominator == 0 {
+        return 0;
+    }
+    let (product, by) = (
+        i128::from(value) * i128::from(numerator),
+        i128::from(denominator),
+    );
+    let half = by.abs() / 2 * product.signum();
+    i64::try_from((product + half) / by).unwrap_or(i64::MAX)
+}
+
+/// Rounds half away from zero; what is no number becomes zero.
+pub(crate) fn to_units(value: f64) -> i64 {
+    libm::round(value) as i64
+}
+
+/// Millimetres of a length in units, for messages.
+pub(crate) fn mm(units: i64) -> f64 {
+    units as f64 / PER_MM as f64
+}
+
+/// A length along an axis in the units of [`Exact`]: X takes radii.
+pub(crate) const fn along(axis: Axis, length: i64) -> i64 {
+    match axis {
+        Axis::X => length.saturating_mul(2),
+        Axis::Z => length,
+    }
+}

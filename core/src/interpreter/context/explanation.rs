@@ -1,0 +1,392 @@
+//! What a teacher would write on the board about a pass of a cycle.
+
+use gsk_messages::{Message, say};
+use serde::{Deserialize, Serialize};
+
+use crate::interpreter::context::exact::{Exact, mm};
+use crate::units::Axis;
+
+/// Why a pass of a cycle is where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation {
+    /// G code of the cycle.
+    pub code: u8,
+    /// The pass, column or start, from 1.
+    pub pass: u64,
+    /// How many there are, when that is fixed beforehand.
+    pub passes: Option<u64>,
+    /// Where it cuts: programmed X (diameter) or Z of a level or column.
+    pub level: Option<f64>,
+    /// Depth reached, mm; a radius in X.
+    pub depth: f64,
+    /// What is left for the passes after it, mm; a radius in X.
+    pub remaining: f64,
+    /// The formula with its numbers.
+    pub formula: Message,
+    /// The words and parameters that made it.
+    pub words: &'static str,
+}
+
+/// How G76 found the depth of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum DepthRule {
+    /// √n·Δd.
+    Root,
+    /// The depth before plus Δdmin.
+    Least,
+    /// k - d: the last roughing pass.
+    Last,
+    /// k.
+    Finish,
+}
+
+/// The numbers behind an explanation, kept with each move. Lengths are units of
+/// [`Exact`], diameters in X unless said otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) enum Note {
+    /// Nothing to say.
+    None,
+    /// A box of G90 (levels in X) or G94 (levels in Z), from A round B and C.
+    Box {
+        axis: Axis,
+        a: Exact,
+        c: Exact,
+        /// R, a radius in X.
+        taper: i64,
+    },
+    /// A start of G92, from A by B and C.
+    Thread {
+        start: u32,
+        starts: u32,
+        a: Exact,
+        c: Exact,
+        taper: i64,
+        /// Height (a radius) and length of the run-out.
+        run_out: (i64, i64),
+    },
+    /// A start of G33.
+    Tap {
+        start: u32,
+        starts: u32,
+        a: i64,
+        bottom: i64,
+    },
+    /// A pass of G76; depths are radii.
+    ThreadPass {
+        number: u64,
+        depth: i64,
+        previous: i64,
+        height: i64,
+        first: i64,
+        least: i64,
+        rule: DepthRule,
+    },
+    /// A level of G71 (X) or G72 (Z).
+    Level {
+        axis: Axis,
+        number: i64,
+        levels: i64,
+        /// Level of the start, allowance included.
+        from: i64,
+        /// Signed step from level to level.
+        step: i64,
+        /// Level of the deepest point, allowance included.
+        last: i64,
+    },
+    /// The contour pass of G71 and G72.
+    Contour {
+        axis: Axis,
+        levels: i64,
+        allowance: Exact,
+    },
+    /// A pass of G73.
+    Shifted {
+        number: i64,
+        passes: i64,
+        shift: Exact,
+        allowance: Exact,
+        /// Δi and Δk, X as a diameter.
+        relief: Exact,
+    },
+    /// A column of G74 (along Z) or G75 (along X).
+    Column {
+        axis: Axis,
+        number: i64,
+        columns: i64,
+        /// Coordinate of the column on the other axis.
+        at: i64,
+        from: i64,
+        step: i64,
+        /// Peck under way and how many there are; 0 outside pecks.
+        peck: i64,
+        pecks: i64,
+        /// Peck depth, signed.
+        feed: i64,
+        bottom: i64,
+    },
+}
+
+/// A length on an axis as a depth: X as a radius.
+fn depth_on(axis: Axis, units: i64) -> f64 {
+    match axis {
+        Axis::X => mm(units) / 2.0,
+        Axis::Z => mm(units),
+    }
+}
+
+const fn name(axis: Axis) -> char {
+    match axis {
+        Axis::X => 'X',
+        Axis::Z => 'Z',
+    }
+}
+
+impl Note {
+    pub(crate) fn explanation(self) -> Option<Explanation> {
+        match self {
+            Self::None => None,
+            Self::Box { axis, a, c, taper } => Some(box_of(axis, a, c, taper)),
+            Self::Thread {
+                start,
+                starts,
+                a,
+                c,
+                taper,
+                run_out: (height, length),
+            } => Some(Explanation {
+                code: 92,
+                pass: start.into(),
+                passes: Some(starts.into()),
+                level: Some(mm(c.x)),
+                depth: depth_on(Axis::X, c.x - a.x).abs(),
+                remaining: 0.0,
+                formula: with_start_angle(
+                    say::explain_thread(corner_b(Axis::X, c, taper), mm(height), mm(length)),
+                    start,
+                    starts,
+                ),
+                words: "X(U), Z(W), R, J, K, 019, L",
+            }),
+            Self::Tap {
+                start,
+                starts,
+                a,
+                bottom,
+            } => Some(Explanation {
+                code: 33,
+                pass: start.into(),
+                passes: Some(starts.into()),
+                level: None,
+                depth: mm(bottom - a).abs(),
+                remaining: 0.0,
+                formula: with_start_angle(say::explain_tap(mm(a), mm(bottom)), start, starts),
+                words: "Z(W), F(I), L",
+            }),
+            Self::ThreadPass {
+                number,
+                depth,
+                previous,
+                height,
+                first,
+                least,
+                rule,
+            } => {
+                let shown = mm(depth);
+                let formula = match rule {
+                    DepthRule::Root => plain(format!(
+                        "d{number} = √{number}·{:.3} = {shown:.3}",
+                        mm(first)
+                    )),
+                    DepthRule::Least => plain(format!(
+                        "d{number} = d{} + Δdmin = {:.3} + {:.3} = {shown:.3}",
+                        number - 1,
+                        mm(previous),
+                        mm(least)
+                    )),
+                    DepthRule::Last => plain(format!(
+                        "d{number} = k - d = {:.3} - {:.3}",
+                        mm(height),
+                        mm(height - depth)
+                    )),
+                    DepthRule::Finish => say::explain_finish_pass(shown, mm(depth - previous)),
+                };
+                Some(Explanation {
+                    code: 76,
+                    pass: number,
+                    passes: None,
+                    level: None,
+                    depth: shown,
+                    remaining: mm(height - depth),
+                    formula,
+                    words: match rule {
+                        DepthRule::Root => "Q(Δd)",
+                        DepthRule::Least => "Q(Δdmin), 059",
+                        DepthRule::Last => "P(k), R(d), 060",
+                        DepthRule::Finish => "P(k), P(m), 057",
+                    },
+                })
+            }
+            Self::Level {
+                axis,
+                number,
+                levels,
+                from,
+                step,
+                last,
+            } => {
+                let level = from + step * number;
+                let axis_name = name(axis);
+                Some(Explanation {
+                    code: rough_code(axis),
+                    pass: number.unsigned_abs(),
+                    passes: Some(levels.unsigned_abs()),
+                    level: Some(mm(level)),
+                    depth: depth_on(axis, step * number).abs(),
+                    remaining: depth_on(axis, last - level).abs(),
+                    formula: plain(format!(
+                        "{axis_name}{number} = {:.3} {:+.3}·{number} = {:.3}",
+                        mm(from),
+                        mm(step),
+                        mm(level)
+                    )),
+                    words: match axis {
+                        Axis::X => "U(Δd), 051",
+                        Axis::Z => "W(Δd), 051",
+                    },
+                })
+            }
+            Self::Contour {
+                axis,
+                levels,
+                allowance,
+            } => Some(Explanation {
+                code: rough_code(axis),
+                pass: levels.unsigned_abs(),
+                passes: Some(levels.unsigned_abs()),
+                level: None,
+                depth: 0.0,
+                remaining: 0.0,
+                formula: say::explain_contour(mm(allowance.x), mm(allowance.z)),
+                words: "U(Δu), W(Δw)",
+            }),
+            Self::Shifted {
+                number,
+                passes,
+                shift,
+                allowance,
+                relief,
+            } => Some(Explanation {
+                code: 73,
+                pass: number.unsigned_abs(),
+                passes: Some(passes.unsigned_abs()),
+                level: None,
+                depth: mm(relief.x + allowance.x - shift.x).abs() / 2.0,
+                remaining: mm(shift.x - allowance.x).abs() / 2.0,
+                formula: plain(format!(
+                    "X{:+.3} = {:+.3} {:+.3}·{left}/{gaps}, Z{:+.3} = {:+.3} {:+.3}·{left}/{gaps}",
+                    mm(shift.x),
+                    mm(allowance.x),
+                    mm(relief.x),
+                    mm(shift.z),
+                    mm(allowance.z),
+                    mm(relief.z),
+                    left = passes - number,
+                    gaps = passes - 1,
+                )),
+                words: "U(Δi), W(Δk), R(d), 053, 054, 055, U(Δu), W(Δw)",
+            }),
+            Self::Column {
+                axis,
+                number,
+                columns,
+                at,
+                from,
+                step,
+                peck,
+                pecks,
+                feed,
+                bottom,
+            } => {
+                let reached = if peck >= pecks {
+                    bottom
+                } else {
+                    from + feed * peck
+                };
+                Some(Explanation {
+                    code: match axis {
+                        Axis::Z => 74,
+                        Axis::X => 75,
+                    },
+                    pass: number.unsigned_abs(),
+                    passes: Some(columns.unsigned_abs()),
+                    level: Some(mm(at)),
+                    depth: depth_on(axis, reached - from).abs(),
+                    remaining: depth_on(axis, bottom - reached).abs(),
+                    formula: say::explain_peck(
+                        peck,
+                        pecks,
+                        name(axis),
+                        mm(reached),
+                        number,
+                        columns,
+                        mm(step),
+                    ),
+                    words: "P(Δi), Q(Δk), R(e), 056, R(Δd)",
+                })
+            }
+        }
+    }
+}
+
+/// The box of G90 or G94.
+fn box_of(axis: Axis, a: Exact, c: Exact, taper: i64) -> Explanation {
+    let (code, words) = match axis {
+        Axis::X => (90, "X(U), Z(W), R: a radius"),
+        Axis::Z => (94, "X(U), Z(W), R"),
+    };
+    Explanation {
+        code,
+        pass: 1,
+        passes: Some(1),
+        level: Some(mm(c.get(axis))),
+        depth: depth_on(axis, c.get(axis) - a.get(axis)).abs(),
+        remaining: 0.0,
+        formula: plain(corner_b(axis, c, taper)),
+        words,
+    }
+}
+
+/// Where a single cycle begins to cut: `X_B = X_C + 2R` or `Z_B = Z_C + R`.
+fn corner_b(axis: Axis, c: Exact, taper: i64) -> String {
+    let (c, factor, by) = match axis {
+        Axis::X => (c.x, "2·", 2 * taper),
+        Axis::Z => (c.z, "", taper),
+    };
+    let name = name(axis);
+    format!(
+        "{name}_B = {name}_C + {factor}R = {:.3} {:+.3} = {:.3}",
+        mm(c),
+        mm(by),
+        mm(c + by)
+    )
+}
+
+/// What sets the starts of a multi-start thread apart.
+fn with_start_angle(formula: Message, start: u32, starts: u32) -> Message {
+    if starts <= 1 {
+        return formula;
+    }
+    say::explain_start_angle(formula, start.saturating_sub(1), starts)
+}
+
+/// A formula without words, the same in every language.
+fn plain(formula: String) -> Message {
+    say::as_written(formula)
+}
+
+const fn rough_code(axis: Axis) -> u8 {
+    match axis {
+        Axis::X => 71,
+        Axis::Z => 72,
+    }
+}

@@ -1,0 +1,258 @@
+//! The words of one block, sorted by what they mean.
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::dialect;
+use crate::interpreter::context::exact::Exact;
+use crate::program::Block;
+use crate::units::Axis;
+
+/// Group 00: acts in its own block only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum OneShot {
+    /// G04.
+    Dwell,
+    /// G28.
+    Reference,
+    /// G50.
+    Coordinates,
+    /// G70.
+    Finishing,
+    /// G71.
+    TurningRough,
+    /// G72.
+    FacingRough,
+    /// G73.
+    Pattern,
+    /// G74.
+    FacePecking,
+    /// G75.
+    Grooving,
+    /// G76.
+    CompoundThread,
+}
+
+impl OneShot {
+    /// Whether it is one of G70 to G76.
+    pub(crate) const fn is_compound(self) -> bool {
+        !matches!(self, Self::Dwell | Self::Reference | Self::Coordinates)
+    }
+}
+
+/// A block's words. Lengths are millionths of a millimetre, `x` and `u` as
+/// written (diameter or radius).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Words {
+    /// Group 00.
+    pub(crate) one_shot: Option<OneShot>,
+    /// Group 01, by number.
+    pub(crate) motion: Option<u8>,
+    /// Group 04: G40, G41 or G42, by number.
+    pub(crate) nose: Option<u8>,
+    /// Group 02: G96 or G97.
+    pub(crate) surface: Option<bool>,
+    /// Group 03: G99 or G98.
+    pub(crate) per_revolution: Option<bool>,
+    pub(crate) m: Option<u8>,
+    pub(crate) s: Option<i64>,
+    pub(crate) t: Option<i64>,
+    /// Digits written for S and T; 0 when a variable gave the number.
+    pub(crate) s_digits: u8,
+    pub(crate) t_digits: u8,
+    pub(crate) f: Option<f64>,
+    pub(crate) p: Option<i64>,
+    pub(crate) x: Option<i64>,
+    pub(crate) u: Option<i64>,
+    pub(crate) z: Option<i64>,
+    pub(crate) w: Option<i64>,
+    pub(crate) r: Option<i64>,
+    pub(crate) i: Option<i64>,
+    pub(crate) k: Option<i64>,
+    pub(crate) j: Option<i64>,
+    pub(crate) q: Option<i64>,
+    pub(crate) l: Option<i64>,
+    /// Whether R was written with a decimal point (G76 R(d)).
+    pub(crate) r_has_point: bool,
+    /// How many words besides O and N there are.
+    pub(crate) count: u8,
+}
+
+impl Words {
+    /// Sorts the words of a block; alarms 010 and 024.
+    pub(crate) fn of(block: &Block) -> Result<Self, Alarm> {
+        let mut words = Self::default();
+        for word in block.words() {
+            words.count = words.count.saturating_add(1);
+            let value = word.value;
+            match word.address {
+                b'G' => words.take_g(value.integer())?,
+                b'M' => words.m = u8::try_from(value.integer()).ok(),
+                b'S' => {
+                    words.s = Some(value.integer());
+                    words.s_digits = value.digits();
+                }
+                b'T' => {
+                    words.t = Some(value.integer());
+                    words.t_digits = value.digits();
+                }
+                b'P' => words.p = Some(value.integer()),
+                b'F' => words.f = Some(value.mm()),
+                b'X' => words.x = Some(value.millionths()),
+                b'U' => words.u = Some(value.millionths()),
+                b'Z' => words.z = Some(value.millionths()),
+                b'W' => words.w = Some(value.millionths()),
+                b'Q' => words.q = Some(value.integer()),
+                b'L' => words.l = Some(value.integer()),
+                b'R' => {
+                    words.r = Some(value.millionths());
+                    words.r_has_point = value.has_point();
+                }
+                b'J' => words.j = Some(value.millionths()),
+                b'I' => words.i = Some(value.millionths()),
+                b'K' => words.k = Some(value.millionths()),
+                _ => {}
+            }
+        }
+        if words.one_shot.is_some() && words.motion.is_some() {
+            return Err(Alarm::new(number::G_CONFLICT).because(say::codes_of_two_groups()));
+        }
+        Ok(words)
+    }
+
+    fn take_g(&mut self, code: i64) -> Result<(), Alarm> {
+        match code {
+            0..=3 | 32..=34 | 90 | 92 | 94 => self.motion = u8::try_from(code).ok(),
+            4 => self.one_shot = Some(OneShot::Dwell),
+            28 => self.one_shot = Some(OneShot::Reference),
+            50 => self.one_shot = Some(OneShot::Coordinates),
+            70 => self.one_shot = Some(OneShot::Finishing),
+            71 => self.one_shot = Some(OneShot::TurningRough),
+            72 => self.one_shot = Some(OneShot::FacingRough),
+            73 => self.one_shot = Some(OneShot::Pattern),
+            74 => self.one_shot = Some(OneShot::FacePecking),
+            75 => self.one_shot = Some(OneShot::Grooving),
+            76 => self.one_shot = Some(OneShot::CompoundThread),
+            40..=42 => self.nose = u8::try_from(code).ok(),
+            96 => self.surface = Some(true),
+            97 => self.surface = Some(false),
+            98 => self.per_revolution = Some(false),
+            99 => self.per_revolution = Some(true),
+            _ => {
+                let rule = say::g_unknown(code);
+                let detail = dialect::advised(rule, dialect::instead_of_g(code));
+                return Err(Alarm::new(number::BAD_G).because(detail));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the block must wait until everything before it is finished.
+    pub(crate) fn waits(&self) -> bool {
+        self.one_shot.is_some()
+            || self.s.is_some()
+            || self.t.is_some()
+            || self.surface.is_some()
+            || match self.m {
+                None => false,
+                // A bare call or return has no effect on the machine.
+                Some(98 | 99) => self.has_axis_words(),
+                Some(_) => true,
+            }
+    }
+
+    /// Only what says where the tool goes, without F, S, T, M and the codes of
+    /// feed and spindle.
+    pub(crate) fn path_only(&self) -> Self {
+        Self {
+            surface: None,
+            per_revolution: None,
+            m: None,
+            s: None,
+            t: None,
+            f: None,
+            ..*self
+        }
+    }
+
+    /// Whether X, U, Z or W is programmed.
+    pub(crate) const fn has_axis_words(&self) -> bool {
+        self.x.is_some() || self.u.is_some() || self.z.is_some() || self.w.is_some()
+    }
+
+    /// Whether the block has nothing besides O, N and the words of a bare
+    /// M98 or M99: such blocks are no stop of single block.
+    pub(crate) fn bare_call(&self) -> bool {
+        matches!(self.m, Some(98 | 99)) && self.count == 1 + u8::from(self.p.is_some())
+    }
+
+    /// The axis words: X before U, Z before W. X values are multiplied by
+    /// `x_factor`, 2 under radius programming.
+    pub(crate) fn axes(&self, x_factor: i64) -> AxisWords {
+        AxisWords {
+            x: Target::of(self.x, self.u, x_factor),
+            z: Target::of(self.z, self.w, 1),
+        }
+    }
+}
+
+/// What a block says about one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Target {
+    /// Not programmed.
+    #[default]
+    None,
+    /// An end point.
+    Absolute(i64),
+    /// A distance.
+    Increment(i64),
+}
+
+impl Target {
+    fn of(absolute: Option<i64>, increment: Option<i64>, factor: i64) -> Self {
+        match (absolute, increment) {
+            (Some(value), _) => Self::Absolute(value * factor),
+            (None, Some(value)) => Self::Increment(value * factor),
+            (None, None) => Self::None,
+        }
+    }
+
+    /// The end point, with increments counted from `base`.
+    pub(crate) const fn target(self, base: i64) -> Option<i64> {
+        match self {
+            Self::None => None,
+            Self::Absolute(value) => Some(value),
+            Self::Increment(value) => Some(base.saturating_add(value)),
+        }
+    }
+}
+
+/// What a block says about both axes; X as a diameter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct AxisWords {
+    pub(crate) x: Target,
+    pub(crate) z: Target,
+}
+
+impl AxisWords {
+    /// Whether any axis is programmed.
+    pub(crate) fn any(&self) -> bool {
+        self.x != Target::None || self.z != Target::None
+    }
+
+    pub(crate) const fn get(&self, axis: Axis) -> Target {
+        match axis {
+            Axis::X => self.x,
+            Axis::Z => self.z,
+        }
+    }
+
+    /// The end point: increments count from `base`, an axis that is not
+    /// programmed stays at `rest`.
+    pub(crate) fn target(&self, base: Exact, rest: Exact) -> Exact {
+        Exact::new(
+            self.x.target(base.x).unwrap_or(rest.x),
+            self.z.target(base.z).unwrap_or(rest.z),
+        )
+    }
+}

@@ -1,0 +1,93 @@
+//! What G90 and G94 have in common: rapid, cut, cut, rapid round a box and
+//! back to the start (manual I-3.2.5).
+
+use gsk_messages::say;
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::{Alarm, number};
+use crate::command::Action;
+use crate::compensation::{Nose, box_corners};
+use crate::interpreter::codes::positioning;
+use crate::interpreter::context::emission::Emission;
+use crate::interpreter::context::exact::{Exact, mm};
+use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::state::State;
+use crate::units::{Feed, Point};
+
+/// A box being cut. Single block stops after each move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct BoxCycle {
+    /// B, C, D, A in machine coordinates.
+    corners: [Point; 4],
+    feed: Feed,
+    step: u8,
+    note: Note,
+}
+
+impl BoxCycle {
+    /// The box over the programmed corners B, C, D and the start A.
+    pub(crate) fn over(
+        state: &State,
+        corners: [Exact; 4],
+        x_factor: i64,
+        note: Note,
+    ) -> Result<Self, Alarm> {
+        for corner in corners {
+            positioning::within_stroke(corner, x_factor)?;
+        }
+        Ok(Self {
+            corners: corners.map(|corner| state.machine(corner).point()),
+            feed: positioning::feed(&state.modal)?,
+            step: 0,
+            note,
+        })
+    }
+
+    /// Moves the legs for the nose, under G41 and G42. The box begins and ends
+    /// at the machine point `start`.
+    pub(crate) fn follow_nose(&mut self, start: Point, nose: Nose) {
+        self.corners = box_corners(start, self.corners, nose);
+    }
+
+    pub(crate) fn next(&mut self) -> Option<Emission> {
+        let to = *self.corners.get(usize::from(self.step))?;
+        let cuts = matches!(self.step, 1 | 2);
+        self.step += 1;
+        let action = if cuts {
+            Action::Line {
+                to,
+                feed: self.feed,
+            }
+        } else {
+            Action::Rapid { to }
+        };
+        Some(Emission::stopping(action))
+    }
+
+    pub(crate) const fn is_done(&self) -> bool {
+        self.step >= 4
+    }
+
+    /// Why the move taken last is where it is.
+    pub(crate) fn note(&self) -> Option<Note> {
+        (self.step > 0).then_some(self.note)
+    }
+}
+
+/// The taper must not reach behind the start: R against the sign of the
+/// infeed is at most as long as the infeed.
+pub(crate) fn check_taper(r: i64, infeed: i64, names: (&str, &str)) -> Result<(), Alarm> {
+    let against = r != 0 && r.signum() != infeed.signum();
+    if !against || (infeed != 0 && r.abs() <= infeed.abs()) {
+        return Ok(());
+    }
+    let (cycle, infeed_name) = names;
+    Err(
+        Alarm::new(number::CYCLE_TAPER).because(say::cycle_taper_longer_than_infeed(
+            cycle,
+            mm(r),
+            infeed_name,
+            mm(infeed),
+        )),
+    )
+}

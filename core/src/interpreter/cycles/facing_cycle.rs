@@ -1,0 +1,33 @@
+//! G94: facing cycle (manual I-3.2.5.2).
+//!
+//! ```text
+//!   X ^    B <-----------1------------ A       1 rapid Z to B
+//!     |    |                           ^       2 cut B -> C
+//!     |    2                           4       3 cut Z to D
+//!     |    v                           |       4 rapid X to A
+//!     |    C ____________3___________> D       R = Z_B - Z_C
+//!     +---------------------------------> Z    B = (X_A, Z_C + R)
+//! ```
+
+use crate::alarm::Alarm;
+use crate::interpreter::context::cycle_words::CycleData;
+use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::state::State;
+use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
+use crate::units::Axis;
+
+/// The cycle from the programmed position to the data's end point and back.
+pub(crate) fn plan(state: &State, data: CycleData, x_factor: i64) -> Result<BoxCycle, Alarm> {
+    let (start, end) = (state.position, data.end);
+    check_taper(data.r, end.z - start.z, ("G94", "W"))?;
+    let b = Exact::new(start.x, end.z + data.r);
+    let d = Exact::new(end.x, start.z);
+    let note = Note::Box {
+        axis: Axis::Z,
+        a: start,
+        c: end,
+        taper: data.r,
+    };
+    BoxCycle::over(state, [b, end, d, start], x_factor, note)
+}

@@ -1,0 +1,34 @@
+//! G90: outer and inner turning cycle (manual I-3.2.5.1).
+//!
+//! ```text
+//!   X ^    D <-----------4------------ A       1 rapid X to B
+//!     |    ^                           |       2 cut B -> C
+//!     |    3                           1       3 cut X to D
+//!     |    |                           v       4 rapid Z to A
+//!     |    C <___________2____________ B       R = X_B - X_C, a radius
+//!     +---------------------------------> Z    B = (X_C + 2R, Z_A)
+//! ```
+
+use crate::alarm::Alarm;
+use crate::interpreter::context::cycle_words::CycleData;
+use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::state::State;
+use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
+use crate::units::Axis;
+
+/// The cycle from the programmed position to the data's end point and back.
+pub(crate) fn plan(state: &State, data: CycleData, x_factor: i64) -> Result<BoxCycle, Alarm> {
+    let (start, end) = (state.position, data.end);
+    // U as a radius: R is one.
+    check_taper(data.r, (end.x - start.x) / 2, ("G90", "U/2"))?;
+    let b = Exact::new(end.x + 2 * data.r, start.z);
+    let d = Exact::new(start.x, end.z);
+    let note = Note::Box {
+        axis: Axis::X,
+        a: start,
+        c: end,
+        taper: data.r,
+    };
+    BoxCycle::over(state, [b, end, d, start], x_factor, note)
+}

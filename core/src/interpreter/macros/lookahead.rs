@@ -1,0 +1,85 @@
+//! Blocks that are read before their turn: the profile of a cycle, and the block
+//! behind a chamfer.
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::interpreter::codes::inch;
+use crate::interpreter::context::host::Host;
+use crate::interpreter::context::words::Words;
+use crate::interpreter::macros::variable::{self, NotNow};
+use crate::program::{Block, Program, Syntax};
+
+/// Blocks that are looked through for one that is not skipped.
+const REACH: u32 = 16;
+
+/// What reading ahead needs.
+pub(crate) struct Reading<'a, H> {
+    pub(crate) program: &'a Program,
+    pub(crate) syntax: Syntax,
+    /// Whether blocks marked `/` are skipped.
+    pub(crate) skipping: bool,
+    pub(crate) host: &'a H,
+}
+
+/// What a block read ahead of its turn raises. Cycles are planned when everything
+/// before them is finished: their blocks need not wait.
+pub(crate) fn alarm(reason: NotNow) -> Alarm {
+    match reason {
+        NotNow::Fault(alarm) => alarm,
+        NotNow::Wait => Alarm::new(number::BAD_VARIABLE).because(say::variable_not_read_ahead()),
+    }
+}
+
+impl<H: Host> Reading<'_, H> {
+    /// The words of a block; `None` for one that is skipped. `motion` is the code
+    /// of group 01 in force before it.
+    pub(crate) fn words_at(&self, index: u32, motion: u8) -> Result<Option<Words>, NotNow> {
+        let mut block = Block::default();
+        if let Err(error) = self.program.read(index, self.syntax, &mut block) {
+            if self.skipping && self.program.has_skip_mark(index) {
+                return Ok(None);
+            }
+            return Err(NotNow::Fault(error.into()));
+        }
+        let skipped = self.skipping && block.skip;
+        if skipped || (block.is_empty() && block.o.is_some()) {
+            return Ok(None);
+        }
+        if block.has_g(65) {
+            return Err(NotNow::Fault(
+                Alarm::new(number::PROFILE_CODE).because(say::profile_macro()),
+            ));
+        }
+        if block.has_variables() {
+            block = variable::resolve(block, self.syntax, self.host)?;
+        }
+        if self.syntax.inch {
+            inch::to_metric(&mut block, motion);
+        }
+        Words::of(&block).map(Some).map_err(NotNow::Fault)
+    }
+
+    /// Whether a block that is not skipped stands behind this one, good or bad.
+    pub(crate) fn has_next(&self, index: u32) -> bool {
+        let next = index.saturating_add(1);
+        let end = self.program.block_count().min(next.saturating_add(REACH));
+        end.saturating_sub(next) == REACH
+            || (next..end).any(|index| !matches!(self.words_at(index, 1), Ok(None)))
+    }
+
+    /// The words of the block after this one; none at the end of the text, and
+    /// none when they make an alarm, which is raised at its turn.
+    pub(crate) fn words_after(&self, index: u32, motion: u8) -> Result<Option<Words>, NotNow> {
+        let next = index.saturating_add(1);
+        let end = self.program.block_count().min(next.saturating_add(REACH));
+        for index in next..end {
+            match self.words_at(index, motion) {
+                Ok(None) => {}
+                Err(NotNow::Fault(_)) => return Ok(None),
+                found => return found,
+            }
+        }
+        Ok(None)
+    }
+}

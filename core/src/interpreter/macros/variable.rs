@@ -1,0 +1,167 @@
+//! References to variables: what `#i` means when its block is read.
+//!
+//! ```text
+//!   #200–#231 #500–#515   common, read and written at once
+//!   #9nnn                 the variable whose number stands in #nnn
+//!   #1000–#1015 #1032     G54, G55 of the ladder   | only when everything
+//!   #1100–#1115 #1132     F54, F55 to the ladder   | before is finished
+//!   #1133                 F56–F59 to the ladder    |
+//! ```
+
+use gsk_messages::{Message, say};
+
+use crate::alarm::{Alarm, number};
+use crate::interpreter::context::host::Host;
+use crate::memory::Variables;
+use crate::program::{Block, BlockError, Syntax, Variable};
+
+/// Why a block cannot be read now.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum NotNow {
+    /// Only when everything before it is finished.
+    Wait,
+    /// Not at all.
+    Fault(Alarm),
+}
+
+impl From<Alarm> for NotNow {
+    fn from(alarm: Alarm) -> Self {
+        Self::Fault(alarm)
+    }
+}
+
+impl From<BlockError> for NotNow {
+    fn from(error: BlockError) -> Self {
+        Self::Fault(error.into())
+    }
+}
+
+/// A variable that exists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Slot {
+    /// #200–#231, #500–#515.
+    Common(u16),
+    /// #1000–#1015, by bit.
+    Input(u8),
+    /// #1032, the sixteen inputs as one number.
+    Inputs,
+    /// #1100–#1115, by bit.
+    Output(u8),
+    /// #1132, the sixteen outputs as one number.
+    Outputs,
+    /// #1133, the thirty-two outputs F56–F59.
+    MoreOutputs,
+}
+
+/// Bits of the outputs that #1133 holds.
+const MORE: u32 = 16;
+const LOW_16: u64 = 0xFFFF;
+const LOW_32: u64 = 0xFFFF_FFFF;
+
+impl Slot {
+    /// The variable of a number, indirection followed. Alarm 115.
+    pub(crate) fn find(number: u16, host: &impl Host) -> Result<Self, Alarm> {
+        if !(9000..=9999).contains(&number) {
+            return Self::direct(number).ok_or_else(|| illegal(say::variable_unknown(number)));
+        }
+        let through = number - 9000;
+        if !Variables::has(through) {
+            return Err(illegal(say::variable_unknown_through(number, through)));
+        }
+        let meant = host.variables().get(through).unwrap_or(0);
+        let slot = u16::try_from(meant).ok().and_then(Self::direct);
+        slot.ok_or_else(|| illegal(say::variable_unknown_meant(number, through, meant)))
+    }
+
+    fn direct(number: u16) -> Option<Self> {
+        match number {
+            1000..=1015 => Some(Self::Input((number - 1000) as u8)),
+            1032 => Some(Self::Inputs),
+            1100..=1115 => Some(Self::Output((number - 1100) as u8)),
+            1132 => Some(Self::Outputs),
+            1133 => Some(Self::MoreOutputs),
+            _ => Variables::has(number).then_some(Self::Common(number)),
+        }
+    }
+
+    /// Its value. Signals of the ladder only when
+    /// everything before is finished.
+    pub(crate) fn read(self, host: &impl Host) -> Result<i64, NotNow> {
+        if let Self::Common(number) = self {
+            return Ok(host.variables().get(number).unwrap_or(0));
+        }
+        if !host.slides_stand() {
+            return Err(NotNow::Wait);
+        }
+        let word = match self {
+            Self::Common(_) => 0,
+            Self::Input(bit) => u64::from(host.interface_inputs() >> bit & 1),
+            Self::Inputs => host.interface_inputs().into(),
+            Self::Output(bit) => host.interface_outputs() >> bit & 1,
+            Self::Outputs => host.interface_outputs() & LOW_16,
+            Self::MoreOutputs => host.interface_outputs() >> MORE & LOW_32,
+        };
+        Ok(word as i64)
+    }
+
+    /// Checks that it can take a value now: 116 for inputs, 111 for a value
+    /// that it cannot hold. Every value but zero switches an output on.
+    pub(crate) fn check(self, value: i64, host: &impl Host) -> Result<(), NotNow> {
+        let greatest = match self {
+            Self::Input(_) | Self::Inputs => {
+                return Err(Alarm::new(number::READ_ONLY)
+                    .because(say::variable_read_only())
+                    .into());
+            }
+            Self::Common(_) => return Ok(()),
+            Self::Output(_) => Variables::GREATEST,
+            Self::Outputs => LOW_16 as i64,
+            Self::MoreOutputs => LOW_32 as i64,
+        };
+        let fits = matches!(self, Self::Output(_)) || (0..=greatest).contains(&value);
+        if !fits {
+            return Err(Alarm::new(number::MACRO_RANGE)
+                .because(say::variable_word_out_of_range(value, greatest))
+                .into());
+        }
+        if host.slides_stand() {
+            Ok(())
+        } else {
+            Err(NotNow::Wait)
+        }
+    }
+
+    /// Puts a checked value in.
+    pub(crate) fn write(self, value: i64, host: &mut impl Host) -> Result<(), Alarm> {
+        let outputs = host.interface_outputs();
+        let changed = match self {
+            Self::Common(number) => return host.variables_mut().set(number, value),
+            Self::Input(_) | Self::Inputs => return Ok(()),
+            Self::Output(bit) => outputs & !(1 << bit) | u64::from(value != 0) << bit,
+            Self::Outputs => outputs & !LOW_16 | value as u64 & LOW_16,
+            Self::MoreOutputs => outputs & LOW_16 | (value as u64 & LOW_32) << MORE,
+        };
+        host.set_interface_outputs(changed);
+        Ok(())
+    }
+}
+
+fn illegal(detail: Message) -> Alarm {
+    Alarm::new(number::BAD_VARIABLE).because(detail)
+}
+
+/// The value that a reference stands for; the sign is the caller's.
+pub(crate) fn value(variable: Variable, host: &impl Host) -> Result<i64, NotNow> {
+    Slot::find(variable.number, host)?.read(host)
+}
+
+/// A block with numbers in the place of its references.
+pub(crate) fn resolve(block: Block, syntax: Syntax, host: &impl Host) -> Result<Block, NotNow> {
+    let block = block.resolve(syntax, |variable| value(variable, host))?;
+    if block.has_g(65) {
+        return Err(Alarm::new(number::BAD_IN_MACRO)
+            .because(say::macro_code_from_variable())
+            .into());
+    }
+    Ok(block)
+}

@@ -1,0 +1,6 @@
+//! Threads (G32, G33, G34, G76, G92): one pass, and the cycles of them.
+
+pub(super) mod compound_thread;
+pub(super) mod tapping;
+pub(super) mod thread;
+pub(super) mod thread_cycle;

@@ -1,0 +1,90 @@
+//! G33: tapping in Z (manual I-3.2.4.3).
+//!
+//! ```text
+//!   X ^   bottom <======1====== A      1 feed in with the spindle, M05, stop
+//!     |          ======2======>        2 reversed, out to A, stop
+//!     +--------------------------> Z   L starts: again, 360°/L further each time
+//! ```
+
+use gsk_messages::say;
+use serde::{Deserialize, Serialize};
+
+use crate::alarm::{Alarm, number};
+use crate::command::Action;
+use crate::interpreter::codes::positioning::within_stroke;
+use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::explanation::Note;
+use crate::interpreter::context::moves::{Move, Shift};
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::words::{AxisWords, Words};
+use crate::interpreter::threads::thread;
+use crate::units::Point;
+
+/// The holes still to be tapped at the same place.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Tapping {
+    bottom: Point,
+    /// Programmed Z where it begins and of the bottom.
+    way: (i64, i64),
+    lead: f64,
+    start: u32,
+    starts: u32,
+}
+
+/// A G33 block. The tool ends where it began.
+pub(crate) fn plan(
+    state: &mut State,
+    words: &Words,
+    axes: &AxisWords,
+    base: Exact,
+    x_factor: i64,
+) -> Result<Option<Tapping>, Alarm> {
+    let to = within_stroke(axes.target(base, state.position), x_factor)?;
+    if to.x != state.position.x {
+        return Err(Alarm::new(number::BAD_ADDRESS).because(say::tap_moves_x()));
+    }
+    let lead = thread::lead(state)?;
+    if to == state.position {
+        return Ok(None);
+    }
+    let starts = u32::try_from(words.l.unwrap_or(1)).unwrap_or(1);
+    let tapping = Tapping {
+        bottom: Shift::of(state).machine(to),
+        way: (state.position.z, to.z),
+        lead,
+        start: 0,
+        starts,
+    };
+    state.arrive(axes, state.position);
+    Ok(Some(tapping))
+}
+
+impl Tapping {
+    fn tap(&self) -> Action {
+        Action::Tap {
+            to: self.bottom,
+            lead: self.lead,
+            start_degrees: phase(self.start, self.starts),
+        }
+    }
+
+    pub(crate) fn make(&mut self) -> Option<Move> {
+        if self.start >= self.starts {
+            return None;
+        }
+        let note = Note::Tap {
+            start: self.start + 1,
+            starts: self.starts,
+            a: self.way.0,
+            bottom: self.way.1,
+        };
+        let action = self.tap();
+        self.start += 1;
+        Some(Move::of(action, note))
+    }
+}
+
+/// The angle of a start, counted from 0, of a multi-start thread.
+pub(crate) fn phase(start: u32, starts: u32) -> f64 {
+    360.0 * f64::from(start) / f64::from(starts.max(1))
+}
