@@ -98,6 +98,8 @@ pub struct Cnc {
 impl Cnc {
     /// One millisecond of the control.
     pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
+        self.events.clear();
+        let stood_at = self.hear_board(inputs.board.as_deref());
         let seen;
         let inputs = match self
             .drives
@@ -111,7 +113,6 @@ impl Cnc {
             }
             None => inputs,
         };
-        self.events.clear();
         self.ticks += 1;
         self.drives.sensors.sense(inputs, &self.memory.parameters);
         self.plc.soft_switch_tick();
@@ -134,6 +135,9 @@ impl Cnc {
         self.watch_travel();
         self.watch_limit_signals();
         self.watch_reference();
+        if let Some(pulses) = stood_at {
+            self.check_outgrown(pulses);
+        }
         if self.run.automatic.state == RunState::Run {
             self.memory.counters.count_cutting_ms(1);
         }
@@ -146,6 +150,7 @@ impl Cnc {
             pulses: self.pulses(),
             spindle_volts: self.spindle.control.volts(),
             enable: PerAxis::new(!self.emergency_stop, !self.emergency_stop),
+            board: self.drives.board.map(|_| self.board_orders()),
         }
     }
 }

@@ -5,6 +5,7 @@
 pub mod alarm;
 pub mod axis;
 pub mod battery;
+pub(crate) mod board;
 pub mod cnc;
 pub mod command;
 pub(crate) mod compensation;
@@ -18,6 +19,7 @@ pub mod motion;
 pub mod operation;
 pub mod preview;
 pub mod program;
+pub(crate) mod run_state;
 pub mod setup;
 pub mod simulation;
 pub mod spindle;

@@ -2,9 +2,13 @@
 //! which everything that the board has not wired stays simulated.
 //!
 //! ```text
-//!            bytes, host time                 before      tick       after
-//!   port ──► pump ─► link ─► events ─► control ──► inputs ─► Cnc ─► sample ─► link ─► port
+//!            bytes, host time            before            tick              after
+//!   port ──► pump ─► link ─► reports ─► Inputs ─► Cnc ─► Outputs ─► samples, orders ─► link ─► port
 //! ```
+//!
+//! What the board says goes into the control with the inputs of a tick, what it is to
+//! do comes out with the outputs: the control reacts in its own tick, and nothing here
+//! writes into it.
 //!
 //! The kernel's time is bound to the board's while slides move: it runs ahead of it
 //! by no more than the lookahead. In every other state it follows the host's clock,
@@ -20,14 +24,15 @@ mod motion;
 mod pace;
 mod pass;
 mod position;
+mod reports;
 mod spindle;
 mod stopping;
 
 use core::time::Duration;
 
 use crate::alarm::Alarm;
-use crate::machine::BoardContacts;
-use crate::operation::Checked;
+use crate::board::{BoardOrders, BoardReport, Checked};
+use crate::machine::{BoardContacts, LimitSwitches};
 use crate::simulation::Simulation;
 use crate::units::{PerAxis, Point, Pulses};
 pub use drives::drives;
@@ -40,8 +45,8 @@ pub use log::Note;
 use motion::Commanded;
 use pace::{Clock, Power, PowerEvent};
 use pass::Thread;
-use position::LinkAlarms;
 pub use position::Stamp;
+use reports::Reports;
 use spindle::Spindle;
 use stopping::Stopping;
 
@@ -63,6 +68,22 @@ struct Connection {
     withheld: bool,
 }
 
+/// What the control last wanted.
+#[derive(Clone, Copy, Debug, Default)]
+struct Control {
+    pulses: PerAxis<Pulses>,
+    orders: BoardOrders,
+}
+
+impl Control {
+    fn of(simulation: &Simulation) -> Self {
+        Self {
+            pulses: simulation.cnc.pulses(),
+            orders: simulation.cnc.board_orders(),
+        }
+    }
+}
+
 /// The returns of the control to its machine zero.
 #[derive(Clone, Copy, Debug, Default)]
 struct Returns {
@@ -70,6 +91,8 @@ struct Returns {
     sought_from: PerAxis<Pulses>,
     /// The board has just found its switches.
     homed: bool,
+    /// How far the limit switches of an axis are apart, mm; X as a diameter.
+    lengths: PerAxis<Option<f64>>,
 }
 
 /// A link and what it does with the control beside it.
@@ -88,7 +111,8 @@ pub struct Linked {
     returns: Returns,
     thread: Thread,
     spindle: Spindle,
-    alarms: LinkAlarms,
+    control: Control,
+    reports: Reports,
     log: Log,
 }
 
@@ -98,9 +122,10 @@ impl Linked {
     pub fn open(config: LinkConfig, simulation: &mut Simulation, now: HostTime) -> Self {
         let checked = Checked::new(simulation.cnc.parameters(), config.protocol);
         let link = Link::open(config.clone(), &drives(simulation.cnc.parameters()), now);
-        simulation.lathe.set_real_slides(true);
-        simulation.cnc.drop_reference();
-        let mut linked = Self {
+        simulation.attach_board();
+        let lathe = simulation.lathe.config();
+        let length = |limits: Option<LimitSwitches>| limits.map(|it| it.plus - it.minus);
+        Self {
             link,
             config,
             checked,
@@ -114,14 +139,16 @@ impl Linked {
             keys: Keys::default(),
             motion: Commanded::new(simulation.cnc.pulses()),
             stopping: Stopping::None,
-            returns: Returns::default(),
+            returns: Returns {
+                lengths: PerAxis::new(length(lathe.x.limits), length(lathe.z.limits)),
+                ..Returns::default()
+            },
             thread: Thread::default(),
             spindle: Spindle::default(),
-            alarms: LinkAlarms::default(),
+            control: Control::of(simulation),
+            reports: Reports::default(),
             log: Log::default(),
-        };
-        linked.update_drives(simulation);
-        linked
+        }
     }
 
     /// What boards met before said they understand; to be told before the first
@@ -134,41 +161,37 @@ impl Linked {
     /// stop it.
     pub fn close(mut self, simulation: &mut Simulation) -> Vec<u8> {
         self.link.close();
-        simulation.cnc.halt_for_board();
-        simulation.cnc.drop_reference();
-        simulation.cnc.drives.board = None;
-        simulation.lathe.set_real_slides(false);
+        simulation.detach_board();
         self.link.tx().to_vec()
     }
 
     /// Bytes came from the port, time passed. To be called at least every 5 ms, and
     /// before [`may_tick`](Self::may_tick) is asked.
-    pub fn pump(&mut self, simulation: &mut Simulation, bytes: &[u8], now: HostTime) {
+    pub fn pump(&mut self, bytes: &[u8], now: HostTime) {
         let gap = self.clock.passes(now);
-        let starved = self.has_starved(simulation, gap);
+        let starved = self.has_starved(gap);
         self.link.rx(bytes, self.clock.now);
         self.link.tick(self.clock.now);
         for event in self.link.events() {
-            self.hear(simulation, event);
+            self.hear(event);
         }
         if starved && self.link.takes_motion() {
-            self.samples_late(simulation);
+            self.samples_late();
         }
-        self.follow_pass(simulation);
-        self.adopt_count(simulation);
-        self.report_late(simulation);
-        self.complete_alarms(simulation);
-        self.settle(simulation);
+        self.adopt_count();
+        self.report_late();
+        self.report_standstill();
+        self.settle();
     }
 
     /// The port failed.
-    pub fn lost(&mut self, simulation: &mut Simulation, cause: &str) {
+    pub fn lost(&mut self, cause: &str) {
         self.link.lost(cause);
         for event in self.link.events() {
-            self.hear(simulation, event);
+            self.hear(event);
         }
-        self.adopt_count(simulation);
-        self.complete_alarms(simulation);
+        self.adopt_count();
+        self.report_standstill();
     }
 
     /// Bytes to be written to the port.
@@ -195,7 +218,8 @@ impl Linked {
 
     /// To be called before each tick of the simulation.
     pub fn before(&mut self, simulation: &mut Simulation) {
-        self.update_drives(simulation);
+        let inputs = self.inputs_of_tick();
+        simulation.set_board(inputs);
     }
 
     /// To be called after each tick of the simulation.
@@ -205,9 +229,10 @@ impl Linked {
             PowerEvent::None => {}
             PowerEvent::Lost => self.without_power(simulation),
             PowerEvent::Tick => {
-                self.hand_over(simulation);
-                self.follow(simulation);
-                self.offer_pass(simulation);
+                self.control = Control::of(simulation);
+                self.hand_over();
+                self.follow();
+                self.offer_pass();
             }
         }
         simulation.add_board_contacts(&self.contacts());
@@ -275,13 +300,15 @@ impl Linked {
         self.thread.pass = None;
         self.link.forget_position();
         self.link.set_outputs(BoardOutputs::default());
-        simulation.cnc.drop_reference();
-        self.motion.stand_at(simulation.cnc.pulses());
+        simulation.attach_board();
+        self.reports = Reports::default();
+        self.control = Control::of(simulation);
+        self.motion.stand_at(self.control.pulses);
     }
 
     /// The motion of the tick goes to the board.
-    fn hand_over(&mut self, simulation: &mut Simulation) {
-        let pulses = simulation.cnc.pulses();
+    fn hand_over(&mut self) {
+        let Control { pulses, orders } = self.control;
         if self.thread.pass.is_some() {
             // The board goes ahead; the control only follows.
             self.motion.stand_at(pulses);
@@ -291,63 +318,41 @@ impl Linked {
         if !self.motion.moved && !self.link.is_prepared() {
             return;
         }
-        if self.motion.moved
-            && self.link.state() != LinkState::Moving
-            && self.is_outgrown(simulation)
-        {
-            simulation.cnc.stand_at(self.motion.pulses);
-            self.motion.moved = false;
-            return;
-        }
-        let waits = simulation.cnc.waits_for_spindle();
-        let follows = simulation.cnc.lead_followed().is_some();
-        self.link.keep_time(waits || follows);
-        let fine = simulation.cnc.drives.chain.fine();
-        let parts = |place: f64| (place * FINE as f64).round() as i64;
+        let waits = orders.spindle.waits;
+        self.link.keep_time(waits || orders.spindle.lead.is_some());
+        let parts = |position: f64| (position * FINE as f64).round() as i64;
         let sample = Sample {
             end: self.clock.run,
             pulses,
-            fine: PerAxis::new(parts(fine.x), parts(fine.z)),
+            fine: PerAxis::new(parts(orders.fine.x), parts(orders.fine.z)),
         };
         match self.link.push(sample) {
             Ok(()) => self.motion.pulses = pulses,
-            Err(refused) => return self.refuse(simulation, refused),
+            Err(refused) => return self.refuse(refused),
         }
         if self.motion.moved {
             self.motion.last = self.clock.run;
         } else if !waits
-            && !simulation.cnc.is_moving()
+            && !orders.moving
             && let Err(refused) = self.link.finish()
         {
-            self.refuse(simulation, refused);
+            self.refuse(refused);
         }
     }
 
     /// Motion that the board does not take is not made: the control goes back to
     /// where the slides are.
-    fn refuse(&mut self, simulation: &mut Simulation, refused: Refused) {
+    fn refuse(&mut self, refused: Refused) {
         let (number, text) = refused.judged();
-        self.raise(simulation, Alarm::new(number).because(text));
-        simulation.cnc.halt_for_board();
+        self.raise(Alarm::new(number).because(text));
+        self.report(BoardReport::Halted);
         self.motion.moved = false;
-        simulation.cnc.stand_at(self.motion.pulses);
+        self.report(BoardReport::NotTaken(self.motion.pulses));
         if self.link.state() == LinkState::Moving {
             // Where that is, the board tells when it stands.
             self.link.stop(Stop::Flush);
             self.stopping.flush();
         }
-    }
-
-    /// Whether the parameters are not those any more that the board was checked
-    /// against: nothing begins to move.
-    fn is_outgrown(&self, simulation: &mut Simulation) -> bool {
-        let outgrown = self.checked.alarm(simulation.cnc.parameters());
-        let is_outgrown = outgrown.is_some();
-        if let Some(alarm) = outgrown {
-            simulation.cnc.raise(alarm);
-            simulation.cnc.halt_for_board();
-        }
-        is_outgrown
     }
 
     /// Whether the slides may still be on their way.

@@ -3,6 +3,7 @@
 use gsk_plc::address::{Area, BitAddress};
 use serde::{Deserialize, Serialize};
 
+use crate::board::BoardInputs;
 use crate::cnc::Cnc;
 use crate::machine::{BoardContacts, Inputs, Lathe};
 use crate::operation::RunState;
@@ -83,6 +84,24 @@ impl Simulation {
     pub fn tick(&mut self) {
         let outputs = self.cnc.tick(&self.inputs);
         self.inputs = self.lathe.tick(&outputs);
+    }
+
+    /// The slides are real from now on, and nobody knows where they stand.
+    pub(crate) fn attach_board(&mut self) {
+        self.lathe.set_real_slides(true);
+        self.cnc.attach_board();
+    }
+
+    /// The slides are simulated again.
+    pub(crate) fn detach_board(&mut self) {
+        self.inputs.board = None;
+        self.cnc.detach_board();
+        self.lathe.set_real_slides(false);
+    }
+
+    /// What a pulse board says to the control in the next tick.
+    pub(crate) fn set_board(&mut self, board: BoardInputs) {
+        self.inputs.board = Some(Box::new(board));
     }
 
     /// The contacts that a pulse board has wired, over the simulated ones.

@@ -91,10 +91,9 @@ impl Emulator {
             self.simulation.tick();
         } else {
             // Without the control the drives hold and everything else stops.
-            self.simulation.lathe.tick(&Outputs {
-                pulses: self.simulation.cnc.pulses(),
-                ..Outputs::default()
-            });
+            self.simulation
+                .lathe
+                .tick(&Outputs::without_power(self.simulation.cnc.pulses()));
         }
         let requests = self.panel.tick(&self.simulation.cnc);
         self.ask(requests);

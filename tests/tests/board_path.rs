@@ -50,8 +50,8 @@ impl<T: Board> Lathe<T> {
             self.twin.advance(1_000_000);
             let bytes = self.twin.read();
             let now = Duration::from_nanos(self.twin.now());
-            self.linked.pump(&mut self.emulator.simulation, &bytes, now);
-            while self.linked.may_tick(&mut self.emulator.simulation) {
+            self.linked.pump(&bytes, now);
+            while self.linked.may_tick() {
                 self.linked.before(&mut self.emulator.simulation);
                 self.emulator.tick();
                 self.linked.after(&mut self.emulator.simulation);

@@ -130,7 +130,7 @@ impl Drive {
             }
             Err(cause) => {
                 tracing::error!("{cause}");
-                linked.lost(simulation, &cause.to_string());
+                linked.lost(&cause.to_string());
                 None
             }
         };
@@ -172,14 +172,14 @@ impl Drive {
     }
 
     /// Hears the board and lets its time pass; waits at most 2 ms.
-    pub fn hear(&mut self, simulation: &mut Simulation) {
+    pub fn hear(&mut self) {
         let bytes = match self.carrier.as_mut().map(Carrier::read) {
             Some(Ok(bytes)) => bytes,
             Some(Err(error)) => {
                 self.carrier = None;
                 let cause = ports::gone(&error);
                 tracing::error!("{cause}");
-                self.linked.lost(simulation, &cause);
+                self.linked.lost(&cause);
                 Vec::new()
             }
             None => Vec::new(),
@@ -193,7 +193,7 @@ impl Drive {
             };
         }
         self.away.hear(now);
-        self.linked.pump(simulation, &bytes, now);
+        self.linked.pump(&bytes, now);
         if self.linked.state() == LinkState::Opening {
             // What was found different is found again.
             self.differences.clear();
@@ -221,8 +221,8 @@ impl Drive {
     }
 
     /// Whether the kernel may make a tick.
-    pub fn may_tick(&mut self, simulation: &mut Simulation) -> bool {
-        self.linked.may_tick(simulation)
+    pub fn may_tick(&mut self) -> bool {
+        self.linked.may_tick()
     }
 
     /// Before a tick.

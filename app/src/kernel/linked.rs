@@ -59,14 +59,14 @@ impl Kernel {
         let Some(mut drive) = self.drive.take() else {
             return false;
         };
-        drive.hear(&mut self.emulator.simulation);
+        drive.hear();
         // Drawing may be what keeps a busy computer from the port.
         let between = match drive.is_hurried() {
             true => HURRIED_PICTURE_TICKS,
             false => PICTURE_TICKS,
         };
         let begun = Instant::now();
-        while begun.elapsed() < AT_ONCE && drive.may_tick(&mut self.emulator.simulation) {
+        while begun.elapsed() < AT_ONCE && drive.may_tick() {
             drive.before(&mut self.emulator.simulation);
             self.tick();
             drive.after(&mut self.emulator.simulation);

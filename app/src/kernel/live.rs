@@ -138,12 +138,12 @@ impl PulseBoard for Live {
                 return false;
             };
             let late = self.heard.elapsed() >= AT_ONCE;
-            if !late && drive.may_tick(simulation) {
+            if !late && drive.may_tick() {
                 drive.before(simulation);
                 return true;
             }
             drive.speak(None);
-            drive.hear(simulation);
+            drive.hear();
             for said in drive.said() {
                 complain!("gsk980td: {said}");
             }

@@ -3,8 +3,8 @@
 use gsk_link::Drives;
 
 use crate::axis::pulse_weight;
+use crate::board::board_rates;
 use crate::memory::Parameters;
-use crate::operation::board_rates;
 use crate::units::{Axis, PerAxis};
 
 /// The drives that a board is opened for (015–018, 022–025, 027).

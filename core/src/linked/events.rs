@@ -3,12 +3,11 @@
 use gsk_plc::address::{Area, BitAddress};
 
 use super::stopping::Stopping;
-use super::{Linked, Note};
+use super::{Control, Linked, Note};
 use crate::alarm::{Alarm, groups, number};
-use crate::cnc::Event as Happened;
+use crate::board::{BoardDrives, BoardInputs, BoardReport, ZeroWiring};
 use crate::machine::pins;
-use crate::operation::{BoardDrives, RunState, ZeroWiring};
-use crate::simulation::Simulation;
+use crate::run_state::RunState;
 use crate::units::{Axis, PerAxis, Pulses};
 use gsk_link::{
     Awaited, BoardOutputs, Event, Input, LinkState, Output, Protocol, SpindleDirection, Stop,
@@ -16,9 +15,22 @@ use gsk_link::{
 };
 
 impl Linked {
-    /// What the control knows of its drives in the next tick.
-    pub(super) fn update_drives(&mut self, simulation: &mut Simulation) {
-        let wanted = outputs(simulation);
+    /// What the control hears of its board in the next tick.
+    pub(super) fn inputs_of_tick(&mut self) -> BoardInputs {
+        let (reports, settled) = self.reports.take();
+        let stands = |report: &&BoardReport| matches!(report, BoardReport::StandsAt(_));
+        self.motion.stops += reports.iter().filter(stands).count() as u64;
+        BoardInputs {
+            drives: self.drives(),
+            reports,
+            dropped: self.dropped_outputs(),
+            pass_made: self.pass_made(),
+            settled,
+        }
+    }
+
+    fn drives(&mut self) -> BoardDrives {
+        let wanted = self.control.orders.outputs;
         let timed = self.link.times_outputs();
         let switching = match self.link.switched() {
             _ if timed => false,
@@ -30,18 +42,17 @@ impl Linked {
             }
             Some(switched) => switched != wanted,
         };
-        let spindle = self.read_spindle(simulation, wanted.spindle);
+        let spindle = self.read_spindle(wanted.spindle);
         let stopping = !self.stopping.is_none();
         let armed = |axis| {
             let awaited = self.link.awaited(axis);
-            awaited.is_some()
-                && awaited == simulation.cnc.board_awaits(axis)
-                && self.link.is_armed(axis)
+            awaited.filter(|_| self.link.is_armed(axis))
         };
         let armed = PerAxis::new(armed(Axis::X), armed(Axis::Z));
-        simulation.cnc.drives.board = Some(BoardDrives {
+        BoardDrives {
             takes_motion: self.link.takes_motion() && !stopping,
             prepared: self.link.is_prepared() && !stopping,
+            moving: self.link.state() == LinkState::Moving,
             known: self.link.knows_position(),
             behind: self.is_behind(),
             ahead: self.ticks_ahead(),
@@ -59,7 +70,7 @@ impl Linked {
                 .then(|| PerAxis::new(self.zero_wiring(Axis::X), self.zero_wiring(Axis::Z))),
             armed,
             checked: Some(self.checked),
-        });
+        }
     }
 
     /// What an axis has at the board to return to.
@@ -83,16 +94,16 @@ impl Linked {
     }
 
     /// The board looks at what the returns of the control wait for.
-    fn await_switches(&mut self, simulation: &mut Simulation) {
+    fn await_switches(&mut self) {
         for axis in [Axis::X, Axis::Z] {
-            let wanted = simulation.cnc.board_awaits(axis);
+            let wanted = *self.control.orders.returns.awaited.get(axis);
             if wanted == self.link.awaited(axis) {
                 if let Some(awaited) = wanted {
-                    self.check_length(simulation, axis, awaited);
+                    self.check_length(axis, awaited);
                 }
                 continue;
             }
-            *self.returns.sought_from.get_mut(axis) = *simulation.cnc.pulses().get(axis);
+            *self.returns.sought_from.get_mut(axis) = *self.control.pulses.get(axis);
             match wanted {
                 // Not yet possible: once more with the next look.
                 Some(awaited) => drop(self.link.arm(awaited)),
@@ -102,17 +113,17 @@ impl Linked {
     }
 
     /// A switch that does not come within the length of the slide will never come.
-    fn check_length(&self, simulation: &mut Simulation, axis: Axis, awaited: Awaited) {
-        let lathe = simulation.lathe.config();
-        let (limits, scale, name) = match axis {
-            Axis::X => (lathe.x.limits, 2.0, 'x'),
-            Axis::Z => (lathe.z.limits, 1.0, 'z'),
+    fn check_length(&mut self, axis: Axis, awaited: Awaited) {
+        let (scale, name) = match axis {
+            Axis::X => (2.0, 'x'),
+            Axis::Z => (1.0, 'z'),
         };
-        let Some(limits) = limits else { return };
-        let length = limits.plus - limits.minus;
+        let Some(length) = *self.returns.lengths.get(axis) else {
+            return;
+        };
         let most = length / scale * self.link.pulses_per_mm()[axis as usize];
-        let way = simulation.cnc.pulses().get(axis).0 - self.returns.sought_from.get(axis).0;
-        if way.unsigned_abs() as f64 <= most {
+        let gone = self.control.pulses.get(axis).0 - self.returns.sought_from.get(axis).0;
+        if gone.unsigned_abs() as f64 <= most {
             return;
         }
         let pin = match awaited.input {
@@ -120,42 +131,36 @@ impl Linked {
             Input::ZeroX | Input::ZeroZ => "zero",
             _ => "limit",
         };
-        simulation.cnc.abandon_returns();
-        simulation
-            .cnc
-            .raise(Alarm::new(number::BOARD_ZERO_RETURN).because(format!(
+        self.report(BoardReport::ReturnsAbandoned);
+        let alarm = Alarm::new(number::BOARD_ZERO_RETURN).because(format!(
             "link.{name}.{pin} did not change within {length} mm, the whole length of {name}.limits"
-        )));
+        ));
+        self.report(BoardReport::Failed(alarm));
     }
 
     /// Keys, outputs and the ends of programs go to the link.
-    pub(super) fn follow(&mut self, simulation: &mut Simulation) {
+    pub(super) fn follow(&mut self) {
         let dropped = self.has_dropped_outputs();
-        if dropped {
-            simulation.cnc.drop_outputs(self.switched_outputs());
-        }
-        let mut wanted = outputs(simulation);
+        let orders = self.control.orders;
+        let mut wanted = orders.outputs;
         self.connection.withheld &=
             dropped || wanted.spindle != SpindleDirection::Stop || wanted.coolant;
         if self.connection.withheld {
             wanted = BoardOutputs::default();
         }
         self.link.set_outputs(wanted);
-        let cnc = &mut simulation.cnc;
-        for event in cnc.events() {
-            if let Happened::ProgramEnded { .. } = event {
-                self.log.ended = cnc.cursor().program;
-            }
+        if orders.run.ended.is_some() {
+            self.log.ended = orders.run.ended;
         }
-        let emergency = core::mem::replace(&mut self.keys.emergency, cnc.emergency_stop);
-        let resetting = core::mem::replace(&mut self.keys.resetting, cnc.resetting());
+        let emergency = core::mem::replace(&mut self.keys.emergency, orders.emergency_stop);
+        let resetting = core::mem::replace(&mut self.keys.resetting, orders.resetting);
         if self.keys.emergency && !emergency {
-            cnc.halt_for_board();
+            self.report(BoardReport::Halted);
             self.stopping.end_flush();
             self.thread.pass = None;
             self.link.stop(Stop::Kill);
         } else if self.keys.resetting && !resetting {
-            cnc.halt_for_board();
+            self.report(BoardReport::Halted);
             // A pass is stopped dead: there is no place to go on from.
             let passing = self.thread.pass.take().is_some();
             if self.link.state() == LinkState::Moving && !passing {
@@ -163,11 +168,6 @@ impl Linked {
             }
             self.connection.reopen |= self.link.state() == LinkState::Lost;
             self.link.reset();
-        }
-        if let Some(alarm) = &self.alarms.standing
-            && !self.keys.resetting
-        {
-            cnc.raise(alarm.clone());
         }
     }
 
@@ -182,8 +182,11 @@ impl Linked {
             }
     }
 
-    /// The contacts of the control that the board switches.
-    fn switched_outputs(&self) -> impl Iterator<Item = BitAddress> {
+    /// The outputs of the ladder that the board switches and has dropped.
+    fn dropped_outputs(&self) -> Vec<BitAddress> {
+        if !self.has_dropped_outputs() {
+            return Vec::new();
+        }
         let missing = self.missing_outputs();
         let outputs = [
             (Output::SpindleForward, pins::FORWARD),
@@ -192,25 +195,26 @@ impl Linked {
         ];
         let switched = outputs
             .into_iter()
-            .filter(move |(output, _)| !missing.contains(output));
-        switched.map(|(_, (byte, bit))| BitAddress::new(Area::Y, u16::from(byte), bit))
+            .filter(|(output, _)| !missing.contains(output));
+        switched
+            .map(|(_, (byte, bit))| BitAddress::new(Area::Y, u16::from(byte), bit))
+            .collect()
     }
 
     /// The link has something to say.
-    pub(super) fn hear(&mut self, simulation: &mut Simulation, event: Event) {
-        let cnc = &mut simulation.cnc;
+    pub(super) fn hear(&mut self, event: Event) {
         match event {
-            Event::State(state) => self.change(simulation, state),
+            Event::State(state) => self.change(state),
             Event::Alarm { number, detail } => {
                 let alarm = Alarm::new(number).because(detail);
                 if number == number::POSITION_CHECK {
                     self.checked(false, None);
                 }
                 if groups::OF_OPENING.contains(&number) {
-                    self.alarms.standing = Some(alarm.clone());
+                    self.report(BoardReport::Standing(alarm.clone()));
                 }
-                self.raise(simulation, alarm);
-                simulation.cnc.halt_for_board();
+                self.raise(alarm);
+                self.report(BoardReport::Halted);
                 self.stopping.end_flush();
             }
             Event::Position(pulses) => {
@@ -218,18 +222,14 @@ impl Linked {
                 let reached = stopped == Stopping::Reaching;
                 if !stopped.is_none() {
                     if !reached {
-                        cnc.halt_for_board();
+                        self.report(BoardReport::Halted);
                     }
-                    cnc.stand_at(pulses);
-                    self.stopped_at(simulation);
-                    let parameters = simulation.cnc.parameters();
+                    self.stopped_at(pulses);
                     // On the way to its zero an axis has long made up for it.
-                    if !reached
-                        && [Axis::X, Axis::Z].map(|axis| parameters.backlash(axis)) != [0.0; 2]
-                    {
+                    if !reached && self.control.orders.backlash {
                         // Whether the play was made up for there nobody knows.
                         self.link.invalidate_position(Uncertainty::Play);
-                        self.drop_reference(simulation);
+                        self.report(BoardReport::ReferenceLost { told: true });
                     }
                 }
                 let agreed = self.link.knows_position().then_some(pulses);
@@ -242,28 +242,30 @@ impl Linked {
                 }
             }
             Event::Halting { reached } => {
-                if self.stopping.halt(reached) {
-                    cnc.pause_for_board();
+                let pauses = self.stopping.halt(reached);
+                self.report(if pauses {
+                    BoardReport::Paused
                 } else {
-                    cnc.halt_for_board();
-                }
+                    BoardReport::Halted
+                });
             }
             Event::Reached(input, _) => {
                 if let Some(axis) = input.axis() {
-                    cnc.board_reached(axis);
+                    self.report(BoardReport::Reached(axis));
                 }
             }
-            Event::Drained => self.end_pass(simulation),
+            Event::Drained => self.end_pass(),
             Event::Homed(axes) => {
                 self.returns.homed = true;
-                cnc.board_returned(axes, self.home());
+                let at = self.home();
+                self.report(BoardReport::Returned { axes, at });
             }
             Event::Learned { name, packed } => self.log.notes.push(Note::Learned { name, packed }),
             Event::Differs(difference) => self.log.notes.push(Note::Differs(difference)),
         }
     }
 
-    fn change(&mut self, simulation: &mut Simulation, state: LinkState) {
+    fn change(&mut self, state: LinkState) {
         let unknown = matches!(
             state,
             LinkState::Locked | LinkState::Tripped | LinkState::Fault | LinkState::Lost
@@ -272,12 +274,12 @@ impl Linked {
         // A return that moves both axes leaves none where it was, however it ends.
         let moves_all = state == LinkState::Homing && !self.link.homes_alone();
         if moves_all {
-            simulation.cnc.drop_reference();
+            self.report(BoardReport::ReferenceLost { told: false });
         } else if unknown && !found && !self.link.keeps_count() {
-            self.drop_reference(simulation);
+            self.report(BoardReport::ReferenceLost { told: true });
         }
         if unknown && state != LinkState::Locked {
-            simulation.cnc.halt_for_board();
+            self.report(BoardReport::Halted);
             self.stopping = Stopping::None;
             self.connection.withheld = true;
         }
@@ -286,27 +288,12 @@ impl Linked {
         }
         let was_opening = self.is_opening();
         self.connection.state = state;
-        if state == LinkState::Opening {
-            // Whether its cause is gone is asked now.
-            self.alarms.standing = None;
+        if matches!(state, LinkState::Opening | LinkState::Locked) {
+            self.report(BoardReport::CauseGone);
         }
-        if state == LinkState::Locked {
-            self.alarms.standing = None;
-            if was_opening {
-                // Nothing begins by itself: a key that is held, a return that was asked for.
-                simulation.cnc.halt_for_board();
-                // The board is there, is the right one and is set as it must be.
-                for number in groups::OF_OPENING {
-                    simulation.cnc.alarms.remove(number);
-                }
-            }
+        if state == LinkState::Locked && was_opening {
+            self.report(BoardReport::Opened);
         }
-    }
-
-    fn drop_reference(&mut self, simulation: &mut Simulation) {
-        let referenced = simulation.cnc.referenced();
-        self.alarms.fell |= referenced.x || referenced.z;
-        simulation.cnc.drop_reference();
     }
 
     pub(super) fn checked(&mut self, agrees: bool, counted: Option<PerAxis<Pulses>>) {
@@ -319,47 +306,40 @@ impl Linked {
     }
 
     /// What the operator has asked for and the board can do now.
-    pub(super) fn settle(&mut self, simulation: &mut Simulation) {
-        let returning = simulation.cnc.board_returns();
-        if (returning.x || returning.z) && self.is_outgrown(simulation) {
+    pub(super) fn settle(&mut self) {
+        if !self.reports.are_heard() {
+            // What the control wants now it says after its next tick.
             return;
         }
-        let cnc = &mut simulation.cnc;
-        match self.link.state() {
-            LinkState::Homing if !(returning.x || returning.z) => self.link.reset(),
+        let Control { pulses, orders } = self.control;
+        let returning = orders.returns.by_board;
+        let referenced = orders.returns.referenced.x && orders.returns.referenced.z;
+        let quiet = !orders.emergency_stop && !orders.resetting;
+        let at = self.clock.run;
+        let goes_on = match self.link.state() {
+            LinkState::Homing if !(returning.x || returning.z) => {
+                self.link.reset();
+                false
+            }
             LinkState::Locked | LinkState::Ready if returning.x || returning.z => {
                 // Not yet possible: once more with the next report.
                 let _ = self.link.home(returning);
+                false
             }
-            LinkState::Locked if cnc.emergency_stop || cnc.resetting() => {}
-            LinkState::Locked if cnc.referenced().x && cnc.referenced().z => {
-                let pulses = cnc.pulses();
-                if self.link.set_position(pulses, self.clock.run).is_ok() {
-                    self.motion.pulses = pulses;
-                }
+            LinkState::Locked if quiet && referenced => self.link.set_position(pulses, at).is_ok(),
+            LinkState::Locked if quiet && !self.link.takes_motion() && !orders.board_alarm => {
+                self.link.release(pulses, at).is_ok()
             }
-            LinkState::Locked if !self.link.takes_motion() && !cnc.has_board_alarm() => {
-                let pulses = cnc.pulses();
-                if self.link.release(pulses, self.clock.run).is_ok() {
-                    self.motion.pulses = pulses;
-                }
+            LinkState::Tripped if quiet && !self.link.takes_motion() && referenced => {
+                self.link.retreat(pulses, at).is_ok()
             }
-            LinkState::Tripped if !self.link.takes_motion() => {
-                let referenced = cnc.referenced();
-                let quiet = !cnc.emergency_stop && !cnc.resetting();
-                let pulses = cnc.pulses();
-                if quiet
-                    && referenced.x
-                    && referenced.z
-                    && self.link.retreat(pulses, self.clock.run).is_ok()
-                {
-                    self.motion.pulses = pulses;
-                }
-            }
-            _ => {}
+            _ => false,
+        };
+        if goes_on {
+            self.motion.pulses = pulses;
         }
-        self.await_switches(simulation);
-        self.note_stops(simulation.cnc.run_state());
+        self.await_switches();
+        self.note_stops(orders.run.state);
     }
 
     /// A stop of a program is noted with what was counted there; its end also when
@@ -373,22 +353,5 @@ impl Linked {
         if stopped || self.log.ended.is_some() {
             self.checked(true, agreed);
         }
-    }
-}
-
-/// What the ladder and the spindle control want switched.
-fn outputs(simulation: &Simulation) -> BoardOutputs {
-    let cnc = &simulation.cnc;
-    let memory = cnc.plc().memory();
-    let (coolant, bit) = pins::COOLANT;
-    let spindle = pins::spindle_direction(memory);
-    let millivolts = match spindle {
-        SpindleDirection::Stop => 0,
-        _ => (cnc.spindle().volts() * 1000.0).round() as u16,
-    };
-    BoardOutputs {
-        spindle,
-        millivolts,
-        coolant: memory.y(u16::from(coolant)) >> bit & 1 == 1,
     }
 }

@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use super::Linked;
-use crate::simulation::Simulation;
+use crate::board::BoardReport;
 use gsk_link::{HostTime, LinkState, Protocol, RunTime};
 
 /// Ticks of the host's clock that are caught up at most.
@@ -109,17 +109,19 @@ impl Pace {
 impl Linked {
     /// Whether the kernel may make a tick now. While slides move the board sets the
     /// time, else the host's clock does.
-    pub fn may_tick(&mut self, simulation: &mut Simulation) -> bool {
-        if self.thread.pass.is_some() {
-            // The board cuts by itself, the control looks on.
+    pub fn may_tick(&mut self) -> bool {
+        if self.thread.pass.is_some() || !self.reports.are_heard() {
+            // The board cuts by itself, the control looks on; or it is to hear what
+            // happened, whatever there is room for.
             self.clock.pace.blocked = None;
             return self.clock.pace.take();
         }
         // A thread that waits for its index takes time in the board, and keeps as far
         // ahead of it as motion does: a pause of the host must not part its begin from
         // the index that it was shown.
-        let waits = self.spindle.view.is_some() && simulation.cnc.waits_for_spindle();
-        let moves = self.motion.moved || simulation.cnc.is_moving() || waits;
+        let orders = &self.control.orders;
+        let waits = self.spindle.view.is_some() && orders.spindle.waits;
+        let moves = self.motion.moved || orders.moving || waits;
         if !moves || !self.link.takes_motion() {
             self.clock.pace.blocked = None;
             return self.clock.pace.take();
@@ -143,14 +145,14 @@ impl Linked {
         if self.clock.now.saturating_sub(since) > limit {
             self.clock.pace.blocked = None;
             let text = format!("the board has taken no motion for {} ms", limit.as_millis());
-            self.stop_late(simulation, &text);
+            self.stop_late(&text);
         }
         false
     }
 
     /// Whether the host was away for longer than the motion it had handed over lasts.
-    pub(super) fn has_starved(&self, simulation: &Simulation, gap: Duration) -> bool {
-        let moves = simulation.cnc.feed_actual() > 0.0;
+    pub(super) fn has_starved(&self, gap: Duration) -> bool {
+        let moves = self.control.orders.feeding;
         let long = gap > EVERYDAY && gap + UNREPORTED > self.link.outstanding();
         // A board of timed steps notices by itself.
         let lines = self.config.protocol == Protocol::Line;
@@ -158,19 +160,16 @@ impl Linked {
         moves && long && ahead && self.link.state() == LinkState::Moving
     }
 
-    pub(super) fn samples_late(&mut self, simulation: &mut Simulation) {
-        self.stop_late(
-            simulation,
-            "the computer was busy for longer than the lookahead",
-        );
+    pub(super) fn samples_late(&mut self) {
+        self.stop_late("the computer was busy for longer than the lookahead");
     }
 
     /// What was handed over is made; nothing more follows, and the count is compared.
-    fn stop_late(&mut self, simulation: &mut Simulation, text: &str) {
-        simulation.cnc.stop_for_board();
-        self.alarms.late = Some(text.to_owned());
+    fn stop_late(&mut self, text: &str) {
+        self.report(BoardReport::Stopped);
+        self.reports.late = Some(text.to_owned());
         if let Err(refused) = self.link.finish() {
-            self.refuse(simulation, refused);
+            self.refuse(refused);
         }
     }
 }

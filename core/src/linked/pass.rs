@@ -3,7 +3,7 @@
 
 use super::Linked;
 use crate::alarm::Alarm;
-use crate::simulation::Simulation;
+use crate::board::BoardReport;
 use crate::units::{PerAxis, Pulses};
 use gsk_link::{CannotCut, HostTime, Pass};
 
@@ -24,16 +24,16 @@ struct Waiting {
 
 impl Linked {
     /// A pass that waits goes to the board as soon as the board can take it.
-    pub(super) fn offer_pass(&mut self, simulation: &mut Simulation) {
-        let cnc = &mut simulation.cnc;
-        let asked = cnc.pass_waiting().filter(|_| self.thread.pass.is_none());
+    pub(super) fn offer_pass(&mut self) {
+        let waiting = self.control.orders.pass;
+        let asked = waiting.filter(|_| self.thread.pass.is_none());
         let Some(pass) = asked else {
             self.thread.waiting = None;
             return;
         };
         let why = match self.link.cut(&pass) {
             Ok(()) => {
-                cnc.begin_pass();
+                self.report(BoardReport::PassBegan);
                 self.thread.pass = Some(pass);
                 self.thread.waiting = None;
                 return;
@@ -52,24 +52,23 @@ impl Linked {
         let (number, text, patience) = why.judged();
         if self.clock.now.saturating_sub(since) >= patience {
             self.thread.waiting = None;
-            cnc.raise_at_last(Alarm::new(number).because(text));
+            let alarm = Alarm::new(number).because(text);
+            self.report(BoardReport::PassRefused(alarm));
         }
     }
 
-    /// The control stands where the board was seen last.
-    pub(super) fn follow_pass(&mut self, simulation: &mut Simulation) {
-        if let (Some(pass), Some(at)) = (self.thread.pass, self.link.counted()) {
-            simulation.cnc.pass_progress(made(&pass, at));
-        }
+    /// The control stands where the board was seen last: the part of the pass made.
+    pub(super) fn pass_made(&self) -> Option<f64> {
+        Some(made(&self.thread.pass?, self.link.counted()?))
     }
 
     /// The board has made its pass, and its count says so.
-    pub(super) fn end_pass(&mut self, simulation: &mut Simulation) {
+    pub(super) fn end_pass(&mut self) {
         let Some(pass) = self.thread.pass.take() else {
             return;
         };
-        simulation.cnc.end_pass(pass.end);
-        self.motion.stand_at(simulation.cnc.pulses());
+        self.report(BoardReport::PassEnded(pass.end));
+        self.motion.stand_at(pass.end);
         self.motion.last = self.clock.run;
     }
 }

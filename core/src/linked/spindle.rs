@@ -1,8 +1,7 @@
 //! The spindle of the control is the one whose index the board sees.
 
 use super::Linked;
-use crate::operation::{BoardSpindle, SpindleTrouble};
-use crate::simulation::Simulation;
+use crate::board::{BoardSpindle, SpindleTrouble};
 use crate::spindle::SpindleTurn;
 use gsk_link::{SpindleDirection, SpindleView};
 
@@ -30,11 +29,7 @@ impl Default for Spindle {
 
 impl Linked {
     /// The spindle in the control's next tick; none: it stays the simulated one.
-    pub(super) fn read_spindle(
-        &mut self,
-        simulation: &Simulation,
-        wanted: SpindleDirection,
-    ) -> Option<BoardSpindle> {
+    pub(super) fn read_spindle(&mut self, wanted: SpindleDirection) -> Option<BoardSpindle> {
         let way = match wanted {
             SpindleDirection::Forward => 1.0,
             SpindleDirection::Reverse => -1.0,
@@ -44,7 +39,7 @@ impl Linked {
             self.spindle.way = way;
             self.link.spindle_reversed();
         }
-        let lead = simulation.cnc.lead_followed();
+        let lead = self.control.orders.spindle.lead;
         self.spindle.view = self.link.spindle(lead.map(|lead| GIVE / lead));
         let view = self.spindle.view?;
         if view.passed {

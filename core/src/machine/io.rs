@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::board::{BoardInputs, BoardOrders};
 use crate::units::{PerAxis, Pulses};
 
 /// Which limit switch of an axis is tripped.
@@ -16,7 +17,7 @@ pub enum OverLimit {
 }
 
 /// What the machine tells the control.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
     /// Contacts: X0–X3 from the machine (1 = closed to +24 V). The control adds
     /// the panel keys X20–X26 itself.
@@ -43,6 +44,10 @@ pub struct Inputs {
     /// loop of *ESP: the control says with the alarm what a look at the machine shows.
     #[serde(default)]
     pub over_limit: PerAxis<Option<OverLimit>>,
+    /// The pulse board that makes the motion; none: the drives of the lathe do. An open
+    /// link is never part of what is saved.
+    #[serde(skip)]
+    pub(crate) board: Option<Box<BoardInputs>>,
 }
 
 impl Inputs {
@@ -79,9 +84,20 @@ pub struct Outputs {
     pub spindle_volts: f64,
     /// Drive enable nEN.
     pub enable: PerAxis<bool>,
+    /// What the pulse board is to do.
+    #[serde(skip)]
+    pub(crate) board: Option<BoardOrders>,
 }
 
 impl Outputs {
+    /// A control without power: everything is off, the count stands.
+    pub fn without_power(pulses: PerAxis<Pulses>) -> Self {
+        Self {
+            pulses,
+            ..Self::default()
+        }
+    }
+
     /// One output, byte and bit of Y.
     pub const fn output(&self, byte: usize, bit: u8) -> bool {
         byte < self.y.len() && self.y[byte] >> (bit & 7) & 1 == 1

@@ -205,6 +205,7 @@ impl Lathe {
                 self.over_limit_of(Axis::X, Fault::LimitX),
                 self.over_limit_of(Axis::Z, Fault::LimitZ),
             ),
+            board: None,
         }
     }
 

@@ -11,12 +11,12 @@
 
 use super::arrival::Arrival;
 use super::intervention::CycleShift;
-use super::run_state::RunState;
 use super::thread_state::{Protection, SpindleWatch, TapStage};
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, Frame, ProgramId, Source};
 use crate::interpreter::ReadTo;
 use crate::motion::Interpolator;
+use crate::run_state::RunState;
 use crate::units::Point;
 use serde::{Deserialize, Serialize};
 

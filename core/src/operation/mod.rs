@@ -5,7 +5,6 @@
 mod active_alarms;
 mod arrival;
 mod automatic;
-mod board;
 mod drives;
 mod gear_speed;
 mod handshake;
@@ -14,7 +13,6 @@ mod input_filter;
 mod intervention;
 mod limits;
 mod manual;
-mod run_state;
 mod sensors;
 mod signals;
 mod soft_switch;
@@ -23,13 +21,11 @@ mod thread_state;
 mod zero_return;
 
 pub use crate::mode::Mode;
+pub use crate::run_state::RunState;
 pub use active_alarms::ActiveAlarms;
 pub(crate) use arrival::Arrival;
 pub use automatic::Automatic;
 pub(crate) use automatic::{Aside, Current, Stage, is_cut};
-pub(crate) use board::{
-    BoardDrives, BoardSpindle, Checked, SpindleTrouble, ZeroWiring, board_rates, why_not,
-};
 pub(crate) use drives::DriveWatch;
 pub(crate) use gear_speed::check_gear_speed;
 pub use handshake::{Handshake, Phase, Strobe};
@@ -38,7 +34,6 @@ pub use input_filter::{InputFilter, X_BYTES};
 pub(crate) use limits::travel_alarm;
 pub use manual::jog_rate;
 pub(crate) use manual::{Direction, JOG_RATE_MAX};
-pub use run_state::RunState;
 pub use sensors::Sensors;
 pub use signals::{FromPlc, ToPlc};
 pub use soft_switch::SoftSwitch;

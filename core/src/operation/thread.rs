@@ -2,11 +2,11 @@
 //! what the spindle must be (manual I-3.2.4, PLC-I «feed hold», «rigid tapping»).
 
 use super::automatic::Current;
-use super::run_state::RunState;
 use super::thread_state::Protection;
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, Command, ThreadStart};
 use crate::motion::MotionLimits;
+use crate::run_state::RunState;
 use crate::spindle::Encoder;
 use crate::units::{Axis, Point};
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::board::SpindleTrouble;
+use crate::board::SpindleTrouble;
 
 /// The spindle speed of a thread is compared over so many ticks (106).
 const FLUCTUATION_TICKS: u32 = 100;

@@ -364,8 +364,8 @@ impl<T: Board> Machine<T> {
         let now = self.clock.1 + passed.mul_f64(self.clock_rate);
         self.clock = (self.twin.now(), now);
         let bytes = self.twin.read();
-        self.linked.pump(&mut self.simulation, &bytes, now);
-        while self.linked.may_tick(&mut self.simulation) {
+        self.linked.pump(&bytes, now);
+        while self.linked.may_tick() {
             self.linked.tick(&mut self.simulation);
             self.ticks += 1;
             if self.recording {

@@ -130,9 +130,10 @@ fn common<T: Board>(opened: &Machine<T>, connected: &Machine<T>, ready: &Machine
     stops(&mut machine, 611);
     goes_on(machine);
 
-    // 612: the computer was busy.
+    // 612: the computer was busy, longer than the lookahead and not so long that the
+    // board stops by itself.
     let mut machine = working(ready);
-    machine.pause(220);
+    machine.pause(180);
     stops(&mut machine, 612);
     goes_on(machine);
 

@@ -128,8 +128,8 @@ impl Machine {
         }
         let now = Duration::from_nanos(self.twin.now());
         let bytes = self.twin.read();
-        self.linked.pump(&mut self.simulation, &bytes, now);
-        while self.linked.may_tick(&mut self.simulation) {
+        self.linked.pump(&bytes, now);
+        while self.linked.may_tick() {
             self.linked.tick(&mut self.simulation);
         }
         let tx = self.linked.tx().to_vec();

@@ -9,12 +9,12 @@
 //! ```
 
 use crate::alarm::{Alarm, number};
+use crate::board::SpindleTrouble;
 use crate::cnc::Cnc;
 use crate::command::{Action, ThreadStart};
 use crate::motion::ThreadMove;
 use crate::operation::{
-    RunState, STANDING_RPM, SpindleTrouble, Strobe, TapStage, check_encoder, check_standing,
-    check_thread_speed,
+    RunState, STANDING_RPM, Strobe, TapStage, check_encoder, check_standing, check_thread_speed,
 };
 use crate::units::{Feed, Point};
 

@@ -6,15 +6,17 @@
 mod pass;
 mod preflight;
 mod rates;
+mod reports;
 mod spindle;
 mod walk;
 mod zero;
 
 use crate::alarm::{Alarm, AlarmClass, number};
+use crate::board::why_not;
 use crate::cnc::Cnc;
 use crate::command::{Action, SpindleCommand};
 use crate::motion::ThreadMove;
-use crate::operation::{Return, RunState, why_not};
+use crate::operation::{Return, RunState};
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
 use gsk_link::ThreadRights;
 use gsk_plc::address::BitAddress;
@@ -201,10 +203,10 @@ impl Cnc {
     /// The board has dropped these outputs of the ladder by itself: they fall here as those
     /// of an output module do that was reset, and the ladder goes on from there. The M
     /// code shown is the one for what is.
-    pub(crate) fn drop_outputs(&mut self, outputs: impl IntoIterator<Item = BitAddress>) {
+    pub(crate) fn drop_outputs(&mut self, outputs: &[BitAddress]) {
         let memory = self.plc.engine.memory_mut();
         let mut fell = false;
-        for output in outputs {
+        for &output in outputs {
             fell |= memory.bit(output);
             memory.set_bit(output, false);
         }

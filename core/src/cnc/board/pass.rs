@@ -19,7 +19,7 @@ impl Cnc {
     /// Whether threads are passes of the board. Under machine lock none goes out.
     pub(crate) fn board_cuts(&self) -> bool {
         let locked = self.plc.signals.machine_lock;
-        let passes = |board: crate::operation::BoardDrives| board.threads == ThreadRights::Passes;
+        let passes = |board: crate::board::BoardDrives| board.threads == ThreadRights::Passes;
         self.drives.board.is_some_and(passes) && !(locked.x && locked.z)
     }
 

@@ -1,10 +1,10 @@
 //! How many pulses a second motion needs, against what the board makes.
 
 use crate::alarm::{Alarm, number};
+use crate::board::BoardDrives;
 use crate::cnc::Cnc;
 use crate::command::{Action, MoveKind};
 use crate::motion::{JogRate, ThreadMove, top_speed};
-use crate::operation::BoardDrives;
 use crate::units::{Axis, Feed, Point};
 
 impl Cnc {

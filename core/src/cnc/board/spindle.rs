@@ -6,10 +6,10 @@
 //! ```
 
 use crate::alarm::{Alarm, number};
+use crate::board::{BoardSpindle, SpindleTrouble};
 use crate::cnc::Cnc;
 use crate::command::{Action, ThreadStart};
 use crate::machine::Inputs;
-use crate::operation::{BoardSpindle, SpindleTrouble};
 use crate::spindle::Encoder;
 use crate::units::Feed;
 
@@ -33,7 +33,7 @@ impl Cnc {
             encoder: count(spindle.turn.now),
             encoder_index: count(spindle.turn.index),
             spindle_index: spindle.passed,
-            ..*inputs
+            ..inputs.clone()
         }
     }
 

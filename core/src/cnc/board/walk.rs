@@ -3,12 +3,12 @@
 use core::cell::LazyCell;
 
 use crate::alarm::Alarm;
+use crate::board::BoardDrives;
 use crate::cnc::Cnc;
 use crate::command::{Action, ProgramId, SpindleCommand};
 use crate::interpreter::Advance;
 use crate::interpreter::Host;
 use crate::interpreter::Immediate;
-use crate::operation::BoardDrives;
 
 /// Commands that are looked at: as many as take no time that matters to a board that
 /// waits for its heartbeat. What comes behind them is looked at block by block.

@@ -18,15 +18,22 @@
 //! ```
 
 use crate::alarm::{Alarm, number};
+use crate::board::BoardDrives;
 use crate::cnc::Cnc;
 use crate::motion::JogRate;
-use crate::operation::{BoardDrives, Direction, Return};
+use crate::operation::{Direction, Return};
 use crate::units::{Axis, PerAxis, Point};
 use gsk_link::{Awaited, Input, Until};
 
 impl Cnc {
     /// Begins the return of an axis with a switch at the board.
     pub(crate) fn seek_with_board(&mut self, axis: Axis, board: &BoardDrives) -> Result<(), Alarm> {
+        let outgrown = board
+            .checked
+            .and_then(|checked| checked.alarm(&self.memory.parameters));
+        if let Some(alarm) = outgrown {
+            return Err(alarm);
+        }
         let Some(wiring) = board.zero.map(|zero| *zero.get(axis)) else {
             self.check_other_switch(axis, board)?;
             self.board_makes_return(axis);
@@ -143,7 +150,11 @@ impl Cnc {
     /// Whether the board looks at the switch that the return of an axis waits for.
     pub(crate) fn board_lets_return(&self, axis: Axis) -> bool {
         self.drives.board.is_none_or(|board| {
-            board.zero.is_none() || (*board.armed.get(axis) && board.prepared && board.takes_motion)
+            board.zero.is_none()
+                || (board.armed.get(axis).is_some()
+                    && *board.armed.get(axis) == self.board_awaits(axis)
+                    && board.prepared
+                    && board.takes_motion)
         })
     }
 

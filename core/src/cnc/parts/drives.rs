@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::alarm::Alarm;
 use crate::axis::{AxisChain, SoftLimits};
+use crate::board::BoardDrives;
 use crate::memory::{Parameters, PitchTable};
 use crate::motion::{Interpolator, MotionLimits};
-use crate::operation::{BoardDrives, DriveWatch, Sensors};
+use crate::operation::{DriveWatch, Sensors};
 use crate::units::{Axis, Point};
 
 /// Interpolator, axes and drives.
@@ -27,6 +29,20 @@ pub(crate) struct Drives {
     /// part of what is saved.
     #[serde(skip)]
     pub board: Option<BoardDrives>,
+    /// Alarms of the board and what they are still to say.
+    #[serde(skip)]
+    pub board_alarms: BoardAlarms,
+}
+
+/// Alarms of the board, and what they are still to say.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct BoardAlarms {
+    /// It stands as long as its cause, whatever RESET does.
+    pub standing: Option<Alarm>,
+    /// Alarms that do not say yet where the slides stand.
+    pub incomplete: Vec<Alarm>,
+    /// The reference was dropped where the axes could have moved on.
+    pub fell: bool,
 }
 
 impl Drives {
@@ -43,6 +59,7 @@ impl Drives {
             sensors: Sensors::default(),
             watch: DriveWatch::default(),
             board: None,
+            board_alarms: BoardAlarms::default(),
         }
     }
 }
