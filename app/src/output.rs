@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use gsk_core::preview::Progress;
 use gsk_core::program::ProgramMemory;
+use gsk_messages::{Message, say};
 use gsk_runner::Language;
 use gsk_runner::report::Report;
 use gsk_runner::words::clock;
@@ -22,7 +23,7 @@ use crate::patience::Patience;
 
 /// A file cannot be written.
 #[derive(Debug, thiserror::Error)]
-#[error("{} cannot be written: {error}", .path.display())]
+#[error("{}", self.message())]
 pub struct WriteError {
     path: PathBuf,
     error: io::Error,
@@ -33,6 +34,11 @@ impl WriteError {
     pub fn new(path: &Path, error: io::Error) -> Self {
         let path = path.to_owned();
         Self { path, error }
+    }
+
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        say::file_not_written(self.path.display(), &self.error)
     }
 }
 

@@ -148,15 +148,6 @@ pub struct Bounds {
     pub z: (f64, f64),
 }
 
-/// What is said of a program that was given up.
-pub const LIMIT: &str = "no end within the limits (run: --limit; check, plot: --give-up, \
-     --most-moves, 1000 hours of machine time)";
-
-/// A sentence of the control in a language.
-pub fn translated(sentence: &str, language: Option<Language>) -> String {
-    chinese::say(sentence, language.unwrap_or(Language::En)).into_owned()
-}
-
 /// A message in the language that was chosen.
 pub fn said(message: &Message, language: Option<Language>) -> String {
     chinese::say_message(message, language.unwrap_or(Language::En))

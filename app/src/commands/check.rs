@@ -116,12 +116,9 @@ fn print(
                 }
                 output::report(report, json, aside, language)?;
             }
-            Err(said) => {
+            Err(error) => {
                 code = code.max(USAGE);
-                complain!(
-                    "gsk980td: {}",
-                    report::translated(&said.to_string(), language)
-                );
+                complain!("gsk980td: {}", report::said(&error.message(), language));
             }
         }
     }

@@ -80,7 +80,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
         let folder = data.path().join(transfer::FOLDER);
         failures.extend(transfer::write(&folder, &sent).map_err(Into::into).err());
         let saved = retained::save_emulator(data, &restored, &emulator);
-        failures.extend(saved.map_err(CommandError::NotSaved).err());
+        failures.extend(saved.map_err(CommandError::from).err());
     }
     if let (Some(target), Some(record)) = (recorded, &record) {
         let written = target.write(record.text().as_bytes());

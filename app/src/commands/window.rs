@@ -101,9 +101,8 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
 
 /// Whoever started the program with a click has no standard error to read.
 fn refused(error: &DataError, language: Option<Language>) -> u8 {
-    let said = error.to_string();
-    complain!("gsk980td: {said}");
-    refusal::tell(&said, language);
+    complain!("gsk980td: {error}");
+    refusal::tell(&error.message(), language);
     USAGE
 }
 

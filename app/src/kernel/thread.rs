@@ -128,7 +128,7 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
             keeper.look(&kernel.emulator);
             for complaint in keeper.complaints() {
                 error!("not saved: {complaint}");
-                kernel.say(Notice::Said(complaint.into()));
+                kernel.say(Notice::Said(complaint));
                 (outside.wake)();
             }
         }
