@@ -10,7 +10,7 @@ use gsk_core::command::ProgramId;
 use gsk_core::machine::{ConfigError, LatheConfig};
 use gsk_core::memory::ParameterError;
 use gsk_core::plc::address::{AddressError, Area, BitAddress};
-use gsk_core::plc::{CompileError, CompileErrors, Ladder, summary};
+use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::{Setup, dnc_teach_ladder, standard_ladder};
 use gsk_core::units::Point;
@@ -21,6 +21,7 @@ use crate::files::data_dir::DataError;
 use crate::files::program_file::{self, FileError};
 use crate::files::subprograms;
 use crate::retained;
+use crate::saying::{lines, of_ladder, reason};
 use crate::setup_args::{OffsetWord, ParameterWord, SetupArgs};
 
 /// Why something that a control starts from cannot be had.
@@ -122,29 +123,6 @@ impl LoadError {
             Self::NotStored { path, alarm } => say::subject_reason(path.display(), reason(alarm)),
         }
     }
-}
-
-/// Messages one under the other.
-pub fn lines(messages: impl IntoIterator<Item = Message>) -> Message {
-    let under = messages.into_iter().reduce(say::on_two_lines);
-    under.unwrap_or_else(|| say::as_written(""))
-}
-
-/// Why the control refuses something.
-pub fn reason(alarm: &Alarm) -> Message {
-    let reason = alarm.detail.clone();
-    reason.unwrap_or_else(|| say::alarm_of_number(alarm.number))
-}
-
-/// An error of a ladder, with its line.
-pub fn of_finding(error: &CompileError) -> Message {
-    say::ladder_rule_broken(error.line, error.rung, error.code, error.message.clone())
-}
-
-fn of_ladder(errors: &CompileErrors) -> Message {
-    let found = errors.errors.iter().chain(&errors.warnings);
-    let summary = summary(errors.errors.len(), errors.warnings.len());
-    lines(found.map(of_finding).chain([summary]))
 }
 
 /// A program in the control's memory, and what the user should know about it.

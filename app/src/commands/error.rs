@@ -15,11 +15,12 @@ use crate::ending::SignalError;
 use crate::files::data_dir::DataError;
 use crate::files::program_file::FileError;
 use crate::guard::holder::NoProgram;
-use crate::loading::{LoadError, lines};
+use crate::loading::LoadError;
 use crate::output::WriteError;
 use crate::picture::NameError;
 use crate::ports::PortError;
 use crate::retained::NotSaved;
+use crate::saying::lines;
 use crate::setup_args::SetByTheMachine;
 use crate::transfer::TransferError;
 

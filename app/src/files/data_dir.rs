@@ -26,7 +26,7 @@ use super::atomic::{self, Readers};
 use super::decode::{self, Encoding};
 use super::kept::{Change, Complaint, Found, Kept};
 use super::program_file;
-use crate::loading;
+use crate::saying;
 
 const PROGRAMS: &str = "programs";
 const LADDER: &str = "ladder.il";
@@ -298,7 +298,7 @@ impl DataDir {
 /// The first error of a ladder that does not compile; there is one.
 fn first_of(errors: &CompileErrors) -> Message {
     let first = errors.errors.first();
-    first.map_or_else(|| say::as_written(errors), loading::of_finding)
+    first.map_or_else(|| say::as_written(errors), saying::of_finding)
 }
 
 /// `NAME.ron` with a value in it.

@@ -28,7 +28,7 @@ use writer::Writer;
 use crate::files::data_dir::{DataDir, Loaded};
 use crate::files::decode::Encoding;
 use crate::files::kept::Complaint;
-use crate::loading;
+use crate::saying;
 
 /// Where the slides stand, and what the display says of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,7 +50,7 @@ pub struct NotSaved(pub Vec<Message>);
 impl NotSaved {
     /// What is said of it.
     pub fn message(&self) -> Message {
-        loading::lines(self.0.iter().cloned())
+        saying::lines(self.0.iter().cloned())
     }
 }
 
@@ -117,7 +117,7 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
             }
             Err(alarm) => complaints.push(Complaint {
                 name: format!("O{:04}", stored.number),
-                said: say::stored_program_reason(stored.number, loading::reason(&alarm)),
+                said: say::stored_program_reason(stored.number, saying::reason(&alarm)),
             }),
         }
     }
