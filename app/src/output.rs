@@ -140,6 +140,11 @@ pub fn lost() -> Option<&'static str> {
     (!why.is_empty()).then_some(why.as_str())
 }
 
+/// Writes a message to standard output, on a line of its own.
+pub fn say(said: &Message) {
+    print(&format!("{said}\n"));
+}
+
 /// Writes a line to standard error; what it does not take nobody can be told.
 pub fn complain(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "{}", shown(&text.to_string()));
@@ -208,12 +213,9 @@ impl Watch {
         }
         if let Some(bar) = &self.bar {
             bar.set_position(u64::from(progress.line));
-            bar.set_message(format!(
-                "{} blocks, {} moves, machine time {}",
-                progress.blocks,
-                progress.moves,
-                clock(progress.time_s)
-            ));
+            let time = clock(progress.time_s);
+            let said = say::report_progress(progress.blocks, progress.moves, time);
+            bar.set_message(said.to_string());
         }
         self.patience.lasts(progress)
     }

@@ -14,13 +14,14 @@ const TABLE: &str = include_str!("../../assets/tables/sentences.tsv");
 const DEPTH: u32 = 4;
 /// Messages that window and reports show by themselves: nobody hands them on in English,
 /// and their single words would be found in other sentences.
-const SHOWN_BY_THEMSELVES: [&str; 12] = [
+const SHOWN_BY_THEMSELVES: [&str; 13] = [
     "bench_",
     "browser_",
     "ladder_",
     "lcd_",
     "link_page_",
     "link_test_",
+    "link_twin_",
     "narration_",
     "question_",
     "report_",

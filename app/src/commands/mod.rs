@@ -14,6 +14,7 @@ mod window;
 use std::process::ExitCode;
 
 pub use error::CommandError;
+use gsk_messages::say;
 
 use crate::cli::{Cli, Command};
 use crate::guard::holder;
@@ -77,7 +78,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
     });
     match output::lost() {
         Some(error) => {
-            complain!("gsk980td: standard output cannot be written: {error}");
+            complain!("gsk980td: {}", say::command_standard_output_lost(error));
             ExitCode::from(code.max(USAGE))
         }
         None => ExitCode::from(code),

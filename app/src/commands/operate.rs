@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
+use gsk_messages::say;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{Action, Script};
@@ -171,7 +172,7 @@ fn play(
     };
     match live {
         Some(live) if live.is_over() => {
-            complain!("gsk980td: ended; the board was stopped");
+            complain!("gsk980td: {}", say::run_ended_from_outside());
             ENDED
         }
         Some(live) => {

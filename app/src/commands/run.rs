@@ -272,8 +272,9 @@ impl Watcher for Outputs {
         }
         if time_ms.is_multiple_of(PROGRESS_MS) && !self.progress.is_hidden() {
             self.progress.set_position(u64::from(self.line));
+            let time = clock(time_ms as f64 / 1000.0);
             self.progress
-                .set_message(format!("machine time {}", clock(time_ms as f64 / 1000.0)));
+                .set_message(say::report_progress_time(time).to_string());
         }
     }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use gsk_core::setup::Setup;
-use gsk_messages::Language;
+use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use tracing::level_filters::LevelFilter;
 
@@ -129,10 +129,9 @@ pub fn connection(
     }))
 }
 
-fn without_display(program: Option<&Path>) -> String {
-    let program = program.map_or_else(|| "FILE".to_owned(), |path| path.display().to_string());
-    format!(
-        "there is no display to open the window on; without one, `gsk980td run {program}` \
-         executes a program and `gsk980td operate SCRIPT` operates the panel"
-    )
+fn without_display(program: Option<&Path>) -> Message {
+    match program {
+        Some(path) => say::window_no_display(path.display()),
+        None => say::window_no_display("FILE"),
+    }
 }

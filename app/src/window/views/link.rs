@@ -11,8 +11,9 @@ use gsk_link::LinkState;
 use super::aside;
 use crate::kernel::link_view::LinkView;
 use crate::kernel::{Command, Console, LinkOrder};
+use crate::saying::differs;
 use crate::window::fonts;
-use gsk_messages::{Language, Message, say};
+use gsk_messages::{Language, say};
 
 const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
 const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
@@ -242,10 +243,7 @@ fn report(view: &LinkView) -> String {
         out.push('\n');
     }
     for difference in &view.differences {
-        let board = difference.board.as_deref();
-        let board = board.map_or_else(say::link_page_setting_missing, Message::from);
-        let line = say::link_page_setting_differs(&difference.name, board, &difference.wanted);
-        out.push_str(&format!("{line}\n"));
+        out.push_str(&format!("{}\n", differs(difference)));
     }
     for line in &view.log {
         out.push_str(&format!("{}\n", line.said));
