@@ -14,7 +14,7 @@ const TABLE: &str = include_str!("../../assets/tables/sentences.tsv");
 const DEPTH: u32 = 4;
 /// Messages that window and reports show by themselves: nobody hands them on in English,
 /// and their single words would be found in other sentences.
-const SHOWN_BY_THEMSELVES: [&str; 13] = [
+const SHOWN_BY_THEMSELVES: [&str; 14] = [
     "bench_",
     "browser_",
     "ladder_",
@@ -27,6 +27,7 @@ const SHOWN_BY_THEMSELVES: [&str; 13] = [
     "report_",
     "sample_",
     "scope_",
+    "script_",
     "window_",
 ];
 

@@ -107,6 +107,12 @@ pub enum CommandError {
     Several(Vec<CommandError>),
 }
 
+impl From<CommandError> for Message {
+    fn from(error: CommandError) -> Self {
+        error.message()
+    }
+}
+
 impl CommandError {
     /// What is said of it.
     pub fn message(&self) -> Message {
@@ -132,8 +138,8 @@ impl CommandError {
             Self::Output(error) => say::command_output_lost(error),
             Self::Script { path, errors } => {
                 let name = path.display();
-                let error = |error| say::subject_reason(&name, say::as_written(error));
-                lines(errors.iter().map(error))
+                let errors = errors.iter().map(ScriptError::message);
+                lines(errors.map(|error| say::subject_reason(&name, error)))
             }
             Self::NoPage { name, pages } => say::command_no_page(name, pages),
             Self::Unattended(parts) => say::command_parts_unattended(parts),

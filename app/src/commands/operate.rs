@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{Action, Script};
@@ -231,7 +231,7 @@ impl Surroundings for Files {
         Ok(transfer::read(&self.file(name))?)
     }
 
-    fn told(&mut self, said: &str) {
+    fn told(&mut self, said: &Message) {
         complain!("gsk980td: {said}");
     }
 
