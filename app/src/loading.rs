@@ -14,7 +14,8 @@ use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::{Setup, dnc_teach_ladder, standard_ladder};
 use gsk_core::units::Point;
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
+use gsk_runner::report;
 
 use crate::files::data_dir::DataDir;
 use crate::files::data_dir::DataError;
@@ -131,9 +132,9 @@ pub struct Notices(pub Vec<Message>);
 
 impl Notices {
     /// Prints them on standard error.
-    pub fn print(&self) {
+    pub fn print(&self, language: Option<Language>) {
         for notice in &self.0 {
-            complain!("gsk980td: {notice}");
+            complain!("gsk980td: {}", report::said(notice, language));
         }
     }
 }
@@ -150,13 +151,15 @@ pub fn fitted(bare: Setup, machine: Option<&PathBuf>) -> Setup {
 /// What a command starts from that writes nothing back: the data directory, if one
 /// is named, under the options. With a work zero (X as a diameter, machine coordinates)
 /// the tool starts where `--start`, or the place of a dry run, is counted from it.
-pub fn setup(args: &SetupArgs, work_zero: Option<(f64, f64)>) -> Result<Setup, LoadError> {
+pub fn setup(
+    args: &SetupArgs,
+    work_zero: Option<(f64, f64)>,
+    language: Option<Language>,
+) -> Result<Setup, LoadError> {
     let mut setup = fitted(Setup::default(), args.machine.as_ref());
     if let Some(path) = &args.data {
         let data = DataDir::read_only(path)?;
-        for complaint in retained::load(&data, &mut setup).complaints {
-            complain!("gsk980td: {complaint}");
-        }
+        Notices(retained::load(&data, &mut setup).complaints).print(language);
     }
     let zero = work_zero.map(|(x, z)| Point::new(x / 2.0, z));
     apply_from(&mut setup, args, zero)?;

@@ -15,14 +15,13 @@ use gsk_core::interpreter::Modal;
 use gsk_core::memory::Parameters;
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
-use gsk_messages::Message;
+use gsk_messages::{Language, Message};
 use serde::Serialize;
 
 pub use checked::check;
 pub use end::End;
 
 use crate::chinese;
-use crate::language::Language;
 use crate::moves::diameter_z;
 
 /// An alarm in a result.

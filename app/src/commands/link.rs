@@ -46,7 +46,7 @@ fn list() -> Result<u8, CommandError> {
 /// The board that is meant, with the settings of the machine file and the
 /// parameters of the control.
 fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
-    let setup = loading::setup(&args.setup, None)?;
+    let setup = loading::setup(&args.setup, None, None)?;
     let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();
     if let Some(port) = &args.port {
         config.port.clone_from(port);

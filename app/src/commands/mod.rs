@@ -15,6 +15,7 @@ use std::process::ExitCode;
 
 pub use error::CommandError;
 use gsk_messages::say;
+use gsk_runner::report;
 
 use crate::cli::{Cli, Command};
 use crate::guard::holder;
@@ -54,6 +55,12 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         (Some(_), Some(level)) => log::on_terminal(level),
         _ => None,
     };
+    let language = match &cli.command {
+        None => cli.window.lang,
+        Some(Command::Check(args)) => args.look.lang,
+        Some(Command::Plot(args)) => args.look.lang,
+        Some(_) => None,
+    };
     let result = match cli.command {
         None => window::open(cli.window, cli.log),
         Some(Command::Run(args)) => run::run(&args),
@@ -73,7 +80,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
     };
     let code = result.unwrap_or_else(|said| {
         tracing::error!("{said}");
-        complain!("gsk980td: {said}");
+        complain!("gsk980td: {}", report::said(&said.message(), language));
         USAGE
     });
     match output::lost() {

@@ -51,7 +51,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
     }
     loading::apply(&mut setup, &args.setup)?;
     if let Some(program) = &args.program {
-        loading::open(&mut setup, core::slice::from_ref(program))?.print();
+        loading::open(&mut setup, core::slice::from_ref(program))?.print(None);
     }
 
     keep_script_apart(args, &script, &folder_of(path))?;

@@ -26,8 +26,8 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         data: args.setup.data.as_deref(),
     };
     keep_apart(&read, &[&args.output])?;
-    let mut setup = loading::setup(&args.setup, args.look.work_zero)?;
-    loading::open(&mut setup, std::slice::from_ref(&args.file))?.print();
+    let mut setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
+    loading::open(&mut setup, std::slice::from_ref(&args.file))?.print(language);
     let target = output::reserve(&args.output)?;
     let rates = RapidRates::of(&setup.memory.parameters);
     let mut drawing = Drawing::new(title(&args.file));

@@ -80,9 +80,9 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         .map(|name| dnc::Partner::new(Source::of(name)));
     if partner.is_some() {
         loading::with_keys_for_dnc(&mut setup);
-        loading::store_files(&mut setup.memory.programs, &args.files)?.print();
+        loading::store_files(&mut setup.memory.programs, &args.files)?.print(None);
     } else {
-        loading::open(&mut setup, &args.files)?.print();
+        loading::open(&mut setup, &args.files)?.print(None);
     }
 
     let main = args.dnc.as_ref().or(args.files.first());

@@ -6,6 +6,7 @@ use std::time::Instant;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
+use gsk_runner::report;
 use tracing::level_filters::LevelFilter;
 
 use super::{CommandError, FINE, USAGE};
@@ -28,7 +29,8 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
         return Err(CommandError::NoFile(program.clone()));
     }
     if !app::has_display() {
-        complain!("gsk980td: {}", without_display(args.program.as_deref()));
+        let said = without_display(args.program.as_deref());
+        complain!("gsk980td: {}", report::said(&said, language));
         return Ok(USAGE);
     }
     let path: PathBuf = match args.data {
@@ -101,8 +103,9 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
 
 /// Whoever started the program with a click has no standard error to read.
 fn refused(error: &DataError, language: Option<Language>) -> u8 {
-    complain!("gsk980td: {error}");
-    refusal::tell(&error.message(), language);
+    let said = error.message();
+    complain!("gsk980td: {}", report::said(&said, language));
+    refusal::tell(&said, language);
     USAGE
 }
 

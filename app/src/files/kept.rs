@@ -218,7 +218,7 @@ impl Kept {
             self.folder.join(MANIFEST),
             self.folder.join(COPIES).join(MANIFEST),
         );
-        let text = manifest.to_text().map_err(as_written)?;
+        let text = manifest.to_text().map_err(say::as_written)?;
         let written = write(&path, text.as_bytes(), Readers::Any)
             .and_then(|()| write(&copy, text.as_bytes(), Readers::Any));
         if written.is_err() {
@@ -270,7 +270,7 @@ fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, Message> {
     let facts = match fs::metadata(path) {
         Ok(facts) => facts,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(as_written(error)),
+        Err(error) => return Err(say::as_written(error)),
     };
     // A pipe would be waited for.
     if !facts.is_file() {
@@ -279,16 +279,11 @@ fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, Message> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
-        .map_err(as_written)?;
+        .map_err(say::as_written)?;
     if bytes.len() as u64 > largest {
         return Err(say::file_larger_than(largest));
     }
     Ok(Some(bytes))
-}
-
-/// What the system says.
-fn as_written(error: impl core::fmt::Display) -> Message {
-    say::as_written(error)
 }
 
 fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), Message> {

@@ -1,9 +1,8 @@
 //! A report in words.
 
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 
 use super::{AlarmReport, Bounds, End, PathReport, Report};
-use crate::language::Language;
 use crate::words::{beginning, clock};
 
 impl AlarmReport {
