@@ -4,6 +4,8 @@ use std::fs;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Component, Path, PathBuf};
 
+use gsk_messages::{Message, say};
+
 use crate::files::subprograms;
 use crate::output;
 
@@ -20,20 +22,13 @@ pub struct Read<'a> {
 
 /// Why a result is not written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum ApartError {
     /// Two results have its name.
-    #[error("{} is to be written twice", .0.display())]
     Twice(PathBuf),
     /// The command reads it.
-    #[error("{} is read by this command: give what is written another name", .0.display())]
     Read(PathBuf),
     /// The next run would read it.
-    #[error(
-        "{} would be read as the subprogram O{number:04} beside {}: give what is \
-         written another name, or write it into another folder",
-        .path.display(),
-        .main.display()
-    )]
     Subprogram {
         /// The result.
         path: PathBuf,
@@ -43,17 +38,26 @@ pub enum ApartError {
         main: PathBuf,
     },
     /// It belongs to a data directory.
-    #[error(
-        "{} belongs to the memory in {}: give what is written another name",
-        .path.display(),
-        .data.display()
-    )]
     Memory {
         /// The result.
         path: PathBuf,
         /// The data directory.
         data: PathBuf,
     },
+}
+
+impl ApartError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Twice(path) => say::apart_twice(path.display()),
+            Self::Read(path) => say::apart_read(path.display()),
+            Self::Subprogram { path, number, main } => {
+                say::apart_subprogram(path.display(), number, main.display())
+            }
+            Self::Memory { path, data } => say::apart_memory(path.display(), data.display()),
+        }
+    }
 }
 
 /// Folders of the data directory that are the memory's own.

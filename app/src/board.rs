@@ -8,6 +8,8 @@ use gsk_core::linked::drives;
 use gsk_core::memory::Parameters;
 use gsk_link::{Event, Link, LinkConfig, LinkState};
 
+use gsk_messages::Message;
+
 use crate::carrier::{Carrier, Line};
 use crate::ending::{Ending, SignalError};
 use crate::guard::GuardError;
@@ -18,13 +20,22 @@ pub const GET_KNOWN: Duration = Duration::from_secs(30);
 
 /// Why a board is not spoken to.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum BoardError {
     /// Nobody could end it with Ctrl-C.
-    #[error(transparent)]
     Signals(#[from] SignalError),
     /// Its port is not held.
-    #[error(transparent)]
     Port(#[from] GuardError),
+}
+
+impl BoardError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Signals(error) => error.message(),
+            Self::Port(error) => error.message(),
+        }
+    }
 }
 
 /// A board and its link. It is stopped when this value is dropped, and when the end of
@@ -96,7 +107,7 @@ impl Board {
         }
         match self.carrier.read() {
             Ok(bytes) => self.link.rx(&bytes, self.carrier.now()),
-            Err(error) => self.link.lost(&ports::gone(&error)),
+            Err(error) => self.link.lost(&ports::gone(&error).to_string()),
         }
         self.link.tick(self.carrier.now());
         self.carrier.stop_with(&self.link.stop_bytes());

@@ -9,6 +9,7 @@ use std::thread;
 
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use gsk_core::cnc::Cnc;
+use gsk_messages::{Message, say};
 use gsk_runner::partner::Patience;
 
 use crate::ports::{self, Port, PortError};
@@ -51,16 +52,21 @@ impl Source {
 
 /// Why nothing can be sent.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 enum SourceError {
-    #[error(
-        "{} cannot be read: {error}; put the program there, or name another source with --dnc",
-        .path.display()
-    )]
     File { path: PathBuf, error: io::Error },
-    #[error(transparent)]
     Port(#[from] PortError),
-    #[error(transparent)]
     Thread(io::Error),
+}
+
+impl SourceError {
+    fn message(&self) -> Message {
+        match self {
+            Self::File { path, error } => say::dnc_source_unreadable(path.display(), error),
+            Self::Port(error) => error.message(),
+            Self::Thread(error) => say::as_written(error),
+        }
+    }
 }
 
 /// What was read, or why no more can be.
@@ -140,7 +146,7 @@ impl Partner {
                 (self.rest, self.taken) = (characters, 0);
                 return true;
             }
-            Ok(Err(error)) => cnc.dnc_broken(&ports::gone(&error)),
+            Ok(Err(error)) => cnc.dnc_broken(&ports::gone(&error).to_string()),
             Err(TryRecvError::Disconnected) => cnc.dnc_end(),
             Err(TryRecvError::Empty) => {}
         }

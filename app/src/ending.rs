@@ -5,6 +5,7 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use gsk_messages::{Message, say};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
@@ -13,8 +14,15 @@ pub const ENDED: u8 = 130;
 
 /// Signals cannot be heard.
 #[derive(Debug, thiserror::Error)]
-#[error("signals cannot be heard: {0}")]
+#[error("{}", self.message())]
 pub struct SignalError(io::Error);
+
+impl SignalError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        say::signals_unheard(&self.0)
+    }
+}
 
 /// Whether the end has been asked for.
 #[derive(Clone, Debug, Default)]

@@ -23,9 +23,12 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use gsk_messages::{Message, say};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use frame::{Kind, Reader};
+
+use crate::ports;
 
 /// The hidden command of the holder.
 pub const COMMAND: &str = "hold-port";
@@ -52,9 +55,9 @@ pub fn program() -> PathBuf {
 
 /// Why there is no port that another process holds.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum GuardError {
     /// There is no process.
-    #[error("{port}: the process that is to hold the port cannot be started: {error}")]
     NotStarted {
         /// The port.
         port: String,
@@ -62,26 +65,35 @@ pub enum GuardError {
         error: io::Error,
     },
     /// It has gone.
-    #[error("{port}: the process that is to hold the port has ended at once")]
     Ended {
         /// The port.
         port: String,
     },
     /// The holder cannot open the port, and says why.
-    #[error("{0}")]
-    Refused(String),
+    Refused(Message),
     /// The holder is none.
-    #[error("{port}: the process that is to hold the port says what nobody understands")]
     Strange {
         /// The port.
         port: String,
     },
     /// The holder says nothing.
-    #[error("{port}: the process that is to hold the port does not answer")]
     Silent {
         /// The port.
         port: String,
     },
+}
+
+impl GuardError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NotStarted { port, error } => say::port_holder_not_started(port, error),
+            Self::Ended { port } => say::port_holder_ended(port),
+            Self::Refused(said) => said.clone(),
+            Self::Strange { port } => say::port_holder_strange(port),
+            Self::Silent { port } => say::port_holder_silent(port),
+        }
+    }
 }
 
 /// A port that another process holds. Dropped without [`Guard::end`] it leaves a board
@@ -143,8 +155,10 @@ impl Guard {
             match self.reader.take() {
                 Ok(Some((Kind::Open, _))) => return Ok(()),
                 Ok(Some((Kind::Refused, said))) => {
-                    let said = String::from_utf8_lossy(&said);
-                    return Err(GuardError::Refused(said.into_owned()));
+                    return Err(match serde_json::from_slice(&said) {
+                        Ok(said) => GuardError::Refused(said),
+                        Err(_) => GuardError::Strange { port },
+                    });
                 }
                 Ok(None) if heard.is_err() => return Err(GuardError::Ended { port }),
                 Ok(None) => {}
@@ -297,7 +311,7 @@ fn passes(error: &io::Error) -> bool {
 fn port_error(number: &[u8]) -> io::Error {
     let number: [u8; 4] = number.try_into().unwrap_or_default();
     match i32::from_le_bytes(number) {
-        0 => io::Error::new(ErrorKind::BrokenPipe, "the port was closed"),
+        0 => ports::closed(),
         number => io::Error::from_raw_os_error(number),
     }
 }

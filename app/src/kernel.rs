@@ -431,8 +431,8 @@ impl Kernel {
             Command::Turn(detents) => self.turn(detents),
             Command::Open(opened) => self.open(*opened),
             Command::Receive(file) => {
-                if let Err(said) = self.emulator.receive(*file) {
-                    self.say(Notice::Said(said.to_string().into()));
+                if let Err(refused) = self.emulator.receive(*file) {
+                    self.say(Notice::Said(refused.message()));
                 }
             }
             Command::TransferFailed => self.emulator.panel.transfer_failed(),

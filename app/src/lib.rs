@@ -24,6 +24,7 @@ pub mod person;
 pub mod picture;
 pub mod ports;
 pub mod retained;
+mod saying;
 pub mod setup_args;
 pub mod transfer;
 pub mod window;

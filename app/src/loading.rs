@@ -7,38 +7,35 @@ use std::sync::Arc;
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
-use gsk_core::machine::LatheConfig;
+use gsk_core::machine::{ConfigError, LatheConfig};
 use gsk_core::memory::ParameterError;
 use gsk_core::plc::address::{AddressError, Area, BitAddress};
 use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::{Setup, dnc_teach_ladder, standard_ladder};
 use gsk_core::units::Point;
+use gsk_messages::{Language, Message, say};
+use gsk_runner::report;
 
 use crate::files::data_dir::DataDir;
 use crate::files::data_dir::DataError;
 use crate::files::program_file::{self, FileError};
 use crate::files::subprograms;
 use crate::retained;
+use crate::saying::{lines, of_ladder, reason};
 use crate::setup_args::{OffsetWord, ParameterWord, SetupArgs};
 
 /// Why something that a control starts from cannot be had.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum LoadError {
     /// The data directory.
-    #[error(transparent)]
     Data(#[from] DataError),
     /// A file.
-    #[error(transparent)]
     File(#[from] FileError),
     /// `--input` of something else.
-    #[error("--input {0}: only inputs X0.0 to X29.7 can be held")]
     NoInput(String),
     /// `--start` where no slide goes.
-    #[error(
-        "--start: {name} lies beyond the ends of its slide, {minus} to {plus} mm; `{section}.ends` of a machine \
-         file (--machine) says where they are"
-    )]
     Beyond {
         /// The axis.
         name: String,
@@ -50,13 +47,10 @@ pub enum LoadError {
         plus: f64,
     },
     /// `--param`.
-    #[error("--param: {0}")]
     Parameter(#[from] ParameterError),
     /// `--offset`.
-    #[error("--offset: {}", .0.detail_en())]
     Offset(Box<Alarm>),
     /// An address of the PLC.
-    #[error("`{text}` is no address of the PLC: {error}")]
     Address {
         /// What was written.
         text: String,
@@ -64,11 +58,6 @@ pub enum LoadError {
         error: AddressError,
     },
     /// A ladder with errors.
-    #[error(
-        "the ladder {} has an error and is not started:\n{errors}\n\
-         Correct it, or leave --ladder out to start with the standard ladder.",
-        .path.display()
-    )]
     Ladder {
         /// Its file.
         path: PathBuf,
@@ -76,7 +65,6 @@ pub enum LoadError {
         errors: CompileErrors,
     },
     /// A machine file that cannot be read.
-    #[error("the machine file {}, line {line}: {error}", .path.display())]
     Machine {
         /// The file.
         path: PathBuf,
@@ -86,21 +74,17 @@ pub enum LoadError {
         error: Box<ron::Error>,
     },
     /// A machine file that breaks its rules.
-    #[error("the machine file {} describes no lathe:\n{rules}", .path.display())]
     NoLathe {
         /// The file.
         path: PathBuf,
-        /// A rule a line.
-        rules: String,
+        /// The rules.
+        rules: Vec<Message>,
     },
     /// No program is named.
-    #[error("no program was given")]
     NoProgram,
     /// A subprogram that nobody could call.
-    #[error("{}: a subprogram begins with its number, for instance O1002", .0.display())]
     NoNumber(PathBuf),
     /// The memory does not take a program.
-    #[error("{}: {}", .path.display(), .alarm.line_text())]
     NotStored {
         /// Its file.
         path: PathBuf,
@@ -109,15 +93,48 @@ pub enum LoadError {
     },
 }
 
+impl LoadError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Data(error) => error.message(),
+            Self::File(error) => error.message(),
+            Self::NoInput(input) => say::input_not_x(input),
+            Self::Beyond {
+                name,
+                section,
+                minus,
+                plus,
+            } => say::start_beyond_ends(name, minus, plus, section),
+            Self::Parameter(error) => say::subject_reason("--param", error.message()),
+            Self::Offset(alarm) => say::subject_reason("--offset", reason(alarm)),
+            Self::Address { text, error } => say::ladder_address_of_plc(text, error.message()),
+            Self::Ladder { path, errors } => {
+                say::ladder_not_started(path.display(), of_ladder(errors))
+            }
+            Self::Machine { path, line, error } => {
+                say::machine_file_line(path.display(), line, error)
+            }
+            Self::NoLathe { path, rules } => {
+                let rules = rules.iter().cloned().map(say::indented);
+                say::machine_file_no_lathe(path.display(), lines(rules))
+            }
+            Self::NoProgram => say::program_none_given(),
+            Self::NoNumber(path) => say::program_without_number(path.display()),
+            Self::NotStored { path, alarm } => say::subject_reason(path.display(), reason(alarm)),
+        }
+    }
+}
+
 /// A program in the control's memory, and what the user should know about it.
 #[derive(Clone, Debug, Default)]
-pub struct Notices(pub Vec<String>);
+pub struct Notices(pub Vec<Message>);
 
 impl Notices {
     /// Prints them on standard error.
-    pub fn print(&self) {
+    pub fn print(&self, language: Option<Language>) {
         for notice in &self.0 {
-            complain!("gsk980td: {notice}");
+            complain!("gsk980td: {}", report::said(notice, language));
         }
     }
 }
@@ -134,13 +151,15 @@ pub fn fitted(bare: Setup, machine: Option<&PathBuf>) -> Setup {
 /// What a command starts from that writes nothing back: the data directory, if one
 /// is named, under the options. With a work zero (X as a diameter, machine coordinates)
 /// the tool starts where `--start`, or the place of a dry run, is counted from it.
-pub fn setup(args: &SetupArgs, work_zero: Option<(f64, f64)>) -> Result<Setup, LoadError> {
+pub fn setup(
+    args: &SetupArgs,
+    work_zero: Option<(f64, f64)>,
+    language: Option<Language>,
+) -> Result<Setup, LoadError> {
     let mut setup = fitted(Setup::default(), args.machine.as_ref());
     if let Some(path) = &args.data {
         let data = DataDir::read_only(path)?;
-        for complaint in retained::load(&data, &mut setup).complaints {
-            complain!("gsk980td: {complaint}");
-        }
+        Notices(retained::load(&data, &mut setup).complaints).print(language);
     }
     let zero = work_zero.map(|(x, z)| Point::new(x / 2.0, z));
     apply_from(&mut setup, args, zero)?;
@@ -266,10 +285,10 @@ pub fn machine(path: &Path) -> Result<LatheConfig, LoadError> {
             error: Box::new(error.code),
         })?;
     config.check().map_err(|errors| {
-        let rules: Vec<String> = errors.iter().map(|error| format!("  {error}")).collect();
+        let rules = errors.iter().map(ConfigError::message);
         LoadError::NoLathe {
             path: path.to_owned(),
-            rules: rules.join("\n"),
+            rules: rules.collect(),
         }
     })?;
     Ok(config)
@@ -301,11 +320,8 @@ pub fn open_into(
         parts.remove(begin)
     };
     if begin > 0 {
-        notices.push(format!(
-            "{}: O{:04} is run; what stands before it is called as a subprogram",
-            main.display(),
-            program.number().unwrap_or_default()
-        ));
+        let number = program.number().unwrap_or_default();
+        notices.push(say::file_begins_before(main.display(), number));
     }
     for part in parts {
         store(programs, part.text(), None, main)?;

@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use gsk_messages::{Message, say};
 use tracing::level_filters::LevelFilter;
 use tracing::{Subscriber, error, info, subscriber};
 use tracing_appender::non_blocking::{NonBlocking, WorkerGuard};
@@ -49,9 +50,9 @@ pub fn level(word: &str) -> Result<LevelFilter, NoLevel> {
 
 /// Why there is no log.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum LogError {
     /// Its folder cannot be made.
-    #[error("the log in {} cannot be written: {cause}", .folder.display())]
     Folder {
         /// The folder.
         folder: PathBuf,
@@ -59,13 +60,22 @@ pub enum LogError {
         cause: io::Error,
     },
     /// The file of today cannot be opened.
-    #[error("the log in {} cannot be written: {cause}", .folder.display())]
     File {
         /// The folder.
         folder: PathBuf,
         /// What the system said.
         cause: InitError,
     },
+}
+
+impl LogError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Folder { folder, cause } => say::log_not_written(folder.display(), cause),
+            Self::File { folder, cause } => say::log_not_written(folder.display(), cause),
+        }
+    }
 }
 
 /// The thread that writes the file: dropped, it has written what waits.

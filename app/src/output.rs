@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 
 use gsk_core::preview::Progress;
 use gsk_core::program::ProgramMemory;
+use gsk_messages::{Message, say};
 use gsk_runner::Language;
 use gsk_runner::report::Report;
 use gsk_runner::words::clock;
@@ -22,7 +23,7 @@ use crate::patience::Patience;
 
 /// A file cannot be written.
 #[derive(Debug, thiserror::Error)]
-#[error("{} cannot be written: {error}", .path.display())]
+#[error("{}", self.message())]
 pub struct WriteError {
     path: PathBuf,
     error: io::Error,
@@ -33,6 +34,11 @@ impl WriteError {
     pub fn new(path: &Path, error: io::Error) -> Self {
         let path = path.to_owned();
         Self { path, error }
+    }
+
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        say::file_not_written(self.path.display(), &self.error)
     }
 }
 
@@ -134,6 +140,11 @@ pub fn lost() -> Option<&'static str> {
     (!why.is_empty()).then_some(why.as_str())
 }
 
+/// Writes a message to standard output, on a line of its own.
+pub fn say(said: &Message) {
+    print(&format!("{said}\n"));
+}
+
 /// Writes a line to standard error; what it does not take nobody can be told.
 pub fn complain(text: fmt::Arguments<'_>) {
     let _ = writeln!(io::stderr().lock(), "{}", shown(&text.to_string()));
@@ -202,12 +213,9 @@ impl Watch {
         }
         if let Some(bar) = &self.bar {
             bar.set_position(u64::from(progress.line));
-            bar.set_message(format!(
-                "{} blocks, {} moves, machine time {}",
-                progress.blocks,
-                progress.moves,
-                clock(progress.time_s)
-            ));
+            let time = clock(progress.time_s);
+            let said = say::report_progress(progress.blocks, progress.moves, time);
+            bar.set_message(said.to_string());
         }
         self.patience.lasts(progress)
     }

@@ -4,20 +4,30 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use gsk_messages::{Message, say};
 use gsk_runner::picture::{Format, NoPicture};
 
 /// Why no picture may be written under a name.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NameError {
     /// Its ending is none of a picture.
-    #[error(transparent)]
     Ending(#[from] NoPicture),
     /// Its ending is another one than that of a PNG.
-    #[error("{}: the name of a picture ends in .png", .0.display())]
     NoPng(PathBuf),
     /// What stands there is something else.
-    #[error("{} is there and no picture: it is not overwritten", .0.display())]
     NotOverwritten(PathBuf),
+}
+
+impl NameError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Ending(error) => error.message(),
+            Self::NoPng(path) => say::picture_ending_png(path.display()),
+            Self::NotOverwritten(path) => say::picture_not_overwritten(path.display()),
+        }
+    }
 }
 
 /// What every PNG file begins with.

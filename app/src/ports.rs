@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use gsk_messages::{Message, say};
 use serialport::{ClearBuffer, FlowControl, SerialPort, TTYPort};
 
 /// How long a read may wait for the first byte, and a write for room.
@@ -15,12 +16,9 @@ const BETWEEN: Duration = Duration::from_millis(20);
 
 /// Why a port cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum PortError {
     /// It may not be used by this user.
-    #[error(
-        "{path} cannot be opened: {error}; you may not use it: become a member of the group \
-         that owns it (often dialout)"
-    )]
     Forbidden {
         /// The port.
         path: String,
@@ -28,10 +26,6 @@ pub enum PortError {
         error: serialport::Error,
     },
     /// There is none of this name.
-    #[error(
-        "{path} cannot be opened: {error}; is it plugged in? `gsk980td link list` shows the \
-         ports"
-    )]
     NotFound {
         /// The port.
         path: String,
@@ -39,10 +33,6 @@ pub enum PortError {
         error: serialport::Error,
     },
     /// There is no device behind it, or another program has it.
-    #[error(
-        "{path} cannot be opened: {error}; there is no such device, or another program has \
-         it: `gsk980td link list` shows the ports"
-    )]
     NoDevice {
         /// The port.
         path: String,
@@ -50,7 +40,6 @@ pub enum PortError {
         error: serialport::Error,
     },
     /// For another reason.
-    #[error("{path} cannot be opened: {error}")]
     Refused {
         /// The port.
         path: String,
@@ -58,23 +47,33 @@ pub enum PortError {
         error: serialport::Error,
     },
     /// An open port cannot be used twice.
-    #[error("the port: {0}")]
     Clone(serialport::Error),
     /// The system gives no pseudo terminal.
-    #[error("no pseudo terminal: {0}")]
     NoTerminal(serialport::Error),
     /// Nobody could open the other end.
-    #[error("the pseudo terminal has no name")]
     NoName,
     /// A pseudo terminal does not take its settings.
-    #[error("the pseudo terminal: {0}")]
     Terminal(serialport::Error),
     /// The system does not tell its ports.
-    #[error(transparent)]
     Unknown(serialport::Error),
 }
 
 impl PortError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Forbidden { path, error } => say::port_forbidden(path, error),
+            Self::NotFound { path, error } => say::port_not_found(path, error),
+            Self::NoDevice { path, error } => say::port_no_device(path, error),
+            Self::Refused { path, error } => say::port_refused(path, error),
+            Self::Clone(error) => say::port_not_shared(error),
+            Self::NoTerminal(error) => say::port_terminal_refused(error),
+            Self::NoName => say::port_terminal_nameless(),
+            Self::Terminal(error) => say::port_terminal(error),
+            Self::Unknown(error) => say::as_written(error),
+        }
+    }
+
     fn opening(path: &str, error: serialport::Error) -> Self {
         let path = path.to_owned();
         match error.kind() {
@@ -161,10 +160,7 @@ impl Port {
     pub fn read(&mut self) -> io::Result<Vec<u8>> {
         let mut buffer = [0; 4096];
         match self.0.read(&mut buffer) {
-            Ok(0) => Err(io::Error::new(
-                io::ErrorKind::BrokenPipe,
-                "the port was closed",
-            )),
+            Ok(0) => Err(closed()),
             Ok(count) => Ok(buffer[..count].to_vec()),
             Err(error) if passes(&error) => Ok(Vec::new()),
             Err(error) => Err(error),
@@ -194,20 +190,23 @@ fn passes(error: &io::Error) -> bool {
     )
 }
 
+/// Nobody is at the other end.
+pub fn closed() -> io::Error {
+    io::Error::new(io::ErrorKind::BrokenPipe, say::port_closed().to_string())
+}
+
 /// What an open port's failure means.
-pub fn gone(error: &io::Error) -> String {
+pub fn gone(error: &io::Error) -> Message {
     if error.kind() == io::ErrorKind::ConnectionAborted {
-        return "the process that holds the port has ended: another one stops the board; RESET \
-                asks for it again"
-            .to_owned();
+        return say::port_holder_gone();
     }
     // EIO, ENXIO and ENODEV: the device behind the name is no more.
     let pulled = error.kind() == io::ErrorKind::BrokenPipe
         || matches!(error.raw_os_error(), Some(5 | 6 | 19));
     if pulled {
-        "the port is gone: was the cable pulled, or the board switched off?".to_owned()
+        say::port_gone()
     } else {
-        format!("the port failed: {error}")
+        say::port_failed(error)
     }
 }
 

@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use gsk_messages::{Message, say};
 
 /// Options of control and lathe.
 #[derive(Args, Clone, Debug, Default)]
@@ -60,13 +61,22 @@ impl SetupArgs {
 
 /// An option that says what a real machine is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum SetByTheMachine {
     /// Where the slides stand.
-    #[error("--start: with --link the slides stand where they stand")]
     Slides,
     /// How fast the spindle turns.
-    #[error("--spindle: with --link M03 or a key of the panel starts the spindle")]
     Spindle,
+}
+
+impl SetByTheMachine {
+    /// What is said of it.
+    pub fn message(self) -> Message {
+        match self {
+            Self::Slides => say::option_slides_stand(),
+            Self::Spindle => say::option_spindle_started(),
+        }
+    }
 }
 
 /// Why a word of the command line cannot be read.

@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::thread;
 
+use gsk_messages::{Message, say};
 use gsk_panel::panel::SerialFile;
 
 use crate::files::atomic;
@@ -16,10 +17,17 @@ pub const FOLDER: &str = "transfer";
 
 /// What the control has sent cannot be stored.
 #[derive(Debug, thiserror::Error)]
-#[error("{} cannot be written: {error}", .folder.display())]
+#[error("{}", self.message())]
 pub struct TransferError {
     folder: PathBuf,
     error: io::Error,
+}
+
+impl TransferError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        say::file_not_written(self.folder.display(), &self.error)
+    }
 }
 
 /// Writes files into the folder, making it if it is not there.
@@ -73,16 +81,16 @@ pub fn write_aside(folder: PathBuf, files: Vec<SerialFile>, console: Console) {
             // A window that is gone needs no message.
             let _ = console.say.try_send(Notice::Sent(what));
         }
-        Err(said) => fail(&console, said.to_string()),
+        Err(error) => fail(&console, error.message()),
     });
     if let Err(error) = written {
-        fail(&telling, error.to_string());
+        fail(&telling, say::as_written(error));
     }
 }
 
-fn fail(console: &Console, said: String) {
+fn fail(console: &Console, said: Message) {
     tracing::error!("{said}");
-    let _ = console.say.try_send(Notice::Said(said.into()));
+    let _ = console.say.try_send(Notice::Said(said));
     console.send(Command::TransferFailed);
 }
 

@@ -220,7 +220,7 @@ fn what_was_confirmed_survives_a_kill() {
         let data = DataDir::open(&folder).unwrap();
         let (found, restored) = begin(&data);
         let place = format!("kill {kill} after {confirmed} operations");
-        assert_eq!(restored.complaints, [""; 0], "{place}");
+        assert_eq!(restored.complaints, [], "{place}");
         compare(&found, &before, &after, &place);
     }
     assert!(confirmed_at_all > 0, "no child came to confirm anything");

@@ -12,6 +12,7 @@ mod run;
 
 use gsk_core::machine::Fault;
 use gsk_core::plc::address::BitAddress;
+use gsk_messages::{Message, say};
 
 pub use expect::{Coordinates, Expect, Unmet};
 pub use parse_error::ParseError;
@@ -123,12 +124,19 @@ pub enum Action {
 
 /// Why a line cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {cause}")]
+#[error("{}", self.message())]
 pub struct ScriptError {
     /// Line of the file, from 1.
     pub line: u32,
     /// What is wrong and what would be right.
     pub cause: ParseError,
+}
+
+impl ScriptError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        say::in_line(self.line, self.cause.message())
+    }
 }
 
 impl Script {

@@ -12,17 +12,22 @@ use gsk_messages::{Id, Language, Message};
 const TABLE: &str = include_str!("../../assets/tables/sentences.tsv");
 /// Sentences in sentences.
 const DEPTH: u32 = 4;
-/// Messages that the window shows by itself: nobody hands them on in English, and their
-/// single words would be found in other sentences.
-const OF_THE_WINDOW: [&str; 9] = [
+/// Messages that window and reports show by themselves: nobody hands them on in English,
+/// and their single words would be found in other sentences.
+const SHOWN_BY_THEMSELVES: [&str; 14] = [
     "bench_",
     "browser_",
     "ladder_",
     "lcd_",
     "link_page_",
+    "link_test_",
+    "link_twin_",
+    "narration_",
     "question_",
+    "report_",
     "sample_",
     "scope_",
+    "script_",
     "window_",
 ];
 
@@ -98,7 +103,11 @@ fn messages() -> Vec<Sentence> {
     let chinese = |letter| ('\u{4e00}'..='\u{9fff}').contains(&letter);
     let spoken = Id::all().iter().zip(gsk_messages::texts());
     let spoken = spoken
-        .filter(|(id, _)| !OF_THE_WINDOW.iter().any(|it| id.name().starts_with(it)))
+        .filter(|(id, _)| {
+            !SHOWN_BY_THEMSELVES
+                .iter()
+                .any(|it| id.name().starts_with(it))
+        })
         .filter(|(_, [_, text])| text.contains(chinese));
     let rows = spoken.map(|(_, [english, chinese])| {
         let mut pieces = vec![];

@@ -12,6 +12,7 @@ use gsk_core::operation::{Mode, RunState};
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Point, TICK_MS};
+use gsk_messages::{Message, say};
 
 pub use board::Board;
 use board::Standing;
@@ -31,13 +32,19 @@ const SETTLE_MS: u32 = 5000;
 
 /// Why a program cannot be executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum ExecutionError {
     /// A ladder without keys for DNC.
-    #[error(
-        "the ladder in force does not lead to DNC mode when 自动 is pressed twice: \
-         leave --ladder out, or take the mode over from assets/ladder/dnc-teach.il"
-    )]
     NoWayToDnc,
+}
+
+impl ExecutionError {
+    /// What is said of it.
+    pub fn message(self) -> Message {
+        match self {
+            Self::NoWayToDnc => say::dnc_no_way(),
+        }
+    }
 }
 
 /// When an execution ends.
@@ -62,7 +69,7 @@ pub trait Watcher {
     /// Whether passes of cycles are to be explained.
     fn wants_explanations(&self) -> bool;
     /// The person at the terminal has to know something.
-    fn tell(&mut self, text: &str);
+    fn tell(&mut self, said: &Message);
 }
 
 /// How a program ended.
@@ -74,9 +81,9 @@ enum End {
     /// An alarm, or a message of the ladder: both hold the program.
     Alarm(Alarm),
     /// Cycle start does nothing, and why.
-    Refused(String),
+    Refused(Message),
     /// It stands at a board, and nobody was there to press what goes on.
-    Stop(String),
+    Stop(Message),
     /// The end was asked for: Ctrl-C, `kill`.
     Asked,
     Limit,
@@ -149,7 +156,7 @@ pub fn execute<'a>(
     let end = run.run_to_end(limits);
     let time_ms = run.time_ms();
     let waits_for = match &end {
-        End::Refused(why) | End::Stop(why) => Some(why.clone()),
+        End::Refused(why) | End::Stop(why) => Some(why.to_string()),
         End::Limit => run.simulation.cnc.waits_for(),
         _ => None,
     };
@@ -263,8 +270,7 @@ impl Run<'_> {
                         if self.may_begin_another() {
                             self.press_again();
                         } else if self.ended.is_none() {
-                            let why = "cycle start for the next part".to_owned();
-                            self.ended = Some(End::Stop(why));
+                            self.ended = Some(End::Stop(say::run_next_part()));
                         }
                         continue;
                     }
@@ -299,7 +305,7 @@ impl Run<'_> {
         let stands = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);
         let why = cnc.refuses_start().filter(|_| stands);
         why.filter(|_| !self.begun || cnc.run_state() == RunState::Stop)
-            .map(End::Refused)
+            .map(|why| End::Refused(why.into()))
     }
 
     fn press_again(&mut self) {

@@ -5,7 +5,6 @@
 pub mod board;
 pub mod chinese;
 pub mod execution;
-pub mod language;
 pub mod moves;
 pub mod narration;
 pub mod partner;
@@ -14,4 +13,4 @@ pub mod report;
 pub mod script;
 pub mod words;
 
-pub use language::Language;
+pub use gsk_messages::Language;

@@ -3,6 +3,7 @@
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::interpreter::{Explanation, Modal};
 use gsk_core::units::Feed;
+use gsk_messages::{Language, say};
 
 use crate::moves::{diameter_z, rounded};
 use crate::report::modal_codes;
@@ -20,7 +21,7 @@ pub fn block(line: u32, text: &str, modal: &Modal) -> String {
 }
 
 /// A pass of a cycle.
-pub fn pass(explanation: &Explanation) -> String {
+pub fn pass(explanation: &Explanation, language: Language) -> String {
     let Explanation {
         code,
         pass,
@@ -30,40 +31,40 @@ pub fn pass(explanation: &Explanation) -> String {
         words,
         ..
     } = explanation;
-    let of = explanation
-        .passes
-        .map_or_else(String::new, |passes| format!(" of {passes}"));
-    let level = explanation
-        .level
-        .map_or_else(String::new, |level| format!(" at {}", rounded(level)));
-    let cut = if *depth == 0.0 && *remaining == 0.0 {
-        String::new()
-    } else {
-        format!(": depth {depth:.3}, left {remaining:.3}")
-    };
-    format!("        G{code:02} pass {pass}{of}{level}{cut}\n          {formula}   [{words}]\n")
+    let of = explanation.passes.map(say::narration_of_passes);
+    let level = explanation.level.map(rounded);
+    let level = level.map(say::narration_at_level);
+    let cuts = *depth != 0.0 || *remaining != 0.0;
+    let cut = cuts.then(|| say::narration_depth(*depth, *remaining));
+    let said = [Some(say::narration_pass(code, pass)), of, level, cut];
+    let said: String = said.iter().flatten().map(|it| it.text(language)).collect();
+    let formula = formula.text(language);
+    format!("        {said}\n          {formula}   [{words}]\n")
 }
 
 /// A move that was executed.
-pub fn executed(executed: &ExecutedMove) -> String {
-    format!("        {}\n", sentence(executed))
+pub fn executed(executed: &ExecutedMove, language: Language) -> String {
+    format!("        {}\n", sentence(executed, language))
 }
 
-fn sentence(executed: &ExecutedMove) -> String {
+fn sentence(executed: &ExecutedMove, language: Language) -> String {
     let (x, z) = diameter_z(executed.to);
-    let verb = match executed.kind {
-        MoveKind::Rapid => "rapid",
-        MoveKind::Feed => "cut",
-        MoveKind::Clockwise => "cut clockwise",
-        MoveKind::CounterClockwise => "cut counter-clockwise",
-        MoveKind::Thread => "thread",
-        MoveKind::RunOut => "leave the thread",
-        MoveKind::Dwell => return format!("wait {} s", rounded(executed.duration_s)),
+    let way = match executed.kind {
+        MoveKind::Rapid => say::narration_rapid(x, z),
+        MoveKind::Feed => say::narration_cut(x, z),
+        MoveKind::Clockwise => say::narration_cut_clockwise(x, z),
+        MoveKind::CounterClockwise => say::narration_cut_counter_clockwise(x, z),
+        MoveKind::Thread => say::narration_thread(x, z),
+        MoveKind::RunOut => say::narration_run_out(x, z),
+        MoveKind::Dwell => {
+            return say::narration_wait(rounded(executed.duration_s)).text(language);
+        }
     };
-    let feed = match executed.feed {
-        Some(Feed::PerMinute(feed)) => format!(" at {} mm/min", rounded(feed)),
-        Some(Feed::PerRevolution(feed)) => format!(" at {} mm/r", rounded(feed)),
-        None => String::new(),
-    };
-    format!("{verb} to X{x} Z{z}{feed}: {:.2} s", executed.duration_s)
+    let feed = executed.feed.map(|feed| match feed {
+        Feed::PerMinute(feed) => say::narration_per_minute(rounded(feed)),
+        Feed::PerRevolution(feed) => say::narration_per_revolution(rounded(feed)),
+    });
+    let takes = say::narration_takes(executed.duration_s);
+    let said = [Some(way), feed, Some(takes)];
+    said.iter().flatten().map(|it| it.text(language)).collect()
 }

@@ -8,6 +8,7 @@ mod svg;
 
 use std::path::{Path, PathBuf};
 
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::raster;
 use gsk_panel::screen::Screen;
@@ -22,19 +23,35 @@ const PANEL_SCALE: f32 = 1.5;
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum PictureError {
     /// It is too large for the memory.
-    #[error("no memory for the picture")]
     Memory,
     /// The encoder refuses it.
-    #[error(transparent)]
     Encoder(#[from] png::EncodingError),
+}
+
+impl PictureError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Memory => say::picture_too_large(),
+            Self::Encoder(error) => say::as_written(error),
+        }
+    }
 }
 
 /// A name whose ending is none of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}: a picture's name ends in .png or .svg", .0.display())]
+#[error("{}", self.message())]
 pub struct NoPicture(pub PathBuf);
+
+impl NoPicture {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        say::picture_ending(self.0.display())
+    }
+}
 
 /// What kind of file a picture is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,13 +109,9 @@ pub fn of_panel(emulator: &Emulator) -> Result<Vec<u8>, PictureError> {
 }
 
 /// What has to be said of a picture that does not show the whole path.
-pub fn shortfall(drawing: &Drawing) -> Option<String> {
+pub fn shortfall(drawing: &Drawing) -> Option<Message> {
     let left_out = drawing.left_out();
-    (left_out > 0).then(|| {
-        format!(
-            "the picture is not complete: it has no room for the last {left_out} moves of this program"
-        )
-    })
+    (left_out > 0).then(|| say::picture_not_complete(left_out))
 }
 
 #[cfg(test)]

@@ -15,14 +15,13 @@ use gsk_core::interpreter::Modal;
 use gsk_core::memory::Parameters;
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
-use gsk_messages::Message;
+use gsk_messages::{Language, Message};
 use serde::Serialize;
 
 pub use checked::check;
 pub use end::End;
 
 use crate::chinese;
-use crate::language::Language;
 use crate::moves::diameter_z;
 
 /// An alarm in a result.
@@ -146,15 +145,6 @@ pub struct Bounds {
     pub x: (f64, f64),
     /// From, to.
     pub z: (f64, f64),
-}
-
-/// What is said of a program that was given up.
-pub const LIMIT: &str = "no end within the limits (run: --limit; check, plot: --give-up, \
-     --most-moves, 1000 hours of machine time)";
-
-/// A sentence of the control in a language.
-pub fn translated(sentence: &str, language: Option<Language>) -> String {
-    chinese::say(sentence, language.unwrap_or(Language::En)).into_owned()
 }
 
 /// A message in the language that was chosen.

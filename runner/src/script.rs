@@ -1,7 +1,6 @@
 //! An operator script carried out to its end.
 
-use core::fmt::Display;
-
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::pages::POWER_ON_TICKS;
 use gsk_panel::panel::SerialFile;
@@ -16,8 +15,8 @@ const SLICE: u64 = 100_000;
 
 /// What a script needs of whoever runs it.
 pub trait Surroundings {
-    /// Why something cannot be done, as a sentence.
-    type Error: Display;
+    /// Why something cannot be done.
+    type Error: Into<Message>;
 
     /// The rows of the LCD are asked for.
     fn show(&mut self, screen: &str);
@@ -45,7 +44,7 @@ pub trait Surroundings {
     fn transfer(&mut self, name: &str) -> Result<SerialFile, Self::Error>;
 
     /// The control does not take a file at its serial port: why, for the partner.
-    fn told(&mut self, said: &str);
+    fn told(&mut self, said: &Message);
 
     /// A partner that sends this file in DNC mode.
     ///
@@ -141,8 +140,8 @@ impl<'a, S: Surroundings> Session<'a, S> {
         Some(progress)
     }
 
-    /// Does what a line asks for; a sentence, if that cannot be.
-    fn carry_out(&mut self, effect: Effect) -> Result<(), Refused> {
+    /// Does what a line asks for; why, if that cannot be.
+    fn carry_out(&mut self, effect: Effect) -> Result<(), Message> {
         match effect {
             Effect::Show(text) => self.surroundings.show(&text),
             Effect::Shot { path, panel } => {
@@ -152,22 +151,22 @@ impl<'a, S: Surroundings> Session<'a, S> {
                     false => picture::of_lcd(&emulator.screen(), emulator.panel.view().brightness),
                 };
                 let stored = self.surroundings.shot(&path, &bytes);
-                stored.map_err(Refused::new)?;
+                stored.map_err(Into::into)?;
             }
             Effect::Load(name) => {
-                let file = self.surroundings.program(&name).map_err(Refused::new)?;
+                let file = self.surroundings.program(&name).map_err(Into::into)?;
                 let loaded = self.emulator.load_program(&file.name, &file.text);
-                loaded.map_err(Refused::new)?;
+                loaded.map_err(say::as_written)?;
             }
             Effect::Receive(name) => {
-                let file = self.surroundings.transfer(&name).map_err(Refused::new)?;
-                if let Err(said) = self.emulator.receive(file) {
-                    self.surroundings.told(&said.to_string());
+                let file = self.surroundings.transfer(&name).map_err(Into::into)?;
+                if let Err(refused) = self.emulator.receive(file) {
+                    self.surroundings.told(&refused.message());
                 }
             }
             Effect::Dnc(None) => self.partner = None,
             Effect::Dnc(Some(name)) => {
-                let partner = self.surroundings.partner(&name).map_err(Refused::new)?;
+                let partner = self.surroundings.partner(&name).map_err(Into::into)?;
                 self.partner = Some(partner);
             }
             Effect::DncRoom => {
@@ -177,22 +176,6 @@ impl<'a, S: Surroundings> Session<'a, S> {
             }
         }
         Ok(())
-    }
-}
-
-/// Why a line could not be carried out, as a sentence.
-struct Refused(String);
-
-impl Refused {
-    #[allow(clippy::needless_pass_by_value)] // For map_err.
-    fn new(why: impl Display) -> Self {
-        Self(why.to_string())
-    }
-}
-
-impl From<Refused> for String {
-    fn from(refused: Refused) -> Self {
-        refused.0
     }
 }
 

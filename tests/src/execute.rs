@@ -5,6 +5,7 @@ use gsk_core::interpreter::{Explanation, Modal};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
+use gsk_messages::Message;
 use gsk_runner::execution::{self, Limits, Watcher};
 use gsk_runner::moves;
 use gsk_runner::report::{self, AlarmReport, Report};
@@ -86,7 +87,7 @@ impl Watcher for Moves {
     fn wants_explanations(&self) -> bool {
         false
     }
-    fn tell(&mut self, _text: &str) {}
+    fn tell(&mut self, _said: &Message) {}
 }
 
 /// The path of `check`.

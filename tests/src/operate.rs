@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::Script;
@@ -75,7 +76,7 @@ impl Surroundings for Files<'_> {
         self.file(name)
     }
 
-    fn told(&mut self, said: &str) {
+    fn told(&mut self, said: &Message) {
         println!("{said}");
     }
 

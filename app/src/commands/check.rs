@@ -22,7 +22,7 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     if args.moves.is_some() && args.files.len() > 1 {
         return Err(CommandError::OneProgram);
     }
-    let setup = loading::setup(&args.setup, args.look.work_zero)?;
+    let setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
     let read = Read {
         files: (args.files.iter().map(PathBuf::as_path))
             .chain(args.setup.read_files())
@@ -87,7 +87,7 @@ fn check_file(
     on_move: &mut dyn FnMut(&ExecutedMove),
 ) -> Result<Report, CommandError> {
     let mut setup = setup.clone();
-    loading::open(&mut setup, &[file.to_owned()])?.print();
+    loading::open(&mut setup, &[file.to_owned()])?.print(look.lang);
     let mut watch = output::watch(&setup.memory.programs, look.patience.begin(), alone);
     let name = file.display().to_string();
     let mut goes_on = |progress: &Progress| watch.goes_on(progress);
@@ -116,12 +116,9 @@ fn print(
                 }
                 output::report(report, json, aside, language)?;
             }
-            Err(said) => {
+            Err(error) => {
                 code = code.max(USAGE);
-                complain!(
-                    "gsk980td: {}",
-                    report::translated(&said.to_string(), language)
-                );
+                complain!("gsk980td: {}", report::said(&error.message(), language));
             }
         }
     }

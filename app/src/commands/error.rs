@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use gsk_link::LinkConfigError;
+use gsk_messages::{Message, say};
 use gsk_panel::script::ScriptError;
 use gsk_runner::execution::ExecutionError;
 use gsk_runner::picture::{NoPicture, PictureError};
@@ -18,71 +19,54 @@ use crate::loading::LoadError;
 use crate::output::WriteError;
 use crate::picture::NameError;
 use crate::ports::PortError;
+use crate::retained::NotSaved;
+use crate::saying::lines;
 use crate::setup_args::SetByTheMachine;
 use crate::transfer::TransferError;
 
 /// Why a command cannot be carried out, or has failed beside what it is for.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum CommandError {
     /// A result would overwrite what is read.
-    #[error(transparent)]
     Apart(#[from] ApartError),
     /// A board that is not spoken to.
-    #[error(transparent)]
     Board(#[from] BoardError),
     /// A data directory.
-    #[error(transparent)]
     Data(#[from] DataError),
     /// A program that is not executed.
-    #[error(transparent)]
     Execution(#[from] ExecutionError),
     /// A file.
-    #[error(transparent)]
     File(#[from] FileError),
     /// What does not become JSON.
-    #[error(transparent)]
     Json(#[from] serde_json::Error),
     /// The section `link` of a machine file.
-    #[error(transparent)]
     Link(#[from] LinkConfigError),
     /// What the control starts from.
-    #[error(transparent)]
     Load(#[from] LoadError),
     /// A name that is none of a picture.
-    #[error(transparent)]
     Name(#[from] NameError),
     /// The same, by its ending.
-    #[error(transparent)]
     Ending(#[from] NoPicture),
     /// A port is to be held for nobody.
-    #[error(transparent)]
     NoProgram(#[from] NoProgram),
     /// A picture that is not made.
-    #[error(transparent)]
     Picture(#[from] PictureError),
     /// A port.
-    #[error(transparent)]
     Port(#[from] PortError),
     /// An open port that has gone.
-    #[error(transparent)]
     Gone(io::Error),
     /// An option that a real machine does not take.
-    #[error(transparent)]
     SetByTheMachine(#[from] SetByTheMachine),
     /// Signals.
-    #[error(transparent)]
     Signals(#[from] SignalError),
     /// What came through the serial port.
-    #[error(transparent)]
     Transfer(#[from] TransferError),
     /// A result.
-    #[error(transparent)]
     Write(#[from] WriteError),
     /// Output that goes to several places.
-    #[error("the output cannot be written: {0}")]
     Output(io::Error),
     /// A script that cannot be read.
-    #[error("{}", in_file(.path, .errors))]
     Script {
         /// Its file.
         path: PathBuf,
@@ -90,7 +74,6 @@ pub enum CommandError {
         errors: Vec<ScriptError>,
     },
     /// A page that is not there.
-    #[error("there is no page `{name}`; the pages are: {pages}")]
     NoPage {
         /// What was asked for.
         name: String,
@@ -98,25 +81,14 @@ pub enum CommandError {
         pages: String,
     },
     /// A part after the other needs somebody.
-    #[error(
-        "--parts {0}: with --link somebody has to allow each part, and standard input is no \
-         terminal; make one part, or begin the program at the panel"
-    )]
     Unattended(u32),
     /// Moves of several programs.
-    #[error("--moves takes one program")]
     OneProgram,
     /// Another file ended the work.
-    #[error("this file was not checked")]
     NotChecked,
     /// No board.
-    #[error("no port: name one, or the section `link` in the file given with --machine")]
     NoPort,
     /// A feed above what a board makes.
-    #[error(
-        "{feed} mm/min are {rate:.0} pulses a second of Z, the board makes {most:.0}: a lower \
-         --feed"
-    )]
     TooFast {
         /// mm/min.
         feed: f64,
@@ -126,28 +98,59 @@ pub enum CommandError {
         most: f64,
     },
     /// A board that moves, or is locked.
-    #[error("the board does not stand still, or stays locked")]
     NotStill,
     /// A program that is not there.
-    #[error("{}: there is no such file", .0.display())]
     NoFile(PathBuf),
-    /// What could not be saved, a sentence a line.
-    #[error("{0}")]
-    NotSaved(String),
+    /// What could not be saved.
+    NotSaved(#[from] NotSaved),
     /// Several at once.
-    #[error("{}", lines(.0))]
     Several(Vec<CommandError>),
 }
 
-fn in_file(path: &std::path::Path, errors: &[ScriptError]) -> String {
-    let lines = errors.iter();
-    let lines: Vec<String> = lines
-        .map(|error| format!("{}: {error}", path.display()))
-        .collect();
-    lines.join("\n")
+impl From<CommandError> for Message {
+    fn from(error: CommandError) -> Self {
+        error.message()
+    }
 }
 
-fn lines(errors: &[CommandError]) -> String {
-    let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
-    lines.join("\n")
+impl CommandError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Apart(error) => error.message(),
+            Self::Board(error) => error.message(),
+            Self::Data(error) => error.message(),
+            Self::Execution(error) => error.message(),
+            Self::File(error) => error.message(),
+            Self::Json(error) => say::as_written(error),
+            Self::Link(error) => say::as_written(error),
+            Self::Load(error) => error.message(),
+            Self::Name(error) => error.message(),
+            Self::Ending(error) => error.message(),
+            Self::NoProgram(error) => error.message(),
+            Self::Picture(error) => error.message(),
+            Self::Port(error) => error.message(),
+            Self::Gone(error) => say::as_written(error),
+            Self::SetByTheMachine(option) => option.message(),
+            Self::Signals(error) => error.message(),
+            Self::Transfer(error) => error.message(),
+            Self::Write(error) => error.message(),
+            Self::Output(error) => say::command_output_lost(error),
+            Self::Script { path, errors } => {
+                let name = path.display();
+                let errors = errors.iter().map(ScriptError::message);
+                lines(errors.map(|error| say::subject_reason(&name, error)))
+            }
+            Self::NoPage { name, pages } => say::command_no_page(name, pages),
+            Self::Unattended(parts) => say::command_parts_unattended(parts),
+            Self::OneProgram => say::command_one_program(),
+            Self::NotChecked => say::command_not_checked(),
+            Self::NoPort => say::command_no_port(),
+            Self::TooFast { feed, rate, most } => say::command_feed_too_high(feed, rate, most),
+            Self::NotStill => say::command_board_moves(),
+            Self::NoFile(path) => say::subject_reason(path.display(), say::file_not_there()),
+            Self::NotSaved(error) => error.message(),
+            Self::Several(errors) => lines(errors.iter().map(Self::message)),
+        }
+    }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use gsk_core::plc::{Ladder, Plc};
 use gsk_core::setup::{STANDARD_LADDER, standard_ladder};
+use gsk_messages::say;
 
 use super::{ALARM, CommandError, FINE, output};
 use crate::cli::{LadderArgs, LadderCommand, LadderRunArgs};
@@ -44,7 +45,7 @@ fn compile(path: Option<&Path>) -> Result<Result<Arc<Ladder>, NoLadder>, Command
 
 fn check(args: &LadderArgs) -> Result<u8, CommandError> {
     let name = args.file.as_ref().map_or_else(
-        || "standard ladder".to_owned(),
+        || say::ladder_list_standard().to_string(),
         |path| path.display().to_string(),
     );
     match compile(args.file.as_deref())? {
@@ -53,15 +54,15 @@ fn check(args: &LadderArgs) -> Result<u8, CommandError> {
             for warning in ladder.warnings() {
                 out.push_str(&(warning.in_file(&name) + "\n"));
             }
-            out.push_str(&format!(
-                "{name}: {} rungs, {} steps (level 1: {}), {} slots of 8 ms a scan, {} warning(s)\n",
+            output::print(&out);
+            output::say(&say::ladder_list_summary(
+                name,
                 ladder.rung_count(),
                 ladder.steps(),
                 ladder.level1_steps(),
                 ladder.parts(),
-                ladder.warnings().len()
+                ladder.warnings().len(),
             ));
-            output::print(&out);
             Ok(FINE)
         }
         Err(said) => {
@@ -130,10 +131,10 @@ fn after(plc: &Plc) -> String {
             .filter(|(number, bit)| byte(*number) >> bit & 1 == 1)
             .map(|(number, bit)| format!("{area}{number}.{bit}"))
             .collect();
-        out.push_str(&format!("{area} on: {}\n", on.join(" ")));
+        out.push_str(&format!("{}\n", say::ladder_list_on(area, on.join(" "))));
     }
     for (number, text) in plc.active_messages() {
-        out.push_str(&format!("message {number}: {text}\n"));
+        out.push_str(&format!("{}\n", say::ladder_list_message(number, text)));
     }
     out
 }

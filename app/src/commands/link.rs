@@ -10,8 +10,10 @@ use gsk_link::{Event, LinkConfig, LinkState};
 use super::{ALARM, CommandError, FINE, output};
 use crate::board::Board;
 use crate::cli::{LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs};
+use crate::saying::{differs, listed};
 use crate::{guard, loading, ports};
 use gsk_core::alarm::number;
+use gsk_messages::{Message, say};
 
 /// Carries out a link command.
 pub fn link(command: &LinkCommand) -> Result<u8, CommandError> {
@@ -26,7 +28,7 @@ pub fn link(command: &LinkCommand) -> Result<u8, CommandError> {
 fn list() -> Result<u8, CommandError> {
     let found = ports::list()?;
     if found.is_empty() {
-        output::print("no serial port; `gsk980td link twin` plays a board without hardware\n");
+        output::say(&say::link_test_no_ports());
         return Ok(FINE);
     }
     let mut out = String::new();
@@ -44,7 +46,7 @@ fn list() -> Result<u8, CommandError> {
 /// The board that is meant, with the settings of the machine file and the
 /// parameters of the control.
 fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
-    let setup = loading::setup(&args.setup, None)?;
+    let setup = loading::setup(&args.setup, None, None)?;
     let mut config: LinkConfig = setup.lathe.link.unwrap_or_default();
     if let Some(port) = &args.port {
         config.port.clone_from(port);
@@ -77,13 +79,11 @@ fn report(events: &[Event]) -> bool {
 fn tell_state(board: &Board) -> bool {
     match board.link.state() {
         LinkState::Fault | LinkState::Lost | LinkState::Tripped => {}
-        LinkState::Off => complain!("gsk980td: broken off; the board was stopped"),
-        state => complain!(
-            "gsk980td: the board is not ready after {} s, the link is still at `{}`: a line that \
-             is slow, or loses much",
-            board.now().as_secs(),
-            state.name()
-        ),
+        LinkState::Off => complain!("gsk980td: {}", say::link_test_broken_off()),
+        state => {
+            let said = say::link_test_not_ready(board.now().as_secs(), state.name());
+            complain!("gsk980td: {said}");
+        }
     }
     true
 }
@@ -94,9 +94,10 @@ fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
     let mut failed = report(&events);
     let info = board.link.board().clone();
     if !info.firmware.is_empty() {
-        output::print(&format!(
-            "board     {}, queue of {} blocks, {} bytes\n",
-            info.firmware, info.blocks, info.receive_bytes
+        output::say(&say::link_test_board(
+            &info.firmware,
+            info.blocks,
+            info.receive_bytes,
         ));
     }
     let differ = differences(&events);
@@ -107,15 +108,13 @@ fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
         return Ok(ALARM);
     }
     if !differ.is_empty() {
-        output::print(&format!("settings  differ:\n{}", differ.join("")));
+        output::say(&say::link_test_settings_differ());
+        differ.iter().for_each(output::say);
         if info.forgets {
-            output::print(
-                "          this firmware forgets what is written when it is switched off: put it \
-                 into its config.yaml\n",
-            );
+            output::say(&say::link_test_forgets());
         }
         if !args.write_settings {
-            output::print("          --write-settings writes them into the board\n");
+            output::say(&say::link_test_write());
             return Ok(ALARM);
         }
         board.link.write_settings();
@@ -130,32 +129,26 @@ fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
             tell_state(&board);
             return Ok(ALARM);
         }
-        output::print("          written and read back\n");
+        output::say(&say::link_test_written());
     } else {
-        output::print("settings  as they must be\n");
+        output::say(&say::link_test_settings_good());
     }
-    output::print(&format!("threads   {}\n", board.link.threads().text()));
+    output::say(&say::link_test_threads(board.link.threads().text()));
     let meanwhile = drill::idle(&mut board);
     let failed = report(&meanwhile);
     let operated = drill::operated(&board);
-    let list = if operated.is_empty() {
-        "none operated".to_owned()
-    } else {
-        format!("operated: {}", operated.join(", "))
-    };
-    output::print(&format!("switches  {list}\n"));
+    output::say(&match operated.is_empty() {
+        true => say::link_test_switches_free(),
+        false => say::link_test_switches(listed(operated.iter().cloned())),
+    });
     match args.travel {
         _ if failed || board.link.state() != LinkState::Locked => {
             tell_state(&board);
             Ok(ALARM)
         }
         Some(_) if !operated.is_empty() => {
-            complain!(
-                "gsk980td: nothing moves while a switch is operated ({}): see to it that it is \
-                 free; if nobody presses it, its level is the other one (`!` before its pin, \
-                 line.invert_limits)",
-                operated.join(", ")
-            );
+            let said = say::link_test_nothing_moves(listed(operated));
+            complain!("gsk980td: {said}");
             Ok(ALARM)
         }
         Some(millimetres) => drill::motion(&mut board, millimetres, args.feed),
@@ -163,15 +156,9 @@ fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
     }
 }
 
-fn differences(events: &[Event]) -> Vec<String> {
+fn differences(events: &[Event]) -> Vec<Message> {
     let line = |event: &Event| match event {
-        Event::Differs(difference) => {
-            let board = difference.board.as_deref().unwrap_or("missing");
-            Some(format!(
-                "          {} is {board}, must be {}\n",
-                difference.name, difference.wanted
-            ))
-        }
+        Event::Differs(difference) => Some(say::link_test_setting(differs(difference))),
         _ => None,
     };
     events.iter().filter_map(line).collect()

@@ -14,6 +14,8 @@ mod window;
 use std::process::ExitCode;
 
 pub use error::CommandError;
+use gsk_messages::say;
+use gsk_runner::report;
 
 use crate::cli::{Cli, Command};
 use crate::guard::holder;
@@ -53,6 +55,12 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         (Some(_), Some(level)) => log::on_terminal(level),
         _ => None,
     };
+    let language = match &cli.command {
+        None => cli.window.lang,
+        Some(Command::Check(args)) => args.look.lang,
+        Some(Command::Plot(args)) => args.look.lang,
+        Some(_) => None,
+    };
     let result = match cli.command {
         None => window::open(cli.window, cli.log),
         Some(Command::Run(args)) => run::run(&args),
@@ -72,12 +80,12 @@ pub fn carry_out(cli: Cli) -> ExitCode {
     };
     let code = result.unwrap_or_else(|said| {
         tracing::error!("{said}");
-        complain!("gsk980td: {said}");
+        complain!("gsk980td: {}", report::said(&said.message(), language));
         USAGE
     });
     match output::lost() {
         Some(error) => {
-            complain!("gsk980td: standard output cannot be written: {error}");
+            complain!("gsk980td: {}", say::command_standard_output_lost(error));
             ExitCode::from(code.max(USAGE))
         }
         None => ExitCode::from(code),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::{Action, Script};
@@ -50,7 +51,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
     }
     loading::apply(&mut setup, &args.setup)?;
     if let Some(program) = &args.program {
-        loading::open(&mut setup, core::slice::from_ref(program))?.print();
+        loading::open(&mut setup, core::slice::from_ref(program))?.print(None);
     }
 
     keep_script_apart(args, &script, &folder_of(path))?;
@@ -80,7 +81,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
         let folder = data.path().join(transfer::FOLDER);
         failures.extend(transfer::write(&folder, &sent).map_err(Into::into).err());
         let saved = retained::save_emulator(data, &restored, &emulator);
-        failures.extend(saved.map_err(CommandError::NotSaved).err());
+        failures.extend(saved.map_err(CommandError::from).err());
     }
     if let (Some(target), Some(record)) = (recorded, &record) {
         let written = target.write(record.text().as_bytes());
@@ -171,7 +172,7 @@ fn play(
     };
     match live {
         Some(live) if live.is_over() => {
-            complain!("gsk980td: ended; the board was stopped");
+            complain!("gsk980td: {}", say::run_ended_from_outside());
             ENDED
         }
         Some(live) => {
@@ -230,7 +231,7 @@ impl Surroundings for Files {
         Ok(transfer::read(&self.file(name))?)
     }
 
-    fn told(&mut self, said: &str) {
+    fn told(&mut self, said: &Message) {
         complain!("gsk980td: {said}");
     }
 

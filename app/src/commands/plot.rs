@@ -1,6 +1,7 @@
 //! `plot`: the toolpath as a picture.
 
 use gsk_core::preview::{End, Slip, preview_while};
+use gsk_messages::say;
 use gsk_runner::picture::{self, Drawing, Format, RapidRates};
 use gsk_runner::report::{self, AlarmReport};
 
@@ -25,8 +26,8 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         data: args.setup.data.as_deref(),
     };
     keep_apart(&read, &[&args.output])?;
-    let mut setup = loading::setup(&args.setup, args.look.work_zero)?;
-    loading::open(&mut setup, std::slice::from_ref(&args.file))?.print();
+    let mut setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
+    loading::open(&mut setup, std::slice::from_ref(&args.file))?.print(language);
     let target = output::reserve(&args.output)?;
     let rates = RapidRates::of(&setup.memory.parameters);
     let mut drawing = Drawing::new(title(&args.file));
@@ -41,7 +42,7 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     let bytes = picture::encode(format, &drawing)?;
     target.write(&bytes)?;
     if let Some(said) = picture::shortfall(&drawing) {
-        complain!("gsk980td: {}", report::translated(&said, language));
+        complain!("gsk980td: {}", report::said(&said, language));
     }
     let of_place = preview.cautions.iter();
     for caution in of_place.filter(|caution| caution.slip == Slip::MachineZero) {
@@ -53,7 +54,7 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         complain!("gsk980td: {}", alarm.sentence(language));
     }
     if preview.end == End::Limit {
-        let said = report::translated(report::LIMIT, language);
+        let said = report::said(&say::report_limit(), language);
         complain!("gsk980td: {}: {said}", args.file.display());
     }
     Ok(if matches!(preview.end, End::Alarm | End::Limit) {

@@ -9,6 +9,7 @@ use gsk_core::interpreter::{Explanation, Modal};
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
+use gsk_messages::{Language, Message, say};
 use gsk_runner::board::Operator;
 use gsk_runner::execution::{self, Board, Limits, Watcher};
 use gsk_runner::partner::Partner;
@@ -79,9 +80,9 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         .map(|name| dnc::Partner::new(Source::of(name)));
     if partner.is_some() {
         loading::with_keys_for_dnc(&mut setup);
-        loading::store_files(&mut setup.memory.programs, &args.files)?.print();
+        loading::store_files(&mut setup.memory.programs, &args.files)?.print(None);
     } else {
-        loading::open(&mut setup, &args.files)?.print();
+        loading::open(&mut setup, &args.files)?.print(None);
     }
 
     let main = args.dnc.as_ref().or(args.files.first());
@@ -143,7 +144,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     let mut failures = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
         let saved = retained::save(data, &restored, &simulation.cnc);
-        failures.extend(saved.map_err(CommandError::NotSaved).err());
+        failures.extend(saved.map_err(CommandError::from).err());
     }
     failures.extend(outputs.end().err());
     if let (Some(path), Some(target), Some(drawing)) = (&args.plot, target, &outputs.drawing) {
@@ -161,7 +162,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         .as_ref()
         .is_some_and(|alarm| alarm.number == number::NO_REFERENCE);
     if unknown && !args.home {
-        complain!("gsk980td: --home makes the machine zero return of both axes first");
+        complain!("gsk980td: {}", say::run_home_first());
     }
     if !failures.is_empty() {
         return Err(CommandError::Several(failures));
@@ -256,7 +257,7 @@ impl Watcher for Outputs {
             drawing.push(executed, self.rates);
         }
         if self.explain {
-            output::print(&narration::executed(executed));
+            output::print(&narration::executed(executed, Language::En));
         }
     }
 
@@ -271,8 +272,9 @@ impl Watcher for Outputs {
         }
         if time_ms.is_multiple_of(PROGRESS_MS) && !self.progress.is_hidden() {
             self.progress.set_position(u64::from(self.line));
+            let time = clock(time_ms as f64 / 1000.0);
             self.progress
-                .set_message(format!("machine time {}", clock(time_ms as f64 / 1000.0)));
+                .set_message(say::report_progress_time(time).to_string());
         }
     }
 
@@ -290,14 +292,14 @@ impl Watcher for Outputs {
             return;
         }
         self.pass = Some(explanation.pass);
-        output::print(&narration::pass(explanation));
+        output::print(&narration::pass(explanation, Language::En));
     }
 
     fn wants_explanations(&self) -> bool {
         self.explain
     }
 
-    fn tell(&mut self, text: &str) {
-        self.progress.suspend(|| complain!("gsk980td: {text}"));
+    fn tell(&mut self, said: &Message) {
+        self.progress.suspend(|| complain!("gsk980td: {said}"));
     }
 }

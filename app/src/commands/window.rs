@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use gsk_core::setup::Setup;
-use gsk_messages::Language;
+use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
+use gsk_runner::report;
 use tracing::level_filters::LevelFilter;
 
 use super::{CommandError, FINE, USAGE};
@@ -28,7 +29,8 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
         return Err(CommandError::NoFile(program.clone()));
     }
     if !app::has_display() {
-        complain!("gsk980td: {}", without_display(args.program.as_deref()));
+        let said = without_display(args.program.as_deref());
+        complain!("gsk980td: {}", report::said(&said, language));
         return Ok(USAGE);
     }
     let path: PathBuf = match args.data {
@@ -101,8 +103,8 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
 
 /// Whoever started the program with a click has no standard error to read.
 fn refused(error: &DataError, language: Option<Language>) -> u8 {
-    let said = error.to_string();
-    complain!("gsk980td: {said}");
+    let said = error.message();
+    complain!("gsk980td: {}", report::said(&said, language));
     refusal::tell(&said, language);
     USAGE
 }
@@ -130,10 +132,9 @@ pub fn connection(
     }))
 }
 
-fn without_display(program: Option<&Path>) -> String {
-    let program = program.map_or_else(|| "FILE".to_owned(), |path| path.display().to_string());
-    format!(
-        "there is no display to open the window on; without one, `gsk980td run {program}` \
-         executes a program and `gsk980td operate SCRIPT` operates the panel"
-    )
+fn without_display(program: Option<&Path>) -> Message {
+    match program {
+        Some(path) => say::window_no_display(path.display()),
+        None => say::window_no_display("FILE"),
+    }
 }

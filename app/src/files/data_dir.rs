@@ -17,14 +17,16 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use gsk_core::plc::Ladder;
+use gsk_core::plc::{CompileErrors, Ladder};
+use gsk_messages::{Message, say};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::atomic::{self, Readers};
 use super::decode::{self, Encoding};
-use super::kept::{Change, Found, Kept};
+use super::kept::{Change, Complaint, Found, Kept};
 use super::program_file;
+use crate::saying;
 
 const PROGRAMS: &str = "programs";
 const LADDER: &str = "ladder.il";
@@ -43,11 +45,11 @@ pub struct DataDir {
     interrupted: Vec<String>,
 }
 
-/// Why a data directory cannot be used, as a sentence.
+/// Why a data directory cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum DataError {
     /// It cannot be made, read or written.
-    #[error("the data directory {} cannot be used: {source}; choose another with --data DIR", .path.display())]
     Unusable {
         /// The directory.
         path: PathBuf,
@@ -55,23 +57,29 @@ pub enum DataError {
         source: io::Error,
     },
     /// Another process has it.
-    #[error(
-        "another gsk980td is using the data directory {}: close it, or choose another one with --data DIR",
-        .path.display()
-    )]
     InUse {
         /// The directory.
         path: PathBuf,
     },
     /// Nothing is to be made there.
-    #[error("{} is no data directory: the panel makes one, with --data DIR", .path.display())]
     Missing {
         /// The directory.
         path: PathBuf,
     },
     /// The platform names no folder for data.
-    #[error("this system names no folder for program data: choose one with --data DIR")]
     NoDefault,
+}
+
+impl DataError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Unusable { path, source } => say::data_dir_unusable(path.display(), source),
+            Self::InUse { path } => say::data_dir_in_use(path.display()),
+            Self::Missing { path } => say::data_dir_none(path.display()),
+            Self::NoDefault => say::data_dir_no_default(),
+        }
+    }
 }
 
 /// What a file of the directory held.
@@ -79,12 +87,12 @@ pub enum DataError {
 pub enum Loaded<T> {
     /// A value.
     Value(T),
-    /// A value from the copy of a damaged or missing file; the sentence says so.
-    Recovered(T, String),
+    /// A value from the copy of a damaged or missing file.
+    Recovered(T, Complaint),
     /// There is no such file yet.
     Missing,
-    /// It was damaged; the sentence says why and where it is kept now.
-    Damaged(String),
+    /// It was damaged: why, and where it is kept now.
+    Damaged(Complaint),
 }
 
 /// A program of the directory.
@@ -171,8 +179,8 @@ impl DataDir {
         &self.interrupted
     }
 
-    /// What is wrong with the list of files itself, as a sentence.
-    pub fn complaint(&self) -> Option<&str> {
+    /// What is wrong with the list of files itself.
+    pub const fn complaint(&self) -> Option<&Complaint> {
         self.files.complaint()
     }
 
@@ -184,61 +192,61 @@ impl DataDir {
     /// Reads `NAME.ron`.
     pub fn load<T: DeserializeOwned>(&self, name: &str) -> Loaded<T> {
         self.read(&file_name(name), LARGEST_BYTES, |bytes| {
-            let text = String::from_utf8(bytes).map_err(|error| error.to_string())?;
+            let text = String::from_utf8(bytes).map_err(say::as_written)?;
             ron::from_str(&text)
-                .map_err(|error| format!("line {}: {}", error.span.start.line, error.code))
+                .map_err(|error| say::in_line(error.span.start.line, say::as_written(error.code)))
         })
     }
 
     /// Writes `NAME.ron`.
     ///
     /// # Errors
-    /// A sentence that says what could not be written.
-    pub fn store<T: Serialize>(&self, name: &str, value: &T) -> Result<(), String> {
+    /// What could not be written.
+    pub fn store<T: Serialize>(&self, name: &str, value: &T) -> Result<(), Message> {
         let failures = self.commit(vec![as_ron(name, value)?]);
         if failures.is_empty() {
             Ok(())
         } else {
-            Err(failures.join("; "))
+            Err(say::several(failures))
         }
     }
 
-    /// Writes what is not so yet, each file for itself; the sentences say what could
-    /// not be written.
-    pub fn commit(&self, changes: Vec<Change>) -> Vec<String> {
+    /// Writes what is not so yet, each file for itself; what could not be written.
+    pub fn commit(&self, changes: Vec<Change>) -> Vec<Message> {
         self.files.commit(changes)
     }
 
     /// Reads the ladder that was saved in place of the standard one.
     pub fn ladder(&self) -> Loaded<Ladder> {
         self.read(LADDER, LARGEST_BYTES, |bytes| {
-            let text = String::from_utf8(bytes).map_err(|error| error.to_string())?;
-            Ladder::compile(&text).map_err(|errors| {
-                let first = errors.errors.first().map(ToString::to_string);
-                first.unwrap_or_default()
-            })
+            let text = String::from_utf8(bytes).map_err(say::as_written)?;
+            Ladder::compile(&text).map_err(|errors| first_of(&errors))
         })
     }
 
-    /// Reads every program; the sentences name those that were damaged.
-    pub fn programs(&self) -> (Vec<StoredProgram>, Vec<String>) {
+    /// Reads every program; what is wrong with those that were damaged.
+    pub fn programs(&self) -> (Vec<StoredProgram>, Vec<Complaint>) {
         let mut programs = Vec::new();
         let mut complaints = Vec::new();
         let mut numbers: BTreeSet<u16> = self.program_numbers().collect();
-        match fs::read_dir(self.path.join(PROGRAMS)) {
+        let folder = self.path.join(PROGRAMS);
+        match fs::read_dir(&folder) {
             Ok(entries) => numbers.extend(
                 entries
                     .flatten()
                     .filter_map(|entry| program_number(entry.file_name().to_str()?)),
             ),
-            Err(error) => complaints.push(format!("the folder of programs: {error}")),
+            Err(error) => {
+                let said = say::data_dir_programs_unreadable(error);
+                complaints.push(Complaint::new(&folder, said));
+            }
         }
         for number in numbers {
             let name = program_name(number);
             let loaded = self.read(&name, program_file::LARGEST_BYTES, |bytes| {
-                let decoded = decode::decode(bytes).map_err(|error| error.to_string())?;
+                let decoded = decode::decode(bytes).map_err(|error| error.message())?;
                 if decoded.text.trim().is_empty() {
-                    return Err("it is empty".to_owned());
+                    return Err(say::file_content_empty());
                 }
                 Ok(StoredProgram {
                     number,
@@ -269,7 +277,7 @@ impl DataDir {
         &self,
         name: &str,
         largest: u64,
-        parse: impl FnOnce(Vec<u8>) -> Result<T, String>,
+        parse: impl FnOnce(Vec<u8>) -> Result<T, Message>,
     ) -> Loaded<T> {
         let Found { content, damage } = self.files.read(name, largest);
         let Some(content) = content else {
@@ -278,20 +286,29 @@ impl DataDir {
         match (parse(content), damage) {
             (Ok(value), None) => Loaded::Value(value),
             (Ok(value), Some(said)) => Loaded::Recovered(value, said),
-            (Err(reason), None) => Loaded::Damaged(self.files.reject(name, &reason)),
-            (Err(reason), Some(said)) => Loaded::Damaged(format!("{said} ({reason})")),
+            (Err(reason), None) => Loaded::Damaged(self.files.reject(name, reason)),
+            (Err(reason), Some(Complaint { name, said })) => Loaded::Damaged(Complaint {
+                name,
+                said: say::file_copy_unusable(said, reason),
+            }),
         }
     }
+}
+
+/// The first error of a ladder that does not compile; there is one.
+fn first_of(errors: &CompileErrors) -> Message {
+    let first = errors.errors.first();
+    first.map_or_else(|| say::as_written(errors), saying::of_finding)
 }
 
 /// `NAME.ron` with a value in it.
 ///
 /// # Errors
 /// What the writer of RON says.
-pub fn as_ron<T: Serialize>(name: &str, value: &T) -> Result<Change, String> {
+pub fn as_ron<T: Serialize>(name: &str, value: &T) -> Result<Change, Message> {
     let style = ron::ser::PrettyConfig::new().depth_limit(3);
-    let text =
-        ron::ser::to_string_pretty(value, style).map_err(|error| format!("{name}: {error}"))?;
+    let text = ron::ser::to_string_pretty(value, style)
+        .map_err(|error| say::subject_reason(name, say::as_written(error)))?;
     let name = file_name(name);
     let readers = match PRIVATE.contains(&name.as_str()) {
         true => Readers::Owner,
@@ -366,10 +383,10 @@ mod tests {
             encoding: Encoding::Gb18030,
         };
         let file = as_program(7, Some((&program.text, program.encoding)));
-        assert_eq!(data.commit(vec![file]), [""; 0]);
+        assert_eq!(data.commit(vec![file]), []);
         assert_eq!(data.programs(), (vec![program], Vec::new()));
         for _ in 0..2 {
-            assert_eq!(data.commit(vec![as_program(7, None)]), [""; 0]);
+            assert_eq!(data.commit(vec![as_program(7, None)]), []);
         }
         assert_eq!(data.programs(), (Vec::new(), Vec::new()));
         fs::remove_dir_all(folder).expect("clean");
@@ -382,7 +399,7 @@ mod tests {
         assert_eq!(data.ladder(), Loaded::Missing);
         let text = "END1\nLD R1.0 ; 注释\nOUT R2.0\nEND2\n";
         let ladder = Ladder::compile(text).expect("compiles");
-        assert_eq!(data.commit(vec![as_ladder(&ladder)]), [""; 0]);
+        assert_eq!(data.commit(vec![as_ladder(&ladder)]), []);
         let stored = fs::read_to_string(folder.join("ladder.il")).expect("read");
         assert_eq!(stored, text);
         assert_eq!(data.ladder(), Loaded::Value(ladder.clone()));
@@ -391,6 +408,7 @@ mod tests {
             panic!("damaged")
         };
         assert_eq!(copy, ladder);
+        let said = said.said.to_string();
         assert!(said.contains("ladder.il.damaged"), "{said}");
         fs::remove_dir_all(folder).expect("clean");
     }
@@ -404,14 +422,13 @@ mod tests {
         let Loaded::Damaged(said) = data.load::<(u32, u32)>("offsets") else {
             panic!("damaged")
         };
+        let said = said.said.to_string();
         assert!(said.contains("offsets.ron.damaged"), "{said}");
         assert_eq!(data.load::<(u32, u32)>("offsets"), Loaded::Missing);
         let (programs, complaints) = data.programs();
         assert!(programs.is_empty());
-        assert!(
-            complaints[0].contains("O0003.CNC.damaged"),
-            "{complaints:?}"
-        );
+        let said = complaints[0].said.to_string();
+        assert!(said.contains("O0003.CNC.damaged"), "{said}");
         fs::remove_dir_all(folder).expect("clean");
     }
 

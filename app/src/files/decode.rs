@@ -4,6 +4,7 @@
 use std::fmt;
 
 use encoding_rs::{CoderResult, DecoderResult, GB18030};
+use gsk_messages::{Message, say};
 
 /// How the text of a file is written down.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,11 +44,9 @@ pub struct Decoded {
 /// Why bytes are no program text. Line and column count from 1; a column is a
 /// character.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum DecodeError {
     /// A byte that text never has.
-    #[error(
-        "this is a binary file, not a program (byte {byte:#04x} in line {line}, column {column})"
-    )]
     Binary {
         /// The byte.
         byte: u8,
@@ -57,7 +56,6 @@ pub enum DecodeError {
         column: usize,
     },
     /// Bytes that the encoding does not know.
-    #[error("line {line}, column {column}: byte {byte:#04x} is not valid {encoding} text")]
     Undecodable {
         /// The byte.
         byte: u8,
@@ -68,6 +66,23 @@ pub enum DecodeError {
         /// Its column.
         column: usize,
     },
+}
+
+impl DecodeError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Binary { byte, line, column } => {
+                say::file_is_binary(format_args!("{byte:#04x}"), line, column)
+            }
+            Self::Undecodable {
+                byte,
+                encoding,
+                line,
+                column,
+            } => say::file_not_text(line, column, format_args!("{byte:#04x}"), encoding),
+        }
+    }
 }
 
 /// Decodes the bytes of a program file: a byte order mark decides, else valid

@@ -13,14 +13,13 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use gsk_messages::{Message, say};
+
 use super::atomic::{self, Readers};
 use super::manifest::{Manifest, Mark, State};
 
 const MANIFEST: &str = "manifest.ron";
 const COPIES: &str = "copies";
-
-/// What is said of a file whose copy took its place.
-const COPY_USED: &str = "its last good copy is used";
 
 /// The largest manifest that is read.
 const LARGEST_MANIFEST: u64 = 16 * 1024 * 1024;
@@ -33,7 +32,27 @@ pub struct Kept {
     read_only: bool,
     manifest: Mutex<Manifest>,
     /// What is wrong with the manifest itself.
-    complaint: Option<String>,
+    complaint: Option<Complaint>,
+}
+
+/// What is wrong with a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Complaint {
+    /// Its name, without its folder.
+    pub name: String,
+    /// What is wrong, and what is used instead.
+    pub said: Message,
+}
+
+impl Complaint {
+    /// Of a file of this path.
+    pub fn new(path: &Path, said: Message) -> Self {
+        let name = path.file_name().unwrap_or_default();
+        Self {
+            name: name.to_string_lossy().into_owned(),
+            said,
+        }
+    }
 }
 
 /// What a file is to become: a content, or nothing.
@@ -52,8 +71,8 @@ pub struct Change {
 pub struct Found {
     /// The content, of the file or of its copy; `None` if neither can be used.
     pub content: Option<Vec<u8>>,
-    /// What was wrong, as a sentence.
-    pub damage: Option<String>,
+    /// What was wrong.
+    pub damage: Option<Complaint>,
 }
 
 impl Kept {
@@ -71,9 +90,9 @@ impl Kept {
         }
     }
 
-    /// What is wrong with the manifest itself, as a sentence.
-    pub fn complaint(&self) -> Option<&str> {
-        self.complaint.as_deref()
+    /// What is wrong with the manifest itself.
+    pub const fn complaint(&self) -> Option<&Complaint> {
+        self.complaint.as_ref()
     }
 
     /// The names that the manifest has.
@@ -100,7 +119,7 @@ impl Kept {
                 };
             }
             None if found.is_none() => None,
-            None => Some("its checksum is wrong".to_owned()),
+            None => Some(say::file_checksum_wrong()),
             reason => reason,
         };
         let copy = read_plain(&self.folder.join(COPIES).join(name), largest)
@@ -112,39 +131,37 @@ impl Kept {
         // Whatever happens to it now, it is to be written anew.
         manifest.settle(name, None);
         Found {
-            damage: Some(self.sentence(&path, reason, copy.is_some())),
+            damage: Some(self.complain_of(&path, reason, copy.is_some())),
             content: copy,
         }
     }
 
-    /// Notes that what a good file says cannot be used; a sentence.
-    pub fn reject(&self, name: &str, reason: &str) -> String {
+    /// Notes that what a good file says cannot be used.
+    pub fn reject(&self, name: &str, reason: Message) -> Complaint {
         self.manifest().settle(name, None);
-        self.sentence(&self.folder.join(name), Some(reason.to_owned()), false)
+        self.complain_of(&self.folder.join(name), Some(reason), false)
     }
 
     /// What happened to a file (`reason`, or it is gone), and what is used instead.
-    fn sentence(&self, path: &Path, reason: Option<String>, copy: bool) -> String {
+    fn complain_of(&self, path: &Path, reason: Option<Message>, copy: bool) -> Complaint {
         let instead = match copy {
-            true => COPY_USED,
-            false => "there is no good copy of it: it is as delivered",
+            true => say::file_copy_used(),
+            false => say::file_as_delivered(),
         };
-        let Some(reason) = reason else {
-            return format!("{} is missing; {instead}", path.display());
-        };
-        let kept = match self.read_only {
-            true => String::new(),
-            false => match atomic::set_aside(path) {
-                Ok(kept) => format!("; it is kept as {}", kept.display()),
-                Err(error) => format!("; it cannot be renamed ({error})"),
+        let shown = path.display();
+        let said = match reason {
+            None => say::file_missing(shown, instead),
+            Some(reason) if self.read_only => say::file_damaged(shown, reason, instead),
+            Some(reason) => match atomic::set_aside(path) {
+                Ok(kept) => say::file_damaged_kept(shown, reason, kept.display(), instead),
+                Err(error) => say::file_damaged_not_renamed(shown, reason, error, instead),
             },
         };
-        format!("{} is damaged ({reason}){kept}; {instead}", path.display())
+        Complaint::new(path, said)
     }
 
-    /// Writes what is not so yet, each file for itself; the sentences say what could
-    /// not be written.
-    pub fn commit(&self, changes: Vec<Change>) -> Vec<String> {
+    /// Writes what is not so yet, each file for itself; what could not be written.
+    pub fn commit(&self, changes: Vec<Change>) -> Vec<Message> {
         let mut manifest = self.manifest();
         let changes: Vec<(Change, State)> = changes
             .into_iter()
@@ -185,7 +202,7 @@ impl Kept {
         failures
     }
 
-    fn make(&self, change: &Change) -> Result<(), String> {
+    fn make(&self, change: &Change) -> Result<(), Message> {
         let path = self.folder.join(&change.name);
         let copy = self.folder.join(COPIES).join(&change.name);
         let Some(content) = &change.content else {
@@ -196,12 +213,12 @@ impl Kept {
     }
 
     /// A manifest that cannot be written must not speak against the files that can.
-    fn write_manifest(&self, manifest: &Manifest) -> Result<(), String> {
+    fn write_manifest(&self, manifest: &Manifest) -> Result<(), Message> {
         let (path, copy) = (
             self.folder.join(MANIFEST),
             self.folder.join(COPIES).join(MANIFEST),
         );
-        let text = manifest.to_text().map_err(|error| error.to_string())?;
+        let text = manifest.to_text().map_err(say::as_written)?;
         let written = write(&path, text.as_bytes(), Readers::Any)
             .and_then(|()| write(&copy, text.as_bytes(), Readers::Any));
         if written.is_err() {
@@ -216,8 +233,8 @@ impl Kept {
     }
 }
 
-/// The manifest or its copy; with a sentence if one of them is damaged.
-fn read_manifest(folder: &Path) -> Result<Manifest, (Manifest, String)> {
+/// The manifest or its copy; with what is wrong if one of them is damaged.
+fn read_manifest(folder: &Path) -> Result<Manifest, (Manifest, Complaint)> {
     let read = |path: &Path| match read_plain(path, LARGEST_MANIFEST) {
         Ok(None) => Ok(None),
         Ok(Some(bytes)) => String::from_utf8(bytes)
@@ -234,55 +251,53 @@ fn read_manifest(folder: &Path) -> Result<Manifest, (Manifest, String)> {
         // A directory of a version without manifest, or a new one.
         (Ok(None), Ok(None)) => Ok(Manifest::default()),
         (main, Ok(Some(manifest))) => {
+            let (shown, instead) = (path.display(), say::file_copy_used());
             let said = match main {
-                Ok(_) => format!("{} is missing; {COPY_USED}", path.display()),
-                Err(()) => format!("{} is damaged (checksum); {COPY_USED}", path.display()),
+                Ok(_) => say::file_missing(shown, instead),
+                Err(()) => say::file_damaged(shown, say::file_checksum(), instead),
             };
-            Err((manifest, said))
+            Err((manifest, Complaint::new(&path, said)))
         }
         (_, _) => {
-            let said = format!(
-                "{} is damaged, and so is its copy: what is missing or damaged here cannot be told",
-                path.display()
-            );
-            Err((Manifest::default(), said))
+            let said = say::file_and_copy_damaged(path.display());
+            Err((Manifest::default(), Complaint::new(&path, said)))
         }
     }
 }
 
 /// Reads a plain file; `None` if there is none.
-fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, String> {
+fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, Message> {
     let facts = match fs::metadata(path) {
         Ok(facts) => facts,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.to_string()),
+        Err(error) => return Err(say::as_written(error)),
     };
     // A pipe would be waited for.
     if !facts.is_file() {
-        return Err("it is no plain file".to_owned());
+        return Err(say::file_not_plain());
     }
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
-        .map_err(|error| error.to_string())?;
+        .map_err(say::as_written)?;
     if bytes.len() as u64 > largest {
-        return Err(format!("it is larger than {largest} bytes"));
+        return Err(say::file_larger_than(largest));
     }
     Ok(Some(bytes))
 }
 
-fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), String> {
-    let said = |error| format!("{} cannot be written: {error}", path.display());
+fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), Message> {
+    let said = |error| say::file_not_written(path.display(), error);
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(said)?;
     }
     atomic::write_for(path, bytes, readers).map_err(said)
 }
 
-fn remove(path: &Path) -> Result<(), String> {
+fn remove(path: &Path) -> Result<(), Message> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
-            Err(format!("{} cannot be deleted: {error}", path.display()))
+            Err(say::file_not_deleted(path.display(), error))
         }
         _ => Ok(()),
     }
@@ -309,7 +324,7 @@ mod tests {
             .iter()
             .map(|(name, text)| change(name, text))
             .collect();
-        assert_eq!(Kept::open(&folder, false).commit(changes), [""; 0]);
+        assert_eq!(Kept::open(&folder, false).commit(changes), []);
         folder
     }
 
@@ -331,12 +346,12 @@ mod tests {
             let kept = Kept::open(&folder, false);
             let found = kept.read("a.ron", LARGEST);
             assert_eq!(found.content.as_deref(), Some(b"(24: 584)".as_slice()));
-            let sentence = found.damage.unwrap();
+            let sentence = found.damage.unwrap().said.to_string();
             assert!(sentence.contains(said), "{sentence}");
             assert!(sentence.contains("last good copy is used"), "{sentence}");
             assert_eq!(kept.read("b.ron", LARGEST).damage, None);
             // It is said once: the next saving writes the file anew.
-            assert_eq!(kept.commit(vec![change("a.ron", "(24: 584)")]), [""; 0]);
+            assert_eq!(kept.commit(vec![change("a.ron", "(24: 584)")]), []);
             assert_eq!(
                 Kept::open(&folder, false).read("a.ron", LARGEST).damage,
                 None
@@ -368,7 +383,8 @@ mod tests {
         let kept = Kept::open(&folder, false);
         let failures = kept.commit(vec![change("a", "2"), change("b", "2"), change("c", "2")]);
         assert_eq!(failures.len(), 1, "{failures:?}");
-        assert!(failures[0].contains("b cannot be written"), "{failures:?}");
+        let said = failures[0].to_string();
+        assert!(said.contains("b cannot be written"), "{said}");
         for name in ["a", "c"] {
             assert_eq!(fs::read(folder.join(name)).unwrap(), b"2");
             assert_eq!(Kept::open(&folder, false).read(name, LARGEST).damage, None);
@@ -381,7 +397,8 @@ mod tests {
         let folder = folder_with("kept-manifest", &[("a", "1")]);
         fs::write(folder.join("manifest.ron"), "// 0\n").unwrap();
         let kept = Kept::open(&folder, false);
-        assert!(kept.complaint().unwrap().contains("is damaged"));
+        let said = kept.complaint().unwrap().said.to_string();
+        assert!(said.contains("is damaged"), "{said}");
         fs::write(folder.join("a"), "2").unwrap();
         assert!(kept.read("a", LARGEST).damage.is_some());
         fs::remove_dir_all(folder).unwrap();
@@ -413,7 +430,7 @@ mod tests {
             [old.clone(), old, None]
         );
         let changes = vec![change("a", "new"), deletion("b"), deletion("c")];
-        assert_eq!(kept.commit(changes), [""; 0]);
+        assert_eq!(kept.commit(changes), []);
         for place in [folder.clone(), folder.join(COPIES)] {
             assert_eq!(fs::read(place.join("a")).unwrap(), b"new");
             assert!(!place.join("b").exists() && !place.join("c").exists());
@@ -432,7 +449,8 @@ mod tests {
             .status();
         assert!(made.unwrap().success());
         let found = Kept::open(&folder, false).read("a", LARGEST);
-        assert!(found.damage.unwrap().contains("no plain file"));
+        let said = found.damage.unwrap().said.to_string();
+        assert!(said.contains("no plain file"), "{said}");
         assert_eq!(found.content.as_deref(), Some(b"1".as_slice()));
         fs::remove_dir_all(folder).unwrap();
     }

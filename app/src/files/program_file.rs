@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use gsk_messages::{Message, say};
+
 use super::decode::{self, DecodeError, Encoding};
 
 /// The largest program file that is read.
@@ -19,14 +21,14 @@ pub struct ProgramFile {
     /// What it was written in.
     pub encoding: Encoding,
     /// What the user should know about how it was read.
-    pub notices: Vec<String>,
+    pub notices: Vec<Message>,
 }
 
-/// Why a program could not be read, as a sentence that names the file.
+/// Why a program could not be read; it names the file.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum FileError {
     /// The system refused.
-    #[error("{}: {}", .path.display(), plain_reason(.source))]
     System {
         /// The file.
         path: PathBuf,
@@ -34,25 +36,21 @@ pub enum FileError {
         source: io::Error,
     },
     /// Not a plain file.
-    #[error("{} is a folder, not a program", .path.display())]
     Folder {
         /// The folder.
         path: PathBuf,
     },
     /// Nothing in it.
-    #[error("{} is empty: there is no program in it", .path.display())]
     Empty {
         /// The file.
         path: PathBuf,
     },
     /// Above [`LARGEST_BYTES`].
-    #[error("{} is larger than 256 MB: a program of that size is not read", .path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
     },
     /// Not text.
-    #[error("{}: {source}", .path.display())]
     NotText {
         /// The file.
         path: PathBuf,
@@ -61,11 +59,26 @@ pub enum FileError {
     },
 }
 
-fn plain_reason(error: &io::Error) -> String {
+impl FileError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::System { path, source } => {
+                say::subject_reason(path.display(), plain_reason(source))
+            }
+            Self::Folder { path } => say::file_is_folder(path.display()),
+            Self::Empty { path } => say::file_is_empty(path.display()),
+            Self::TooLarge { path } => say::file_too_large(path.display()),
+            Self::NotText { path, source } => say::subject_reason(path.display(), source.message()),
+        }
+    }
+}
+
+fn plain_reason(error: &io::Error) -> Message {
     match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file".to_owned(),
-        io::ErrorKind::PermissionDenied => "no permission to read it".to_owned(),
-        _ => error.to_string(),
+        io::ErrorKind::NotFound => say::file_not_there(),
+        io::ErrorKind::PermissionDenied => say::file_no_permission(),
+        _ => say::as_written(error),
     }
 }
 
@@ -83,10 +96,7 @@ pub fn read(path: &Path) -> Result<ProgramFile, FileError> {
     }
     let mut notices = Vec::new();
     if let Some(line) = decode::full_width_line(&decoded.text) {
-        notices.push(format!(
-            "{}: full-width characters outside comments (first in line {line}) are read as ASCII",
-            path.display()
-        ));
+        notices.push(say::file_full_width(path.display(), line));
     }
     Ok(ProgramFile {
         path: path.to_owned(),

@@ -16,7 +16,7 @@ pub enum Kind {
     End,
     /// From the holder: the port is open.
     Open,
-    /// From the holder: it is not, and why.
+    /// From the holder: it is not, and why: a message as JSON.
     Refused,
     /// From the holder: the port failed with this error of the system, four bytes.
     Gone,

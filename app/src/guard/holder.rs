@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use gsk_messages::Message;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::flag;
@@ -41,8 +42,15 @@ enum Gone {
 
 /// Standard input is no program that wants a port held.
 #[derive(Debug, thiserror::Error)]
-#[error("the program starts this by itself, to hold the port of a board ({0})")]
+#[error("{}", self.message())]
 pub struct NoProgram(io::Error);
+
+impl NoProgram {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        gsk_messages::say::port_no_holder_wanted(&self.0)
+    }
+}
 
 /// Opens a port and holds it until the program at standard input is gone.
 ///
@@ -62,7 +70,9 @@ pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
     let (inward, mut port) = match opened {
         Ok(opened) => opened,
         Err(cause) => {
-            let _ = say(&mut partner, Kind::Refused, cause.to_string().as_bytes());
+            // The program speaks the language of its user, and not this one.
+            let said = serde_json::to_vec(&cause.message()).unwrap_or_default();
+            let _ = say(&mut partner, Kind::Refused, &said);
             return Ok(());
         }
     };

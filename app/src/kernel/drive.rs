@@ -11,9 +11,10 @@ use gsk_core::command::ProgramId;
 use gsk_core::linked::{Linked, Note, Stamp};
 use gsk_core::simulation::Simulation;
 use gsk_link::{Difference, LinkConfig, LinkState};
+use gsk_messages::{Message, say};
 
 use super::Snapshot;
-use super::link_view::LinkView;
+use super::link_view::{LinkView, PositionCheck};
 use crate::carrier::{Carrier, Line};
 use crate::files::{atomic, time::utc};
 use crate::ports;
@@ -96,9 +97,9 @@ pub(super) struct Drive {
     away: Away,
     reports: u64,
     differences: Vec<Difference>,
-    log: VecDeque<String>,
-    /// Sentences for the operator.
-    said: Vec<String>,
+    log: VecDeque<PositionCheck>,
+    /// For the operator.
+    said: Vec<Message>,
 }
 
 impl core::fmt::Debug for Drive {
@@ -179,7 +180,7 @@ impl Drive {
                 self.carrier = None;
                 let cause = ports::gone(&error);
                 tracing::error!("{cause}");
-                self.linked.lost(&cause);
+                self.linked.lost(&cause.to_string());
                 Vec::new()
             }
             None => Vec::new(),
@@ -270,18 +271,24 @@ impl Drive {
                     Some(_) => file_name(program.unwrap_or("-")),
                     None => "-".to_owned(),
                 };
-                let counted = counted.map_or("X - Z -".to_owned(), |counted| {
-                    format!("X {} Z {}", counted.x.0, counted.z.0)
-                });
-                let result = if agrees { "agrees" } else { "DIFFERS" };
-                let line = format!(
-                    "{} {name} commanded X {} Z {} counted {counted} {result}",
+                let [x, z] =
+                    counted.map_or([None; 2], |counted| [Some(counted.x), Some(counted.z)]);
+                let [x, z] = [x, z].map(|it| it.map_or("-".to_owned(), |it| it.0.to_string()));
+                let result = match agrees {
+                    true => say::counts_agree(),
+                    false => say::counts_differ(),
+                };
+                let said = say::position_check(
                     utc(SystemTime::now()),
+                    name,
                     commanded.x.0,
-                    commanded.z.0
+                    commanded.z.0,
+                    x,
+                    z,
+                    result,
                 );
-                self.write_log(&line);
-                keep(&mut self.log, [line], LOG_LINES);
+                self.write_log(&said.to_string());
+                keep(&mut self.log, [PositionCheck { said, agrees }], LOG_LINES);
             }
         }
     }
@@ -308,14 +315,15 @@ impl Drive {
         let file = OpenOptions::new().create(true).append(true).open(path);
         if let Err(error) = file.and_then(|mut file| writeln!(file, "{line}")) {
             tracing::error!("{}: {error}", path.display());
-            self.said.push(format!("{}: {error}", path.display()));
+            let said = say::subject_reason(path.display(), say::as_written(error));
+            self.said.push(said);
             // Said once; the position check goes on without its log.
             self.connection.log = None;
         }
     }
 
     /// What the operator should read.
-    pub fn said(&mut self) -> Vec<String> {
+    pub fn said(&mut self) -> Vec<Message> {
         core::mem::take(&mut self.said)
     }
 

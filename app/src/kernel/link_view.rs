@@ -7,7 +7,18 @@ use gsk_link::{
     BoardInfo, BoardOutputs, Difference, Input, LinkState, Output, Protocol, SpindleView, Traffic,
 };
 
+use gsk_messages::Message;
+
 use crate::carrier::Line;
+
+/// A comparison of the board's count with the commanded pulses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PositionCheck {
+    /// When, after which program, and both counts.
+    pub said: Message,
+    /// Whether they are the same.
+    pub agrees: bool,
+}
 
 /// The link at one moment. Taken only while somebody asks for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,5 +64,5 @@ pub struct LinkView {
     /// The last 200 lines on the wire, the newest last.
     pub exchanges: Vec<Line>,
     /// The last lines of the log, the newest last.
-    pub log: Vec<String>,
+    pub log: Vec<PositionCheck>,
 }

@@ -82,7 +82,7 @@ impl Kernel {
             shown = true;
         }
         for said in drive.said() {
-            self.say(Notice::Said(said.into()));
+            self.say(Notice::Said(said));
             shown = true;
         }
         // The state is the board's of now, also while no motion is made.

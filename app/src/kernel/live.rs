@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::simulation::Simulation;
 use gsk_link::LinkState;
+use gsk_messages::{Message, say};
 use gsk_runner::board::PulseBoard;
 
 use super::Connection;
@@ -24,19 +25,28 @@ const STANDS_WITHIN: u32 = 2000;
 
 /// Why a board cannot be worked with.
 #[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NotReady {
     /// The end was asked for.
-    #[error("ended before the board was known")]
     Asked,
     /// It raises an alarm.
-    #[error("the board is not ready: {0}")]
-    Refused(String),
+    Refused(Message),
     /// Its settings differ.
-    #[error("{0}; `gsk980td link test --write-settings` writes them into the board")]
-    Settings(Alarm),
+    Settings(Box<Alarm>),
     /// It says nothing.
-    #[error("the board is not ready: it does not answer in time")]
     Silent,
+}
+
+impl NotReady {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Asked => say::link_ended_unknown(),
+            Self::Refused(why) => say::link_board_not_ready(why.clone()),
+            Self::Settings(alarm) => say::link_settings_differ(alarm),
+            Self::Silent => say::link_board_silent(),
+        }
+    }
 }
 
 /// The board of a control without a window. Dropped without [`Live::close`] it stops.
@@ -93,10 +103,10 @@ impl Live {
                 (LinkState::Locked | LinkState::Tripped | LinkState::Ready, _) => return Ok(()),
                 (LinkState::Fault | LinkState::Lost, alarm) => {
                     let why = alarm.map_or_else(String::new, |alarm| alarm.to_string());
-                    return Err(NotReady::Refused(why));
+                    return Err(NotReady::Refused(why.into()));
                 }
                 (LinkState::Configure, Some(alarm)) if alarm.number == number::BOARD_SETTINGS => {
-                    return Err(NotReady::Settings(alarm));
+                    return Err(NotReady::Settings(Box::new(alarm)));
                 }
                 _ => {}
             }

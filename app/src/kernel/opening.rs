@@ -7,6 +7,7 @@ use gsk_core::command::ProgramId;
 use gsk_core::memory::Refusal;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
+use gsk_messages::say;
 use tracing::info;
 
 use super::{Kernel, Notice, Opened, Storing};
@@ -45,9 +46,8 @@ impl Kernel {
     pub(super) fn open(&mut self, opened: Opened) {
         let run_state = self.emulator.simulation.cnc.run_state();
         if matches!(run_state, RunState::Run | RunState::Hold) {
-            let name = &opened.name;
-            let why = format!("{name}: a program is running: open it after [RESET]");
-            self.say(Notice::Said(why.into()));
+            let why = say::program_opened_after_reset(&opened.name);
+            self.say(Notice::Said(why));
             return;
         }
         let program = numbered(&opened);

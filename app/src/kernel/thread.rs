@@ -5,6 +5,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{RecvTimeoutError, TryRecvError};
+use gsk_messages::say;
 use tracing::error;
 
 use super::journal::Journal;
@@ -57,7 +58,7 @@ impl KernelThread {
         // The queue may be full: the kernel empties it.
         let _ = self.console.commands.send(Command::Quit);
         if thread.join().is_err() {
-            complain!("gsk980td: the kernel thread ended with an error");
+            complain!("gsk980td: {}", say::kernel_thread_failed());
         }
     }
 }
@@ -128,7 +129,7 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
             keeper.look(&kernel.emulator);
             for complaint in keeper.complaints() {
                 error!("not saved: {complaint}");
-                kernel.say(Notice::Said(complaint.into()));
+                kernel.say(Notice::Said(complaint));
                 (outside.wake)();
             }
         }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 use crossbeam::channel::{Receiver, Sender, bounded};
+use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 
 use super::snapshot::Snapshot;
@@ -27,7 +28,7 @@ pub struct Keeper {
     last: Snapshot,
     looks: u32,
     pub(super) to_disk: Option<Sender<Job>>,
-    complaints: Receiver<String>,
+    complaints: Receiver<Message>,
     pub(super) thread: Option<JoinHandle<()>>,
 }
 
@@ -112,7 +113,7 @@ impl Keeper {
     }
 
     /// What could not be saved, since the last call.
-    pub fn complaints(&self) -> Vec<String> {
+    pub fn complaints(&self) -> Vec<Message> {
         self.complaints.try_iter().collect()
     }
 

@@ -16,6 +16,7 @@ use gsk_core::command::ProgramId;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::{PerAxis, Point};
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::PanelRetained;
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,8 @@ use writer::Writer;
 
 use crate::files::data_dir::{DataDir, Loaded};
 use crate::files::decode::Encoding;
+use crate::files::kept::Complaint;
+use crate::saying;
 
 /// Where the slides stand, and what the display says of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,13 +42,25 @@ pub struct Standing {
     pub zero_kept: PerAxis<bool>,
 }
 
+/// What could not be saved, one a line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
+pub struct NotSaved(pub Vec<Message>);
+
+impl NotSaved {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        saying::lines(self.0.iter().cloned())
+    }
+}
+
 /// What a data directory held.
 #[derive(Debug)]
 pub struct Restored {
     /// The encodings of the programs, to be written back the same way.
     encodings: BTreeMap<u16, Encoding>,
-    /// Sentences about damaged files.
-    pub complaints: Vec<String>,
+    /// What is wrong with damaged files.
+    pub complaints: Vec<Message>,
     /// Where the slides stood.
     pub standing: Option<Standing>,
     /// What the panel kept.
@@ -82,7 +97,7 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
     take(data.load("standing"), &mut standing, &mut complaints);
     let mut panel = None;
     take(data.load("panel"), &mut panel, &mut complaints);
-    complaints.extend(data.complaint().map(str::to_owned));
+    complaints.extend(data.complaint().cloned());
     setup.plc_retained = value(data.load("plc"), &mut complaints);
     if let Some(ladder) = value(data.ladder(), &mut complaints) {
         setup.ladder = Arc::new(ladder);
@@ -100,17 +115,20 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
             Ok(number) => {
                 encodings.insert(number, stored.encoding);
             }
-            Err(alarm) => complaints.push(format!("O{:04}: {}", stored.number, alarm.line_text())),
+            Err(alarm) => complaints.push(Complaint {
+                name: format!("O{:04}", stored.number),
+                said: say::stored_program_reason(stored.number, saying::reason(&alarm)),
+            }),
         }
     }
     if let Some(number) = selected {
         setup.memory.programs.select(ProgramId::Stored(number));
     }
     if !complaints.is_empty() {
-        let names = damaged_names(&complaints);
+        let names: Vec<&str> = complaints.iter().map(|it| it.name.as_str()).collect();
         setup
             .alarms
-            .push(Alarm::new(number::MEMORY_DAMAGED).because(names));
+            .push(Alarm::new(number::MEMORY_DAMAGED).because(names.join(", ")));
     }
     if !data.interrupted().is_empty() {
         let names = data.interrupted().join(", ");
@@ -120,29 +138,20 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
     }
     Restored {
         encodings,
-        complaints,
+        complaints: complaints.into_iter().map(|it| it.said).collect(),
         standing,
         panel,
     }
 }
 
-/// The names of the files that the sentences are about.
-fn damaged_names(complaints: &[String]) -> String {
-    let names = complaints.iter().map(|said| {
-        let (path, _) = said.split_once(" is ").unwrap_or((said, ""));
-        path.rsplit(['/', '\\']).next().unwrap_or(path)
-    });
-    names.collect::<Vec<_>>().join(", ")
-}
-
-fn take<T>(loaded: Loaded<T>, place: &mut T, complaints: &mut Vec<String>) {
+fn take<T>(loaded: Loaded<T>, place: &mut T, complaints: &mut Vec<Complaint>) {
     if let Some(value) = value(loaded, complaints) {
         *place = value;
     }
 }
 
 /// What was loaded, if anything; what was wrong with it is added to the complaints.
-fn value<T>(loaded: Loaded<T>, complaints: &mut Vec<String>) -> Option<T> {
+fn value<T>(loaded: Loaded<T>, complaints: &mut Vec<Complaint>) -> Option<T> {
     match loaded {
         Loaded::Value(value) => Some(value),
         Loaded::Recovered(value, said) => {
@@ -160,30 +169,30 @@ fn value<T>(loaded: Loaded<T>, complaints: &mut Vec<String>) -> Option<T> {
 /// Writes the memory of a control into its directory, once.
 ///
 /// # Errors
-/// What could not be written, a sentence a line; the rest is.
-pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), String> {
+/// What could not be written; the rest is.
+pub fn save(data: DataDir, restored: &Restored, cnc: &Cnc) -> Result<(), NotSaved> {
     save_once(data, restored, &Snapshot::of(cnc))
 }
 
 /// Writes the memory of a whole emulator into its directory, once.
 ///
 /// # Errors
-/// What could not be written, a sentence a line; the rest is.
+/// What could not be written; the rest is.
 pub fn save_emulator(
     data: DataDir,
     restored: &Restored,
     emulator: &Emulator,
-) -> Result<(), String> {
+) -> Result<(), NotSaved> {
     save_once(data, restored, &Snapshot::of_emulator(emulator))
 }
 
-fn save_once(data: DataDir, restored: &Restored, now: &Snapshot) -> Result<(), String> {
+fn save_once(data: DataDir, restored: &Restored, now: &Snapshot) -> Result<(), NotSaved> {
     // Only the window loads another ladder.
     let ladder = Arc::clone(&now.ladder);
     let failures = Writer::new(Arc::new(data), restored, ladder).write(now);
     if failures.is_empty() {
         Ok(())
     } else {
-        Err(failures.join("\n"))
+        Err(NotSaved(failures))
     }
 }

@@ -6,6 +6,7 @@ use gsk_core::battery::Memory;
 use gsk_core::cnc::Cnc;
 use gsk_core::command::ProgramId;
 use gsk_core::plc::{Ladder, Retained as PlcRetained};
+use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::PanelRetained;
 use serde::Serialize;
@@ -13,7 +14,7 @@ use serde::de::DeserializeOwned;
 
 use super::{Standing, take};
 use crate::files::data_dir::{DataDir, as_ron};
-use crate::files::kept::Change;
+use crate::files::kept::{Change, Complaint};
 
 /// Everything that survives power-off.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,21 +69,21 @@ impl Snapshot {
 /// A part of the memory that has a file of its own.
 pub(super) trait Part {
     /// Takes on what the file holds; what is wrong with it is added to the complaints.
-    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<String>);
+    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<Complaint>);
 
     /// The file.
     ///
     /// # Errors
-    /// A sentence that says why it cannot be written down.
-    fn file(&self, name: &str) -> Result<Change, String>;
+    /// Why it cannot be written down.
+    fn file(&self, name: &str) -> Result<Change, Message>;
 }
 
 impl<T: Serialize + DeserializeOwned> Part for T {
-    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<String>) {
+    fn load(&mut self, data: &DataDir, name: &str, complaints: &mut Vec<Complaint>) {
         take(data.load(name), self, complaints);
     }
 
-    fn file(&self, name: &str) -> Result<Change, String> {
+    fn file(&self, name: &str) -> Result<Change, Message> {
         as_ron(name, self)
     }
 }

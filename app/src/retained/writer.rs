@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use gsk_core::plc::Ladder;
+use gsk_messages::Message;
 
 use super::Restored;
 use super::snapshot::{Snapshot, parts};
@@ -31,8 +32,8 @@ impl Writer {
         }
     }
 
-    /// Writes each file for itself; what could not be written, as sentences.
-    pub(super) fn write(&mut self, now: &Snapshot) -> Vec<String> {
+    /// Writes each file for itself; what could not be written.
+    pub(super) fn write(&mut self, now: &Snapshot) -> Vec<Message> {
         let mut changes = Vec::new();
         let mut failures = Vec::new();
         for change in Self::values(now) {
@@ -68,7 +69,7 @@ impl Writer {
     }
 
     /// The files of values. What only the window knows is left as it is without one.
-    fn values(now: &Snapshot) -> Vec<Result<Change, String>> {
+    fn values(now: &Snapshot) -> Vec<Result<Change, Message>> {
         let mut memory = now.memory.clone();
         let mut values: Vec<_> = parts(&mut memory)
             .into_iter()

@@ -127,7 +127,7 @@ impl App {
         let mut window = Window::new(console, settings.clone());
         window.paint_panel();
         if !restored.complaints.is_empty() {
-            window.say(restored.complaints.join("; "));
+            window.say(say::several(restored.complaints));
         }
         if let Some(path) = program {
             window.open(context, path);

@@ -82,9 +82,8 @@ impl Opener {
         if transfer::is_data(path) {
             match transfer::read(path) {
                 Ok(file) => self.console.send(Command::Receive(Box::new(file))),
-                Err(said) => {
-                    let said = said.to_string();
-                    let _ = self.console.say.try_send(Notice::Said(said.into()));
+                Err(error) => {
+                    let _ = self.console.say.try_send(Notice::Said(error.message()));
                 }
             }
             return;
@@ -93,12 +92,11 @@ impl Opener {
             Ok((opened, notices)) => {
                 self.hand_over(opened);
                 for notice in notices {
-                    let _ = self.console.say.try_send(Notice::Said(notice.into()));
+                    let _ = self.console.say.try_send(Notice::Said(notice));
                 }
             }
-            Err(said) => {
-                let said = said.to_string();
-                let _ = self.console.say.try_send(Notice::Said(said.into()));
+            Err(error) => {
+                let _ = self.console.say.try_send(Notice::Said(error.message()));
             }
         }
     }
@@ -141,7 +139,7 @@ impl Opener {
 }
 
 /// Reads a program and its subprograms.
-pub fn read(path: &Path) -> Result<(Opened, Vec<String>), LoadError> {
+pub fn read(path: &Path) -> Result<(Opened, Vec<Message>), LoadError> {
     let mut programs = ProgramMemory::default();
     let (program, notices) = loading::open_into(&mut programs, path, &[])?;
     let subprograms = programs

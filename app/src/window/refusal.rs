@@ -5,14 +5,13 @@ use eframe::egui::{self, Button};
 
 use super::{TITLE, fonts};
 use gsk_messages::{Language, Message, say};
-use gsk_runner::chinese;
 
 /// Size of the dialog, points.
 const SIZE: [f32; 2] = [560.0, 230.0];
 
-/// Shows a sentence until it is closed: in a language, or in both when none was chosen.
+/// Shows a message until it is closed: in a language, or in both when none was chosen.
 /// Without a display nothing is shown.
-pub fn tell(said: &str, language: Option<Language>) {
+pub fn tell(said: &Message, language: Option<Language>) {
     let sentences = sentences(said, language);
     let viewport = egui::ViewportBuilder::default()
         .with_title(TITLE)
@@ -35,15 +34,13 @@ pub fn tell(said: &str, language: Option<Language>) {
     );
 }
 
-fn sentences(said: &str, language: Option<Language>) -> Vec<String> {
+fn sentences(said: &Message, language: Option<Language>) -> Vec<String> {
     let languages = match language {
         Some(language) => vec![language],
         None => vec![Language::Zh, Language::En],
     };
     let sentences = languages.into_iter();
-    let mut sentences: Vec<String> = sentences
-        .map(|language| chinese::say(said, language).into_owned())
-        .collect();
+    let mut sentences: Vec<String> = sentences.map(|language| said.text(language)).collect();
     sentences.dedup();
     sentences
 }
@@ -98,11 +95,11 @@ mod tests {
             DataError::Unusable { path, source },
             DataError::NoDefault,
         ] {
-            let said = error.to_string();
+            let said = error.message();
             let both = sentences(&said, None);
             assert_eq!(both.len(), 2, "no Chinese for: {said}");
-            assert_eq!(sentences(&said, Some(Language::En)), [said]);
-            assert_eq!(sentences(&both[1], Some(Language::Zh)), both[..1]);
+            assert_eq!(sentences(&said, Some(Language::En)), [error.to_string()]);
+            assert_eq!(sentences(&said, Some(Language::Zh)), both[..1]);
         }
     }
 }

@@ -185,3 +185,38 @@ fn a_start_beyond_the_slide_is_counted_from_the_work_zero() {
         serde_json::json!([-60.0, -148.0])
     );
 }
+
+#[test]
+fn what_is_wrong_with_files_and_options_is_said_in_the_language_of_the_look() {
+    let program = Scratch::new("wide.nc", "Ｇ00 X1\nM30\n".as_bytes());
+    let machine = Scratch::new("no-lathe.ron", b"(x: (ends: (5.0, -5.0)))");
+    let gone = format!("{}-gone", program.path());
+    for (arguments, english, chinese) in [
+        (
+            vec!["check", program.path()],
+            "(first in line 1) are read as ASCII",
+            "(最先在第 1 行) 按 ASCII 读入",
+        ),
+        (vec!["check", &gone], "there is no such file", "没有该文件"),
+        (
+            vec!["plot", program.path(), "-o", "a.gif"],
+            "a picture's name ends in .png or .svg",
+            "图片的名称以 .png 或 .svg 结尾",
+        ),
+        (
+            vec!["check", program.path(), "--machine", machine.path()],
+            "the machine file ",
+            "机床文件 ",
+        ),
+        (
+            vec!["check", program.path(), "--input", "Y1.0=1"],
+            "only inputs X0.0 to X29.7 can be held",
+            "只能强制输入 X0.0 至 X29.7",
+        ),
+    ] {
+        for (language, words) in [("en", english), ("zh", chinese)] {
+            let (_, _, err) = said(&[&arguments[..], &["--lang", language]].concat());
+            assert!(err.contains(words), "{arguments:?} {err}");
+        }
+    }
+}

@@ -3,6 +3,7 @@
 
 mod additional;
 
+use gsk_messages::{Language, say};
 use tiny_skia::{
     Color, FillRule, FilterQuality, GradientStop, IntRect, LinearGradient, Paint, Path,
     PathBuilder, Pixmap, PixmapPaint, PixmapRef, Point, RadialGradient, Shader, SpreadMode, Stroke,
@@ -15,9 +16,8 @@ use crate::glyphs::text_columns;
 use crate::keys::{Bit, Key, Role, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
-/// What stands on the panel of a simulated machine, and of a real one.
-const EMULATOR: &str = "仿真器  EMULATOR";
-const REAL_MOTION: [&str; 2] = ["真实机床", "REAL MOTION"];
+/// The languages of what stands on the panel: it is printed in both.
+const BOTH: [Language; 2] = [Language::Zh, Language::En];
 
 /// Largest scale of [`paint`].
 const MOST_SCALE: f32 = 8.0;
@@ -135,7 +135,8 @@ impl Painter {
             What::Handwheel => self.handwheel(part, state.wheel),
             What::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
             What::Emulator if !state.real => {
-                self.text(EMULATOR, LINE_HEIGHT, part.rect, part.colour.rgb());
+                let text = BOTH.map(|language| say::panel_emulator().text(language));
+                self.text(&text.join("  "), LINE_HEIGHT, part.rect, part.colour.rgb());
             }
             What::RealMotion if state.real => self.real_motion(part),
             What::Emulator | What::RealMotion => {}
@@ -161,7 +162,8 @@ impl Painter {
             self.fill_flat(&path, opaque(part.colour.rgb()));
             self.line(&path, faint(255, 0.8), 1.5);
         }
-        for (line, text) in REAL_MOTION.into_iter().enumerate() {
+        let texts = BOTH.map(|language| say::window_real_motion().text(language));
+        for (line, text) in texts.iter().enumerate() {
             let half = Rect::new(x, y + line as f32 * h / 2.0, w, h / 2.0);
             self.text(text, h / 2.0, half, part.colour.ink());
         }

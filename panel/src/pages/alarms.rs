@@ -37,7 +37,7 @@ fn line(alarm: &Alarm, language: Language) -> String {
     };
     match &alarm.detail {
         Some(detail) if groups::is_of_memory(alarm.number) => {
-            format!("{line}({detail})")
+            format!("{line}({})", detail.text(language))
         }
         _ => line,
     }

@@ -5,6 +5,7 @@ use core::ops::RangeInclusive;
 use gsk_core::operation::Mode;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
 use gsk_core::units::Point;
+use gsk_messages::{Message, say};
 
 use crate::emulator::{Emulator, folded};
 use crate::keys::Bit;
@@ -53,37 +54,47 @@ pub enum Expect {
 
 /// What is there instead of what was expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum Unmet {
     /// A row of the LCD.
-    #[error("row {0} reads \"{1}\"")]
     Row(usize, String),
     /// Coordinates as the display counts them.
-    #[error("the coordinates are {0:.3} {1:.3}")]
     Position(f64, f64),
     /// Places of the slides, X as a diameter.
-    #[error("the slides stand at {0:.3} {1:.3}")]
     Slides(f64, f64),
     /// Pulses given to the drives.
-    #[error("the pulses are {0} {1}")]
     Pulses(i64, i64),
     /// The analogue output for the spindle.
-    #[error("the output is {0:.3} V")]
     Volts(f64),
     /// A lamp.
-    #[error("the lamp {0} is {1}")]
     Lamp(String, &'static str),
     /// Alarms and messages that stand.
-    #[error("{0}")]
-    Alarms(String),
+    Alarms(Vec<String>),
     /// The mode.
-    #[error("the mode is {0}")]
     Mode(&'static str),
     /// A bit of PLC memory.
-    #[error("{0} is {1}")]
     Bit(BitAddress, u8),
     /// A byte or entry of PLC memory.
-    #[error("{0} is {1}")]
     Value(ByteAddress, i32),
+}
+
+impl Unmet {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Row(row, text) => say::script_row_reads(row, text),
+            Self::Position(x, z) => say::script_position_is(x, z),
+            Self::Slides(x, z) => say::script_slides_stand(x, z),
+            Self::Pulses(x, z) => say::script_pulses_are(x, z),
+            Self::Volts(volts) => say::script_volts_are(volts),
+            Self::Lamp(lamp, state) => say::script_lamp_is(lamp, state),
+            Self::Alarms(alarms) if alarms.is_empty() => say::script_no_alarm_stands(),
+            Self::Alarms(alarms) => say::script_alarms(alarms.join(" | ")),
+            Self::Mode(mode) => say::script_mode_is(mode),
+            Self::Bit(address, value) => say::script_value_is(address, value),
+            Self::Value(address, value) => say::script_value_is(address, value),
+        }
+    }
 }
 
 impl Expect {
@@ -184,14 +195,7 @@ fn standing(emulator: &Emulator) -> Vec<(u16, String)> {
     all
 }
 
-fn alarms(emulator: &Emulator) -> String {
-    let texts: Vec<String> = standing(emulator)
-        .into_iter()
-        .map(|(_, text)| text)
-        .collect();
-    if texts.is_empty() {
-        "no alarm stands".to_owned()
-    } else {
-        format!("alarms: {}", texts.join(" | "))
-    }
+fn alarms(emulator: &Emulator) -> Vec<String> {
+    let standing = standing(emulator).into_iter();
+    standing.map(|(_, text)| text).collect()
 }

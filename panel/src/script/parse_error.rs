@@ -1,18 +1,17 @@
 //! What is wrong with a line of a script, and what would be right.
 
 use gsk_core::plc::address::AddressError;
+use gsk_messages::{Message, say};
 
 /// Why a line of a script cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum ParseError {
     /// `@` without a tick.
-    #[error("\"@{0}\" is no tick: write @ and whole milliseconds, as in @12345 press CS")]
     NoTick(String),
     /// A text without its end.
-    #[error("a quotation mark is not closed")]
     NotClosed,
     /// An action in another form.
-    #[error("{verb} is written: {form}")]
     Form {
         /// The action.
         verb: String,
@@ -20,7 +19,6 @@ pub enum ParseError {
         form: &'static str,
     },
     /// An action that resembles one.
-    #[error("unknown action \"{verb}\"; near: {form}")]
     NearAction {
         /// What was written.
         verb: String,
@@ -28,7 +26,6 @@ pub enum ParseError {
         form: &'static str,
     },
     /// No action.
-    #[error("unknown action \"{verb}\"; there are {all}")]
     UnknownAction {
         /// What was written.
         verb: String,
@@ -36,10 +33,8 @@ pub enum ParseError {
         all: String,
     },
     /// No key.
-    #[error("unknown key \"{0}\"; \"gsk980td keys\" lists the names of all keys")]
     UnknownKey(String),
     /// A name that resembles that of a key.
-    #[error("unknown key \"{name}\"; near: {near}")]
     NearKey {
         /// What was written.
         name: String,
@@ -47,10 +42,8 @@ pub enum ParseError {
         near: String,
     },
     /// A character without a key.
-    #[error("'{0}' cannot be typed: the edit keyboard has letters, digits and signs of ASCII")]
     NotTypable(char),
     /// No number of graduations.
-    #[error("\"{text}\" is no whole number; turn is written: {form}")]
     NoGraduations {
         /// What was written.
         text: String,
@@ -58,18 +51,12 @@ pub enum ParseError {
         form: &'static str,
     },
     /// No time.
-    #[error(
-        "\"{0}\" is no time: write a number with ms, s, m or min, up to 100 days, as in 500ms, 1.5s, 2min"
-    )]
     NoTime(String),
     /// Neither on nor off.
-    #[error("\"{0}\" should be on or off")]
     NotOnOff(String),
     /// Neither 0 nor 1.
-    #[error("\"{0}\" should be 0 or 1")]
     NotZeroOne(String),
     /// No fault.
-    #[error("unknown fault \"{name}\"; there are {all}")]
     UnknownFault {
         /// What was written.
         name: String,
@@ -77,16 +64,12 @@ pub enum ParseError {
         all: String,
     },
     /// No address of the PLC.
-    #[error(transparent)]
     Address(#[from] AddressError),
     /// No whole number.
-    #[error("\"{0}\" is no whole number")]
     NotWhole(String),
     /// An address that is no machine input.
-    #[error("{0} is no machine input: those are X0.0 to X3.7")]
     NoInput(String),
     /// A window that ends before it begins.
-    #[error("{earliest}ms..{latest}ms ends before it begins: the shorter time comes first")]
     Backward {
         /// Its begin, ms.
         earliest: u64,
@@ -94,13 +77,10 @@ pub enum ParseError {
         latest: u64,
     },
     /// No row of the LCD.
-    #[error("\"{0}\" is no row: they are 0 to 14")]
     NoRow(String),
     /// No alarm.
-    #[error("\"{0}\" is no alarm number; write it as in 011, or none")]
     NoAlarm(String),
     /// No mode.
-    #[error("unknown mode \"{text}\"; there are {all}")]
     UnknownMode {
         /// What was written.
         text: String,
@@ -108,19 +88,14 @@ pub enum ParseError {
         all: String,
     },
     /// No coordinate.
-    #[error("\"{0}\" is no coordinate; write millimetres, as in -12.345")]
     NoCoordinate(String),
     /// No voltage.
-    #[error("\"{0}\" is no voltage; write volts, as in 5.000")]
     NoVoltage(String),
     /// No number of pulses.
-    #[error("\"{0}\" is no whole number of pulses")]
     NoPulses(String),
     /// A key without a lamp.
-    #[error("the key {0} has no lamp")]
     DarkKey(String),
     /// No lamp.
-    #[error("unknown lamp \"{name}\"; keys have lamps, and the strip {strip}")]
     UnknownLamp {
         /// What was written.
         name: String,
@@ -128,11 +103,44 @@ pub enum ParseError {
         strip: String,
     },
     /// A name that resembles that of a lamp.
-    #[error("unknown lamp \"{name}\"; near: {near}")]
     NearLamp {
         /// What was written.
         name: String,
         /// Lamps.
         near: String,
     },
+}
+
+impl ParseError {
+    /// What is wrong and what would be right.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::NoTick(text) => say::script_no_tick(text),
+            Self::NotClosed => say::script_not_closed(),
+            Self::Form { verb, form } => say::script_form(verb, form),
+            Self::NearAction { verb, form } => say::script_unknown_action_near(verb, form),
+            Self::UnknownAction { verb, all } => say::script_unknown_action(verb, all),
+            Self::UnknownKey(name) => say::script_key_unknown(name),
+            Self::NearKey { name, near } => say::script_key_near(name, near),
+            Self::NotTypable(character) => say::script_not_typable(character),
+            Self::NoGraduations { text, form } => say::script_no_graduations(text, form),
+            Self::NoTime(text) => say::script_no_time(text),
+            Self::NotOnOff(text) => say::script_not_on_off(text),
+            Self::NotZeroOne(text) => say::script_not_zero_one(text),
+            Self::UnknownFault { name, all } => say::script_unknown_fault(name, all),
+            Self::Address(error) => error.message(),
+            Self::NotWhole(text) => say::script_not_whole(text),
+            Self::NoInput(address) => say::script_no_input(address),
+            Self::Backward { earliest, latest } => say::script_backward(earliest, latest),
+            Self::NoRow(text) => say::script_no_row(text),
+            Self::NoAlarm(text) => say::script_no_alarm_number(text),
+            Self::UnknownMode { text, all } => say::script_mode_unknown(text, all),
+            Self::NoCoordinate(text) => say::script_no_coordinate(text),
+            Self::NoVoltage(text) => say::script_no_voltage(text),
+            Self::NoPulses(text) => say::script_no_pulses(text),
+            Self::DarkKey(key) => say::script_dark_key(key),
+            Self::UnknownLamp { name, strip } => say::script_lamp_unknown(name, strip),
+            Self::NearLamp { name, near } => say::script_lamp_near(name, near),
+        }
+    }
 }

@@ -3,6 +3,7 @@
 use core::fmt;
 
 use gsk_core::cnc::Request;
+use gsk_messages::{Message, say};
 
 use super::{Action, Line, Script};
 use crate::emulator::{Emulator, PRESS_TICKS, Watch};
@@ -63,12 +64,19 @@ pub struct Failure {
     /// The line.
     pub text: String,
     /// What was seen instead.
-    pub seen: String,
+    pub seen: Message,
+}
+
+impl Failure {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        say::script_failed(self.line, &self.text, self.seen.clone())
+    }
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "line {}: {}: {}", self.line, self.text, self.seen)
+        self.message().fmt(f)
     }
 }
 
@@ -146,7 +154,7 @@ impl Runner {
     }
 
     /// A failure of the line just done, by what was seen.
-    pub fn failure(&self, seen: impl Into<String>) -> Failure {
+    pub fn failure(&self, seen: impl Into<Message>) -> Failure {
         let (line, text) = self
             .line()
             .map(|line| (line.number, line.text.clone()))
@@ -245,14 +253,14 @@ impl Runner {
             } => {
                 let reached = watch.reached(emulator);
                 if reached && now < *earliest {
-                    let seen = format!("already after {} ms", now - *since);
+                    let seen = say::script_too_early(now - *since);
                     return Next::Say(Progress::Failed(self.failure(seen)));
                 }
                 if !reached {
                     if now < *latest {
                         return Next::Tick;
                     }
-                    let seen = format!("not within the time; the LCD shows\n{}", emulator.screen());
+                    let seen = say::script_too_late(emulator.screen());
                     return Next::Say(Progress::Failed(self.failure(seen)));
                 }
             }
@@ -274,7 +282,7 @@ impl Runner {
         let action = line.action.clone();
         self.next += 1;
         if timed.is_some_and(|at| now > at) {
-            let seen = format!("that tick is over: it is {}", now - self.origin);
+            let seen = say::script_tick_over(now - self.origin);
             return Next::Say(Progress::Failed(self.failure(seen)));
         }
         let rest = if timed.is_some() { 0 } else { PRESS_TICKS };
@@ -336,7 +344,7 @@ impl Runner {
             }
             Action::Expect(expect) => {
                 if let Err(seen) = expect.check(emulator) {
-                    return Next::Say(Progress::Failed(self.failure(seen.to_string())));
+                    return Next::Say(Progress::Failed(self.failure(seen.message())));
                 }
             }
             Action::Show => {

@@ -4,6 +4,7 @@
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_core::units::Axis;
+use gsk_messages::{Message, say};
 
 use super::{End, Run, SETTLE_MS};
 use crate::board::{Answer, Operator, PulseBoard};
@@ -124,13 +125,12 @@ impl Run<'_> {
             if still >= KEY_ACTS_WITHIN
                 && let Some(why) = self.simulation.cnc.refuses_axis(axis)
             {
-                self.ended = Some(End::Refused(why));
+                self.ended = Some(End::Refused(why.into()));
             }
         }
         self.simulation.cnc.set_panel_key(key, false);
-        self.ended = Some(End::Refused(format!(
-            "the machine zero return of {axis:?} comes to no end"
-        )));
+        let why = say::run_home_endless(format_args!("{axis:?}"));
+        self.ended = Some(End::Refused(why));
     }
 
     /// Whether control and board stand.
@@ -160,8 +160,8 @@ impl Run<'_> {
         }
         if state == RunState::Reset {
             let why = match self.begun {
-                true => End::Stop("cycle start: RESET has ended the program".to_owned()),
-                false => End::Refused("cycle start has begun nothing".to_owned()),
+                true => End::Stop(say::run_reset_ended()),
+                false => End::Refused(say::run_nothing_begun()),
             };
             self.ended = Some(self.refused().unwrap_or(why));
             return;
@@ -173,11 +173,8 @@ impl Run<'_> {
             match self.question(&place) {
                 true => {}
                 // It was held at the machine, and goes on there.
-                false if hold => {
-                    let on = "cycle start at the machine goes on, Ctrl-C ends";
-                    self.watcher.tell(&format!("{place}: {on}"));
-                }
-                false => self.ended = Some(End::Stop(format!("cycle start at {place}"))),
+                false if hold => self.watcher.tell(&say::run_goes_on_at_machine(place)),
+                false => self.ended = Some(End::Stop(say::run_start_at(place))),
             }
             return;
         }
@@ -188,25 +185,24 @@ impl Run<'_> {
                 self.standing = Standing::default();
             }
             Answer::Gone if !hold => {
-                self.ended = Some(End::Stop(format!("cycle start at {place}")));
+                self.ended = Some(End::Stop(say::run_start_at(place)));
             }
             Answer::None | Answer::Other | Answer::Gone => {}
         }
     }
 
     /// Where the program has come to a stop, and how.
-    fn place(&self, hold: bool) -> String {
-        let cnc = &self.simulation.cnc;
-        let what = match self.standing.program_stop {
-            _ if hold => "feed hold",
-            true => "M00",
-            false => "a stop",
-        };
-        format!("{what} in line {}", cnc.cursor().line)
+    fn place(&self, hold: bool) -> Message {
+        let line = self.simulation.cnc.cursor().line;
+        match self.standing.program_stop {
+            _ if hold => say::run_feed_hold(line),
+            true => say::run_program_stop(line),
+            false => say::run_stop(line),
+        }
     }
 
     /// Asks whether to go on from a place; false: nobody is there to be asked.
-    fn question(&mut self, place: &str) -> bool {
+    fn question(&mut self, place: &Message) -> bool {
         let person = self
             .board
             .as_ref()
@@ -215,13 +211,12 @@ impl Run<'_> {
             return false;
         };
         person.forget();
-        self.watcher
-            .tell(&format!("{place}: press Enter to go on, Ctrl-C to stop"));
+        self.watcher.tell(&say::run_question(place.clone()));
         true
     }
 
     /// What the person at the terminal says; asked once more if that was no answer.
-    fn answer(&mut self, place: &str) -> Answer {
+    fn answer(&mut self, place: &Message) -> Answer {
         let person = self
             .board
             .as_ref()
@@ -238,7 +233,7 @@ impl Run<'_> {
         if self.board.is_none() {
             return true;
         }
-        let place = format!("part {} of {} is made", self.parts, self.wanted_parts);
+        let place = say::run_part_made(self.parts, self.wanted_parts);
         if !self.question(&place) {
             return false;
         }

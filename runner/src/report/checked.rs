@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use gsk_core::command::ExecutedMove;
 use gsk_core::preview::{Preview, Progress, Turning, preview_beyond_alarms};
 use gsk_core::setup::Setup;
+use gsk_messages::Language;
 
 use super::{
     AlarmReport, Bounds, Final, PathReport, Report, changed, modal_codes, said, tool_word,
 };
-use crate::language::Language;
 use crate::moves::{diameter_z, rounded};
 
 /// Looks the selected program of a set-up through, behind its alarms too. `on_move` gets

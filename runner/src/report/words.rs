@@ -1,7 +1,8 @@
 //! A report in words.
 
-use super::{AlarmReport, Bounds, End, LIMIT, PathReport, Report, translated};
-use crate::language::{Language, say};
+use gsk_messages::{Language, Message, say};
+
+use super::{AlarmReport, Bounds, End, PathReport, Report};
 use crate::words::{beginning, clock};
 
 impl AlarmReport {
@@ -15,10 +16,7 @@ impl AlarmReport {
         };
         let mut out = format!("{class} {:03} {}", self.number, self.text);
         if let Some(line) = self.line {
-            out.push_str(&match words {
-                Language::Zh => format!(", 第 {line} 行"),
-                Language::En => format!(", line {line}"),
-            });
+            out.push_str(&say::report_line(line).text(words));
         }
         if let Some(block) = &self.block {
             out.push_str(&format!(": {}", beginning(block)));
@@ -28,9 +26,10 @@ impl AlarmReport {
         }
         // The block alone does not say what the machine waits for.
         if self.class == "PLC" {
-            let (cause, way_out) = (say(words, "原因", "cause"), say(words, "处理", "way out"));
-            for (word, text) in [(cause, self.cause), (way_out, self.way_out)] {
-                out.extend(text.map(|text| format!("\n  {word}: {text}")));
+            let cause = self.cause.map(say::report_cause);
+            let way_out = self.way_out.map(say::report_way_out);
+            for said in cause.into_iter().chain(way_out) {
+                out.push_str(&format!("\n  {}", said.text(words)));
             }
         }
         out
@@ -41,7 +40,11 @@ impl Report {
     /// Lines for people.
     pub fn words(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
-        let mut lines = vec![format!("{}: {}", self.file, self.end_in_words(words))];
+        let mut lines = vec![format!(
+            "{}: {}",
+            self.file,
+            self.how_it_ended().text(words)
+        )];
         if let Some(alarm) = &self.alarm {
             lines.push(alarm.sentence(language));
         }
@@ -50,73 +53,40 @@ impl Report {
         }
         match (&self.waits_for, self.end) {
             (Some(why), End::Refused) => lines.push(why.clone()),
-            (Some(what), _) => lines.push(format!("it waits for {what}")),
+            (Some(what), _) => lines.push(say::report_waits_for(what).text(words)),
             (None, _) => {}
         }
         lines.push(self.counts(words));
         for warning in &self.warnings {
-            lines.push(format!("{}: {warning}", say(words, "警告", "warning")));
+            lines.push(say::report_warning(warning).text(words));
         }
         if let Some(path) = &self.path {
             lines.extend(path.words(words));
         }
         let (x, z) = self.position.abs;
-        let end = say(words, "结束位置", "at the end");
         let modal = self.modal.join(" ");
-        lines.push(format!("{end} X{x} Z{z}, T{}, {modal}", self.t));
+        lines.push(say::report_at_end(x, z, &self.t, modal).text(words));
         lines.join("\n  ") + "\n"
     }
 
-    fn end_in_words(&self, words: Language) -> String {
-        match (self.end, words) {
-            (End::Alarm, _) => say(words, "报警", "ALARM").to_owned(),
-            (End::Refused, _) => say(
-                words,
-                "未运行到结束: 循环启动被拒绝",
-                "NOT RUN TO ITS END: cycle start was refused",
-            )
-            .to_owned(),
-            (End::Stop, _) => say(
-                words,
-                "未运行到结束: 程序停止, 机床静止",
-                "NOT RUN TO ITS END: it was stopped and stands",
-            )
-            .to_owned(),
-            (End::Asked, _) => say(
-                words,
-                "未运行到结束: 被 Ctrl-C 或信号结束, 驱动板已停止",
-                "NOT RUN TO ITS END: ended by Ctrl-C or a signal, the board was stopped",
-            )
-            .to_owned(),
-            (End::Limit, Language::En) => format!("stopped: {LIMIT}"),
-            (End::Limit, Language::Zh) => format!("已中止: {}", translated(LIMIT, Some(words))),
-            (End::M30 | End::M99 | End::Text, Language::En) => {
-                format!("ended normally ({})", self.end.name())
-            }
-            (End::M30 | End::M99 | End::Text, Language::Zh) => {
-                format!("正常结束 ({})", self.end.name())
-            }
+    fn how_it_ended(&self) -> Message {
+        match self.end {
+            End::Alarm => say::report_alarm(),
+            End::Refused => say::report_refused(),
+            End::Stop => say::report_stopped(),
+            End::Asked => say::report_asked(),
+            End::Limit => say::report_given_up(say::report_limit()),
+            End::M30 | End::M99 | End::Text => say::report_ended(self.end.name()),
         }
     }
 
     fn counts(&self, words: Language) -> String {
         let (time, cutting) = (clock(self.time_s), clock(self.cutting_s));
         let (blocks, moves, parts, stops) = (self.blocks, self.moves, self.parts, self.stops);
-        let mut out = match words {
-            Language::En => format!(
-                "machine time {time}, of that cutting {cutting}; {blocks} blocks, {moves} moves, \
-                 {parts} part(s)"
-            ),
-            Language::Zh => format!(
-                "机床时间 {time}, 其中切削 {cutting}; {blocks} 个程序段, {moves} 次移动, \
-                 {parts} 个工件"
-            ),
-        };
+        let counts = say::report_counts(time, cutting, blocks, moves, parts);
+        let mut out = counts.text(words);
         if stops > 0 {
-            out.push_str(&match words {
-                Language::En => format!(", {stops} stop(s) M00"),
-                Language::Zh => format!(", M00 暂停 {stops} 次"),
-            });
+            out.push_str(&say::report_stops(stops).text(words));
         }
         out
     }
@@ -126,58 +96,45 @@ impl PathReport {
     /// What else is wrong, a line each.
     fn further(&self, language: Option<Language>) -> Vec<String> {
         let words = language.unwrap_or(Language::En);
-        let also = say(words, "另有", "also");
         let alarms = self.more_alarms.iter();
         let mut lines: Vec<String> = alarms
-            .map(|alarm| format!("{also} {}", alarm.sentence(language)))
+            .map(|alarm| say::report_also(alarm.sentence(language)).text(words))
             .collect();
-        lines.extend(self.unchecked_behind.map(|line| match words {
-            Language::En => format!("what comes behind line {line} was not checked"),
-            Language::Zh => format!("第 {line} 行之后未检查"),
-        }));
+        let unchecked = self.unchecked_behind.map(say::report_unchecked);
+        lines.extend(unchecked.map(|said| said.text(words)));
         lines
     }
 
     fn words(&self, words: Language) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(Bounds { x, z }) = self.bounds {
-            let (x, z) = (
-                format!("X {} … {}", x.0, x.1),
-                format!("Z {} … {}", z.0, z.1),
-            );
-            lines.push(match words {
-                Language::En => format!("path within {x}, {z} mm"),
-                Language::Zh => format!("刀路范围 {x}, {z} mm"),
-            });
+            lines.push(say::report_path(x.0, x.1, z.0, z.1).text(words));
         }
         let lengths: Vec<String> = self
             .lengths
             .iter()
             .filter(|(_, length)| **length > 0.0)
-            .map(|(kind, length)| format!("{} {length:.3} mm", kind_in_words(kind, words)))
+            .map(|(kind, length)| format!("{} {length:.3} mm", kind_in_words(kind).text(words)))
             .collect();
         if !lengths.is_empty() {
-            let label = say(words, "长度", "length");
-            lines.push(format!("{label}: {}", lengths.join(", ")));
+            lines.push(say::report_lengths(lengths.join(", ")).text(words));
         }
         if !self.tools.is_empty() {
             let tools: Vec<String> = self.tools.iter().map(|tool| format!("T{tool}")).collect();
-            let label = say(words, "刀具", "tools");
-            lines.push(format!("{label}: {}", tools.join(" ")));
+            lines.push(say::report_tools(tools.join(" ")).text(words));
         }
         lines
     }
 }
 
 /// A kind of move.
-fn kind_in_words(kind: &'static str, words: Language) -> &'static str {
-    let chinese = match kind {
-        "rapid" => "快速",
-        "feed" => "切削",
-        "cw" => "顺时针圆弧",
-        "ccw" => "逆时针圆弧",
-        "thread" => "螺纹",
-        other => other,
-    };
-    say(words, chinese, kind)
+fn kind_in_words(kind: &str) -> Message {
+    match kind {
+        "rapid" => say::report_kind_rapid(),
+        "feed" => say::report_kind_feed(),
+        "cw" => say::report_kind_clockwise(),
+        "ccw" => say::report_kind_counter_clockwise(),
+        "thread" => say::report_kind_thread(),
+        other => say::as_written(other),
+    }
 }

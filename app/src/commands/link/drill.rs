@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use gsk_core::units::{PerAxis, Pulses};
 use gsk_link::{Event, FINE as PARTS, Input, LinkState, Refused, RunTime, Sample, Stop};
+use gsk_messages::{Message, say};
 
 use super::super::{ALARM, FINE, output};
 use crate::board::Board;
@@ -41,26 +42,27 @@ pub fn idle(board: &mut Board) -> Vec<Event> {
         }
     }
     match figures(&mut trips) {
-        Some((median, worst)) => output::print(&format!(
-            "answers   {} reports, round trip {median:.1} ms, worst {worst:.1} ms\n",
-            trips.len()
-        )),
-        None => output::print("answers   none\n"),
+        Some((median, worst)) => {
+            output::say(&say::link_test_answers(trips.len(), median, worst));
+        }
+        None => output::say(&say::link_test_no_answers()),
     }
     events
 }
 
 /// The switches without which nothing may move, and what they are called.
-const SWITCHES: [(Input, &str); 4] = [
-    (Input::LimitX, "limit switch of X"),
-    (Input::LimitZ, "limit switch of Z"),
-    (Input::EmergencyStop, "emergency stop"),
-    (Input::DriveAlarm, "alarm of the drives"),
+const SWITCHES: [(Input, fn() -> Message); 4] = [
+    (Input::LimitX, say::link_test_limit_x),
+    (Input::LimitZ, say::link_test_limit_z),
+    (Input::EmergencyStop, say::link_page_emergency_stop),
+    (Input::DriveAlarm, say::link_page_drive_alarm),
 ];
 
 /// Those of them that are operated.
-pub fn operated(board: &Board) -> Vec<&'static str> {
-    let operated = |(input, name)| (board.link.input(input) == Some(true)).then_some(name);
+pub fn operated(board: &Board) -> Vec<Message> {
+    let operated = |(input, name): (Input, fn() -> Message)| {
+        (board.link.input(input) == Some(true)).then(name)
+    };
     SWITCHES.into_iter().filter_map(operated).collect()
 }
 
@@ -258,22 +260,18 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
         drill.events.extend(late);
     }
     let (commanded, refused, events) = (drill.pulses, drill.refused, drill.events);
-    output::print(&format!(
-        "motion    {} segments, {:.0} a second; {:.0} steps a second; {:.0} bytes a second\n",
+    output::say(&say::link_test_motion(
         traffic.segments - before.segments,
         (traffic.segments - before.segments) as f64 / seconds,
         made as f64 / seconds,
-        (traffic.sent - before.sent) as f64 / seconds
+        (traffic.sent - before.sent) as f64 / seconds,
     ));
     if let Some((before, after)) = load {
         let percent = (after - before) / seconds * 100.0;
-        output::print(&format!("host      {percent:.1} % of a processor\n"));
+        output::say(&say::link_test_host(percent));
     }
     if let Some((median, worst)) = figures(&mut holds) {
-        output::print(&format!(
-            "hold      key to standstill {median:.0} ms, worst {worst:.0} ms ({} holds)\n",
-            holds.len()
-        ));
+        output::say(&say::link_test_hold(median, worst, holds.len()));
     }
     let failed = super::report(&events);
     let position = events.iter().rev().find_map(|event| match event {
@@ -282,9 +280,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
     });
     match position {
         Some(counted) if whole && !failed => {
-            output::print(&format!(
-                "pulses    Z commanded {commanded}, counted {counted}\n"
-            ));
+            output::say(&say::link_test_pulses(commanded, counted));
             Ok(if counted == commanded { FINE } else { ALARM })
         }
         _ => {
@@ -292,7 +288,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
                 let (number, text) = refused.judged();
                 complain!("gsk980td: {number}: {text}");
             }
-            output::print("pulses    the run broke off; where Z stands is not certain\n");
+            output::say(&say::link_test_run_broke_off());
             Ok(ALARM)
         }
     }

@@ -4,6 +4,7 @@
 use crate::commands::CommandError;
 use std::time::{Duration, Instant};
 
+use gsk_messages::{Message, say};
 use gsk_twins::grbl::{GrblTwin, Settings, State, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, SpindleMake, Travel};
 use gsk_twins::wire::{Damage, Wire};
@@ -50,7 +51,7 @@ enum Twin {
 /// What is printed when it changes.
 #[derive(PartialEq)]
 struct Shown {
-    state: String,
+    state: Message,
     resets: u32,
     stands: bool,
     pulses: [i64; 2],
@@ -116,16 +117,16 @@ impl Twin {
     fn shown(&self) -> Shown {
         match self {
             Self::Grbl(board) => Shown {
-                state: format!("{:?}", board.state()),
+                state: say::as_written(format_args!("{:?}", board.state())),
                 resets: board.resets,
                 stands: board.state() == State::Idle,
                 pulses: board.pulses(),
             },
             Self::Klipper(board) => Shown {
                 state: match board.state() {
-                    klipper::State::Boots => "boots".to_owned(),
-                    klipper::State::Runs => "runs".to_owned(),
-                    klipper::State::Shutdown(reason) => format!("shut down: {reason}"),
+                    klipper::State::Boots => say::link_twin_boots(),
+                    klipper::State::Runs => say::link_twin_runs(),
+                    klipper::State::Shutdown(reason) => say::link_twin_shut_down(reason),
                 },
                 resets: 0,
                 // A quarter of a second without a pulse.
@@ -185,14 +186,12 @@ pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
         let now = board.shown();
         let reset = now.resets != shown.resets;
         if reset || now.state != shown.state || (now.stands && now.pulses != shown.pulses) {
-            output::print(&format!(
-                "{:9.3} {}{}, X {} Z {} pulses\n",
-                elapsed as f64 * 1e-9,
-                if reset { "reset, " } else { "" },
-                now.state,
-                now.pulses[0],
-                now.pulses[1]
-            ));
+            let time = format!("{:9.3}", elapsed as f64 * 1e-9);
+            let (state, [x, z]) = (now.state.clone(), now.pulses);
+            output::say(&match reset {
+                true => say::link_twin_reset(time, state, x, z),
+                false => say::link_twin_state(time, state, x, z),
+            });
             shown = now;
         }
     }

@@ -11,9 +11,9 @@ use gsk_link::LinkState;
 use super::aside;
 use crate::kernel::link_view::LinkView;
 use crate::kernel::{Command, Console, LinkOrder};
+use crate::saying::differs;
 use crate::window::fonts;
-use gsk_messages::{Language, Message, say};
-use gsk_runner::chinese;
+use gsk_messages::{Language, say};
 
 const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
 const BUSY: Color32 = Color32::from_rgb(120, 190, 255);
@@ -128,9 +128,11 @@ impl LinkPage {
         if !view.log.is_empty() {
             ui.heading(say::link_page_position_checks().text(language));
             for line in view.log.iter().rev().take(4).rev() {
-                let good = !line.ends_with("DIFFERS");
-                let ink = if good { Color32::from_gray(190) } else { BAD };
-                let text = RichText::new(chinese::say(line, language));
+                let ink = match line.agrees {
+                    true => Color32::from_gray(190),
+                    false => BAD,
+                };
+                let text = RichText::new(line.said.text(language));
                 ui.add(Label::new(text.monospace().color(ink)).wrap());
             }
             ui.separator();
@@ -241,13 +243,10 @@ fn report(view: &LinkView) -> String {
         out.push('\n');
     }
     for difference in &view.differences {
-        let board = difference.board.as_deref();
-        let board = board.map_or_else(say::link_page_setting_missing, Message::from);
-        let line = say::link_page_setting_differs(&difference.name, board, &difference.wanted);
-        out.push_str(&format!("{line}\n"));
+        out.push_str(&format!("{}\n", differs(difference)));
     }
     for line in &view.log {
-        out.push_str(&format!("{line}\n"));
+        out.push_str(&format!("{}\n", line.said));
     }
     out.push('\n');
     for line in &view.exchanges {
