@@ -35,6 +35,7 @@ use gsk_link::{
     BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output, Pins,
     Protocol, Refused, Sample, SpindleView, Stop, Traffic,
 };
+use gsk_messages::Message;
 use log::Log;
 pub use log::Note;
 use motion::Commanded;
@@ -162,8 +163,8 @@ impl Linked {
     }
 
     /// The port failed.
-    pub fn lost(&mut self, simulation: &mut Simulation, cause: &str) {
-        self.link.lost(cause);
+    pub fn lost(&mut self, simulation: &mut Simulation, cause: impl Into<Message>) {
+        self.link.lost(cause.into());
         for event in self.link.events() {
             self.hear(simulation, event);
         }

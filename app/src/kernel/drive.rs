@@ -130,7 +130,7 @@ impl Drive {
             }
             Err(cause) => {
                 tracing::error!("{cause}");
-                linked.lost(simulation, &cause.to_string());
+                linked.lost(simulation, cause.to_string());
                 None
             }
         };
@@ -179,7 +179,7 @@ impl Drive {
                 self.carrier = None;
                 let cause = ports::gone(&error);
                 tracing::error!("{cause}");
-                self.linked.lost(simulation, &cause);
+                self.linked.lost(simulation, cause);
                 Vec::new()
             }
             None => Vec::new(),
