@@ -140,7 +140,7 @@ impl Partner {
                 (self.rest, self.taken) = (characters, 0);
                 return true;
             }
-            Ok(Err(error)) => cnc.dnc_broken(&ports::gone(&error)),
+            Ok(Err(error)) => cnc.dnc_broken(ports::gone(&error)),
             Err(TryRecvError::Disconnected) => cnc.dnc_end(),
             Err(TryRecvError::Empty) => {}
         }
@@ -154,7 +154,7 @@ impl gsk_runner::partner::Partner for Partner {
         if self.call != cnc.dnc_calls() {
             self.call = cnc.dnc_calls();
             if let Err(said) = self.begin(cnc) {
-                return cnc.dnc_broken(&said.to_string());
+                return cnc.dnc_broken(said.to_string());
             }
         }
         while cnc.dnc_room() > 0 {

@@ -150,7 +150,7 @@ pub fn execute<'a>(
     let time_ms = run.time_ms();
     let waits_for = match &end {
         End::Refused(why) | End::Stop(why) => Some(why.clone()),
-        End::Limit => run.simulation.cnc.waits_for(),
+        End::Limit => run.simulation.cnc.waits_for().map(|what| what.to_string()),
         _ => None,
     };
     run.come_to_rest();
@@ -299,7 +299,7 @@ impl Run<'_> {
         let stands = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);
         let why = cnc.refuses_start().filter(|_| stands);
         why.filter(|_| !self.begun || cnc.run_state() == RunState::Stop)
-            .map(End::Refused)
+            .map(|why| End::Refused(why.to_string()))
     }
 
     fn press_again(&mut self) {

@@ -6,6 +6,7 @@ mod files;
 use gsk_core::cnc::{Cnc, Received, Request, SerialPort};
 use gsk_core::memory::Refusal;
 use gsk_core::operation::Mode;
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use super::Panel;
@@ -22,18 +23,15 @@ const SECOND: u64 = 1000;
 
 /// Why the control takes no file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum NotTaken {
     /// Parameter 002.5.
-    #[error("the serial port of the control is off (002.5)")]
     PortOff,
     /// Another file is on its way.
-    #[error("the control is busy with another transfer")]
     Busy,
     /// The rate of the port.
-    #[error("parameter 044 is below {SLOWEST} baud")]
     TooSlow,
     /// The file cannot be read.
-    #[error("{name}: {cause}")]
     Unreadable {
         /// Its name.
         name: String,
@@ -41,13 +39,25 @@ pub enum NotTaken {
         cause: LineError,
     },
     /// The file may not come in now.
-    #[error("{name}: {why}")]
     Refused {
         /// Its name.
         name: String,
         /// What forbids it.
-        why: &'static str,
+        why: Refusal,
     },
+}
+
+impl NotTaken {
+    /// In words, as the partner reads them.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::PortOff => say::serial_off_for_file(),
+            Self::Busy => say::serial_busy(),
+            Self::TooSlow => say::serial_too_slow(SLOWEST),
+            Self::Unreadable { name, cause } => say::in_file(name, cause.message()),
+            Self::Refused { name, why } => say::in_file(name, reason(*why)),
+        }
+    }
 }
 
 /// A file on its way through the port.
@@ -194,7 +204,7 @@ impl Panel {
             }
             return Err(NotTaken::Refused {
                 name: file.name,
-                why: reason(refusal),
+                why: refusal,
             });
         }
         self.transfer.until = self.clock + Self::line_time(file.text.len(), cnc);
@@ -292,16 +302,16 @@ impl Panel {
     }
 }
 
-/// Why nothing was taken, as the partner reads it.
-const fn reason(refusal: Refusal) -> &'static str {
+/// Why nothing was taken.
+fn reason(refusal: Refusal) -> Message {
     match refusal {
-        Refusal::Mode => "the control is in another mode",
-        Refusal::Running => "a program runs or an axis moves",
-        Refusal::Alarm => "an alarm stands",
-        Refusal::ParameterSwitch => "the parameter switch is off",
-        Refusal::ProgramSwitch => "the program switch is off",
-        Refusal::Level => "the operation level is too low",
-        Refusal::Locked => "the memory is locked",
+        Refusal::Mode => say::transfer_in_other_mode(),
+        Refusal::Running => say::transfer_while_running(),
+        Refusal::Alarm => say::transfer_in_alarm(),
+        Refusal::ParameterSwitch => say::transfer_parameter_switch_off(),
+        Refusal::ProgramSwitch => say::transfer_program_switch_off(),
+        Refusal::Level => say::level_too_low(),
+        Refusal::Locked => say::transfer_locked(),
     }
 }
 

@@ -124,7 +124,7 @@ impl Run<'_> {
             if still >= KEY_ACTS_WITHIN
                 && let Some(why) = self.simulation.cnc.refuses_axis(axis)
             {
-                self.ended = Some(End::Refused(why));
+                self.ended = Some(End::Refused(why.to_string()));
             }
         }
         self.simulation.cnc.set_panel_key(key, false);

@@ -6,6 +6,7 @@ use gsk_core::cnc::{Cnc, Received};
 use gsk_core::memory::{Offsets, PitchError, PitchTable, ToolOffset};
 use gsk_core::program::Program;
 use gsk_core::units::Axis;
+use gsk_messages::{Message, say};
 
 use super::{SerialFile, Wanted};
 use crate::pages;
@@ -83,18 +84,15 @@ fn parameters(cnc: &Cnc) -> String {
 
 /// Why a file cannot be read, with its line from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
 pub enum LineError {
     /// A line in another form.
-    #[error("line {0}: write it as NUMBER=VALUE")]
     Form(usize),
     /// A line without a number.
-    #[error("line {0}: {1} begins with no number")]
     NoNumber(usize, String),
     /// A value that cannot be read.
-    #[error("line {0}: {1} is no value here")]
     NoValue(usize, String),
     /// An offset that the control refuses.
-    #[error("line {line}: {}", .alarm.line_text())]
     Offset {
         /// Line, from 1.
         line: usize,
@@ -102,8 +100,20 @@ pub enum LineError {
         alarm: Box<Alarm>,
     },
     /// A pitch error that the control refuses.
-    #[error("line {0}: {1}")]
     Pitch(usize, PitchError),
+}
+
+impl LineError {
+    /// Line and fault.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Form(line) => say::in_line(line, say::data_line_form()),
+            Self::NoNumber(line, text) => say::in_line(line, say::data_line_without_number(text)),
+            Self::NoValue(line, value) => say::in_line(line, say::data_line_value_wrong(value)),
+            Self::Offset { line, alarm } => say::in_line(line, alarm.line_text()),
+            Self::Pitch(line, error) => say::in_line(line, error.message()),
+        }
+    }
 }
 
 /// What a file holds, by its name.
