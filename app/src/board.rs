@@ -107,7 +107,7 @@ impl Board {
         }
         match self.carrier.read() {
             Ok(bytes) => self.link.rx(&bytes, self.carrier.now()),
-            Err(error) => self.link.lost(&ports::gone(&error).to_string()),
+            Err(error) => self.link.lost(ports::gone(&error)),
         }
         self.link.tick(self.carrier.now());
         self.carrier.stop_with(&self.link.stop_bytes());

@@ -146,7 +146,7 @@ impl Partner {
                 (self.rest, self.taken) = (characters, 0);
                 return true;
             }
-            Ok(Err(error)) => cnc.dnc_broken(&ports::gone(&error).to_string()),
+            Ok(Err(error)) => cnc.dnc_broken(ports::gone(&error)),
             Err(TryRecvError::Disconnected) => cnc.dnc_end(),
             Err(TryRecvError::Empty) => {}
         }
@@ -160,7 +160,7 @@ impl gsk_runner::partner::Partner for Partner {
         if self.call != cnc.dnc_calls() {
             self.call = cnc.dnc_calls();
             if let Err(said) = self.begin(cnc) {
-                return cnc.dnc_broken(&said.to_string());
+                return cnc.dnc_broken(said.to_string());
             }
         }
         while cnc.dnc_room() > 0 {

@@ -350,7 +350,7 @@ impl Kernel {
         self.tick += 1;
         for event in self.emulator.simulation.cnc.events() {
             if let Event::Advised(text) = event {
-                self.say(Notice::Said(text.clone().into()));
+                self.say(Notice::Said(text.clone()));
             }
         }
         let verdict = self

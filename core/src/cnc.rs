@@ -19,6 +19,7 @@ mod tool_post;
 mod view;
 mod world;
 
+use gsk_messages::Message;
 use serde::{Deserialize, Serialize};
 
 use dnc::DncLine;
@@ -61,7 +62,7 @@ pub enum Event {
     /// An alarm came up.
     AlarmRaised(Alarm),
     /// What the operator did has not come to its end, and why; no alarm.
-    Advised(String),
+    Advised(Message),
     /// The part counter counted.
     PartFinished,
     /// A program came to its end; `m30` tells M30 from the end of the text.

@@ -40,6 +40,7 @@ use gsk_link::{
     BoardInfo, BoardOutputs, FINE, HostTime, Input, Link, LinkConfig, LinkState, Output, Pins,
     Protocol, Refused, Sample, SpindleView, Stop, Traffic,
 };
+use gsk_messages::Message;
 use log::Log;
 pub use log::Note;
 use motion::Commanded;
@@ -185,7 +186,7 @@ impl Linked {
     }
 
     /// The port failed.
-    pub fn lost(&mut self, cause: &str) {
+    pub fn lost(&mut self, cause: Message) {
         self.link.lost(cause);
         for event in self.link.events() {
             self.hear(event);

@@ -681,7 +681,7 @@ fn another_firmware_is_602() {
             events.extend(link.events());
         }
         let told = events.iter().any(
-            |event| matches!(event, Event::Alarm { number: 602, detail } if detail.contains(named)),
+            |event| matches!(event, Event::Alarm { number: 602, detail } if detail.to_string().contains(named)),
         );
         assert!(told, "{identity}: {events:?}");
         assert_eq!(link.state(), LinkState::Fault);

@@ -26,7 +26,7 @@ fn alarm_of(answers: impl Fn(&str) -> String, banner: &str) -> (u16, String, Lin
         }
         for event in link.events() {
             if let Event::Alarm { number, detail } = event {
-                return (number, detail, link.state());
+                return (number, detail.to_string(), link.state());
             }
         }
     }
@@ -63,7 +63,7 @@ fn pass(link: &mut LineLink, twin: &mut GrblTwin, ms: u32) -> Vec<Event> {
 
 fn alarms(events: &[Event]) -> Vec<(u16, String)> {
     let alarm = |event: &Event| match event {
-        Event::Alarm { number, detail } => Some((*number, detail.clone())),
+        Event::Alarm { number, detail } => Some((*number, detail.to_string())),
         _ => None,
     };
     events.iter().filter_map(alarm).collect()

@@ -202,7 +202,7 @@ fn advice(latching: bool) -> Vec<String> {
                     .events()
                     .iter()
                     .filter_map(|event| match event {
-                        Event::Advised(text) => Some(text.clone()),
+                        Event::Advised(text) => Some(text.to_string()),
                         _ => None,
                     }),
             );

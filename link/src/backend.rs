@@ -4,6 +4,8 @@ use core::fmt::Debug;
 use core::ops::{Deref, DerefMut};
 use core::time::Duration;
 
+use gsk_messages::Message;
+
 use crate::drives::Drives;
 use crate::line::LineLink;
 use crate::position::Positioned;
@@ -129,7 +131,7 @@ pub trait Backend: Positioned + Debug {
     fn rx(&mut self, bytes: &[u8], now: HostTime);
 
     /// The port failed: unplugged, or taken away.
-    fn lost(&mut self, cause: &str);
+    fn lost(&mut self, cause: Message);
 
     /// Asks a standing board for its count: [`Event::Position`] reports it when it agrees.
     /// False: it reports it all the time.

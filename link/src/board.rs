@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 /// What the board is, as far as it said.
@@ -42,11 +43,11 @@ pub enum ThreadRights {
 
 impl ThreadRights {
     /// What it cuts, or what it lacks, in words.
-    pub fn text(self) -> String {
+    pub fn text(self) -> Message {
         match self {
-            Self::None(lacks) => format!("none: {}", lacks.text()),
-            Self::Followed => "all, by the index of the spindle".into(),
-            Self::Passes => "straight passes, which the board cuts by itself (G33)".into(),
+            Self::None(lacks) => say::threads_none(lacks.text()),
+            Self::Followed => say::threads_followed(),
+            Self::Passes => say::threads_passes(),
         }
     }
 }
@@ -76,35 +77,23 @@ pub struct Lacks {
 
 impl Lacks {
     /// All that is lacking, in words.
-    pub fn text(self) -> String {
+    pub fn text(self) -> Message {
         let lacks = [
-            (
-                self.sync,
-                "its firmware does not synchronise with the spindle (no SS in [NEWOPT:…])",
-            ),
-            (
-                self.proof,
-                "the owner has not proved it: line.thread_proved of the machine file is false",
-            ),
-            (self.encoder, "$38, pulses of the encoder a turn, is 0"),
-            (
-                self.gains,
-                "$90, $91 and $92, gains of the spindle synchronisation, are not all 0",
-            ),
-            (
-                self.offset,
-                "G54, G92 or TLO of the board is not 0 ($#): clear it",
-            ),
-            (self.index, "io.index of the machine file names no pin"),
+            (self.sync, say::lacks_sync()),
+            (self.proof, say::lacks_proof()),
+            (self.encoder, say::lacks_encoder()),
+            (self.gains, say::lacks_zero_gains()),
+            (self.offset, say::lacks_zero_offset()),
+            (self.index, say::lacks_index()),
         ];
         let named: Vec<_> = lacks
             .into_iter()
             .filter_map(|(lacks, text)| lacks.then_some(text))
             .collect();
         if named.is_empty() {
-            return "it does not see the spindle".into();
+            return say::lacks_spindle();
         }
-        named.join("; ")
+        say::several(named)
     }
 }
 

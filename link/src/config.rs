@@ -1,10 +1,11 @@
 //! The section `link` of the machine file (RON).
 
-use core::fmt;
 use core::time::Duration;
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use thiserror::Error;
 
 use super::pin::PinName;
 use super::{Input, contacts};
@@ -215,7 +216,8 @@ impl Default for LineConfig {
 }
 
 /// A field that is not as it must be.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{}", self.message())]
 pub struct LinkConfigError {
     /// Name of the field.
     pub field: &'static str,
@@ -224,7 +226,8 @@ pub struct LinkConfigError {
 }
 
 /// What is wrong with a field.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("{}", self.message())]
 pub enum FaultyLinkConfig {
     /// A value out of its range.
     Range {
@@ -237,42 +240,65 @@ pub enum FaultyLinkConfig {
     },
     /// A pin without which nothing works.
     Missing,
-    /// A contact or its pin.
-    Contact(&'static str),
-    /// A `^` or `!` that has no meaning there.
-    Sign(&'static str),
+    /// The name of an input is no contact.
+    NoContact,
+    /// A contact that has a setting of its own.
+    HasSetting {
+        /// The contact.
+        contact: &'static str,
+        /// What it is for.
+        signal: &'static str,
+        /// The setting.
+        field: &'static str,
+    },
+    /// A contact without a pin.
+    ContactWithoutPin,
+    /// A contact at a line board without one of its letters.
+    NoLetter,
+    /// A pull-up (`^`) that a line board does not have.
+    LetterPullUp,
+    /// A pull-up (`^`) of an output.
+    OutputPullUp,
+    /// An index that is turned over (`!`).
+    IndexTurnedOver,
     /// The pin of this other field, too.
     Twice(&'static str),
     /// No position on an axis.
     Place,
 }
 
-impl fmt::Display for FaultyLinkConfig {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl FaultyLinkConfig {
+    /// In words.
+    pub fn message(&self) -> Message {
         match self {
-            Self::Range { value, least, most } => {
-                write!(f, "{value} is not from {least} to {most}")
-            }
-            Self::Missing => f.write_str("must name a pin of the board"),
-            Self::Contact(text) | Self::Sign(text) => f.write_str(text),
-            Self::Twice(other) => write!(f, "is the pin of link.{other}, too"),
-            Self::Place => write!(f, "must be from -{MOST_PLACE} to {MOST_PLACE}"),
+            Self::Range { value, least, most } => say::link_value_wrong(value, least, most),
+            Self::Missing => say::link_pin_missing(),
+            Self::NoContact => say::link_contact_wrong(),
+            Self::HasSetting {
+                contact,
+                signal,
+                field,
+            } => say::link_contact_has_setting(contact, signal, field),
+            Self::ContactWithoutPin => say::link_contact_without_pin(),
+            Self::NoLetter => say::link_contact_letter_wrong(),
+            Self::LetterPullUp => say::link_letter_pull_up(),
+            Self::OutputPullUp => say::link_output_pull_up(),
+            Self::IndexTurnedOver => say::link_index_turned_over(),
+            Self::Twice(other) => say::link_pin_twice(other),
+            Self::Place => say::link_place_wrong(MOST_PLACE),
         }
     }
 }
 
-impl fmt::Display for LinkConfigError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "link.{}: {}", self.field, self.fault)
+impl LinkConfigError {
+    /// Field and fault.
+    pub fn message(&self) -> Message {
+        say::machine_field(format_args!("link.{}", self.field), self.fault.message())
     }
 }
 
-impl core::error::Error for LinkConfigError {}
-
 /// The greatest coordinate of the control, mm.
 const MOST_PLACE: f64 = 9999.999;
-const NO_PULL_UP: &str = "an output has no pull-up (^)";
-const NO_TURN: &str = "the index counts both edges: ! has no meaning";
 
 impl LinkConfig {
     /// Contacts of the control that are wired to inputs of the board.
@@ -329,10 +355,10 @@ impl LinkConfig {
                 return Err(LinkConfigError { field, fault });
             }
         }
-        if let Err(text) = contacts::check(&self.inputs, self.protocol == Protocol::Line) {
+        if let Err(fault) = contacts::check(&self.inputs, self.protocol == Protocol::Line) {
             return Err(LinkConfigError {
                 field: "inputs",
-                fault: FaultyLinkConfig::Contact(text),
+                fault,
             });
         }
         for (field, place) in [("x.home_at", self.x.home_at), ("z.home_at", self.z.home_at)] {
@@ -393,7 +419,7 @@ impl LinkConfig {
                 continue;
             }
             if PinName::read(pin).pull_up {
-                let fault = FaultyLinkConfig::Sign(NO_PULL_UP);
+                let fault = FaultyLinkConfig::OutputPullUp;
                 return Err(LinkConfigError { field, fault });
             }
             if let Some((other, _)) = known.iter().find(|(_, pin)| *pin == name) {
@@ -403,7 +429,7 @@ impl LinkConfig {
             known.push((field, name));
         }
         if PinName::read(&io.index).inverted {
-            let fault = FaultyLinkConfig::Sign(NO_TURN);
+            let fault = FaultyLinkConfig::IndexTurnedOver;
             return Err(LinkConfigError {
                 field: "io.index",
                 fault,

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::Input;
 use super::pin::PinName;
+use super::{FaultyLinkConfig, Input};
 
-/// Contacts that have settings of their own.
-const OWN: [((u8, u8), &str); 3] = [
-    ((0, 3), "X0.3 is *DECX: name its pin in x.dec"),
-    ((0, 5), "X0.5 is *ESP: name its pin in io.estop"),
-    ((1, 3), "X1.3 is *DECZ: name its pin in z.dec"),
+/// Contacts that have settings of their own: address, contact, signal and setting.
+const OWN: [((u8, u8), [&str; 3]); 3] = [
+    ((0, 3), ["X0.3", "*DECX", "x.dec"]),
+    ((0, 5), ["X0.5", "*ESP", "io.estop"]),
+    ((1, 3), ["X1.3", "*DECZ", "z.dec"]),
 ];
 /// Letters of a line board behind `Pn:` that may be wired to a contact.
 const LETTERS: &str = "PDHRSE";
@@ -22,23 +22,31 @@ fn address(text: &str) -> Option<(u8, u8)> {
 }
 
 /// Whether every entry names a contact and, on a line board, one of its letters.
-pub(super) fn check(inputs: &BTreeMap<String, String>, letters: bool) -> Result<(), &'static str> {
+pub(super) fn check(
+    inputs: &BTreeMap<String, String>,
+    letters: bool,
+) -> Result<(), FaultyLinkConfig> {
     for (key, pin) in inputs {
         let Some(address) = address(key) else {
-            return Err("each name must be a contact from X0.0 to X3.7");
+            return Err(FaultyLinkConfig::NoContact);
         };
-        if let Some((_, text)) = OWN.iter().find(|(own, _)| *own == address) {
-            return Err(text);
+        if let Some((_, names)) = OWN.iter().find(|(own, _)| *own == address) {
+            let [contact, signal, field] = *names;
+            return Err(FaultyLinkConfig::HasSetting {
+                contact,
+                signal,
+                field,
+            });
         }
         let PinName { name, pull_up, .. } = PinName::read(pin);
         if name.is_empty() {
-            return Err("each contact must name a pin of the board");
+            return Err(FaultyLinkConfig::ContactWithoutPin);
         }
         if letters && !(name.len() == 1 && LETTERS.contains(name)) {
-            return Err("a line board tells P, D, H, R, S and E, with ! in front turned over");
+            return Err(FaultyLinkConfig::NoLetter);
         }
         if letters && pull_up {
-            return Err("a line board has no pull-up (^) to turn on");
+            return Err(FaultyLinkConfig::LetterPullUp);
         }
     }
     Ok(())
@@ -56,7 +64,7 @@ pub(super) fn wired(inputs: &BTreeMap<String, String>) -> impl Iterator<Item = (
 mod tests {
     use super::*;
 
-    fn checked(key: &str, pin: &str, letters: bool) -> Result<(), &'static str> {
+    fn checked(key: &str, pin: &str, letters: bool) -> Result<(), FaultyLinkConfig> {
         check(&BTreeMap::from([(key.to_owned(), pin.to_owned())]), letters)
     }
 
@@ -65,10 +73,17 @@ mod tests {
         assert_eq!(checked("X1.4", "^!PD0", false), Ok(()));
         assert_eq!(checked("X1.5", "!H", true), Ok(()));
         assert!(checked("X1.5", "Q", true).is_err());
-        assert!(checked("X1.5", "^H", true).is_err_and(|text| text.contains("pull-up")));
+        assert_eq!(
+            checked("X1.5", "^H", true),
+            Err(FaultyLinkConfig::LetterPullUp)
+        );
         assert!(checked("X4.0", "PD0", false).is_err());
         assert!(checked("Y1.0", "PD0", false).is_err());
         assert!(checked("X1.0", "^", false).is_err());
-        assert!(checked("X0.5", "PD0", false).is_err_and(|text| text.contains("io.estop")));
+        let own = checked("X0.5", "PD0", false).map_err(|fault| fault.to_string());
+        assert_eq!(
+            own,
+            Err("X0.5 is *ESP: name its pin in io.estop".to_owned())
+        );
     }
 }

@@ -24,6 +24,7 @@ pub mod step_queue;
 
 use core::time::Duration;
 
+use gsk_messages::{Message, say};
 use gsk_units::{Axis, PerAxis, Pulses, alarm};
 
 pub use backend::{Backend, Link};
@@ -37,10 +38,6 @@ pub use config::{
 };
 pub use drives::{AxisRates, Drives};
 pub use position::Uncertainty;
-
-/// What may be wrong when a board is not understood.
-const ANOTHER: &str = "is it another firmware than `protocol` of the machine file says, or \
-                       another `baud`?";
 
 /// Monotonic time of the host.
 pub type HostTime = Duration;
@@ -232,12 +229,12 @@ pub enum Event {
     Homed(PerAxis<bool>),
     /// The input that was waited for stopped the axes in the board, there.
     Reached(Input, PerAxis<Pulses>),
-    /// An alarm, with what happened in words.
+    /// An alarm, with what happened.
     Alarm {
         /// Number in the alarm table, 601–622.
         number: u16,
         /// The cause.
-        detail: String,
+        detail: Message,
     },
     /// What a board of timed steps says it understands was read: it need not be read
     /// again when it is handed in at the next opening.
@@ -314,61 +311,30 @@ pub enum CannotCut {
 
 impl CannotCut {
     /// Alarm, cause, and how long it is waited whether it goes.
-    pub fn judged(self) -> (u16, String, Duration) {
+    pub fn judged(self) -> (u16, Message, Duration) {
         let (number, text, seconds) = match self {
-            Self::NotReady => (
-                alarm::LINK_PROTOCOL,
-                "the board does not come to stand".into(),
-                20,
-            ),
-            Self::Unseen => (
-                alarm::BOARD_CANNOT,
-                "the board does not report the speed of its spindle".into(),
-                2,
-            ),
-            Self::Unsteady => (
-                alarm::THREAD_SPEED,
-                "the spindle does not come to a steady speed".into(),
-                20,
-            ),
-            Self::Standing => (
-                alarm::THREAD_SPEED,
-                "the spindle stands, says its encoder at the board".into(),
-                5,
-            ),
-            Self::Slow { rpm, least } => (
-                alarm::THREAD_SPEED,
-                format!("the spindle at {rpm:.0} r/min is too slow, {least:.0} are needed"),
-                5,
-            ),
-            Self::Fast { speed, most } => (
-                alarm::BOARD_CANNOT,
-                format!(
-                    "the pass begins without a ramp, at {speed:.0} mm/min: more than \
-                     flush_keep_speed = {most:.0} of the machine file"
-                ),
-                0,
-            ),
-            Self::Limit(Axis::X) => (
-                alarm::X_BOARD_LIMIT,
-                "the limit switch is operated".into(),
-                0,
-            ),
-            Self::Limit(Axis::Z) => (
-                alarm::Z_BOARD_LIMIT,
-                "the limit switch is operated".into(),
-                0,
-            ),
-            Self::Short { length, ramps } => (
-                alarm::BOARD_CANNOT,
-                format!(
-                    "the pass of {length:.3} mm is too short: coming to its speed and \
-                     standing take {ramps:.3}"
-                ),
-                0,
-            ),
+            Self::NotReady => (alarm::LINK_PROTOCOL, say::pass_board_moves(), 20),
+            Self::Unseen => (alarm::BOARD_CANNOT, say::pass_spindle_unseen(), 2),
+            Self::Unsteady => (alarm::THREAD_SPEED, say::pass_spindle_unsteady(), 20),
+            Self::Standing => (alarm::THREAD_SPEED, say::pass_spindle_stands(), 5),
+            Self::Slow { rpm, least } => {
+                (alarm::THREAD_SPEED, say::pass_spindle_slow(rpm, least), 5)
+            }
+            Self::Fast { speed, most } => (alarm::BOARD_CANNOT, say::pass_too_fast(speed, most), 0),
+            Self::Limit(axis) => (limit_alarm(axis), say::limit_switch_operated(), 0),
+            Self::Short { length, ramps } => {
+                (alarm::BOARD_CANNOT, say::pass_too_short(length, ramps), 0)
+            }
         };
         (number, text, Duration::from_secs(seconds))
+    }
+}
+
+/// Number of the alarm of a limit switch at the board.
+const fn limit_alarm(axis: Axis) -> u16 {
+    match axis {
+        Axis::X => alarm::X_BOARD_LIMIT,
+        Axis::Z => alarm::Z_BOARD_LIMIT,
     }
 }
 
@@ -390,24 +356,12 @@ pub enum Refused {
 
 impl Refused {
     /// Alarm and cause.
-    pub const fn judged(self) -> (u16, &'static str) {
-        const TOWARD: &str = "that way lies the limit switch";
-        const UPON: &str = "the limit switch is operated, and nobody knows on which end of the \
-                            axis: look which way leads off it, then RESET; each RESET lets it go \
-                            1 mm";
+    pub fn judged(self) -> (u16, Message) {
         match self {
-            Self::TooFast => (
-                alarm::BOARD_CANNOT,
-                "an axis would need more pulses a second than the board makes",
-            ),
-            Self::TowardLimit(Axis::X) => (alarm::X_BOARD_LIMIT, TOWARD),
-            Self::TowardLimit(Axis::Z) => (alarm::Z_BOARD_LIMIT, TOWARD),
-            Self::UponLimit(Axis::X) => (alarm::X_BOARD_LIMIT, UPON),
-            Self::UponLimit(Axis::Z) => (alarm::Z_BOARD_LIMIT, UPON),
-            Self::NotReady | Self::NotWired => (
-                alarm::LINK_PROTOCOL,
-                "motion was made that the board does not take",
-            ),
+            Self::TooFast => (alarm::BOARD_CANNOT, say::board_pulses_too_many()),
+            Self::TowardLimit(axis) => (limit_alarm(axis), say::limit_switch_ahead()),
+            Self::UponLimit(axis) => (limit_alarm(axis), say::limit_switch_of_unknown_end()),
+            Self::NotReady | Self::NotWired => (alarm::LINK_PROTOCOL, say::board_takes_no_motion()),
         }
     }
 }

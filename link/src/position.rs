@@ -1,6 +1,8 @@
 //! Where the slides stand, how sure that is, and how the kernel's count and the board's
 //! are put together.
 
+use gsk_messages::{Message, say};
+
 use crate::session::Session;
 use crate::{Refused, RunTime};
 use gsk_units::{PerAxis, Pulses};
@@ -70,19 +72,19 @@ impl Uncertainty {
     }
 
     /// In words.
-    pub const fn text(self) -> &'static str {
+    pub fn text(self) -> Message {
         match self {
-            Self::Unreferenced => "not both axes have made their reference return",
-            Self::StoppedDead => "the motors were stopped dead and may have lost steps",
-            Self::TooFast => "stopped faster than flush_keep_speed the motors may have lost steps",
-            Self::Powerless => "the drives were without power",
-            Self::OffPath => "that is not on the commanded path",
-            Self::Differs => "the board counts another place than was commanded",
-            Self::Misunderstood => "the board may have misunderstood its orders",
-            Self::Reset => "its last count before it was reset",
-            Self::ShutDown => "as it was when the board shut down, which nobody has read",
-            Self::Unheard => "the board may have made more since it was heard last",
-            Self::Play => "the play of the screws (034, 035) may not be made up for there",
+            Self::Unreferenced => say::position_unreferenced(),
+            Self::StoppedDead => say::position_stopped_dead(),
+            Self::TooFast => say::position_stopped_fast(),
+            Self::Powerless => say::position_powerless(),
+            Self::OffPath => say::position_off_path(),
+            Self::Differs => say::position_differs(),
+            Self::Misunderstood => say::position_misunderstood(),
+            Self::Reset => say::position_before_reset(),
+            Self::ShutDown => say::position_shut_down(),
+            Self::Unheard => say::position_unheard(),
+            Self::Play => say::position_play(),
         }
     }
 }

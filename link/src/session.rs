@@ -1,6 +1,8 @@
 //! What a link keeps whatever its board speaks: where it stands with the board, how far
 //! the position can be relied on, and what the kernel has not heard yet.
 
+use gsk_messages::Message;
+
 use crate::{Event, HostTime, LinkState, Uncertainty};
 
 /// How far the position of the slides can be relied on.
@@ -53,9 +55,8 @@ impl Session {
         }
     }
 
-    /// An alarm of the table, with its cause in words.
-    pub(crate) fn alarm(&mut self, number: u16, detail: &str) {
-        let detail = detail.to_owned();
+    /// An alarm of the table, with its cause.
+    pub(crate) fn alarm(&mut self, number: u16, detail: Message) {
         self.events.push(Event::Alarm { number, detail });
     }
 

@@ -222,8 +222,13 @@ mod tests {
         }
     }
 
+    /// Lines of the screen, quoted as they stand there.
+    const OF_THE_SCREEN: [&str; 3] = ["英制编程", "参数开关", "程序开关"];
+
     /// What is printed on a key stands in brackets, as it is printed: `[运行]`.
     fn is_english(text: &str) -> bool {
+        let quoted = |text: String, line: &&str| text.replace(line, "");
+        let text = OF_THE_SCREEN.iter().fold(text.to_owned(), quoted);
         let outside = text.split('[').map(|piece| {
             let (key, rest) = piece.split_once(']').unwrap_or(("", piece));
             if key.is_empty() { piece } else { rest }

@@ -117,7 +117,7 @@ impl Emulator {
             KeyEvent::Up(_) | KeyEvent::ReleaseAll | KeyEvent::Wheel(_) => None,
         };
         let requests = self.panel.key(event, cnc);
-        let by_control = |request| cnc.refuses(request).map(Message::from);
+        let by_control = |request| cnc.refuses(request);
         let refused = by_page.or_else(|| requests.iter().find_map(by_control));
         self.ask(requests);
         let lathe = &mut self.simulation.lathe;

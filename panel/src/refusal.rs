@@ -115,8 +115,8 @@ fn of_machine_key(key: Key, cnc: &Cnc) -> Option<Message> {
     let on = |bit| memory.bit(bit);
     let why = match key {
         Key::CycleStart => return of_start(cnc, on(START)),
-        Key::XUp | Key::XDown => return cnc.refuses_axis(Axis::X).map(Message::from),
-        Key::ZLeft | Key::ZRight => return cnc.refuses_axis(Axis::Z).map(Message::from),
+        Key::XUp | Key::XDown => return cnc.refuses_axis(Axis::X),
+        Key::ZLeft | Key::ZRight => return cnc.refuses_axis(Axis::Z),
         Key::WheelY | Key::YMinus | Key::YPlus => say::key_no_y_axis(),
         Key::SpindleForward if !on(FORWARD) => of_spindle(cnc)?,
         Key::SpindleReverse if !on(REVERSE) => of_spindle(cnc)?,
@@ -148,8 +148,8 @@ const fn is_manual(cnc: &Cnc) -> bool {
 }
 
 fn of_start(cnc: &Cnc, passed: bool) -> Option<Message> {
-    let by_control = cnc.refuses_start().map(Message::from);
-    by_control.or_else(|| (!passed).then(say::key_ladder_holds_cycle_start))
+    cnc.refuses_start()
+        .or_else(|| (!passed).then(say::key_ladder_holds_cycle_start))
 }
 
 /// A message of the ladder tells by itself.

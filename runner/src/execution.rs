@@ -157,7 +157,7 @@ pub fn execute<'a>(
     let time_ms = run.time_ms();
     let waits_for = match &end {
         End::Refused(why) | End::Stop(why) => Some(why.to_string()),
-        End::Limit => run.simulation.cnc.waits_for(),
+        End::Limit => run.simulation.cnc.waits_for().map(|what| what.to_string()),
         _ => None,
     };
     run.come_to_rest();
@@ -305,7 +305,7 @@ impl Run<'_> {
         let stands = matches!(cnc.run_state(), RunState::Reset | RunState::Stop);
         let why = cnc.refuses_start().filter(|_| stands);
         why.filter(|_| !self.begun || cnc.run_state() == RunState::Stop)
-            .map(|why| End::Refused(why.into()))
+            .map(End::Refused)
     }
 
     fn press_again(&mut self) {

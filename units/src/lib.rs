@@ -2,6 +2,7 @@
 //! feed per minute and feed per revolution never share a bare number. The numbers of
 //! the alarms cross it too, by name.
 
+use core::fmt;
 use core::ops::{Add, Mul, Neg, Sub};
 
 use glam::DVec2;
@@ -61,6 +62,15 @@ impl<T> PerAxis<T> {
             Axis::X => &mut self.x,
             Axis::Z => &mut self.z,
         }
+    }
+}
+
+impl fmt::Display for Axis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::X => "X",
+            Self::Z => "Z",
+        })
     }
 }
 

@@ -131,7 +131,7 @@ impl Drive {
             }
             Err(cause) => {
                 tracing::error!("{cause}");
-                linked.lost(&cause.to_string());
+                linked.lost(cause.message());
                 None
             }
         };
@@ -180,7 +180,7 @@ impl Drive {
                 self.carrier = None;
                 let cause = ports::gone(&error);
                 tracing::error!("{cause}");
-                self.linked.lost(&cause.to_string());
+                self.linked.lost(cause);
                 Vec::new()
             }
             None => Vec::new(),

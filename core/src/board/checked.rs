@@ -4,6 +4,7 @@ use crate::alarm::{Alarm, number};
 use crate::memory::{Parameters, parameter};
 use crate::units::Axis;
 use gsk_link::{AxisRates, Protocol};
+use gsk_messages::say;
 
 /// The electronic gear of X and of Z.
 const GEAR: [u16; 4] = [
@@ -56,9 +57,8 @@ impl Checked {
     /// Why nothing begins to move before the board is connected again.
     pub(crate) fn alarm(&self, parameters: &Parameters) -> Option<Alarm> {
         let number = self.outgrown(parameters)?;
-        Some(Alarm::new(number::BOARD_SETTINGS).because(format!(
-            "No.{number} has changed since the board was connected: connect it again"
-        )))
+        let why = say::parameter_since_connection(number);
+        Some(Alarm::new(number::BOARD_SETTINGS).because(why))
     }
 
     /// The first parameter that is not what the board was checked against: pulses would

@@ -4,6 +4,7 @@ use super::BoardDrives;
 use crate::alarm::{Alarm, number};
 use crate::spindle::SpindleTurn;
 use gsk_link::{Lacks, ThreadRights};
+use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 /// The spindle in a tick, at the moment at which the board makes its motion.
@@ -37,12 +38,9 @@ pub(crate) enum SpindleTrouble {
 impl SpindleTrouble {
     pub(crate) fn alarm(self) -> Alarm {
         Alarm::new(number::SPEED_FLUCTUATES).because(match self {
-            Self::Deviates(turns) => format!(
-                "the index came {:.1} % of a turn beside the thread",
-                turns * 100.0
-            ),
-            Self::Fluctuates(rpm) => format!("spindle at {rpm:.0} r/min"),
-            Self::Lost => "no index of the spindle comes any more (io.index)".to_owned(),
+            Self::Deviates(turns) => say::index_beside_thread(turns * 100.0),
+            Self::Fluctuates(rpm) => say::spindle_at_speed(rpm),
+            Self::Lost => say::index_gone(),
         })
     }
 }

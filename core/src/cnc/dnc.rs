@@ -8,6 +8,7 @@
 
 use std::collections::VecDeque;
 
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 use super::Cnc;
@@ -51,7 +52,7 @@ impl Cnc {
         let gone = self.dnc.partner && !partner;
         self.dnc.partner = partner;
         if gone {
-            self.dnc_broken("nobody is at the other end of the line any more");
+            self.dnc_broken(say::serial_nobody_any_more());
         }
     }
 
@@ -86,23 +87,23 @@ impl Cnc {
     }
 
     /// The line broke; a program that comes in through it ends with alarm 086.
-    pub fn dnc_broken(&mut self, reason: &str) {
+    pub fn dnc_broken(&mut self, reason: impl Into<Message>) {
         if self.memory.programs.inflow().is_some() {
-            self.raise(Alarm::new(number::SERIAL_NOT_READY).because(reason.to_owned()));
+            self.raise(Alarm::new(number::SERIAL_NOT_READY).because(reason));
         }
     }
 
     /// Cycle start: DC1 goes out, and a program is taken in from its beginning.
     pub(crate) fn call_for_program(&mut self) -> Result<(), Alarm> {
-        let refused = |reason: String| Err(Alarm::new(number::SERIAL_NOT_READY).because(reason));
+        let refused = |reason: Message| Err(Alarm::new(number::SERIAL_NOT_READY).because(reason));
         if !self.memory.parameters.has_serial_port() {
-            return refused("the serial port is off (002.5 = 0)".to_owned());
+            return refused(say::serial_off());
         }
         if self.baud() < SLOWEST {
-            return refused(format!("parameter 044 is below {SLOWEST} baud"));
+            return refused(say::baud_rate_too_low(SLOWEST));
         }
         if !self.dnc.partner {
-            return refused("nobody is at the other end of the line".to_owned());
+            return refused(say::serial_nobody());
         }
         self.dnc = DncLine {
             partner: true,
@@ -132,7 +133,7 @@ impl Cnc {
         if let Err(long) = self.dnc.pass(baud, self.memory.programs.inflow_mut()) {
             let LineTooLong { line, most } = long;
             let alarm = Alarm::new(number::SERIAL_GARBLED)
-                .because(format!("a line of more than {most} characters"))
+                .because(say::serial_line_too_long(most))
                 .at(Source {
                     program: ProgramId::Dnc,
                     line,

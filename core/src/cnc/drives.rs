@@ -39,7 +39,7 @@ impl Cnc {
             self.drives.interpolator.stop_now();
             self.coordinates.at_reference = PerAxis::default();
             self.raise(Alarm {
-                detail: unmet.map(Into::into),
+                detail: unmet,
                 ..Alarm::new(number)
             });
         }

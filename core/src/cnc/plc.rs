@@ -46,7 +46,7 @@ impl Cnc {
         }
         self.plc.message = self.plc.engine.active_messages().next().is_some();
         if let Some(fault) = self.plc.engine.fault() {
-            let detail = fault.to_string();
+            let detail = fault.message();
             self.raise(Alarm::new(number::POWER_CYCLE).because(detail));
         }
         self.follow_mode();

@@ -81,7 +81,7 @@ impl Cnc {
                 self.drives.interpolator.stop_now();
                 self.reset();
                 self.raise(Alarm {
-                    detail: detail.map(Into::into),
+                    detail,
                     ..Alarm::new(number::EMERGENCY_STOP)
                 });
                 // Methods B and C lose their reference with the pulses.

@@ -236,7 +236,7 @@ impl LatheConfig {
             check.rule(
                 false,
                 format!("link.{}", error.field),
-                error.fault.to_string().into(),
+                error.fault.message(),
             );
         }
         if check.0.is_empty() {

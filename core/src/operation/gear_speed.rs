@@ -4,6 +4,7 @@
 use crate::alarm::{Alarm, number};
 use crate::motion::MotionLimits;
 use crate::units::Point;
+use gsk_messages::say;
 
 /// Alarm 097 if an axis is faster than its gear allows; speeds in mm/min.
 pub(crate) fn check_gear_speed(limits: &MotionLimits, speed: Point) -> Result<(), Alarm> {
@@ -11,7 +12,5 @@ pub(crate) fn check_gear_speed(limits: &MotionLimits, speed: Point) -> Result<()
         return Ok(());
     };
     let made = speed.get(axis).abs();
-    Err(Alarm::new(number::GEAR_SPEED).because(format!(
-        "{axis:?} at {made:.0} mm/min, its electronic gear allows {limit:.0}"
-    )))
+    Err(Alarm::new(number::GEAR_SPEED).because(say::gear_speed_too_great(axis, made, limit)))
 }

@@ -9,6 +9,7 @@ use crate::motion::MotionLimits;
 use crate::run_state::RunState;
 use crate::spindle::Encoder;
 use crate::units::{Axis, Point};
+use gsk_messages::say;
 
 /// Below this a spindle stands, r/min.
 pub(crate) const STANDING_RPM: f64 = 1.0;
@@ -128,14 +129,13 @@ pub(crate) fn check_encoder(parameters: &crate::memory::Parameters) -> Result<()
         return Ok(());
     }
     let lines = parameters.encoder_lines();
-    Err(Alarm::new(number::ENCODER_LINES)
-        .because(format!("070 = {lines} lines, 100 to 5000 are allowed")))
+    Err(Alarm::new(number::ENCODER_LINES).because(say::encoder_lines_out_of_range(lines)))
 }
 
 /// Alarm 094: a thread with a standing spindle.
 pub(crate) fn check_standing(rpm: f64) -> Result<(), Alarm> {
     if rpm.abs() < STANDING_RPM {
-        return Err(Alarm::new(number::THREAD_SPEED).because("thread with a standing spindle"));
+        return Err(Alarm::new(number::THREAD_SPEED).because(say::thread_spindle_stands()));
     }
     Ok(())
 }
@@ -146,11 +146,8 @@ pub(crate) fn check_thread_speed(top: Point, rpm: f64, limits: &MotionLimits) ->
         let (limit, parameter) = limits.thread_limit(axis);
         let speed = top.get(axis);
         if speed > limit {
-            return Err(Alarm::new(number::THREAD_SPEED).because(format!(
-                "{axis:?} would need {speed:.0} mm/min at {:.0} r/min, {limit:.0} are allowed \
-                 ({parameter:03})",
-                rpm.abs()
-            )));
+            let why = say::thread_axis_too_fast(axis, speed, rpm.abs(), limit, parameter);
+            return Err(Alarm::new(number::THREAD_SPEED).because(why));
         }
     }
     Ok(())

@@ -6,6 +6,7 @@ use gsk_core::linked::drives;
 use gsk_core::plc::address::{Area, BitAddress};
 use gsk_link::step_queue::StepLink;
 use gsk_link::{Backend, Event, Input, LinkConfig, LinkState, Output, Refused, SpindleView, Stop};
+use gsk_messages::say;
 use gsk_twins::klipper::{Make, State};
 
 use super::bench::{Bench, config, parameters};
@@ -56,7 +57,7 @@ fn refused(change: impl Fn(&mut LinkConfig)) -> Vec<(u16, String)> {
     let mut bench = Bench::wired(wrong, Make::default());
     assert!(bench.gets(LinkState::Fault, 5000), "{:?}", bench.events);
     let told = bench.events.iter().filter_map(|event| match event {
-        Event::Alarm { number, detail } => Some((*number, detail.clone())),
+        Event::Alarm { number, detail } => Some((*number, detail.to_string())),
         _ => None,
     });
     told.collect()
@@ -99,10 +100,9 @@ fn a_pin_the_board_has_not_is_named() {
     let mut bench = Bench::new(Make::default());
     bench.link = StepLink::open(wrong, &drives(&parameters()), Duration::ZERO);
     assert!(bench.gets(LinkState::Fault, 3000));
-    let text = "link.z.limit: the board has no pin PQ1".to_owned();
     let alarm = Event::Alarm {
         number: 603,
-        detail: text,
+        detail: say::board_pin_missing("z.limit", "PQ1"),
     };
     assert!(bench.events.contains(&alarm), "{:?}", bench.events);
 }
@@ -125,7 +125,8 @@ fn a_silent_port_is_601_and_another_firmware_602() {
             link.consumed(count);
             alarms.extend(link.events().into_iter().filter_map(|event| match event {
                 Event::Alarm { number, detail } => {
-                    let points = detail.contains("protocol") && detail.contains("baud");
+                    let text = detail.to_string();
+                    let points = text.contains("protocol") && text.contains("baud");
                     assert!(points, "{detail}");
                     Some(number)
                 }

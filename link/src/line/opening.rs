@@ -1,11 +1,12 @@
 //! How the link comes to know its board: who it is, what it is set to, where it
 //! believes to stand. One question at a time.
 
+use gsk_messages::{Message, say};
 use gsk_units::alarm;
 
 use core::time::Duration;
 
-use super::super::{ANOTHER, BoardInfo, Difference, HostTime};
+use super::super::{BoardInfo, Difference, HostTime};
 use super::family::Family;
 use super::fluidnc_config::FluidNcConfig;
 use super::reported::{Reported, Unsupported};
@@ -59,7 +60,7 @@ pub(super) enum Outcome {
     /// The settings differ; written only when asked for.
     Differs(Vec<Difference>),
     /// It goes no further: alarm and cause.
-    Fails(u16, String),
+    Fails(u16, Message),
 }
 
 /// The dialogue that opens a link.
@@ -197,18 +198,18 @@ impl Opening {
             }
             Step::Quiet if now.saturating_sub(self.opened) >= GIVE_UP && waited >= GREETED => {
                 let cause = if self.heard {
-                    "it never stops talking"
+                    say::board_never_stops_talking()
                 } else {
-                    "it says nothing"
+                    say::board_says_nothing()
                 };
                 Outcome::Fails(
                     alarm::BOARD_SILENT,
-                    format!("no answer from the board: {cause}; {ANOTHER}"),
+                    say::board_no_answer(cause, say::board_is_another()),
                 )
             }
             Step::Asking(0) if over && self.last_heard >= self.since => Outcome::Fails(
                 alarm::BOARD_UNSUPPORTED,
-                format!("what the board sends makes no sense; {ANOTHER}"),
+                say::board_makes_no_sense(say::board_is_another()),
             ),
             Step::Asking(0) if over && !self.reset => {
                 // Behind a limit switch Grbl hears nothing but a reset.
@@ -221,26 +222,19 @@ impl Opening {
             Step::Writing(index) if over => {
                 Outcome::Fails(alarm::BOARD_UNSUPPORTED, self.hangs(index))
             }
-            Step::Asking(_) if over => Outcome::Fails(
-                alarm::BOARD_SILENT,
-                "no answer from the board within 1 s: it is silent".into(),
-            ),
+            Step::Asking(_) if over => Outcome::Fails(alarm::BOARD_SILENT, say::board_silent()),
             _ => Outcome::Waits,
         }
     }
 
     /// A setting that was written and never answered.
-    fn hangs(&self, index: usize) -> String {
+    fn hangs(&self, index: usize) -> Message {
         let line = self.to_write.get(index).and_then(|one| one.line.as_deref());
         let line = line.unwrap_or("$…");
         if self.family == Family::GrblHal {
-            return format!(
-                "{line} was written, and the board has been silent since: some versions of \
-                 grblHAL hang there, as core 8689918 of August 2026 does; put another version \
-                 into it"
-            );
+            return say::board_hangs_as_grblhal(line);
         }
-        format!("{line} was written, and the board has been silent since")
+        say::board_hangs(line)
     }
 
     fn go(&mut self, step: Step, now: HostTime) {
@@ -334,13 +328,13 @@ impl Opening {
         let Step::Writing(index) = self.step else {
             return Outcome::Fails(
                 alarm::BOARD_UNSUPPORTED,
-                format!("a question was refused with error:{number}"),
+                say::board_refuses_question(number),
             );
         };
         let line = self.to_write.get(index).and_then(|one| one.line.as_ref());
         let text = match line {
-            Some(line) => format!("{line} was refused with error:{number}"),
-            None => format!("a setting was refused with error:{number}"),
+            Some(line) => say::board_refuses_line(line, number),
+            None => say::board_refuses_setting(number),
         };
         Outcome::Fails(alarm::BOARD_SETTINGS, text)
     }
@@ -349,13 +343,13 @@ impl Opening {
         if question == 0
             && let Err(error) = self.identify()
         {
-            return Outcome::Fails(alarm::BOARD_UNSUPPORTED, error.to_string());
+            return Outcome::Fails(alarm::BOARD_UNSUPPORTED, error.message());
         }
         if question + 1 < self.family.questions().len() {
             return self.ask(question + 1, now);
         }
         if let Err(error) = self.measure() {
-            return Outcome::Fails(alarm::BOARD_UNSUPPORTED, error.to_string());
+            return Outcome::Fails(alarm::BOARD_UNSUPPORTED, error.message());
         }
         self.prepared = self.prepares();
         self.alone = self.returns_alone();
@@ -422,10 +416,7 @@ impl Opening {
         if self.written {
             let lines = deviations.iter().filter_map(|one| one.line.clone());
             let list = lines.collect::<Vec<_>>().join(", ");
-            return Outcome::Fails(
-                alarm::BOARD_SETTINGS,
-                format!("the board does not keep {list}"),
-            );
+            return Outcome::Fails(alarm::BOARD_SETTINGS, say::board_settings_not_kept(list));
         }
         let differences = deviations.iter().map(|one| one.difference.clone());
         let differences = differences.collect();
@@ -471,10 +462,7 @@ impl Opening {
             .collect();
         if !list.is_empty() {
             let list = list.join(", ");
-            return Outcome::Fails(
-                alarm::BOARD_SETTINGS,
-                format!("only the owner can set this, in config.yaml of the board: {list}"),
-            );
+            return Outcome::Fails(alarm::BOARD_SETTINGS, say::board_settings_of_file(list));
         }
         self.write(0, now)
     }

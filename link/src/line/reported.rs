@@ -1,30 +1,37 @@
 //! What a board says of itself while the link is opened.
 
+use gsk_messages::{Message, say};
 use thiserror::Error;
 
 use super::fluidnc_config::FluidNcConfig;
-use crate::ANOTHER;
 
 /// Why a board is not one that the link can drive.
 #[derive(Debug, Error)]
+#[error("{}", self.message())]
 pub(super) enum Unsupported {
     /// It is older than the answer to `$I` that tells, or no Grbl at all.
-    #[error(
-        "the board does not say who it is ([VER:…]), as Grbl older than 1.1f does not; {ANOTHER}"
-    )]
     NoVersion,
     /// Another firmware.
-    #[error("firmware {0} is not known")]
     Firmware(String),
     /// Version of a Grbl that is too old.
-    #[error("Grbl {0} is older than 1.1f")]
     Old(String),
     /// Letters of its axes.
-    #[error("the board has axes {0}; X and Z are needed")]
     Axes(String),
     /// Where it should have said what its queue and its receive buffer hold.
-    #[error("the board does not say how much it can hold ({0})")]
     NoSizes(&'static str),
+}
+
+impl Unsupported {
+    /// In words.
+    pub(super) fn message(&self) -> Message {
+        match self {
+            Self::NoVersion => say::board_version_missing(say::board_is_another()),
+            Self::Firmware(firmware) => say::board_firmware_unknown(firmware),
+            Self::Old(version) => say::board_grbl_too_old(version),
+            Self::Axes(axes) => say::board_axes_wrong(axes),
+            Self::NoSizes(source) => say::board_sizes_missing(source),
+        }
+    }
 }
 
 /// What the board has reported of itself.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use gsk_messages::{Message, say};
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use serde::Deserialize;
 use serde_json::Value;
@@ -85,19 +86,28 @@ impl Default for Dictionary {
 
 /// Why a dictionary is not understood.
 #[derive(Debug, Error)]
+#[error("{}", self.message())]
 pub(super) enum DictionaryError {
     /// It is not what zlib packs, or far too long.
-    #[error("the dictionary of the board cannot be unpacked")]
     Packed,
     /// It is not the JSON of a dictionary.
-    #[error("the dictionary of the board makes no sense: {0}")]
     Json(#[from] serde_json::Error),
     /// A reply has parameters of a kind that nobody knows.
-    #[error("the reply `{0}` of the board makes no sense")]
     Reply(String),
     /// A range of pins is none.
-    #[error("the pins {0} of the board make no sense")]
     Pins(String),
+}
+
+impl DictionaryError {
+    /// In words.
+    pub(super) fn message(&self) -> Message {
+        match self {
+            Self::Packed => say::dictionary_packed_wrong(),
+            Self::Json(error) => say::dictionary_wrong(error),
+            Self::Reply(reply) => say::dictionary_reply_wrong(reply),
+            Self::Pins(pins) => say::dictionary_pins_wrong(pins),
+        }
+    }
 }
 
 impl Dictionary {

@@ -27,6 +27,7 @@ use crate::drives::Drives;
 use crate::session::Session;
 use crate::{HostTime, Input, LinkConfig, LinkState, Stop, Uncertainty};
 use group::Group;
+use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
 use motion::Motion;
 use opening::Opening;
@@ -138,7 +139,7 @@ impl StepLink {
     }
 
     /// The port failed, or the board answers no more.
-    pub(super) fn lose_board(&mut self, cause: &str) {
+    pub(super) fn lose_board(&mut self, cause: Message) {
         if self.session.is_over() {
             return;
         }
@@ -216,10 +217,10 @@ impl StepLink {
         });
         match self.wire.send_queue.send(self.session.now, times) {
             Ok(()) => {}
-            Err(SendError::Silent) => self.lose_board("the board has not answered for 500 ms"),
+            Err(SendError::Silent) => self.lose_board(say::board_not_answering(500)),
             Err(SendError::Restarted) => self.board_restarted(),
             Err(SendError::Late) if self.wire.send_queue.is_rate_limited() => self.too_fine(),
-            Err(SendError::Late) => self.late("a step would have come too late"),
+            Err(SendError::Late) => self.late(say::step_too_late()),
         }
     }
 
@@ -298,15 +299,14 @@ impl StepLink {
         let known = shutdown::alarm(&text);
         self.opening.shut_down();
         // Steps too late and orders without sense it meets when it reads them.
-        let in_last = known.is_some_and(|(number, _)| {
-            matches!(number, alarm::LINK_PROTOCOL | alarm::STEPS_TOO_LATE)
+        let in_last = known.as_ref().is_some_and(|(number, _)| {
+            matches!(*number, alarm::LINK_PROTOCOL | alarm::STEPS_TOO_LATE)
         });
         self.estimate_position_sent(at, in_last);
         self.lose_position(Uncertainty::ShutDown);
         self.give_up_motion();
         if let Some((number, help)) = known {
-            self.session
-                .alarm(number, &format!("the board has shut down: {text}; {help}"));
+            self.session.alarm(number, say::board_shut_down(text, help));
         }
         self.session.enter(LinkState::Fault);
     }
@@ -322,8 +322,7 @@ impl StepLink {
         self.lose_position(Uncertainty::Reset);
         self.give_up_motion();
         self.wire.send_queue.begin();
-        self.session
-            .alarm(alarm::BOARD_RESET, "the board was reset");
+        self.session.alarm(alarm::BOARD_RESET, say::board_reset());
         self.session.enter(LinkState::Fault);
     }
 }

@@ -1,47 +1,57 @@
 //! Why a board shuts down, which alarm that is, and what the operator does.
 
+use gsk_messages::{Message, say};
 use gsk_units::alarm;
 
-/// Alarms and what helps against them.
-const HURRIED: (u16, &str) = (
-    alarm::STEPS_TOO_LATE,
-    "steps came too late: less load on the computer, a lower feed; then RESET and reference return",
-);
-const CONFUSED: (u16, &str) = (
-    alarm::LINK_PROTOCOL,
-    "the link or the wire failed: look at cable and earth; RESET and reference return",
-);
-const LEFT_ALONE: (u16, &str) = (
-    alarm::LINK_LOST,
-    "the computer or the wire was silent: look at both; RESET and reference return",
-);
-const BROKEN: (u16, &str) = (
-    alarm::BOARD_FAULT,
-    "the board failed by itself: see the text; RESET and reference return",
-);
+/// Whose fault it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Cause {
+    /// Steps came too late.
+    Hurried,
+    /// What the board was told was damaged on the way.
+    Confused,
+    /// The board was not told what it waited for.
+    LeftAlone,
+    /// The board itself.
+    Broken,
+}
+
+impl Cause {
+    /// The alarm, and what helps against it.
+    fn judged(self) -> (u16, Message) {
+        match self {
+            Self::Hurried => (alarm::STEPS_TOO_LATE, say::shutdown_steps_late()),
+            Self::Confused => (alarm::LINK_PROTOCOL, say::shutdown_wire_failed()),
+            Self::LeftAlone => (alarm::LINK_LOST, say::shutdown_computer_silent()),
+            Self::Broken => (alarm::BOARD_FAULT, say::shutdown_board_failed()),
+        }
+    }
+}
+
 /// Texts by their beginning.
-const TEXTS: [(&str, (u16, &str)); 9] = [
-    ("Timer too close", HURRIED),
-    ("Stepper too far in past", HURRIED),
-    ("Rescheduled timer in the past", HURRIED),
-    ("Move queue overflow", CONFUSED),
-    ("Invalid count parameter", CONFUSED),
-    ("Can't reset time when stepper active", CONFUSED),
-    ("Command parser error", CONFUSED),
-    ("Invalid command", CONFUSED),
+const TEXTS: [(&str, Cause); 9] = [
+    ("Timer too close", Cause::Hurried),
+    ("Stepper too far in past", Cause::Hurried),
+    ("Rescheduled timer in the past", Cause::Hurried),
+    ("Move queue overflow", Cause::Confused),
+    ("Invalid count parameter", Cause::Confused),
+    ("Can't reset time when stepper active", Cause::Confused),
+    ("Command parser error", Cause::Confused),
+    ("Invalid command", Cause::Confused),
     // "digital out event", "pwm event", "hard pwm event".
-    ("Missed scheduling of next", LEFT_ALONE),
+    ("Missed scheduling of next", Cause::LeftAlone),
 ];
 /// What our own emergency stop is called.
 const ASKED_FOR: &str = "Command request";
 
 /// The alarm of a shutdown and what helps; none: it was asked for.
-pub(super) fn alarm(text: &str) -> Option<(u16, &'static str)> {
+pub(super) fn alarm(text: &str) -> Option<(u16, Message)> {
     if text == ASKED_FOR {
         return None;
     }
     let known = TEXTS.iter().find(|(begin, _)| text.starts_with(begin));
-    Some(known.map_or(BROKEN, |(_, alarm)| *alarm))
+    let cause = known.map_or(Cause::Broken, |(_, cause)| *cause);
+    Some(cause.judged())
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use super::super::pin::PinName;
 use super::super::{Input, LinkConfig, Output, contacts};
 use super::commands::{COMMANDS, Command};
 use super::dictionary::Dictionary;
+use gsk_messages::{Message, say};
 use gsk_units::PerAxis;
 use thiserror::Error;
 
@@ -66,17 +67,26 @@ struct Writer<'a> {
 
 /// Why a board cannot be wired as the machine file says; keys are those of its `link`.
 #[derive(Debug, Error)]
+#[error("{}", self.message())]
 pub(super) enum WiringError {
     /// The board has no such pin.
-    #[error("link.{key}: the board has no pin {pin}")]
     NoPin { key: String, pin: String },
     /// The board uses the pin.
-    #[error("link.{key}: the board needs {pin} for itself ({purpose})")]
     Reserved {
         key: String,
         pin: String,
         purpose: String,
     },
+}
+
+impl WiringError {
+    /// In words.
+    pub(super) fn message(&self) -> Message {
+        match self {
+            Self::NoPin { key, pin } => say::board_pin_missing(key, pin),
+            Self::Reserved { key, pin, purpose } => say::board_pin_reserved(key, pin, purpose),
+        }
+    }
 }
 
 impl Writer<'_> {

@@ -125,7 +125,7 @@ impl Run<'_> {
             if still >= KEY_ACTS_WITHIN
                 && let Some(why) = self.simulation.cnc.refuses_axis(axis)
             {
-                self.ended = Some(End::Refused(why.into()));
+                self.ended = Some(End::Refused(why));
             }
         }
         self.simulation.cnc.set_panel_key(key, false);

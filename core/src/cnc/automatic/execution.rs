@@ -13,6 +13,7 @@ use crate::operation::{
     AfterThread, Current, Protection, RunState, Stage, Strobe, TapStage, is_cut,
 };
 use crate::units::{Axis, Feed, Point, TICK_MS};
+use gsk_messages::say;
 
 impl Cnc {
     /// Starts a command.
@@ -181,8 +182,7 @@ impl Cnc {
             && !self.plc.signals.dry_run
             && self.spindle.control.actual_rpm().abs() < 1.0;
         if standing {
-            return Err(Alarm::new(number::NO_FEED)
-                .because("feed per revolution (G99) with a standing spindle"));
+            return Err(Alarm::new(number::NO_FEED).because(say::spindle_stands_at_feed()));
         }
         Ok(())
     }

@@ -16,6 +16,7 @@ use crate::interpreter::Step;
 use crate::mode::Mode;
 use crate::operation::{Aside, Current, Protection, RunState};
 use crate::units::TICK_S;
+use gsk_messages::say;
 
 /// X1.2, *STEN: byte and mask.
 const START_ENABLE: (usize, u8) = (1, 1 << 2);
@@ -167,9 +168,8 @@ impl Cnc {
         }
         let (_, number) = self.tool();
         if number == 0 {
-            self.raise(Alarm::new(number::BAD_OFFSET).because(
-                "R alone sets the nose radius of the offset in force, and none is: T0101 first",
-            ));
+            let why = say::offset_none_for_nose_radius();
+            self.raise(Alarm::new(number::BAD_OFFSET).because(why));
             return true;
         }
         if let Err(refusal) = self.rights().offsets() {

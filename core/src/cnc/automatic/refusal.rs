@@ -6,54 +6,43 @@ use crate::cnc::Cnc;
 use crate::mode::Mode;
 use crate::operation::{Direction, RunState, jog_rate};
 use crate::units::Axis;
+use gsk_messages::{Message, say};
 
 impl Cnc {
     /// Why a cycle start given now would do nothing. What raises an alarm of its own
     /// (no program, a board that refuses) is not told here.
-    pub fn refuses_start(&self) -> Option<String> {
-        if let Some(stands) = self.alarm_against("cycle start") {
+    pub fn refuses_start(&self) -> Option<Message> {
+        if let Some(stands) = self.alarm_against(say::key_cycle_start()) {
             return Some(stands);
         }
         let mdi = self.run.mode == Mode::Mdi;
         let why = match self.run.automatic.state {
-            _ if !self.run.mode.runs_programs() => {
-                "cycle start acts in AUTO and MDI: press [自动] or [录入] first"
-            }
-            _ if self.resetting() => "cycle start does not act while RESET acts",
-            RunState::Run => "cycle start: the program runs already",
-            _ if self.plc.signals.feed_hold => {
-                "cycle start does not act while *SP (G8.5) is 0: the key [暂停], the pin X1.5 or \
-                 the ladder holds"
-            }
-            _ if self.board_is_stopping() || self.still_moves() => {
-                "cycle start waits until the axes stand: press it again then"
-            }
+            _ if !self.run.mode.runs_programs() => say::start_in_other_mode(),
+            _ if self.resetting() => say::start_in_reset(),
+            RunState::Run => say::start_runs_already(),
+            _ if self.plc.signals.feed_hold => say::start_in_feed_hold(),
+            _ if self.board_is_stopping() || self.still_moves() => say::start_waits_for_axes(),
             RunState::Hold if !mdi && !self.run.automatic.mdi && !self.runs_in(self.run.mode) => {
-                "the held block goes on in the mode that it was begun in (AUTO or DNC): select \
-                 that, or press [复位]"
+                say::start_held_in_other_mode()
             }
             RunState::Hold | RunState::Stop if !mdi => return None,
             _ if mdi && self.run.mdi.is_empty() && !self.goes_on_in_mdi() => {
-                "no MDI block is keyed in: page [程序], MDI, word by word with [输入]"
+                say::start_without_block()
             }
-            _ if mdi && self.run.handshake.busy() => {
-                "cycle start waits for the M, S or T function under way"
-            }
+            _ if mdi && self.run.handshake.busy() => say::start_waits_for_function(),
             _ => return None,
         };
-        Some(why.to_owned())
+        Some(why)
     }
 
     /// An alarm or a message that stands: it is told by itself, too.
-    fn alarm_against(&self, what: &str) -> Option<String> {
+    fn alarm_against(&self, key: Message) -> Option<Message> {
         let standing = self.standing_message();
         let number = match (self.alarms().first(), &standing) {
             (Some(alarm), _) | (None, Some(alarm)) => alarm.number,
             (None, None) => return None,
         };
-        Some(format!(
-            "{what} does not act while alarm {number:03} stands: remove its cause, then [复位]"
-        ))
+        Some(say::key_waits_for_alarm(key, number))
     }
 
     /// Axes that a program may not take over yet.
@@ -69,100 +58,76 @@ impl Cnc {
 
     /// Why the key of an axis, which is down and which the ladder has had time to pass
     /// on, does not move it.
-    pub fn refuses_axis(&self, axis: Axis) -> Option<String> {
+    pub fn refuses_axis(&self, axis: Axis) -> Option<Message> {
         let why = match self.run.mode.motion() {
-            Mode::Handwheel => {
-                "handwheel mode (001.3 = 1): choose the axis with [X手轮] or [Z手轮] and turn the \
-                 wheel, the axis keys do nothing"
-            }
-            mode if !mode.is_manual() => {
-                "the axis keys act in the modes [手动], [单步], [机械零点] and [程序零点]"
-            }
+            Mode::Handwheel => say::axis_key_in_handwheel_mode(),
+            mode if !mode.is_manual() => say::axis_key_in_other_mode(),
             _ if self.emergency_stop || self.is_not_ready() => {
-                return self.alarm_against("the axis key");
+                return self.alarm_against(say::key_of_axis());
             }
-            _ if self.resetting() => "the axis keys do not act while RESET acts",
-            _ if self.run.automatic.state == RunState::Run => {
-                "a thread is being finished: the axis keys act behind it"
-            }
-            _ if *self.hand.jog_blocked.get(axis) => {
-                "the axis key was down when the mode changed: let it go and press it again"
-            }
+            _ if self.resetting() => say::axis_key_in_reset(),
+            _ if self.run.automatic.state == RunState::Run => say::axis_key_in_thread(),
+            _ if *self.hand.jog_blocked.get(axis) => say::axis_key_of_mode_before(),
             _ => return self.refuses_direction(axis),
         };
-        Some(why.to_owned())
+        Some(why)
     }
 
     /// What stands against the direction that the ladder asks for.
-    fn refuses_direction(&self, axis: Axis) -> Option<String> {
+    fn refuses_direction(&self, axis: Axis) -> Option<Message> {
         let g = &self.plc.signals;
         let way = match (*g.jog_plus.get(axis), *g.jog_minus.get(axis)) {
             (true, false) => Direction::Plus,
             (false, true) => Direction::Minus,
-            _ => {
-                return Some(
-                    "the ladder does not pass the axis key on (G100, G102): let go of every axis \
-                     key, then press one"
-                        .to_owned(),
-                );
-            }
+            _ => return Some(say::axis_key_held_by_ladder()),
         };
         if let Some(lock) = self.axis_lock(axis) {
-            return Some(format!("{axis:?} does not move: {lock}"));
+            return Some(say::axis_locked(axis, lock));
         }
         if self.direction_locked(axis, way) {
-            return Some(format!(
-                "{axis:?} does not move this way: overtravel, a limit signal (G114, G116) or \
-                 ±MIT (G132, G134); the other way is free"
-            ));
+            return Some(say::axis_locked_this_way(axis));
         }
         match self.run.mode.motion() {
             Mode::MachineZero => self.refuses_return(axis),
             Mode::ProgramZero => None,
-            Mode::Step => (self.step_distance(axis) == 0.0)
-                .then(|| "steps above 0.01 are locked by 173.1 = 1: press [0.01]".to_owned()),
+            Mode::Step => (self.step_distance(axis) == 0.0).then(say::key_large_steps_locked),
             _ => self.refuses_rate(axis),
         }
     }
 
-    fn axis_lock(&self, axis: Axis) -> Option<&'static str> {
+    fn axis_lock(&self, axis: Axis) -> Option<Message> {
         let g = &self.plc.signals;
         if g.interlock {
-            Some("the interlock *IT (G8.0) is 0")
+            Some(say::axis_lock_of_all())
         } else if *g.axis_interlock.get(axis) {
-            Some("its interlock IT (G130) is 1")
+            Some(say::axis_lock_of_axis())
         } else if self.brake_interlock() {
-            Some("the output of the spindle brake is on (011.4 = 0)")
+            Some(say::axis_lock_of_brake())
         } else {
             None
         }
     }
 
-    fn refuses_return(&self, axis: Axis) -> Option<String> {
+    fn refuses_return(&self, axis: Axis) -> Option<Message> {
         if !self.memory.parameters.has_zero_switch(axis)
             || self.coordinates.returns.get(axis).is_some()
         {
             return None;
         }
         if *self.plc.signals.machine_lock.get(axis) {
-            return Some(format!(
-                "{axis:?} makes no machine zero return under machine lock: press [机床锁]"
-            ));
+            return Some(say::axis_under_machine_lock(axis));
         }
         let stands = self.coordinates.at_reference.get(axis).is_some();
-        stands.then(|| format!("{axis:?} stands at its machine zero already"))
+        stands.then(|| say::axis_at_machine_zero(axis))
     }
 
-    fn refuses_rate(&self, axis: Axis) -> Option<String> {
+    fn refuses_rate(&self, axis: Axis) -> Option<Message> {
         let rapid_allowed = *self.coordinates.referenced.get(axis)
             || self.memory.parameters.rapid_without_reference();
         if self.plc.signals.rapid && !rapid_allowed {
-            return Some(format!(
-                "{axis:?} has no reference: it moves at the jog rate, rapid needs the machine \
-                 zero return first (012.0 = 0)"
-            ));
+            return Some(say::axis_without_reference(axis));
         }
         let stands = !self.plc.signals.rapid && jog_rate(self.plc.signals.jog_code) == 0.0;
-        stands.then(|| "the feed override is 0 %: raise it with [进给倍率↑]".to_owned())
+        stands.then(say::axis_feed_override_zero)
     }
 }

@@ -17,6 +17,7 @@ use crate::operation::{
     RunState, STANDING_RPM, Strobe, TapStage, check_encoder, check_standing, check_thread_speed,
 };
 use crate::units::{Feed, Point};
+use gsk_messages::say;
 
 /// A speed at the limit is measured a little above it.
 const WITHIN_MEASUREMENT: f64 = 0.99;
@@ -263,7 +264,7 @@ impl Cnc {
             }
             return;
         };
-        let alarm = Alarm::new(number).because(format!("spindle at {:.0} r/min", rpm.abs()));
+        let alarm = Alarm::new(number).because(say::spindle_at_speed(rpm.abs()));
         self.raise_at_last(alarm);
     }
 

@@ -4,16 +4,15 @@ use crate::cnc::Cnc;
 use crate::command::Action;
 use crate::operation::{Return, RunState, Strobe};
 use crate::units::{Axis, Feed};
+use gsk_messages::{Message, say};
 
 impl Cnc {
     /// What the program under way waits for; none: it goes on, or there is none.
-    pub fn waits_for(&self) -> Option<String> {
+    pub fn waits_for(&self) -> Option<Message> {
         match self.run.automatic.state {
             RunState::Reset | RunState::Stop => None,
-            RunState::Hold if self.plc.signals.feed_hold => Some(
-                "feed hold: *SP (G8.5) is 0: the key [暂停], the pin X1.5 or the ladder".into(),
-            ),
-            RunState::Hold => Some("cycle start after a feed hold".into()),
+            RunState::Hold if self.plc.signals.feed_hold => Some(say::wait_in_feed_hold()),
+            RunState::Hold => Some(say::wait_for_cycle_start()),
             RunState::Run => self
                 .waits_in_run()
                 .or_else(|| self.waits_for_fin())
@@ -22,24 +21,23 @@ impl Cnc {
     }
 
     /// Signals that lock the motion of a program.
-    fn waits_in_run(&self) -> Option<String> {
+    fn waits_in_run(&self) -> Option<Message> {
         let g = &self.plc.signals;
         if !self.run_interlocked() {
             return None;
         }
         let lock = if g.start_lock {
-            "the start lock: STLK (G7.1) is 1".into()
+            say::wait_in_start_lock()
         } else if g.interlock {
-            "the interlock of all axes: *IT (G8.0) is 0".into()
+            say::wait_in_interlock()
         } else if self.spindle.control.changing_gear() {
             self.waits_for_gear()
         } else if self.run.automatic.arrival.awaited(g.speed_arrival) {
-            "the spindle to reach its speed: SAR (G29.4) is 0 and 175.6 = 1".into()
+            say::wait_for_spindle_speed()
         } else if self.brake_interlock() {
-            "the spindle brake: its output Y0.7 is on and 011.4 = 0".into()
+            say::wait_for_brake()
         } else {
-            let axis = self.locked_axis()?;
-            format!("the interlock of {axis:?}: IT, +MIT or -MIT (G130, G132, G134)")
+            say::wait_in_axis_interlock(self.locked_axis()?)
         };
         Some(lock)
     }
@@ -52,49 +50,45 @@ impl Cnc {
     }
 
     /// FIN of an M, S or T function, and what the ladder withholds it for.
-    fn waits_for_fin(&self) -> Option<String> {
+    fn waits_for_fin(&self) -> Option<Message> {
         let (strobe, code) = self.run.handshake.unfinished()?;
         if self.is_moving() || self.run.automatic.dwelling() {
             return None;
         }
         let fin = match strobe {
-            Strobe::M => format!("FIN (G4.3) of M{code:02}"),
-            Strobe::S => format!("FIN (G4.3) of S{code}"),
-            Strobe::T => format!("FIN (G4.3) of T{code:02}"),
+            Strobe::M => say::wait_for_fin_of_m(code),
+            Strobe::S => say::wait_for_fin_of_s(code),
+            Strobe::T => say::wait_for_fin_of_t(code),
         };
         Some(match (strobe, code) {
             (Strobe::M, 12 | 13)
                 if self.memory.parameters.has_chuck() && self.memory.parameters.watches_chuck() =>
             {
-                format!(
-                    "{fin}: the in-position input of the chuck does not come (X1.1, X1.2; 168.2 = 1)"
-                )
+                say::wait_for_chuck(fin)
             }
             (Strobe::M, 41..=44) => self.waits_for_gear(),
-            (Strobe::T, _) => format!("{fin}: the tool post has not reached the station"),
+            (Strobe::T, _) => say::wait_for_tool_post(fin),
             _ => fin,
         })
     }
 
-    fn waits_for_gear(&self) -> String {
+    fn waits_for_gear(&self) -> Message {
         if self.memory.parameters.watches_gear() {
-            "the gear change: the in-position input does not come (X1.1, X1.2; 164.6 = 1)".into()
+            say::wait_for_gear_input()
         } else {
-            "the gear change".into()
+            say::wait_for_gear()
         }
     }
 
     /// A motion that does not go on.
-    fn waits_in_motion(&self) -> Option<String> {
+    fn waits_in_motion(&self) -> Option<Message> {
         for axis in [Axis::X, Axis::Z] {
             match self.coordinates.returns.get(axis) {
                 Some(Return::Approach | Return::Back) => {
-                    return Some(format!("the deceleration switch of {axis:?}"));
+                    return Some(say::wait_for_zero_switch(axis));
                 }
-                Some(Return::OnSwitch) => {
-                    return Some(format!("the end of the deceleration switch of {axis:?}"));
-                }
-                Some(Return::Search) => return Some(format!("the zero signal of {axis:?}")),
+                Some(Return::OnSwitch) => return Some(say::wait_for_zero_switch_end(axis)),
+                Some(Return::Search) => return Some(say::wait_for_zero_signal(axis)),
                 _ => {}
             }
         }
@@ -107,7 +101,7 @@ impl Cnc {
                 if matches!(feed, Feed::PerRevolution(_)) && stands {
                     true
                 } else if self.plc.signals.feed_override == 0 {
-                    return Some("a feed override above 0 %".into());
+                    return Some(say::wait_for_feed_override());
                 } else {
                     return None;
                 }
@@ -115,6 +109,6 @@ impl Cnc {
             Action::Thread { .. } | Action::Tap { .. } => stands,
             _ => false,
         };
-        turned.then(|| "the spindle, which stands".into())
+        turned.then(say::wait_for_spindle)
     }
 }

@@ -193,7 +193,7 @@ mod tests {
         let Some(Refused::Thread(lacks)) = asks("G92 X1 Z1 F1", NONE, false).refused else {
             panic!("not refused");
         };
-        let text = lacks.text();
+        let text = lacks.text().to_string();
         assert!(
             text.contains("SS") && text.contains("line.thread_proved"),
             "{text}"

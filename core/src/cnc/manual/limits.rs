@@ -6,6 +6,7 @@ use crate::cnc::Cnc;
 use crate::machine::{Inputs, OverLimit};
 use crate::operation::{Direction, travel_alarm};
 use crate::units::{Axis, PerAxis, Point};
+use gsk_messages::{Message, say};
 
 /// Both axes, both ways.
 const SIDES: [(Axis, Direction); 4] = [
@@ -98,7 +99,7 @@ impl Cnc {
 
     /// What a look at the limit switches shows when the loop opens: the axis, its side
     /// and the way off.
-    pub(crate) fn over_limit_detail(&self, inputs: &Inputs) -> Option<String> {
+    pub(crate) fn over_limit_detail(&self, inputs: &Inputs) -> Option<Message> {
         let mut said = Vec::new();
         for axis in [Axis::X, Axis::Z] {
             let Some(tripped) = *inputs.over_limit.get(axis) else {
@@ -108,16 +109,17 @@ impl Cnc {
                 OverLimit::Minus => ('-', '+'),
                 OverLimit::Plus => ('+', '-'),
                 OverLimit::Stuck => {
-                    said.push(format!("a limit switch of {axis:?} is tripped by no slide"));
+                    said.push(say::limit_switch_stuck(axis));
                     continue;
                 }
             };
-            said.push(format!(
-                "limit switch {axis:?}{at}: hold the overtravel release, jog {axis:?}{back}"
+            said.push(say::limit_switch_tripped(
+                format_args!("{axis}{at}"),
+                format_args!("{axis}{back}"),
             ));
             said.extend(self.unmet_switch(axis));
         }
-        (!said.is_empty()).then(|| said.join("; "))
+        (!said.is_empty()).then(|| say::several(said))
     }
 
     /// Raises the alarm of a limit, with the block that ran into it.

@@ -28,6 +28,7 @@ use crate::mode::Mode;
 use crate::motion::{JogRate, RapidOverride};
 use crate::operation::{Return, RunState};
 use crate::units::{Axis, PerAxis, Point, Pulses};
+use gsk_messages::{Message, say};
 
 /// Deceleration switches, X0.3 and X1.3.
 const SWITCH_MASK: u8 = 1 << 3;
@@ -57,18 +58,15 @@ impl Cnc {
     /// was pressed to stop it.
     fn advise_to_hold(&mut self, axis: Axis) {
         if !*self.hand.axis_keys.get(axis) && !self.memory.parameters.zero_keys_latch() {
-            self.events.push(Event::Advised(format!(
-                "the return of {axis:?} is broken off: hold its key until the lamp lights, or set \
-                 011.2 = 1"
-            )));
+            self.events
+                .push(Event::Advised(say::return_broken_off(axis)));
         }
     }
 
     fn begin_return(&mut self, axis: Axis) -> Result<(), Alarm> {
         if self.run.mode == Mode::ProgramZero {
             let zero = self.coordinates.program_zero.ok_or_else(|| {
-                Alarm::new(number::ZERO_UNDEFINED)
-                    .because("no G50 has set a program zero point since power-on")
+                Alarm::new(number::ZERO_UNDEFINED).because(say::zero_of_program_never_set())
             })?;
             self.drives
                 .interpolator
@@ -92,8 +90,7 @@ impl Cnc {
         }
         let stage = if !self.memory.parameters.has_zero_switch(axis) {
             if !*self.coordinates.referenced.get(axis) {
-                return Err(Alarm::new(number::ZERO_UNDEFINED)
-                    .because("014 says no zero switch, and no machine zero has been set"));
+                return Err(Alarm::new(number::ZERO_UNDEFINED).because(say::zero_never_set()));
             }
             self.drives.interpolator.go_to(axis, 0.0, JogRate::Rapid);
             Return::Straight
@@ -117,21 +114,14 @@ impl Cnc {
         } else {
             '-'
         };
-        Alarm::new(number::ZERO_RETURN).because(format!(
-            "{axis:?} stands on its deceleration switch: jog {axis:?}{back} until it is off, \
-             then return"
-        ))
+        let way = format_args!("{axis}{back}");
+        Alarm::new(number::ZERO_RETURN).because(say::return_on_switch(axis, way))
     }
 
     /// What a stop in the middle of an approach has to do with it.
-    pub(crate) fn unmet_switch(&self, axis: Axis) -> Option<String> {
+    pub(crate) fn unmet_switch(&self, axis: Axis) -> Option<Message> {
         let approaches = *self.coordinates.returns.get(axis) == Some(Return::Approach);
-        approaches.then(|| {
-            format!(
-                "{axis:?} was returning to its machine zero and had not met the deceleration \
-                 switch"
-            )
-        })
+        approaches.then(|| say::return_before_switch(axis))
     }
 
     /// G28: seeks the reference points of axes that have none; those that have one

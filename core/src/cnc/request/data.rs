@@ -1,6 +1,7 @@
 //! Requests about offsets, parameters, settings, disks and presets
 //! (manual III-2.3, III-2.5, III-2.6, III-7).
 
+use gsk_messages::say;
 use gsk_plc::address::{Area, ByteAddress};
 
 use super::OffsetEntry;
@@ -146,10 +147,7 @@ impl Cnc {
             self.plc.engine.memory_mut().set_dt(entry, time);
         }
         if needs_power_cycle {
-            self.raise(
-                Alarm::new(number::POWER_CYCLE)
-                    .because("a changed parameter takes effect at power-on"),
-            );
+            self.raise(Alarm::new(number::POWER_CYCLE).because(say::parameter_at_power_on()));
         }
     }
 
@@ -223,7 +221,7 @@ impl Cnc {
             return Ok(());
         }
         if tool > LAST_TOOL {
-            let detail = format!("tool {tool} is outside 0 to {LAST_TOOL}");
+            let detail = say::tool_out_of_range(tool, LAST_TOOL);
             return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
         }
         self.plc.engine.memory_mut().set_k(TOOL_IN_POSITION, tool);
@@ -242,9 +240,8 @@ impl Cnc {
             return Ok(());
         }
         if value < 0 || address.area == Area::D && value > i32::from(u8::MAX) {
-            return Err(
-                Alarm::new(number::OUT_OF_RANGE).because(format!("{value} does not fit {address}"))
-            );
+            let detail = say::preset_out_of_range(value, address);
+            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
         }
         let memory = self.plc.engine.memory_mut();
         match address.area {

@@ -5,6 +5,7 @@ use super::Request;
 use crate::cnc::Cnc;
 use crate::memory::Refusal;
 use crate::operation::Mode;
+use gsk_messages::{Message, say};
 
 /// The mode that a request needs, when it is refused for the mode.
 const fn needed(request: &Request) -> Mode {
@@ -20,27 +21,23 @@ const fn needed(request: &Request) -> Mode {
     }
 }
 
-const fn words(refusal: Refusal, mode: Mode) -> &'static str {
+fn words(refusal: Refusal, mode: Mode) -> Message {
     match (refusal, mode) {
-        (Refusal::Mode, Mode::Edit) => "this needs EDIT mode: press [编辑]",
-        (Refusal::Mode, _) => "this needs MDI mode: press [录入]",
-        (Refusal::Running, _) => "not while a program runs or is held, or an axis moves",
-        (Refusal::Alarm, _) => "not while an alarm stands (012.3 = 0): press [复位] first",
-        (Refusal::ParameterSwitch, _) => {
-            "the parameter switch is off: key [设置] until 参数开关 shows, then [D]"
-        }
-        (Refusal::ProgramSwitch, _) => {
-            "the program switch is off: key [设置] until 程序开关 shows, then [D]"
-        }
-        (Refusal::Level, _) => "the operation level is too low: give a password, key [设置]",
-        (Refusal::Locked, _) => "locked by 172.1, 172.2, 012.4 or the ladder's KEY1 (G46.3)",
+        (Refusal::Mode, Mode::Edit) => say::request_needs_edit(),
+        (Refusal::Mode, _) => say::request_needs_mdi(),
+        (Refusal::Running, _) => say::request_while_running(),
+        (Refusal::Alarm, _) => say::request_in_alarm(),
+        (Refusal::ParameterSwitch, _) => say::request_parameter_switch_off(),
+        (Refusal::ProgramSwitch, _) => say::request_program_switch_off(),
+        (Refusal::Level, _) => say::request_level_too_low(),
+        (Refusal::Locked, _) => say::request_locked(),
     }
 }
 
 impl Cnc {
     /// Why a request would be refused now without an alarm; none: it is carried out,
     /// or its alarm tells.
-    pub fn refuses(&self, request: &Request) -> Option<&'static str> {
+    pub fn refuses(&self, request: &Request) -> Option<Message> {
         let rights = self.rights();
         let running = |refused: bool| {
             if refused {
@@ -54,9 +51,7 @@ impl Cnc {
                 running(self.is_moving())
             }
             Request::SetMachineZero(axis) if self.memory.parameters.has_zero_switch(*axis) => {
-                return Some(
-                    "this axis has a zero switch (014): its machine zero is found by the return",
-                );
+                return Some(say::request_zero_by_return());
             }
             Request::SetMachineZero(_) => running(self.is_moving() || rights.operating),
             Request::AskToSend(number) => rights.send_program(*number),

@@ -14,6 +14,7 @@ use crate::{
     Backend, BoardInfo, BoardOutputs, CannotCut, HostTime, Input, LinkState, Pass, Pins,
     PulseRates, Refused, RunTime, Sample, Stop, ThreadRights, Traffic, Uncertainty,
 };
+use gsk_messages::Message;
 use gsk_units::{PerAxis, Pulses};
 
 impl Positioned for LineLink {
@@ -157,7 +158,7 @@ impl Backend for LineLink {
         }
     }
 
-    fn lost(&mut self, cause: &str) {
+    fn lost(&mut self, cause: Message) {
         self.lose_board(cause);
     }
 

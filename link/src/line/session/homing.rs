@@ -6,6 +6,7 @@ use super::LineLink;
 use crate::line::Family;
 use crate::line::response::BoardState;
 use crate::{Event, HostTime, LinkState, Refused, Uncertainty};
+use gsk_messages::{Message, say};
 use gsk_units::{Axis, PerAxis, alarm};
 
 /// A reference return ends within this.
@@ -38,11 +39,8 @@ impl LineLink {
             _ => ("$H", all),
         };
         if let Some(axis) = self.stands_beyond(axes) {
-            let text = format!(
-                "{axis:?} stands upon a limit switch that does not lie where the return goes: \
-                 jog off it first"
-            );
-            self.session.alarm(alarm::BOARD_ZERO_RETURN, &text);
+            self.session
+                .alarm(alarm::BOARD_ZERO_RETURN, say::limit_switch_off_return(axis));
             return Err(Refused::TowardLimit(axis));
         }
         self.limits.forget();
@@ -85,11 +83,9 @@ impl LineLink {
         self.reports.forget();
         let names = self.opening.family == Family::FluidNc;
         let why = match error {
-            Some(number) => format!("the board refuses its reference return with error:{number}"),
+            Some(number) => say::board_refuses_return(number),
             // It answers so whatever came of it.
-            None if names && homing.named != homing.axes => {
-                "the board does not say that its reference return was made".into()
-            }
+            None if names && homing.named != homing.axes => say::board_return_not_confirmed(),
             None => {
                 self.session.events.push(Event::Homed(homing.axes));
                 self.enter(LinkState::Locked);
@@ -102,7 +98,7 @@ impl LineLink {
             self.restart();
         }
         self.enter(LinkState::Locked);
-        self.session.alarm(alarm::BOARD_ZERO_RETURN, &why);
+        self.session.alarm(alarm::BOARD_ZERO_RETURN, why);
     }
 
     /// FluidNC names each axis that has come home.
@@ -117,12 +113,12 @@ impl LineLink {
         if let Some(homing) = self.homing
             && self.session.since(homing.since) >= HOMING_WAIT
         {
-            self.give_up_homing(Some("the reference return takes longer than 120 s"));
+            self.give_up_homing(Some(say::board_return_too_long()));
         }
     }
 
     /// Stops a reference return; `why` for one that was not stopped by the operator.
-    pub(super) fn give_up_homing(&mut self, why: Option<&str>) {
+    pub(super) fn give_up_homing(&mut self, why: Option<Message>) {
         if let Some(why) = why {
             self.session.alarm(alarm::BOARD_ZERO_RETURN, why);
         }

@@ -18,6 +18,7 @@ use crate::line::response::{BoardState, Status};
 use crate::{
     CannotCut, HostTime, Lacks, LinkState, Pass, Refused, RunTime, ThreadRights, Uncertainty,
 };
+use gsk_messages::say;
 use gsk_units::{Axis, Point, alarm};
 
 /// The board waits so long for its one-turn signals, and reports nothing meanwhile.
@@ -254,23 +255,13 @@ impl LineLink {
         if let Some(number) = error {
             // The board takes no line after one that it has refused, but an empty one.
             self.send("\n", false);
-            match number {
-                20 => self
-                    .session
-                    .alarm(alarm::BOARD_CANNOT, "the board refuses G33 (error:20)"),
-                41 => self.session.alarm(
-                    alarm::THREAD_SPEED,
-                    "the spindle stands at the beginning of the thread",
-                ),
-                43 => self.session.alarm(
-                    alarm::THREAD_SPEED,
-                    "the spindle is too fast for the thread (error:43)",
-                ),
-                _ => {
-                    let text = format!("the thread was refused with error:{number}");
-                    self.session.alarm(alarm::LINK_PROTOCOL, &text);
-                }
-            }
+            let (number, text) = match number {
+                20 => (alarm::BOARD_CANNOT, say::thread_code_refused()),
+                41 => (alarm::THREAD_SPEED, say::thread_spindle_stands_at_start()),
+                43 => (alarm::THREAD_SPEED, say::thread_spindle_too_fast()),
+                _ => (alarm::LINK_PROTOCOL, say::thread_refused(number)),
+            };
+            self.session.alarm(number, text);
         } else {
             self.motion.made = cutting.pass.end;
             self.motion.commanded = cutting.pass.end;
@@ -298,10 +289,7 @@ impl LineLink {
             // Nothing but this tells that a figure was damaged on its way.
             self.session.alarm(
                 alarm::LINK_PROTOCOL,
-                &format!(
-                    "the board cuts the thread at {feed:.0} mm/min instead of {:.0}",
-                    cutting.speed
-                ),
+                say::thread_speed_misread(feed, cutting.speed),
             );
             self.abandon_pass();
             self.enter(LinkState::Fault);
@@ -314,10 +302,8 @@ impl LineLink {
             .pass
             .is_some_and(|cutting| self.session.now >= cutting.until)
         {
-            self.session.alarm(
-                alarm::BOARD_FAULT,
-                "the board has not ended its thread in time",
-            );
+            self.session
+                .alarm(alarm::BOARD_FAULT, say::thread_never_ends());
             self.abandon_pass();
             self.enter(LinkState::Fault);
         }

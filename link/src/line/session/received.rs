@@ -1,6 +1,7 @@
 //! What the board says: answers, reports, and when it is asked for one.
 
 use crate::Backend;
+use gsk_messages::say;
 use gsk_units::alarm;
 
 use core::time::Duration;
@@ -58,7 +59,7 @@ impl LineLink {
             Response::Garbage => {
                 self.wire.traffic.garbage += 1;
                 if self.session.state == LinkState::Moving {
-                    self.protocol_error("a line that made no sense");
+                    self.protocol_error(say::line_makes_no_sense());
                 }
             }
             _ => {}
@@ -87,10 +88,8 @@ impl LineLink {
             let off = self.motion.off_path(board);
             if off > 0.002 + 2.0 / x + 2.0 / z {
                 self.session.lose_position(Uncertainty::OffPath);
-                self.session.alarm(
-                    alarm::POSITION_CHECK,
-                    &format!("the board is {off:.3} mm off the commanded path"),
-                );
+                self.session
+                    .alarm(alarm::POSITION_CHECK, say::board_off_path(off));
                 // On a ramp it would go on toward a place nobody commanded.
                 self.forget_motion();
                 self.restart();
@@ -109,10 +108,7 @@ impl LineLink {
                 self.restart();
             }
             BoardState::Held if self.stopping.is_none() && self.session.state.takes_motion() => {
-                self.session.alarm(
-                    alarm::BOARD_FAULT,
-                    "the board was held by an input of its own",
-                );
+                self.session.alarm(alarm::BOARD_FAULT, say::board_held());
                 self.session.lose_position(Uncertainty::Misunderstood);
                 self.flush();
                 self.enter(LinkState::Fault);
@@ -126,10 +122,8 @@ impl LineLink {
             }
             BoardState::Idle => self.startup.unlocks = false,
             BoardState::Other if self.session.state.takes_motion() => {
-                self.session.alarm(
-                    alarm::BOARD_FAULT,
-                    "the board reports a state nobody asked for",
-                );
+                self.session
+                    .alarm(alarm::BOARD_FAULT, say::board_state_unasked());
                 self.flush();
                 self.enter(LinkState::Fault);
             }
@@ -193,14 +187,14 @@ impl LineLink {
                 }
             }
             Outcome::Differs(differences) => {
-                let text = format!("settings of the board that differ: {}", differences.len());
+                let text = say::board_settings_differ(differences.len());
                 self.session
                     .events
                     .extend(differences.into_iter().map(Event::Differs));
-                self.session.alarm(alarm::BOARD_SETTINGS, &text);
+                self.session.alarm(alarm::BOARD_SETTINGS, text);
             }
             Outcome::Fails(number, text) => {
-                self.session.alarm(number, &text);
+                self.session.alarm(number, text);
                 self.enter(if number == alarm::BOARD_SILENT {
                     LinkState::Lost
                 } else {
@@ -220,10 +214,8 @@ impl LineLink {
         if gap >= self.config.lookahead() && !self.motion.backlog.is_empty() {
             // The board stands by now; what waited for room in it would move it again.
             self.motion.backlog.clear();
-            self.session.alarm(
-                alarm::STEPS_TOO_LATE,
-                "the computer was away while motion waited for room",
-            );
+            self.session
+                .alarm(alarm::STEPS_TOO_LATE, say::computer_away());
             self.session.events.push(Event::Halting { reached: false });
             self.flush();
         }

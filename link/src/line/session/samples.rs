@@ -6,6 +6,7 @@ use core::time::Duration;
 
 use super::LineLink;
 use crate::{Event, LinkState, Refused, RunTime, Sample, Uncertainty};
+use gsk_messages::say;
 use gsk_units::alarm;
 
 /// The first pulse of a motion takes this long.
@@ -73,7 +74,7 @@ impl LineLink {
     pub(super) fn line_done(&mut self, error: Option<u16>) {
         let Some(line) = self.wire.answered() else {
             if self.stopping.is_none() && self.is_prepared() {
-                self.protocol_error("an answer to nothing");
+                self.protocol_error(say::line_answer_to_nothing());
             }
             return;
         };
@@ -86,7 +87,7 @@ impl LineLink {
         if let Some(number) = error {
             let locked = self.session.state == LinkState::Locked && !self.session.released;
             if self.stopping.is_none() && !locked {
-                self.protocol_error(&format!("a line was refused with error:{number}"));
+                self.protocol_error(say::line_refused(number));
             }
             return;
         }
@@ -136,11 +137,10 @@ impl LineLink {
             return;
         }
         self.session.lose_position(Uncertainty::Differs);
-        let text = format!(
-            "commanded X {} Z {} pulses, the board counts X {} Z {}",
-            self.motion.commanded.x.0, self.motion.commanded.z.0, kernel.x.0, kernel.z.0
-        );
-        self.session.alarm(alarm::POSITION_CHECK, &text);
+        let commanded = self.motion.commanded;
+        let text =
+            say::board_counts_otherwise(commanded.x.0, commanded.z.0, kernel.x.0, kernel.z.0);
+        self.session.alarm(alarm::POSITION_CHECK, text);
         self.enter(LinkState::Locked);
     }
 

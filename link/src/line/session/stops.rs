@@ -1,5 +1,6 @@
 //! Everything that stops the board, and what is known afterwards.
 
+use gsk_messages::{Message, say};
 use gsk_units::alarm;
 
 use core::time::Duration;
@@ -98,16 +99,15 @@ impl LineLink {
             .oldest()
             .is_some_and(|line| self.session.since(line.sent) >= ANSWER_WAIT);
         if silent {
-            self.lose_board(&format!(
-                "the board has not answered for {} ms",
-                self.thread.patience(SILENCE).as_millis()
+            self.lose_board(say::board_not_answering(
+                self.thread.patience(SILENCE).as_millis(),
             ));
         } else if self.thread.is_cutting() {
             // A pass has a patience of its own.
         } else if unanswered && self.stopping.is_none() && self.homing.is_none() && self.is_open() {
-            self.protocol_error("a line was never answered");
+            self.protocol_error(say::line_never_answered());
         } else if self.stopping.is_none() && self.motion.is_late(self.session.now) {
-            self.protocol_error("a segment takes much longer than it was given");
+            self.protocol_error(say::segment_takes_too_long());
         }
     }
 
@@ -116,7 +116,7 @@ impl LineLink {
             Halt::Braking(since) if self.session.since(since) >= HOLD_WAIT => {
                 self.session.lose_position(Uncertainty::StoppedDead);
                 self.session
-                    .alarm(alarm::BOARD_FAULT, "the board did not stand within 1 s");
+                    .alarm(alarm::BOARD_FAULT, say::board_does_not_stop());
                 self.restart();
                 self.enter(LinkState::Fault);
             }
@@ -133,7 +133,7 @@ impl LineLink {
                 self.restarted();
             }
         } else if passed(restart.since) >= ANSWER_WAIT {
-            self.lose_board("the board did not come back after a reset");
+            self.lose_board(say::board_gone_in_reset());
         } else if passed(restart.sent) >= RESET_AGAIN {
             self.wire.send_realtime(SOFT_RESET);
             self.stopping.halt = Halt::Restarting(Restart {
@@ -248,12 +248,11 @@ impl LineLink {
         // What was asked before is never answered.
         self.reports.invalidate();
         self.outputs.are_off();
-        self.session
-            .alarm(alarm::BOARD_RESET, "the board was reset");
+        self.session.alarm(alarm::BOARD_RESET, say::board_reset());
         self.enter(LinkState::Fault);
     }
 
-    pub(super) fn protocol_error(&mut self, cause: &str) {
+    pub(super) fn protocol_error(&mut self, cause: Message) {
         self.session.alarm(alarm::LINK_PROTOCOL, cause);
         self.session.lose_position(Uncertainty::Misunderstood);
         self.flush();
@@ -284,7 +283,7 @@ impl LineLink {
             Cause::Reset => {
                 self.startup.has_restarted();
                 self.session
-                    .alarm(alarm::BOARD_RESET, "the board was reset while it moved");
+                    .alarm(alarm::BOARD_RESET, say::board_reset_in_motion());
                 self.enter(LinkState::Fault);
             }
             Cause::Homing => {
@@ -294,15 +293,13 @@ impl LineLink {
                     self.restart();
                 }
                 self.startup.excuse(self.session.now);
-                self.session.alarm(
-                    alarm::BOARD_ZERO_RETURN,
-                    &format!("ALARM:{number} of the board"),
-                );
+                self.session
+                    .alarm(alarm::BOARD_ZERO_RETURN, say::board_alarm(number));
                 self.enter(LinkState::Locked);
             }
             Cause::EmergencyStop => {
                 self.session
-                    .alarm(alarm::EMERGENCY_STOP, "emergency stop input of the board");
+                    .alarm(alarm::EMERGENCY_STOP, say::board_emergency_input());
                 if family == Family::FluidNc {
                     // Without it an unlock would do nothing.
                     self.restart();
@@ -310,34 +307,28 @@ impl LineLink {
                 self.enter(LinkState::Tripped);
             }
             Cause::Spindle => {
-                self.session.alarm(
-                    alarm::THREAD_SPEED,
-                    "the spindle did not turn twice within 5 s (ALARM:14)",
-                );
+                self.session
+                    .alarm(alarm::THREAD_SPEED, say::thread_spindle_does_not_turn());
                 // It waits for ever for the motion it has not begun.
                 self.restart();
                 self.enter(LinkState::Fault);
             }
             Cause::Motor => {
                 for (number, axis) in [(alarm::X_DRIVE_ALARM, 'X'), (alarm::Z_DRIVE_ALARM, 'Z')] {
-                    let text = format!("ALARM:17 of the board: motor fault, perhaps of {axis}");
-                    self.session.alarm(number, &text);
+                    self.session.alarm(number, say::board_motor_fault(axis));
                 }
                 self.restart();
                 self.enter(LinkState::Tripped);
             }
             Cause::Order => {
-                self.session.alarm(
-                    alarm::LINK_PROTOCOL,
-                    &format!("ALARM:{number} of the board"),
-                );
+                self.session
+                    .alarm(alarm::LINK_PROTOCOL, say::board_alarm(number));
                 // Whatever it still holds it shall not carry out after an unlock.
                 self.restart();
                 self.enter(LinkState::Fault);
             }
             Cause::Locked => {
-                self.session
-                    .alarm(alarm::BOARD_FAULT, "the board is locked");
+                self.session.alarm(alarm::BOARD_FAULT, say::board_locked());
                 self.restart();
                 self.enter(LinkState::Fault);
             }
@@ -356,14 +347,13 @@ impl LineLink {
             (pins.z, alarm::Z_BOARD_LIMIT, 'Z'),
         ] {
             if operated || !(pins.x || pins.z) {
-                self.session
-                    .alarm(number, &format!("limit input of {axis} at the board"));
+                self.session.alarm(number, say::board_limit_input(axis));
             }
         }
     }
 
     /// The port failed, or the board answers no more.
-    pub(super) fn lose_board(&mut self, cause: &str) {
+    pub(super) fn lose_board(&mut self, cause: Message) {
         if self.session.is_over() {
             return;
         }

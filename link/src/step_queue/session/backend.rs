@@ -15,6 +15,7 @@ use crate::{
     Awaited, Backend, BoardInfo, BoardOutputs, HostTime, Input, Lacks, LinkState, Output, Pins,
     PulseRates, Refused, RunTime, Sample, SpindleView, Stop, ThreadRights, Traffic, Uncertainty,
 };
+use gsk_messages::Message;
 use gsk_units::{Axis, PerAxis, Pulses};
 
 impl Positioned for StepLink {
@@ -190,7 +191,7 @@ impl Backend for StepLink {
         }
     }
 
-    fn lost(&mut self, cause: &str) {
+    fn lost(&mut self, cause: Message) {
         self.lose_board(cause);
     }
 

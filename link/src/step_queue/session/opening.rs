@@ -1,16 +1,17 @@
 //! How the board becomes known: who it is, what it understands, how it is set up.
 
 use crate::position::Positioned;
+use gsk_messages::{Message, say};
 use gsk_units::alarm;
 
 use core::time::Duration;
 
-use super::super::super::{ANOTHER, BoardInfo, Event, HostTime, LinkState, Uncertainty};
+use super::super::super::{BoardInfo, Event, HostTime, LinkState, Uncertainty};
 use super::super::clock_sync::ClockSync;
 use super::super::commands::Command;
 use super::super::dictionary::{Dictionary, LONGEST_PACKED};
 use super::super::dictionary_cache::DictionaryCache;
-use super::super::send_queue::{Mark, Message};
+use super::super::send_queue::{self, Mark};
 use super::super::wiring::Wiring;
 use super::group::Group;
 use super::periodic::Periodic;
@@ -174,18 +175,18 @@ impl StepLink {
         if !heard && bytes && self.wire.send_queue.tries() > 1 {
             self.refuse(
                 alarm::BOARD_UNSUPPORTED,
-                &format!("what the board sends makes no sense; {ANOTHER}"),
+                say::board_makes_no_sense(say::board_is_another()),
             );
         } else {
             self.session.alarm(
                 alarm::BOARD_SILENT,
-                &format!("no answer from the board within 5 s; {ANOTHER}"),
+                say::board_silent_at_opening(say::board_is_another()),
             );
             self.session.enter(LinkState::Lost);
         }
     }
 
-    fn refuse(&mut self, number: u16, text: &str) {
+    fn refuse(&mut self, number: u16, text: Message) {
         self.session.alarm(number, text);
         self.session.enter(LinkState::Fault);
     }
@@ -243,10 +244,7 @@ impl StepLink {
                 return;
             }
             if packed.len() > LONGEST_PACKED {
-                self.refuse(
-                    alarm::BOARD_UNSUPPORTED,
-                    "the dictionary of the board never ends",
-                );
+                self.refuse(alarm::BOARD_UNSUPPORTED, say::dictionary_endless());
                 return;
             }
             if offset == 0 {
@@ -261,29 +259,26 @@ impl StepLink {
 
     fn identified_as(&mut self, packed: &[u8]) {
         if let Err((number, text)) = self.understand(packed) {
-            self.refuse(number, &text);
+            self.refuse(number, text);
         }
     }
 
-    fn understand(&mut self, packed: &[u8]) -> Result<(), (u16, String)> {
+    fn understand(&mut self, packed: &[u8]) -> Result<(), (u16, Message)> {
         let board = Dictionary::unpack(packed)
-            .map_err(|error| (alarm::BOARD_UNSUPPORTED, error.to_string()))?;
+            .map_err(|error| (alarm::BOARD_UNSUPPORTED, error.message()))?;
         let io = &self.config.io;
         if let Some(missing) = board.missing(!io.spindle_pwm.is_empty(), !io.index.is_empty()) {
             return Err((
                 alarm::BOARD_UNSUPPORTED,
-                format!("the board does not know `{missing}`"),
+                say::board_command_unknown(missing),
             ));
         }
         let rate = board
             .constant("CLOCK_FREQ")
             .filter(|rate| *rate >= 1_000_000);
-        let rate = rate.ok_or((
-            alarm::BOARD_UNSUPPORTED,
-            "the board does not tell its clock rate".to_owned(),
-        ))?;
+        let rate = rate.ok_or_else(|| (alarm::BOARD_UNSUPPORTED, say::board_clock_unknown()))?;
         let wiring = Wiring::new(&self.config, &board, rate.into())
-            .map_err(|error| (alarm::BOARD_SETTINGS, error.to_string()))?;
+            .map_err(|error| (alarm::BOARD_SETTINGS, error.message()))?;
         let window = board.constant("RECEIVE_WINDOW");
         self.opening.info.firmware = format!("{} {}", board.processor(), board.version);
         self.opening.info.receive_bytes = window
@@ -336,11 +331,11 @@ impl StepLink {
             self.opening.phase = Phase::Learn { restarts };
         } else if told {
             let text = self.not_taken(why.as_deref());
-            self.refuse(alarm::BOARD_SETTINGS, &text);
+            self.refuse(alarm::BOARD_SETTINGS, text);
         } else if configured == 0 && shut_down == 0 {
             let (messages, crc) = (wiring.messages.clone(), wiring.crc);
             for bytes in messages {
-                self.wire.send_queue.push(Message::plain(bytes));
+                self.wire.send_queue.push(send_queue::Message::plain(bytes));
             }
             self.wire.send(Command::FinalizeConfig, &[crc.into()]);
             // Asked in the same stream, behind it.
@@ -357,17 +352,16 @@ impl StepLink {
 
     /// What 603 says of a configuration that the board gave up at, in the board's words
     /// where it told them.
-    fn not_taken(&self, why: Option<&str>) -> String {
+    fn not_taken(&self, why: Option<&str>) -> Message {
         match why {
-            None => "the board does not take its configuration".into(),
+            None => say::board_configuration_refused(),
             // Only one output is of that kind: the reason means its pin.
             Some(why) if why.contains("PWM") => {
                 let pin = &self.config.io.spindle_pwm;
-                format!(
-                    "the board does not take its configuration: {why} (link.io.spindle_pwm: {pin})"
-                )
+                let why = format!("{why} (link.io.spindle_pwm: {pin})");
+                say::board_configuration_refused_for(why)
             }
-            Some(why) => format!("the board does not take its configuration: {why}"),
+            Some(why) => say::board_configuration_refused_for(why),
         }
     }
 
@@ -400,10 +394,7 @@ impl StepLink {
     /// A board that is set up for something else, or shut down, begins anew.
     fn restart_board(&mut self, restarts: u32, shut_down: bool) {
         if restarts > MOST_RESTARTS {
-            self.refuse(
-                alarm::BOARD_SETTINGS,
-                "the board does not give up its old configuration",
-            );
+            self.refuse(alarm::BOARD_SETTINGS, say::board_configuration_stays());
         } else if self.wire.dictionary.has(Command::Reset) {
             self.wire.send(Command::Reset, &[]);
             self.send();

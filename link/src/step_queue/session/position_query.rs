@@ -5,6 +5,7 @@ use super::super::commands::Command;
 use super::super::compression::Ticks;
 use super::super::send_queue::Mark;
 use super::{GIVE_UP, PositionQuery, Purpose, StepLink};
+use gsk_messages::say;
 
 impl StepLink {
     /// The board does not report any more where the axes stand: they are where its clock
@@ -60,7 +61,7 @@ impl StepLink {
             return;
         };
         if self.session.since(reading.since) >= GIVE_UP {
-            self.lose_board("the board does not say where the axes stand");
+            self.lose_board(say::board_place_not_told());
         } else if self.session.since(reading.asked) >= patience {
             reading.asked = self.session.now;
             self.send_position_query();

@@ -9,6 +9,7 @@ use super::super::commands::Command;
 use super::super::compression::Ticks;
 use super::super::steps::Stretch;
 use super::{Purpose, StepLink};
+use gsk_messages::say;
 use gsk_units::{PerAxis, Pulses, alarm};
 
 /// Pulses are compressed and sent so often.
@@ -70,7 +71,7 @@ impl StepLink {
             return Ok(());
         }
         if self.is_too_late() || (!rests && self.spindle.is_torn()) {
-            self.late("the kernel has not handed over motion in time");
+            self.late(say::motion_not_in_time());
             return Err(Refused::NotReady);
         }
         let from = self.next_begin();
@@ -230,7 +231,7 @@ impl StepLink {
         }
         let dry = self.motion.path.end.is_some_and(|end| end <= now);
         if dry && !self.motion.path.is_at_rest() {
-            self.late("the kernel has not handed over motion in time");
+            self.late(say::motion_not_in_time());
             return;
         }
         if dry {
@@ -288,11 +289,13 @@ impl StepLink {
                     return;
                 }
                 self.lose_position(Uncertainty::Differs);
-                let text = format!(
-                    "commanded X {} Z {} pulses, the board counts X {} Z {}",
-                    commanded.x.0, commanded.z.0, kernel.x.0, kernel.z.0
+                let text = say::board_counts_otherwise(
+                    commanded.x.0,
+                    commanded.z.0,
+                    kernel.x.0,
+                    kernel.z.0,
                 );
-                self.session.alarm(alarm::POSITION_CHECK, &text);
+                self.session.alarm(alarm::POSITION_CHECK, text);
                 self.give_up_motion();
                 self.motion.stand_at(kernel);
                 self.session.enter(LinkState::Locked);

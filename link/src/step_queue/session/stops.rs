@@ -13,15 +13,16 @@ use crate::position::Positioned;
 use crate::step_queue::commands::Command;
 use crate::step_queue::send_queue::Mark;
 use crate::{Event, HostTime, Input, LinkState, Uncertainty, Until};
+use gsk_messages::{Message, say};
 use gsk_units::{PerAxis, Pulses, alarm};
 
 /// Why the axes are being stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Why {
     /// The kernel asked for it.
     Flush,
     /// Motion came late, or could not be brought to the board in time.
-    Late(&'static str),
+    Late(Message),
     /// Motion of so many turns and bends that the board cannot be sent in time.
     TooFine,
     /// The group has not reported itself.
@@ -31,7 +32,7 @@ pub(super) enum Why {
 }
 
 /// A stop under way.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Stopping {
     why: Why,
     since: HostTime,
@@ -63,8 +64,8 @@ impl StepLink {
             return;
         }
         self.group.is_triggered();
-        let why = match self.stopping {
-            Some(stopping) if reason == FLUSH => stopping.why,
+        let why = match &self.stopping {
+            Some(stopping) if reason == FLUSH => stopping.why.clone(),
             _ => Why::Trip(reason),
         };
         self.give_up_motion();
@@ -85,32 +86,19 @@ impl StepLink {
     }
 
     fn report_trip(&mut self, reason: u32) {
-        match reason {
-            LIMIT_X => self
-                .session
-                .alarm(alarm::X_BOARD_LIMIT, "limit input of X at the board"),
-            LIMIT_Z => self
-                .session
-                .alarm(alarm::Z_BOARD_LIMIT, "limit input of Z at the board"),
+        let (number, text) = match reason {
+            LIMIT_X => (alarm::X_BOARD_LIMIT, say::board_limit_input('X')),
+            LIMIT_Z => (alarm::Z_BOARD_LIMIT, say::board_limit_input('Z')),
             EMERGENCY => {
                 self.periodic.enable.on = false;
-                self.session
-                    .alarm(alarm::EMERGENCY_STOP, "emergency stop input of the board");
+                (alarm::EMERGENCY_STOP, say::board_emergency_input())
             }
-            SILENT_HOST => self.session.alarm(
-                alarm::LINK_LOST,
-                "the board has not heard of the PC for 250 ms",
-            ),
-            DRIVES => self.session.alarm(
-                alarm::X_DRIVE_ALARM,
-                "alarm input of the drives at the board",
-            ),
-            REACHED | REACHED_Z => {}
-            _ => self.session.alarm(
-                alarm::BOARD_FAULT,
-                &format!("the axes were stopped in the board, reason {reason}"),
-            ),
-        }
+            SILENT_HOST => (alarm::LINK_LOST, say::board_hears_no_computer()),
+            DRIVES => (alarm::X_DRIVE_ALARM, say::board_drive_alarm_input()),
+            REACHED | REACHED_Z => return,
+            _ => (alarm::BOARD_FAULT, say::board_stopped_axes(reason)),
+        };
+        self.session.alarm(number, text);
     }
 
     /// Both axes stop at once; nothing queued is left, the position is kept.
@@ -122,7 +110,7 @@ impl StepLink {
 
     /// Motion would come too late, or did not come: the axes are stopped.
     /// Why it did is known when the board has answered, or has not.
-    pub(super) fn late(&mut self, detail: &'static str) {
+    pub(super) fn late(&mut self, detail: Message) {
         if self.stopping.is_none() && self.is_opened() {
             self.halt(Why::Late(detail));
         }
@@ -169,7 +157,7 @@ impl StepLink {
                 return;
             }
             if self.session.since(stopping.since) >= GIVE_UP {
-                self.lose_board("the board does not confirm that the axes were stopped");
+                self.lose_board(say::board_stop_not_confirmed());
             } else if self.session.since(stopping.asked) >= patience {
                 stopping.asked = self.session.now;
                 self.trigger();
@@ -177,10 +165,8 @@ impl StepLink {
             return;
         }
         if self.group.is_silent(self.session.now) && self.takes_motion() {
-            self.session.alarm(
-                alarm::LINK_LOST,
-                "the stop group of the board does not report itself",
-            );
+            self.session
+                .alarm(alarm::LINK_LOST, say::board_group_silent());
             self.halt(Why::GroupSilent);
             return;
         }
@@ -265,9 +251,8 @@ impl StepLink {
                 self.session.enter(LinkState::Fault);
             }
             Why::TooFine => {
-                let text = "the motion turns and bends more often than the board can be told: \
-                            a lower feed, or longer blocks";
-                self.session.alarm(alarm::BOARD_CANNOT, text);
+                self.session
+                    .alarm(alarm::BOARD_CANNOT, say::motion_too_fine());
                 self.session.enter(LinkState::Fault);
             }
             Why::GroupSilent => self.session.enter(LinkState::Fault),
