@@ -160,7 +160,7 @@ impl gsk_runner::partner::Partner for Partner {
         if self.call != cnc.dnc_calls() {
             self.call = cnc.dnc_calls();
             if let Err(said) = self.begin(cnc) {
-                return cnc.dnc_broken(said.to_string());
+                return cnc.dnc_broken(said.message());
             }
         }
         while cnc.dnc_room() > 0 {

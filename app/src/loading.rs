@@ -22,7 +22,7 @@ use crate::files::data_dir::DataError;
 use crate::files::program_file::{self, FileError};
 use crate::files::subprograms;
 use crate::retained;
-use crate::saying::{lines, of_ladder, reason};
+use crate::saying::{lines, of_ladder};
 use crate::setup_args::{OffsetWord, ParameterWord, SetupArgs};
 
 /// Why something that a control starts from cannot be had.
@@ -107,7 +107,7 @@ impl LoadError {
                 plus,
             } => say::start_beyond_ends(name, minus, plus, section),
             Self::Parameter(error) => say::subject_reason("--param", error.message()),
-            Self::Offset(alarm) => say::subject_reason("--offset", reason(alarm)),
+            Self::Offset(alarm) => say::subject_reason("--offset", alarm.reason()),
             Self::Address { text, error } => say::ladder_address_of_plc(text, error.message()),
             Self::Ladder { path, errors } => {
                 say::ladder_not_started(path.display(), of_ladder(errors))
@@ -121,7 +121,7 @@ impl LoadError {
             }
             Self::NoProgram => say::program_none_given(),
             Self::NoNumber(path) => say::program_without_number(path.display()),
-            Self::NotStored { path, alarm } => say::subject_reason(path.display(), reason(alarm)),
+            Self::NotStored { path, alarm } => say::subject_reason(path.display(), alarm.reason()),
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Messages that are made of others: what the control, the compiler of ladders several
 //! files or a board have to say.
 
-use gsk_core::alarm::Alarm;
 use gsk_core::plc::{CompileError, CompileErrors, summary};
 use gsk_link::Difference;
 use gsk_messages::{Message, say};
@@ -18,16 +17,10 @@ pub fn listed(messages: impl IntoIterator<Item = Message>) -> Message {
     listed.unwrap_or_else(|| say::as_written(""))
 }
 
-/// Why the control refuses something.
-pub fn reason(alarm: &Alarm) -> Message {
-    let reason = alarm.detail.clone();
-    reason.unwrap_or_else(|| say::alarm_of_number(alarm.number))
-}
-
 /// A setting of a board that is not as it must be.
 pub fn differs(difference: &Difference) -> Message {
     let board = difference.board.as_deref();
-    let board = board.map_or_else(say::link_page_setting_missing, Message::from);
+    let board = board.map_or_else(say::link_page_setting_missing, say::as_written);
     say::link_page_setting_differs(&difference.name, board, &difference.wanted)
 }
 

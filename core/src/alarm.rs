@@ -8,7 +8,7 @@ pub mod groups;
 use core::fmt;
 use std::sync::LazyLock;
 
-use gsk_messages::{Language, Message};
+use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::command::Source;
@@ -158,7 +158,7 @@ impl Alarm {
         if message.text() == text {
             message
         } else {
-            message.because(text)
+            message.because(say::as_written(text))
         }
     }
 
@@ -174,6 +174,12 @@ impl Alarm {
     pub fn because(mut self, detail: impl Into<Message>) -> Self {
         self.detail = Some(detail.into());
         self
+    }
+
+    /// What is wrong, in one sentence: its reason, or its number.
+    pub fn reason(&self) -> Message {
+        let detail = self.detail.clone();
+        detail.unwrap_or_else(|| say::alarm_of_number(self.number))
     }
 
     /// Its reason in a language; empty without one.
@@ -315,7 +321,7 @@ mod tests {
             }
         }
         assert!(advised > 95, "{advised}");
-        let alarm = Alarm::new(112).because("H05 of 1 and 0");
+        let alarm = Alarm::new(112).because(say::as_written("H05 of 1 and 0"));
         assert_eq!(
             format!("{alarm:#}"),
             "P/S 112: 除零错误 (H05 of 1 and 0)\n\
@@ -346,7 +352,10 @@ mod tests {
             line,
             sequence: None,
         };
-        let alarm = Alarm::new(11).because("no F").at(source(3)).at(source(9));
+        let alarm = Alarm::new(11)
+            .because(say::as_written("no F"))
+            .at(source(3))
+            .at(source(9));
         assert_eq!(alarm.source, Some(source(3)));
         assert_eq!(
             alarm.to_string(),

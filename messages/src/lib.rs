@@ -133,19 +133,6 @@ impl fmt::Display for Message {
     }
 }
 
-/// Words of somebody else: the owner's ladder, the system, a board.
-impl From<String> for Message {
-    fn from(text: String) -> Self {
-        say::as_written(text)
-    }
-}
-
-impl From<&str> for Message {
-    fn from(text: &str) -> Self {
-        say::as_written(text)
-    }
-}
-
 impl Id {
     fn row(self) -> &'static Row {
         // As many rows as ids, in the same order: both are made from the table.

@@ -3,7 +3,6 @@
 //! in by whoever carries something out.
 
 pub mod board;
-pub mod chinese;
 pub mod execution;
 pub mod moves;
 pub mod narration;

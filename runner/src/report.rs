@@ -21,7 +21,6 @@ use serde::Serialize;
 pub use checked::check;
 pub use end::End;
 
-use crate::chinese;
 use crate::moves::diameter_z;
 
 /// An alarm in a result.
@@ -149,7 +148,7 @@ pub struct Bounds {
 
 /// A message in the language that was chosen.
 pub fn said(message: &Message, language: Option<Language>) -> String {
-    chinese::say_message(message, language.unwrap_or(Language::En))
+    message.text(language.unwrap_or(Language::En))
 }
 
 /// The short name of a class of alarms.
@@ -186,7 +185,7 @@ impl AlarmReport {
             program: alarm.source.map(|source| source.program),
             block,
             detail: (alarm.detail.as_ref())
-                .map(|detail| chinese::say_message(detail, language.unwrap_or(Language::En))),
+                .map(|detail| detail.text(language.unwrap_or(Language::En))),
             cause: match language {
                 Some(Language::Zh) => alarm.advice().map(|advice| advice.cause_zh),
                 Some(Language::En) | None => alarm.row().map(|row| row.cause_en),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gsk_messages::Message;
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::script::Script;
@@ -54,7 +54,7 @@ impl Files<'_> {
 }
 
 impl Surroundings for Files<'_> {
-    type Error = String;
+    type Error = Message;
 
     fn show(&mut self, screen: &str) {
         println!("{screen}");
@@ -64,24 +64,24 @@ impl Surroundings for Files<'_> {
         &mut self,
         _name: &str,
         _bytes: &dyn Fn() -> Result<Vec<u8>, PictureError>,
-    ) -> Result<(), String> {
+    ) -> Result<(), Message> {
         Ok(())
     }
 
-    fn program(&mut self, name: &str) -> Result<SerialFile, String> {
-        self.file(name)
+    fn program(&mut self, name: &str) -> Result<SerialFile, Message> {
+        self.file(name).map_err(say::as_written)
     }
 
-    fn transfer(&mut self, name: &str) -> Result<SerialFile, String> {
-        self.file(name)
+    fn transfer(&mut self, name: &str) -> Result<SerialFile, Message> {
+        self.file(name).map_err(say::as_written)
     }
 
     fn told(&mut self, said: &Message) {
         println!("{said}");
     }
 
-    fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, String> {
-        Ok(Box::new(TextPartner::new(self.file(name)?.text)))
+    fn partner(&mut self, name: &str) -> Result<Box<dyn Partner>, Message> {
+        Ok(Box::new(TextPartner::new(self.program(name)?.text)))
     }
 }
 

@@ -102,8 +102,10 @@ impl Live {
             match (drive.state(), alarm) {
                 (LinkState::Locked | LinkState::Tripped | LinkState::Ready, _) => return Ok(()),
                 (LinkState::Fault | LinkState::Lost, alarm) => {
-                    let why = alarm.map_or_else(String::new, |alarm| alarm.to_string());
-                    return Err(NotReady::Refused(why.into()));
+                    let why = alarm.map_or_else(say::board_says_nothing, |alarm| {
+                        say::subject_reason(format!("{:03}", alarm.number), alarm.reason())
+                    });
+                    return Err(NotReady::Refused(why));
                 }
                 (LinkState::Configure, Some(alarm)) if alarm.number == number::BOARD_SETTINGS => {
                     return Err(NotReady::Settings(Box::new(alarm)));

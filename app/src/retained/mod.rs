@@ -117,7 +117,7 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
             }
             Err(alarm) => complaints.push(Complaint {
                 name: format!("O{:04}", stored.number),
-                said: say::stored_program_reason(stored.number, saying::reason(&alarm)),
+                said: say::stored_program_reason(stored.number, alarm.reason()),
             }),
         }
     }
@@ -128,13 +128,13 @@ pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
         let names: Vec<&str> = complaints.iter().map(|it| it.name.as_str()).collect();
         setup
             .alarms
-            .push(Alarm::new(number::MEMORY_DAMAGED).because(names.join(", ")));
+            .push(Alarm::new(number::MEMORY_DAMAGED).because(say::as_written(names.join(", "))));
     }
     if !data.interrupted().is_empty() {
         let names = data.interrupted().join(", ");
         setup
             .alarms
-            .push(Alarm::new(number::WRITE_INTERRUPTED).because(names));
+            .push(Alarm::new(number::WRITE_INTERRUPTED).because(say::as_written(names)));
     }
     Restored {
         encodings,

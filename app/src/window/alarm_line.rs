@@ -5,7 +5,6 @@ use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 
 use gsk_messages::{Language, say};
-use gsk_runner::chinese;
 
 /// One line: number, text, reason, place.
 pub fn short(alarm: &Alarm, language: Language) -> String {
@@ -20,7 +19,7 @@ pub fn short(alarm: &Alarm, language: Language) -> String {
         line.push_str(&format!("  {place}"));
     }
     if let Some(detail) = &alarm.detail {
-        line.push_str(&format!("  ({})", chinese::say_message(detail, language)));
+        line.push_str(&format!("  ({})", detail.text(language)));
     }
     line
 }
@@ -73,7 +72,7 @@ mod tests {
     #[test]
     fn place_reason_and_way_out_are_told_in_the_language_of_the_window() {
         let alarm = Alarm::new(13)
-            .because("neither R nor I, K is given")
+            .because(say::as_written("neither R nor I, K is given"))
             .at(Source {
                 program: ProgramId::Stored(12),
                 line: 7,

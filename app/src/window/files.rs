@@ -121,6 +121,6 @@ pub fn beside(
             context.request_repaint();
         });
     if let Err(error) = started {
-        let _ = say.try_send(Notice::Said(error.to_string().into()));
+        let _ = say.try_send(Notice::Said(say::as_written(error)));
     }
 }

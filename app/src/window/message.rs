@@ -8,7 +8,6 @@ use gsk_panel::keys::Key;
 use super::{alarm_line, key_label};
 use crate::kernel::{NotStored, Place};
 use gsk_messages::{Language, say};
-use gsk_runner::chinese;
 
 /// What the line of messages says.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,7 +42,7 @@ impl Message {
     /// Its words.
     pub fn text(&self, language: Language) -> String {
         match self {
-            Self::Said(said) | Self::KeyRefused(said) => chinese::say_message(said, language),
+            Self::Said(said) | Self::KeyRefused(said) => said.text(language),
             Self::Refused(alarm) => alarm_line::short(alarm, language),
             Self::Sent(what) => say::window_sent(what).text(language),
             Self::Opened(name, Place::Stored(number)) => {
@@ -63,7 +62,7 @@ fn why_not(why: &NotStored, language: Language) -> gsk_messages::Message {
     match why {
         NotStored::NoNumber => say::window_file_has_no_number(),
         NotStored::NumberTaken(number) => say::window_memory_keeps_its_own(number),
-        NotStored::Alarm(alarm) => alarm_line::short(alarm, language).into(),
+        NotStored::Alarm(alarm) => say::as_written(alarm_line::short(alarm, language)),
         NotStored::Refused(Refusal::ProgramSwitch) => say::window_program_switch_off(),
         NotStored::Refused(Refusal::Level) => say::window_level_too_low(),
         NotStored::Refused(_) => say::window_memory_locked(),

@@ -14,8 +14,9 @@ pub(crate) use checked::{Checked, board_rates};
 use gsk_link::{Awaited, PulseRates, ThreadRights};
 use gsk_plc::address::BitAddress;
 pub(crate) use orders::{BoardOrders, ReturnOrders, RunOrders, SpindleOrders};
+pub(crate) use rates::Exceeding;
 pub(crate) use report::{BoardReport, Settled};
-pub(crate) use spindle::{BoardSpindle, SpindleTrouble, why_not};
+pub(crate) use spindle::{BoardSpindle, SpindleTrouble, needs_spindle};
 pub(crate) use zero::ZeroWiring;
 
 /// What a board says to the control before a tick.

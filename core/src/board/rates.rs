@@ -2,9 +2,29 @@
 
 use super::BoardDrives;
 use crate::units::{Axis, Point};
+use gsk_messages::{Message, say};
 
 /// What rounding may add.
 const ROUNDING: f64 = 1.0 + 1e-9;
+
+/// What needs more pulses than the board makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Exceeding {
+    /// One axis.
+    One(Axis),
+    /// Both together.
+    Both,
+}
+
+impl Exceeding {
+    /// In words.
+    pub(crate) fn text(self) -> Message {
+        match self {
+            Self::One(axis) => say::as_written(format!("{axis:?}")),
+            Self::Both => say::both_axes_together(),
+        }
+    }
+}
 
 impl BoardDrives {
     fn pulses(&self, speed: Point) -> [f64; 2] {
@@ -14,15 +34,15 @@ impl BoardDrives {
 
     /// Which axes a speed, mm/min, asks too much of: the pulses a second it needs and
     /// those the board makes.
-    pub(crate) fn exceeded(&self, speed: Point, on_arc: bool) -> Option<(&'static str, f64, f64)> {
+    pub(crate) fn exceeded(&self, speed: Point, on_arc: bool) -> Option<(Exceeding, f64, f64)> {
         let [x, z] = self.pulses(speed);
         // On an arc the one axis is fastest where the other stands.
         let both = if on_arc { libm::hypot(x, z) } else { x + z };
         let [most_x, most_z] = self.rates.each;
         [
-            ("X", x, most_x),
-            ("Z", z, most_z),
-            ("X and Z together", both, self.rates.both),
+            (Exceeding::One(Axis::X), x, most_x),
+            (Exceeding::One(Axis::Z), z, most_z),
+            (Exceeding::Both, both, self.rates.both),
         ]
         .into_iter()
         .find(|(_, needed, made)| *needed > *made * ROUNDING)
@@ -60,11 +80,17 @@ mod tests {
             found.map(|(axes, needed, _)| (axes, needed as u32))
         };
         assert_eq!(exceeded(4500.0, 3000.0, false), None);
-        assert_eq!(exceeded(4600.0, 0.0, false), Some(("X", 30_666)));
-        assert_eq!(exceeded(0.0, 9600.0, false), Some(("Z", 32_000)));
+        assert_eq!(
+            exceeded(4600.0, 0.0, false),
+            Some((Exceeding::One(Axis::X), 30_666))
+        );
+        assert_eq!(
+            exceeded(0.0, 9600.0, false),
+            Some((Exceeding::One(Axis::Z), 32_000))
+        );
         assert_eq!(
             exceeded(4500.0, 3600.0, false),
-            Some(("X and Z together", 42_000))
+            Some((Exceeding::Both, 42_000))
         );
         assert_eq!(exceeded(4500.0, 4500.0, true), None);
         assert!((board.by_hand(Axis::X) - 3000.0).abs() < 1e-9);

@@ -4,7 +4,7 @@ use super::BoardDrives;
 use crate::alarm::{Alarm, number};
 use crate::spindle::SpindleTurn;
 use gsk_link::{Lacks, ThreadRights};
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 /// The spindle in a tick, at the moment at which the board makes its motion.
@@ -45,15 +45,16 @@ impl SpindleTrouble {
     }
 }
 
-/// What is missing for something that needs the spindle's angle or speed.
-pub(crate) fn why_not(board: &BoardDrives, what: &str) -> &'static str {
+/// What needs the spindle's angle or speed, and what is missing for that.
+pub(crate) fn needs_spindle(board: &BoardDrives, tapping: bool) -> Message {
+    let what = if tapping {
+        say::tapping()
+    } else {
+        say::cannot_feed_per_revolution()
+    };
     match board.threads {
-        ThreadRights::None(Lacks { index: true, .. }) => {
-            ": io.index of the machine file names no pin"
-        }
-        ThreadRights::Followed if what == "tapping" => {
-            ": the index does not tell how the spindle brakes and reverses"
-        }
-        _ => "",
+        ThreadRights::None(Lacks { index: true, .. }) => say::needs_spindle_index_unwired(what),
+        ThreadRights::Followed if tapping => say::needs_spindle_braking(what),
+        _ => say::needs_spindle(what),
     }
 }

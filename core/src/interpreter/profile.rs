@@ -172,7 +172,7 @@ fn walk(
 
 /// An alarm of a profile's block belongs to the cycle; its text names the line.
 fn in_profile(alarm: &Alarm, line: u32) -> Alarm {
-    let detail = alarm.detail.clone().unwrap_or_else(|| "".into());
+    let detail = alarm.detail.clone().unwrap_or_else(|| say::as_written(""));
     Alarm::new(alarm.number).because(say::in_profile(line, detail))
 }
 

@@ -13,6 +13,7 @@ use gsk_link::{
     Awaited, BoardOutputs, Event, Input, LinkState, Output, Protocol, SpindleDirection, Stop,
     Uncertainty,
 };
+use gsk_messages::say;
 
 impl Linked {
     /// What the control hears of its board in the next tick.
@@ -132,9 +133,8 @@ impl Linked {
             _ => "limit",
         };
         self.report(BoardReport::ReturnsAbandoned);
-        let alarm = Alarm::new(number::BOARD_ZERO_RETURN).because(format!(
-            "link.{name}.{pin} did not change within {length} mm, the whole length of {name}.limits"
-        ));
+        let alarm = Alarm::new(number::BOARD_ZERO_RETURN)
+            .because(say::zero_switch_never_met(name, pin, length));
         self.report(BoardReport::Failed(alarm));
     }
 

@@ -5,6 +5,7 @@ use core::time::Duration;
 use super::Linked;
 use crate::board::BoardReport;
 use gsk_link::{HostTime, LinkState, Protocol, RunTime};
+use gsk_messages::{Message, say};
 
 /// Ticks of the host's clock that are caught up at most.
 const MOST_DUE: u64 = 40;
@@ -144,8 +145,7 @@ impl Linked {
             .get_or_insert((self.clock.now, ahead + PATIENCE));
         if self.clock.now.saturating_sub(since) > limit {
             self.clock.pace.blocked = None;
-            let text = format!("the board has taken no motion for {} ms", limit.as_millis());
-            self.stop_late(&text);
+            self.stop_late(say::board_full_too_long(limit.as_millis()));
         }
         false
     }
@@ -161,13 +161,13 @@ impl Linked {
     }
 
     pub(super) fn samples_late(&mut self) {
-        self.stop_late("the computer was busy for longer than the lookahead");
+        self.stop_late(say::computer_busy());
     }
 
     /// What was handed over is made; nothing more follows, and the count is compared.
-    fn stop_late(&mut self, text: &str) {
+    fn stop_late(&mut self, why: Message) {
         self.report(BoardReport::Stopped);
-        self.reports.late = Some(text.to_owned());
+        self.reports.late = Some(why);
         if let Err(refused) = self.link.finish() {
             self.refuse(refused);
         }

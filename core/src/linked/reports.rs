@@ -3,6 +3,7 @@
 use super::Linked;
 use crate::alarm::Alarm;
 use crate::board::{BoardReport, Settled};
+use gsk_messages::Message;
 
 /// Reports that wait for the next tick.
 #[derive(Clone, Debug, Default)]
@@ -11,7 +12,7 @@ pub(super) struct Reports {
     /// The slides stand, and the board has said where.
     pub(super) settled: Option<Settled>,
     /// Why motion came late, when it is not sure yet that the board is there.
-    pub(super) late: Option<String>,
+    pub(super) late: Option<Message>,
 }
 
 impl Reports {

@@ -306,7 +306,8 @@ impl StepLink {
         self.lose_position(Uncertainty::ShutDown);
         self.give_up_motion();
         if let Some((number, help)) = known {
-            self.session.alarm(number, say::board_shut_down(text, help));
+            self.session
+                .alarm(number, say::board_shut_down(say::as_written(text), help));
         }
         self.session.enter(LinkState::Fault);
     }

@@ -35,7 +35,7 @@ pub fn parameters(screen: &mut Screen, view: &View) {
         (
             say::lcd_graphic_plane(),
             u32::from(settings.zx).to_string(),
-            Some("   (XZ:0  ZX:1)".into()),
+            Some(say::as_written("   (XZ:0  ZX:1)")),
         ),
         (say::lcd_graphic_scale(), settings.scale.to_string(), None),
         (

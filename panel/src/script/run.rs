@@ -339,7 +339,7 @@ impl Runner {
             Action::Force(bit, value) => {
                 let request = Request::ForceBit(bit, value);
                 if let Err(alarm) = emulator.simulation.cnc.request(request) {
-                    return Next::Say(Progress::Failed(self.failure(alarm.line_text())));
+                    return Next::Say(Progress::Failed(self.failure(alarm.reason())));
                 }
             }
             Action::Expect(expect) => {
@@ -373,7 +373,8 @@ pub fn run<E: fmt::Display>(
         match runner.advance(emulator, SLICE) {
             Progress::Running => {}
             Progress::Effect(effect) => {
-                carry_out(effect, emulator).map_err(|seen| runner.failure(seen.to_string()))?;
+                carry_out(effect, emulator)
+                    .map_err(|seen| runner.failure(say::as_written(seen)))?;
             }
             Progress::Failed(failure) => return Err(failure),
             Progress::Finished => return Ok(()),

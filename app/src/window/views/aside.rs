@@ -19,7 +19,7 @@ pub fn save(
     choose(context, language, &console.say, wanted, move |path| {
         Some(match atomic::write(&path, make().as_bytes()) {
             Ok(()) => say::window_saved(path.display()),
-            Err(error) => format!("{}: {error}", path.display()).into(),
+            Err(error) => say::subject_reason(path.display(), say::as_written(error)),
         })
     });
 }
@@ -44,7 +44,7 @@ pub fn open(
                 take(file.text);
                 None
             }
-            Err(error) => Some(error.to_string().into()),
+            Err(error) => Some(error.message()),
         },
     );
 }

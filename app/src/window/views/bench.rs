@@ -273,8 +273,11 @@ fn state_line(ui: &mut Ui, language: Language, machine: &MachineView) {
     let slides = lathe.slides();
     let facts = [
         Some(say::bench_x_as_radius(slides.x)),
-        Some(format!("Z {:.3} mm", slides.z).into()),
-        Some(format!("S {:.0} r/min", lathe.spindle_rpm()).into()),
+        Some(say::as_written(format_args!("Z {:.3} mm", slides.z))),
+        Some(say::as_written(format_args!(
+            "S {:.0} r/min",
+            lathe.spindle_rpm()
+        ))),
         Some(station),
         (!lathe.tool_post_clamped()).then(say::bench_tool_post_not_clamped),
         lathe.chuck_clamped().then(say::bench_chuck_clamped),

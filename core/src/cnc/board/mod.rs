@@ -12,21 +12,22 @@ mod walk;
 mod zero;
 
 use crate::alarm::{Alarm, AlarmClass, number};
-use crate::board::why_not;
+use crate::board::needs_spindle;
 use crate::cnc::Cnc;
 use crate::command::{Action, SpindleCommand};
 use crate::motion::ThreadMove;
 use crate::operation::{Return, RunState};
 use crate::units::{Axis, Feed, PerAxis, Point, Pulses};
 use gsk_link::ThreadRights;
+use gsk_messages::{Message, say};
 use gsk_plc::address::BitAddress;
 
 /// Why constant surface speed is refused.
-const fn without_surface(timed: bool) -> &'static str {
+fn without_surface(timed: bool) -> Message {
     if timed {
-        "constant surface speed (G96): io.spindle_pwm of the machine file names no pin"
+        say::cannot_surface_unwired()
     } else {
-        "constant surface speed (G96): the board switches its spindle only at rest"
+        say::cannot_surface_at_rest()
     }
 }
 
@@ -99,9 +100,7 @@ impl Cnc {
             return outgrown;
         }
         if !(board.known && self.coordinates.referenced.x && self.coordinates.referenced.z) {
-            return Some(Alarm::new(number::NO_REFERENCE).because(
-                "nobody knows where the slides stand: make the reference return of both axes",
-            ));
+            return Some(Alarm::new(number::NO_REFERENCE).because(say::reference_return_needed()));
         }
         self.rapids_too_fast(&board).or_else(|| {
             // What goes on was looked through when it began.
@@ -131,8 +130,9 @@ impl Cnc {
         if let (Action::Thread { .. } | Action::ThreadCycle { .. }, ThreadRights::None(lacks)) =
             (action, board.threads)
         {
-            return Err(Alarm::new(number::BOARD_CANNOT)
-                .because(format!("the board cannot cut a thread: {}", lacks.text())));
+            return Err(
+                Alarm::new(number::BOARD_CANNOT).because(say::board_cannot_thread(lacks.text()))
+            );
         }
         if self.board_cuts() {
             if let Action::ThreadCycle {
@@ -145,8 +145,8 @@ impl Cnc {
                 self.check_pass(&thread)?;
             }
         }
-        let what = match action {
-            Action::Tap { .. } => "tapping",
+        let tapping = match action {
+            Action::Tap { .. } => true,
             Action::Spindle(SpindleCommand::Surface(_)) if !board.surface => {
                 return Err(Alarm::new(number::BOARD_CANNOT).because(without_surface(board.timed)));
             }
@@ -157,13 +157,10 @@ impl Cnc {
             | Action::Arc {
                 feed: Feed::PerRevolution(_),
                 ..
-            } if board.spindle.is_none() => "feed per revolution (G99)",
+            } if board.spindle.is_none() => false,
             _ => return self.check_board_spindle(action),
         };
-        Err(Alarm::new(number::BOARD_CANNOT).because(format!(
-            "{what} needs the spindle's angle or speed in motion{}",
-            why_not(&board, what)
-        )))
+        Err(Alarm::new(number::BOARD_CANNOT).because(needs_spindle(&board, tapping)))
     }
 
     /// The board makes the return of this axis.

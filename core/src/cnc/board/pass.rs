@@ -6,13 +6,11 @@ use crate::command::{BeyondPass, ThreadStart};
 use crate::motion::ThreadMove;
 use crate::units::{PerAxis, Point, Pulses};
 use gsk_link::{Pass, ThreadRights};
+use gsk_messages::say;
 
 /// The board cannot cut it as a pass.
 fn refuse(beyond: BeyondPass) -> Alarm {
-    Alarm::new(number::BOARD_CANNOT).because(format!(
-        "the board cuts one straight pass at a time, not {}",
-        beyond.text()
-    ))
+    Alarm::new(number::BOARD_CANNOT).because(say::pass_one_at_a_time(beyond.text()))
 }
 
 impl Cnc {
@@ -50,7 +48,7 @@ impl Cnc {
         }
         let locked = self.plc.signals.machine_lock;
         if locked.x || locked.z {
-            return Err(Alarm::new(number::BOARD_CANNOT).because("a thread with one axis locked"));
+            return Err(Alarm::new(number::BOARD_CANNOT).because(say::pass_with_locked_axis()));
         }
         self.check_pass_speed(thread.lead_along(self.drives.interpolator.commanded()))
     }
@@ -62,10 +60,9 @@ impl Cnc {
             .map_or(f64::INFINITY, |board| board.pass_speed);
         let speed = lead * self.thread_rpm();
         if speed > most {
-            return Err(Alarm::new(number::BOARD_CANNOT).because(format!(
-                "a pass begins without a ramp, at {speed:.0} mm/min: more than \
-                 flush_keep_speed = {most:.0} of the machine file; a slower spindle helps"
-            )));
+            return Err(
+                Alarm::new(number::BOARD_CANNOT).because(say::pass_speed_too_high(speed, most))
+            );
         }
         Ok(())
     }

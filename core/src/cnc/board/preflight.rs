@@ -9,10 +9,11 @@ use crate::cnc::Cnc;
 use crate::command::{BeyondPass, ProgramId, Source};
 use crate::program::Program;
 use gsk_link::{Lacks, ThreadRights};
+use gsk_messages::{Message, say};
 use passes::Threads;
 
 /// What one block of text asks for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Asks {
     /// The board cannot do it.
     refused: Option<Refused>,
@@ -23,14 +24,14 @@ struct Asks {
 }
 
 /// What the board cannot do.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 enum Refused {
     /// A thread, for what it lacks.
     Thread(Lacks),
     /// A thread that is no straight pass.
     Beyond(BeyondPass),
     /// Something that no board of its kind does.
-    Never(&'static str),
+    Never(Message),
 }
 
 impl Cnc {
@@ -58,7 +59,7 @@ impl Cnc {
                 let asks = asks(program.block(index), rights, self.plc.signals.dry_run);
                 let beyond = || threads.look(program.block(index)).map(Refused::Beyond);
                 let beyond = passes.then(beyond).flatten();
-                let surface = without_surface.filter(|_| asks.surface);
+                let surface = without_surface.clone().filter(|_| asks.surface);
                 let surface = surface.map(Refused::Never);
                 if let Some(refused) = asks.refused.or(surface).or(beyond) {
                     return Some(alarm(id, program, index, refused));
@@ -76,14 +77,12 @@ impl Cnc {
 
 fn alarm(id: ProgramId, program: &Program, index: u32, refused: Refused) -> Alarm {
     let what = match refused {
-        Refused::Thread(lacks) => format!("a thread (G32, G34, G76, G92): {}", lacks.text()),
-        Refused::Beyond(beyond) => format!("anything but straight passes: {}", beyond.text()),
-        Refused::Never(what) => what.to_owned(),
+        Refused::Thread(lacks) => say::cannot_thread(lacks.text()),
+        Refused::Beyond(beyond) => say::cannot_beyond_passes(beyond.text()),
+        Refused::Never(what) => what,
     };
     Alarm::new(number::BOARD_CANNOT)
-        .because(format!(
-            "the board cannot do {what}; nothing of the program was begun"
-        ))
+        .because(say::board_cannot_do(what))
         .at(Source {
             program: id,
             line: program.block_line(index),
@@ -125,20 +124,19 @@ fn asks(block: &str, threads: ThreadRights, dry_run: bool) -> Asks {
 }
 
 /// What of a G code the board cannot do.
-const fn refused(code: u32, threads: ThreadRights) -> Option<Refused> {
-    match (code, threads) {
-        (32 | 34 | 76 | 92, ThreadRights::None(lacks)) => Some(Refused::Thread(lacks)),
-        (33, ThreadRights::Followed) => Some(Refused::Never(
-            "tapping (G33): the index does not tell how the spindle brakes and reverses",
-        )),
-        (33, _) => Some(Refused::Never("tapping (G33)")),
-        (99, ThreadRights::Followed) => None,
-        (99, ThreadRights::None(Lacks { index: true, .. })) => Some(Refused::Never(
-            "feed per revolution (G99): io.index of the machine file names no pin",
-        )),
-        (99, _) => Some(Refused::Never("feed per revolution (G99)")),
-        _ => None,
-    }
+fn refused(code: u32, threads: ThreadRights) -> Option<Refused> {
+    let never = match (code, threads) {
+        (32 | 34 | 76 | 92, ThreadRights::None(lacks)) => return Some(Refused::Thread(lacks)),
+        (33, ThreadRights::Followed) => say::cannot_tap_by_index(),
+        (33, _) => say::cannot_tap(),
+        (99, ThreadRights::Followed) => return None,
+        (99, ThreadRights::None(Lacks { index: true, .. })) => {
+            say::cannot_feed_per_revolution_unwired()
+        }
+        (99, _) => say::cannot_feed_per_revolution(),
+        _ => return None,
+    };
+    Some(Refused::Never(never))
 }
 
 /// The whole number at the start of a text, blanks before it skipped.

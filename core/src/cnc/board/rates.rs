@@ -1,30 +1,27 @@
 //! How many pulses a second motion needs, against what the board makes.
 
 use crate::alarm::{Alarm, number};
-use crate::board::BoardDrives;
+use crate::board::{BoardDrives, Exceeding};
 use crate::cnc::Cnc;
 use crate::command::{Action, MoveKind};
+use crate::memory::parameter;
 use crate::motion::{JogRate, ThreadMove, top_speed};
 use crate::units::{Axis, Feed, Point};
+use gsk_messages::say;
 
 impl Cnc {
     /// The rapids against what the board can make.
     pub(crate) fn rapids_too_fast(&self, board: &BoardDrives) -> Option<Alarm> {
         let [x, z] = [Axis::X, Axis::Z].map(|axis| self.memory.parameters.rapid_rate(axis));
         let (axes, needed, made) = board.exceeded(Point::new(x, z), false)?;
-        let one = |number, rate| {
-            format!(
-                "No.{number} = {rate} mm/min makes {needed:.0} pulses/s of {axes}, the board \
-                 {made:.0} at most: lower it, or set the electronic gear 015-018"
-            )
-        };
         Some(Alarm::new(number::BOARD_CANNOT).because(match axes {
-            "X" => one("022", x),
-            "Z" => one("023", z),
-            _ => format!(
-                "No.022 = {x} and No.023 = {z} mm/min make {needed:.0} pulses/s together, the \
-                 board {made:.0} at most: lower them, or set the electronic gear 015-018"
-            ),
+            Exceeding::One(Axis::X) => {
+                say::rapid_pulses_too_many(parameter::X_RAPID, x, needed, "X", made)
+            }
+            Exceeding::One(Axis::Z) => {
+                say::rapid_pulses_too_many(parameter::Z_RAPID, z, needed, "Z", made)
+            }
+            Exceeding::Both => say::rapids_pulses_too_many(x, z, needed, made),
         }))
     }
 
@@ -84,16 +81,14 @@ impl Cnc {
             _ => return None,
         };
         let (axes, needed, made) = board.exceeded(speed, on_arc)?;
-        Some(Alarm::new(number::BOARD_CANNOT).because(match (action, rpm) {
-            (Action::Thread { .. } | Action::ThreadCycle { .. }, Some(rpm)) => format!(
-                "at {:.0} r/min {axes} would need {needed:.0} pulses/s, the board makes {made:.0} \
-                 at most",
-                rpm.abs()
-            ),
-            _ => format!(
-                "at this feed {axes} would need {needed:.0} pulses/s, the board makes {made:.0} \
-                 at most"
-            ),
-        }))
+        let axes = axes.text();
+        Some(
+            Alarm::new(number::BOARD_CANNOT).because(match (action, rpm) {
+                (Action::Thread { .. } | Action::ThreadCycle { .. }, Some(rpm)) => {
+                    say::thread_pulses_too_many(rpm.abs(), axes, needed, made)
+                }
+                _ => say::feed_pulses_too_many(axes, needed, made),
+            }),
+        )
     }
 }

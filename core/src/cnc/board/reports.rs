@@ -107,8 +107,8 @@ impl Cnc {
         if board_alarms.fell && !self.emergency_stop && self.reset_left == 0 {
             board_alarms.fell = false;
             if self.alarms.is_empty() {
-                let text = "the reference was dropped: make the reference return of both axes";
-                self.raise_of_board(Alarm::new(number::NO_REFERENCE).because(text), false);
+                let alarm = Alarm::new(number::NO_REFERENCE).because(say::reference_dropped());
+                self.raise_of_board(alarm, false);
             }
         }
         let mut incomplete = core::mem::take(&mut self.drives.board_alarms.incomplete);
@@ -116,7 +116,7 @@ impl Cnc {
             // A board that is not known yet has moved nothing.
             incomplete.retain(|alarm| !groups::comes_before_motion(alarm.number));
             for Alarm { number, detail, .. } in incomplete {
-                let detail = detail.unwrap_or_else(|| "".into());
+                let detail = detail.unwrap_or_else(|| say::as_written(""));
                 self.alarms
                     .restate(number, say::position_unknown_after(detail));
             }

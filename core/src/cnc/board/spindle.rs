@@ -12,6 +12,7 @@ use crate::command::{Action, ThreadStart};
 use crate::machine::Inputs;
 use crate::spindle::Encoder;
 use crate::units::Feed;
+use gsk_messages::say;
 
 /// A thread bears no greater variation of the spindle's speed, %.
 const VARIATION: f64 = 0.2;
@@ -118,12 +119,10 @@ impl Cnc {
         }
         Err(
             Alarm::new(number::SPEED_FLUCTUATES).because(match spindle.variation {
-                Some(variation) => format!(
-                    "the spindle varies by {:.2} % at {rpm:.0} r/min, {} % are allowed",
-                    variation * 100.0,
-                    self.variation_allowed()
-                ),
-                None => format!("the spindle has not kept its {rpm:.0} r/min for 20 turns"),
+                Some(variation) => {
+                    say::spindle_varies(variation * 100.0, rpm, self.variation_allowed())
+                }
+                None => say::spindle_not_steady(rpm),
             }),
         )
     }

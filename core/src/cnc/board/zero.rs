@@ -24,6 +24,7 @@ use crate::motion::JogRate;
 use crate::operation::{Direction, Return};
 use crate::units::{Axis, PerAxis, Point};
 use gsk_link::{Awaited, Input, Until};
+use gsk_messages::say;
 
 impl Cnc {
     /// Begins the return of an axis with a switch at the board.
@@ -49,15 +50,13 @@ impl Cnc {
             Axis::Z => ('z', 1),
         };
         if !(wiring.switch || wiring.limit) {
-            return Err(Alarm::new(number::BOARD_ZERO_RETURN).because(format!(
-                "there is no switch to return to: link.{name}.dec names no pin"
-            )));
+            return Err(
+                Alarm::new(number::BOARD_ZERO_RETURN).because(say::zero_switch_not_wired(name))
+            );
         }
         if wiring.switch && !wiring.signal && !self.memory.parameters.one_zero_switch(axis) {
-            return Err(Alarm::new(number::BOARD_ZERO_RETURN).because(format!(
-                "007.{bit} = 0 (method B) needs the zero signal, but link.{name}.zero names no pin: \
-                 wire it, or set 007.{bit} = 1 (method C)"
-            )));
+            return Err(Alarm::new(number::BOARD_ZERO_RETURN)
+                .because(say::zero_signal_not_wired(bit, name)));
         }
         if wiring.switch && self.on_zero_switch(axis) {
             return Err(self.begins_on_switch(axis));
@@ -66,9 +65,13 @@ impl Cnc {
         let pulses = rate / 60.0 * board.pulses_per_mm[axis as usize];
         let most = board.rates.each[axis as usize];
         if pulses > most {
-            return Err(Alarm::new(number::BOARD_CANNOT).because(format!(
-                "No.113 makes {pulses:.0} pulses/s of {axis:?}, the board {most:.0} at most"
-            )));
+            return Err(
+                Alarm::new(number::BOARD_CANNOT).because(say::zero_approach_too_fast(
+                    pulses,
+                    format!("{axis:?}"),
+                    most,
+                )),
+            );
         }
         let leaves = !wiring.switch && wiring.on_limit;
         // Stopped dead by its switch, a fast stepper may slip.
@@ -92,11 +95,8 @@ impl Cnc {
         if board.alone || self.memory.parameters.has_zero_switch(other) {
             return Ok(());
         }
-        Err(Alarm::new(number::BOARD_ZERO_RETURN).because(format!(
-            "this board seeks the switches of both axes with one order ($H), and 014.{bit} = 0 \
-             says that {other:?} has none: wire it and set 014.{bit} = 1, or return without \
-             switches (014 = 0 for both)"
-        )))
+        Err(Alarm::new(number::BOARD_ZERO_RETURN)
+            .because(say::zero_switch_of_other_axis(bit, format!("{other:?}"))))
     }
 
     /// Whether returns to a switch are under way that the board must not stop other

@@ -339,7 +339,7 @@ fn variables_get_values() {
         _ => Err(BlockError {
             alarm: 115,
             column: 1,
-            detail: "".into(),
+            detail: gsk_messages::say::as_written(""),
         }),
     };
     let block = block.resolve(Syntax::default(), value).unwrap();

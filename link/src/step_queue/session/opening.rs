@@ -359,9 +359,9 @@ impl StepLink {
             Some(why) if why.contains("PWM") => {
                 let pin = &self.config.io.spindle_pwm;
                 let why = format!("{why} (link.io.spindle_pwm: {pin})");
-                say::board_configuration_refused_for(why)
+                say::board_configuration_refused_for(say::as_written(why))
             }
-            Some(why) => say::board_configuration_refused_for(why),
+            Some(why) => say::board_configuration_refused_for(say::as_written(why)),
         }
     }
 

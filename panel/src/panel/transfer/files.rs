@@ -110,11 +110,7 @@ impl LineError {
             Self::Form(line) => say::in_line(line, say::data_line_form()),
             Self::NoNumber(line, text) => say::in_line(line, say::data_line_no_number(text)),
             Self::NoValue(line, value) => say::in_line(line, say::data_line_no_value(value)),
-            Self::Offset { line, alarm } => {
-                let reason = alarm.detail.clone();
-                let reason = reason.unwrap_or_else(|| say::alarm_of_number(alarm.number));
-                say::in_line(line, reason)
-            }
+            Self::Offset { line, alarm } => say::in_line(line, alarm.reason()),
             Self::Pitch(line, error) => say::in_line(line, error.message()),
         }
     }
