@@ -10,7 +10,6 @@ use gsk_panel::panel::SerialFile;
 
 use crate::files::atomic;
 use crate::files::program_file::{self, FileError};
-use crate::kernel::{Command, Console, Notice};
 
 /// The folder in the data directory.
 pub const FOLDER: &str = "transfer";
@@ -71,27 +70,23 @@ pub fn names(files: &[SerialFile]) -> String {
     }
 }
 
-/// Writes them in a thread of their own: a slow disk never holds up the kernel.
-pub fn write_aside(folder: PathBuf, files: Vec<SerialFile>, console: Console) {
-    let telling = console.clone();
+/// Writes them in a thread of their own: a slow disk never holds up the kernel. `done`
+/// is told what was written, or why it was not.
+pub fn write_aside(
+    folder: PathBuf,
+    files: Vec<SerialFile>,
+    done: impl Fn(Result<String, Message>) + Clone + Send + 'static,
+) {
+    let written = done.clone();
     let thread = thread::Builder::new().name("transfer".to_owned());
-    let written = thread.spawn(move || match write(&folder, &files) {
-        Ok(()) => {
-            let what = format!("{} → {}", names(&files), folder.display());
-            // A window that is gone needs no message.
-            let _ = console.say.try_send(Notice::Sent(what));
-        }
-        Err(error) => fail(&console, error.message()),
+    let begun = thread.spawn(move || {
+        let what = format!("{} → {}", names(&files), folder.display());
+        let result = write(&folder, &files);
+        written(result.map(|()| what).map_err(|error| error.message()));
     });
-    if let Err(error) = written {
-        fail(&telling, say::as_written(error));
+    if let Err(error) = begun {
+        done(Err(say::as_written(error)));
     }
-}
-
-fn fail(console: &Console, said: Message) {
-    tracing::error!("{said}");
-    let _ = console.say.try_send(Notice::Said(said));
-    console.send(Command::TransferFailed);
 }
 
 #[cfg(test)]

@@ -18,12 +18,6 @@ const PACKAGES: [&str; 10] = [
 ];
 /// Libraries that `core` hands on under its own name.
 const HANDED_ON: [&str; 2] = ["plc", "units"];
-/// Neighbours that still use each other, with the folder they stand in. Nothing is
-/// added here: what two modules share belongs into a third.
-const STILL_BOTH_WAYS: &[(&str, &str, &str)] = &[
-    ("app", "kernel", "transfer"),
-    ("app/window", "badge", "views"),
-];
 
 /// Where one module uses another: file and line.
 type Places = Vec<String>;
@@ -73,11 +67,6 @@ fn target(module: &[String], segments: &[String]) -> Option<Vec<String>> {
     Some(above.chain(rest).cloned().collect())
 }
 
-fn is_still_both_ways(folder: &str, one: &str, other: &str) -> bool {
-    STILL_BOTH_WAYS.contains(&(folder, one, other))
-        || STILL_BOTH_WAYS.contains(&(folder, other, one))
-}
-
 #[test]
 fn modules_of_core_use_what_the_table_says() {
     let table = fs::read_to_string(repository().join(CORE_MODULES)).expect(CORE_MODULES);
@@ -94,7 +83,7 @@ fn modules_of_core_use_what_the_table_says() {
     for (module, uses) in &rows {
         for used in uses {
             unused.insert((module, used));
-            if !above.contains(used) && !is_still_both_ways("core", module, used) {
+            if !above.contains(used) {
                 faults.push(format!("{CORE_MODULES}: {used} must stand above {module}"));
             }
         }
@@ -117,8 +106,6 @@ fn modules_of_core_use_what_the_table_says() {
 #[test]
 fn neighbours_use_each_other_one_way() {
     let packages = PACKAGES.map(uses);
-    let mut still: BTreeSet<_> = STILL_BOTH_WAYS.iter().copied().collect();
-    assert_eq!(still.len(), STILL_BOTH_WAYS.len(), "a pair stands twice");
     let mut faults = Vec::new();
     for uses in &packages {
         for ((folder, one, other), there) in uses {
@@ -126,19 +113,12 @@ fn neighbours_use_each_other_one_way() {
             let Some(back) = back.filter(|_| one < other) else {
                 continue;
             };
-            if !still.remove(&(folder, one, other)) {
-                faults.push(format!(
-                    "{folder}: {one} and {other} use each other:\n  {}\n and\n  {}",
-                    there.join("\n  "),
-                    back.join("\n  ")
-                ));
-            }
+            faults.push(format!(
+                "{folder}: {one} and {other} use each other:\n  {}\n and\n  {}",
+                there.join("\n  "),
+                back.join("\n  ")
+            ));
         }
-    }
-    for (folder, one, other) in still {
-        faults.push(format!(
-            "{folder}: {one} and {other} go one way now: take the pair off the list"
-        ));
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }

@@ -5,7 +5,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{RecvTimeoutError, TryRecvError};
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 use tracing::error;
 
 use super::journal::Journal;
@@ -119,7 +119,10 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
         if let Some(folder) = &outside.partner {
             let files = kernel.emulator.panel.take_sent();
             if !files.is_empty() {
-                transfer::write_aside(folder.clone(), files, console.clone());
+                let console = console.clone();
+                transfer::write_aside(folder.clone(), files, move |written| {
+                    tell_of_transfer(&console, written);
+                });
             }
         }
         if let Some(keeper) = &mut outside.keeper
@@ -179,6 +182,19 @@ fn wait_for_window(kernel: &Kernel) {
     }
     log::finish();
     std::process::exit(ENDED.into());
+}
+
+/// The operator is told what has become of files that the control has sent.
+fn tell_of_transfer(console: &Console, written: Result<String, Message>) {
+    match written {
+        // A window that is gone needs no message.
+        Ok(what) => drop(console.say.try_send(Notice::Sent(what))),
+        Err(said) => {
+            error!("{said}");
+            let _ = console.say.try_send(Notice::Said(said));
+            console.send(Command::TransferFailed);
+        }
+    }
 }
 
 /// In steps of 5 % below 95 %, so that the picture does not change for nothing.

@@ -4,13 +4,30 @@
 use egui::{Color32, Frame, Margin, Panel, RichText, Ui};
 use gsk_link::LinkState;
 
-use super::views::state_name;
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 
 /// What it says, in both languages whatever the window's is.
 fn real() -> String {
     let texts = [Language::En, Language::Zh].map(|it| say::window_real_motion().text(it));
     texts.join(" / ")
+}
+
+/// Name of a state of the board.
+pub fn state_name(state: LinkState) -> Message {
+    match state {
+        LinkState::Off => say::link_page_state_off(),
+        LinkState::Opening => say::link_page_state_opening(),
+        LinkState::Identify => say::link_page_state_identify(),
+        LinkState::Configure => say::link_page_state_configure(),
+        LinkState::Locked => say::link_page_state_locked(),
+        LinkState::Ready => say::link_page_state_ready(),
+        LinkState::Moving => say::link_page_state_moving(),
+        LinkState::Homing => say::link_page_state_homing(),
+        LinkState::Verify => say::link_page_state_verify(),
+        LinkState::Tripped => say::link_page_state_tripped(),
+        LinkState::Fault => say::link_page_state_fault(),
+        LinkState::Lost => say::link_page_state_lost(),
+    }
 }
 
 /// Its height, points.

@@ -1,4 +1,4 @@
-//! SpindleEstimator of the spindle, from the counter of its one-turn signal.
+//! Angle and speed of the spindle, estimated from the counter of its one-turn signal.
 //!
 //! ```text
 //!  pin      ─┐_______┌─┐_______┌─┐____
@@ -40,12 +40,12 @@ pub(super) struct IndexPulse {
     pub(super) clock: Ticks,
 }
 
-/// SpindleEstimator over clock.
+/// Turns over clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Line {
     turn: f64,
     clock: f64,
-    /// SpindleEstimator a tick.
+    /// Turns a tick of the clock.
     rate: f64,
 }
 
@@ -57,7 +57,7 @@ pub(super) struct SpindleEstimator {
     /// The count last reported, and the last even one.
     reported: Option<u32>,
     count: Option<u32>,
-    /// ClockSync of the newest edge of either kind: reports may show the other one for a
+    /// Clock of the newest edge of either kind: reports may show the other one for a
     /// while.
     alive: Ticks,
     index_pulses: VecDeque<IndexPulse>,
@@ -211,7 +211,7 @@ impl SpindleEstimator {
         slow || self.age(now).is_some_and(|age| age > STANDS)
     }
 
-    /// SpindleEstimator a second; 0: it stands, or nothing is known.
+    /// Turns a second; 0: it stands, or nothing is known.
     pub(super) fn speed(&self, now: Ticks) -> f64 {
         let (Some(line), Some(age)) = (self.line, self.age(now)) else {
             return 0.0;

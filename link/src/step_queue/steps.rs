@@ -27,7 +27,7 @@ pub(super) struct Entry {
     /// Sets the direction first.
     pub(super) up: Option<bool>,
     pub(super) run: Run,
-    /// ClockSync of its first and of its last step.
+    /// Clock of its first and of its last step.
     pub(super) first: Ticks,
     pub(super) last: Ticks,
 }
@@ -67,7 +67,7 @@ pub(super) struct Steps {
     due: VecDeque<Due>,
     /// The newest pulse due.
     newest: Option<Due>,
-    /// ClockSync of the last step compressed; none: the board's step clock must be set.
+    /// Clock of the last step compressed; none: the board's step clock must be set.
     last: Option<Ticks>,
     /// Direction the board has been sent.
     up: Option<bool>,

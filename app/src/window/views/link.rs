@@ -3,7 +3,6 @@
 mod figures;
 mod words;
 
-pub use words::state as state_name;
 
 use egui::{Color32, Label, Panel, RichText, ScrollArea, Ui, vec2};
 use gsk_link::LinkState;
@@ -12,6 +11,7 @@ use super::aside;
 use crate::kernel::link_view::LinkView;
 use crate::kernel::{Command, Console, LinkOrder};
 use crate::saying::differs;
+use crate::window::badge::state_name;
 use crate::window::fonts;
 use gsk_messages::{Language, say};
 
@@ -79,7 +79,7 @@ impl LinkPage {
 
     fn bar(&self, ui: &mut Ui, language: Language, view: &LinkView) {
         ui.horizontal_wrapped(|ui| {
-            let state = RichText::new(words::state(view.state).text(language));
+            let state = RichText::new(state_name(view.state).text(language));
             ui.label(state.color(colour(view.state)).strong());
             let board = match view.board.firmware.as_str() {
                 "" => say::link_page_board_not_known().text(language),
@@ -231,7 +231,7 @@ const fn colour(state: LinkState) -> Color32 {
 fn report(view: &LinkView) -> String {
     let mut out = format!(
         "{}  {}  {}\n\n",
-        words::state(view.state).text(Language::En),
+        state_name(view.state).text(Language::En),
         view.board.firmware,
         view.port
     );

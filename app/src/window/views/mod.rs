@@ -20,7 +20,6 @@ use bench::Bench;
 use gsk_messages::{Language, Message, say};
 use ladder::LadderView;
 use link::LinkPage;
-pub use link::state_name;
 use scope::Scope;
 
 /// A view.

@@ -66,7 +66,7 @@ impl Queue {
         !self.backlog.is_empty() || self.steps.iter().any(|steps| !steps.is_empty())
     }
 
-    /// ClockSync of the last step that has gone out since the axes began to move.
+    /// Clock of the last step that has gone out since the axes began to move.
     pub(super) const fn last_step(&self) -> Option<u64> {
         match self.last_step {
             Some(clock) => Some(clock.unsigned_abs()),

@@ -24,7 +24,7 @@ pub(super) struct Piece {
 #[derive(Clone, Debug)]
 pub(super) struct Path {
     pub(super) newest: Sample,
-    /// ClockSync of the end of the newest sample that was more than rest, and its time;
+    /// Clock of the end of the newest sample that was more than rest, and its time;
     /// none: no motion runs.
     pub(super) end: Option<Ticks>,
     end_run: RunTime,

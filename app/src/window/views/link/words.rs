@@ -4,24 +4,6 @@ use gsk_link::{Input, LinkState, Output};
 
 use gsk_messages::{Message, say};
 
-/// Name of a state.
-pub fn state(state: LinkState) -> Message {
-    match state {
-        LinkState::Off => say::link_page_state_off(),
-        LinkState::Opening => say::link_page_state_opening(),
-        LinkState::Identify => say::link_page_state_identify(),
-        LinkState::Configure => say::link_page_state_configure(),
-        LinkState::Locked => say::link_page_state_locked(),
-        LinkState::Ready => say::link_page_state_ready(),
-        LinkState::Moving => say::link_page_state_moving(),
-        LinkState::Homing => say::link_page_state_homing(),
-        LinkState::Verify => say::link_page_state_verify(),
-        LinkState::Tripped => say::link_page_state_tripped(),
-        LinkState::Fault => say::link_page_state_fault(),
-        LinkState::Lost => say::link_page_state_lost(),
-    }
-}
-
 /// What the operator can do now; nothing when nothing is needed.
 pub fn advice(state: LinkState) -> Option<Message> {
     Some(match state {
