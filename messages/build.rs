@@ -103,7 +103,7 @@ fn sources(rows: &[Row]) -> Result<String, std::fmt::Error> {
     for row in rows {
         let variant = camel_case(&row.id);
         let names: Vec<&str> = row.values.iter().map(|(name, _)| name.as_str()).collect();
-        writeln!(enumeration, "    /// {:?}\n    {variant},", row.en)?;
+        writeln!(enumeration, "    /// {}\n    {variant},", in_docs(&row.en))?;
         writeln!(
             table,
             "    Row {{ name: {:?}, en: {:?}, zh: {:?}, values: &{names:?} }},",
@@ -113,10 +113,10 @@ fn sources(rows: &[Row]) -> Result<String, std::fmt::Error> {
         let values: Vec<String> = row.values.iter().map(value).collect();
         writeln!(
             functions,
-            "/// {:?}\n///\n/// {:?}\n#[must_use]\npub fn {}({}) -> Message {{\n    \
+            "/// {}\n///\n/// {}\n#[must_use]\npub fn {}({}) -> Message {{\n    \
              Message::of(Id::{variant}, vec![{}])\n}}\n",
-            row.en,
-            row.zh,
+            in_docs(&row.en),
+            in_docs(&row.zh),
             row.id,
             parameters.join(", "),
             values.join(", ")
@@ -141,6 +141,23 @@ fn sources(rows: &[Row]) -> Result<String, std::fmt::Error> {
             .join(", "),
         rows.len(),
     ))
+}
+
+/// A text as it is: nothing in it is a link or a tag.
+fn in_docs(text: &str) -> String {
+    let mut quoted = String::from('"');
+    for letter in text.chars() {
+        if letter == '\n' {
+            quoted.push_str("\\\\n");
+            continue;
+        }
+        if matches!(letter, '[' | ']' | '<' | '>' | '`' | '*' | '_' | '\\') {
+            quoted.push('\\');
+        }
+        quoted.push(letter);
+    }
+    quoted.push('"');
+    quoted
 }
 
 fn parameter((name, kind): &(String, Kind)) -> String {

@@ -153,7 +153,9 @@ fn an_emergency_stop_that_knows_the_place_of_the_slides_says_it() {
     let mut picture = bench.kernel.snapshot();
     let place = "machine coordinates X 1.000 Z -2.000 by the board's count, uncertain: the \
                  drives were without power";
-    picture.alarm = picture.alarm.map(|alarm| alarm.because(gsk_messages::say::as_written(place)));
+    picture.alarm = picture
+        .alarm
+        .map(|alarm| alarm.because(gsk_messages::say::as_written(place)));
     bench.console.pictures.force_push(picture);
     bench.harness.step();
     bench.harness.step();

@@ -183,7 +183,7 @@ impl Alarm {
     }
 
     /// Its reason in a language; empty without one.
-    pub fn detail_text(&self, language: Language) -> String {
+    pub(crate) fn detail_text(&self, language: Language) -> String {
         let detail = self.detail.as_ref();
         detail.map_or_else(String::new, |detail| detail.text(language))
     }

@@ -50,7 +50,7 @@ impl Mode {
 
     /// The mode that G43 commands (manual PLC-II 3.6), or `None` for a code without
     /// one: the mode then stays as it is.
-    pub const fn from_code(g43: u8, handwheel_fitted: bool) -> Option<Self> {
+    pub(crate) const fn from_code(g43: u8, handwheel_fitted: bool) -> Option<Self> {
         Some(match g43 & 0b1010_0111 {
             0 => Self::Mdi,
             1 => Self::Auto,

@@ -18,7 +18,7 @@ pub(crate) const TOOL_IN_POSITION: u16 = 12;
 pub const STANDARD_LADDER: &str = include_str!("../../assets/ladder/standard.il");
 
 /// The standard ladder with keys for DNC and teach-in, as instruction list.
-pub const DNC_TEACH_LADDER: &str = include_str!("../../assets/ladder/dnc-teach.il");
+pub(crate) const DNC_TEACH_LADDER: &str = include_str!("../../assets/ladder/dnc-teach.il");
 
 /// Everything a control and its simulated lathe start from.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ pub fn dnc_teach_ladder() -> Arc<Ladder> {
 
 impl Setup {
     /// The tool in position at power-on: 075, or what the ladder kept in K12.
-    pub fn tool_in_position(&self) -> u8 {
+    pub(crate) fn tool_in_position(&self) -> u8 {
         match self.memory.parameters.tool_in_position() {
             0 => {}
             tool => return tool,

@@ -86,7 +86,7 @@ impl Message {
     }
 
     /// Its text in a language; what is [`say::as_written`] is said as `written` says it.
-    pub fn text_by(&self, language: Language, written: &dyn Fn(&str) -> String) -> String {
+    pub(crate) fn text_by(&self, language: Language, written: &dyn Fn(&str) -> String) -> String {
         let row = self.id.row();
         let template = match language {
             Language::Zh => row.zh,

@@ -20,7 +20,7 @@ use crate::raster;
 use crate::screen::Screen;
 
 /// How long [`Emulator::press`] holds a key, and rests after it, ticks.
-pub const PRESS_TICKS: u64 = 100;
+pub(crate) const PRESS_TICKS: u64 = 100;
 
 /// Ticks between two looks at the LCD while its text is waited for.
 const SCREEN_PERIOD: u64 = 20;
@@ -183,11 +183,6 @@ impl Emulator {
         self.key(KeyEvent::Wheel(graduations));
     }
 
-    /// Runs until the block in execution ends or waits.
-    pub fn run_block(&mut self, limit_ms: u64) -> Outcome {
-        self.run_until(&Condition::BlockEnd, limit_ms)
-    }
-
     /// Runs until a condition holds, at most so many milliseconds; the condition
     /// is looked at before the first tick and after each one.
     pub fn run_until(&mut self, condition: &Condition, limit_ms: u64) -> Outcome {
@@ -296,7 +291,7 @@ impl Emulator {
     }
 
     /// Switches the power off; the lathe stops.
-    pub fn power_off(&mut self) {
+    pub(crate) fn power_off(&mut self) {
         self.panel.power_off();
         self.connect_keys();
     }

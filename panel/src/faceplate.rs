@@ -20,7 +20,7 @@ use crate::keys::{Key, Role};
 pub const SIZE: (f32, f32) = (1280.0, 756.0);
 
 /// Height of a line of a legend, panel units: one Unifont cell at scale 1.
-pub const LINE_HEIGHT: f32 = 16.0;
+pub(crate) const LINE_HEIGHT: f32 = 16.0;
 
 /// A rectangle in panel units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,19 +57,11 @@ impl Rect {
     }
 
     /// Whether two rectangles have area in common.
-    pub fn overlaps(&self, other: &Self) -> bool {
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
         self.x < other.x + other.w
             && other.x < self.x + self.w
             && self.y < other.y + other.h
             && other.y < self.y + self.h
-    }
-
-    /// Whether another rectangle lies inside.
-    pub fn encloses(&self, other: &Self) -> bool {
-        self.x <= other.x
-            && self.y <= other.y
-            && other.x + other.w <= self.x + self.w
-            && other.y + other.h <= self.y + self.h
     }
 }
 

@@ -4,7 +4,7 @@
 use unifont::Glyph;
 
 /// Dot rows of a character.
-pub const GLYPH_HEIGHT: usize = 16;
+pub(crate) const GLYPH_HEIGHT: usize = 16;
 
 /// Shown for a character that has no glyph.
 const REPLACEMENT: char = '?';

@@ -301,14 +301,6 @@ impl Key {
         found.map(|row| row.key)
     }
 
-    /// The key that enters a character with its first press.
-    pub fn of_character(character: char) -> Option<Self> {
-        let found = KEYS
-            .iter()
-            .find(|row| matches!(row.role, Role::Character(first, _) if first == character));
-        found.map(|row| row.key)
-    }
-
     /// The key that a PC key presses, by the name of [`KeyRow::pc`].
     pub fn of_pc(name: &str) -> Option<Self> {
         KEYS.iter().find(|row| row.pc == name).map(|row| row.key)
@@ -316,7 +308,7 @@ impl Key {
 }
 
 /// The ids that resemble a word, the nearest first; for error messages.
-pub fn near_ids(word: &str) -> Vec<&'static str> {
+pub(crate) fn near_ids(word: &str) -> Vec<&'static str> {
     let word = word.to_ascii_uppercase();
     let mut near: Vec<(usize, &'static str)> = KEYS
         .iter()
@@ -426,7 +418,7 @@ pub const STRIP: [StripLamp; 9] = [
 ];
 
 /// The Y bit of a lamp by the id of its key or of the strip.
-pub fn lamp_of(id: &str) -> Option<Bit> {
+pub(crate) fn lamp_of(id: &str) -> Option<Bit> {
     if let Some(key) = Key::from_id(id) {
         return key.row().lamp;
     }

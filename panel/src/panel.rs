@@ -25,12 +25,12 @@ use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, View}
 use crate::screen::Screen;
 
 /// Characters that the input line takes.
-pub const INPUT_LENGTH: usize = 20;
+pub(crate) const INPUT_LENGTH: usize = 20;
 
 /// A held cursor or page key repeats after so many ticks…
-pub const REPEAT_DELAY: u64 = 500;
+pub(crate) const REPEAT_DELAY: u64 = 500;
 /// …and then every so many.
-pub const REPEAT_PERIOD: u64 = 100;
+pub(crate) const REPEAT_PERIOD: u64 = 100;
 
 /// What fingers do to the panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -165,14 +165,14 @@ impl Panel {
     }
 
     /// Text that is being edited, to be stored now: the window closes.
-    pub fn unstored(&mut self) -> Vec<Request> {
+    pub(crate) fn unstored(&mut self) -> Vec<Request> {
         let mut requests = Vec::new();
         self.store_edited(&mut requests);
         requests
     }
 
     /// Switches the panel off: the LCD is dark and every key is let go.
-    pub fn power_off(&mut self) {
+    pub(crate) fn power_off(&mut self) {
         self.powered = false;
         self.held.clear();
         self.repeat = None;
@@ -219,7 +219,7 @@ impl Panel {
     }
 
     /// Whether the self-test picture is shown.
-    pub const fn in_self_test(&self) -> bool {
+    pub(crate) const fn in_self_test(&self) -> bool {
         self.picture_until.is_some()
     }
 

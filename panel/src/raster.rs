@@ -7,10 +7,10 @@ use crate::glyphs::{self, GLYPH_HEIGHT};
 use crate::screen::{BigText, COLUMNS, Cell, HEIGHT, Look, ROWS, Screen, WIDTH};
 
 /// Bytes of a plain 320x240 RGBA picture.
-pub const RGBA_BYTES: usize = WIDTH * HEIGHT * 4;
+pub(crate) const RGBA_BYTES: usize = WIDTH * HEIGHT * 4;
 
 /// Highest scale of [`render`].
-pub const MOST_SCALE: u32 = 16;
+pub(crate) const MOST_SCALE: u32 = 16;
 
 /// A colour: red, green, blue.
 pub type Colour = [u8; 3];

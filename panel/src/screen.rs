@@ -7,7 +7,8 @@ use gsk_messages::{Language, Message};
 use crate::bitmap::Bitmap;
 use crate::glyphs;
 
-pub use crate::lcd::{COLUMNS, HEIGHT, ROWS, WIDTH};
+pub(crate) use crate::lcd::COLUMNS;
+pub use crate::lcd::{HEIGHT, ROWS, WIDTH};
 
 /// The right half of a full-width character.
 const TAIL: char = '\0';
@@ -81,7 +82,7 @@ impl Screen {
     }
 
     /// An empty screen for texts in a language (184.0 CH_EN = 1: English).
-    pub const fn in_language(language: Language) -> Self {
+    pub(crate) const fn in_language(language: Language) -> Self {
         let mut screen = Self::new();
         screen.language = language;
         screen
@@ -101,7 +102,7 @@ impl Screen {
     }
 
     /// Writes a flashing message: always there to be read, drawn only while `lit`.
-    pub fn say_flashing(&mut self, row: usize, column: usize, message: &Message, lit: bool) {
+    pub(crate) fn say_flashing(&mut self, row: usize, column: usize, message: &Message, lit: bool) {
         let look = if lit { Look::Plain } else { Look::Dark };
         self.put_as(row, column, &message.text(self.language), look);
     }
@@ -113,7 +114,7 @@ impl Screen {
     }
 
     /// Writes a text with a given look.
-    pub fn put_as(&mut self, row: usize, column: usize, text: &str, look: Look) -> usize {
+    pub(crate) fn put_as(&mut self, row: usize, column: usize, text: &str, look: Look) -> usize {
         let mut column = column;
         for character in text.chars() {
             let character = if character.is_control() {
@@ -140,14 +141,14 @@ impl Screen {
     }
 
     /// Writes a text that ends in front of a column.
-    pub fn put_right(&mut self, row: usize, end: usize, text: &str) {
+    pub(crate) fn put_right(&mut self, row: usize, end: usize, text: &str) {
         let width = glyphs::text_columns(text);
         self.put(row, end.saturating_sub(width), text);
     }
 
     /// Writes a text that stands at `column` of the row's text and is drawn at
     /// double size from the left edge of cell column `drawn_at`, two rows high.
-    pub fn put_big(&mut self, row: usize, column: usize, drawn_at: usize, text: &str) {
+    pub(crate) fn put_big(&mut self, row: usize, column: usize, drawn_at: usize, text: &str) {
         self.put_as(row, column, text, Look::Big);
         self.big.push(BigText {
             row,
@@ -157,7 +158,7 @@ impl Screen {
     }
 
     /// Changes how a stretch of a row is drawn.
-    pub fn set_look(&mut self, row: usize, columns: core::ops::Range<usize>, look: Look) {
+    pub(crate) fn set_look(&mut self, row: usize, columns: core::ops::Range<usize>, look: Look) {
         let Some(cells) = self.cells.get_mut(row) else {
             return;
         };
@@ -189,7 +190,7 @@ impl Screen {
     }
 
     /// The double-size texts.
-    pub fn big_texts(&self) -> &[BigText] {
+    pub(crate) fn big_texts(&self) -> &[BigText] {
         &self.big
     }
 
@@ -199,7 +200,7 @@ impl Screen {
     }
 
     /// The graphic layer, to be drawn on.
-    pub fn graphic_mut(&mut self) -> &mut Bitmap {
+    pub(crate) fn graphic_mut(&mut self) -> &mut Bitmap {
         self.graphic.get_or_insert_default()
     }
 

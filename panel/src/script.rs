@@ -1,13 +1,11 @@
-//! Operator scripts: one line an action, for tests, instructors and recordings.
+//! Operator scripts: one line an action, for tests and instructors.
 //!
 //! [`Script::parse`] reads one, a [`Runner`] carries it out on an
-//! [`Emulator`](crate::emulator::Emulator) and hands what needs files to its
-//! caller, a [`Recorder`] writes down a live session as a script.
+//! [`Emulator`](crate::emulator::Emulator) and hands what needs files to its caller.
 
 mod expect;
 mod parse;
 mod parse_error;
-mod record;
 mod run;
 
 use gsk_core::machine::Fault;
@@ -16,7 +14,6 @@ use gsk_messages::{Message, say};
 
 pub use expect::{Coordinates, Expect, Unmet};
 pub use parse_error::ParseError;
-pub use record::{Recorded, Recorder};
 pub use run::{Effect, Failure, Progress, Runner, run};
 
 use crate::emulator::Condition;

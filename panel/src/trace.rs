@@ -91,7 +91,7 @@ impl Trace {
     }
 
     /// Appends the motion of a tick that a pulse board has not made yet.
-    pub fn push_ahead(&mut self, ahead: Ahead) {
+    pub(crate) fn push_ahead(&mut self, ahead: Ahead) {
         self.ahead.push_back(ahead);
         if self.ahead.len() > MOST_AHEAD {
             self.settle_next();

@@ -96,7 +96,7 @@ impl Area {
 
     /// True for the areas whose single bits can be addressed: X Y F G R A K.
     #[must_use]
-    pub const fn has_bits(self) -> bool {
+    pub(crate) const fn has_bits(self) -> bool {
         !self.is_entry() && !matches!(self, Area::D)
     }
 
@@ -134,7 +134,7 @@ impl BitAddress {
 
     /// The bit's byte.
     #[must_use]
-    pub const fn byte_address(self) -> ByteAddress {
+    pub(crate) const fn byte_address(self) -> ByteAddress {
         ByteAddress::new(self.area, self.byte)
     }
 }

@@ -12,7 +12,7 @@ use crate::instruction::{Mnemonic, Operand, Role, Statement};
 /// Capacity of program memory in steps.
 pub const MAX_STEPS: u32 = 5000;
 /// Steps that fit in the PLC's 1 ms of each 8 ms slot.
-pub const SLOT_STEPS: u32 = 500;
+pub(crate) const SLOT_STEPS: u32 = 500;
 /// Level 1 above this length leaves little room for level 2.
 const LONG_LEVEL_1: u32 = 400;
 /// Depth of the accumulator stack.

@@ -157,7 +157,7 @@ impl Kind {
 
     /// True when the instruction writes the operand.
     #[must_use]
-    pub const fn is_written(self) -> bool {
+    pub(crate) const fn is_written(self) -> bool {
         matches!(
             self,
             Kind::Coil
@@ -331,7 +331,7 @@ impl Mnemonic {
 
     /// The instruction called `name`, in either case.
     #[must_use]
-    pub fn of_name(name: &str) -> Option<Mnemonic> {
+    pub(crate) fn of_name(name: &str) -> Option<Mnemonic> {
         TABLE
             .iter()
             .find(|row| row.name.eq_ignore_ascii_case(name))

@@ -38,7 +38,7 @@ mod step;
 mod timer;
 
 pub use address::{AddressError, Area, BitAddress, ByteAddress};
-pub use check::{MAX_STEPS, SLOT_STEPS};
+pub use check::MAX_STEPS;
 pub use diagnostic::{CompileError, CompileErrors, Rule, summary};
 pub use directive::{Comment, Header, MCode, Message, StartValue, Subject};
 pub use force::Force;
@@ -48,4 +48,3 @@ pub use memory::{Memory, Retained};
 pub use network::{Body, Branch, Contact, Element, Network, Power};
 pub use reference::{Access, Reference};
 pub use scan::{Fault, Plc};
-pub use timer::SLOT_MS;

@@ -194,7 +194,7 @@ impl Memory {
 
     /// What power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0,
     /// and the signals to the CNC that interlock at 0 become 1.
-    pub fn clear_volatile(&mut self) {
+    pub(crate) fn clear_volatile(&mut self) {
         self.bytes[..K].fill(0);
         self.bytes[D..D + D_RETAINED].fill(0);
         self.bytes[T..T + 4 * T_RETAINED].fill(0);

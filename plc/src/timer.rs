@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Length of a slot, ms.
-pub const SLOT_MS: i32 = 8;
+pub(crate) const SLOT_MS: i32 = 8;
 
 /// The running timers, one bit a timer T0 to T99.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ impl Timers {
 
     /// A new scan of the timers in `scope` begins: those that a jump skipped
     /// in the last scan stand still and keep their value.
-    pub fn begin_scan(&mut self, scope: u128) {
+    pub(crate) fn begin_scan(&mut self, scope: u128) {
         self.running &= !scope | self.executed;
         self.executed &= !scope;
     }

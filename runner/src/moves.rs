@@ -34,7 +34,7 @@ pub fn rounded(value: f64) -> f64 {
 }
 
 /// A point as diameter and Z.
-pub fn diameter_z(point: Point) -> (f64, f64) {
+pub(crate) fn diameter_z(point: Point) -> (f64, f64) {
     (rounded(point.diameter().0), rounded(point.z))
 }
 

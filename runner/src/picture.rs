@@ -103,7 +103,7 @@ pub fn of_lcd(screen: &Screen, brightness: u8) -> Result<Vec<u8>, PictureError> 
 ///
 /// # Errors
 /// There is no memory for it.
-pub fn of_panel(emulator: &Emulator) -> Result<Vec<u8>, PictureError> {
+pub(crate) fn of_panel(emulator: &Emulator) -> Result<Vec<u8>, PictureError> {
     let pixels = emulator.panel_picture(PANEL_SCALE);
     png_file::encode(&pixels.ok_or(PictureError::Memory)?)
 }

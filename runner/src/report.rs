@@ -214,7 +214,7 @@ impl Report {
 }
 
 /// The G codes in force, one of each group.
-pub fn modal_codes(modal: &Modal) -> Vec<String> {
+pub(crate) fn modal_codes(modal: &Modal) -> Vec<String> {
     vec![
         format!("G{:02}", modal.motion),
         if modal.surface_speed { "G96" } else { "G97" }.to_owned(),
@@ -229,7 +229,7 @@ pub fn modal_codes(modal: &Modal) -> Vec<String> {
 }
 
 /// The T word of a tool and an offset.
-pub fn tool_word((tool, offset): (u8, u8)) -> String {
+pub(crate) fn tool_word((tool, offset): (u8, u8)) -> String {
     format!("{tool:02}{offset:02}")
 }
 

@@ -115,13 +115,8 @@ impl Wire {
     }
 
     /// When the next byte arrives.
-    pub fn next_arrival(&self) -> Option<u64> {
+    pub(crate) fn next_arrival(&self) -> Option<u64> {
         self.under_way.front().map(|(arrival, _)| *arrival)
-    }
-
-    /// Whether nothing is under way.
-    pub fn is_quiet(&self) -> bool {
-        self.under_way.is_empty()
     }
 }
 
@@ -140,7 +135,7 @@ mod tests {
         assert_eq!(arrived(&mut wire, 1_086_000), b"");
         assert_eq!(arrived(&mut wire, 1_087_000), b"a");
         assert_eq!(arrived(&mut wire, 1_174_000), b"b");
-        assert!(wire.is_quiet());
+        assert!(wire.take(u64::MAX).is_none());
     }
 
     #[test]

@@ -116,7 +116,7 @@ impl Point {
     }
 
     /// The point of a vector of the working plane.
-    pub const fn from_vector(vector: DVec2) -> Self {
+    pub(crate) const fn from_vector(vector: DVec2) -> Self {
         Self::new(vector.y, vector.x)
     }
 

@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn place_reason_and_way_out_are_told_in_the_language_of_the_window() {
         let alarm = Alarm::new(13)
-            .because(say::as_written("neither R nor I, K is given"))
+            .because(say::arc_radius_or_center_missing())
             .at(Source {
                 program: ProgramId::Stored(12),
                 line: 7,

@@ -68,3 +68,28 @@ pub fn title(title: &str, board: Option<LinkState>) -> String {
         None => title.to_owned(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_state_is_called_as_in_the_log() {
+        for at in [
+            LinkState::Off,
+            LinkState::Opening,
+            LinkState::Identify,
+            LinkState::Configure,
+            LinkState::Locked,
+            LinkState::Ready,
+            LinkState::Moving,
+            LinkState::Homing,
+            LinkState::Verify,
+            LinkState::Tripped,
+            LinkState::Fault,
+            LinkState::Lost,
+        ] {
+            assert_eq!(state_name(at).text(Language::En), at.name());
+        }
+    }
+}

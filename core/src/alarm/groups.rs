@@ -3,7 +3,7 @@
 use super::number;
 
 /// Alarms of a board that is not connected: its connection ends them.
-pub const OF_OPENING: [u16; 4] = [
+pub(crate) const OF_OPENING: [u16; 4] = [
     number::BOARD_SILENT,
     number::BOARD_UNSUPPORTED,
     number::BOARD_SETTINGS,
@@ -12,13 +12,13 @@ pub const OF_OPENING: [u16; 4] = [
 
 /// Whether a board that is not known yet can have raised it: one that has moved
 /// nothing.
-pub const fn comes_before_motion(number: u16) -> bool {
+pub(crate) const fn comes_before_motion(number: u16) -> bool {
     matches!(number, number::BOARD_SILENT..=number::BOARD_CANNOT)
 }
 
 /// Whether RESET leaves it: the emergency stop goes with its contact alone, 100 with
 /// the parameter switch and 000 with the power.
-pub const fn outlives_reset(number: u16) -> bool {
+pub(crate) const fn outlives_reset(number: u16) -> bool {
     matches!(
         number,
         number::POWER_CYCLE | number::EMERGENCY_STOP | number::PARAMETER_SWITCH
@@ -31,7 +31,7 @@ pub const fn is_of_memory(number: u16) -> bool {
 }
 
 /// Whether it belongs to the corner before its arc: the move before is not begun.
-pub const fn is_of_corner(number: u16) -> bool {
+pub(crate) const fn is_of_corner(number: u16) -> bool {
     matches!(
         number,
         number::NOSE_CENTER_AT_START | number::NOSE_CENTER_AT_END
@@ -39,7 +39,7 @@ pub const fn is_of_corner(number: u16) -> bool {
 }
 
 /// Alarms of calls, jumps, profiles and macros: the block would have led elsewhere.
-pub const fn leads_elsewhere(number: u16) -> bool {
+pub(crate) const fn leads_elsewhere(number: u16) -> bool {
     matches!(
         number,
         number::PROFILE_RANGE
@@ -52,7 +52,7 @@ pub const fn leads_elsewhere(number: u16) -> bool {
 }
 
 /// Speed and direction of the spindle do not suit.
-pub const fn is_of_spindle(number: u16) -> bool {
+pub(crate) const fn is_of_spindle(number: u16) -> bool {
     matches!(
         number,
         number::NO_FEED | number::THREAD_SPEED | number::TAILSTOCK_WHILE_TURNING

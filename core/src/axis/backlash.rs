@@ -124,7 +124,7 @@ impl Backlash {
 
     /// New parameters at standstill: the play lies where the last motion left it,
     /// and counts as given out.
-    pub fn reconfigured(&self, changed: Self) -> Self {
+    pub(crate) fn reconfigured(&self, changed: Self) -> Self {
         let mut new = Self {
             negative: self.negative,
             ..changed
@@ -135,7 +135,7 @@ impl Backlash {
     }
 
     /// Whether everything is given out.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         self.given == self.to
     }
 }

@@ -10,7 +10,7 @@ use crate::units::{Axis, PerAxis, Point, Pulses};
 /// The least output increment of an axis, mm of slide travel: X 0.0005 with
 /// diameter programming (001.2 = 0), 0.001 with radius programming; Z 0.001. With
 /// an inch machine (004.0 SCW) 0.0001 inch takes the place of 0.001 mm.
-pub fn least_increment(axis: Axis, parameters: &Parameters) -> f64 {
+pub(crate) fn least_increment(axis: Axis, parameters: &Parameters) -> f64 {
     match axis {
         Axis::X if !parameters.radius_programming() => parameters.least_increment() / 2.0,
         _ => parameters.least_increment(),
@@ -30,7 +30,7 @@ pub(crate) fn motor_reversed(axis: Axis, parameters: &Parameters) -> bool {
 
 /// The highest speed an axis can be given when the gear multiplies (CMR > CMD),
 /// mm/min; beyond it alarm 097 (manual III-12.4).
-pub fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
+pub(crate) fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
     let (multiply, divide) = parameters.gear(axis);
     let base = match axis {
         Axis::X => 3800.0,
@@ -273,7 +273,7 @@ impl AxisChain {
 
     /// The axes are about to go this way, mm: their backlash is given out while they
     /// stand.
-    pub fn lean(&mut self, way: Point) {
+    pub(crate) fn lean(&mut self, way: Point) {
         self.chains.x.lean(way.x);
         self.chains.z.lean(way.z);
     }
@@ -291,7 +291,7 @@ impl AxisChain {
 
     /// Makes the place of a pulse count the machine zero of an axis (the zero signal
     /// came there); the machine coordinate, mm, of the place where it stands now.
-    pub fn zero_at(&mut self, axis: Axis, count: Pulses) -> f64 {
+    pub(crate) fn zero_at(&mut self, axis: Axis, count: Pulses) -> f64 {
         self.chains.get_mut(axis).zero_at(count.0)
     }
 
@@ -303,7 +303,7 @@ impl AxisChain {
 
     /// Takes over changed parameters (001.2, 003.5, 006, 008, 010, 011, 013,
     /// 015–018, 034, 035, 090–103) and pitch errors at standstill, without a pulse.
-    pub fn reconfigure(&mut self, parameters: &Parameters, table: &PitchTable) {
+    pub(crate) fn reconfigure(&mut self, parameters: &Parameters, table: &PitchTable) {
         for axis in [Axis::X, Axis::Z] {
             let changed = Chain::new(axis, parameters, table);
             self.chains.get_mut(axis).reconfigure(changed);

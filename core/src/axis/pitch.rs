@@ -62,7 +62,7 @@ impl PitchCurve {
     }
 
     /// Whether it does nothing.
-    pub const fn is_off(&self) -> bool {
+    pub(crate) const fn is_off(&self) -> bool {
         self.sums.is_empty()
     }
 

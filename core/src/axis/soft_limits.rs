@@ -29,7 +29,7 @@ impl SoftLimits {
 
     /// Whether a coordinate of an axis lies beyond its positive or negative limit. A
     /// coordinate equal to its limit is allowed, whatever its last bit.
-    pub fn is_beyond(&self, axis: Axis, plus: bool, coordinate: f64) -> bool {
+    pub(crate) fn is_beyond(&self, axis: Axis, plus: bool, coordinate: f64) -> bool {
         if plus {
             coordinate - self.plus.get(axis) > 1e-6
         } else {
@@ -39,7 +39,12 @@ impl SoftLimits {
 
     /// The limits X+, X-, Z+, Z- that an axis that is watched is beyond while it goes
     /// on outwards, or would come to rest further beyond than the tolerance.
-    pub fn overrun(&self, position: Point, stop: Point, watched: PerAxis<bool>) -> [bool; 4] {
+    pub(crate) fn overrun(
+        &self,
+        position: Point,
+        stop: Point,
+        watched: PerAxis<bool>,
+    ) -> [bool; 4] {
         let beyond = |axis: Axis, sign: f64, limit: Point| {
             let excess = |point: Point| (point.get(axis) - limit.get(axis)) * sign;
             let outwards = excess(stop) > excess(position);

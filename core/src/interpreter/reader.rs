@@ -42,7 +42,7 @@ const SILENT_BLOCKS: u32 = 16;
 ///
 /// A *run* begins with [`start`](Self::start); [`next`](Self::next) then gives
 /// one command a call until [`Step::Ended`]. A block keyed in on the MDI page
-/// is a run of its own ([`start_mdi`](Self::start_mdi)) that leaves a stopped
+/// is a run of its own (`start_mdi`) that leaves a stopped
 /// automatic run where it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Interpreter {
@@ -111,7 +111,7 @@ impl Interpreter {
     }
 
     /// Whether programs are in inches, from the next block on.
-    pub const fn set_inch_input(&mut self, inch: bool) {
+    pub(crate) const fn set_inch_input(&mut self, inch: bool) {
         self.state.modal.inch = inch;
     }
 
@@ -182,7 +182,7 @@ impl Interpreter {
     }
 
     /// Whether commands of the block read last are still to come.
-    pub fn in_block(&self) -> bool {
+    pub(crate) fn in_block(&self) -> bool {
         self.run().plan.is_some()
     }
 
@@ -202,7 +202,7 @@ impl Interpreter {
 
     /// Starts a run over the block keyed in on the MDI page. After its end
     /// [`next`](Self::next) goes on with the automatic run, if one stands.
-    pub fn start_mdi(&mut self, program: Program, host: &impl Host) {
+    pub(crate) fn start_mdi(&mut self, program: Program, host: &impl Host) {
         let run = Run::from(Place {
             program: ProgramId::Mdi,
             block: 0,
@@ -244,7 +244,7 @@ impl Interpreter {
 
     /// Puts another coordinate frame into force: at power-on, or after a
     /// manual reference return sets coordinates.
-    pub fn set_frame(&mut self, frame: Frame, host: &impl Host) {
+    pub(crate) fn set_frame(&mut self, frame: Frame, host: &impl Host) {
         self.state.zero = Exact::from_point(frame.zero);
         self.state.offset = Exact::from_point(frame.offset);
         self.resync(host);
@@ -252,7 +252,7 @@ impl Interpreter {
 
     /// Cancels the tool offset of an axis, as manual returns to the reference
     /// point and to the program zero do.
-    pub fn cancel_offset(&mut self, axis: Axis, host: &impl Host) {
+    pub(crate) fn cancel_offset(&mut self, axis: Axis, host: &impl Host) {
         self.state.offset.set(axis, 0);
         *self.state.untravelled.get_mut(axis) = false;
         if self.state.offset == Exact::default() {
@@ -262,12 +262,12 @@ impl Interpreter {
     }
 
     /// M codes that the machine's ladder carries out.
-    pub const fn set_machine_codes(&mut self, codes: MachineCodes) {
+    pub(crate) const fn set_machine_codes(&mut self, codes: MachineCodes) {
         self.machine_codes = codes;
     }
 
     /// The tool number shown after a manual tool change.
-    pub const fn set_tool(&mut self, tool: u8) {
+    pub(crate) const fn set_tool(&mut self, tool: u8) {
         self.state.modal.tool = tool;
     }
 

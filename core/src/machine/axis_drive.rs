@@ -221,7 +221,7 @@ impl AxisDrive {
     }
 
     /// Whether the deceleration switch is pressed.
-    pub fn on_dog(&self) -> bool {
+    pub(crate) fn on_dog(&self) -> bool {
         self.dog
             .is_some_and(|(from, to)| (from..=to).contains(&self.slide))
     }
@@ -232,7 +232,7 @@ impl AxisDrive {
     }
 
     /// The command count at which the one-turn signal changed in the last tick.
-    pub fn index_latch(&self) -> Option<Pulses> {
+    pub(crate) fn index_latch(&self) -> Option<Pulses> {
         if !self.has_index {
             return None;
         }
@@ -247,7 +247,7 @@ impl AxisDrive {
     }
 
     /// The command count at which the switch changed in the last tick.
-    pub fn dog_latch(&self) -> Option<Pulses> {
+    pub(crate) fn dog_latch(&self) -> Option<Pulses> {
         let (from, to) = self.dog?;
         let way = (self.before.1, self.slide);
         self.first_change(way, |place| {

@@ -29,12 +29,12 @@ impl Cylinder {
     }
 
     /// In the first place.
-    pub const fn in_first(&self) -> bool {
+    pub(crate) const fn in_first(&self) -> bool {
         self.place == self.travel
     }
 
     /// In the second place.
-    pub const fn in_second(&self) -> bool {
+    pub(crate) const fn in_second(&self) -> bool {
         self.place == 0
     }
 }
@@ -74,7 +74,7 @@ impl Gearbox {
     }
 
     /// Whether this gear is in position.
-    pub const fn in_position(&self, gear: u8) -> bool {
+    pub(crate) const fn in_position(&self, gear: u8) -> bool {
         self.gear == gear && self.since >= self.travel
     }
 }

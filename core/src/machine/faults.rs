@@ -312,7 +312,7 @@ const NOISE_COUNTS: i64 = 40;
 
 impl Disturbance {
     /// A contact that has changed reads wrong half of the time for a while.
-    pub fn bounce(&mut self, contacts: &mut [u8], on: bool) {
+    pub(crate) fn bounce(&mut self, contacts: &mut [u8], on: bool) {
         let [low, high, ..] = contacts else { return };
         let now = u16::from_le_bytes([*low, *high]);
         let changed = now ^ self.last;

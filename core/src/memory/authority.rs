@@ -9,11 +9,11 @@ pub struct Level(u8);
 
 impl Level {
     /// Machine builder: programs above O9000 leave the control.
-    pub const BUILDER: Self = Self(2);
+    pub(crate) const BUILDER: Self = Self(2);
     /// Workshop: parameters and all programs; the level of a new control.
-    pub const WORKSHOP: Self = Self(3);
+    pub(crate) const WORKSHOP: Self = Self(3);
     /// Operator: programs below O9000 and offsets.
-    pub const OPERATOR: Self = Self(4);
+    pub(crate) const OPERATOR: Self = Self(4);
     /// Logged off: nothing may be changed.
     pub const NONE: Self = Self(5);
 

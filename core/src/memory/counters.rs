@@ -18,22 +18,22 @@ pub struct Counters {
 
 impl Counters {
     /// One more part; after 9999 comes 0.
-    pub const fn count_part(&mut self) {
+    pub(crate) const fn count_part(&mut self) {
         self.parts = (self.parts % PARTS + 1) % PARTS;
     }
 
     /// More time in cutting feed; after 99:59:59 comes 00:00:00.
-    pub const fn count_cutting_ms(&mut self, ms: u64) {
+    pub(crate) const fn count_cutting_ms(&mut self, ms: u64) {
         self.cutting_ms = (self.cutting_ms % CUTTING_MS + ms) % CUTTING_MS;
     }
 
     /// Parts to zero.
-    pub const fn clear_parts(&mut self) {
+    pub(crate) const fn clear_parts(&mut self) {
         self.parts = 0;
     }
 
     /// Cutting time to zero.
-    pub const fn clear_cutting_time(&mut self) {
+    pub(crate) const fn clear_cutting_time(&mut self) {
         self.cutting_ms = 0;
     }
 }

@@ -28,5 +28,5 @@ pub use parameters::{ParameterError, Parameters};
 pub use pitch::{PitchError, PitchTable};
 pub use rights::{Refusal, Rights};
 pub use settings::{Setting, Settings};
-pub use table::{Disk, Effective, LAST_PARAMETER, ParameterRow, Range, row, rows};
+pub use table::{Disk, Effective, ParameterRow, Range, row, rows};
 pub use variables::Variables;

@@ -31,28 +31,28 @@ impl Parameters {
     }
 
     /// 005.2 DRDY: signal level of a drive that is ready.
-    pub fn drive_ready_level(&self) -> bool {
+    pub(crate) fn drive_ready_level(&self) -> bool {
         self.bit(5, 2)
     }
 
     /// 009.0, 009.1 ALM: signal level of a drive that has an alarm.
-    pub fn drive_alarm_level(&self, axis: Axis) -> bool {
+    pub(crate) fn drive_alarm_level(&self, axis: Axis) -> bool {
         self.axis_bit(9, axis)
     }
 
     /// 012.2 OFVY: a drive that is ready before it is enabled has no alarm.
-    pub fn drive_may_be_early(&self) -> bool {
+    pub(crate) fn drive_may_be_early(&self) -> bool {
         self.bit(12, 2)
     }
 
     /// 006.4 OVRI: the code of the feed override is read the wrong way round.
-    pub fn override_code_is_inverted(&self) -> bool {
+    pub(crate) fn override_code_is_inverted(&self) -> bool {
         self.bit(6, 4)
     }
 
     /// 004.1 PROD: the relative coordinates are those of the program; otherwise the
     /// tool offset is part of them.
-    pub fn relative_is_programmed(&self) -> bool {
+    pub(crate) fn relative_is_programmed(&self) -> bool {
         self.bit(4, 1)
     }
 
@@ -63,7 +63,7 @@ impl Parameters {
     }
 
     /// 012.6 WSFT: offset 000 shifts the work coordinates.
-    pub fn work_shift(&self) -> bool {
+    pub(crate) fn work_shift(&self) -> bool {
         self.bit(12, 6)
     }
 
@@ -78,32 +78,32 @@ impl Parameters {
     }
 
     /// 002.1: the control has the nose radius compensation C (option).
-    pub fn has_nose_compensation(&self) -> bool {
+    pub(crate) fn has_nose_compensation(&self) -> bool {
         self.bit(2, 1)
     }
 
     /// 003.4: a T word shifts the coordinates; otherwise the tool moves.
-    pub fn offset_by_shift(&self) -> bool {
+    pub(crate) fn offset_by_shift(&self) -> bool {
         self.bit(3, 4)
     }
 
     /// 004.4 ORC: X offsets are radii.
-    pub fn offset_is_radius(&self) -> bool {
+    pub(crate) fn offset_is_radius(&self) -> bool {
         self.bit(4, 4)
     }
 
     /// 004.3 TOC: RESET keeps the offset in force.
-    pub fn reset_keeps_offset(&self) -> bool {
+    pub(crate) fn reset_keeps_offset(&self) -> bool {
         self.bit(4, 3)
     }
 
     /// 005.4 M30: the cursor goes to the head at once; otherwise at the next start.
-    pub fn m30_rewinds(&self) -> bool {
+    pub(crate) fn m30_rewinds(&self) -> bool {
         self.bit(5, 4)
     }
 
     /// 005.1 PPD: G50 sets the relative coordinates too.
-    pub fn g50_sets_relative(&self) -> bool {
+    pub(crate) fn g50_sets_relative(&self) -> bool {
         self.bit(5, 1)
     }
 
@@ -113,7 +113,7 @@ impl Parameters {
     }
 
     /// 013.4 SBKM: single block stops after G65 blocks.
-    pub fn macro_blocks_stop(&self) -> bool {
+    pub(crate) fn macro_blocks_stop(&self) -> bool {
         self.bit(13, 4)
     }
 
@@ -123,7 +123,7 @@ impl Parameters {
     }
 
     /// 006.5 CM98: M, S and T codes without a function call subprograms.
-    pub fn special_codes_call(&self) -> bool {
+    pub(crate) fn special_codes_call(&self) -> bool {
         self.bit(6, 5)
     }
 
@@ -134,54 +134,54 @@ impl Parameters {
     }
 
     /// The unit of lengths among the parameters, mm: 0.001, or 0.0001 inch (SCW).
-    pub fn least_increment(&self) -> f64 {
+    pub(crate) fn least_increment(&self) -> f64 {
         if self.inch_machine() { 0.00254 } else { 0.001 }
     }
 
     /// 004.7 ABOT: the absolute coordinates are lost at power-off.
-    pub fn power_off_loses_coordinates(&self) -> bool {
+    pub(crate) fn power_off_loses_coordinates(&self) -> bool {
         self.bit(4, 7)
     }
 
     /// 004.6 RDRN: in dry run, rapids keep the rapid rate.
-    pub fn dry_run_keeps_rapid(&self) -> bool {
+    pub(crate) fn dry_run_keeps_rapid(&self) -> bool {
         self.bit(4, 6)
     }
 
     /// 012.7 APRS: a reference return sets the absolute coordinates to 049, 050.
-    pub fn reference_sets_coordinates(&self) -> bool {
+    pub(crate) fn reference_sets_coordinates(&self) -> bool {
         self.bit(12, 7)
     }
 
     /// 012.0 ISOT: manual rapid is allowed before the reference return.
-    pub fn rapid_without_reference(&self) -> bool {
+    pub(crate) fn rapid_without_reference(&self) -> bool {
         self.bit(12, 0)
     }
 
     /// 014.0, 014.1: the axis has a zero switch (methods B and C).
-    pub fn has_zero_switch(&self, axis: Axis) -> bool {
+    pub(crate) fn has_zero_switch(&self, axis: Axis) -> bool {
         self.axis_bit(14, axis)
     }
 
     /// 007.0, 007.1 ZC: one switch serves for deceleration and zero (method C);
     /// otherwise the zero signal is apart (method B).
-    pub fn one_zero_switch(&self, axis: Axis) -> bool {
+    pub(crate) fn one_zero_switch(&self, axis: Axis) -> bool {
         self.axis_bit(7, axis)
     }
 
     /// 006.0, 006.1 ZM: the zero is approached in the negative direction.
-    pub fn zero_is_negative(&self, axis: Axis) -> bool {
+    pub(crate) fn zero_is_negative(&self, axis: Axis) -> bool {
         self.axis_bit(6, axis)
     }
 
     /// 004.5 DECI: a closed deceleration contact means that the switch is pressed;
     /// otherwise an open one.
-    pub fn closed_means_deceleration(&self) -> bool {
+    pub(crate) fn closed_means_deceleration(&self) -> bool {
         self.bit(4, 5)
     }
 
     /// 113: rate of the approach to the reference point, mm/min; X at half of it.
-    pub fn zero_approach_rate(&self, axis: Axis) -> f64 {
+    pub(crate) fn zero_approach_rate(&self, axis: Axis) -> f64 {
         let rate = f64::from(self.value(113));
         match axis {
             Axis::X => rate / 2.0,
@@ -196,7 +196,7 @@ impl Parameters {
 
     /// 049, 050: absolute coordinate of the reference point of the slide (X as a
     /// radius), mm.
-    pub fn reference_coordinate(&self, axis: Axis) -> f64 {
+    pub(crate) fn reference_coordinate(&self, axis: Axis) -> f64 {
         self.slide_length(axis, self.per_axis(axis, 49, 50))
     }
 
@@ -220,17 +220,17 @@ impl Parameters {
 
     /// 164.7 AGER with an analog spindle, unless 005.5 SMAL says that gears are
     /// changed by hand: M41–M44 change gears.
-    pub fn automatic_gears(&self) -> bool {
+    pub(crate) fn automatic_gears(&self) -> bool {
         self.bit(164, 7) && self.analog_spindle() && !self.bit(5, 5)
     }
 
     /// 172.4 MOT: the soft limits are not watched.
-    pub fn soft_limits_masked(&self) -> bool {
+    pub(crate) fn soft_limits_masked(&self) -> bool {
         self.bit(172, 4)
     }
 
     /// 172.3 MESP: the emergency-stop contact is not watched.
-    pub fn emergency_stop_masked(&self) -> bool {
+    pub(crate) fn emergency_stop_masked(&self) -> bool {
         self.bit(172, 3)
     }
 
@@ -249,85 +249,85 @@ impl Parameters {
     }
 
     /// 024, 025: time constant of the linear acceleration of rapids, ms.
-    pub fn rapid_time(&self, axis: Axis) -> f64 {
+    pub(crate) fn rapid_time(&self, axis: Axis) -> f64 {
         self.per_axis(axis, 24, 25).into()
     }
 
     /// 007.3 SMZ: cuts come down to the speed 030 at their end points; otherwise one
     /// goes over into the next.
-    pub fn exact_corners(&self) -> bool {
+    pub(crate) fn exact_corners(&self) -> bool {
         self.bit(7, 3)
     }
 
     /// 027: highest cutting feed, mm/min.
-    pub fn feed_limit(&self) -> f64 {
+    pub(crate) fn feed_limit(&self) -> f64 {
         self.value(27).into()
     }
 
     /// 029: time constant of the exponential acceleration of cuts and jogs, ms.
-    pub fn feed_time(&self) -> f64 {
+    pub(crate) fn feed_time(&self) -> f64 {
         self.value(29).into()
     }
 
     /// 026: time constant of X leaving a thread, ms.
-    pub fn run_out_time(&self) -> f64 {
+    pub(crate) fn run_out_time(&self) -> f64 {
         self.value(26).into()
     }
 
     /// 028: speed at which threads start and end, mm/min.
-    pub fn thread_floor(&self) -> f64 {
+    pub(crate) fn thread_floor(&self) -> f64 {
         self.value(28).into()
     }
 
     /// 175.4 THDACC: exponential acceleration in threads; otherwise linear.
-    pub fn thread_exponential(&self) -> bool {
+    pub(crate) fn thread_exponential(&self) -> bool {
         self.bit(175, 4)
     }
 
     /// 106: greatest change of the spindle speed in a thread, %; 0 = not watched.
-    pub fn fluctuation_limit(&self) -> f64 {
+    pub(crate) fn fluctuation_limit(&self) -> f64 {
         self.value(106).into()
     }
 
     /// 107: speed at which X leaves a thread (Z twice as fast), mm/min; 0 = the
     /// thread's own.
-    pub fn run_out_rate(&self) -> f64 {
+    pub(crate) fn run_out_rate(&self) -> f64 {
         self.value(107).into()
     }
 
     /// 175.2 SPFD: cuts stop when the spindle has stopped.
-    pub fn watches_spindle(&self) -> bool {
+    pub(crate) fn watches_spindle(&self) -> bool {
         self.bit(175, 2)
     }
 
     /// 175.6 SAR: cuts wait until the spindle has its speed.
-    pub fn awaits_speed(&self) -> bool {
+    pub(crate) fn awaits_speed(&self) -> bool {
         self.bit(175, 6)
     }
 
     /// 030: speed at which cuts start and end, mm/min.
-    pub fn feed_floor(&self) -> f64 {
+    pub(crate) fn feed_floor(&self) -> f64 {
         self.value(30).into()
     }
 
     /// 032: rapid rate at override F0, mm/min.
-    pub fn rapid_lowest(&self) -> f64 {
+    pub(crate) fn rapid_lowest(&self) -> f64 {
         self.value(32).into()
     }
 
     /// 037–040: spindle speed at 10 V in gear 1–4, r/min; other gears as 1.
-    pub fn gear_maximum(&self, gear: u8) -> f64 {
+    pub(crate) fn gear_maximum(&self, gear: u8) -> f64 {
         let gear = if (1..=4).contains(&gear) { gear } else { 1 };
         self.value(36 + u16::from(gear)).into()
     }
 
     /// 041: speed at which jogs start and end, mm/min.
-    pub fn jog_floor(&self) -> f64 {
+    pub(crate) fn jog_floor(&self) -> f64 {
         self.value(41).into()
     }
 
     /// 043: lowest spindle speed in constant surface speed, r/min.
-    pub fn surface_lowest(&self) -> f64 {
+    pub(crate) fn surface_lowest(&self) -> f64 {
         self.value(43).into()
     }
 
@@ -348,17 +348,17 @@ impl Parameters {
     }
 
     /// 111/110: spindle revolutions in one of the encoder.
-    pub fn encoder_ratio(&self) -> f64 {
+    pub(crate) fn encoder_ratio(&self) -> f64 {
         f64::from(self.value(111).max(1)) / f64::from(self.value(110).max(1))
     }
 
     /// 071: how long the reset signal stands after its cause has gone, ms.
-    pub fn reset_time_ms(&self) -> u32 {
+    pub(crate) fn reset_time_ms(&self) -> u32 {
         self.value(71).clamp(16, 4080).unsigned_abs()
     }
 
     /// 011.2 ZNIK = 1: one press of an axis key makes a whole return.
-    pub fn zero_keys_latch(&self) -> bool {
+    pub(crate) fn zero_keys_latch(&self) -> bool {
         self.bit(11, 2)
     }
 
@@ -385,12 +385,12 @@ impl Parameters {
 
     /// 011.7 BDEC: backlash is given out with acceleration (method B); otherwise at
     /// a steady frequency (A).
-    pub fn backlash_accelerates(&self) -> bool {
+    pub(crate) fn backlash_accelerates(&self) -> bool {
         self.bit(11, 7)
     }
 
     /// 010.3–010.0 CPF, 011.6 BD8: pulses a second of backlash by method A.
-    pub fn backlash_frequency(&self) -> f64 {
+    pub(crate) fn backlash_frequency(&self) -> f64 {
         let frequency = f64::from(self.value(10) & 0b1111) + 1.0;
         let eighth = if self.bit(11, 6) { 8.0 } else { 1.0 };
         frequency * 1000.0 / eighth
@@ -398,7 +398,7 @@ impl Parameters {
 
     /// 006.0 ZMX, 006.1 ZMZ: zero return and first backlash go in the negative
     /// direction.
-    pub fn reference_is_negative(&self, axis: Axis) -> bool {
+    pub(crate) fn reference_is_negative(&self, axis: Axis) -> bool {
         self.bit(
             6,
             match axis {
@@ -409,12 +409,12 @@ impl Parameters {
     }
 
     /// 003.5: the control compensates pitch errors (option).
-    pub fn pitch_compensated(&self) -> bool {
+    pub(crate) fn pitch_compensated(&self) -> bool {
         self.bit(3, 5)
     }
 
     /// 013.2–013.0 PML: factor of the pitch error table.
-    pub fn pitch_factor(&self) -> i32 {
+    pub(crate) fn pitch_factor(&self) -> i32 {
         match self.value(13) & 0b111 {
             code @ 0..4 => 1 << code,
             _ => 16,
@@ -422,13 +422,13 @@ impl Parameters {
     }
 
     /// 098, 099: point of the pitch error table at the reference position.
-    pub fn pitch_origin(&self, axis: Axis) -> u8 {
+    pub(crate) fn pitch_origin(&self, axis: Axis) -> u8 {
         self.per_axis(axis, 98, 99).clamp(0, 255) as u8
     }
 
     /// 090, 094 of X, 091, 095 of Z: lowest and highest point of the pitch error
     /// table that counts; all do while the highest is not above the lowest.
-    pub fn pitch_points(&self, axis: Axis) -> RangeInclusive<usize> {
+    pub(crate) fn pitch_points(&self, axis: Axis) -> RangeInclusive<usize> {
         let point = |number: i32| number.clamp(0, 255) as usize;
         let lowest = point(self.per_axis(axis, 90, 91));
         let highest = point(self.per_axis(axis, 94, 95));
@@ -441,7 +441,7 @@ impl Parameters {
 
     /// 102, 103: slide travel from point to point of the pitch error table, in
     /// 0.001 mm (0.0001 inch); 0: no compensation.
-    pub fn pitch_interval(&self, axis: Axis) -> i64 {
+    pub(crate) fn pitch_interval(&self, axis: Axis) -> i64 {
         i64::from(self.per_axis(axis, 102, 103)).abs()
     }
 }

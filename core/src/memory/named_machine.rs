@@ -6,114 +6,114 @@ use crate::units::Axis;
 
 impl Parameters {
     /// 008.0 DIRX, 008.1 DIRZ: pulses count up towards positive coordinates.
-    pub fn counts_up(&self, axis: Axis) -> bool {
+    pub(crate) fn counts_up(&self, axis: Axis) -> bool {
         self.axis_bit(8, axis)
     }
 
     /// 011.0 TCPS: level of *TCP with the tool post clamped.
-    pub fn tool_clamped_level(&self) -> bool {
+    pub(crate) fn tool_clamped_level(&self) -> bool {
         self.bit(11, 0)
     }
 
     /// 011.1 TSGN: level of the contact of the station that the tool post is in.
-    pub fn station_level(&self) -> bool {
+    pub(crate) fn station_level(&self) -> bool {
         !self.bit(11, 1)
     }
 
     /// 011.4 ZDIL: axes may move while the brake of the spindle is on.
-    pub fn moves_under_brake(&self) -> bool {
+    pub(crate) fn moves_under_brake(&self) -> bool {
         self.bit(11, 4)
     }
 
     /// 020: width of contacts that the input filter takes.
-    pub fn debounce(&self) -> i32 {
+    pub(crate) fn debounce(&self) -> i32 {
         self.value(20)
     }
 
     /// 021: gain of the analog spindle output at 10 V.
-    pub fn analog_gain(&self) -> i32 {
+    pub(crate) fn analog_gain(&self) -> i32 {
         self.value(21)
     }
 
     /// 036: offset of the analog spindle output at speed 0, VELO.
-    pub fn analog_zero(&self) -> i32 {
+    pub(crate) fn analog_zero(&self) -> i32 {
         self.value(36)
     }
 
     /// 067: spindle speed while a gear changes, r/min.
-    pub fn gear_change_speed(&self) -> f64 {
+    pub(crate) fn gear_change_speed(&self) -> f64 {
         self.value(67).into()
     }
 
     /// 072: how long after its start the speed arrival is looked at, ms.
-    pub fn speed_arrival_delay_ms(&self) -> u32 {
+    pub(crate) fn speed_arrival_delay_ms(&self) -> u32 {
         self.value(72).unsigned_abs()
     }
 
     /// 075: the tool in position; 0: not known.
-    pub fn tool_in_position(&self) -> u8 {
+    pub(crate) fn tool_in_position(&self) -> u8 {
         u8::try_from(self.value(75)).unwrap_or(0)
     }
 
     /// Writes 075; numbers beyond its range are not kept.
-    pub fn remember_tool(&mut self, tool: u8) {
+    pub(crate) fn remember_tool(&mut self, tool: u8) {
         let _ = self.set(75, tool.into());
     }
 
     /// 109: speed of the spindle jog, r/min.
-    pub fn spindle_jog_speed(&self) -> f64 {
+    pub(crate) fn spindle_jog_speed(&self) -> f64 {
         self.value(109).into()
     }
 
     /// 110 = 111: the encoder turns with the spindle, revolution by revolution.
-    pub fn encoder_is_direct(&self) -> bool {
+    pub(crate) fn encoder_is_direct(&self) -> bool {
         self.value(110) == self.value(111)
     }
 
     /// 164.6 AGIN: a change to gear 1 or 2 waits for its in-position input. The enables
     /// *SPEN and *STEN then have no pins.
-    pub fn watches_gear(&self) -> bool {
+    pub(crate) fn watches_gear(&self) -> bool {
         self.bit(164, 6)
     }
 
     /// 164.5 AGIM: level at which M41I and M42I say that the gear is in.
-    pub fn gear_in_level(&self) -> bool {
+    pub(crate) fn gear_in_level(&self) -> bool {
         !self.bit(164, 5)
     }
 
     /// 164.5 AGIM: level at which *SPEN and *STEN enable.
-    pub fn enable_level(&self) -> bool {
+    pub(crate) fn enable_level(&self) -> bool {
         self.bit(164, 5)
     }
 
     /// 164.4 STEN: cycle start asks its enable input.
-    pub fn start_is_enabled_outside(&self) -> bool {
+    pub(crate) fn start_is_enabled_outside(&self) -> bool {
         self.bit(164, 4) && !self.watches_gear()
     }
 
     /// 164.3 SPEN: the spindle asks its enable input.
-    pub fn spindle_is_enabled_outside(&self) -> bool {
+    pub(crate) fn spindle_is_enabled_outside(&self) -> bool {
         self.bit(164, 3) && !self.watches_gear()
     }
 
     /// 164.2 SLTW: there is a tailstock.
-    pub fn has_tailstock(&self) -> bool {
+    pub(crate) fn has_tailstock(&self) -> bool {
         self.bit(164, 2)
     }
 
     /// 164.0 SLQP: there is a power chuck.
-    pub fn has_chuck(&self) -> bool {
+    pub(crate) fn has_chuck(&self) -> bool {
         self.bit(164, 0)
     }
 
     /// Sets 164.0 SLQP, and 164.1 SLSP: the spindle starts with the chuck open, too.
-    pub fn fit_chuck(&mut self) {
+    pub(crate) fn fit_chuck(&mut self) {
         self.switch_on(164, 0);
         self.switch_on(164, 1);
     }
 
     /// Sets 001.4: the spindle speed is an analog voltage.
-    pub fn fit_analog_spindle(&mut self) {
+    pub(crate) fn fit_analog_spindle(&mut self) {
         self.switch_on(1, 4);
     }
 
@@ -123,29 +123,29 @@ impl Parameters {
     }
 
     /// 168.0 PB1: the chuck clamps with DOQPS instead of DOQPJ.
-    pub fn outer_chuck(&self) -> bool {
+    pub(crate) fn outer_chuck(&self) -> bool {
         self.bit(168, 0)
     }
 
     /// 168.2 PB2: M12 and M13 wait for the in-position input of the chuck.
-    pub fn watches_chuck(&self) -> bool {
+    pub(crate) fn watches_chuck(&self) -> bool {
         self.bit(168, 2)
     }
 
     /// 168.4 PB3, 168.5 SPB3: whether the pressure is watched, and which level says
     /// that it is there.
-    pub fn pressure_level(&self) -> Option<bool> {
+    pub(crate) fn pressure_level(&self) -> Option<bool> {
         self.bit(168, 4).then(|| self.bit(168, 5))
     }
 
     /// 168.6 PB4, 168.7 SPB4: whether the door is watched, and which level says that it
     /// is closed.
-    pub fn door_level(&self) -> Option<bool> {
+    pub(crate) fn door_level(&self) -> Option<bool> {
         self.bit(168, 6).then(|| self.bit(168, 7))
     }
 
     /// 172.0 SOVI: the inputs of T05–T08 are the switches of the feed override.
-    pub fn has_override_switches(&self) -> bool {
+    pub(crate) fn has_override_switches(&self) -> bool {
         self.bit(172, 0)
     }
 }

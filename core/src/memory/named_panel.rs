@@ -19,22 +19,22 @@ impl Parameters {
     }
 
     /// 010.5 NOFC: offsets are not taken over from the relative coordinates.
-    pub fn counter_input_locked(&self) -> bool {
+    pub(crate) fn counter_input_locked(&self) -> bool {
         self.bit(10, 5)
     }
 
     /// 012.5 DOFSI: the length of a measured diameter or face may be typed as an offset.
-    pub fn takes_measured_offsets(&self) -> bool {
+    pub(crate) fn takes_measured_offsets(&self) -> bool {
         self.bit(12, 5)
     }
 
     /// 012.4 PRG9: programs O9000 and above are hidden.
-    pub fn hides_upper_programs(&self) -> bool {
+    pub(crate) fn hides_upper_programs(&self) -> bool {
         self.bit(12, 4)
     }
 
     /// 012.3 EAL: programs may be edited while an alarm stands.
-    pub fn edits_in_alarm(&self) -> bool {
+    pub(crate) fn edits_in_alarm(&self) -> bool {
         self.bit(12, 3)
     }
 
@@ -44,7 +44,7 @@ impl Parameters {
     }
 
     /// 019 THDCH: how wide a thread runs out, in tenths of its lead.
-    pub fn run_out_tenths(&self) -> i32 {
+    pub(crate) fn run_out_tenths(&self) -> i32 {
         self.value(19)
     }
 
@@ -59,12 +59,12 @@ impl Parameters {
     }
 
     /// 172.2 MPWE: the parameter switch is masked.
-    pub fn parameter_switch_masked(&self) -> bool {
+    pub(crate) fn parameter_switch_masked(&self) -> bool {
         self.bit(172, 2)
     }
 
     /// 172.1 SKEY: the program switch is masked.
-    pub fn program_switch_masked(&self) -> bool {
+    pub(crate) fn program_switch_masked(&self) -> bool {
         self.bit(172, 1)
     }
 
@@ -74,13 +74,13 @@ impl Parameters {
     }
 
     /// 174.3 KEY1: the program switch is on at power-on.
-    pub fn program_switch_at_power_on(&self) -> bool {
+    pub(crate) fn program_switch_at_power_on(&self) -> bool {
         self.bit(174, 3)
     }
 
     /// 174.2–174.0 MD: code of the mode at power-on; none with 174.4 MDOK = 0: that of
     /// power-off.
-    pub fn mode_at_power_on(&self) -> Option<u8> {
+    pub(crate) fn mode_at_power_on(&self) -> Option<u8> {
         self.bit(174, 4).then(|| self.byte(174) & 0b111)
     }
 

@@ -70,7 +70,7 @@ impl Offsets {
     ///
     /// # Errors
     /// 043 for a value out of range.
-    pub fn set_work_shift(&mut self, shift: ToolOffset) -> Result<(), Alarm> {
+    pub(crate) fn set_work_shift(&mut self, shift: ToolOffset) -> Result<(), Alarm> {
         if let Some(row) = self.rows.first_mut() {
             *row = checked(shift)?;
         }

@@ -163,7 +163,7 @@ impl Parameters {
 
     /// Whether going from `before` to these values needs the power to be switched
     /// off and on (alarm 000).
-    pub fn needs_power_cycle(&self, before: &Self) -> bool {
+    pub(crate) fn needs_power_cycle(&self, before: &Self) -> bool {
         table::rows().iter().any(|row| {
             row.effective == Effective::AtPowerOn { alarm: true }
                 && match row.bit {
@@ -176,7 +176,7 @@ impl Parameters {
     /// These values, but for those that a change of which raises alarm 000: they
     /// are in force as they were at power-on.
     #[must_use]
-    pub fn in_force(&self, at_power_on: &Self) -> Self {
+    pub(crate) fn in_force(&self, at_power_on: &Self) -> Self {
         let mut in_force = self.clone();
         for row in table::rows() {
             if row.effective != (Effective::AtPowerOn { alarm: true }) {
@@ -195,12 +195,6 @@ impl Parameters {
     pub fn iter(&self) -> impl Iterator<Item = (u16, i32)> {
         let whole = table::rows().iter().filter(|row| row.bit.is_none());
         whole.map(|row| (row.number, self.value(row.number)))
-    }
-
-    /// The parameters whose values differ from `other`, with the values here.
-    pub fn changed_from(&self, other: &Self) -> impl Iterator<Item = (u16, i32)> {
-        self.iter()
-            .filter(|&(number, value)| value != other.value(number))
     }
 }
 
@@ -276,8 +270,6 @@ mod tests {
         assert!(!parameters.needs_power_cycle(&before));
         parameters.set_bit(11, 6, true).unwrap();
         assert!(parameters.needs_power_cycle(&before));
-        let changed: Vec<_> = parameters.changed_from(&before).collect();
-        assert_eq!(changed, [(11, 0b1100_0010), (20, 5), (22, 4000)]);
         let in_force = parameters.in_force(&before);
         assert_eq!(in_force.value(22), 4000);
         assert!(!in_force.bit(11, 6));

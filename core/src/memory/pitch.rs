@@ -74,7 +74,7 @@ impl PitchTable {
     }
 
     /// Whether an axis has no value that acts.
-    pub fn is_flat(&self, axis: Axis) -> bool {
+    pub(crate) fn is_flat(&self, axis: Axis) -> bool {
         self.points.get(axis).range(1..).next().is_none()
     }
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 const TABLE: &str = include_str!("../../../assets/tables/parameters.tsv");
 
 /// The highest parameter number.
-pub const LAST_PARAMETER: u16 = 185;
+pub(crate) const LAST_PARAMETER: u16 = 185;
 
 /// The electronic disks that hold sets of factory values (manual III-2.1.10).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

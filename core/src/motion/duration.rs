@@ -9,7 +9,7 @@ use crate::command::MoveKind;
 use crate::units::{Axis, Point, TICK_S};
 
 /// Length of the path of a move, mm (radius); a rapid counts as its chord.
-pub fn path_length(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> f64 {
+pub(crate) fn path_length(kind: MoveKind, from: Point, to: Point, center: Option<Point>) -> f64 {
     match (kind, center) {
         (MoveKind::Clockwise | MoveKind::CounterClockwise, Some(_)) => {
             path(kind, from, to, center).length()

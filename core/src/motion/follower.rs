@@ -30,7 +30,7 @@ pub(crate) struct Handover {
 
 impl Handover {
     /// The axes came to a stop in between: only the angle counts.
-    pub const fn stand_still(&mut self) {
+    pub(crate) const fn stand_still(&mut self) {
         self.rate = 0.0;
     }
 }
@@ -191,7 +191,7 @@ impl Follower {
 
     /// Goes on where another one ended; if that came to a stop, at its angle when
     /// it next comes by.
-    pub const fn going_on(before: &Handover) -> Self {
+    pub(crate) const fn going_on(before: &Handover) -> Self {
         if before.rate <= 0.0 {
             return Self::waiting(Wait::Angle(before.begin));
         }
@@ -226,7 +226,7 @@ impl Follower {
     }
 
     /// The way made counts back: the other direction of the spindle leads out.
-    pub fn turn_back(&mut self) {
+    pub(crate) fn turn_back(&mut self) {
         self.begin += self.direction * self.turned;
         self.direction = -self.direction;
         self.turned = 0.0;
@@ -237,7 +237,7 @@ impl Follower {
     }
 
     /// What goes to a follower that continues this one after `turns`.
-    pub fn handover(&self, turns: f64, continues: bool) -> Handover {
+    pub(crate) fn handover(&self, turns: f64, continues: bool) -> Handover {
         Handover {
             begin: self.begin + self.direction * turns,
             direction: self.direction,

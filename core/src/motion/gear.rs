@@ -32,7 +32,7 @@ pub(crate) struct GearLaw {
 
 impl GearLaw {
     /// The rate at `lowest` for a lead and a spindle rate (turns/s).
-    pub fn lowest_rate(&self, lead: f64, spin: f64) -> f64 {
+    pub(crate) fn lowest_rate(&self, lead: f64, spin: f64) -> f64 {
         let speed = lead * spin;
         if self.time <= 0.0 || speed <= self.lowest {
             1.0

@@ -17,7 +17,7 @@ pub enum RapidOverride {
 
 impl RapidOverride {
     /// From per cent, where 0 stands for F0.
-    pub const fn from_percent(percent: u8) -> Self {
+    pub(crate) const fn from_percent(percent: u8) -> Self {
         if percent == 0 {
             Self::F0
         } else {

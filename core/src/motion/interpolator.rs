@@ -40,7 +40,7 @@ enum Motion {
 /// Produces the positions. Machine coordinates, X in radius; plain data.
 ///
 /// A block that ends within a tick leaves the rest of that tick. Start the next
-/// block at once and call [`Interpolator::continue_tick`] to use it up in the same
+/// block at once and call `continue_tick` to use it up in the same
 /// tick; if the next block is started only before the next [`Interpolator::tick`],
 /// that tick makes up for it. Nothing is lost either way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,17 +88,12 @@ impl Interpolator {
     }
 
     /// Mean velocity of the last tick, mm/s.
-    pub fn velocity(&self) -> Point {
+    pub(crate) fn velocity(&self) -> Point {
         (self.position - self.tick_start) * (1.0 / TICK_S)
     }
 
-    /// Mean speed of the last tick along the path, mm/min.
-    pub fn speed(&self) -> f64 {
-        self.velocity().length() * 60.0
-    }
-
     /// What the last block has left of the tick in which it ended, s.
-    pub const fn time_left(&self) -> f64 {
+    pub(crate) const fn time_left(&self) -> f64 {
         self.carry
     }
 
@@ -134,7 +129,7 @@ impl Interpolator {
     }
 
     /// Where the axes would come to rest if they braked now.
-    pub fn stopping_point(&self, limits: &MotionLimits) -> Point {
+    pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         match &self.motion {
             Motion::None => {
                 let way = |axis| self.manual.get(axis).braking_distance(axis, limits);
@@ -159,47 +154,47 @@ impl Interpolator {
     }
 
     /// Begins a rapid.
-    pub fn start_rapid(&mut self, to: Point) {
+    pub(crate) fn start_rapid(&mut self, to: Point) {
         self.begin(Motion::Rapid(Rapid::new(self.position, to)));
     }
 
     /// Begins a straight cut.
-    pub fn start_line(&mut self, to: Point, feed: Feed) {
+    pub(crate) fn start_line(&mut self, to: Point, feed: Feed) {
         self.start_cut(Path::line(self.commanded(), to), feed);
     }
 
     /// Begins a circular cut, clockwise as seen with +Z to the right and +X up;
     /// a full circle when it ends where it starts.
-    pub fn start_arc(&mut self, to: Point, center: Point, clockwise: bool, feed: Feed) {
+    pub(crate) fn start_arc(&mut self, to: Point, center: Point, clockwise: bool, feed: Feed) {
         self.start_cut(Path::arc(self.commanded(), to, center, clockwise), feed);
     }
 
     /// Begins a thread: it waits for its angle of the spindle, or goes on from the
     /// thread before.
-    pub fn start_thread(&mut self, thread: &ThreadMove, limits: &MotionLimits) {
+    pub(crate) fn start_thread(&mut self, thread: &ThreadMove, limits: &MotionLimits) {
         let before = self.handover.take();
         let thread = Thread::new(self.position, thread, before, limits);
         self.begin(Motion::Thread(thread));
     }
 
     /// Whether a thread is under way that has begun to follow the spindle.
-    pub const fn in_thread(&self) -> bool {
+    pub(crate) const fn in_thread(&self) -> bool {
         matches!(&self.motion, Motion::Thread(thread) if thread.running())
     }
 
     /// Whether a thread waits for its angle of the spindle.
-    pub const fn waits_for_spindle(&self) -> bool {
+    pub(crate) const fn waits_for_spindle(&self) -> bool {
         matches!(&self.motion, Motion::Thread(thread) if !thread.running())
     }
 
     /// Begins a straight cut that the drives make by themselves once they are told
     /// to ([`begin_driven`](Self::begin_driven)).
-    pub fn start_driven(&mut self, to: Point) {
+    pub(crate) fn start_driven(&mut self, to: Point) {
         self.begin(Motion::Driven(Driven::new(self.position, to)));
     }
 
     /// Whether a cut waits for the drives to make it, and its end.
-    pub const fn waits_for_drives(&self) -> Option<Point> {
+    pub(crate) const fn waits_for_drives(&self) -> Option<Point> {
         match &self.motion {
             Motion::Driven(cut) if !cut.is_begun() => Some(cut.to()),
             _ => None,
@@ -207,21 +202,21 @@ impl Interpolator {
     }
 
     /// The drives make the cut: from here on only they end it.
-    pub const fn begin_driven(&mut self) {
+    pub(crate) const fn begin_driven(&mut self) {
         if let Motion::Driven(cut) = &mut self.motion {
             cut.begin();
         }
     }
 
     /// The drives have made this part of their cut.
-    pub fn driven_progress(&mut self, share: f64) {
+    pub(crate) fn driven_progress(&mut self, share: f64) {
         if let Motion::Driven(cut) = &mut self.motion {
             cut.tell(share);
         }
     }
 
     /// The drives stand at the end of their cut; false if there is none.
-    pub fn end_driven(&mut self) -> bool {
+    pub(crate) fn end_driven(&mut self) -> bool {
         let Motion::Driven(cut) = &self.motion else {
             return false;
         };
@@ -233,18 +228,18 @@ impl Interpolator {
     }
 
     /// Begins tapping: in phase inwards until [`Interpolator::turn_back`].
-    pub fn start_tap(&mut self, to: Point, lead: f64, degrees: f64) {
+    pub(crate) fn start_tap(&mut self, to: Point, lead: f64, degrees: f64) {
         let tap = Tap::new(self.position, to, lead, degrees);
         self.begin(Motion::Tap(tap));
     }
 
     /// Whether a tap has reached its depth; it follows the spindle further.
-    pub fn tap_at_bottom(&self) -> bool {
+    pub(crate) fn tap_at_bottom(&self) -> bool {
         matches!(&self.motion, Motion::Tap(tap) if tap.at_bottom())
     }
 
     /// The tap follows the reversed spindle out to its start, and ends there.
-    pub fn turn_back(&mut self) {
+    pub(crate) fn turn_back(&mut self) {
         if let Motion::Tap(tap) = &mut self.motion {
             tap.turn_back();
         }
@@ -272,13 +267,13 @@ impl Interpolator {
 
     /// Asks an axis to jog (true = positive), or to stop; effective while no
     /// programmed motion is under way. To be repeated only on a change.
-    pub const fn set_jog(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
+    pub(crate) const fn set_jog(&mut self, axis: Axis, command: Option<(bool, JogRate)>) {
         self.manual.get_mut(axis).set(command);
     }
 
     /// Moves an axis by `distance` mm (a step, or one detent of the handwheel). A
     /// further one adds to what is still to go.
-    pub fn start_step(&mut self, axis: Axis, distance: f64, rate: JogRate) {
+    pub(crate) fn start_step(&mut self, axis: Axis, distance: f64, rate: JogRate) {
         let position = self.position.get(axis);
         self.manual.get_mut(axis).step(position, distance, rate);
     }
@@ -289,18 +284,18 @@ impl Interpolator {
     }
 
     /// Changes the rate of a step under way.
-    pub const fn set_step_rate(&mut self, axis: Axis, rate: JogRate) {
+    pub(crate) const fn set_step_rate(&mut self, axis: Axis, rate: JogRate) {
         self.manual.get_mut(axis).set_rate(rate);
     }
 
     /// What a step has still to go, mm.
-    pub fn step_rest(&self, axis: Axis) -> Option<f64> {
+    pub(crate) fn step_rest(&self, axis: Axis) -> Option<f64> {
         let goal = self.manual.get(axis).goal()?;
         Some(goal - self.position.get(axis))
     }
 
     /// Speed of an axis moved by hand, mm/min.
-    pub const fn manual_speed(&self, axis: Axis) -> f64 {
+    pub(crate) const fn manual_speed(&self, axis: Axis) -> f64 {
         self.manual.get(axis).speed() * 60.0
     }
 
@@ -310,7 +305,7 @@ impl Interpolator {
     }
 
     /// Stops an axis moved by hand on a place that it has reached or just passed.
-    pub fn stop_on(&mut self, axis: Axis, coordinate: f64) {
+    pub(crate) fn stop_on(&mut self, axis: Axis, coordinate: f64) {
         *self.manual.get_mut(axis) = ManualAxis::default();
         *self.position.get_mut(axis) = coordinate;
     }
@@ -321,14 +316,14 @@ impl Interpolator {
     }
 
     /// Lets the axes decelerate by their laws and drops the rest of the motion.
-    pub const fn decelerate(&mut self) {
+    pub(crate) const fn decelerate(&mut self) {
         self.stopping = true;
         self.manual.x.release();
         self.manual.z.release();
     }
 
     /// Stops at once (emergency stop).
-    pub fn stop_now(&mut self) {
+    pub(crate) fn stop_now(&mut self) {
         *self = Self::new(self.position);
     }
 
@@ -338,7 +333,7 @@ impl Interpolator {
     }
 
     /// Moves the whole motion to another place: position, ends and centre.
-    pub fn translate(&mut self, by: Point) {
+    pub(crate) fn translate(&mut self, by: Point) {
         self.position = self.position + by;
         self.tick_start = self.tick_start + by;
         self.manual.x.translate(by.x);
@@ -384,7 +379,7 @@ impl Interpolator {
 
     /// Uses what the last block left of this tick for the block started since; the
     /// new position.
-    pub fn continue_tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
+    pub(crate) fn continue_tick(&mut self, limits: &MotionLimits, inputs: &MotionInputs) -> Point {
         if !self.finished() && self.carry > 0.0 {
             let time = core::mem::take(&mut self.carry);
             self.programmed_motion(limits, inputs, time);

@@ -63,7 +63,7 @@ impl ManualAxis {
     }
 
     /// Where a step is going, mm.
-    pub fn goal(&self) -> Option<f64> {
+    pub(crate) fn goal(&self) -> Option<f64> {
         self.goal.map(|(goal, _)| goal)
     }
 
@@ -102,13 +102,13 @@ impl ManualAxis {
     }
 
     /// The way to standstill, signed, mm.
-    pub fn braking_distance(&self, axis: Axis, limits: &MotionLimits) -> f64 {
+    pub(crate) fn braking_distance(&self, axis: Axis, limits: &MotionLimits) -> f64 {
         let way = self.law(axis, limits).braking_distance(self.speed);
         if self.positive { way } else { -way }
     }
 
     /// Shifts a goal along with the coordinates.
-    pub fn translate(&mut self, by: f64) {
+    pub(crate) fn translate(&mut self, by: f64) {
         if let Some((goal, _)) = &mut self.goal {
             *goal += by;
         }

@@ -107,7 +107,7 @@ impl Lag {
 
     /// The command stands: the tool closes up for `time` seconds. Returns the time
     /// it took, less than `time` only when it has arrived.
-    pub fn close_up(&mut self, law: &Law, time: f64) -> f64 {
+    pub(crate) fn close_up(&mut self, law: &Law, time: f64) -> f64 {
         let until = self.time_to_close(law);
         if until <= time {
             self.behind = Point::default();
@@ -118,7 +118,7 @@ impl Lag {
     }
 
     /// Seconds until the tool has closed up to a standing command.
-    pub fn time_to_close(&self, law: &Law) -> f64 {
+    pub(crate) fn time_to_close(&self, law: &Law) -> f64 {
         match *law {
             Law::Exponential { time, lowest, .. } if time > 0.0 => {
                 time * libm::log1p(self.behind.length() / (time * lowest))

@@ -61,18 +61,18 @@ impl MotionLimits {
     }
 
     /// Upper limit of cutting feed (027), mm/min.
-    pub const fn cutting_rate(&self) -> f64 {
+    pub(crate) const fn cutting_rate(&self) -> f64 {
         self.cutting * 60.0
     }
 
     /// Whether an electronic gear multiplies, and so limits the speed.
-    pub const fn gear_limits_speed(&self) -> bool {
+    pub(crate) const fn gear_limits_speed(&self) -> bool {
         self.pulse_limit.x.is_some() || self.pulse_limit.z.is_some()
     }
 
     /// The axis that is faster than the electronic gear allows (alarm 097), with its
     /// limit in mm/min; `speed` in mm/min.
-    pub fn too_fast_for_gear(&self, speed: Point) -> Option<(Axis, f64)> {
+    pub(crate) fn too_fast_for_gear(&self, speed: Point) -> Option<(Axis, f64)> {
         [Axis::X, Axis::Z].into_iter().find_map(|axis| {
             let limit = (*self.pulse_limit.get(axis))?;
             (speed.get(axis).abs() > limit + 1e-6).then_some((axis, limit))
@@ -81,7 +81,7 @@ impl MotionLimits {
 
     /// Highest speed of an axis in a thread, mm/min, and the parameter that sets it:
     /// its rapid rate (022, 023) or the limit of cutting feed (027).
-    pub fn thread_limit(&self, axis: Axis) -> (f64, u16) {
+    pub(crate) fn thread_limit(&self, axis: Axis) -> (f64, u16) {
         let (rapid, cutting) = (self.rapid_rate(axis), self.cutting_rate());
         match axis {
             _ if cutting < rapid => (cutting, 27),
@@ -112,7 +112,7 @@ impl MotionLimits {
     }
 
     /// Whether every cut ends on its end point before the next begins (007.3).
-    pub const fn exact_corners(&self) -> bool {
+    pub(crate) const fn exact_corners(&self) -> bool {
         self.exact_corners
     }
 

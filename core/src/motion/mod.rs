@@ -75,7 +75,8 @@ mod tests;
 #[cfg(test)]
 mod thread_tests;
 
-pub use duration::{Sequel, duration, path_length, top_speed};
+pub(crate) use duration::path_length;
+pub use duration::{Sequel, duration, top_speed};
 pub use inputs::{DryRun, MotionInputs, RapidOverride};
 pub use interpolator::Interpolator;
 pub use jog::JogRate;

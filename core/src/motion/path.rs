@@ -82,7 +82,7 @@ impl Path {
     }
 
     /// Whether it is a line.
-    pub const fn is_straight(&self) -> bool {
+    pub(crate) const fn is_straight(&self) -> bool {
         self.bend.is_none()
     }
 

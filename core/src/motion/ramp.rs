@@ -32,7 +32,7 @@ impl Law {
     }
 
     /// Exponential law; a time constant of zero means steps of speed.
-    pub fn exponential(time: f64, lowest: f64) -> Self {
+    pub(crate) fn exponential(time: f64, lowest: f64) -> Self {
         let tick_decay = if time > 0.0 {
             libm::exp(-TICK_S / time)
         } else {
@@ -46,7 +46,7 @@ impl Law {
     }
 
     /// Time constant of the exponential law, s.
-    pub const fn time_constant(&self) -> f64 {
+    pub(crate) const fn time_constant(&self) -> f64 {
         match *self {
             Self::Exponential { time, .. } => time,
             Self::Linear { .. } => 0.0,
@@ -54,7 +54,7 @@ impl Law {
     }
 
     /// What is left of a difference after `span` seconds: e^(-span / time constant).
-    pub fn decay(&self, span: f64) -> f64 {
+    pub(crate) fn decay(&self, span: f64) -> f64 {
         match *self {
             Self::Exponential {
                 time, tick_decay, ..
@@ -72,7 +72,7 @@ impl Law {
     }
 
     /// The way from `speed` to standstill, mm.
-    pub fn braking_distance(&self, speed: f64) -> f64 {
+    pub(crate) fn braking_distance(&self, speed: f64) -> f64 {
         match *self {
             Self::Linear { acceleration } => speed * speed / (2.0 * acceleration),
             Self::Exponential { time, lowest, .. } => time * (speed - lowest).max(0.0),

@@ -77,7 +77,7 @@ impl Rapid {
     }
 
     /// Where they would come to rest if they braked now.
-    pub fn stopping_point(&self, limits: &MotionLimits) -> Point {
+    pub(crate) fn stopping_point(&self, limits: &MotionLimits) -> Point {
         let way = |axis| {
             limits
                 .rapid_law(axis)

@@ -58,13 +58,13 @@ impl Tap {
     }
 
     /// Whether the programmed depth is reached.
-    pub fn at_bottom(&self) -> bool {
+    pub(crate) fn at_bottom(&self) -> bool {
         let depth = (self.to.z - self.from.z).abs();
         self.out.is_none() && self.running() && self.follower.done() * self.lead >= depth
     }
 
     /// Turns round: the other direction of the spindle leads out.
-    pub fn turn_back(&mut self) {
+    pub(crate) fn turn_back(&mut self) {
         if self.out.is_none() {
             self.out = Some(self.follower.done().max(0.0));
             self.follower.turn_back();

@@ -344,7 +344,7 @@ impl Thread {
     }
 
     /// What goes to a thread that continues this finished one.
-    pub fn handover(&self, continues: bool) -> Handover {
+    pub(crate) fn handover(&self, continues: bool) -> Handover {
         self.follower
             .handover(self.total, self.passes_on(continues))
     }

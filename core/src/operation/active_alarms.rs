@@ -33,7 +33,7 @@ impl ActiveAlarms {
     }
 
     /// More is known of an alarm that stands.
-    pub fn restate(&mut self, number: u16, detail: Message) {
+    pub(crate) fn restate(&mut self, number: u16, detail: Message) {
         if let Some(alarm) = self.list.iter_mut().find(|alarm| alarm.number == number) {
             alarm.detail = Some(detail);
         }

@@ -83,7 +83,7 @@ impl Handshake {
     }
 
     /// The first function whose strobe stands and is not answered, with its code.
-    pub fn unfinished(&self) -> Option<(Strobe, u32)> {
+    pub(crate) fn unfinished(&self) -> Option<(Strobe, u32)> {
         let codes = [
             (Strobe::M, u32::from(self.m)),
             (Strobe::S, self.s),

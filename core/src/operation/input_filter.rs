@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Bytes of the X area.
-pub const X_BYTES: usize = 30;
+pub(crate) const X_BYTES: usize = 30;
 
 /// A contact is sampled every 4 ms and accepted after as many equal samples as
 /// parameter 020 asks for.

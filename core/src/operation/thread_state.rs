@@ -70,7 +70,7 @@ impl SpindleWatch {
     }
 
     /// `|n - n0| · 200 / (n + n0)` against the limit, %.
-    pub fn fluctuates(&mut self, rpm: f64, limit: f64) -> bool {
+    pub(crate) fn fluctuates(&mut self, rpm: f64, limit: f64) -> bool {
         let before = *self.rpm.get_or_insert(rpm);
         self.ticks += 1;
         if limit <= 0.0 || self.ticks < FLUCTUATION_TICKS {

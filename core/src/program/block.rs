@@ -10,7 +10,7 @@ use super::syntax::{BlockError, Syntax};
 use crate::alarm;
 
 /// Words a block can hold besides N and O; more raise alarm 012.
-pub const MAX_WORDS: usize = 24;
+pub(crate) const MAX_WORDS: usize = 24;
 
 /// One word: address letter and number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -114,7 +114,7 @@ impl Block {
     }
 
     /// Whether a G code occurs.
-    pub const fn has_g(&self, code: u8) -> bool {
+    pub(crate) const fn has_g(&self, code: u8) -> bool {
         code < 100 && self.codes & (1 << code) != 0
     }
 
@@ -128,7 +128,7 @@ impl Block {
     }
 
     /// Whether a number is still a reference to a variable.
-    pub const fn has_variables(&self) -> bool {
+    pub(crate) const fn has_variables(&self) -> bool {
         self.variables
     }
 

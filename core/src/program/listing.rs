@@ -27,11 +27,6 @@ impl Program {
         last + u32::from(!closed)
     }
 
-    /// Whether the text itself ends with `%`.
-    pub fn has_end_mark(&self) -> bool {
-        self.extent().1
-    }
-
     /// The last line that is not empty, and whether it is the end mark.
     fn extent(&self) -> (u32, bool) {
         let first = self.first_listed();
@@ -45,7 +40,7 @@ impl Program {
 
     /// The line with the program number, which the editor leaves alone; 0 without
     /// one.
-    pub fn name_line(&self) -> u32 {
+    pub(crate) fn name_line(&self) -> u32 {
         self.name_block().map_or(0, |block| self.block_line(block))
     }
 }
@@ -60,7 +55,7 @@ pub fn without_end(line: &str) -> &str {
 }
 
 /// The column of the sign that ends a line, in characters.
-pub fn end_column(line: &str) -> u32 {
+pub(crate) fn end_column(line: &str) -> u32 {
     without_end(line).chars().count() as u32
 }
 
@@ -81,10 +76,8 @@ mod tests {
     fn the_listing_ends_with_a_percent_sign() {
         let program = Program::new("O0001;\nM30;\n\n");
         assert_eq!((program.first_listed(), program.last_listed()), (1, 3));
-        assert!(!program.has_end_mark());
         let closed = Program::new("O0001;\nM30;\n%\n");
         assert_eq!(closed.last_listed(), 3);
-        assert!(closed.has_end_mark());
         assert_eq!(closed.name_line(), 1);
         assert_eq!(Program::new("G0 X1\n").name_line(), 0);
     }

@@ -68,7 +68,7 @@ impl MdiBlock {
     /// The words of the block.
     ///
     /// # Errors
-    /// As [`parse_block`]; not after a successful [`Self::enter`] with the same
+    /// As `parse_block`; not after a successful [`Self::enter`] with the same
     /// parameters.
     pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
         parse_block(&self.text(), Syntax::from(parameters))
@@ -93,7 +93,7 @@ impl MdiBlock {
 
     /// The value of a block of R alone, which is a nose radius unless the code of
     /// group 01 takes R (manual II-1.3), mm.
-    pub fn lone_r(&self, parameters: &Parameters) -> Option<f64> {
+    pub(crate) fn lone_r(&self, parameters: &Parameters) -> Option<f64> {
         let [(Slot::Address(b'R'), _)] = self.words.as_slice() else {
             return None;
         };

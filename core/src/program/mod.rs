@@ -38,14 +38,14 @@ mod syntax;
 mod tests;
 mod text;
 
-pub use block::{Block, MAX_WORDS, Word};
+pub use block::{Block, Word};
 pub use edit::{Completion, Editing};
 pub use inflow::{Inflow, LineTooLong};
-pub use listing::{end_column, without_end};
+pub use listing::without_end;
 pub use mdi::MdiBlock;
 pub use number::{Number, Variable};
-pub use parse::parse_block;
+pub(crate) use parse::parse_block;
 pub use points::with_points;
-pub use store::{CHARACTER_LIMIT, PROGRAM_LIMIT, ProgramMemory, RANGE};
+pub use store::{ProgramMemory, RANGE};
 pub use syntax::{BlockError, Syntax};
 pub use text::{Program, split};

@@ -50,7 +50,7 @@ impl Number {
     };
 
     /// A number written without a point, as these many digits.
-    pub const fn from_integer(value: i64, digits: u8) -> Self {
+    pub(crate) const fn from_integer(value: i64, digits: u8) -> Self {
         Self {
             millionths: value.saturating_mul(ONE),
             digits,
@@ -59,7 +59,7 @@ impl Number {
     }
 
     /// A number written with a point.
-    pub const fn from_millionths(millionths: i64) -> Self {
+    pub(crate) const fn from_millionths(millionths: i64) -> Self {
         Self {
             millionths,
             digits: 0,
@@ -118,7 +118,7 @@ impl Number {
     }
 
     /// Whether it was written with a decimal point.
-    pub const fn has_point(self) -> bool {
+    pub(crate) const fn has_point(self) -> bool {
         matches!(self.form, Form::Decimal)
     }
 

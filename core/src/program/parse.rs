@@ -15,7 +15,7 @@ use crate::dialect::{self, advised};
 ///
 /// # Errors
 /// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 043, 125.
-pub fn parse_block(text: &str, syntax: Syntax) -> Result<Block, BlockError> {
+pub(crate) fn parse_block(text: &str, syntax: Syntax) -> Result<Block, BlockError> {
     let mut block = Block::default();
     read_block(text, syntax, &mut block)?;
     Ok(block)

@@ -14,10 +14,10 @@ use crate::alarm::{Alarm, number};
 use crate::command::ProgramId;
 
 /// Programs the memory takes; one more raises alarm 072 (manual III-8.2).
-pub const PROGRAM_LIMIT: usize = 193;
+pub(crate) const PROGRAM_LIMIT: usize = 193;
 
 /// Characters the memory takes; more raise alarm 068.
-pub const CHARACTER_LIMIT: usize = 3_000_000;
+pub(crate) const CHARACTER_LIMIT: usize = 3_000_000;
 
 /// Program numbers.
 pub const RANGE: RangeInclusive<u16> = 0..=9999;
@@ -86,7 +86,7 @@ impl ProgramMemory {
     ///
     /// # Errors
     /// As [`Self::copy`].
-    pub fn save_as(&mut self, to: u16) -> Result<(), Alarm> {
+    pub(crate) fn save_as(&mut self, to: u16) -> Result<(), Alarm> {
         let Some(program) = self.current.and_then(|id| self.get(id)) else {
             return Err(Alarm::new(number::NOT_FOUND).because(say::program_not_selected()));
         };
@@ -164,12 +164,6 @@ impl ProgramMemory {
     /// not count against the capacity.
     pub fn open_external(&mut self, program: Program) {
         self.external = Some(program);
-        self.select_existing();
-    }
-
-    /// Closes the external program.
-    pub fn close_external(&mut self) {
-        self.external = None;
         self.select_existing();
     }
 

@@ -157,7 +157,7 @@ impl Program {
     /// they are. An index beyond the last one gives an empty block.
     ///
     /// # Errors
-    /// As [`super::parse_block`]; 115 where a variable stands for a number.
+    /// As `parse_block`; 115 where a variable stands for a number.
     pub fn parse(&self, index: u32, syntax: Syntax) -> Result<Block, BlockError> {
         let mut block = Block::default();
         self.read(index, syntax, &mut block)?;
@@ -178,7 +178,7 @@ impl Program {
     /// before its numbers are used.
     ///
     /// # Errors
-    /// As [`super::parse_block`].
+    /// As `parse_block`.
     pub fn parse_with_variables(&self, index: u32, syntax: Syntax) -> Result<Block, BlockError> {
         let mut block = Block::default();
         self.read(index, syntax, &mut block)?;
@@ -188,7 +188,7 @@ impl Program {
     /// The same into an empty block, in its place: blocks are large to be moved.
     ///
     /// # Errors
-    /// As [`super::parse_block`].
+    /// As `parse_block`.
     pub(crate) fn read(
         &self,
         index: u32,
@@ -208,7 +208,11 @@ impl Program {
     }
 
     /// The first block of a range with this sequence number.
-    pub fn find_sequence_block(&self, number: u16, range: core::ops::Range<u32>) -> Option<u32> {
+    pub(crate) fn find_sequence_block(
+        &self,
+        number: u16,
+        range: core::ops::Range<u32>,
+    ) -> Option<u32> {
         let mut range = range.start..range.end.min(self.block_count());
         range.find(|&index| Head::read(self.block(index)).n == Some(number))
     }

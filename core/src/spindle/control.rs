@@ -113,7 +113,7 @@ impl SpindleControl {
     }
 
     /// Takes over changed parameters.
-    pub fn reconfigure(&mut self, parameters: &Parameters) {
+    pub(crate) fn reconfigure(&mut self, parameters: &Parameters) {
         self.settings = Settings::new(parameters);
     }
 
@@ -126,12 +126,6 @@ impl SpindleControl {
             SpindleCommand::Limit(limit) => self.limit = Some(limit.max(0.0)),
         }
         self.command_speed();
-    }
-
-    /// The speed G97 without S goes on with: the last one of G96, whole r/min,
-    /// before override.
-    pub fn surface_rpm(&self) -> f64 {
-        self.speed_before_override().round()
     }
 
     /// Highest speed under G96 (G50 S), r/min, if one was set.
@@ -161,13 +155,13 @@ impl SpindleControl {
     }
 
     /// Gear 1–4 that the signals GR10–GR40 show.
-    pub const fn selected_gear(&self) -> u8 {
+    pub(crate) const fn selected_gear(&self) -> u8 {
         self.selected
     }
 
     /// M41–M44: asks for a gear, 1–4. Returns whether it has to be changed to; the
     /// spindle then turns at 067 until [`Self::end_gear_change`].
-    pub fn begin_gear_change(&mut self, gear: u8) -> bool {
+    pub(crate) fn begin_gear_change(&mut self, gear: u8) -> bool {
         if !(1..=4).contains(&gear) || (self.engaged && self.selected == gear) {
             return false;
         }
@@ -178,7 +172,7 @@ impl SpindleControl {
     }
 
     /// The ladder has finished (FIN): from now on the new gear counts.
-    pub fn end_gear_change(&mut self) {
+    pub(crate) fn end_gear_change(&mut self) {
         if self.changing_gear() {
             self.gear = self.selected;
             self.engaged = true;
@@ -188,7 +182,7 @@ impl SpindleControl {
 
     /// Reset during the change: the old gear counts further, and the next M41–M44
     /// is carried out in any case.
-    pub fn abandon_gear_change(&mut self) {
+    pub(crate) fn abandon_gear_change(&mut self) {
         if self.changing_gear() {
             self.selected = self.gear;
             self.instead = None;
@@ -201,7 +195,7 @@ impl SpindleControl {
     }
 
     /// Spindle jog: the speed of 109 instead of S.
-    pub fn set_jog(&mut self, active: bool) {
+    pub(crate) fn set_jog(&mut self, active: bool) {
         if active && !self.changing_gear() {
             self.instead = Some(Instead::Jog);
         } else if self.instead == Some(Instead::Jog) {
@@ -212,13 +206,6 @@ impl SpindleControl {
     /// Speed at 10 V in the gear in force, r/min.
     pub const fn top_speed(&self) -> f64 {
         self.settings.top[(self.gear() - 1) as usize]
-    }
-
-    fn speed_before_override(&self) -> f64 {
-        match self.mode {
-            Mode::Speed(speed) => speed,
-            Mode::Surface(speed) => self.limited(self.surface_speed(speed)),
-        }
     }
 
     /// n = 1000 v / (π d), at most the top speed of the gear.
@@ -278,7 +265,7 @@ impl SpindleControl {
     }
 
     /// Commanded speed after override and limits, r/min.
-    pub const fn commanded_rpm(&self) -> f64 {
+    pub(crate) const fn commanded_rpm(&self) -> f64 {
         self.commanded
     }
 
@@ -293,7 +280,7 @@ impl SpindleControl {
     }
 
     /// Whether an encoder is fitted: it has counted since power-on.
-    pub const fn encoder_fitted(&self) -> bool {
+    pub(crate) const fn encoder_fitted(&self) -> bool {
         self.encoder.has_counted()
     }
 }

@@ -23,13 +23,13 @@ pub struct Encoder {
 impl Encoder {
     /// Counts of one encoder turn: four for each line (070); `None` outside
     /// 100…5000 lines, where the encoder cannot be used (alarm 092).
-    pub fn counts_per_turn(parameters: &Parameters) -> Option<i64> {
+    pub(crate) fn counts_per_turn(parameters: &Parameters) -> Option<i64> {
         let lines = i64::from(parameters.encoder_lines());
         (100..=5000).contains(&lines).then_some(4 * lines)
     }
 
     /// Counts of one *spindle* turn, through the gearing 110 : 111.
-    pub fn counts_per_spindle_turn(parameters: &Parameters) -> Option<f64> {
+    pub(crate) fn counts_per_spindle_turn(parameters: &Parameters) -> Option<f64> {
         let counts = Self::counts_per_turn(parameters)? as f64;
         Some(counts / parameters.encoder_ratio())
     }
@@ -40,7 +40,7 @@ impl Encoder {
     }
 
     /// Whether it has counted since power-on.
-    pub const fn has_counted(&self) -> bool {
+    pub(crate) const fn has_counted(&self) -> bool {
         self.counted
     }
 

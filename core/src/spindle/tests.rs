@@ -53,7 +53,6 @@ fn surface_speed_follows_the_radius() {
     control.command(SpindleCommand::Surface(200.0));
     assert!((tick(&mut control, 200.0, 100).0 - 159.155).abs() < 1e-3);
     assert!((tick(&mut control, -300.0, 100).0 - 106.103).abs() < 1e-3);
-    assert_eq!(control.surface_rpm(), 106.0);
 }
 
 #[test]

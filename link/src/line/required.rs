@@ -39,7 +39,7 @@ impl Setting {
     }
 
     /// Whether the board's value is the wanted one.
-    pub fn is_met_by(self, board: f64) -> bool {
+    pub(crate) fn is_met_by(self, board: f64) -> bool {
         if self.number == HOMING {
             // The larger boards keep more switches in the same number.
             return board as u32 & 1 == 1;

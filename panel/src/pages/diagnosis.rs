@@ -18,7 +18,7 @@ use super::view::View;
 use crate::screen::Screen;
 
 /// How many numbers there are, and how many on one screen.
-pub const DIAGNOSES: usize = 128;
+pub(crate) const DIAGNOSES: usize = 128;
 const SCREEN: usize = 16;
 
 /// A register made of contacts or outputs.

@@ -13,7 +13,7 @@ use super::view::{Communication, View};
 use crate::screen::{Look, Screen};
 
 /// The input line, and the S and T display.
-pub const INPUT_ROW: usize = 13;
+pub(crate) const INPUT_ROW: usize = 13;
 /// State and mode.
 const STATUS_ROW: usize = 14;
 /// Where program and sequence number stand in the title row.
@@ -91,13 +91,13 @@ fn draw_communication(screen: &mut Screen, view: &View) {
 }
 
 /// The input line: the prompt and, a column behind it, what was keyed in.
-pub fn input_line(screen: &mut Screen, prompt: &Message, view: &View) {
+pub(crate) fn input_line(screen: &mut Screen, prompt: &Message, view: &View) {
     let end = screen.say(INPUT_ROW, 0, prompt);
     keyed_in(screen, end + 1, view);
 }
 
 /// The input line of a setting: `序号ISO=`, and what was keyed in.
-pub fn setting_line(screen: &mut Screen, name: &str, view: &View) {
+pub(crate) fn setting_line(screen: &mut Screen, name: &str, view: &View) {
     let end = screen.say(INPUT_ROW, 0, &say::lcd_setting_prompt(name));
     keyed_in(screen, end, view);
 }
@@ -119,12 +119,12 @@ fn keyed_in(screen: &mut Screen, start: usize, view: &View) {
 }
 
 /// The program that is selected.
-pub fn current_program(cnc: &Cnc) -> Option<&Program> {
+pub(crate) fn current_program(cnc: &Cnc) -> Option<&Program> {
     cnc.programs().get(selected(cnc)?)
 }
 
 /// Whether 012.4 PRG9 hides the selected program.
-pub fn program_is_hidden(cnc: &Cnc) -> bool {
+pub(crate) fn program_is_hidden(cnc: &Cnc) -> bool {
     matches!(selected(cnc), Some(ProgramId::Stored(number)) if cnc.rights().hides(number))
 }
 

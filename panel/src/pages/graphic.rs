@@ -15,7 +15,7 @@ use crate::screen::Screen;
 use crate::trace::Trace;
 
 /// Where the path is drawn.
-pub const PLOT: Area = Area {
+pub(crate) const PLOT: Area = Area {
     left: 8,
     top: 24,
     right: 223,

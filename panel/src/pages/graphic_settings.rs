@@ -46,7 +46,7 @@ impl GraphicSettings {
     }
 
     /// Dots for a millimetre.
-    pub fn dots_per_mm(&self) -> f64 {
+    pub(crate) fn dots_per_mm(&self) -> f64 {
         f64::from(self.scale) / 100.0
     }
 

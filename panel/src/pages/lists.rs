@@ -5,11 +5,11 @@ use crate::glyphs;
 use crate::screen::{COLUMNS, Screen};
 
 /// Rows of a list on one screen.
-pub const LIST_ROWS: usize = 8;
+pub(crate) const LIST_ROWS: usize = 8;
 /// Row of the headings.
-pub const HEADING_ROW: usize = 1;
+pub(crate) const HEADING_ROW: usize = 1;
 /// Row of the first item.
-pub const FIRST_ROW: usize = 2;
+pub(crate) const FIRST_ROW: usize = 2;
 
 /// Columns of one half of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub struct Column {
 }
 
 /// The halves of a list of three-digit numbers or addresses with their values.
-pub const NUMBERED: [Column; 2] = [
+pub(crate) const NUMBERED: [Column; 2] = [
     Column {
         cursor: 0,
         number: 1,
@@ -66,7 +66,7 @@ pub fn draw(
 
 /// Writes the names of the eight bits, bit 7 first; when they do not fit in the
 /// row, the longest ones are cut.
-pub fn bit_names<N: AsRef<str>>(screen: &mut Screen, row: usize, name: impl Fn(u8) -> N) {
+pub(crate) fn bit_names<N: AsRef<str>>(screen: &mut Screen, row: usize, name: impl Fn(u8) -> N) {
     let names: Vec<N> = (0..8).rev().map(name).collect();
     let cut = |width: usize| {
         let cut: Vec<&str> = names

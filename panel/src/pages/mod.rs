@@ -26,17 +26,23 @@ use gsk_core::cnc::Cnc;
 use gsk_messages::Language;
 
 pub use graphic_settings::GraphicSettings;
-pub use parameters::{PITCH_POINTS, data_numbers, state_numbers};
+pub(crate) use parameters::PITCH_POINTS;
+pub(crate) use parameters::data_numbers;
+pub(crate) use parameters::state_numbers;
 pub use password_entry::{Hint, PasswordEntry};
-pub use plc::{bit_item, bit_item_of, bit_items, value_item, value_item_of, value_items};
+pub(crate) use plc::bit_item;
+pub(crate) use plc::bit_item_of;
+pub(crate) use plc::bit_items;
+pub(crate) use plc::value_item;
+pub(crate) use plc::value_item_of;
+pub(crate) use plc::value_items;
 pub use plc_names::{short as signal_name, signal_meaning};
 pub use power_on::{POWER_ON_TICKS, draw as power_on};
-pub use program::directory_screens;
-pub use program_text::PAGE_ROWS;
-pub use table::{PAGE_COUNT, PAGES, PageId, PageKey, PageRow};
-pub use view::{
-    BRIGHTNESS_STEPS, Communication, Cursor, Cursors, DEFAULT_BRIGHTNESS, Editor, FLASH_TICKS, View,
-};
+pub(crate) use program::directory_screens;
+pub(crate) use program_text::PAGE_ROWS;
+pub use table::{PAGES, PageId, PageKey, PageRow};
+pub(crate) use view::BRIGHTNESS_STEPS;
+pub use view::{Communication, Cursor, Cursors, Editor, FLASH_TICKS, View};
 
 use crate::screen::Screen;
 

@@ -17,7 +17,7 @@ use crate::screen::Screen;
 /// Parameters of one screen.
 const SCREEN: usize = 16;
 /// Points of the pitch error table, and of one of its screens.
-pub const PITCH_POINTS: usize = 256;
+pub(crate) const PITCH_POINTS: usize = 256;
 const PITCH_SCREEN: usize = 8;
 
 /// Columns of pages with eight binary digits a number.
@@ -35,12 +35,12 @@ pub const BITS: [Column; 2] = [
 ];
 
 /// The numbers of the state parameters, ascending.
-pub fn state_numbers() -> impl Iterator<Item = u16> {
+pub(crate) fn state_numbers() -> impl Iterator<Item = u16> {
     numbers(true)
 }
 
 /// The numbers of the data parameters, ascending.
-pub fn data_numbers() -> impl Iterator<Item = u16> {
+pub(crate) fn data_numbers() -> impl Iterator<Item = u16> {
     numbers(false)
 }
 

@@ -31,32 +31,32 @@ const VALUE_AREAS: [Area; 3] = [Area::D, Area::T, Area::C];
 const BIT_SCREEN: usize = 2 * LIST_ROWS;
 
 /// The address of an item of the signal page; items count through the areas.
-pub fn bit_item(item: usize) -> ByteAddress {
+pub(crate) fn bit_item(item: usize) -> ByteAddress {
     address(&BIT_AREAS, item)
 }
 
 /// The item of an address of the signal page.
-pub fn bit_item_of(address: ByteAddress) -> Option<usize> {
+pub(crate) fn bit_item_of(address: ByteAddress) -> Option<usize> {
     item(&BIT_AREAS, address)
 }
 
 /// How many items the signal page has.
-pub fn bit_items() -> usize {
+pub(crate) fn bit_items() -> usize {
     count(&BIT_AREAS)
 }
 
 /// The address of an item of the value page.
-pub fn value_item(item: usize) -> ByteAddress {
+pub(crate) fn value_item(item: usize) -> ByteAddress {
     address(&VALUE_AREAS, item)
 }
 
 /// The item of an address of the value page.
-pub fn value_item_of(address: ByteAddress) -> Option<usize> {
+pub(crate) fn value_item_of(address: ByteAddress) -> Option<usize> {
     item(&VALUE_AREAS, address)
 }
 
 /// How many items the value page has.
-pub fn value_items() -> usize {
+pub(crate) fn value_items() -> usize {
     count(&VALUE_AREAS)
 }
 

@@ -134,7 +134,7 @@ fn threads(cnc: &Cnc) -> bool {
 }
 
 /// All coordinates.
-pub fn overall(screen: &mut Screen, cnc: &Cnc) {
+pub(crate) fn overall(screen: &mut Screen, cnc: &Cnc) {
     group(screen, 2, 2, RELATIVE, cnc.position_relative(), cnc);
     group(screen, 2, 22, ABSOLUTE, cnc.position_absolute(), cnc);
     group(screen, 7, 2, MACHINE, cnc.position_machine(), cnc);

@@ -10,7 +10,7 @@ use super::view::View;
 use crate::screen::Screen;
 
 /// Programs of one screen of the directory, and of one of its rows.
-pub const DIRECTORY_SCREEN: usize = 36;
+pub(crate) const DIRECTORY_SCREEN: usize = 36;
 const DIRECTORY_ROW: usize = 6;
 /// The version string the directory shows.
 const VERSION: &str = "Gsk-980TD V05.05.12";
@@ -57,7 +57,7 @@ pub fn text(screen: &mut Screen, view: &View, cnc: &Cnc) {
 }
 
 /// How many screens the directory has.
-pub fn directory_screens(cnc: &Cnc) -> usize {
+pub(crate) fn directory_screens(cnc: &Cnc) -> usize {
     listed(cnc).count().div_ceil(DIRECTORY_SCREEN).max(1)
 }
 

@@ -9,7 +9,7 @@ use crate::glyphs;
 use crate::screen::{COLUMNS, Look, Screen};
 
 /// The rows of the program page.
-pub const PAGE_ROWS: usize = 12;
+pub(crate) const PAGE_ROWS: usize = 12;
 
 /// Which part of a program is listed where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +101,7 @@ fn wrap(text: &str, most: usize) -> Vec<Range<usize>> {
 
 /// The listing of the program page that holds a place of the program: fixed
 /// pages of twelve lines, moved on only as far as wrapped lines demand.
-pub fn page_of(program: &Program, line: u32, column: u32) -> Listing {
+pub(crate) fn page_of(program: &Program, line: u32, column: u32) -> Listing {
     let top = program.first_listed();
     let line = line.max(top);
     let rows_of =

@@ -108,7 +108,7 @@ const fn row(page: PageId, name: &'static str, key: PageKey, display: u8, screen
 }
 
 /// How many pages there are.
-pub const PAGE_COUNT: usize = 25;
+pub(crate) const PAGE_COUNT: usize = 25;
 
 /// Every page, in the order of the page keys.
 pub const PAGES: [PageRow; PAGE_COUNT] = {
@@ -189,7 +189,7 @@ impl PageId {
     }
 
     /// The next (or previous) page of the same display, wrapping at both ends.
-    pub fn neighbour(self, forward: bool) -> Self {
+    pub(crate) fn neighbour(self, forward: bool) -> Self {
         let own = self.row();
         let group: Vec<Self> = PAGES
             .iter()

@@ -13,10 +13,10 @@ use crate::trace::Trace;
 pub const FLASH_TICKS: u64 = 500;
 
 /// Steps of the LCD's brightness.
-pub const BRIGHTNESS_STEPS: u8 = 16;
+pub(crate) const BRIGHTNESS_STEPS: u8 = 16;
 
 /// Brightness of a new panel.
-pub const DEFAULT_BRIGHTNESS: u8 = 8;
+pub(crate) const DEFAULT_BRIGHTNESS: u8 = 8;
 
 /// The panel's part of the picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -72,7 +72,7 @@ impl Default for View {
 
 impl View {
     /// Whether flashing texts are visible now.
-    pub const fn flash_on(&self) -> bool {
+    pub(crate) const fn flash_on(&self) -> bool {
         (self.ticks / FLASH_TICKS).is_multiple_of(2)
     }
 }

@@ -37,7 +37,7 @@ impl Panel {
     }
 
     /// The same for a character of the PC's keyboard.
-    pub fn refuses_character(&self, character: char, cnc: &Cnc) -> Option<Message> {
+    pub(crate) fn refuses_character(&self, character: char, cnc: &Cnc) -> Option<Message> {
         if !self.powered() || self.in_self_test() || self.is_held(Key::Cancel) {
             return None;
         }

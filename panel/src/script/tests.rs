@@ -2,7 +2,6 @@ use gsk_core::setup::Setup;
 
 use super::*;
 use crate::emulator::Emulator;
-use crate::panel::KeyEvent;
 
 fn errors(text: &str) -> Vec<String> {
     let errors = Script::parse(text).expect_err("an error");
@@ -200,38 +199,4 @@ fn a_runner_can_be_driven_in_small_steps() {
     }
     assert_eq!(whole, pieces);
     assert_eq!(runner.advance(&mut pieces, 7), Progress::Finished);
-}
-
-#[test]
-fn a_recording_replays_tick_by_tick() {
-    let mut live = Emulator::new(Setup::default());
-    let mut recorder = Recorder::new(&live);
-    let mut act = |live: &mut Emulator, event: KeyEvent, ticks: u64| {
-        recorder.key(live, event);
-        live.key(event);
-        live.run(ticks);
-    };
-    live.run(3010);
-    act(&mut live, KeyEvent::Down(Key::Jog), 100);
-    act(&mut live, KeyEvent::Up(Key::Jog), 33);
-    act(&mut live, KeyEvent::Down(Key::ZLeft), 10);
-    act(&mut live, KeyEvent::Down(Key::XDown), 217);
-    act(&mut live, KeyEvent::Down(Key::Position), 5);
-    act(&mut live, KeyEvent::Up(Key::Position), 100);
-    act(&mut live, KeyEvent::ReleaseAll, 100);
-    act(&mut live, KeyEvent::Type('u'), 3);
-    act(&mut live, KeyEvent::Wheel(-4), 500);
-    let script = recorder.script();
-    assert_eq!(
-        script,
-        "@10 press JOG\n@143 down ZM\n@153 down XP\n@370 hold POS 5ms\n@475 up ZM\n@475 up XP\n\
-         @575 type \"u\"\n@578 turn -4\n"
-    );
-    let mut replay = Emulator::new(Setup::default());
-    run(Script::parse(&script).unwrap(), &mut replay, &mut |_, _| {
-        Ok::<_, Failure>(())
-    })
-    .unwrap();
-    replay.run(live.ticks() - replay.ticks());
-    assert_eq!(replay, live);
 }

@@ -40,7 +40,7 @@ impl End {
     }
 
     /// Whether it is the program's own.
-    pub const fn is_own(self) -> bool {
+    pub(crate) const fn is_own(self) -> bool {
         matches!(self, Self::M30 | Self::M99 | Self::Text)
     }
 }

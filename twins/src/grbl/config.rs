@@ -332,6 +332,7 @@ impl Config {
     }
 
     /// The owner takes a section out of the file.
+    #[cfg(test)]
     pub(super) fn take_out(&mut self, section: &str) {
         let within = |path: &str| {
             path.strip_prefix(section)

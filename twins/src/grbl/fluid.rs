@@ -146,7 +146,8 @@ impl GrblTwin {
     }
 
     /// The owner takes a section and all it holds out of the file.
-    pub fn take_out(&mut self, section: &str) {
+    #[cfg(test)]
+    pub(crate) fn take_out(&mut self, section: &str) {
         if let Some(tree) = self.settings.tree_mut() {
             tree.take_out(section);
         }

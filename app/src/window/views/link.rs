@@ -3,7 +3,6 @@
 mod figures;
 mod words;
 
-
 use egui::{Color32, Label, Panel, RichText, ScrollArea, Ui, vec2};
 use gsk_link::LinkState;
 

@@ -17,7 +17,7 @@ fn storing_and_selecting() {
     assert!(!memory.select(ProgramId::External));
     memory.open_external(Program::new("G0 X1;"));
     assert!(memory.select(ProgramId::External));
-    memory.close_external();
+    assert!(memory.select(ProgramId::Stored(5)));
     assert_eq!(memory.current(), Some(ProgramId::Stored(5)));
     assert_eq!(
         memory.iter().map(|(number, _)| number).collect::<Vec<_>>(),

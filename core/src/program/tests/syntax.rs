@@ -1,5 +1,6 @@
 //! Words, ranges and alarms.
 
+use super::super::block::MAX_WORDS;
 use super::super::*;
 
 fn parse(text: &str) -> Result<Block, BlockError> {

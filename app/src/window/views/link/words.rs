@@ -78,29 +78,3 @@ pub fn setting(number: u16) -> Option<Message> {
         _ => return None,
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use gsk_messages::Language;
-
-    #[test]
-    fn a_state_is_called_as_in_the_log() {
-        for at in [
-            LinkState::Off,
-            LinkState::Opening,
-            LinkState::Identify,
-            LinkState::Configure,
-            LinkState::Locked,
-            LinkState::Ready,
-            LinkState::Moving,
-            LinkState::Homing,
-            LinkState::Verify,
-            LinkState::Tripped,
-            LinkState::Fault,
-            LinkState::Lost,
-        ] {
-            assert_eq!(state(at).text(Language::En), at.name());
-        }
-    }
-}
