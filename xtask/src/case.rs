@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use crate::error::TaskError;
+
 const PROGRAM_CASE: &str = "\
 // What is tested, and where the manual says it (manual I-3.2.2).
 (
@@ -22,13 +24,11 @@ const SCRIPT: &str = "press AUTO\nexpect lamp AUTO on\nexpect alarm none\n";
 /// Makes a case that passes; what it is to show is written into its files.
 ///
 /// # Errors
-/// A sentence: the path is none of a case, or it is there already.
-pub fn new(root: &Path, path: &str, script: bool) -> Result<String, String> {
+/// The path is none of a case, or it is there already.
+pub fn new(root: &Path, path: &str, script: bool) -> Result<String, TaskError> {
     let parts: Vec<&str> = path.split('/').collect();
     let [_, _, name] = parts[..] else {
-        return Err(format!(
-            "{path}: a case is subject/code/name, for instance cycles/G71/roughing-small-step"
-        ));
+        return Err(TaskError::CaseParts(path.to_owned()));
     };
     let fits = |part: &&str| {
         !part.is_empty()
@@ -37,11 +37,11 @@ pub fn new(root: &Path, path: &str, script: bool) -> Result<String, String> {
                 .all(|letter| letter.is_ascii_alphanumeric() || letter == '-')
     };
     if !parts.iter().all(fits) {
-        return Err(format!("{path}: letters, digits and hyphens only"));
+        return Err(TaskError::CaseCharacters(path.to_owned()));
     }
     let folder = root.join("tests/cases").join(path);
     if folder.exists() {
-        return Err(format!("{} is there already", folder.display()));
+        return Err(TaskError::Exists(folder));
     }
     let files: &[(&str, &str)] = if script {
         &[("case.ron", SCRIPT_CASE), ("operate.txt", SCRIPT)]
@@ -52,7 +52,10 @@ pub fn new(root: &Path, path: &str, script: bool) -> Result<String, String> {
             ("result.json", RESULT),
         ]
     };
-    let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let failed = |error| TaskError::Write {
+        path: folder.clone(),
+        error,
+    };
     fs::create_dir_all(&folder).map_err(failed)?;
     for (file, text) in files {
         fs::write(folder.join(file), text).map_err(failed)?;

@@ -1,9 +1,12 @@
 //! What a developer does often, on every platform: `cargo xtask --help`.
 
 mod case;
+mod error;
 
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
+
+use error::TaskError;
 
 use clap::{Parser, Subcommand};
 
@@ -70,7 +73,7 @@ fn root() -> PathBuf {
 }
 
 /// Runs a command in the folder of the repository.
-fn run(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Result<(), String> {
+fn run(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Result<(), TaskError> {
     let line = format!("{program} {}", arguments.join(" "));
     println!("> {line}");
     let status = Command::new(program)
@@ -78,15 +81,18 @@ fn run(program: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Resul
         .envs(environment.iter().copied())
         .current_dir(root())
         .status()
-        .map_err(|error| format!("{line}: {error}"))?;
+        .map_err(|error| TaskError::Start {
+            line: line.clone(),
+            error,
+        })?;
     if status.success() {
         Ok(())
     } else {
-        Err(format!("{line}: {status}"))
+        Err(TaskError::Failed { line, status })
     }
 }
 
-fn docs(open: bool) -> Result<(), String> {
+fn docs(open: bool) -> Result<(), TaskError> {
     let mut arguments = vec!["doc", "--workspace", "--no-deps", "--locked"];
     if open {
         arguments.push("--open");
@@ -97,7 +103,7 @@ fn docs(open: bool) -> Result<(), String> {
 /// Sample programs that are checked and run, each with its time.
 const SAMPLES: [&str; 3] = ["01-stepped-shaft", "02-bushing", "03-grooved-pin"];
 
-fn figures() -> Result<(), String> {
+fn figures() -> Result<(), TaskError> {
     run("cargo", &["bench", "--workspace", "--locked"], &[])?;
     run("cargo", &["build", "--release", "--locked"], &[])?;
     let program = root().join("target/release/gsk980td");

@@ -157,10 +157,7 @@ impl LadderView {
                 let write = say::ladder_write_row().text(language);
                 let hint = say::ladder_write_row_hint().text(language);
                 if ui.button(write).on_hover_text(hint).clicked() {
-                    list = Some(
-                        kind.with(source, &self.row)
-                            .map_err(|wrong| wrong.text(language)),
-                    );
+                    list = Some(kind.with(source, &self.row));
                 }
                 if ui.button(say::ladder_delete_row().text(language)).clicked() {
                     let address = self.row.first().map_or("", String::as_str);
@@ -172,25 +169,23 @@ impl LadderView {
             }
         });
         if let Some(list) = list {
-            self.complaint = self.take_list(list, language).err();
+            self.complaint = match list {
+                Ok(list) => self.take_list(list, language),
+                Err(wrong) => Some(wrong.text(language)),
+            };
         }
     }
 
-    /// Takes a changed list if it compiles.
-    fn take_list(
-        &mut self,
-        list: Result<String, String>,
-        language: Language,
-    ) -> Result<(), String> {
-        let list = list?;
+    /// Takes a changed list if it compiles; else the first thing that is wrong.
+    fn take_list(&mut self, list: String, language: Language) -> Option<String> {
         if let Err(errors) = Ladder::compile(&list) {
             let first = errors.errors.first();
-            return Err(first.map_or_else(String::new, |error| words::finding(error, language)));
+            return Some(first.map_or_else(String::new, |error| words::finding(error, language)));
         }
         if let Some(draft) = &mut self.draft {
             draft.set(list, None);
         }
-        Ok(())
+        None
     }
 }
 

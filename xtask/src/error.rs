@@ -1,0 +1,45 @@
+//! What can go wrong in a task.
+
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitStatus;
+
+use thiserror::Error;
+
+/// A task that was not done.
+#[derive(Debug, Error)]
+pub enum TaskError {
+    /// A command cannot be started.
+    #[error("{line}: {error}")]
+    Start {
+        /// The command.
+        line: String,
+        /// Why.
+        error: io::Error,
+    },
+    /// A command failed.
+    #[error("{line}: {status}")]
+    Failed {
+        /// The command.
+        line: String,
+        /// How it ended.
+        status: ExitStatus,
+    },
+    /// The path of a case has not three parts.
+    #[error("{0}: a case is subject/code/name, for instance cycles/G71/roughing-small-step")]
+    CaseParts(String),
+    /// The path of a case has other characters.
+    #[error("{0}: letters, digits and hyphens only")]
+    CaseCharacters(String),
+    /// The folder of a new case exists.
+    #[error("{} is there already", .0.display())]
+    Exists(PathBuf),
+    /// A folder or file of a case cannot be written.
+    #[error("{}: {error}", path.display())]
+    Write {
+        /// The folder of the case.
+        path: PathBuf,
+        /// Why.
+        error: io::Error,
+    },
+}
