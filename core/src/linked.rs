@@ -80,7 +80,7 @@ impl Control {
     fn of(simulation: &Simulation) -> Self {
         Self {
             pulses: simulation.cnc.pulses(),
-            orders: simulation.cnc.board_orders(),
+            orders: simulation.board_orders(),
         }
     }
 }

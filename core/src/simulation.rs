@@ -3,7 +3,7 @@
 use gsk_plc::address::{Area, BitAddress};
 use serde::{Deserialize, Serialize};
 
-use crate::board::BoardInputs;
+use crate::board::{BoardInputs, BoardOrders};
 use crate::cnc::Cnc;
 use crate::machine::{BoardContacts, Inputs, Lathe};
 use crate::operation::RunState;
@@ -40,6 +40,9 @@ pub struct Simulation {
     /// The lathe.
     pub lathe: Lathe,
     inputs: Inputs,
+    /// What the last tick wants of a pulse board.
+    #[serde(skip)]
+    board_orders: Option<BoardOrders>,
 }
 
 /// What [`Simulation::run_until`] waits for.
@@ -77,12 +80,18 @@ impl Simulation {
         let cnc = Cnc::new(setup);
         lathe.stand_at(cnc.pulses());
         let inputs = lathe.inputs();
-        Self { cnc, lathe, inputs }
+        Self {
+            cnc,
+            lathe,
+            inputs,
+            board_orders: None,
+        }
     }
 
     /// One millisecond.
     pub fn tick(&mut self) {
         let outputs = self.cnc.tick(&self.inputs);
+        self.board_orders = outputs.board;
         self.inputs = self.lathe.tick(&outputs);
     }
 
@@ -90,11 +99,13 @@ impl Simulation {
     pub(crate) fn attach_board(&mut self) {
         self.lathe.set_real_slides(true);
         self.cnc.attach_board();
+        self.board_orders = None;
     }
 
     /// The slides are simulated again.
     pub(crate) fn detach_board(&mut self) {
         self.inputs.board = None;
+        self.board_orders = None;
         self.cnc.detach_board();
         self.lathe.set_real_slides(false);
     }
@@ -102,6 +113,12 @@ impl Simulation {
     /// What a pulse board says to the control in the next tick.
     pub(crate) fn set_board(&mut self, board: BoardInputs) {
         self.inputs.board = Some(Box::new(board));
+    }
+
+    /// What the last tick wants of the board; before the first one, what the control
+    /// stands for.
+    pub(crate) fn board_orders(&self) -> BoardOrders {
+        self.board_orders.unwrap_or_else(|| self.cnc.board_orders())
     }
 
     /// The contacts that a pulse board has wired, over the simulated ones.
