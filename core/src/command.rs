@@ -415,4 +415,58 @@ pub struct ExecutedMove {
     pub start_s: f64,
     /// How long it took, s.
     pub duration_s: f64,
+    /// What held while it was made.
+    pub conditions: Conditions,
+}
+
+/// What holds while a move is made, besides its path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Conditions {
+    /// Tool in the working position, 0 = none.
+    pub tool: u8,
+    /// Offset number in force, 0 = none.
+    pub offset: u8,
+    /// Machine coordinates of the zero of the program's coordinates.
+    pub shift: Point,
+    /// Speed of the spindle when it begins, r/min; 0 = it stands.
+    pub rpm: f64,
+    /// How a thread follows the angle of the spindle.
+    pub thread: Option<ThreadPhase>,
+}
+
+/// How a thread follows the angle of the spindle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ThreadPhase {
+    /// The axis its lead counts on.
+    pub long: Axis,
+    /// mm per revolution and revolution.
+    pub increase: f64,
+    /// Where on the turn it begins.
+    pub start: ThreadStart,
+}
+
+impl Conditions {
+    /// Of a command in a frame, with the spindle at a speed.
+    pub(crate) fn of(command: &Command, frame: &Frame, rpm: f64) -> Self {
+        let thread = match command.action {
+            Action::Thread {
+                long,
+                increase,
+                start,
+                ..
+            } => Some(ThreadPhase {
+                long,
+                increase,
+                start,
+            }),
+            _ => None,
+        };
+        Self {
+            tool: command.modal.tool,
+            offset: command.modal.offset,
+            shift: frame.zero + frame.offset,
+            rpm,
+            thread,
+        }
+    }
 }

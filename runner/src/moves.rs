@@ -102,7 +102,7 @@ pub fn write_position(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_core::command::{ProgramId, Source};
+    use gsk_core::command::{Conditions, ProgramId, Source};
 
     fn executed(kind: MoveKind) -> ExecutedMove {
         ExecutedMove {
@@ -118,6 +118,7 @@ mod tests {
             feed: Some(Feed::PerMinute(120.0)),
             start_s: 1.5,
             duration_s: 15.0,
+            conditions: Conditions::default(),
         }
     }
 

@@ -117,7 +117,7 @@ pub fn shortfall(drawing: &Drawing) -> Option<Message> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_core::command::{ExecutedMove, MoveKind, ProgramId, Source};
+    use gsk_core::command::{Conditions, ExecutedMove, MoveKind, ProgramId, Source};
     use gsk_core::units::Point;
 
     #[test]
@@ -137,6 +137,7 @@ mod tests {
                 feed: None,
                 start_s: 0.0,
                 duration_s: 1.0,
+                conditions: Conditions::default(),
             },
             RapidRates { x: 1.0, z: 1.0 },
         );

@@ -52,7 +52,7 @@ impl Walk<'_> {
                 }
                 self.tap(command, *to, *lead)?;
             }
-            Action::Dwell { ms } => self.dwell(command.source, *ms),
+            Action::Dwell { ms } => self.dwell(command, *ms),
             Action::Frame {
                 frame,
                 relative,

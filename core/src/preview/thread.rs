@@ -108,6 +108,7 @@ impl Walk<'_> {
             feed: Some(Feed::PerRevolution(lead)),
             start_s: self.clock.now(),
             duration_s: took,
+            conditions: self.conditions(command),
         };
         self.count(&executed);
         self.show(&executed);

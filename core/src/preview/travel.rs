@@ -2,7 +2,7 @@
 
 use super::{Walk, bounds, snapped};
 use crate::alarm::Alarm;
-use crate::command::{Command, ExecutedMove, MoveKind, Source};
+use crate::command::{Command, Conditions, ExecutedMove, MoveKind};
 use crate::motion::{duration, path_length, top_speed};
 use crate::operation::{check_encoder, check_gear_speed};
 use crate::units::{Feed, Point};
@@ -73,6 +73,7 @@ impl Walk<'_> {
             feed,
             start_s: self.clock.now(),
             duration_s: took,
+            conditions: self.conditions(command),
         };
         self.count(&executed);
         if over {
@@ -112,7 +113,15 @@ impl Walk<'_> {
         self.show(&executed);
     }
 
-    pub(super) fn dwell(&mut self, source: Source, ms: u32) {
+    /// What holds while the move of a command is made.
+    pub(super) fn conditions(&self, command: &Command) -> Conditions {
+        let frame = &self.so_far.frame;
+        let rpm = self.spindle.rpm(frame.program(self.so_far.machine).x);
+        Conditions::of(command, frame, rpm)
+    }
+
+    pub(super) fn dwell(&mut self, command: &Command, ms: u32) {
+        let source = command.source;
         if ms == 0 {
             return;
         }
@@ -127,6 +136,7 @@ impl Walk<'_> {
             feed: None,
             start_s: self.clock.now(),
             duration_s: took,
+            conditions: self.conditions(command),
         };
         self.clock.advance(took);
         self.so_far.moves += 1;

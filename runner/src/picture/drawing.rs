@@ -291,7 +291,7 @@ fn arc_points(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_core::command::{ProgramId, Source};
+    use gsk_core::command::{Conditions, ProgramId, Source};
 
     const RATES: RapidRates = RapidRates {
         x: 3800.0,
@@ -312,6 +312,7 @@ mod tests {
             feed: None,
             start_s: 0.0,
             duration_s: 0.0,
+            conditions: Conditions::default(),
         }
     }
 

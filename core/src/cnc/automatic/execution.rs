@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, Event};
-use crate::command::{Action, Command, ExecutedMove, MoveKind, SpindleCommand, Timing};
+use crate::command::{Action, Command, Conditions, ExecutedMove, MoveKind, SpindleCommand, Timing};
 use crate::motion::ThreadMove;
 use crate::operation::{
     AfterThread, Current, Protection, RunState, Stage, Strobe, TapStage, is_cut,
@@ -397,6 +397,11 @@ impl Cnc {
             feed,
             start_s: current.started,
             duration_s: (self.now() - current.started).max(0.0),
+            conditions: Conditions::of(
+                &current.command,
+                &self.coordinates.frame,
+                self.spindle.control.actual_rpm(),
+            ),
         }));
     }
 
