@@ -234,7 +234,7 @@ pub struct CheckArgs {
     /// Write every move as one JSON object a line (`-`: standard output); one program only
     #[arg(long, value_name = "FILE")]
     pub moves: Option<PathBuf>,
-    /// Print one JSON object for each file
+    /// Print one JSON object for each file; `times` are its seconds by kind (rapid, feed, thread, dwell, other), `tool_times` the same for each tool
     #[arg(long)]
     pub json: bool,
 }

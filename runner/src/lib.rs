@@ -10,6 +10,7 @@ pub mod partner;
 pub mod picture;
 pub mod report;
 pub mod script;
+pub mod times;
 pub mod words;
 
 pub use gsk_messages::Language;

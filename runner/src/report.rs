@@ -5,6 +5,7 @@
 
 mod checked;
 mod end;
+mod spent;
 mod words;
 
 use std::collections::BTreeMap;
@@ -20,6 +21,7 @@ use serde::Serialize;
 
 pub use checked::check;
 pub use end::End;
+pub use spent::{Seconds, ToolSeconds};
 
 use crate::moves::diameter_z;
 
@@ -135,6 +137,10 @@ pub struct PathReport {
     /// Smallest and largest X (diameter) and Z of the path.
     #[serde(rename = "box")]
     pub bounds: Option<Bounds>,
+    /// Where the machine time goes.
+    pub times: Seconds,
+    /// The same for each tool, in the order in which they work.
+    pub tool_times: Vec<ToolSeconds>,
 }
 
 /// A box; X as diameters.

@@ -220,3 +220,24 @@ fn what_is_wrong_with_files_and_options_is_said_in_the_language_of_the_look() {
         }
     }
 }
+
+#[test]
+fn every_second_of_a_check_has_a_kind_and_a_tool() {
+    let (code, out, _) = said(&["check", "01-stepped-shaft.CNC", "--json"]);
+    assert_eq!(code, 0);
+    let report: serde_json::Value = serde_json::from_str(&out).unwrap();
+    let kinds = ["rapid", "feed", "thread", "dwell", "other"];
+    let sum = |of: &serde_json::Value| -> f64 {
+        kinds.iter().map(|kind| of[kind].as_f64().unwrap()).sum()
+    };
+    let time = report["time_s"].as_f64().unwrap();
+    assert!((sum(&report["times"]) - time).abs() < 1e-4, "{out}");
+    let tools = report["tool_times"].as_array().unwrap();
+    assert!((tools.iter().map(sum).sum::<f64>() - time).abs() < 1e-4);
+    assert_eq!(tools[0]["tool"], report["tools"][0].as_str().unwrap());
+
+    let (_, zh, _) = said(&["check", "01-stepped-shaft.CNC", "--lang", "zh"]);
+    assert!(zh.contains("  时间: 快速 "), "{zh}");
+    let (_, en, _) = said(&["check", "01-stepped-shaft.CNC", "--lang", "en"]);
+    assert!(en.contains("  time of T0101: "), "{en}");
+}

@@ -8,9 +8,11 @@ use gsk_core::setup::Setup;
 use gsk_messages::Language;
 
 use super::{
-    AlarmReport, Bounds, Final, PathReport, Report, changed, modal_codes, said, tool_word,
+    AlarmReport, Bounds, Final, PathReport, Report, Seconds, ToolSeconds, changed, modal_codes,
+    said, tool_word,
 };
 use crate::moves::{diameter_z, rounded};
+use crate::times::Times;
 
 /// Looks the selected program of a set-up through, behind its alarms too. `on_move` gets
 /// every move in order; `goes_on` gives the look up when it says no.
@@ -21,11 +23,23 @@ pub fn check(
     on_move: &mut dyn FnMut(&ExecutedMove),
     goes_on: &mut dyn FnMut(&Progress) -> bool,
 ) -> Report {
-    let preview = preview_beyond_alarms(setup, &setup.memory.programs, on_move, goes_on);
-    of(name, setup, &preview, language)
+    let mut times = Times::default();
+    let mut take = |executed: &ExecutedMove| {
+        times.push(executed);
+        on_move(executed);
+    };
+    let preview = preview_beyond_alarms(setup, &setup.memory.programs, &mut take, goes_on);
+    times.end(preview.time_s);
+    of(name, setup, &preview, &times, language)
 }
 
-fn of(name: &str, setup: &Setup, preview: &Preview, language: Option<Language>) -> Report {
+fn of(
+    name: &str,
+    setup: &Setup,
+    preview: &Preview,
+    times: &Times,
+    language: Option<Language>,
+) -> Report {
     let told = |alarm| AlarmReport::new(alarm, &setup.memory.programs, language);
     Report {
         file: name.to_owned(),
@@ -58,6 +72,8 @@ fn of(name: &str, setup: &Setup, preview: &Preview, language: Option<Language>) 
         path: Some(PathReport {
             more_alarms: preview.further.alarms.iter().map(told).collect(),
             unchecked_behind: preview.further.ends_at.map(|source| source.line),
+            times: Seconds::from(times.spent()),
+            tool_times: times.tools().iter().map(ToolSeconds::from).collect(),
             ..path(preview)
         }),
     }

@@ -123,7 +123,27 @@ impl PathReport {
             let tools: Vec<String> = self.tools.iter().map(|tool| format!("T{tool}")).collect();
             lines.push(say::report_tools(tools.join(" ")).text(words));
         }
+        lines.extend(self.time_words(words));
         lines
+    }
+}
+
+impl PathReport {
+    /// Where the time goes: a line for the kinds, one for each tool.
+    fn time_words(&self, words: Language) -> Vec<String> {
+        let kinds = self.times.kinds();
+        let times: Vec<String> = kinds
+            .map(|(what, seconds)| format!("{} {}", what.words().text(words), clock(seconds)))
+            .collect();
+        if times.is_empty() {
+            return Vec::new();
+        }
+        let tools = self.tool_times.iter().map(|row| {
+            let (time, cutting) = (clock(row.seconds.whole()), clock(row.seconds.cutting()));
+            say::report_tool_time(&row.tool, time, cutting).text(words)
+        });
+        let times = say::report_times(times.join(", ")).text(words);
+        core::iter::once(times).chain(tools).collect()
     }
 }
 
