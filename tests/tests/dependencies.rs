@@ -13,8 +13,18 @@ use paths::{Source, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 10] = [
-    "messages", "units", "plc", "link", "twins", "core", "panel", "runner", "app", "tests",
+const PACKAGES: [&str; 11] = [
+    "messages",
+    "units",
+    "plc",
+    "link",
+    "twins",
+    "workpiece",
+    "core",
+    "panel",
+    "runner",
+    "app",
+    "tests",
 ];
 /// Libraries that `core` hands on under its own name.
 const HANDED_ON: [&str; 2] = ["plc", "units"];

@@ -192,8 +192,35 @@ impl Neg for Point {
     }
 }
 
+/// From the centre of a tool's nose to its imaginary tip, as signs of X and Z, by the
+/// number of the offset table.
+///
+/// ```text
+///   X ^    2   6   1        The number says in which direction the imaginary
+///     |      \\ | /          tip lies, seen from the centre of the nose;
+///     |    7 - o - 5        0 and 9: the tip is the centre.
+///     |      / | \\
+///     |    3   8   4        tip = centre + |R| * direction
+///     +--------------> Z
+/// ```
+pub const fn tip_direction(number: u8) -> Point {
+    let (z, x) = match number {
+        1 => (1.0, 1.0),
+        2 => (-1.0, 1.0),
+        3 => (-1.0, -1.0),
+        4 => (1.0, -1.0),
+        5 => (1.0, 0.0),
+        6 => (0.0, 1.0),
+        7 => (-1.0, 0.0),
+        8 => (0.0, -1.0),
+        _ => (0.0, 0.0),
+    };
+    Point::new(x, z)
+}
+
 /// An X value as program words and displays give it: mm of diameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct Diameter(pub f64);
 
 impl Diameter {

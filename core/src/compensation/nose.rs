@@ -1,18 +1,10 @@
-//! The nose of the tool: its radius and where the imaginary tip lies.
-//!
-//! ```text
-//!   X ^    2   6   1        The number says in which direction the imaginary
-//!     |      \ | /          tip lies, seen from the centre of the nose;
-//!     |    7 - o - 5        0 and 9: the tip is the centre.
-//!     |      / | \
-//!     |    3   8   4        tip = centre + |R| * direction
-//!     +--------------> Z
-//! ```
+//! The nose of the tool: its radius and where the imaginary tip lies
+//! ([`tip_direction`]).
 
 use serde::{Deserialize, Serialize};
 
 use crate::memory::ToolOffset;
-use crate::units::Point;
+use crate::units::{Point, tip_direction};
 
 /// The nose in force: what the last T took from the offset table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -34,18 +26,7 @@ impl Nose {
 
     /// The signs of the direction from the centre to the imaginary tip.
     pub(super) const fn direction(self) -> Point {
-        let (z, x) = match self.direction {
-            1 => (1.0, 1.0),
-            2 => (-1.0, 1.0),
-            3 => (-1.0, -1.0),
-            4 => (1.0, -1.0),
-            5 => (1.0, 0.0),
-            6 => (0.0, 1.0),
-            7 => (-1.0, 0.0),
-            8 => (0.0, -1.0),
-            _ => (0.0, 0.0),
-        };
-        Point::new(x, z)
+        tip_direction(self.direction)
     }
 
     /// From the centre to the imaginary tip, mm. The sign of R has no part in it.

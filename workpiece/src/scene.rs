@@ -1,0 +1,330 @@
+//! The part in its clamping, and tools that move about it.
+
+use gsk_units::Point;
+
+use crate::collision::{Collision, Obstacle, Toucher};
+use crate::convex::{shrunk, sweep};
+use crate::grid::{Contour, GridPoint, to_grid};
+use crate::motion::{Kind, Motion};
+use crate::part::{Part, Removed};
+use crate::region::{Bounds, Region};
+use crate::stock::Stock;
+use crate::tool::Shape;
+
+/// Nearer than that is no collision, grid units: 5 µm. Surfaces slide along each other
+/// and the corners of a circle are chords.
+const CLEARANCE: i32 = 50;
+
+/// Part, chuck, jaws and tailstock.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    stock: Stock,
+    part: Part,
+    obstacles: Vec<(Obstacle, Region, Bounds)>,
+}
+
+/// What came of a motion.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// What was cut away.
+    pub removed: Removed,
+    /// The first collision of the motion.
+    pub collision: Option<Collision>,
+}
+
+/// A tool ready to be moved about.
+#[derive(Clone, Debug)]
+pub struct Cutter {
+    shape: Shape,
+    /// The cutting part, nearer than which is no collision.
+    clear: Contour,
+    /// The same of the rest.
+    body: Vec<(Toucher, Contour)>,
+}
+
+impl Cutter {
+    /// With a shape.
+    pub fn new(shape: Shape) -> Self {
+        let clear = shrunk(&shape.cutting, CLEARANCE);
+        let body = shape
+            .body
+            .iter()
+            .map(|(part, contour)| (Toucher::Body(*part), shrunk(contour, CLEARANCE)))
+            .collect();
+        Self { shape, clear, body }
+    }
+
+    /// Its shape.
+    pub const fn shape(&self) -> &Shape {
+        &self.shape
+    }
+}
+
+impl Scene {
+    /// With fresh stock.
+    pub fn new(stock: &Stock) -> Self {
+        let (body, jaws) = stock.chuck_section();
+        let obstacles = [
+            (Obstacle::Jaws, jaws),
+            (Obstacle::Chuck, body),
+            (Obstacle::Tailstock, stock.tailstock_section()),
+        ];
+        Self {
+            stock: stock.clone(),
+            part: Part::new(&stock.section()),
+            obstacles: obstacles
+                .into_iter()
+                .filter_map(|(obstacle, region)| {
+                    let bounds = region.bounds()?;
+                    Some((obstacle, region, bounds))
+                })
+                .collect(),
+        }
+    }
+
+    /// The stock it began with.
+    pub const fn stock(&self) -> &Stock {
+        &self.stock
+    }
+
+    /// The part as it is now.
+    pub const fn part(&self) -> &Part {
+        &self.part
+    }
+
+    /// What was parted off falls.
+    pub fn drop_loose(&mut self) -> Vec<Region> {
+        self.part.drop_loose(self.stock.clamped())
+    }
+
+    /// Moves a tool: what its insert meets is cut away; the first collision is reported.
+    pub fn carry_out(&mut self, cutter: &Cutter, motion: &Motion) -> Outcome {
+        let mut outcome = Outcome::default();
+        let threading = matches!(motion.kind, Kind::Thread(_));
+        for pair in motion.points().windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let by_insert = self.insert_hit(cutter, motion, from, to);
+            outcome.collision = outcome.collision.or(by_insert);
+            if !threading {
+                let removed = self.part.cut(&cutter.shape.cutting, from, to);
+                outcome.removed.add(removed);
+            }
+            let by_body = cutter
+                .body
+                .iter()
+                .find_map(|(toucher, contour)| self.hit(*toucher, contour, from, to, true));
+            outcome.collision = outcome.collision.or(by_body);
+        }
+        if let Kind::Thread(imprints) = &motion.kind {
+            for position in imprints {
+                let removed = self.part.cut(&cutter.shape.cutting, *position, *position);
+                outcome.removed.add(removed);
+            }
+        }
+        outcome
+    }
+
+    /// What the insert hits on a straight way: the stock in a rapid or with a standing
+    /// spindle, everything else always.
+    fn insert_hit(
+        &self,
+        cutter: &Cutter,
+        motion: &Motion,
+        from: Point,
+        to: Point,
+    ) -> Option<Collision> {
+        let (toucher, stock) = match motion.kind {
+            Kind::Rapid => (Toucher::RapidInsert, true),
+            _ if !motion.turning => (Toucher::StandingInsert, true),
+            _ => (Toucher::Insert, false),
+        };
+        self.hit(toucher, &cutter.clear, from, to, stock)
+    }
+
+    /// The first obstacle that a contour meets on a straight way.
+    fn hit(
+        &self,
+        toucher: Toucher,
+        contour: &[GridPoint],
+        from: Point,
+        to: Point,
+        stock: bool,
+    ) -> Option<Collision> {
+        let swept = both_sides(sweep(contour, to_grid(from), to_grid(to)));
+        let bounds = Bounds::of(swept.iter().flatten())?;
+        let met = |common: &Region| !common.is_empty();
+        if stock && met(&self.part.touched(&swept)) {
+            let touched = |swept: &[Contour]| self.part.touched(swept);
+            return Some(first_touch(
+                (toucher, Obstacle::Stock),
+                contour,
+                from,
+                to,
+                &touched,
+            ));
+        }
+        self.obstacles
+            .iter()
+            .filter(|(_, _, own)| own.meets(&bounds))
+            .find(|(_, region, _)| met(&region.common(&swept)))
+            .map(|(obstacle, region, _)| {
+                let touched = |swept: &[Contour]| region.common(swept);
+                first_touch((toucher, *obstacle), contour, from, to, &touched)
+            })
+    }
+}
+
+/// A contour, and its mirror image if it reaches beyond the spindle axis: the half
+/// section stands for the other half, too.
+fn both_sides(contour: Contour) -> Vec<Contour> {
+    if contour.iter().all(|point| point.y >= 0) {
+        return vec![contour];
+    }
+    let mirrored = contour
+        .iter()
+        .map(|point| GridPoint::new(point.x, -point.y))
+        .collect();
+    vec![contour, mirrored]
+}
+
+/// Looks for the first touch on a way that ends in one, to a thousandth of it.
+fn first_touch(
+    (toucher, obstacle): (Toucher, Obstacle),
+    contour: &[GridPoint],
+    from: Point,
+    to: Point,
+    touched: &dyn Fn(&[Contour]) -> Region,
+) -> Collision {
+    const HALVINGS: u32 = 10;
+    let until = |part: f64| {
+        let end = from + (to - from) * part;
+        touched(&both_sides(sweep(contour, to_grid(from), to_grid(end))))
+    };
+    let (mut clear, mut touching) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = (clear + touching) / 2.0;
+        if until(middle).is_empty() {
+            clear = middle;
+        } else {
+            touching = middle;
+        }
+    }
+    let tip = from + (to - from) * touching;
+    let contact = until(touching);
+    Collision::new(toucher, obstacle, tip, &contact, &until(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tool::{BodyPart, Tool};
+
+    fn scene() -> Scene {
+        Scene::new(&Stock::bar(50.0, 0.0, 60.0))
+    }
+
+    fn motion(kind: Kind, from: (f64, f64), to: (f64, f64)) -> Motion {
+        Motion {
+            from: Point::new(from.0, from.1),
+            to: Point::new(to.0, to.1),
+            kind,
+            turning: true,
+        }
+    }
+
+    fn turning() -> Cutter {
+        Cutter::new(Shape::of(&Tool::turning()))
+    }
+
+    #[test]
+    fn a_rapid_through_the_stock_is_a_collision_where_it_begins() {
+        let mut scene = scene();
+        let rapid = motion(Kind::Rapid, (20.0, 5.0), (20.0, -10.0));
+        let collision = scene.carry_out(&turning(), &rapid).collision.unwrap();
+        assert_eq!(
+            (collision.toucher, collision.obstacle),
+            (Toucher::RapidInsert, Obstacle::Stock)
+        );
+        assert!(collision.tip.z.abs() < 0.05, "{collision:?}");
+        assert!((collision.depth - 5.0).abs() < 0.02, "{collision:?}");
+    }
+
+    #[test]
+    fn a_rapid_along_the_surface_touches_nothing() {
+        let mut scene = scene();
+        for (from, to) in [
+            ((25.0, 5.0), (25.0, -40.0)),
+            ((25.0, -40.0), (60.0, 60.0)),
+            ((60.0, 60.0), (25.0, 0.0)),
+            ((25.0, 0.0), (0.0, 0.0)),
+        ] {
+            let outcome = scene.carry_out(&turning(), &motion(Kind::Rapid, from, to));
+            assert_eq!(outcome, Outcome::default(), "{from:?} {to:?}");
+        }
+    }
+
+    #[test]
+    fn a_standing_spindle_does_not_cut() {
+        let mut scene = scene();
+        let mut cut = motion(Kind::Line, (20.0, 1.0), (20.0, -5.0));
+        cut.turning = false;
+        let collision = scene.carry_out(&turning(), &cut).collision.unwrap();
+        assert_eq!(collision.toucher, Toucher::StandingInsert);
+    }
+
+    #[test]
+    fn a_cut_into_the_jaws_is_a_collision() {
+        let mut scene = scene();
+        let cut = motion(Kind::Line, (24.0, 1.0), (24.0, -70.0));
+        let collision = scene.carry_out(&turning(), &cut).collision.unwrap();
+        assert_eq!(
+            (collision.toucher, collision.obstacle),
+            (Toucher::Insert, Obstacle::Jaws)
+        );
+        assert!((collision.tip.z + 60.0).abs() < 0.1, "{collision:?}");
+    }
+
+    #[test]
+    fn a_deep_plunge_brings_the_holder_into_the_stock() {
+        let mut scene = scene();
+        let plunge = motion(Kind::Line, (26.0, -30.0), (10.0, -30.0));
+        let collision = scene.carry_out(&turning(), &plunge).collision.unwrap();
+        assert!(
+            matches!(
+                collision.toucher,
+                Toucher::Body(BodyPart::InsertBack | BodyPart::Holder)
+            ),
+            "{collision:?}"
+        );
+    }
+
+    #[test]
+    fn a_thick_boring_bar_touches_the_other_wall() {
+        let stock = Stock {
+            form: crate::stock::Form::Tube {
+                diameter: gsk_units::Diameter(50.0),
+                bore: gsk_units::Diameter(14.0),
+            },
+            ..Stock::bar(50.0, 0.0, 60.0)
+        };
+        let thick = Cutter::new(Shape::of(&Tool {
+            holder: crate::tool::Holder::Bar {
+                diameter: 16.0,
+                length: 80.0,
+            },
+            ..Tool::boring()
+        }));
+        let cut = motion(Kind::Line, (7.5, 1.0), (7.5, -30.0));
+        let mut scene = Scene::new(&stock);
+        let collision = scene.carry_out(&thick, &cut).collision.unwrap();
+        assert_eq!(collision.toucher, Toucher::Body(BodyPart::Holder));
+        let thin = Cutter::new(Shape::of(&Tool {
+            holder: crate::tool::Holder::Bar {
+                diameter: 10.0,
+                length: 80.0,
+            },
+            ..Tool::boring()
+        }));
+        assert_eq!(Scene::new(&stock).carry_out(&thin, &cut).collision, None);
+    }
+}
