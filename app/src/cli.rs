@@ -7,6 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use gsk_panel::script::FORMS;
 pub use gsk_runner::Language;
+use gsk_runner::picture::{Look, Size};
 use tracing::level_filters::LevelFilter;
 
 use crate::patience::Patience;
@@ -103,6 +104,9 @@ pub enum Command {
     /// the program can be followed. Each file is checked for itself; subprograms are found in its folder.
     Check(CheckArgs),
     /// Draw the toolpath of a program as a picture (PNG or SVG)
+    ///
+    /// Z to the right, X as a diameter upwards; a colour for each tool with its
+    /// cutting time, rapids grey and dashed.
     Plot(PlotArgs),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
@@ -144,6 +148,11 @@ pub struct HoldPortArgs {
 
 /// `run`.
 #[derive(Args, Debug)]
+#[command(
+    mut_arg("size", |arg| arg.requires("plot")),
+    mut_arg("whole", |arg| arg.requires("plot")),
+    mut_arg("labels", |arg| arg.requires("plot"))
+)]
 pub struct RunArgs {
     /// The program, then files of subprograms
     #[arg(required_unless_present = "dnc", value_name = "FILE")]
@@ -178,6 +187,9 @@ pub struct RunArgs {
     /// Draw the executed toolpath (name ends in .png or .svg)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
+    /// How it is drawn.
+    #[command(flatten)]
+    pub picture: PictureArgs,
     /// Print the result as one JSON object
     #[arg(long)]
     pub json: bool,
@@ -254,6 +266,34 @@ pub struct PlotArgs {
     /// The picture (name ends in .png or .svg)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// How it is drawn.
+    #[command(flatten)]
+    pub picture: PictureArgs,
+}
+
+/// How a toolpath is drawn.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct PictureArgs {
+    /// Size of the picture, pixels [default: 1280x800]
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    pub size: Option<Size>,
+    /// Fit the picture to the whole path; without it the cuts fill it and rapids end at its frame
+    #[arg(long)]
+    pub whole: bool,
+    /// Write the number of each block where it ends: its N word, or its line where it has none; numbers that would cover others are left out
+    #[arg(long)]
+    pub labels: bool,
+}
+
+impl PictureArgs {
+    /// As the drawing takes it.
+    pub fn look(self) -> Look {
+        Look {
+            size: self.size.unwrap_or_default(),
+            whole: self.whole,
+            labels: self.labels,
+        }
+    }
 }
 
 /// The actions of scripts, for `operate --help`.

@@ -1,20 +1,29 @@
 //! Pictures as bytes of a file: the toolpath as PNG or SVG, the LCD and the panel as PNG.
 
+mod canvas;
+mod clip;
+mod curves;
 mod drawing;
 mod extent;
+mod labels;
 mod layout;
+mod legend;
+mod numbers;
+mod pens;
+mod pieces;
 mod png_file;
 mod svg;
 
 use std::path::{Path, PathBuf};
 
-use gsk_messages::{Message, say};
+use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_panel::raster;
 use gsk_panel::screen::Screen;
 
-pub use drawing::{Drawing, RapidRates};
-pub use extent::{HEIGHT, WIDTH};
+pub use curves::RapidRates;
+pub use drawing::{Drawing, Look};
+pub use extent::{NoSize, Size};
 
 /// Pixels of an LCD dot in a picture of the LCD.
 const LCD_SCALE: u32 = 2;
@@ -79,14 +88,18 @@ impl Format {
     }
 }
 
-/// The bytes of a picture file.
+/// The bytes of a picture file, its words in a language.
 ///
 /// # Errors
 /// There is no memory for it.
-pub fn encode(format: Format, drawing: &Drawing) -> Result<Vec<u8>, PictureError> {
+pub fn encode(
+    format: Format,
+    drawing: &Drawing,
+    language: Language,
+) -> Result<Vec<u8>, PictureError> {
     match format {
-        Format::Svg => Ok(svg::render(drawing).into_bytes()),
-        Format::Png => png_file::render(drawing),
+        Format::Svg => Ok(svg::render(drawing, language).into_bytes()),
+        Format::Png => png_file::render(drawing, language),
     }
 }
 
@@ -120,33 +133,77 @@ mod tests {
     use gsk_core::command::{Conditions, ExecutedMove, MoveKind, ProgramId, Source};
     use gsk_core::units::Point;
 
+    const RATES: RapidRates = RapidRates { x: 1.0, z: 1.0 };
+
+    fn executed(kind: MoveKind, from: Point, to: Point) -> ExecutedMove {
+        ExecutedMove {
+            source: Source {
+                program: ProgramId::External,
+                line: 1,
+                sequence: Some(30),
+            },
+            kind,
+            from,
+            to,
+            center: None,
+            feed: None,
+            start_s: 0.0,
+            duration_s: 63.5,
+            conditions: Conditions {
+                tool: 2,
+                offset: 12,
+                ..Conditions::default()
+            },
+        }
+    }
+
     #[test]
     fn both_kinds_of_picture_are_made() {
-        let mut drawing = Drawing::new("O0001 轴");
-        drawing.push(
-            &ExecutedMove {
-                source: Source {
-                    program: ProgramId::External,
-                    line: 1,
-                    sequence: None,
-                },
-                kind: MoveKind::Feed,
-                from: Point::new(25.0, 0.0),
-                to: Point::new(25.0, -40.0),
-                center: None,
-                feed: None,
-                start_s: 0.0,
-                duration_s: 1.0,
-                conditions: Conditions::default(),
-            },
-            RapidRates { x: 1.0, z: 1.0 },
-        );
-        let svg = svg::render(&drawing);
-        assert!(svg.starts_with("<svg") && svg.contains("polyline") && svg.contains("O0001 轴"));
-        let png = png_file::render(&drawing).expect("picture");
+        let labels = Look {
+            labels: true,
+            ..Look::default()
+        };
+        let mut drawing = Drawing::new("O0001 轴", labels);
+        let (near, end) = (Point::new(25.0, 0.0), Point::new(25.0, -40.0));
+        drawing.push(&executed(MoveKind::Feed, near, end), RATES);
+        drawing.push(&executed(MoveKind::Rapid, end, near), RATES);
+        drawing.end(130.0);
+        let svg = svg::render(&drawing, Language::Zh);
+        for part in [
+            "<svg",
+            "polyline",
+            "O0001 轴",
+            "T0212 1:03.5",
+            "快速",
+            "2:10.0",
+            ">N30<",
+        ] {
+            assert!(svg.contains(part), "{part} {svg}");
+        }
+        let png = png_file::render(&drawing, Language::En).expect("picture");
         assert!(png.starts_with(b"\x89PNG"));
-        let empty = Drawing::new("<&>\u{1b}\u{0}");
-        assert!(svg::render(&empty).contains("&lt;&amp;&gt;\u{fffd}\u{fffd}<"));
-        assert!(png_file::render(&empty).is_ok());
+        let empty = Drawing::new("<&>\u{1b}\u{0}", Look::default());
+        let svg = svg::render(&empty, Language::En);
+        assert!(svg.contains("&lt;&amp;&gt;\u{fffd}\u{fffd}<"));
+        assert!(png_file::render(&empty, Language::En).is_ok());
+    }
+
+    #[test]
+    fn rapids_end_at_the_frame() {
+        let mut drawing = Drawing::new("", Look::default());
+        let (near, far) = (Point::new(25.0, 0.0), Point::new(25.0, 1e6));
+        drawing.push(
+            &executed(MoveKind::Feed, near, Point::new(25.0, -40.0)),
+            RATES,
+        );
+        drawing.push(&executed(MoveKind::Rapid, near, far), RATES);
+        let svg = svg::render(&drawing, Language::En);
+        let points = svg.split("points=\"").skip(1);
+        let furthest = points
+            .filter_map(|rest| rest.split('"').next())
+            .flat_map(|points| points.split([' ', ',']))
+            .filter_map(|value| value.parse::<f64>().ok())
+            .fold(0.0, f64::max);
+        assert!((1000.0..=1280.0).contains(&furthest), "{furthest}");
     }
 }

@@ -1,7 +1,7 @@
 //! `plot`: the toolpath as a picture.
 
 use gsk_core::preview::{End, Slip, preview_while};
-use gsk_messages::say;
+use gsk_messages::{Language, say};
 use gsk_runner::picture::{self, Drawing, Format, RapidRates};
 use gsk_runner::report::{self, AlarmReport};
 
@@ -30,7 +30,7 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     loading::open(&mut setup, std::slice::from_ref(&args.file))?.print(language);
     let target = output::reserve(&args.output)?;
     let rates = RapidRates::of(&setup.memory.parameters);
-    let mut drawing = Drawing::new(title(&args.file));
+    let mut drawing = Drawing::new(title(&args.file), args.picture.look());
     let mut watch = output::watch(&setup.memory.programs, args.look.patience.begin(), true);
     let preview = preview_while(
         &setup,
@@ -39,7 +39,8 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         &mut |progress| watch.goes_on(progress),
     );
     drop(watch);
-    let bytes = picture::encode(format, &drawing)?;
+    drawing.end(preview.time_s);
+    let bytes = picture::encode(format, &drawing, language.unwrap_or(Language::En))?;
     target.write(&bytes)?;
     if let Some(said) = picture::shortfall(&drawing) {
         complain!("gsk980td: {}", report::said(&said, language));

@@ -98,10 +98,10 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     let mut outputs = Outputs {
         moves: args.moves.as_deref().map(output::open).transpose()?,
         positions: args.positions.as_deref().map(output::open).transpose()?,
-        drawing: args
-            .plot
-            .is_some()
-            .then(|| Drawing::new(main.map(|path| title(path)).unwrap_or_default())),
+        drawing: args.plot.is_some().then(|| {
+            let title = main.map(|path| title(path)).unwrap_or_default();
+            Drawing::new(title, args.picture.look())
+        }),
         rates: RapidRates::of(&setup.memory.parameters),
         explain: args.explain,
         progress: output::progress(u64::from(lines)),
@@ -147,7 +147,9 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         failures.extend(saved.map_err(CommandError::from).err());
     }
     failures.extend(outputs.end().err());
-    if let (Some(path), Some(target), Some(drawing)) = (&args.plot, target, &outputs.drawing) {
+    let mut drawing = outputs.drawing.take();
+    if let (Some(path), Some(target), Some(drawing)) = (&args.plot, target, &mut drawing) {
+        drawing.end(report.time_s);
         failures.extend(drawn(path, drawing, target).err());
         if let Some(said) = picture::shortfall(drawing) {
             complain!("gsk980td: {said}");
@@ -177,7 +179,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
 /// Writes the picture of the path.
 fn drawn(path: &Path, drawing: &Drawing, target: output::Reserved) -> Result<(), CommandError> {
     let format = Format::of(path)?;
-    let bytes = picture::encode(format, drawing)?;
+    let bytes = picture::encode(format, drawing, Language::En)?;
     Ok(target.write(&bytes)?)
 }
 

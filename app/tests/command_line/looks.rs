@@ -137,6 +137,7 @@ fn the_machine_zero_is_drawn_where_it_lies() {
         picture.path(),
         "--start",
         "100,50",
+        "--whole",
     ];
     for (zero, place, warned) in [(None, (0.0, 0.0), 1), (Some("0,-150"), (0.0, 150.0), 0)] {
         let options = zero.map_or(Vec::new(), |zero| vec!["--work-zero", zero]);
@@ -240,4 +241,47 @@ fn every_second_of_a_check_has_a_kind_and_a_tool() {
     assert!(zh.contains("  时间: 快速 "), "{zh}");
     let (_, en, _) = said(&["check", "01-stepped-shaft.CNC", "--lang", "en"]);
     assert!(en.contains("  time of T0101: "), "{en}");
+}
+
+#[test]
+fn a_picture_has_its_size_its_tools_and_its_numbers() {
+    let program = Scratch::new(
+        "two-tools.nc",
+        b"O0007\nT0101 M03 S800\nG00 X40 Z2\nN10 G01 Z-30 F100\nG00 X80 Z50\nT0202\nG00 X40 Z2\n\
+          N20 G01 Z-10\nG00 X80 Z50\nM30\n",
+    );
+    let picture = Scratch::new("two-tools.svg", b"");
+    let plot = |more: &[&str]| {
+        let call = ["plot", program.path(), "-o", picture.path()];
+        let (code, _, err) = said(&[&call[..], more].concat());
+        (code, err, std::fs::read_to_string(picture.path()).unwrap())
+    };
+    let (code, err, svg) = plot(&["--size", "1600x900", "--labels", "--lang", "en"]);
+    assert_eq!(code, 0, "{err}");
+    for part in [
+        "width=\"1600\" height=\"900\"",
+        ">T0101 0:",
+        ">T0202 0:",
+        ">rapid<",
+        ">N10<",
+        ">N20<",
+        ">two-tools.nc<",
+        ", of that cutting 0:",
+    ] {
+        assert!(svg.contains(part), "{part} {svg}");
+    }
+    let (_, _, zh) = plot(&["--whole", "--lang", "zh"]);
+    assert!(zh.contains(">快速<") && !zh.contains(">N10<"), "{zh}");
+    assert_ne!(svg, zh);
+
+    let (code, err, _) = plot(&["--size", "100x9000"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("from 480x320 to 7680x7680"), "{err}");
+}
+
+#[test]
+fn how_a_picture_looks_needs_a_picture() {
+    let (code, _, err) = said(&["run", "01-stepped-shaft.CNC", "--labels"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("--plot"), "{err}");
 }

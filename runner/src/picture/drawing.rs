@@ -1,62 +1,27 @@
-//! The toolpath as it will be seen: points on a grid finer than a pixel, every
-//! piece once. What a program draws over and over takes no more memory than once.
-//!
-//! The picture is fitted to the path, and how far that reaches is known at its end
-//! only. So the grid begins fine and becomes coarser with the box around the path:
-//!
-//! ```text
-//!   box so far        a pixel of it     cell of the grid
-//!   |<--- 1140 px --->|  -->  |p|  -->  at most a quarter of p, a power of two
-//! ```
-
-use std::collections::HashSet;
+//! What is to be drawn: the path a program makes, its tools, its time, and the words
+//! around it.
 
 use gsk_core::command::{ExecutedMove, MoveKind};
-use gsk_core::memory::Parameters;
-use gsk_core::units::{Axis, Point};
+use gsk_core::units::Point;
 
-use super::extent::{Extent, pixel_mm};
+use super::curves::{RapidRates, arc_points, rapid_bend};
+use super::extent::{Extent, Size};
+use super::labels::Labels;
+use super::pieces::{Made, Pieces};
+use crate::times::{Spent, Times};
 
-/// The finest cell, mm: beyond the least increment of the control.
-const FINEST_MM: f64 = 1.0 / 1024.0;
+/// Height of a block number, pixels.
+const NUMBER: f64 = 16.0;
 
-/// Cells across a pixel, at least, while there is room.
-const CELLS_PER_PIXEL: f64 = 4.0;
-
-/// Pieces that are kept at most: about 100 MB.
-const MOST_PIECES: usize = 1 << 20;
-
-/// Rapid rates, for the bend in the path of a rapid with both axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RapidRates {
-    /// mm/min of radius.
-    pub x: f64,
-    /// mm/min.
-    pub z: f64,
-}
-
-impl RapidRates {
-    /// Of a control.
-    pub fn of(parameters: &Parameters) -> Self {
-        Self {
-            x: parameters.rapid_rate(Axis::X),
-            z: parameters.rapid_rate(Axis::Z),
-        }
-    }
-}
-
-/// A point of the grid, cells from the zero of the program frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-struct Cell {
-    x: i32,
-    z: i32,
-}
-
-/// Pieces that follow each other: rapids (dashed) or cuts.
-#[derive(Clone, Debug, PartialEq)]
-struct Stroke {
-    rapid: bool,
-    cells: Vec<Cell>,
+/// How a path is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Look {
+    /// The size of the picture.
+    pub size: Size,
+    /// Fitted to everything; otherwise to the cuts, and rapids end at the frame.
+    pub whole: bool,
+    /// Whether the ends of blocks have their numbers.
+    pub labels: bool,
 }
 
 /// The drawing: what the path looks like, and the words around it.
@@ -64,31 +29,37 @@ struct Stroke {
 pub struct Drawing {
     /// Text in the upper left corner.
     pub title: String,
-    strokes: Vec<Stroke>,
-    /// Every piece that is in the strokes, its ends in order.
-    drawn: HashSet<(Cell, Cell, bool)>,
-    cell_mm: f64,
-    extent: Option<Extent>,
-    most_pieces: usize,
+    look: Look,
+    pieces: Pieces,
+    labels: Labels,
+    /// Around the cuts, and around everything.
+    cuts: Option<Extent>,
+    all: Option<Extent>,
+    /// The tools that cut, in the order of their first cuts.
+    tools: Vec<u8>,
+    times: Times,
     left_out: u64,
 }
 
 impl Drawing {
     /// A drawing without a path yet.
-    pub fn new(title: impl Into<String>) -> Self {
+    pub fn new(title: impl Into<String>, look: Look) -> Self {
         Self {
             title: title.into(),
-            strokes: Vec::new(),
-            drawn: HashSet::new(),
-            cell_mm: FINEST_MM,
-            extent: None,
-            most_pieces: MOST_PIECES,
+            look,
+            pieces: Pieces::default(),
+            labels: Labels::default(),
+            cuts: None,
+            all: None,
+            tools: Vec::new(),
+            times: Times::default(),
             left_out: 0,
         }
     }
 
     /// Adds a move.
     pub fn push(&mut self, executed: &ExecutedMove, rates: RapidRates) {
+        self.times.push(executed);
         if executed.kind == MoveKind::Dwell {
             return;
         }
@@ -96,31 +67,41 @@ impl Drawing {
             self.left_out += 1;
             return;
         }
+        let made = self.made(executed);
         let (from, to) = (executed.from, executed.to);
-        self.reach(from);
-        self.reach(to);
+        self.reach(made, from);
+        self.reach(made, to);
         match executed.kind {
             MoveKind::Dwell => {}
             MoveKind::Rapid => {
                 if let Some(bend) = rapid_bend(from, to, rates) {
-                    self.line(true, from, bend);
-                    self.line(true, bend, to);
+                    self.line(made, from, bend);
+                    self.line(made, bend, to);
                 } else {
-                    self.line(true, from, to);
+                    self.line(made, from, to);
                 }
             }
-            MoveKind::Feed | MoveKind::Thread | MoveKind::RunOut => self.line(false, from, to),
+            MoveKind::Feed | MoveKind::Thread | MoveKind::RunOut => self.line(made, from, to),
             MoveKind::Clockwise | MoveKind::CounterClockwise => {
                 let clockwise = executed.kind == MoveKind::Clockwise;
                 let center = executed.center.unwrap_or(from);
                 let mut last = from;
-                for point in arc_points(from, to, center, clockwise, self.cell_mm) {
-                    self.reach(point);
-                    self.line(false, last, point);
+                for point in arc_points(from, to, center, clockwise, self.pieces.cell_mm()) {
+                    self.reach(made, point);
+                    self.line(made, last, point);
                     last = point;
                 }
             }
         }
+        if self.look.labels {
+            self.labels.push(executed.source, to);
+        }
+    }
+
+    /// The program has come to its end at a machine time, s.
+    pub fn end(&mut self, time_s: f64) {
+        self.times.end(time_s);
+        self.labels.end();
     }
 
     /// Moves that found no room any more.
@@ -128,164 +109,87 @@ impl Drawing {
         self.left_out
     }
 
-    /// The box around the path.
-    pub(super) fn extent(&self) -> Option<Extent> {
-        self.extent
+    /// How it is drawn.
+    pub(super) const fn look(&self) -> Look {
+        self.look
     }
 
-    /// The strokes in the order of execution: whether rapid, and the points, mm.
-    pub(super) fn strokes(
-        &self,
-    ) -> impl Iterator<Item = (bool, impl Iterator<Item = Point> + Clone + '_)> {
-        self.strokes.iter().map(|stroke| {
-            let points = stroke.cells.iter().map(|cell| {
-                Point::new(
-                    f64::from(cell.x) * self.cell_mm,
-                    f64::from(cell.z) * self.cell_mm,
-                )
-            });
-            (stroke.rapid, points)
+    /// What the picture is fitted to: a path without cuts is shown as it is.
+    pub(super) fn extent(&self) -> Option<Extent> {
+        if self.look.whole {
+            return self.all;
+        }
+        self.cuts.or(self.all)
+    }
+
+    /// The path.
+    pub(super) const fn pieces(&self) -> &Pieces {
+        &self.pieces
+    }
+
+    /// The numbers of blocks, where they end.
+    pub(super) fn labels(&self) -> Vec<(Point, String)> {
+        self.labels.all()
+    }
+
+    /// The tools that cut, in the order of their first cuts, with the offset they cut
+    /// with first and their time.
+    pub(super) fn tools(&self) -> impl Iterator<Item = (u8, u8, Spent)> + '_ {
+        self.tools.iter().filter_map(|tool| {
+            let mut times = self.times.tools().iter();
+            times
+                .find(|time| time.tool == *tool)
+                .map(|time| (time.tool, time.offset, time.spent))
         })
     }
 
-    fn line(&mut self, rapid: bool, from: Point, to: Point) {
-        let (from, to) = (self.cell(from), self.cell(to));
-        self.piece(rapid, from, to);
-        if self.drawn.len() >= self.most_pieces {
-            self.make_room();
-        }
+    /// The time of the whole program.
+    pub(super) const fn spent(&self) -> &Spent {
+        self.times.spent()
     }
 
-    /// Adds a piece, unless it is smaller than a cell or drawn already.
-    fn piece(&mut self, rapid: bool, from: Cell, to: Cell) {
-        if from == to || !self.drawn.insert((from.min(to), from.max(to), rapid)) {
+    /// What a move is drawn with.
+    fn made(&mut self, executed: &ExecutedMove) -> Made {
+        if executed.kind == MoveKind::Rapid {
+            return Made::Rapid;
+        }
+        let tool = executed.conditions.tool;
+        let known = self.tools.iter().position(|known| *known == tool);
+        let index = known.unwrap_or_else(|| {
+            self.tools.push(tool);
+            self.tools.len() - 1
+        });
+        // A control has no more than 100 tools.
+        Made::Cut(u8::try_from(index).unwrap_or(u8::MAX))
+    }
+
+    fn line(&mut self, made: Made, from: Point, to: Point) {
+        self.pieces.line(made, from, to);
+        if self.pieces.has_room() {
             return;
         }
-        match self.strokes.last_mut() {
-            Some(last) if last.rapid == rapid && last.cells.last() == Some(&from) => {
-                last.cells.push(to);
-            }
-            _ => self.strokes.push(Stroke {
-                rapid,
-                cells: vec![from, to],
-            }),
-        }
-    }
-
-    fn cell(&self, point: Point) -> Cell {
-        // Saturates far beyond any machine.
-        Cell {
-            x: (point.x / self.cell_mm).round() as i32,
-            z: (point.z / self.cell_mm).round() as i32,
-        }
-    }
-
-    /// Widens the box, and with it the grid.
-    fn reach(&mut self, point: Point) {
-        let extent = self.extent.get_or_insert(Extent {
-            low: point,
-            high: point,
-        });
-        let (low, high) = (&mut extent.low, &mut extent.high);
-        *low = Point::new(low.x.min(point.x), low.z.min(point.z));
-        *high = Point::new(high.x.max(point.x), high.z.max(point.z));
-        let cell = pixel_mm(extent.high - extent.low) / CELLS_PER_PIXEL;
-        if self.cell_mm * 2.0 <= cell {
-            self.coarsen(cell);
-        }
-    }
-
-    /// Makes room for more pieces: with cells up to a pixel, or not at all.
-    fn make_room(&mut self) {
-        let pixel = self
-            .extent
-            .map_or(0.0, |extent| pixel_mm(extent.high - extent.low));
-        if self.cell_mm * 2.0 <= pixel {
-            self.coarsen(self.cell_mm * 2.0);
-        }
-        if self.drawn.len() >= self.most_pieces {
+        let extent = self.extent();
+        let size = extent.map_or(Point::default(), |extent| extent.high - extent.low);
+        self.pieces.make_room(self.look.size.pixel_mm(size));
+        if !self.pieces.has_room() {
             self.left_out = 1;
         }
     }
 
-    /// Goes over to the coarsest grid whose cells are not larger than `most_mm`.
-    fn coarsen(&mut self, most_mm: f64) {
-        let mut halvings = 0;
-        while self.cell_mm * 2.0 <= most_mm {
-            self.cell_mm *= 2.0;
-            halvings += 1;
+    /// Widens the boxes, and with them the grid. What is not shown whole stays fine
+    /// until the first cut says how large the picture will be.
+    fn reach(&mut self, made: Made, point: Point) {
+        self.all.get_or_insert(Extent::of(point)).reach(point);
+        if made != Made::Rapid {
+            self.cuts.get_or_insert(Extent::of(point)).reach(point);
         }
-        let halve = |value: i32| {
-            let unit = 1_i64 << halvings;
-            ((i64::from(value) + unit / 2).div_euclid(unit)) as i32
-        };
-        let strokes = std::mem::take(&mut self.strokes);
-        self.drawn = HashSet::new();
-        for stroke in strokes {
-            let mut cells = stroke.cells.iter().map(|cell| Cell {
-                x: halve(cell.x),
-                z: halve(cell.z),
-            });
-            let Some(mut last) = cells.next() else {
-                continue;
-            };
-            for cell in cells {
-                self.piece(stroke.rapid, last, cell);
-                last = cell;
-            }
+        let shown = if self.look.whole { self.all } else { self.cuts };
+        if let Some(extent) = shown {
+            let pixel = self.look.size.pixel_mm(extent.high - extent.low);
+            self.pieces.suit(pixel);
+            self.labels.suit(pixel * NUMBER);
         }
     }
-}
-
-/// Rapids move both axes at their own rates: at 45° on equal ones, then along the
-/// axis that has further to go. Where that bend is, if there is one.
-fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
-    let distance = to - from;
-    let time_x = distance.x.abs() / rates.x.max(1.0);
-    let time_z = distance.z.abs() / rates.z.max(1.0);
-    if time_x == 0.0 || time_z == 0.0 {
-        return None;
-    }
-    let both = time_x.min(time_z);
-    Some(Point::new(
-        from.x + distance.x * (both / time_x),
-        from.z + distance.z * (both / time_z),
-    ))
-}
-
-/// The points of an arc after its first: as many as keep the chords within half a
-/// cell of the arc.
-///
-/// ```text
-///   sagitta = radius · (1 − cos(step / 2))
-/// ```
-fn arc_points(
-    from: Point,
-    to: Point,
-    center: Point,
-    clockwise: bool,
-    cell_mm: f64,
-) -> impl Iterator<Item = Point> {
-    const MOST_STEPS: f64 = 4096.0;
-    let (first, last) = (from - center, to - center);
-    let radius = first.length();
-    let start = first.x.atan2(first.z);
-    let mut sweep = last.x.atan2(last.z) - start;
-    let turn = std::f64::consts::TAU;
-    if clockwise && sweep >= -1e-12 {
-        sweep -= turn;
-    } else if !clockwise && sweep <= 1e-12 {
-        sweep += turn;
-    }
-    let step = 2.0 * (1.0 - cell_mm / 2.0 / radius.max(cell_mm)).acos();
-    let steps = (sweep.abs() / step).ceil().clamp(2.0, MOST_STEPS) as u32;
-    (1..=steps).map(move |index| {
-        if index == steps {
-            return to;
-        }
-        let angle = start + sweep * f64::from(index) / f64::from(steps);
-        center + Point::new(angle.sin() * radius, angle.cos() * radius)
-    })
 }
 
 #[cfg(test)]
@@ -321,47 +225,20 @@ mod tests {
     }
 
     #[test]
-    fn arcs_stay_on_their_circle_and_go_the_right_way() {
-        let (from, to) = (Point::new(10.0, 0.0), Point::new(0.0, 10.0));
-        for (clockwise, sign) in [(true, 1.0), (false, -1.0)] {
-            let points: Vec<_> = arc_points(from, to, Point::default(), clockwise, 0.01).collect();
-            assert_eq!(points.last(), Some(&to));
-            for (index, point) in points.iter().enumerate() {
-                assert!((point.length() - 10.0).abs() < 1e-9);
-                let before = if index == 0 { from } else { points[index - 1] };
-                let chord_height = 10.0 - ((before + *point) * 0.5).length();
-                assert!(chord_height <= 0.005 + 1e-9);
-            }
-            // From the top, clockwise goes to the right.
-            assert!(points[0].z * sign > 0.0);
-        }
-    }
-
-    #[test]
-    fn a_rapid_bends_where_the_first_axis_arrives() {
-        let bend = rapid_bend(Point::default(), Point::new(10.0, 100.0), RATES);
-        assert_eq!(bend, Some(Point::new(10.0, 20.0)));
-        assert_eq!(
-            rapid_bend(Point::default(), Point::new(0.0, 5.0), RATES),
-            None
-        );
-    }
-
-    #[test]
     fn what_is_drawn_again_takes_no_room() {
-        let mut drawing = Drawing::new("");
+        let mut drawing = Drawing::new("", Look::default());
         let (left, right) = (Point::new(10.0, -60.0), Point::new(10.0, 0.0));
         for _ in 0..1000 {
             cut(&mut drawing, left, right);
             cut(&mut drawing, right, left);
         }
-        assert_eq!(drawing.drawn.len(), 1);
-        assert_eq!(drawing.strokes.len(), 1);
+        assert_eq!(drawing.pieces.len(), 1);
+        assert_eq!(drawing.pieces.strokes().count(), 1);
     }
 
     #[test]
     fn a_path_of_micrometres_becomes_pieces_of_a_fraction_of_a_pixel() {
-        let mut drawing = Drawing::new("");
+        let mut drawing = Drawing::new("", Look::default());
         drawing.push(
             &executed(
                 MoveKind::Rapid,
@@ -377,32 +254,36 @@ mod tests {
             cut(&mut drawing, at(step + 1), at(step));
             cut(&mut drawing, at(step), at(step + 1));
         }
-        let pixel = pixel_mm(Point::new(40.0, 60.0));
-        assert!(drawing.cell_mm <= pixel / 4.0 && drawing.cell_mm > pixel / 8.0);
-        assert!(drawing.drawn.len() <= (60.0 / drawing.cell_mm) as usize + 2);
+        let pixel = Size::default().pixel_mm(Point::new(0.0, 60.0));
+        assert!(drawing.pieces.cell_mm() <= pixel / 4.0 && drawing.pieces.cell_mm() > pixel / 8.0);
+        assert!(drawing.pieces.len() <= (60.0 / drawing.pieces.cell_mm()) as usize + 2);
         assert_eq!(drawing.left_out(), 0);
     }
 
     #[test]
     fn a_path_without_end_is_cut_off_and_counted() {
-        let mut drawing = Drawing::new("");
-        drawing.most_pieces = 1000;
+        let mut drawing = Drawing::new("", Look::default());
+        drawing.pieces = Pieces::with_room(1000);
         // Lines from one point to a thousand others, a pixel apart and more.
         for step in 0..3000 {
             let end = Point::new(f64::from(step % 50) * 10.0, f64::from(step / 50) * 10.0);
             cut(&mut drawing, Point::new(-7.0, -7.0), end);
         }
-        assert!(drawing.drawn.len() <= 1000);
+        assert!(drawing.pieces.len() <= 1000);
         assert_eq!(drawing.left_out(), 3000 - 999);
     }
 
     #[test]
     fn a_coarser_grid_keeps_the_shape() {
-        let mut drawing = Drawing::new("");
+        let mut drawing = Drawing::new("", Look::default());
         cut(&mut drawing, Point::new(1.0, 0.0), Point::new(1.0, 1.0));
         cut(&mut drawing, Point::new(1.0, 1.0), Point::new(2.0, 1.0));
         cut(&mut drawing, Point::new(2.0, 1.0), Point::new(2.0, 500.0));
-        let points: Vec<_> = drawing.strokes().flat_map(|(_, points)| points).collect();
+        let points: Vec<_> = drawing
+            .pieces
+            .strokes()
+            .flat_map(|(_, points)| points)
+            .collect();
         let wanted = [
             Point::new(1.0, 0.0),
             Point::new(1.0, 1.0),
@@ -410,8 +291,51 @@ mod tests {
             Point::new(2.0, 500.0),
         ];
         for (point, wanted) in points.iter().zip(wanted) {
-            assert!((*point - wanted).length() < 2.0 * drawing.cell_mm);
+            assert!((*point - wanted).length() < 2.0 * drawing.pieces.cell_mm());
         }
         assert_eq!(points.len(), 4);
+    }
+
+    #[test]
+    fn it_is_fitted_to_the_cuts_unless_all_is_asked_for() {
+        let rapid = |from, to| executed(MoveKind::Rapid, from, to);
+        let (far, near) = (Point::new(150.0, 300.0), Point::new(20.0, 2.0));
+        let end = Point::new(20.0, -40.0);
+        let fitted = |look: Look| {
+            let mut drawing = Drawing::new("", look);
+            drawing.push(&rapid(far, near), RATES);
+            cut(&mut drawing, near, end);
+            drawing.push(&rapid(end, far), RATES);
+            drawing.extent().expect("extent").high
+        };
+        assert_eq!(fitted(Look::default()), near);
+        let whole = Look {
+            whole: true,
+            ..Look::default()
+        };
+        assert_eq!(fitted(whole), far);
+        let mut drawing = Drawing::new("", Look::default());
+        drawing.push(&rapid(far, near), RATES);
+        assert_eq!(drawing.extent().map(|extent| extent.high), Some(far));
+    }
+
+    #[test]
+    fn every_tool_has_a_colour_of_its_own_in_the_order_of_its_cuts() {
+        let mut drawing = Drawing::new("", Look::default());
+        for (tool, kind) in [
+            (4, MoveKind::Rapid),
+            (7, MoveKind::Feed),
+            (2, MoveKind::Thread),
+            (7, MoveKind::Clockwise),
+        ] {
+            let mut made = executed(kind, Point::new(10.0, 0.0), Point::new(10.0, -10.0));
+            made.conditions.tool = tool;
+            drawing.push(&made, RATES);
+        }
+        let tools: Vec<u8> = drawing.tools().map(|(tool, ..)| tool).collect();
+        assert_eq!(tools, [7, 2]);
+        // The last cut lies on the first one of its tool.
+        let made: Vec<Made> = drawing.pieces.strokes().map(|(made, _)| made).collect();
+        assert_eq!(made, [Made::Rapid, Made::Cut(0), Made::Cut(1)]);
     }
 }

@@ -1,16 +1,103 @@
 //! How far a path reaches, and how large the picture is that it must fit in.
 
+use std::str::FromStr;
+
 use gsk_core::units::Point;
+use gsk_messages::{Message, say};
 
-/// Width of the picture, pixels.
-pub const WIDTH: u32 = 1280;
-/// Height of the picture, pixels.
-pub const HEIGHT: u32 = 800;
-
-/// Pixels around the path.
+/// Units around the path.
 pub(super) const MARGIN: f64 = 70.0;
-/// Pixels above it, with the words.
+/// Units above it, with the words.
 pub(super) const TOP: f64 = 60.0;
+
+/// The size of a picture, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    width: u32,
+    height: u32,
+}
+
+/// A size that no picture may have.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
+pub struct NoSize(String);
+
+impl NoSize {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        let (least, most) = (Size::LEAST, Size::MOST);
+        say::picture_size(&self.0, least.width, least.height, most.width, most.height)
+    }
+}
+
+impl Size {
+    /// What the words of a picture need.
+    const LEAST: Self = Self {
+        width: 480,
+        height: 320,
+    };
+    /// What the memory of a small computer holds.
+    const MOST: Self = Self {
+        width: 7680,
+        height: 7680,
+    };
+    /// A unit is a pixel up to twice this size.
+    const COMMON: Self = Self {
+        width: 1280,
+        height: 800,
+    };
+
+    /// Pixels across.
+    pub const fn width(self) -> u32 {
+        self.width
+    }
+
+    /// Pixels down.
+    pub const fn height(self) -> u32 {
+        self.height
+    }
+
+    /// Pixels of a unit: words and lines grow with the picture.
+    pub(super) fn pixels_a_unit(self) -> u32 {
+        let across = self.width / Self::COMMON.width;
+        across.min(self.height / Self::COMMON.height).max(1)
+    }
+
+    /// Units across and down.
+    pub(super) fn units(self) -> (f64, f64) {
+        let unit = f64::from(self.pixels_a_unit());
+        (f64::from(self.width) / unit, f64::from(self.height) / unit)
+    }
+
+    /// The size of a pixel, mm, when something of this size fills the picture.
+    pub(super) fn pixel_mm(self, size: Point) -> f64 {
+        let (wide, tall) = self.units();
+        let unit_mm = (size.z / (wide - 2.0 * MARGIN)).max(size.x / (tall - TOP - MARGIN));
+        unit_mm / f64::from(self.pixels_a_unit())
+    }
+}
+
+impl Default for Size {
+    fn default() -> Self {
+        Self::COMMON
+    }
+}
+
+impl FromStr for Size {
+    type Err = NoSize;
+
+    /// Reads `1600x900`.
+    fn from_str(word: &str) -> Result<Self, NoSize> {
+        let read = |word: &str| word.trim().parse::<u32>().ok();
+        let (least, most) = (Self::LEAST, Self::MOST);
+        word.split_once(['x', 'X', '×', '*'])
+            .and_then(|(width, height)| Some((read(width)?, read(height)?)))
+            .filter(|(width, _)| (least.width..=most.width).contains(width))
+            .filter(|(_, height)| (least.height..=most.height).contains(height))
+            .map(|(width, height)| Self { width, height })
+            .ok_or_else(|| NoSize(word.to_owned()))
+    }
+}
 
 /// The box around a path, program frame, X as a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,16 +106,51 @@ pub(super) struct Extent {
     pub high: Point,
 }
 
-/// Pixels across and down that the path may fill.
-pub(super) fn room() -> (f64, f64) {
-    (
-        f64::from(WIDTH) - 2.0 * MARGIN,
-        f64::from(HEIGHT) - TOP - MARGIN,
-    )
+impl Extent {
+    /// Of one point.
+    pub const fn of(point: Point) -> Self {
+        Self {
+            low: point,
+            high: point,
+        }
+    }
+
+    /// Widens it to reach a point.
+    pub fn reach(&mut self, point: Point) {
+        self.low = Point::new(self.low.x.min(point.x), self.low.z.min(point.z));
+        self.high = Point::new(self.high.x.max(point.x), self.high.z.max(point.z));
+    }
 }
 
-/// The size of a pixel, mm, when something of this size fills the picture.
-pub(super) fn pixel_mm(size: Point) -> f64 {
-    let (room_z, room_x) = room();
-    (size.z / room_z).max(size.x / room_x)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_limits_and_both_sides() {
+        let size: Size = "1600x900".parse().expect("size");
+        assert_eq!((size.width(), size.height()), (1600, 900));
+        assert_eq!(size.pixels_a_unit(), 1);
+        let large: Size = "3840x2160".parse().expect("size");
+        assert_eq!(
+            (large.pixels_a_unit(), large.units()),
+            (2, (1920.0, 1080.0))
+        );
+        for wrong in [
+            "",
+            "1600",
+            "1600x",
+            "x900",
+            "-1600x900",
+            "100x100",
+            "9000x900",
+            "1e3x900",
+        ] {
+            let said = wrong.parse::<Size>().expect_err(wrong).to_string();
+            assert!(
+                said.contains("480x320") && said.contains("7680x7680"),
+                "{said}"
+            );
+        }
+    }
 }

@@ -1,21 +1,31 @@
 //! Where things lie in the picture: the scale, the grid, the corner texts.
 
 use gsk_core::units::Point;
+use gsk_messages::Language;
 
-use super::extent::{Extent, HEIGHT, MARGIN, TOP, WIDTH, pixel_mm, room};
+use super::drawing::Drawing;
+use super::extent::{Extent, MARGIN};
+use super::legend::Head;
+use super::numbers::{Area, Number, placed};
 
 /// A grid line with its label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Pixel coordinate across the line.
+    /// Where it lies across itself, units.
     pub at: f64,
     /// mm, as a diameter for X.
     pub label: String,
 }
 
-/// The mapping from mm to pixels and what is derived from it.
+/// The mapping from mm to units and what is derived from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
+    /// Units across and down.
+    pub size: (f64, f64),
+    /// What stands above the path.
+    pub head: Head,
+    /// What the path is drawn in, units.
+    pub frame: Area,
     scale: f64,
     left_z: f64,
     bottom_x: f64,
@@ -23,59 +33,61 @@ pub struct Layout {
     pub z_ticks: Vec<Tick>,
     /// Horizontal grid lines (X as a diameter).
     pub x_ticks: Vec<Tick>,
-    /// Pixel height of the spindle axis, if it is in the picture.
+    /// Height of the spindle axis, if it is in the picture.
     pub spindle_axis: Option<f64>,
+    /// Numbers of blocks.
+    pub numbers: Vec<Number>,
 }
 
 impl Layout {
-    /// Fits what reaches so far into the picture; Z to the right, X up, one scale.
-    pub(super) fn new(extent: Option<Extent>) -> Self {
-        let (low, high) = bounds(extent);
+    /// Fits a drawing into its picture; Z to the right, X up, one scale.
+    pub(super) fn new(drawing: &Drawing, language: Language) -> Self {
+        let size @ (width, height) = drawing.look().size.units();
+        let head = Head::new(drawing, width, language);
+        // A legend of a hundred tools leaves a small picture nothing.
+        let top = head.height.min(height / 2.0);
+        let frame = (MARGIN, top, width - MARGIN, height - MARGIN);
+        let (room_z, room_x) = (frame.2 - frame.0, frame.3 - frame.1);
+        let (low, high) = bounds(drawing.extent());
         let (wide, tall) = (high.z - low.z, high.x - low.x);
-        let (room_z, room_x) = room();
-        let scale = 1.0 / pixel_mm(high - low);
+        let scale = (room_z / wide).min(room_x / tall);
         let mut layout = Self {
+            size,
+            head,
+            frame,
             scale,
             left_z: low.z - (room_z / scale - wide) / 2.0,
             bottom_x: low.x - (room_x / scale - tall) / 2.0,
             z_ticks: Vec::new(),
             x_ticks: Vec::new(),
             spindle_axis: None,
+            numbers: Vec::new(),
         };
-        layout.z_ticks = ticks(layout.left_z, room_z / scale)
+        layout.z_ticks = ticks(layout.left_z, room_z / scale, room_z)
             .map(|z| Tick {
                 at: layout.place(Point::new(0.0, z)).0,
                 label: label(z),
             })
             .collect();
-        layout.x_ticks = ticks(layout.bottom_x * 2.0, room_x / scale * 2.0)
+        layout.x_ticks = ticks(layout.bottom_x * 2.0, room_x / scale * 2.0, room_x)
             .map(|x| Tick {
                 at: layout.place(Point::new(x / 2.0, 0.0)).1,
                 label: label(x),
             })
             .collect();
         let axis = layout.place(Point::default()).1;
-        layout.spindle_axis = (TOP..=f64::from(HEIGHT) - MARGIN)
-            .contains(&axis)
-            .then_some(axis);
+        layout.spindle_axis = (frame.1..=frame.3).contains(&axis).then_some(axis);
+        let numbers = drawing.labels().into_iter();
+        let numbers = numbers.map(|(point, words)| (layout.place(point), words));
+        layout.numbers = placed(numbers, frame);
         layout
     }
 
-    /// The pixel of a point.
+    /// Where a point lies, units.
     pub fn place(&self, point: Point) -> (f64, f64) {
-        let x = MARGIN + (point.z - self.left_z) * self.scale;
-        let y = f64::from(HEIGHT) - MARGIN - (point.x - self.bottom_x) * self.scale;
+        let x = self.frame.0 + (point.z - self.left_z) * self.scale;
+        let y = self.frame.3 - (point.x - self.bottom_x) * self.scale;
         (x, y)
-    }
-
-    /// Pixels from left to right that the grid covers.
-    pub fn across() -> (f64, f64) {
-        (MARGIN, f64::from(WIDTH) - MARGIN)
-    }
-
-    /// Pixels from top to bottom that the grid covers.
-    pub fn down() -> (f64, f64) {
-        (TOP, f64::from(HEIGHT) - MARGIN)
     }
 }
 
@@ -95,9 +107,12 @@ fn bounds(extent: Option<Extent>) -> (Point, Point) {
     (low - room, high + room)
 }
 
-/// Round values inside a stretch, about ten of them.
-fn ticks(start: f64, length: f64) -> impl Iterator<Item = f64> {
-    let raw = length / 10.0;
+/// Units between two grid lines, about.
+const BETWEEN_TICKS: f64 = 100.0;
+
+/// Round values inside a stretch that is so many units long.
+fn ticks(start: f64, length: f64, units: f64) -> impl Iterator<Item = f64> {
+    let raw = length / (units / BETWEEN_TICKS).max(1.0);
     let power = 10f64.powf(raw.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0]
         .into_iter()

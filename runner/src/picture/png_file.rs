@@ -1,24 +1,35 @@
 //! The drawing as PNG.
 
-use tiny_skia::{Color, Paint, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
-
-use gsk_core::units::Point;
+use gsk_messages::Language;
+use tiny_skia::Pixmap;
 
 use super::PictureError;
+use super::canvas::{Align, Canvas};
+use super::clip::clipped;
 use super::drawing::Drawing;
-use super::extent::{HEIGHT, WIDTH};
 use super::layout::Layout;
+use super::legend::{EDGE, GAP, SAMPLE};
+use super::pens::Pen;
+use super::pieces::Made;
+
+/// Lines of the grid, of its frame, of the spindle axis.
+const GRID: Pen = grey(0xE0, &[]);
+const FRAME: Pen = grey(0xB0, &[]);
+const SPINDLE_AXIS: Pen = grey(0x80, &[16.0, 4.0, 3.0, 4.0]);
 
 /// The whole file.
-pub fn render(drawing: &Drawing) -> Result<Vec<u8>, PictureError> {
-    let layout = Layout::new(drawing.extent());
-    let mut picture = Pixmap::new(WIDTH, HEIGHT).ok_or(PictureError::Memory)?;
-    picture.fill(Color::WHITE);
-    grid(&mut picture, &layout);
-    path(&mut picture, drawing, &layout, true);
-    path(&mut picture, drawing, &layout, false);
-    text(&mut picture, 20, 22, &drawing.title, Align::Left);
-    encode(&picture)
+pub fn render(drawing: &Drawing, language: Language) -> Result<Vec<u8>, PictureError> {
+    let layout = Layout::new(drawing, language);
+    let mut canvas = Canvas::new(drawing.look().size)?;
+    grid(&mut canvas, &layout);
+    path(&mut canvas, drawing, &layout, |made| made == Made::Rapid);
+    path(&mut canvas, drawing, &layout, |made| made != Made::Rapid);
+    for number in &layout.numbers {
+        canvas.dot(number.end, 2.0);
+        canvas.text_over_lines(number.at.0, number.at.1, &number.words);
+    }
+    head(&mut canvas, &layout);
+    encode(&canvas.into_pixels())
 }
 
 /// An opaque picture as a PNG file.
@@ -34,204 +45,57 @@ pub fn encode(picture: &Pixmap) -> Result<Vec<u8>, PictureError> {
     Ok(bytes)
 }
 
-fn paint(red: u8, green: u8, blue: u8) -> Paint<'static> {
-    let mut paint = Paint::default();
-    paint.set_color_rgba8(red, green, blue, 255);
-    paint
-}
-
-/// Points that are stroked at a time: the time of a stroke grows faster than its
-/// number of points.
-const POINTS_A_STROKE: usize = 128;
-
-/// Points nearer to the one before than this add nothing that is seen, pixels.
-const NEAR: f32 = 0.5;
-
-/// Length of a dash, and of the gap after it, pixels.
-const DASH: [f32; 2] = [6.0, 4.0];
-
-/// Draws all strokes of one kind.
-fn path(picture: &mut Pixmap, drawing: &Drawing, layout: &Layout, rapid: bool) {
-    let pen = if rapid {
-        Pen {
-            paint: paint(0xC0, 0x50, 0x20),
-            width: 1.0,
-            dashed: true,
-        }
-    } else {
-        Pen {
-            paint: paint(0x10, 0x40, 0xB0),
-            width: 2.0,
-            dashed: false,
-        }
-    };
-    for (is_rapid, points) in drawing.strokes() {
-        if is_rapid == rapid {
-            pen.stroke(picture, layout, points);
-        }
-    }
-}
-
-struct Pen {
-    paint: Paint<'static>,
-    width: f32,
-    dashed: bool,
-}
-
-impl Pen {
-    /// Draws a stroke in pieces; its dashes go on from piece to piece.
-    fn stroke(&self, picture: &mut Pixmap, layout: &Layout, points: impl Iterator<Item = Point>) {
-        let mut points = points
-            .map(|point| {
-                let (x, y) = layout.place(point);
-                (x as f32, y as f32)
-            })
-            .peekable();
-        let Some(mut last) = points.next() else {
-            return;
-        };
-        let mut along = 0.0;
-        while points.peek().is_some() {
-            let mut builder = PathBuilder::new();
-            builder.move_to(last.0, last.1);
-            let begin = along;
-            let mut count = 0;
-            while count < POINTS_A_STROKE {
-                let Some(point) = points.next() else { break };
-                let length = (point.0 - last.0).hypot(point.1 - last.1);
-                if length < NEAR && points.peek().is_some() {
-                    continue;
-                }
-                builder.line_to(point.0, point.1);
-                along += length;
-                last = point;
-                count += 1;
-            }
-            if let Some(path) = builder.finish() {
-                let stroke = self.style(begin);
-                picture.stroke_path(&path, &self.paint, &stroke, Transform::identity(), None);
-            }
-        }
-    }
-
-    /// The style of a piece that begins `along` pixels after the begin of its stroke.
-    fn style(&self, along: f32) -> Stroke {
-        let period: f32 = DASH.iter().sum();
-        let dash = self
-            .dashed
-            .then(|| StrokeDash::new(DASH.to_vec(), along % period))
-            .flatten();
-        Stroke {
-            width: self.width,
-            dash,
-            ..Stroke::default()
-        }
-    }
-}
-
-fn line(picture: &mut Pixmap, from: (f64, f64), to: (f64, f64), paint: &Paint<'_>, dash: &[f32]) {
-    let mut builder = PathBuilder::new();
-    builder.move_to(from.0 as f32, from.1 as f32);
-    builder.line_to(to.0 as f32, to.1 as f32);
-    let Some(path) = builder.finish() else { return };
-    let dash = (!dash.is_empty())
-        .then(|| StrokeDash::new(dash.to_vec(), 0.0))
-        .flatten();
-    let stroke = Stroke {
+const fn grey(shade: u8, dash: &'static [f32]) -> Pen {
+    Pen {
+        color: [shade; 3],
         width: 1.0,
         dash,
-        ..Stroke::default()
-    };
-    picture.stroke_path(&path, paint, &stroke, Transform::identity(), None);
+    }
 }
 
-fn grid(picture: &mut Pixmap, layout: &Layout) {
-    let (left, right) = Layout::across();
-    let (top, bottom) = Layout::down();
-    let pale = paint(0xE0, 0xE0, 0xE0);
+/// Draws what was made in one of two ways, as much of it as lies in the frame.
+fn path(canvas: &mut Canvas, drawing: &Drawing, layout: &Layout, wanted: impl Fn(Made) -> bool) {
+    let strokes = drawing.pieces().strokes();
+    for (made, points) in strokes.filter(|(made, _)| wanted(*made)) {
+        let points = points.map(|point| layout.place(point));
+        clipped(points, layout.frame, |part| {
+            canvas.polyline(Pen::of(made), part);
+        });
+    }
+}
+
+fn head(canvas: &mut Canvas, layout: &Layout) {
+    let head = &layout.head;
+    canvas.text(EDGE, 16.0, &head.title, Align::Left);
+    canvas.text(layout.size.0 - EDGE, 16.0, &head.summary, Align::Right);
+    for entry in &head.entries {
+        let (x, y) = entry.at;
+        canvas.line(entry.pen, (x, y), (x + SAMPLE, y));
+        canvas.text(x + SAMPLE + GAP, y - 8.0, &entry.words, Align::Left);
+    }
+}
+
+fn grid(canvas: &mut Canvas, layout: &Layout) {
+    let (left, top, right, bottom) = layout.frame;
     for tick in &layout.z_ticks {
         let at = tick.at.round() + 0.5;
-        line(picture, (at, top), (at, bottom), &pale, &[]);
-        text(
-            picture,
-            tick.at as i32,
-            bottom as i32 + 8,
-            &tick.label,
-            Align::Center,
-        );
+        canvas.line(GRID, (at, top), (at, bottom));
+        canvas.text(tick.at, bottom + 8.0, &tick.label, Align::Center);
     }
     for tick in &layout.x_ticks {
         let at = tick.at.round() + 0.5;
-        line(picture, (left, at), (right, at), &pale, &[]);
-        text(
-            picture,
-            left as i32 - 8,
-            tick.at as i32 - 8,
-            &tick.label,
-            Align::Right,
-        );
+        canvas.line(GRID, (left, at), (right, at));
+        canvas.text(left - 8.0, tick.at - 8.0, &tick.label, Align::Right);
+    }
+    let (west, north) = (left.round() + 0.5, top.round() + 0.5);
+    let (east, south) = (right.round() + 0.5, bottom.round() + 0.5);
+    let corners = [(west, north), (east, north), (east, south), (west, south)];
+    for (index, corner) in corners.into_iter().enumerate() {
+        canvas.line(FRAME, corner, corners[(index + 1) % 4]);
     }
     if let Some(at) = layout.spindle_axis {
-        let grey = paint(0x80, 0x80, 0x80);
-        line(
-            picture,
-            (left, at),
-            (right, at),
-            &grey,
-            &[16.0, 4.0, 3.0, 4.0],
-        );
+        canvas.line(SPINDLE_AXIS, (left, at), (right, at));
     }
-    text(
-        picture,
-        right as i32 + 8,
-        bottom as i32 + 8,
-        "Z mm",
-        Align::Left,
-    );
-    text(
-        picture,
-        left as i32 - 60,
-        top as i32 - 26,
-        "X ⌀ mm",
-        Align::Left,
-    );
-}
-
-#[derive(Clone, Copy)]
-enum Align {
-    Left,
-    Center,
-    Right,
-}
-
-/// Writes a text in Unifont dots; `y` is the upper edge.
-fn text(picture: &mut Pixmap, x: i32, y: i32, text: &str, align: Align) {
-    let glyphs: Vec<_> = text.chars().filter_map(unifont::get_glyph).collect();
-    let width: usize = glyphs.iter().map(|glyph| glyph.get_width()).sum();
-    let mut left = match align {
-        Align::Left => x,
-        Align::Center => x - width as i32 / 2,
-        Align::Right => x - width as i32,
-    };
-    for glyph in glyphs {
-        for dot_y in 0..16 {
-            for dot_x in 0..glyph.get_width() {
-                if glyph.get_pixel(dot_x, dot_y) {
-                    dot(picture, left + dot_x as i32, y + dot_y as i32);
-                }
-            }
-        }
-        left += glyph.get_width() as i32;
-    }
-}
-
-fn dot(picture: &mut Pixmap, x: i32, y: i32) {
-    let width = picture.width() as i32;
-    if !(0..width).contains(&x) || !(0..picture.height() as i32).contains(&y) {
-        return;
-    }
-    let index = (y * width + x) as usize;
-    if let Some(pixel) = picture.pixels_mut().get_mut(index) {
-        *pixel = tiny_skia::ColorU8::from_rgba(0x20, 0x20, 0x20, 255).premultiply();
-    }
+    canvas.text(right + 8.0, bottom + 8.0, "Z mm", Align::Left);
+    canvas.text(left - 60.0, top - 26.0, "X ⌀ mm", Align::Left);
 }

@@ -2,50 +2,105 @@
 
 use std::fmt::Write;
 
+use gsk_messages::Language;
+
+use super::clip::clipped;
 use super::drawing::Drawing;
-use super::extent::{HEIGHT, WIDTH};
 use super::layout::Layout;
+use super::legend::{EDGE, GAP, SAMPLE};
+use super::numbers::HEIGHT;
+use super::pens::Pen;
 
 /// The whole file.
-pub fn render(drawing: &Drawing) -> String {
-    let layout = Layout::new(drawing.extent());
+pub fn render(drawing: &Drawing, language: Language) -> String {
+    let layout = Layout::new(drawing, language);
+    let size = drawing.look().size;
+    let (wide, tall) = layout.size;
     let mut out = String::new();
     let _ = writeln!(
         out,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" \
-         font-family=\"sans-serif\" font-size=\"14\">\n\
-         <rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#ffffff\"/>"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
+         viewBox=\"0 0 {wide} {tall}\" font-family=\"sans-serif\" font-size=\"14\">\n\
+         <rect width=\"{wide}\" height=\"{tall}\" fill=\"#ffffff\"/>",
+        size.width(),
+        size.height()
     );
     grid(&mut out, &layout);
-    for (rapid, points) in drawing.strokes() {
-        let style = if rapid {
-            "stroke=\"#c05020\" stroke-width=\"1\" stroke-dasharray=\"6 4\""
-        } else {
-            "stroke=\"#1040b0\" stroke-width=\"2\""
-        };
-        let _ = write!(
-            out,
-            "<polyline fill=\"none\" stroke-linejoin=\"round\" {style} points=\""
-        );
-        for (index, point) in points.enumerate() {
-            let (x, y) = layout.place(point);
-            let between = if index == 0 { "" } else { " " };
-            let _ = write!(out, "{between}{x:.2},{y:.2}");
-        }
-        out.push_str("\"/>\n");
+    for (made, points) in drawing.pieces().strokes() {
+        let style = style(Pen::of(made));
+        let points = points.map(|point| layout.place(point));
+        clipped(points, layout.frame, |part| {
+            let _ = write!(
+                out,
+                "<polyline fill=\"none\" stroke-linejoin=\"round\" {style} points=\""
+            );
+            for (index, (x, y)) in part.iter().enumerate() {
+                let between = if index == 0 { "" } else { " " };
+                let _ = write!(out, "{between}{x:.2},{y:.2}");
+            }
+            out.push_str("\"/>\n");
+        });
     }
-    let _ = writeln!(
-        out,
-        "<text x=\"20\" y=\"34\" font-size=\"18\">{}</text>",
-        safe(&drawing.title)
-    );
+    numbers(&mut out, &layout);
+    head(&mut out, &layout);
     out.push_str("</svg>\n");
     out
 }
 
+fn style(pen: Pen) -> String {
+    let [red, green, blue] = pen.color;
+    let mut style = format!(
+        "stroke=\"#{red:02x}{green:02x}{blue:02x}\" stroke-width=\"{}\"",
+        pen.width
+    );
+    if !pen.dash.is_empty() {
+        let dash: Vec<String> = pen.dash.iter().map(ToString::to_string).collect();
+        let _ = write!(style, " stroke-dasharray=\"{}\"", dash.join(" "));
+    }
+    style
+}
+
+fn head(out: &mut String, layout: &Layout) {
+    let head = &layout.head;
+    let _ = writeln!(
+        out,
+        "<text x=\"{EDGE}\" y=\"30\" font-size=\"16\">{}</text>\
+         <text x=\"{}\" y=\"30\" text-anchor=\"end\">{}</text>",
+        safe(&head.title),
+        layout.size.0 - EDGE,
+        safe(&head.summary)
+    );
+    for entry in &head.entries {
+        let (x, y) = entry.at;
+        let _ = writeln!(
+            out,
+            "<text x=\"{}\" y=\"{}\">{}</text>\
+             <line x1=\"{x}\" y1=\"{y}\" x2=\"{}\" y2=\"{y}\" {}/>",
+            x + SAMPLE + GAP,
+            y + 5.0,
+            safe(&entry.words),
+            x + SAMPLE,
+            style(entry.pen)
+        );
+    }
+}
+
+fn numbers(out: &mut String, layout: &Layout) {
+    for number in &layout.numbers {
+        let ((end_x, end_y), (x, y)) = (number.end, number.at);
+        let _ = writeln!(
+            out,
+            "<circle cx=\"{end_x:.2}\" cy=\"{end_y:.2}\" r=\"2\"/>\
+             <text x=\"{x:.2}\" y=\"{:.2}\" font-size=\"13\" stroke=\"#ffffff\" \
+             stroke-width=\"3\" paint-order=\"stroke\">{}</text>",
+            y + HEIGHT - 4.0,
+            number.words
+        );
+    }
+}
+
 fn grid(out: &mut String, layout: &Layout) {
-    let (left, right) = Layout::across();
-    let (top, bottom) = Layout::down();
+    let (left, top, right, bottom) = layout.frame;
     for tick in &layout.z_ticks {
         let (at, label) = (tick.at, &tick.label);
         let _ = writeln!(
@@ -65,6 +120,13 @@ fn grid(out: &mut String, layout: &Layout) {
             at + 5.0
         );
     }
+    let _ = writeln!(
+        out,
+        "<rect x=\"{left}\" y=\"{top}\" width=\"{}\" height=\"{}\" fill=\"none\" \
+         stroke=\"#b0b0b0\"/>",
+        right - left,
+        bottom - top
+    );
     if let Some(at) = layout.spindle_axis {
         let _ = writeln!(
             out,

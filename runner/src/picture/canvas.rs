@@ -1,0 +1,175 @@
+//! Lines and words on pixels.
+
+use tiny_skia::{Color, ColorU8, Paint, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
+
+use super::PictureError;
+use super::extent::Size;
+use super::legend::width;
+use super::pens::Pen;
+
+/// Points that are stroked at a time: the time of a stroke grows faster than its
+/// number of points.
+const POINTS_A_STROKE: usize = 128;
+
+/// Points nearer to the one before than this add nothing that is seen, units.
+const NEAR: f32 = 0.5;
+
+/// Where a text lies about its point.
+#[derive(Clone, Copy)]
+pub(super) enum Align {
+    Left,
+    Center,
+    Right,
+}
+
+/// What is drawn on, in units.
+pub(super) struct Canvas {
+    pixels: Pixmap,
+    /// Pixels of a unit.
+    unit: u32,
+}
+
+impl Canvas {
+    /// White.
+    ///
+    /// # Errors
+    /// There is no memory for it.
+    pub fn new(size: Size) -> Result<Self, PictureError> {
+        let pixels = Pixmap::new(size.width(), size.height());
+        let mut pixels = pixels.ok_or(PictureError::Memory)?;
+        pixels.fill(Color::WHITE);
+        let unit = size.pixels_a_unit();
+        Ok(Self { pixels, unit })
+    }
+
+    /// What has been drawn.
+    pub fn into_pixels(self) -> Pixmap {
+        self.pixels
+    }
+
+    /// Draws a line of points, piece by piece; its dashes go on from piece to piece.
+    pub fn polyline(&mut self, pen: Pen, points: &[(f64, f64)]) {
+        let mut points = points
+            .iter()
+            .map(|(x, y)| (*x as f32, *y as f32))
+            .peekable();
+        let Some(mut last) = points.next() else {
+            return;
+        };
+        let mut along = 0.0;
+        while points.peek().is_some() {
+            let mut builder = PathBuilder::new();
+            builder.move_to(last.0, last.1);
+            let begin = along;
+            let mut count = 0;
+            while count < POINTS_A_STROKE {
+                let Some(point) = points.next() else { break };
+                let length = (point.0 - last.0).hypot(point.1 - last.1);
+                if length < NEAR && points.peek().is_some() {
+                    continue;
+                }
+                builder.line_to(point.0, point.1);
+                along += length;
+                last = point;
+                count += 1;
+            }
+            self.stroke(builder, pen, begin);
+        }
+    }
+
+    /// Draws a straight line.
+    pub fn line(&mut self, pen: Pen, from: (f64, f64), to: (f64, f64)) {
+        let mut builder = PathBuilder::new();
+        builder.move_to(from.0 as f32, from.1 as f32);
+        builder.line_to(to.0 as f32, to.1 as f32);
+        self.stroke(builder, pen, 0.0);
+    }
+
+    /// Draws a dot of a radius.
+    pub fn dot(&mut self, at: (f64, f64), radius: f32) {
+        let Some(path) = PathBuilder::from_circle(at.0 as f32, at.1 as f32, radius) else {
+            return;
+        };
+        let paint = paint([0x20; 3]);
+        let rule = tiny_skia::FillRule::Winding;
+        let scale = self.transform();
+        self.pixels.fill_path(&path, &paint, rule, scale, None);
+    }
+
+    /// Writes a text in Unifont dots; `y` is the upper edge.
+    pub fn text(&mut self, x: f64, y: f64, text: &str, align: Align) {
+        self.write(x, y, text, align, [0x20; 3]);
+    }
+
+    /// The same, with white around it that keeps it readable over lines.
+    pub fn text_over_lines(&mut self, x: f64, y: f64, text: &str) {
+        for (right, down) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
+            self.write(x + right, y + down, text, Align::Left, [0xFF; 3]);
+        }
+        self.text(x, y, text, Align::Left);
+    }
+
+    fn write(&mut self, x: f64, y: f64, text: &str, align: Align, color: [u8; 3]) {
+        let mut left = match align {
+            Align::Left => x,
+            Align::Center => x - width(text) / 2.0,
+            Align::Right => x - width(text),
+        }
+        .round() as i32;
+        let top = y.round() as i32;
+        for glyph in text.chars().filter_map(unifont::get_glyph) {
+            for down in 0..16 {
+                for right in 0..glyph.get_width() {
+                    if glyph.get_pixel(right, down) {
+                        self.square(left + right as i32, top + down as i32, color);
+                    }
+                }
+            }
+            left += glyph.get_width() as i32;
+        }
+    }
+
+    /// Fills a unit.
+    fn square(&mut self, x: i32, y: i32, [red, green, blue]: [u8; 3]) {
+        let unit = self.unit as i32;
+        let (width, height) = (self.pixels.width() as i32, self.pixels.height() as i32);
+        let color = ColorU8::from_rgba(red, green, blue, 255).premultiply();
+        for down in y * unit..(y + 1) * unit {
+            for right in x * unit..(x + 1) * unit {
+                let inside = (0..width).contains(&right) && (0..height).contains(&down);
+                let index = (down * width + right) as usize;
+                if let Some(pixel) = self.pixels.pixels_mut().get_mut(index).filter(|_| inside) {
+                    *pixel = color;
+                }
+            }
+        }
+    }
+
+    /// Strokes a path that begins `along` units after the begin of its line.
+    fn stroke(&mut self, builder: PathBuilder, pen: Pen, along: f32) {
+        let Some(path) = builder.finish() else { return };
+        let period: f32 = pen.dash.iter().sum();
+        let dash = (!pen.dash.is_empty())
+            .then(|| StrokeDash::new(pen.dash.to_vec(), along % period))
+            .flatten();
+        let stroke = Stroke {
+            width: pen.width,
+            dash,
+            ..Stroke::default()
+        };
+        let paint = paint(pen.color);
+        let scale = self.transform();
+        self.pixels.stroke_path(&path, &paint, &stroke, scale, None);
+    }
+
+    fn transform(&self) -> Transform {
+        let unit = self.unit as f32;
+        Transform::from_scale(unit, unit)
+    }
+}
+
+fn paint([red, green, blue]: [u8; 3]) -> Paint<'static> {
+    let mut paint = Paint::default();
+    paint.set_color_rgba8(red, green, blue, 255);
+    paint
+}

@@ -1,0 +1,111 @@
+//! The shape of moves: where a rapid bends, and arcs as chords.
+
+use gsk_core::memory::Parameters;
+use gsk_core::units::{Axis, Point};
+
+/// Rapid rates, for the bend in the path of a rapid with both axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RapidRates {
+    /// mm/min of radius.
+    pub x: f64,
+    /// mm/min.
+    pub z: f64,
+}
+
+impl RapidRates {
+    /// Of a control.
+    pub fn of(parameters: &Parameters) -> Self {
+        Self {
+            x: parameters.rapid_rate(Axis::X),
+            z: parameters.rapid_rate(Axis::Z),
+        }
+    }
+}
+
+/// Rapids move both axes at their own rates: at 45° on equal ones, then along the
+/// axis that has further to go. Where that bend is, if there is one.
+pub(super) fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
+    let distance = to - from;
+    let time_x = distance.x.abs() / rates.x.max(1.0);
+    let time_z = distance.z.abs() / rates.z.max(1.0);
+    if time_x == 0.0 || time_z == 0.0 {
+        return None;
+    }
+    let both = time_x.min(time_z);
+    Some(Point::new(
+        from.x + distance.x * (both / time_x),
+        from.z + distance.z * (both / time_z),
+    ))
+}
+
+/// The points of an arc after its first: as many as keep the chords within half a
+/// cell of the arc.
+///
+/// ```text
+///   sagitta = radius · (1 − cos(step / 2))
+/// ```
+pub(super) fn arc_points(
+    from: Point,
+    to: Point,
+    center: Point,
+    clockwise: bool,
+    cell_mm: f64,
+) -> impl Iterator<Item = Point> {
+    const MOST_STEPS: f64 = 4096.0;
+    let (first, last) = (from - center, to - center);
+    let radius = first.length();
+    let start = first.x.atan2(first.z);
+    let mut sweep = last.x.atan2(last.z) - start;
+    let turn = std::f64::consts::TAU;
+    if clockwise && sweep >= -1e-12 {
+        sweep -= turn;
+    } else if !clockwise && sweep <= 1e-12 {
+        sweep += turn;
+    }
+    let step = 2.0 * (1.0 - cell_mm / 2.0 / radius.max(cell_mm)).acos();
+    let steps = (sweep.abs() / step).ceil().clamp(2.0, MOST_STEPS) as u32;
+    (1..=steps).map(move |index| {
+        if index == steps {
+            return to;
+        }
+        let angle = start + sweep * f64::from(index) / f64::from(steps);
+        center + Point::new(angle.sin() * radius, angle.cos() * radius)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATES: RapidRates = RapidRates {
+        x: 3800.0,
+        z: 7600.0,
+    };
+
+    #[test]
+    fn arcs_stay_on_their_circle_and_go_the_right_way() {
+        let (from, to) = (Point::new(10.0, 0.0), Point::new(0.0, 10.0));
+        for (clockwise, sign) in [(true, 1.0), (false, -1.0)] {
+            let points: Vec<_> = arc_points(from, to, Point::default(), clockwise, 0.01).collect();
+            assert_eq!(points.last(), Some(&to));
+            for (index, point) in points.iter().enumerate() {
+                assert!((point.length() - 10.0).abs() < 1e-9);
+                let before = if index == 0 { from } else { points[index - 1] };
+                let chord_height = 10.0 - ((before + *point) * 0.5).length();
+                assert!(chord_height <= 0.005 + 1e-9);
+            }
+            // From the top, clockwise goes to the right.
+            assert!(points[0].z * sign > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_rapid_bends_where_the_first_axis_arrives() {
+        let bend = rapid_bend(Point::default(), Point::new(10.0, 100.0), RATES);
+        assert_eq!(bend, Some(Point::new(10.0, 20.0)));
+        assert_eq!(
+            rapid_bend(Point::default(), Point::new(0.0, 5.0), RATES),
+            None
+        );
+    }
+}

@@ -1,0 +1,188 @@
+//! Which block ends where: numbers beside the ends, thinned so that they can be read.
+//!
+//! While the path is still growing, one number is kept for each cell as large as a
+//! number; what stands beside another is decided when the picture is laid out.
+
+use std::collections::BTreeMap;
+
+use gsk_core::command::{ProgramId, Source};
+use gsk_core::units::Point;
+
+/// Numbers that are kept at most: a page full of them.
+const MOST: usize = 1 << 16;
+
+/// The finest cell, mm.
+const FINEST_MM: f64 = 1.0 / 1024.0;
+
+/// The number of a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Number {
+    /// Its N word.
+    Sequence(u16),
+    /// Its line, of a block without one.
+    Line(u32),
+}
+
+/// A number at the end of its block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Label {
+    at: Point,
+    number: Number,
+    /// How many ends came before.
+    order: u64,
+}
+
+/// The numbers of a path.
+#[derive(Clone, Debug)]
+pub(super) struct Labels {
+    /// By the cell they lie in.
+    kept: BTreeMap<(i32, i32), Label>,
+    cell_mm: f64,
+    /// The block in work, and where it has come to.
+    current: Option<(Source, Point)>,
+    /// Where the sequence number in force was met.
+    met: Option<(ProgramId, Option<u16>, u32)>,
+    count: u64,
+}
+
+impl Default for Labels {
+    fn default() -> Self {
+        Self {
+            kept: BTreeMap::new(),
+            cell_mm: FINEST_MM,
+            current: None,
+            met: None,
+            count: 0,
+        }
+    }
+}
+
+impl Labels {
+    /// A move of a block has come to a point.
+    pub fn push(&mut self, source: Source, to: Point) {
+        if let Some((block, end)) = self.current
+            && (block.program, block.line) != (source.program, source.line)
+        {
+            self.keep(block, end);
+        }
+        self.current = Some((source, to));
+    }
+
+    /// The last block has ended.
+    pub fn end(&mut self) {
+        if let Some((block, end)) = self.current.take() {
+            self.keep(block, end);
+        }
+    }
+
+    /// Cells as large as a number, whose height is this, mm.
+    pub fn suit(&mut self, height_mm: f64) {
+        if self.cell_mm * 2.0 <= height_mm {
+            self.coarsen(height_mm);
+        }
+    }
+
+    /// The numbers and where they belong, those of early blocks first.
+    pub fn all(&self) -> Vec<(Point, String)> {
+        let mut labels: Vec<&Label> = self.kept.values().collect();
+        labels.sort_by_key(|label| label.order);
+        let words = labels.into_iter().map(|label| match label.number {
+            Number::Sequence(number) => (label.at, format!("N{number}")),
+            Number::Line(line) => (label.at, line.to_string()),
+        });
+        words.collect()
+    }
+
+    fn keep(&mut self, block: Source, at: Point) {
+        // A block without N has the number of one before it.
+        let now = (block.program, block.sequence, block.line);
+        let same = self
+            .met
+            .is_some_and(|(program, sequence, _)| (program, sequence) == (now.0, now.1));
+        if !same {
+            self.met = Some(now);
+        }
+        let number = match block.sequence {
+            Some(sequence) if self.met == Some(now) => Number::Sequence(sequence),
+            _ => Number::Line(block.line),
+        };
+        self.count += 1;
+        let label = Label {
+            at,
+            number,
+            order: self.count,
+        };
+        let cell = self.cell(at);
+        self.kept.entry(cell).or_insert(label);
+        if self.kept.len() > MOST {
+            self.coarsen(self.cell_mm * 2.0);
+        }
+    }
+
+    fn cell(&self, at: Point) -> (i32, i32) {
+        // Saturates far beyond any machine.
+        let cell = |value: f64| (value / self.cell_mm).floor() as i32;
+        (cell(at.x), cell(at.z))
+    }
+
+    /// Goes over to the coarsest cells that are not larger than `most_mm`.
+    fn coarsen(&mut self, most_mm: f64) {
+        while self.cell_mm * 2.0 <= most_mm {
+            self.cell_mm *= 2.0;
+        }
+        let mut labels: Vec<Label> = std::mem::take(&mut self.kept).into_values().collect();
+        labels.sort_by_key(|label| label.order);
+        for label in labels {
+            let cell = self.cell(label.at);
+            self.kept.entry(cell).or_insert(label);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source(line: u32, sequence: Option<u16>) -> Source {
+        Source {
+            program: ProgramId::External,
+            line,
+            sequence,
+        }
+    }
+
+    fn words(labels: &Labels) -> Vec<String> {
+        labels.all().into_iter().map(|(_, words)| words).collect()
+    }
+
+    #[test]
+    fn a_block_is_called_by_its_own_number_or_its_line() {
+        let mut labels = Labels::default();
+        let at = |z: f64| Point::new(10.0, z);
+        labels.push(source(1, None), at(0.0));
+        labels.push(source(2, Some(10)), at(-1.0));
+        // A cycle: the block ends with its last move.
+        labels.push(source(2, Some(10)), at(-2.0));
+        // N10 is the last number met.
+        labels.push(source(3, Some(10)), at(-3.0));
+        labels.push(source(4, Some(20)), at(-4.0));
+        labels.end();
+        assert_eq!(words(&labels), ["1", "N10", "3", "N20"]);
+        assert_eq!(labels.all()[1].0, at(-2.0));
+    }
+
+    #[test]
+    fn numbers_over_each_other_are_kept_once_and_bounded() {
+        let mut labels = Labels::default();
+        labels.suit(1.0);
+        for round in 0..1000 {
+            labels.push(source(1 + round % 2, None), Point::new(5.0, 0.1));
+        }
+        labels.end();
+        assert_eq!(words(&labels), ["1"]);
+        for line in 0..140_000 {
+            labels.push(source(line, None), Point::new(f64::from(line) * 2.0, 0.0));
+        }
+        assert!(labels.kept.len() <= MOST);
+    }
+}

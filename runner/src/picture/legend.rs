@@ -1,0 +1,146 @@
+//! The words above the path: name, time, and a line of the legend for each tool.
+
+use gsk_messages::{Language, say};
+
+use super::drawing::Drawing;
+use super::extent::MARGIN;
+use super::pens::Pen;
+use super::pieces::Made;
+use crate::report::tool_word;
+use crate::words::clock;
+
+/// Units from the left and the right edge.
+pub(super) const EDGE: f64 = 20.0;
+/// Units from the top to the first row of the legend.
+const TITLE: f64 = 50.0;
+/// Height of a row of the legend, units.
+const ROW: f64 = 22.0;
+/// Length of the line of an entry, and the gap to its words, units.
+pub(super) const SAMPLE: f64 = 28.0;
+pub(super) const GAP: f64 = 8.0;
+/// Units between two entries.
+const BETWEEN: f64 = 24.0;
+/// Units below the legend, with the name of the X axis.
+const BELOW: f64 = 32.0;
+
+/// What a line means.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// The line.
+    pub pen: Pen,
+    /// Left end of the line, and its height, units.
+    pub at: (f64, f64),
+    /// What it is: T word and cutting time.
+    pub words: String,
+}
+
+/// What stands above the path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Head {
+    /// The name, as much of it as there is room for.
+    pub title: String,
+    /// The times of the whole program.
+    pub summary: String,
+    /// Tools, then rapids.
+    pub entries: Vec<Entry>,
+    /// Where the path begins below it, units.
+    pub height: f64,
+}
+
+impl Head {
+    /// Of a drawing so many units wide.
+    pub(super) fn new(drawing: &Drawing, wide: f64, language: Language) -> Self {
+        let spent = drawing.spent();
+        let (time, cutting) = (clock(spent.whole()), clock(spent.cutting()));
+        let summary = match spent.whole() > 0.0 {
+            true => say::picture_time(time, cutting).text(language),
+            false => String::new(),
+        };
+        let room = wide - 2.0 * EDGE - BETWEEN - width(&summary);
+        let title = shortened(&drawing.title, room);
+        let mut entries: Vec<(Pen, String)> = (drawing.tools().zip(0..))
+            .map(|((tool, offset, spent), index)| {
+                let (tool, time) = (tool_word((tool, offset)), clock(spent.cutting()));
+                (Pen::of(Made::Cut(index)), format!("T{tool} {time}"))
+            })
+            .collect();
+        let rapid = |(made, _)| made == Made::Rapid;
+        if drawing.pieces().strokes().any(rapid) {
+            let words = say::report_kind_rapid().text(language);
+            entries.push((Pen::of(Made::Rapid), words));
+        }
+        let (entries, rows) = flowed(entries, wide);
+        Self {
+            title,
+            summary,
+            entries,
+            height: TITLE + ROW * f64::from(rows.max(1)) - ROW / 2.0 + BELOW,
+        }
+    }
+}
+
+/// Entries side by side, in as many rows as they need.
+fn flowed(entries: Vec<(Pen, String)>, wide: f64) -> (Vec<Entry>, u32) {
+    let (mut left, mut row) = (MARGIN, 0);
+    let mut placed = Vec::with_capacity(entries.len());
+    for (pen, words) in entries {
+        let needs = SAMPLE + GAP + width(&words);
+        if left > MARGIN && left + needs > wide - EDGE {
+            left = MARGIN;
+            row += 1;
+        }
+        placed.push(Entry {
+            pen,
+            at: (left, TITLE + ROW * f64::from(row)),
+            words,
+        });
+        left += needs + BETWEEN;
+    }
+    (placed, row + 1)
+}
+
+/// Width of a text, units: that of the dots it is written in.
+pub(super) fn width(text: &str) -> f64 {
+    let glyphs = text.chars().filter_map(unifont::get_glyph);
+    glyphs.map(|glyph| glyph.get_width() as f64).sum()
+}
+
+/// As much of a text as there is room for.
+fn shortened(text: &str, room: f64) -> String {
+    if width(text) <= room {
+        return text.to_owned();
+    }
+    let mut left = room - width("…");
+    let mut out = String::new();
+    for letter in text.chars() {
+        left -= width(letter.encode_utf8(&mut [0; 4]));
+        if left < 0.0 {
+            break;
+        }
+        out.push(letter);
+    }
+    out.push('…');
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_legend_takes_the_rows_it_needs() {
+        let entry = |index| (Pen::of(Made::Cut(index)), format!("T{index:02}01 1:23.4"));
+        let (placed, rows) = flowed((0..12).map(entry).collect(), 640.0);
+        assert!(rows > 2);
+        for entry in &placed {
+            assert!(entry.at.0 + SAMPLE + GAP + width(&entry.words) <= 640.0);
+        }
+    }
+
+    #[test]
+    fn a_long_name_is_cut_off() {
+        assert_eq!(shortened("轴.CNC", 100.0), "轴.CNC");
+        let short = shortened(&"车削".repeat(100), 100.0);
+        assert!(short.ends_with('…') && width(&short) <= 100.0);
+    }
+}

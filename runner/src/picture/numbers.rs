@@ -1,0 +1,126 @@
+//! Numbers of blocks beside their ends: each where it covers no other one.
+
+use super::legend::width;
+
+/// Height of a number, units.
+pub(super) const HEIGHT: f64 = 16.0;
+
+/// Units between the end of a block and its number.
+const GAP: f64 = 4.0;
+
+/// Side of a square of the map of what is taken, units.
+const SQUARE: f64 = 8.0;
+
+/// A number that is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Number {
+    /// Where the block ends, units.
+    pub end: (f64, f64),
+    /// The upper left corner of the words, units.
+    pub at: (f64, f64),
+    /// The words.
+    pub words: String,
+}
+
+/// A part of the picture, units: left, top, right, bottom.
+pub(super) type Area = (f64, f64, f64, f64);
+
+/// Places numbers within a frame, the first ones first; those without room are left out.
+pub(super) fn placed(
+    numbers: impl Iterator<Item = ((f64, f64), String)>,
+    frame: Area,
+) -> Vec<Number> {
+    let mut map = Taken::new(frame);
+    let inside =
+        |(x, y): (f64, f64)| (frame.0..=frame.2).contains(&x) && (frame.1..=frame.3).contains(&y);
+    numbers
+        .filter(|(end, _)| inside(*end))
+        .filter_map(|(end, words)| {
+            let wide = width(&words);
+            let (left, right) = (end.0 - GAP - wide, end.0 + GAP);
+            let (above, below) = (end.1 - HEIGHT, end.1);
+            let corners = [(right, above), (left, above), (right, below), (left, below)];
+            let at = corners
+                .into_iter()
+                .find(|(x, y)| map.take((*x, *y, x + wide, y + HEIGHT)))?;
+            Some(Number { end, at, words })
+        })
+        .collect()
+}
+
+/// Which squares of the frame are taken.
+struct Taken {
+    frame: Area,
+    across: usize,
+    squares: Vec<bool>,
+}
+
+impl Taken {
+    fn new(frame: Area) -> Self {
+        let squares = |length: f64| (length.max(0.0) / SQUARE).ceil() as usize + 1;
+        let (across, down) = (squares(frame.2 - frame.0), squares(frame.3 - frame.1));
+        Self {
+            frame,
+            across,
+            squares: vec![false; across * down],
+        }
+    }
+
+    /// Takes an area, if it lies in the frame and is free.
+    fn take(&mut self, area: Area) -> bool {
+        let (left, top, right, bottom) = self.frame;
+        if area.0 < left || area.1 < top || area.2 > right || area.3 > bottom {
+            return false;
+        }
+        let square = |from: f64, to: f64| ((to - from) / SQUARE) as usize;
+        let columns = square(left, area.0)..=square(left, area.2);
+        let rows = square(top, area.1)..=square(top, area.3);
+        let all = || {
+            let across = self.across;
+            let columns = columns.clone();
+            rows.clone()
+                .flat_map(move |row| columns.clone().map(move |column| row * across + column))
+        };
+        let taken: Vec<usize> = all().collect();
+        let free = |index: &usize| self.squares.get(*index) == Some(&false);
+        if !taken.iter().all(free) {
+            return false;
+        }
+        for index in taken {
+            if let Some(square) = self.squares.get_mut(index) {
+                *square = true;
+            }
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_do_not_cover_each_other_and_stay_in_the_frame() {
+        let frame = (70.0, 60.0, 570.0, 360.0);
+        let ends = (0..500).map(|index| {
+            let at = f64::from(index);
+            ((60.0 + at * 1.1, 50.0 + at * 0.7), format!("N{index}"))
+        });
+        let numbers = placed(ends, frame);
+        assert!((20..200).contains(&numbers.len()), "{}", numbers.len());
+        let area = |number: &Number| {
+            let (x, y) = number.at;
+            (x, y, x + width(&number.words), y + HEIGHT)
+        };
+        for (index, number) in numbers.iter().enumerate() {
+            let (left, top, right, bottom) = area(number);
+            assert!(left >= frame.0 && top >= frame.1 && right <= frame.2 && bottom <= frame.3);
+            for other in &numbers[..index] {
+                let other = area(other);
+                let apart =
+                    left >= other.2 || right <= other.0 || top >= other.3 || bottom <= other.1;
+                assert!(apart, "{number:?}");
+            }
+        }
+    }
+}

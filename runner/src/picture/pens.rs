@@ -1,0 +1,63 @@
+//! Colours and lines. The colours are those of Okabe and Ito, which people with any
+//! kind of colour vision tell apart, without the yellow that white paper swallows.
+
+use super::pieces::Made;
+
+/// How a stroke is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pen {
+    /// Red, green, blue.
+    pub color: [u8; 3],
+    /// Its width, units.
+    pub width: f32,
+    /// Lengths of dash and gap, units; empty: a solid line.
+    pub dash: &'static [f32],
+}
+
+/// Blue, vermilion, green, purple, orange, sky blue, black.
+const COLORS: [[u8; 3]; 7] = [
+    [0x00, 0x72, 0xB2],
+    [0xD5, 0x5E, 0x00],
+    [0x00, 0x9E, 0x73],
+    [0xCC, 0x79, 0xA7],
+    [0xE6, 0x9F, 0x00],
+    [0x56, 0xB4, 0xE9],
+    [0x00, 0x00, 0x00],
+];
+
+/// Lines of further tools, when the colours begin anew.
+const DASHES: [&[f32]; 3] = [&[], &[14.0, 3.0], &[3.0, 2.0]];
+
+impl Pen {
+    /// Of what was made this way.
+    pub const fn of(made: Made) -> Self {
+        match made {
+            Made::Rapid => Self {
+                color: [0x90, 0x90, 0x90],
+                width: 1.0,
+                dash: &[6.0, 4.0],
+            },
+            Made::Cut(index) => {
+                let index = index as usize;
+                Self {
+                    color: COLORS[index % COLORS.len()],
+                    width: 2.0,
+                    dash: DASHES[index / COLORS.len() % DASHES.len()],
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twenty_tools_are_told_apart() {
+        let pens: Vec<Pen> = (0..20).map(|index| Pen::of(Made::Cut(index))).collect();
+        for (index, pen) in pens.iter().enumerate() {
+            assert!(!pens[..index].contains(pen), "{index}");
+        }
+    }
+}
