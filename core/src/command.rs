@@ -426,8 +426,8 @@ pub struct Conditions {
     pub tool: u8,
     /// Offset number in force, 0 = none.
     pub offset: u8,
-    /// Machine coordinates of the zero of the program's coordinates.
-    pub shift: Point,
+    /// The coordinate frame.
+    pub frame: Frame,
     /// Speed of the spindle when it begins, r/min; 0 = it stands.
     pub rpm: f64,
     /// How a thread follows the angle of the spindle.
@@ -464,7 +464,7 @@ impl Conditions {
         Self {
             tool: command.modal.tool,
             offset: command.modal.offset,
-            shift: frame.zero + frame.offset,
+            frame: *frame,
             rpm,
             thread,
         }

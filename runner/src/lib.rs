@@ -4,6 +4,7 @@
 
 pub mod board;
 pub mod execution;
+pub mod machining;
 pub mod moves;
 pub mod narration;
 pub mod partner;

@@ -37,7 +37,16 @@ struct Slab {
 }
 
 impl Slab {
-    fn new(region: Region) -> Self {
+    /// A crossing with its border may be rounded a unit off it: it is put back, so that
+    /// neighbours neither overlap nor part.
+    fn new(region: Region, number: i32) -> Self {
+        let (low, high) = (number * SLAB, (number + 1) * SLAB);
+        let on_border = |z: i32| match z {
+            z if (z - low).abs() <= 1 => low,
+            z if (z - high).abs() <= 1 => high,
+            z => z,
+        };
+        let region = region.mapped(|point| GridPoint::new(on_border(point.x), point.y));
         let bounds = region.bounds();
         Self { region, bounds }
     }
@@ -83,7 +92,7 @@ impl Part {
                     corner(number, bounds.low.y),
                     corner(number + 1, bounds.high.y),
                 );
-                Slab::new(section.common(slab.contours()))
+                Slab::new(section.common(slab.contours()), number)
             })
             .collect();
         Self {
@@ -111,7 +120,8 @@ impl Part {
             let first = self.first;
             for (index, slab) in self.passed(&bounds) {
                 // A long sweep in a slab of its own: the rest of it costs nothing.
-                let low = (first + index as i32).saturating_mul(SLAB);
+                let number = first + index as i32;
+                let low = number * SLAB;
                 let within = clipped(contour, low - 1, low + SLAB + 1);
                 let left = slab.region.without(&[within]);
                 if left == slab.region {
@@ -120,7 +130,7 @@ impl Part {
                 removed.area += slab.region.area() - left.area();
                 removed.volume += slab.region.volume() - left.volume();
                 changed = true;
-                *slab = Slab::new(left);
+                *slab = Slab::new(left, number);
             }
         }
         if changed {

@@ -99,6 +99,19 @@ impl Region {
         self.overlay(others, OverlayRule::Intersect)
     }
 
+    /// With every point moved a little; what falls together becomes one point.
+    #[must_use]
+    pub(crate) fn mapped(mut self, moved: impl Fn(GridPoint) -> GridPoint) -> Self {
+        for contour in &mut self.contours {
+            for point in contour.iter_mut() {
+                *point = moved(*point);
+            }
+            contour.dedup();
+        }
+        self.contours.retain(|contour| contour.len() > 2);
+        self
+    }
+
     /// Its shapes that hang together, each with its holes.
     pub fn pieces(&self) -> Vec<Self> {
         shapes(&self.contours, &[], OverlayRule::Subject)

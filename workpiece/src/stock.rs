@@ -75,7 +75,7 @@ pub struct Chuck {
 impl Default for Chuck {
     fn default() -> Self {
         Self {
-            diameter: Diameter(160.0),
+            diameter: Diameter(125.0),
             length: 70.0,
             jaws: 30.0,
             jaw_height: 25.0,

@@ -123,6 +123,11 @@ impl Cnc {
         }
     }
 
+    /// Whether the motion under way follows the angle of the spindle.
+    pub const fn in_thread(&self) -> bool {
+        self.drives.interpolator.in_thread()
+    }
+
     /// The F word in force, in the unit of G98 or G99.
     pub const fn feed_commanded(&self) -> f64 {
         self.run.modal.feed

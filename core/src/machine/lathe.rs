@@ -478,6 +478,11 @@ impl Lathe {
         (turns - turns.floor()) * 360.0
     }
 
+    /// Turns of the spindle since the start; backwards they count down.
+    pub const fn spindle_turns(&self) -> f64 {
+        self.spindle.turns()
+    }
+
     /// The station in place, from 1; none between stations or without tool post.
     pub fn station(&self) -> Option<u8> {
         self.turret.station()

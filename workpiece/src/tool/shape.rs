@@ -16,7 +16,7 @@ const SHANK_BACK: f64 = 1.0;
 /// A blade is so much narrower than its insert on each side, mm.
 const BLADE_RELIEF: f64 = 0.15;
 /// The turret beside a holder and beyond it, mm.
-const TURRET: (f64, f64) = (50.0, 150.0);
+const TURRET: (f64, f64) = (40.0, 150.0);
 
 /// What of a tool may touch nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

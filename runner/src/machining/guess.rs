@@ -1,0 +1,293 @@
+//! A job for a program that has none: its tools from what it does with each, its stock
+//! from where it cuts. What comes of it is a guess, and is said to be one.
+
+use std::collections::BTreeMap;
+
+use gsk_core::command::{ExecutedMove, MoveKind};
+use gsk_core::memory::Offsets;
+use gsk_core::units::{Diameter, Point};
+use gsk_workpiece::collision::Toucher;
+use gsk_workpiece::job::Job;
+use gsk_workpiece::stock::{Form, Stock};
+use gsk_workpiece::tool::{Insert, Letter, Tool};
+
+use super::Machining;
+use crate::picture::RapidRates;
+
+/// Moves that a guess looks at: the first of a program.
+pub const MOST_MOVES: usize = 20_000;
+/// Moves with which a bar is tried.
+const TRIED_MOVES: usize = 3_000;
+/// Bars that are tried.
+const MOST_BARS: usize = 8;
+/// Stock between the deepest cut and the jaws, mm.
+const TO_JAWS: f64 = 10.0;
+/// Diameter of a chuck over the radius of its stock, at least.
+const CHUCK: f64 = 5.0;
+/// What a facing cut takes at most, mm.
+const FACE: f64 = 0.5;
+/// A length that is nothing, mm.
+const NOTHING: f64 = 1e-6;
+/// Width of a grooving tool whose width nothing shows, mm.
+const GROOVE: f64 = 3.0;
+/// How far the steps of a wide groove overlap, mm.
+const OVERLAP: f64 = 0.5;
+/// A drill whose diameter nothing shows, mm.
+const DRILL: f64 = 10.0;
+
+/// What a program does with a tool.
+#[derive(Clone, Debug, Default)]
+struct Use {
+    offset: u8,
+    threads: bool,
+    /// Feeds along the spindle axis, towards the chuck and away from it.
+    along: [u32; 2],
+    /// Feeds straight in, and at the spindle axis.
+    plunges: u32,
+    drills: u32,
+    /// How often it leaves a cut towards the axis and away from it.
+    leaves: [u32; 2],
+    /// The steepest way back into the part, degrees.
+    steepest: f64,
+    /// Nearest to the axis within the part, mm of radius.
+    nearest: Option<f64>,
+    /// Where its cuts begin, Z.
+    positions: Vec<f64>,
+}
+
+/// A job for these moves of a program; `None` for one that cuts nothing.
+pub fn guess(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Option<Job> {
+    let cuts = || moves.iter().filter(|executed| is_cut(executed));
+    cuts().next()?;
+    let uses = uses(moves);
+    let tools: BTreeMap<u8, Tool> = uses
+        .iter()
+        .map(|(number, used)| (*number, tool(used, &uses, offsets)))
+        .collect();
+    let deepest = cuts().map(|cut| cut.from.z.min(cut.to.z));
+    let deepest = deepest.fold(f64::INFINITY, f64::min);
+    let is_internal = |number: u8| tools.get(&number).is_some_and(Tool::is_internal);
+    let mut radii: Vec<f64> = cuts()
+        .filter(|cut| !is_internal(cut.conditions.tool))
+        .flat_map(|cut| [cut.from.x, cut.to.x])
+        .filter(|radius| *radius > 1.0)
+        .collect();
+    if radii.is_empty() {
+        // Inside work alone: a wall around the widest bore.
+        let widest = cuts().map(|cut| cut.from.x.max(cut.to.x));
+        radii.push(widest.fold(1.0, f64::max) + 10.0);
+    }
+    radii.sort_by(|a, b| b.total_cmp(a));
+    radii.dedup_by(|a, b| (*a - *b).abs() < 0.01);
+    radii.truncate(MOST_BARS);
+    let faced = cuts()
+        .filter(|cut| cut.from.z == cut.to.z && cut.from.x.min(cut.to.x) < 2.0)
+        .map(|cut| cut.to.z)
+        .filter(|z| *z >= 0.0)
+        .fold(0.0, f64::max);
+    let bore = bore(&uses, &tools);
+    let job = |radius: f64, face: f64| {
+        let mut stock = Stock::bar(radius * 2.0, face, face - deepest.min(0.0) + TO_JAWS);
+        stock.chuck.diameter.0 = stock.chuck.diameter.0.max(radius * CHUCK);
+        if let Some(bore) = bore.filter(|bore| *bore < radius) {
+            stock.form = Form::Tube {
+                diameter: Diameter(radius * 2.0),
+                bore: Diameter(bore * 2.0),
+            };
+        }
+        Job {
+            tools: tools.clone(),
+            ..Job::new(stock)
+        }
+    };
+    // The largest bar that no rapid goes through.
+    let tried = &moves[..moves.len().min(TRIED_MOVES)];
+    let faces = [faced + FACE, faced, 0.0];
+    let first = job(radii[0], faced);
+    let free = radii.iter().find_map(|radius| {
+        faces
+            .iter()
+            .map(|face| job(*radius, *face))
+            .find(|job| is_free(job, tried, rates))
+    });
+    Some(free.unwrap_or(first))
+}
+
+fn is_cut(executed: &ExecutedMove) -> bool {
+    !matches!(executed.kind, MoveKind::Rapid | MoveKind::Dwell)
+}
+
+fn is_free(job: &Job, moves: &[ExecutedMove], rates: RapidRates) -> bool {
+    let mut machining = Machining::new(job.clone());
+    moves.iter().all(|executed| {
+        machining.moved(executed, rates);
+        let hits = |finding: &super::Finding| finding.collision.toucher == Toucher::RapidInsert;
+        !machining.findings().iter().any(hits)
+    })
+}
+
+fn uses(moves: &[ExecutedMove]) -> BTreeMap<u8, Use> {
+    let mut uses = BTreeMap::<u8, Use>::new();
+    let mut before: Option<&ExecutedMove> = None;
+    for executed in moves {
+        let conditions = &executed.conditions;
+        let used = uses.entry(conditions.tool).or_default();
+        if conditions.offset != 0 {
+            used.offset = conditions.offset;
+        }
+        used.take(
+            executed,
+            before.filter(|it| it.conditions.tool == conditions.tool),
+        );
+        before = Some(executed);
+    }
+    uses.retain(|number, used| *number != 0 && used.cuts());
+    uses
+}
+
+impl Use {
+    fn cuts(&self) -> bool {
+        self.threads || self.along != [0, 0] || self.plunges > 0 || self.drills > 0
+    }
+
+    fn take(&mut self, executed: &ExecutedMove, before: Option<&ExecutedMove>) {
+        let (from, to) = (executed.from, executed.to);
+        let way = to - from;
+        if to.z < 0.0 && executed.kind != MoveKind::Dwell {
+            let nearest = from.x.min(to.x);
+            self.nearest = Some(self.nearest.map_or(nearest, |known| known.min(nearest)));
+        }
+        let after_cut_along = before
+            .is_some_and(|before| is_cut(before) && (before.to.z - before.from.z).abs() > NOTHING);
+        if after_cut_along && way.x.abs() > NOTHING && way.z >= -NOTHING {
+            self.leaves[usize::from(way.x > 0.0)] += 1;
+        }
+        match executed.kind {
+            MoveKind::Rapid | MoveKind::Dwell => {}
+            MoveKind::Thread | MoveKind::RunOut => self.threads = true,
+            MoveKind::Feed | MoveKind::Clockwise | MoveKind::CounterClockwise => {
+                self.take_cut(from, way);
+            }
+        }
+    }
+
+    fn take_cut(&mut self, from: Point, way: Point) {
+        if way.z.abs() <= NOTHING {
+            if way.x < 0.0 {
+                self.plunges += 1;
+                self.positions.push(from.z);
+            }
+        } else if from.x.abs() <= NOTHING && way.x.abs() <= NOTHING {
+            self.drills += 1;
+        } else {
+            self.along[usize::from(way.z > 0.0)] += 1;
+            if way.z < 0.0 && way.x < 0.0 {
+                let steep = (-way.x).atan2(-way.z).to_degrees();
+                self.steepest = self.steepest.max(steep);
+            }
+        }
+    }
+
+    /// Whether its cuts lie on the inside.
+    const fn is_internal(&self) -> bool {
+        self.leaves[0] > self.leaves[1]
+    }
+
+    /// The least distance between its plunges, mm.
+    fn step(&self) -> Option<f64> {
+        let mut positions = self.positions.clone();
+        positions.sort_by(f64::total_cmp);
+        let steps = positions.windows(2).map(|pair| pair[1] - pair[0]);
+        steps.filter(|step| *step > 0.1).min_by(f64::total_cmp)
+    }
+}
+
+fn tool(used: &Use, uses: &BTreeMap<u8, Use>, offsets: &Offsets) -> Tool {
+    let row = offsets.get(used.offset);
+    let (nose, tip) = (row.r.abs(), row.t);
+    let internal = match tip {
+        0 | 9 => used.is_internal(),
+        tip => matches!(tip, 1 | 2 | 6),
+    };
+    let mut tool = if used.threads {
+        let mut tool = Tool::threading(60.0);
+        tool.tip = if internal { 6 } else { 8 };
+        return tool;
+    } else if used.drills > 0 && used.along == [0, 0] {
+        let bored = uses.values().filter(|other| other.is_internal());
+        let nearest = bored.filter_map(|other| other.nearest);
+        let diameter = nearest
+            .reduce(f64::min)
+            .map_or(DRILL, |radius| 2.0 * radius);
+        return Tool::drill(diameter.max(1.0));
+    } else if used.along == [0, 0] && used.nearest.is_some() {
+        // A groove that is wider than its tool is cut in steps of less than the tool.
+        let step = used.step().filter(|step| *step < GROOVE);
+        Tool::grooving(step.map_or(GROOVE, |step| (step + OVERLAP).min(GROOVE)))
+    } else if internal {
+        Tool::boring()
+    } else {
+        turning(used.steepest)
+    };
+    let left_hand = used.along[1] > used.along[0];
+    tool.tip = match (tip, internal, left_hand) {
+        (1..=8, ..) => tip,
+        (_, true, false) => 2,
+        (_, true, true) => 1,
+        (_, false, false) => 3,
+        (_, false, true) => 4,
+    };
+    if nose > 0.0 {
+        match &mut tool.insert {
+            Insert::Turning { nose: own, .. }
+            | Insert::Grooving { nose: own, .. }
+            | Insert::Threading { nose: own, .. } => *own = nose,
+            Insert::Drill { .. } => {}
+        }
+    }
+    if tool.check().is_ok() {
+        tool
+    } else {
+        Tool::turning()
+    }
+}
+
+/// An outside tool whose back clears a contour that goes in so steeply, degrees.
+fn turning(steepest: f64) -> Tool {
+    let insert = |letter, nose| Insert::Turning {
+        letter,
+        entering: 93.0,
+        size: 12.7,
+        nose,
+    };
+    // What is left between the second edge and the spindle axis.
+    let clears = |letter: Letter, entering: f64| 180.0 - entering - letter.corner();
+    let tool = Tool::turning();
+    if steepest <= clears(Letter::C, 95.0) {
+        tool
+    } else if steepest <= clears(Letter::D, 93.0) {
+        Tool {
+            insert: insert(Letter::D, 0.4),
+            ..tool
+        }
+    } else {
+        Tool {
+            insert: insert(Letter::V, 0.4),
+            ..tool
+        }
+    }
+}
+
+/// Radius of the hole that inside tools find, mm; none where a drill makes it.
+fn bore(uses: &BTreeMap<u8, Use>, tools: &BTreeMap<u8, Tool>) -> Option<f64> {
+    let drills = |tool: &Tool| matches!(tool.insert, Insert::Drill { .. });
+    if tools.values().any(drills) {
+        return None;
+    }
+    let inside = |number: &u8| tools.get(number).is_some_and(Tool::is_internal);
+    uses.iter()
+        .filter(|(number, _)| inside(number))
+        .filter_map(|(_, used)| used.nearest)
+        .reduce(f64::min)
+        .filter(|radius| *radius > 0.5)
+}

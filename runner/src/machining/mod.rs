@@ -1,0 +1,218 @@
+//! A program carried out on the part: its moves cut the stock, and what they hit is
+//! found with its block.
+//!
+//! The same part is cut two ways, and by the same sweeps: from the moves of a preview
+//! ([`Machining::moved`]), and tick by tick from a control that runs ([`live`]).
+
+pub mod guess;
+pub mod live;
+mod mounting;
+
+use std::collections::BTreeMap;
+
+use gsk_core::command::{ExecutedMove, MoveKind, Source, ThreadStart};
+use gsk_core::units::{Feed, Point};
+use gsk_workpiece::collision::Collision;
+use gsk_workpiece::job::Job;
+use gsk_workpiece::motion::{Kind, Motion, ThreadPath};
+use gsk_workpiece::part::Removed;
+use gsk_workpiece::scene::{Cutter, Outcome, Scene};
+use gsk_workpiece::tool::{Insert, Shape};
+
+pub use mounting::Mounting;
+
+use crate::picture::{RapidRates, rapid_bend};
+
+/// Findings that are kept.
+const MOST_FINDINGS: usize = 100;
+/// An insert that came so near to the axis has parted the bar off, mm of radius.
+const PARTED: f64 = 0.05;
+
+/// A collision and the block that made it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finding {
+    /// The block; none by hand.
+    pub source: Option<Source>,
+    /// The tool.
+    pub tool: u8,
+    /// What hit what, where, how deep.
+    pub collision: Collision,
+}
+
+/// The part of a job while a program works on it.
+#[derive(Clone, Debug)]
+pub struct Machining {
+    job: Job,
+    scene: Scene,
+    cutters: BTreeMap<u8, Cutter>,
+    mounting: Mounting,
+    /// Angle of the spindle where the last thread ended, turns.
+    phase: f64,
+    removed: Removed,
+    findings: Vec<Finding>,
+}
+
+impl Machining {
+    /// With fresh stock.
+    pub fn new(job: Job) -> Self {
+        let cutters = job
+            .tools
+            .iter()
+            .map(|(number, tool)| (*number, Cutter::new(Shape::of(tool))))
+            .collect();
+        Self {
+            scene: Scene::new(&job.stock),
+            mounting: Mounting::of(&job),
+            cutters,
+            phase: 0.0,
+            removed: Removed::default(),
+            findings: Vec::new(),
+            job,
+        }
+    }
+
+    /// The job.
+    pub const fn job(&self) -> &Job {
+        &self.job
+    }
+
+    /// Part and clamping.
+    pub const fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What was cut away so far.
+    pub const fn removed(&self) -> Removed {
+        self.removed
+    }
+
+    /// The collisions, each kind once a block, in the order in which they were met.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    /// How tools and part stand to the slide.
+    pub const fn mounting(&self) -> &Mounting {
+        &self.mounting
+    }
+
+    /// A new piece of stock is clamped; the tools stay where they are.
+    pub fn fresh_stock(&mut self) {
+        self.scene = Scene::new(&self.job.stock);
+        self.removed = Removed::default();
+        self.findings.clear();
+    }
+
+    /// A move of the program.
+    pub fn moved(&mut self, executed: &ExecutedMove, rates: RapidRates) {
+        if executed.kind == MoveKind::Dwell {
+            return;
+        }
+        let conditions = &executed.conditions;
+        let (tool, frame) = (conditions.tool, &conditions.frame);
+        if executed.kind != MoveKind::Rapid {
+            self.mounting.settle(tool, frame);
+        }
+        let shift = frame.machine(Point::default()) - self.mounting.zero_of(tool, frame);
+        let at = |point: Point| point + shift;
+        let (from, to) = (at(executed.from), at(executed.to));
+        let turning = conditions.rpm > 0.0;
+        let motion = |from, to, kind| Motion {
+            from,
+            to,
+            kind,
+            turning,
+        };
+        let source = Some(executed.source);
+        match executed.kind {
+            MoveKind::Dwell => {}
+            MoveKind::Rapid => {
+                let bend = rapid_bend(from, to, rates).unwrap_or(to);
+                self.carry_out(source, tool, &motion(from, bend, Kind::Rapid));
+                if bend != to {
+                    self.carry_out(source, tool, &motion(bend, to, Kind::Rapid));
+                }
+            }
+            MoveKind::Feed => self.carry_out(source, tool, &motion(from, to, Kind::Line)),
+            MoveKind::Clockwise | MoveKind::CounterClockwise => {
+                let kind = match executed.center {
+                    Some(center) => Kind::Arc {
+                        center: at(center),
+                        clockwise: executed.kind == MoveKind::Clockwise,
+                    },
+                    None => Kind::Line,
+                };
+                self.carry_out(source, tool, &motion(from, to, kind));
+            }
+            MoveKind::Thread | MoveKind::RunOut => {
+                let kind = self.thread(executed, from, to);
+                self.carry_out(source, tool, &motion(from, to, kind));
+            }
+        }
+    }
+
+    /// Where a thread meets the drawn plane; a tap is a straight cut.
+    fn thread(&mut self, executed: &ExecutedMove, from: Point, to: Point) -> Kind {
+        let (Some(thread), Some(Feed::PerRevolution(lead))) =
+            (executed.conditions.thread, executed.feed)
+        else {
+            return Kind::Line;
+        };
+        let path = ThreadPath {
+            from,
+            to,
+            long: thread.long,
+            lead,
+            increase: thread.increase,
+            phase: match thread.start {
+                ThreadStart::AtIndex { degrees } => degrees / 360.0,
+                ThreadStart::Continued => self.phase,
+            },
+        };
+        let (imprints, phase) = path.imprints();
+        self.phase = phase;
+        Kind::Thread(imprints)
+    }
+
+    /// Moves a tool about the part.
+    fn carry_out(&mut self, source: Option<Source>, tool: u8, motion: &Motion) {
+        let Some(cutter) = self.cutters.get(&tool) else {
+            return;
+        };
+        let Outcome { removed, collision } = self.scene.carry_out(cutter, motion);
+        self.removed.add(removed);
+        if let Some(collision) = collision {
+            self.note(Finding {
+                source,
+                tool,
+                collision,
+            });
+        }
+        let parts = removed.area > 0.0 && motion.to.x <= PARTED && self.is_grooving(tool);
+        if parts {
+            self.scene.drop_loose();
+        }
+    }
+
+    fn is_grooving(&self, tool: u8) -> bool {
+        let tool = self.job.tools.get(&tool);
+        tool.is_some_and(|tool| matches!(tool.insert, Insert::Grooving { .. }))
+    }
+
+    fn note(&mut self, finding: Finding) {
+        let same = |known: &Finding| {
+            known.source == finding.source
+                && known.tool == finding.tool
+                && known.collision.toucher == finding.collision.toucher
+                && known.collision.obstacle == finding.collision.obstacle
+        };
+        if let Some(known) = self.findings.iter_mut().find(|known| same(known)) {
+            known.collision.depth = known.collision.depth.max(finding.collision.depth);
+        } else if self.findings.len() < MOST_FINDINGS {
+            self.findings.push(finding);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
