@@ -11,10 +11,12 @@ pub mod monitor;
 mod opening;
 pub mod probe;
 mod refused;
+mod standing;
 mod thread;
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
@@ -24,6 +26,7 @@ use gsk_core::machine::Fault;
 use gsk_core::operation::{Mode, RunState};
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
+use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_link::LinkState;
 use gsk_messages::{Message, say};
@@ -32,6 +35,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::panel::{KeyEvent, SerialFile};
 use gsk_panel::refusal::Press;
 use gsk_panel::screen::Screen;
+use gsk_runner::first_look::FirstLook;
 use gsk_runner::partner::{Partner as _, Patience};
 
 use crate::dnc::{Partner, Source};
@@ -102,6 +106,8 @@ pub enum Command {
     Link(LinkOrder),
     /// Hand out the state of the pulse board, or no more.
     WatchLink(bool),
+    /// Hand out once what a preview of the control as it stands starts from.
+    HandOut(Sender<Box<Setup>>),
     /// The window is alive; held keys may stay down.
     Alive,
     /// Let go of every key.
@@ -149,7 +155,7 @@ pub struct Opened {
 }
 
 /// What the kernel tells the window besides pictures; none is lost.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Notice {
     /// A program was opened.
     Opened {
@@ -168,6 +174,8 @@ pub enum Notice {
     Said(Message),
     /// The control refused what was asked of it.
     Refused(Alarm),
+    /// A program that was opened, by the name of its file, has been looked through.
+    Looked(String, Box<FirstLook>),
     /// A key does nothing, and why; none: a key acts again.
     Key(Option<Message>),
 }
@@ -234,6 +242,15 @@ impl Console {
         // A full queue means that the kernel has stood still for a thousand
         // commands: one more would not help, and the window must not wait.
         let _ = self.commands.try_send(command);
+    }
+
+    /// What a preview of the control as it stands starts from; `None` where the kernel
+    /// gives no answer. It waits: for threads beside the window only.
+    pub fn setup(&self) -> Option<Setup> {
+        const LONGEST: Duration = Duration::from_secs(5);
+        let (to, answer) = bounded(1);
+        self.commands.send(Command::HandOut(to)).ok()?;
+        answer.recv_timeout(LONGEST).ok().map(|setup| *setup)
     }
 }
 
@@ -466,6 +483,10 @@ impl Kernel {
                 if let Some(drive) = &mut self.drive {
                     drive.watch(on);
                 }
+            }
+            Command::HandOut(to) => {
+                // Who asked may have gone.
+                let _ = to.try_send(Box::new(standing::setup(&self.emulator)));
             }
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}

@@ -395,7 +395,7 @@ fn an_opened_program_is_stored_can_be_edited_and_never_overwrites_another() {
     click(&mut bench, "Samples");
     let entry = bench.harness.get_by_label_contains("stepped shaft");
     entry.click();
-    let stored = "Opened 01-stepped-shaft.CNC: stored as program O0001";
+    let stored = "O0001, 4:";
     let mut waited = 0;
     while !says(&bench, stored) {
         std::thread::sleep(std::time::Duration::from_millis(10));
@@ -404,7 +404,7 @@ fn an_opened_program_is_stored_can_be_edited_and_never_overwrites_another() {
         assert!(waited < 1000, "not opened");
     }
     click(&mut bench, "中文");
-    assert!(says(&bench, "已打开 01-stepped-shaft.CNC: 存为程序 O0001"));
+    assert!(says(&bench, "把刀, X "));
     click(&mut bench, "English");
 
     let text = |bench: &Bench| {
@@ -436,11 +436,30 @@ fn an_opened_program_is_stored_can_be_edited_and_never_overwrites_another() {
     bench.run(50);
     assert!(says(
         &bench,
-        "it is not stored: the memory keeps its own O0001"
+        "It is not stored: the memory keeps its own O0001"
     ));
     assert_eq!(text(&bench), edited);
     let programs = bench.kernel.emulator().simulation.cnc.programs();
     assert_eq!(programs.current(), Some(ProgramId::External));
+}
+
+#[test]
+fn an_opened_program_says_at_once_what_it_does() {
+    let mut bench = Bench::new();
+    let waits_for = |bench: &mut Bench, words: &str| {
+        (0..1000).any(|_| {
+            std::thread::sleep(std::time::Duration::from_millis(10));
+            bench.run(1);
+            says(bench, words)
+        })
+    };
+    bench.open("03-grooved-pin.CNC");
+    let line = ", 2 tools, X 24–36, Z -45–2, no alarm";
+    assert!(waits_for(&mut bench, line));
+    bench.open("faulty/02-no-feed.CNC");
+    let failing = ": P/S 011 ";
+    assert!(waits_for(&mut bench, failing));
+    assert!(says(&bench, ", line "));
 }
 
 #[test]

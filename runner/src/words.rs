@@ -23,9 +23,26 @@ pub fn clock(seconds: f64) -> String {
     format!("{minutes}:{:04.1}", seconds - 60.0 * (whole / 60) as f64)
 }
 
+/// Seconds as `1:02:03` or `2:03`.
+pub fn clock_in_seconds(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
+    if hours > 0 {
+        return format!("{hours}:{minutes:02}:{seconds:02}");
+    }
+    format!("{minutes}:{seconds:02}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn clocks_have_two_digits_behind_each_colon() {
+        assert_eq!(clock_in_seconds(59.6), "1:00");
+        assert_eq!(clock_in_seconds(3723.2), "1:02:03");
+        assert_eq!(clock(63.45), "1:03.5");
+    }
 
     #[test]
     fn a_line_of_many_blocks_is_shown_by_its_beginning() {

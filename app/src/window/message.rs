@@ -4,13 +4,14 @@
 use gsk_core::alarm::Alarm;
 use gsk_core::memory::Refusal;
 use gsk_panel::keys::Key;
+use gsk_runner::first_look::FirstLook;
 
 use super::{alarm_line, key_label};
 use crate::kernel::{NotStored, Place};
 use gsk_messages::{Language, say};
 
 /// What the line of messages says.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Message {
     /// A sentence of somebody else.
     Said(gsk_messages::Message),
@@ -22,6 +23,9 @@ pub enum Message {
     Sent(String),
     /// A program was opened: its file's name.
     Opened(String, Place),
+    /// A program was looked through: its file's name, and where it stands when that is
+    /// known already.
+    Looked(String, Option<Place>, Box<FirstLook>),
     /// A file hangs over the window.
     DropHere,
     /// A right click does not keep this key.
@@ -31,12 +35,35 @@ pub enum Message {
 }
 
 impl Message {
+    /// A program was opened; what is known of it already stays.
+    pub fn opened(before: Option<Self>, file: String, place: Place) -> Self {
+        match before {
+            Some(Self::Looked(looked_at, _, look)) if looked_at == file => {
+                Self::Looked(file, Some(place), look)
+            }
+            _ => Self::Opened(file, place),
+        }
+    }
+
+    /// A program was looked through; where it stands stays known.
+    pub fn looked(before: Option<Self>, file: String, look: Box<FirstLook>) -> Self {
+        match before {
+            Some(Self::Opened(opened, place)) if opened == file => {
+                Self::Looked(file, Some(place), look)
+            }
+            _ => Self::Looked(file, None, look),
+        }
+    }
+
     /// Whether it is a warning.
-    pub const fn is_warning(&self) -> bool {
-        !matches!(
-            self,
-            Self::Sent(_) | Self::DropHere | Self::Opened(_, Place::Stored(_))
-        )
+    pub fn is_warning(&self) -> bool {
+        match self {
+            Self::Sent(_) | Self::DropHere | Self::Opened(_, Place::Stored(_)) => false,
+            Self::Looked(_, place, look) => {
+                look.has_alarm() || matches!(place, Some(Place::OnlyRun(_)))
+            }
+            _ => true,
+        }
     }
 
     /// Its words.
@@ -51,6 +78,11 @@ impl Message {
             Self::Opened(name, Place::OnlyRun(why)) => {
                 say::window_opened_only_to_run(name, why_not(why, language)).text(language)
             }
+            Self::Looked(_, Some(Place::OnlyRun(why)), look) => {
+                let why = why_not(why, language);
+                say::window_looked_only_to_run(look.line(language), why).text(language)
+            }
+            Self::Looked(_, _, look) => look.line(language),
             Self::DropHere => say::window_drop_here().text(language),
             Self::NotKept(key) => say::window_key_not_kept(key_label(*key)).text(language),
             Self::KernelGone => say::window_kernel_stopped().text(language),

@@ -4,7 +4,6 @@
 mod alarm_line;
 pub mod app;
 mod badge;
-mod extents;
 mod face;
 mod figures;
 mod files;
@@ -227,11 +226,14 @@ impl Window {
                     let shown = PathBuf::from(name);
                     let shown = shown.file_name().unwrap_or_default();
                     let shown = shown.to_string_lossy().into_owned();
-                    self.message = Some(Message::Opened(shown, place));
+                    self.message = Some(Message::opened(self.message.take(), shown, place));
                     if let Some(path) = &path {
                         self.settings.remember(path);
                     }
                     self.opened = path;
+                }
+                Notice::Looked(file, look) => {
+                    self.message = Some(Message::looked(self.message.take(), file, look));
                 }
                 Notice::Key(Some(why)) => self.message = Some(Message::KeyRefused(why)),
                 Notice::Key(None) => {

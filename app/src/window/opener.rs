@@ -6,10 +6,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use gsk_core::command::ProgramId;
 use gsk_core::program::ProgramMemory;
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::number_of_name;
+use gsk_runner::first_look;
 use gsk_runner::words::clock;
 
-use super::extents;
 use super::files::{self, Wanted};
 use super::samples::Sample;
 use crate::kernel::{Command, Console, Notice, Opened, Storing};
@@ -26,7 +29,7 @@ pub struct Opener {
     newest: Arc<AtomicU64>,
 }
 
-/// How long a program is looked through for its extents, and how many moves of it.
+/// How long a program is looked through, and how many moves of it.
 const PATIENCE: (Duration, u64) = (Duration::from_secs(20), 100_000_000);
 
 /// Between two words about a look that takes long.
@@ -70,7 +73,7 @@ impl Opener {
         });
     }
 
-    /// Hands a program to the control; its extents are found meanwhile.
+    /// Hands a program to the control; meanwhile it is looked through.
     fn hand_over(&self, opened: Opened) {
         let shown = opened.clone();
         // The queue has room for a program; the kernel empties it all the time.
@@ -103,39 +106,61 @@ impl Opener {
 }
 
 impl Opener {
-    /// Finds the extents of a program; it says how far it has come, and gives up when
-    /// that takes too long or another program is opened.
+    /// Looks a program through once: for the line that says what it does, and for the
+    /// extents of the graphic page. It says how far it has come, and gives up when that
+    /// takes too long or another program is opened.
     fn look_through(&self, opened: &Opened) {
         let number = self.newest.fetch_add(1, Ordering::Relaxed) + 1;
         let is_newest = || self.newest.load(Ordering::Relaxed) == number;
-        let tell = |said: Message| {
-            let _ = self.console.say.try_send(Notice::Said(said));
+        let tell = |notice: Notice| {
+            let _ = self.console.say.try_send(notice);
         };
         let name = Path::new(&opened.name).file_name().unwrap_or_default();
         let name = name.to_string_lossy();
+        let called = opened.program.number().or(number_of_name(&opened.name));
+        let called = called.map_or_else(|| name.to_string(), |number| format!("O{number:04}"));
+        let setup = selected(self.console.setup().unwrap_or_default(), opened);
         let patience = Patience::new(PATIENCE.0, PATIENCE.1);
         let mut news_at = Instant::now() + NEWS;
         let mut impatient = false;
-        let extents = extents::of(opened, &mut |progress| {
+        let look = first_look::look(called, &setup, &mut |progress| {
             if Instant::now() >= news_at {
                 news_at += NEWS;
-                tell(say::window_looks_through(
-                    &name,
-                    progress.line,
-                    progress.moves,
-                    clock(progress.time_s),
-                ));
+                let time = clock(progress.time_s);
+                let (line, moves) = (progress.line, progress.moves);
+                let said = say::window_looks_through(&name, line, moves, time);
+                tell(Notice::Said(said));
             }
             impatient = !patience.lasts(progress);
             !impatient && is_newest()
         });
-        if let Some((least, greatest)) = extents.filter(|_| is_newest()) {
+        if !is_newest() {
+            return;
+        }
+        if let Some((least, greatest)) = look.extents() {
             self.console.send(Command::Fit { least, greatest });
         }
-        if impatient {
-            tell(say::window_no_extents(&name, PATIENCE.0.as_secs()));
+        tell(match impatient {
+            true => Notice::Said(say::window_no_extents(&name, PATIENCE.0.as_secs())),
+            false => Notice::Looked(name.into_owned(), Box::new(look)),
+        });
+    }
+}
+
+/// The control with an opened program selected, and with those subprograms of its folder
+/// that the memory has not.
+fn selected(mut setup: Setup, opened: &Opened) -> Setup {
+    let programs = &mut setup.memory.programs;
+    for program in &opened.subprograms {
+        let known = |number| programs.stored(number).is_some();
+        if !program.number().is_some_and(known) {
+            // What does not fit the memory is missing here as in the control.
+            let _ = programs.store(program.text());
         }
     }
+    programs.open_external(opened.program.clone());
+    programs.select(ProgramId::External);
+    setup
 }
 
 /// Reads a program and its subprograms.

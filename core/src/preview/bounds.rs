@@ -20,6 +20,11 @@ impl Bounds {
         }
     }
 
+    /// Widens a box by a move, as far as an arc bulges.
+    pub fn widen(bounds: &mut Option<Self>, executed: &ExecutedMove) {
+        include(bounds, executed);
+    }
+
     fn take(&mut self, point: Point) {
         self.least = Point::new(self.least.x.min(point.x), self.least.z.min(point.z));
         self.greatest = Point::new(self.greatest.x.max(point.x), self.greatest.z.max(point.z));
