@@ -10,6 +10,7 @@ pub use gsk_runner::Language;
 use gsk_runner::picture::{Look, Size};
 use tracing::level_filters::LevelFilter;
 
+use crate::job::PartArgs;
 use crate::patience::Patience;
 use crate::setup_args::SetupArgs;
 
@@ -23,7 +24,7 @@ Examples:
   gsk980td operate lesson.txt               press keys from a script
 
 Exit codes: 0 all right, 1 the control raised an alarm (or a script failed, or a run did not come \
-to its end), 2 wrong call or file, 130 ended by Ctrl-C or a signal at a real machine.";
+to its end), 2 wrong call or file, 3 a tool hit something (--part), 130 ended by Ctrl-C or a signal at a real machine.";
 
 /// The control of a GSK980TD lathe on a PC: panel, control and simulated lathe.
 ///
@@ -184,6 +185,12 @@ pub struct RunArgs {
     /// Write time, X (diameter), Z and spindle angle of every millisecond as CSV
     #[arg(long, value_name = "FILE")]
     pub positions: Option<PathBuf>,
+    /// The part.
+    #[command(flatten)]
+    pub part: PartArgs,
+    /// Stop at the first collision of the simulated lathe (exit code 3)
+    #[arg(long, conflicts_with = "link")]
+    pub stop_on_collision: bool,
     /// Draw the executed toolpath (name ends in .png or .svg)
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
@@ -243,6 +250,9 @@ pub struct CheckArgs {
     /// How to look at them.
     #[command(flatten)]
     pub look: LookArgs,
+    /// The part.
+    #[command(flatten)]
+    pub part: PartArgs,
     /// Write every move as one JSON object a line (`-`: standard output); one program only
     #[arg(long, value_name = "FILE")]
     pub moves: Option<PathBuf>,

@@ -15,6 +15,7 @@ pub mod ending;
 pub mod files;
 pub mod guard;
 pub mod hint;
+mod job;
 pub mod kernel;
 pub mod loading;
 pub mod log;

@@ -60,8 +60,8 @@ pub struct Limits {
 pub trait Watcher {
     /// A move was executed; times count from cycle start.
     fn moved(&mut self, executed: &ExecutedMove);
-    /// A tick has passed.
-    fn ticked(&mut self, time_ms: u64, machine: Point, simulation: &Simulation);
+    /// A tick has passed. True ends the run: a tool hit something.
+    fn ticked(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool;
     /// A block begins; `line` counts from 1.
     fn block(&mut self, line: u32, text: &str, modal: &Modal);
     /// A pass of a cycle begins; only if [`Watcher::wants_explanations`].
@@ -86,6 +86,8 @@ enum End {
     Stop(Message),
     /// The end was asked for: Ctrl-C, `kill`.
     Asked,
+    /// A tool hit something, and that was to end it.
+    Collision,
     Limit,
 }
 
@@ -187,6 +189,7 @@ pub fn execute<'a>(
             End::Refused(_) => report::End::Refused,
             End::Stop(_) => report::End::Stop,
             End::Asked => report::End::Asked,
+            End::Collision => report::End::Collision,
             End::Limit => report::End::Limit,
         },
         alarm,
@@ -217,6 +220,7 @@ pub fn execute<'a>(
         parameters_changed: report::changed(&before, cnc.parameters()),
         warnings: Vec::new(),
         path: None,
+        part: None,
     };
     Ok((report, run.simulation))
 }
@@ -391,7 +395,10 @@ impl Run<'_> {
         if self.begun {
             let time_ms = self.time_ms();
             let machine = self.simulation.cnc.position_machine();
-            self.watcher.ticked(time_ms, machine, &self.simulation);
+            let collided = self.watcher.ticked(time_ms, machine, &self.simulation);
+            if collided && self.ended.is_none() {
+                self.ended = Some(End::Collision);
+            }
         }
     }
 }

@@ -5,6 +5,7 @@
 
 mod checked;
 mod end;
+mod part;
 mod spent;
 mod words;
 
@@ -21,6 +22,7 @@ use serde::Serialize;
 
 pub use checked::check;
 pub use end::End;
+pub use part::{CollisionReport, PartReport};
 pub use spent::{Seconds, ToolSeconds};
 
 use crate::moves::diameter_z;
@@ -121,6 +123,9 @@ pub struct Report {
     /// What `check` knows besides.
     #[serde(flatten)]
     pub path: Option<PathReport>,
+    /// What became of the part, if it was carried out on one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<PartReport>,
 }
 
 /// Lengths, tools and the box around the path.
@@ -208,6 +213,13 @@ impl Report {
     /// Whether the program did not come to its own end.
     pub const fn failed(&self) -> bool {
         !self.end.is_own()
+    }
+
+    /// Whether a tool hit something.
+    pub fn collided(&self) -> bool {
+        self.part
+            .as_ref()
+            .is_some_and(|part| !part.collisions.is_empty())
     }
 
     /// As one JSON object on a line of its own.

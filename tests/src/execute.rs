@@ -81,7 +81,9 @@ impl Watcher for Moves {
     fn moved(&mut self, executed: &ExecutedMove) {
         self.take(executed);
     }
-    fn ticked(&mut self, _time_ms: u64, _machine: Point, _simulation: &Simulation) {}
+    fn ticked(&mut self, _time_ms: u64, _machine: Point, _simulation: &Simulation) -> bool {
+        false
+    }
     fn block(&mut self, _line: u32, _text: &str, _modal: &Modal) {}
     fn pass(&mut self, _explanation: &Explanation) {}
     fn wants_explanations(&self) -> bool {

@@ -10,12 +10,13 @@ use gsk_core::command::ExecutedMove;
 use gsk_core::preview::Progress;
 use gsk_core::setup::Setup;
 use gsk_runner::moves;
-use gsk_runner::report::{self, Report};
+use gsk_runner::picture::RapidRates;
+use gsk_runner::report::{self, PartReport, Report};
 
-use super::{ALARM, CommandError, FINE, USAGE, output};
+use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
 use crate::apart::{Read, keep_apart};
-use crate::cli::{CheckArgs, Language, LookArgs};
-use crate::loading;
+use crate::cli::{CheckArgs, Language};
+use crate::{job, loading};
 
 /// Checks programs.
 pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
@@ -34,7 +35,7 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     if let (Some(path), [file]) = (&args.moves, &args.files[..]) {
         let mut out = output::open(path)?;
         let mut failed = None;
-        let report = check_file(&setup, file, args.look, true, &mut |executed| {
+        let report = check_file(&setup, file, args, true, &mut |executed| {
             if failed.is_none() {
                 failed = moves::write_move(&mut *out, executed).err();
             }
@@ -47,12 +48,13 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
         let aside = output::is_standard(Some(path));
         return print(&[Ok(report)], args.json, aside, args.look.lang);
     }
-    let results = all(&setup, &args.files, args.look);
+    let results = all(&setup, args);
     print(&results, args.json, false, args.look.lang)
 }
 
 /// Checks files on all cores; the results keep the order of the files.
-fn all(setup: &Setup, files: &[PathBuf], look: LookArgs) -> Vec<Result<Report, CommandError>> {
+fn all(setup: &Setup, args: &CheckArgs) -> Vec<Result<Report, CommandError>> {
+    let files = &args.files;
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<Report, CommandError>>>> =
         files.iter().map(|_| Mutex::new(None)).collect();
@@ -64,7 +66,7 @@ fn all(setup: &Setup, files: &[PathBuf], look: LookArgs) -> Vec<Result<Report, C
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(file) = files.get(index) else { break };
-                    let result = check_file(setup, file, look, alone, &mut |_| {});
+                    let result = check_file(setup, file, args, alone, &mut |_| {});
                     if let Ok(mut place) = results[index].lock() {
                         *place = Some(result);
                     }
@@ -82,22 +84,30 @@ fn all(setup: &Setup, files: &[PathBuf], look: LookArgs) -> Vec<Result<Report, C
 fn check_file(
     setup: &Setup,
     file: &Path,
-    look: LookArgs,
+    args: &CheckArgs,
     alone: bool,
     on_move: &mut dyn FnMut(&ExecutedMove),
 ) -> Result<Report, CommandError> {
+    let look = args.look;
     let mut setup = setup.clone();
     loading::open(&mut setup, &[file.to_owned()])?.print(look.lang);
     let mut watch = output::watch(&setup.memory.programs, look.patience.begin(), alone);
     let name = file.display().to_string();
     let mut goes_on = |progress: &Progress| watch.goes_on(progress);
-    Ok(report::check(
-        &name,
-        &setup,
-        look.lang,
-        on_move,
-        &mut goes_on,
-    ))
+    if !args.part.wanted() {
+        let report = report::check(&name, &setup, look.lang, on_move, &mut goes_on);
+        return Ok(report);
+    }
+    let chosen = job::choose(&args.part, Some(file), &setup)?;
+    let mut machining = chosen.machining();
+    let rates = RapidRates::of(&setup.memory.parameters);
+    let mut take = |executed: &ExecutedMove| {
+        machining.moved(executed, rates);
+        on_move(executed);
+    };
+    let mut report = report::check(&name, &setup, look.lang, &mut take, &mut goes_on);
+    report.part = Some(PartReport::new(&machining, chosen.name(), look.lang));
+    Ok(report)
 }
 
 /// `aside`: on standard error, as the moves are on standard output.
@@ -111,9 +121,12 @@ fn print(
     for result in results {
         match result {
             Ok(report) => {
-                if report.failed() {
-                    code = code.max(ALARM);
-                }
+                let own = match (report.collided(), report.failed()) {
+                    (true, _) => COLLISION,
+                    (false, true) => ALARM,
+                    (false, false) => FINE,
+                };
+                code = code.max(own);
                 output::report(report, json, aside, language)?;
             }
             Err(error) => {

@@ -15,6 +15,7 @@ use crate::ending::SignalError;
 use crate::files::data_dir::DataError;
 use crate::files::program_file::FileError;
 use crate::guard::holder::NoProgram;
+use crate::job::JobError;
 use crate::loading::LoadError;
 use crate::output::WriteError;
 use crate::picture::NameError;
@@ -38,6 +39,8 @@ pub enum CommandError {
     Execution(#[from] ExecutionError),
     /// A file.
     File(#[from] FileError),
+    /// A job.
+    Job(#[from] JobError),
     /// What does not become JSON.
     Json(#[from] serde_json::Error),
     /// The section `link` of a machine file.
@@ -122,6 +125,7 @@ impl CommandError {
             Self::Data(error) => error.message(),
             Self::Execution(error) => error.message(),
             Self::File(error) => error.message(),
+            Self::Job(error) => error.message(),
             Self::Json(error) => say::as_written(error),
             Self::Link(error) => say::as_written(error),
             Self::Load(error) => error.message(),

@@ -28,6 +28,9 @@ pub const ALARM: u8 = 1;
 /// Exit code: wrong call, or a file that cannot be used.
 pub const USAGE: u8 = 2;
 
+/// Exit code: a tool hit something.
+pub const COLLISION: u8 = 3;
+
 /// The program's own notice, its licence, and those of the packages in it.
 const NOTICES: [&str; 3] = [
     include_str!("../../../NOTICE"),

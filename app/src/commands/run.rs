@@ -12,22 +12,23 @@ use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::board::Operator;
 use gsk_runner::execution::{self, Board, Limits, Watcher};
+use gsk_runner::machining::live::Live;
 use gsk_runner::partner::Partner;
 use gsk_runner::picture::{self, Drawing, Format, RapidRates};
+use gsk_runner::report::PartReport;
 use gsk_runner::words::clock;
 use gsk_runner::{moves, narration, report};
 use indicatif::ProgressBar;
 
-use super::{ALARM, CommandError, FINE, output};
+use super::{ALARM, COLLISION, CommandError, FINE, output};
 use crate::apart::{Read, keep_apart};
 use crate::cli::RunArgs;
 use crate::dnc::{self, Source};
 use crate::ending::ENDED;
 use crate::files::data_dir::DataDir;
-use crate::kernel::live::Live;
 use crate::person::Person;
 use crate::picture::check_name;
-use crate::{loading, retained};
+use crate::{job, kernel, loading, retained};
 
 /// Ticks between two looks at the progress line.
 const PROGRESS_MS: u64 = 4096;
@@ -107,8 +108,16 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         progress: output::progress(u64::from(lines)),
         line: 0,
         pass: None,
+        live: None,
+        stops_at_collision: args.stop_on_collision,
         failed: None,
     };
+    let wants_part = args.part.wanted() || args.stop_on_collision;
+    let chosen = match wants_part {
+        true => Some(job::choose(&args.part, main.map(PathBuf::as_path), &setup)?),
+        false => None,
+    };
+    outputs.live = chosen.as_ref().map(|chosen| Live::new(chosen.machining()));
     let target = args.plot.as_deref().map(output::reserve).transpose()?;
     outputs.begin()?;
     let limits = Limits {
@@ -124,7 +133,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     let mut simulation = Simulation::new(setup);
     let board = match link {
         Some(link) => {
-            let mut live = Live::open(link, &mut simulation)?;
+            let mut live = kernel::live::Live::open(link, &mut simulation)?;
             let known = live.get_known(&mut simulation, |simulation| simulation, Simulation::tick);
             if let Err(said) = known {
                 outputs.progress.finish_and_clear();
@@ -138,8 +147,11 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         None => None,
     };
     let partner = partner.as_mut().map(|partner| partner as &mut dyn Partner);
-    let (report, simulation) =
+    let (mut report, simulation) =
         execution::execute(&name, simulation, limits, partner, board, &mut outputs)?;
+    report.part = chosen
+        .zip(outputs.live.as_ref())
+        .map(|(chosen, live)| PartReport::new(live.machining(), chosen.name(), None));
     // Each is written for itself: one that cannot be takes no other with it.
     let mut failures = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
@@ -171,6 +183,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     }
     Ok(match report.end {
         report::End::Asked => ENDED,
+        _ if report.collided() => COLLISION,
         _ if report.failed() => ALARM,
         _ => FINE,
     })
@@ -223,6 +236,9 @@ struct Outputs {
     line: u32,
     /// The pass that was explained last.
     pass: Option<u64>,
+    /// The part that is cut.
+    live: Option<Live>,
+    stops_at_collision: bool,
     /// The first thing that could not be written; the run goes on.
     failed: Option<CommandError>,
 }
@@ -263,7 +279,7 @@ impl Watcher for Outputs {
         }
     }
 
-    fn ticked(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) {
+    fn ticked(&mut self, time_ms: u64, machine: Point, simulation: &Simulation) -> bool {
         if let Some(out) = &mut self.positions {
             let degrees = simulation.lathe.spindle_degrees();
             let time_s = time_ms as f64 / 1000.0;
@@ -278,6 +294,8 @@ impl Watcher for Outputs {
             self.progress
                 .set_message(say::report_progress_time(time).to_string());
         }
+        let found = self.live.as_mut().map(|live| live.ticked(simulation));
+        self.stops_at_collision && found.is_some_and(|found| !found.is_empty())
     }
 
     fn block(&mut self, line: u32, text: &str, modal: &Modal) {

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::memory::Offsets;
+use gsk_core::preview::{Progress, preview_while};
+use gsk_core::setup::Setup;
 use gsk_core::units::{Diameter, Point};
 use gsk_workpiece::collision::Toucher;
 use gsk_workpiece::job::Job;
@@ -26,6 +28,16 @@ const TO_JAWS: f64 = 10.0;
 const CHUCK: f64 = 5.0;
 /// What a facing cut takes at most, mm.
 const FACE: f64 = 0.5;
+/// Thinner bars are none, mm of radius.
+const THINNEST: f64 = 1.0;
+/// What a bar has more than the widest cut along it, mm of radius.
+const SKIN: f64 = 1.0;
+/// Wall around the widest bore, mm.
+const WALL: f64 = 10.0;
+/// Cuts begin no farther in front of a zero at the face, mm.
+const APPROACH: f64 = 10.0;
+/// Fronts that are tried.
+const MOST_FRONTS: usize = 4;
 /// A length that is nothing, mm.
 const NOTHING: f64 = 1e-6;
 /// Width of a grooving tool whose width nothing shows, mm.
@@ -42,6 +54,8 @@ struct Use {
     threads: bool,
     /// Feeds along the spindle axis, towards the chuck and away from it.
     along: [u32; 2],
+    /// The longest of them along Z, mm.
+    longest: f64,
     /// Feeds straight in, and at the spindle axis.
     plunges: u32,
     drills: u32,
@@ -55,39 +69,33 @@ struct Use {
     positions: Vec<f64>,
 }
 
+/// A job for the selected program of a set-up, as long as `go_on` says so.
+pub fn of_program(setup: &Setup, go_on: &mut dyn FnMut(&Progress) -> bool) -> Option<Job> {
+    let mut moves = Vec::new();
+    let take = &mut |executed: &ExecutedMove| {
+        if moves.len() < MOST_MOVES {
+            moves.push(*executed);
+        }
+    };
+    preview_while(setup, &setup.memory.programs, take, go_on);
+    let rates = RapidRates::of(&setup.memory.parameters);
+    guess(&moves, &setup.memory.offsets, rates)
+}
+
 /// A job for these moves of a program; `None` for one that cuts nothing.
 pub fn guess(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Option<Job> {
-    let cuts = || moves.iter().filter(|executed| is_cut(executed));
-    cuts().next()?;
-    let uses = uses(moves);
+    let cuts: Vec<&ExecutedMove> = moves.iter().filter(|executed| is_cut(executed)).collect();
+    let deepest = cuts.iter().map(|cut| cut.from.z.min(cut.to.z));
+    let deepest = deepest.reduce(f64::min)?;
+    let front = fronts(&cuts).into_iter().fold(0.0, f64::max);
+    let uses = uses(moves, front);
     let tools: BTreeMap<u8, Tool> = uses
         .iter()
         .map(|(number, used)| (*number, tool(used, &uses, offsets)))
         .collect();
-    let deepest = cuts().map(|cut| cut.from.z.min(cut.to.z));
-    let deepest = deepest.fold(f64::INFINITY, f64::min);
-    let is_internal = |number: u8| tools.get(&number).is_some_and(Tool::is_internal);
-    let mut radii: Vec<f64> = cuts()
-        .filter(|cut| !is_internal(cut.conditions.tool))
-        .flat_map(|cut| [cut.from.x, cut.to.x])
-        .filter(|radius| *radius > 1.0)
-        .collect();
-    if radii.is_empty() {
-        // Inside work alone: a wall around the widest bore.
-        let widest = cuts().map(|cut| cut.from.x.max(cut.to.x));
-        radii.push(widest.fold(1.0, f64::max) + 10.0);
-    }
-    radii.sort_by(|a, b| b.total_cmp(a));
-    radii.dedup_by(|a, b| (*a - *b).abs() < 0.01);
-    radii.truncate(MOST_BARS);
-    let faced = cuts()
-        .filter(|cut| cut.from.z == cut.to.z && cut.from.x.min(cut.to.x) < 2.0)
-        .map(|cut| cut.to.z)
-        .filter(|z| *z >= 0.0)
-        .fold(0.0, f64::max);
     let bore = bore(&uses, &tools);
-    let job = |radius: f64, face: f64| {
-        let mut stock = Stock::bar(radius * 2.0, face, face - deepest.min(0.0) + TO_JAWS);
+    let job = |radius: f64, front: f64| {
+        let mut stock = Stock::bar(radius * 2.0, front, front - deepest.min(0.0) + TO_JAWS);
         stock.chuck.diameter.0 = stock.chuck.diameter.0.max(radius * CHUCK);
         if let Some(bore) = bore.filter(|bore| *bore < radius) {
             stock.form = Form::Tube {
@@ -100,46 +108,102 @@ pub fn guess(moves: &[ExecutedMove], offsets: &Offsets, rates: RapidRates) -> Op
             ..Job::new(stock)
         }
     };
-    // The largest bar that no rapid goes through.
+    // The largest bar that is cut and that no rapid goes through; else the one that the
+    // fewest do.
     let tried = &moves[..moves.len().min(TRIED_MOVES)];
-    let faces = [faced + FACE, faced, 0.0];
-    let first = job(radii[0], faced);
-    let free = radii.iter().find_map(|radius| {
-        faces
-            .iter()
-            .map(|face| job(*radius, *face))
-            .find(|job| is_free(job, tried, rates))
-    });
-    Some(free.unwrap_or(first))
+    let mut least: Option<(usize, Job)> = None;
+    for radius in radii(&cuts, &tools) {
+        for front in fronts(&cuts) {
+            let job = job(radius, front);
+            let Some(hits) = rapids_through(&job, tried, rates) else {
+                continue;
+            };
+            if hits == 0 {
+                return Some(job);
+            }
+            if least.as_ref().is_none_or(|(fewest, _)| hits < *fewest) {
+                least = Some((hits, job));
+            }
+        }
+    }
+    least.map(|(_, job)| job)
+}
+
+/// Radii that a bar may have, the largest first: where outside cuts begin and end, and a
+/// little more than the widest cut along it.
+fn radii(cuts: &[&ExecutedMove], tools: &BTreeMap<u8, Tool>) -> Vec<f64> {
+    let is_outside = |cut: &&&ExecutedMove| {
+        let tool = tools.get(&cut.conditions.tool);
+        tool.is_none_or(|tool| !tool.is_internal())
+    };
+    let outside = || cuts.iter().filter(is_outside);
+    let mut radii: Vec<f64> = outside()
+        .flat_map(|cut| [cut.from.x, cut.to.x])
+        .filter(|radius| *radius > THINNEST)
+        .collect();
+    let widest = |along: f64, cut: &&ExecutedMove| match cut.from.z == cut.to.z {
+        true => along,
+        false => along.max(cut.from.x.min(cut.to.x)),
+    };
+    let along = outside().fold(0.0, widest);
+    let inside = cuts.iter().fold(0.0, widest) + WALL;
+    radii.push(if along > 0.0 { along + SKIN } else { inside });
+    radii.sort_by(|a, b| b.total_cmp(a));
+    radii.dedup_by(|a, b| (*a - *b).abs() < 0.01);
+    radii.truncate(MOST_BARS);
+    radii
+}
+
+/// Where the front of a bar may lie: at the facing cuts and before them, at the zero of
+/// the program, or where its cuts begin if the zero lies at the chuck.
+fn fronts(cuts: &[&ExecutedMove]) -> Vec<f64> {
+    let faced = cuts
+        .iter()
+        .filter(|cut| cut.from.z == cut.to.z && cut.from.x.min(cut.to.x) < THINNEST)
+        .map(|cut| cut.to.z)
+        .reduce(f64::max);
+    if let Some(faced) = faced {
+        return vec![faced + FACE, faced];
+    }
+    let mut begins: Vec<f64> = cuts.iter().map(|cut| cut.from.z.max(cut.to.z)).collect();
+    begins.sort_by(|a, b| b.total_cmp(a));
+    begins.dedup_by(|a, b| (*a - *b).abs() < 0.01);
+    match begins.first() {
+        Some(first) if *first > APPROACH => {
+            begins.truncate(MOST_FRONTS);
+            begins
+        }
+        _ => vec![0.0],
+    }
 }
 
 fn is_cut(executed: &ExecutedMove) -> bool {
     !matches!(executed.kind, MoveKind::Rapid | MoveKind::Dwell)
 }
 
-fn is_free(job: &Job, moves: &[ExecutedMove], rates: RapidRates) -> bool {
+/// How many rapids go through the stock; none of a job that is not cut.
+fn rapids_through(job: &Job, moves: &[ExecutedMove], rates: RapidRates) -> Option<usize> {
     let mut machining = Machining::new(job.clone());
-    moves.iter().all(|executed| {
+    for executed in moves {
         machining.moved(executed, rates);
-        let hits = |finding: &super::Finding| finding.collision.toucher == Toucher::RapidInsert;
-        !machining.findings().iter().any(hits)
-    })
+    }
+    let hits = |finding: &&super::Finding| finding.collision.toucher == Toucher::RapidInsert;
+    let is_cut = machining.removed_volume() > 0.0;
+    is_cut.then(|| machining.findings().iter().filter(hits).count())
 }
 
-fn uses(moves: &[ExecutedMove]) -> BTreeMap<u8, Use> {
+fn uses(moves: &[ExecutedMove], front: f64) -> BTreeMap<u8, Use> {
     let mut uses = BTreeMap::<u8, Use>::new();
-    let mut before: Option<&ExecutedMove> = None;
+    let mut last: Option<&ExecutedMove> = None;
     for executed in moves {
         let conditions = &executed.conditions;
         let used = uses.entry(conditions.tool).or_default();
         if conditions.offset != 0 {
             used.offset = conditions.offset;
         }
-        used.take(
-            executed,
-            before.filter(|it| it.conditions.tool == conditions.tool),
-        );
-        before = Some(executed);
+        let before = last.filter(|it| it.conditions.tool == conditions.tool);
+        used.take(executed, before, front);
+        last = Some(executed);
     }
     uses.retain(|number, used| *number != 0 && used.cuts());
     uses
@@ -150,10 +214,10 @@ impl Use {
         self.threads || self.along != [0, 0] || self.plunges > 0 || self.drills > 0
     }
 
-    fn take(&mut self, executed: &ExecutedMove, before: Option<&ExecutedMove>) {
+    fn take(&mut self, executed: &ExecutedMove, before: Option<&ExecutedMove>, front: f64) {
         let (from, to) = (executed.from, executed.to);
         let way = to - from;
-        if to.z < 0.0 && executed.kind != MoveKind::Dwell {
+        if to.z < front && executed.kind != MoveKind::Dwell {
             let nearest = from.x.min(to.x);
             self.nearest = Some(self.nearest.map_or(nearest, |known| known.min(nearest)));
         }
@@ -181,11 +245,18 @@ impl Use {
             self.drills += 1;
         } else {
             self.along[usize::from(way.z > 0.0)] += 1;
+            self.longest = self.longest.max(way.z.abs());
             if way.z < 0.0 && way.x < 0.0 {
                 let steep = (-way.x).atan2(-way.z).to_degrees();
                 self.steepest = self.steepest.max(steep);
             }
         }
+    }
+
+    /// Whether it only goes in and out of grooves within the part; a chamfer at their
+    /// edge is no turning.
+    fn grooves(&self) -> bool {
+        self.plunges > 0 && self.longest <= GROOVE && self.nearest.is_some()
     }
 
     /// Whether its cuts lie on the inside.
@@ -220,7 +291,7 @@ fn tool(used: &Use, uses: &BTreeMap<u8, Use>, offsets: &Offsets) -> Tool {
             .reduce(f64::min)
             .map_or(DRILL, |radius| 2.0 * radius);
         return Tool::drill(diameter.max(1.0));
-    } else if used.along == [0, 0] && used.nearest.is_some() {
+    } else if used.grooves() {
         // A groove that is wider than its tool is cut in steps of less than the tool.
         let step = used.step().filter(|step| *step < GROOVE);
         Tool::grooving(step.map_or(GROOVE, |step| (step + OVERLAP).min(GROOVE)))
@@ -254,27 +325,25 @@ fn tool(used: &Use, uses: &BTreeMap<u8, Use>, offsets: &Offsets) -> Tool {
 
 /// An outside tool whose back clears a contour that goes in so steeply, degrees.
 fn turning(steepest: f64) -> Tool {
-    let insert = |letter, nose| Insert::Turning {
+    // An edge of 16 mm: shoulders are finished in one go.
+    let insert = |letter, entering, nose| Insert::Turning {
         letter,
-        entering: 93.0,
-        size: 12.7,
+        entering,
+        size: 15.875,
         nose,
     };
     // What is left between the second edge and the spindle axis.
     let clears = |letter: Letter, entering: f64| 180.0 - entering - letter.corner();
-    let tool = Tool::turning();
-    if steepest <= clears(Letter::C, 95.0) {
-        tool
+    let insert = if steepest <= clears(Letter::C, 95.0) {
+        insert(Letter::C, 95.0, 0.8)
     } else if steepest <= clears(Letter::D, 93.0) {
-        Tool {
-            insert: insert(Letter::D, 0.4),
-            ..tool
-        }
+        insert(Letter::D, 93.0, 0.4)
     } else {
-        Tool {
-            insert: insert(Letter::V, 0.4),
-            ..tool
-        }
+        insert(Letter::V, 93.0, 0.4)
+    };
+    Tool {
+        insert,
+        ..Tool::turning()
     }
 }
 

@@ -15,7 +15,7 @@ use gsk_core::units::{Feed, Point};
 use gsk_workpiece::collision::Collision;
 use gsk_workpiece::job::Job;
 use gsk_workpiece::motion::{Kind, Motion, ThreadPath};
-use gsk_workpiece::part::Removed;
+use gsk_workpiece::region::Region;
 use gsk_workpiece::scene::{Cutter, Outcome, Scene};
 use gsk_workpiece::tool::{Insert, Shape};
 
@@ -48,7 +48,8 @@ pub struct Machining {
     mounting: Mounting,
     /// Angle of the spindle where the last thread ended, turns.
     phase: f64,
-    removed: Removed,
+    /// Volume of what was parted off, mm³.
+    parted: f64,
     findings: Vec<Finding>,
 }
 
@@ -65,7 +66,7 @@ impl Machining {
             mounting: Mounting::of(&job),
             cutters,
             phase: 0.0,
-            removed: Removed::default(),
+            parted: 0.0,
             findings: Vec::new(),
             job,
         }
@@ -81,9 +82,9 @@ impl Machining {
         &self.scene
     }
 
-    /// What was cut away so far.
-    pub const fn removed(&self) -> Removed {
-        self.removed
+    /// Volume that was cut away so far, mm³; what was parted off is no part of it.
+    pub fn removed_volume(&self) -> f64 {
+        self.job.stock.section().volume() - self.scene.part().volume() - self.parted
     }
 
     /// The collisions, each kind once a block, in the order in which they were met.
@@ -99,7 +100,7 @@ impl Machining {
     /// A new piece of stock is clamped; the tools stay where they are.
     pub fn fresh_stock(&mut self) {
         self.scene = Scene::new(&self.job.stock);
-        self.removed = Removed::default();
+        self.parted = 0.0;
         self.findings.clear();
     }
 
@@ -180,7 +181,6 @@ impl Machining {
             return;
         };
         let Outcome { removed, collision } = self.scene.carry_out(cutter, motion);
-        self.removed.add(removed);
         if let Some(collision) = collision {
             self.note(Finding {
                 source,
@@ -190,7 +190,8 @@ impl Machining {
         }
         let parts = removed.area > 0.0 && motion.to.x <= PARTED && self.is_grooving(tool);
         if parts {
-            self.scene.drop_loose();
+            let loose = self.scene.drop_loose();
+            self.parted += loose.iter().map(Region::volume).sum::<f64>();
         }
     }
 

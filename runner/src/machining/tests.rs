@@ -19,10 +19,11 @@ use super::*;
 const SHAFT: &str = include_str!("../../../assets/programs/01-stepped-shaft.CNC");
 const BUSHING: &str = include_str!("../../../assets/programs/02-bushing.CNC");
 const PIN: &str = include_str!("../../../assets/programs/03-grooved-pin.CNC");
+const MANUAL: &str = include_str!("../../../assets/programs/04-manual-example.CNC");
 const GROOVE: &str = include_str!("../../../assets/programs/O1031.CNC");
 
 fn setup(texts: &[&str]) -> Setup {
-    let mut setup = Setup::default();
+    let mut setup = Setup::default().with_chuck();
     let mut programs = ProgramMemory::default();
     for text in &texts[1..] {
         programs.store(*text).unwrap();
@@ -60,13 +61,13 @@ fn guessed(setup: &Setup) -> Job {
 
 #[test]
 fn samples_cut_their_guessed_stock_without_a_collision() {
-    for texts in [&[SHAFT][..], &[BUSHING], &[PIN, GROOVE]] {
+    for texts in [&[SHAFT][..], &[BUSHING], &[PIN, GROOVE], &[MANUAL]] {
         let setup = setup(texts);
         let job = guessed(&setup);
         job.check().unwrap();
         let machining = carried_out(&setup, job.clone());
         assert_eq!(machining.findings(), [], "{job:?}");
-        assert!(machining.removed().volume > 1000.0);
+        assert!(machining.removed_volume() > 1000.0);
     }
 }
 

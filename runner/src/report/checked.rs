@@ -76,6 +76,7 @@ fn of(
             tool_times: times.tools().iter().map(ToolSeconds::from).collect(),
             ..path(preview)
         }),
+        part: None,
     }
 }
 

@@ -20,6 +20,8 @@ pub enum End {
     Stop,
     /// The end was asked for: Ctrl-C, `kill`.
     Asked,
+    /// A tool hit something, and that was to end it.
+    Collision,
     /// Given up: no end within the limits.
     Limit,
 }
@@ -35,6 +37,7 @@ impl End {
             Self::Refused => "refused",
             Self::Stop => "stop",
             Self::Asked => "ended",
+            Self::Collision => "collision",
             Self::Limit => "limit",
         }
     }

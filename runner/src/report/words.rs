@@ -63,6 +63,9 @@ impl Report {
         if let Some(path) = &self.path {
             lines.extend(path.words(words));
         }
+        if let Some(part) = &self.part {
+            lines.extend(part.words(words));
+        }
         let (x, z) = self.position.abs;
         let modal = self.modal.join(" ");
         lines.push(say::report_at_end(x, z, &self.t, modal).text(words));
@@ -75,6 +78,7 @@ impl Report {
             End::Refused => say::report_refused(),
             End::Stop => say::report_stopped(),
             End::Asked => say::report_asked(),
+            End::Collision => say::report_ended_by_collision(),
             End::Limit => say::report_given_up(say::report_limit()),
             End::M30 | End::M99 | End::Text => say::report_ended(self.end.name()),
         }

@@ -8,7 +8,7 @@ use crate::curve::{Arc, direction};
 use crate::grid::{Contour, GridPoint, to_grid};
 
 /// Part of its edge that a turning insert may cut with.
-const CUTTING_PART: f64 = 0.8;
+const CUTTING_PART: f64 = 0.95;
 /// How far the insert stands out of its holder, as a part of its edge.
 const OUT_OF_HOLDER: f64 = 0.4;
 /// A shank stands back behind the edge that leads, mm.
@@ -259,7 +259,7 @@ fn rhombic(center: Point, nose: f64, letter: Letter, entering: f64, size: f64) -
         cutting,
         back,
         out: edge * OUT_OF_HOLDER,
-        side: (tip.z + along_main.z.min(0.0) * OUT_OF_HOLDER) + SHANK_BACK,
+        side: tip.z + along_main.z.max(0.0) + SHANK_BACK,
         blade: None,
     }
 }

@@ -1,0 +1,172 @@
+//! Job files: the stock and the tools of a program, beside it.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use gsk_core::preview::Progress;
+use gsk_core::setup::Setup;
+use gsk_messages::{Message, say};
+use gsk_runner::machining::{Machining, guess};
+use gsk_workpiece::job::Job;
+
+use crate::files::program_file::{self, FileError};
+
+/// Whether a program is carried out on a part, and on which.
+#[derive(Args, Clone, Debug, Default)]
+pub struct PartArgs {
+    /// Cut the part and look for collisions (exit code 3): stock and tools come from the job file
+    /// beside the program (shaft.CNC: shaft.job.ron), else they are guessed
+    #[arg(long)]
+    pub part: bool,
+    /// The same with this job file (RON)
+    #[arg(long, value_name = "FILE")]
+    pub job: Option<PathBuf>,
+}
+
+impl PartArgs {
+    /// Whether there is to be a part.
+    pub const fn wanted(&self) -> bool {
+        self.part || self.job.is_some()
+    }
+}
+
+/// Why there is no job.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum JobError {
+    /// Its file.
+    File(#[from] FileError),
+    /// A file that is no job.
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong there.
+        error: Box<ron::Error>,
+    },
+    /// A job that breaks a rule.
+    Rule {
+        /// The file.
+        path: PathBuf,
+        /// The rule.
+        rule: Message,
+    },
+    /// There is nothing to guess from.
+    NothingCut,
+}
+
+impl JobError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::File(error) => error.message(),
+            Self::Syntax { path, line, error } => {
+                say::job_file_line(path.display(), line, say::as_written(error))
+            }
+            Self::Rule { path, rule } => say::subject_reason(path.display(), rule.clone()),
+            Self::NothingCut => say::job_cannot_be_guessed(),
+        }
+    }
+}
+
+/// A job, and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    /// The job.
+    pub job: Job,
+    /// Its file; none of a guess.
+    pub file: Option<PathBuf>,
+}
+
+impl Chosen {
+    /// A part to be cut.
+    pub fn machining(&self) -> Machining {
+        Machining::new(self.job.clone())
+    }
+
+    /// The name of its file.
+    pub fn name(&self) -> Option<String> {
+        let file = self.file.as_ref()?;
+        Some(file.display().to_string())
+    }
+}
+
+/// The file of the job of a program.
+pub fn beside(program: &Path) -> PathBuf {
+    program.with_extension("job.ron")
+}
+
+/// Reads a job file.
+///
+/// # Errors
+/// The file, or the rule that is broken.
+pub fn read(path: &Path) -> Result<Job, JobError> {
+    let file = program_file::read(path)?;
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let job: Job = options
+        .from_str(&file.text)
+        .map_err(|error| JobError::Syntax {
+            path: path.to_owned(),
+            line: error.span.start.line,
+            error: Box::new(error.code),
+        })?;
+    job.check().map_err(|rule| JobError::Rule {
+        path: path.to_owned(),
+        rule,
+    })?;
+    Ok(job)
+}
+
+/// The job of the program in a set-up: the file that was named, the one beside the
+/// program, or a guess.
+///
+/// # Errors
+/// No job can be had.
+pub fn choose(args: &PartArgs, program: Option<&Path>, setup: &Setup) -> Result<Chosen, JobError> {
+    let beside = program.map(beside).filter(|path| path.exists());
+    if let Some(path) = args.job.clone().or(beside) {
+        let job = read(&path)?;
+        return Ok(Chosen {
+            job,
+            file: Some(path),
+        });
+    }
+    let goes_on = &mut |progress: &Progress| progress.moves < guess::MOST_MOVES as u64;
+    let job = guess::of_program(setup, goes_on).ok_or(JobError::NothingCut)?;
+    Ok(Chosen { job, file: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_job_of_a_program_lies_beside_it() {
+        assert_eq!(
+            beside(Path::new("a/shaft.v2.CNC")),
+            Path::new("a/shaft.v2.job.ron")
+        );
+    }
+
+    #[test]
+    fn a_file_that_is_no_job_is_named_with_its_line() {
+        let folder = std::env::temp_dir().join(format!("gsk980td-job-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("part.job.ron");
+        for (text, wanted) in [
+            ("(\n stock: 5\n)", "line 2"),
+            (
+                "(stock: (form: Bar(diameter: -4), length: 9, overhang: 5))",
+                "-4",
+            ),
+            ("(stok: 1)", "stok"),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            let said = read(&path).unwrap_err().to_string();
+            assert!(said.contains(wanted), "{said}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
