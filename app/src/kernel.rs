@@ -9,6 +9,7 @@ mod linked;
 pub mod live;
 pub mod monitor;
 mod opening;
+pub mod part;
 pub mod probe;
 mod refused;
 mod standing;
@@ -39,6 +40,7 @@ use gsk_runner::first_look::FirstLook;
 use gsk_runner::partner::{Partner as _, Patience};
 
 use crate::dnc::{Partner, Source};
+use crate::job::Chosen;
 pub use drive::Connection;
 use drive::Drive;
 use edges::{Edge, Edges};
@@ -46,6 +48,7 @@ use link_view::LinkView;
 use monitor::MachineView;
 use opening::LastOpened;
 pub use opening::{NotStored, Place};
+use part::{PartSide, PartView};
 use probe::{Probe, Probing};
 use refused::{Refusals, Verdict};
 pub use thread::{KernelThread, Outside, start};
@@ -108,6 +111,12 @@ pub enum Command {
     WatchLink(bool),
     /// Hand out once what a preview of the control as it stands starts from.
     HandOut(Sender<Box<Setup>>),
+    /// The job of the part in the simulated lathe, on fresh stock; none: there is none.
+    Job(Option<Box<Chosen>>),
+    /// New stock is clamped.
+    FreshStock,
+    /// Whether the simulated lathe stops where a tool hits something.
+    CrashStops(bool),
     /// The window is alive; held keys may stay down.
     Alive,
     /// Let go of every key.
@@ -230,6 +239,8 @@ pub struct Console {
     pub machine: Arc<ArrayQueue<MachineView>>,
     /// The newest state of the pulse board, while it is asked for.
     pub link: Arc<ArrayQueue<LinkView>>,
+    /// The newest state of the part, while there is a job.
+    pub part: Arc<ArrayQueue<PartView>>,
     /// Messages.
     pub notices: Receiver<Notice>,
     /// For helpers that read files: their messages come out of `notices`.
@@ -288,6 +299,8 @@ pub struct Kernel {
     speed_percent: u32,
     /// Only while a scope is open.
     probing: Option<Probing>,
+    /// The part that is cut.
+    part: PartSide,
     quit: bool,
 }
 
@@ -299,6 +312,7 @@ impl Kernel {
         let pictures = Arc::new(ArrayQueue::new(1));
         let machine = Arc::new(ArrayQueue::new(1));
         let links = Arc::new(ArrayQueue::new(1));
+        let part = Arc::new(ArrayQueue::new(1));
         let kernel = Self {
             emulator,
             commands: from_window,
@@ -317,6 +331,7 @@ impl Kernel {
             last: None,
             speed_percent: 100,
             probing: None,
+            part: PartSide::new(Arc::clone(&part)),
             quit: false,
         };
         (
@@ -326,6 +341,7 @@ impl Kernel {
                 pictures,
                 machine,
                 link: links,
+                part,
                 notices: from_kernel,
                 say: notices,
             },
@@ -377,11 +393,20 @@ impl Kernel {
         if let Some(probing) = &mut self.probing {
             probing.take(self.tick, &self.emulator);
         }
+        let simulated = self.drive.is_none();
+        let simulation = &mut self.emulator.simulation;
+        if let Some(finding) = self.part.ticked(simulation, simulated) {
+            let collision = finding.collision;
+            let (x, z) = (collision.tip.diameter().0, collision.tip.z);
+            let what = collision.message();
+            self.say(Notice::Said(say::window_collision(what, x, z)));
+        }
     }
 
     /// Puts out a picture if anything has changed since the last one.
     pub fn show(&mut self) -> bool {
-        let monitored = self.show_machine();
+        let part_shown = self.part.show(&self.emulator.simulation);
+        let monitored = self.show_machine() || part_shown;
         let snapshot = self.snapshot();
         if self.last.as_ref() == Some(&snapshot) {
             return monitored;
@@ -466,6 +491,9 @@ impl Kernel {
                     self.say(Notice::Refused(alarm));
                 }
             }
+            Command::Job(chosen) => self.part.set(chosen.map(|chosen| *chosen)),
+            Command::FreshStock => self.part.fresh_stock(),
+            Command::CrashStops(stops) => self.part.set_crash_stops(stops),
             Command::PowerCycle => self.emulator.power_cycle(),
             Command::ForceInput(address, state) => {
                 self.emulator.simulation.lathe.force_input(address, state);

@@ -1,0 +1,164 @@
+//! The part in the simulated lathe: it is cut as the slides move, and a crash may stop
+//! the lathe.
+
+use std::sync::Arc;
+
+use crossbeam::queue::ArrayQueue;
+use gsk_core::command::Frame;
+use gsk_core::machine::Fault;
+use gsk_core::simulation::Simulation;
+use gsk_core::units::{Axis, Point};
+use gsk_runner::machining::Finding;
+use gsk_runner::machining::live::Live;
+use gsk_workpiece::job::Job;
+use gsk_workpiece::region::Region;
+
+use crate::job::Chosen;
+
+/// The part and the lathe about it at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartView {
+    /// The job.
+    pub job: Arc<Job>,
+    /// It was guessed.
+    pub guessed: bool,
+    /// What is left of the stock, half section.
+    pub section: Arc<Region>,
+    /// Tool in the working position, 0 = none.
+    pub tool: u8,
+    /// Its tip, part coordinates.
+    pub tip: Point,
+    /// Slide position at which the tip stands on the zero of the part, machine
+    /// coordinates: `part = program + zero of the frame + offset − this`.
+    pub zero: Point,
+    /// The coordinate frame of the control.
+    pub frame: Frame,
+    /// Speed of the spindle, r/min; backwards less than 0.
+    pub rpm: f64,
+    /// Coolant flows.
+    pub coolant: bool,
+    /// The chuck holds the stock.
+    pub clamped: bool,
+    /// The tailstock's quill is out.
+    pub tailstock_forward: bool,
+    /// The guard door is open.
+    pub door_open: bool,
+    /// What was hit.
+    pub findings: Vec<Finding>,
+}
+
+/// The kernel's side of the part.
+#[derive(Debug)]
+pub(super) struct PartSide {
+    live: Option<Live>,
+    job: Arc<Job>,
+    guessed: bool,
+    crash_stops: bool,
+    section: Arc<Region>,
+    /// The version of the part that `section` shows.
+    shown: Option<u64>,
+    last: Option<PartView>,
+    views: Arc<ArrayQueue<PartView>>,
+}
+
+impl PartSide {
+    /// No part yet.
+    pub(super) fn new(views: Arc<ArrayQueue<PartView>>) -> Self {
+        Self {
+            live: None,
+            job: Arc::new(Job::new(gsk_workpiece::stock::Stock::bar(50.0, 0.0, 60.0))),
+            guessed: true,
+            crash_stops: false,
+            section: Arc::default(),
+            shown: None,
+            last: None,
+            views,
+        }
+    }
+
+    /// Another job, on fresh stock; none: nobody looks at the part any more.
+    pub(super) fn set(&mut self, chosen: Option<Chosen>) {
+        self.shown = None;
+        self.last = None;
+        self.live = chosen.map(|chosen| {
+            self.job = Arc::new(chosen.job.clone());
+            self.guessed = chosen.file.is_none();
+            Live::new(chosen.machining())
+        });
+    }
+
+    /// New stock is clamped.
+    pub(super) fn fresh_stock(&mut self) {
+        if let Some(live) = &mut self.live {
+            live.fresh_stock();
+        }
+        self.shown = None;
+    }
+
+    /// Whether the lathe stops at a crash.
+    pub(super) const fn set_crash_stops(&mut self, stops: bool) {
+        self.crash_stops = stops;
+    }
+
+    /// After a tick: cuts the part; returns the first collision that was met in it. With
+    /// a crash the spindle of a simulated lathe stalls and the drive that ran into it
+    /// trips; a real one is not stopped by what is believed of its part.
+    pub(super) fn ticked(
+        &mut self,
+        simulation: &mut Simulation,
+        simulated: bool,
+    ) -> Option<Finding> {
+        let finding = *self.live.as_mut()?.ticked(simulation).first()?;
+        if self.crash_stops && simulated {
+            let velocity = simulation.cnc.distance_to_go();
+            let axis = match velocity.x.abs() > velocity.z.abs() {
+                true => Axis::X,
+                false => Axis::Z,
+            };
+            let drive = match axis {
+                Axis::X => Fault::DriveX,
+                Axis::Z => Fault::DriveZ,
+            };
+            simulation.lathe.set_fault(drive, true);
+            simulation.lathe.set_fault(Fault::SpindleBlocked, true);
+        }
+        Some(finding)
+    }
+
+    /// Puts out the part if it has changed since the last time.
+    pub(super) fn show(&mut self, simulation: &Simulation) -> bool {
+        let Some(live) = &self.live else {
+            return false;
+        };
+        let part = live.machining().scene().part();
+        if self.shown != Some(part.version()) {
+            self.shown = Some(part.version());
+            self.section = Arc::new(part.section());
+        }
+        let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
+        let tool = lathe.station().unwrap_or(cnc.tool().0);
+        let frame = cnc.frame();
+        let mounting = live.machining().mounting();
+        let view = PartView {
+            job: Arc::clone(&self.job),
+            guessed: self.guessed,
+            section: Arc::clone(&self.section),
+            tool,
+            tip: mounting.tip(tool, cnc.position_machine(), &frame),
+            zero: mounting.zero_of(tool, &frame),
+            frame,
+            rpm: lathe.spindle_rpm(),
+            coolant: lathe.coolant(),
+            clamped: lathe.chuck_clamped(),
+            tailstock_forward: lathe.tailstock_forward(),
+            door_open: lathe.has_fault(Fault::DoorOpen),
+            findings: live.machining().findings().to_vec(),
+        };
+        if self.last.as_ref() == Some(&view) {
+            return false;
+        }
+        self.views.force_push(view.clone());
+        self.last = Some(view);
+        true
+    }
+}
