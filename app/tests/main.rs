@@ -10,6 +10,8 @@
 mod acceptance;
 mod command_line;
 mod common;
+
+mod layouts;
 mod lease;
 mod notices;
 mod overwriting;

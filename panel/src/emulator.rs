@@ -262,7 +262,7 @@ impl Emulator {
             wheel: self.panel.wheel(),
             real: false,
         };
-        faceplate::paint(&state, scale)
+        faceplate::paint(faceplate::Area::WHOLE, &state, scale)
     }
 
     /// Whether a lamp is lit.

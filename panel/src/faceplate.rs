@@ -1,6 +1,7 @@
 //! The geometry of the panel: one table of parts in panel units, from which the
 //! window and the painter here draw, and the pointer is looked up
-//! (manual III-1.2).
+//! (manual III-1.2). Where a window is too narrow for the whole panel, its three
+//! [areas](Area::APART) stand by themselves.
 //!
 //! One panel unit is half a dot of the LCD, so that the LCD is drawn with whole
 //! dots at every scale that is a multiple of one half.
@@ -54,6 +55,14 @@ impl Rect {
     /// Whether a place lies inside.
     pub fn contains(&self, x: f32, y: f32) -> bool {
         (self.x..self.x + self.w).contains(&x) && (self.y..self.y + self.h).contains(&y)
+    }
+
+    /// Whether another rectangle lies inside.
+    pub fn encloses(&self, inner: &Self) -> bool {
+        self.x <= inner.x
+            && self.y <= inner.y
+            && inner.x + inner.w <= self.x + self.w
+            && inner.y + inner.h <= self.y + self.h
     }
 
     /// Whether two rectangles have area in common.
@@ -251,6 +260,40 @@ impl Part {
 pub fn parts() -> &'static [Part] {
     static PARTS: LazyLock<Vec<Part>> = LazyLock::new(layout::parts);
     &PARTS
+}
+
+/// A piece of the panel with a housing of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// What it holds of the panel, panel units.
+    pub rect: Rect,
+}
+
+impl Area {
+    /// The panel as it is built.
+    pub const WHOLE: Self = Self {
+        rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
+    };
+
+    /// LCD, edit keyboard, and machine keys with the additional panel.
+    pub const APART: [Self; 3] = layout::APART;
+
+    /// Whether a part stands in it.
+    pub fn holds(&self, part: &Part) -> bool {
+        part.what == What::Housing || self.rect.encloses(&part.rect)
+    }
+
+    /// What stands in it, in drawing order; its housing is as large as it is.
+    pub fn parts(self) -> impl Iterator<Item = Part> {
+        let held = parts().iter().filter(move |part| self.holds(part));
+        held.map(move |part| Part {
+            rect: match part.what {
+                What::Housing => self.rect,
+                _ => part.rect,
+            },
+            ..*part
+        })
+    }
 }
 
 /// The part of a key.

@@ -6,10 +6,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::bounded;
-use eframe::egui;
+use eframe::egui::{self, ViewportCommand};
 use gsk_messages::{Message, say};
 
 use super::figures::Figures;
+use super::layout::floating;
 use super::{Settings, TITLE, Window, fonts};
 use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
@@ -17,10 +18,13 @@ use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
 use crate::retained::{Keeper, Restored};
 use crate::transfer;
 
-/// Size of the window at the first start, points: the LCD at two pixels a dot.
+/// Size of the window before the monitor is known, points: the LCD at two pixels a dot.
 const SIZE: [f32; 2] = [1280.0, 806.0];
-/// Share of the monitor that the window may take.
+/// Share of the monitor that the window takes at the first start.
 const MOST: f32 = 0.92;
+/// What is remembered is written when it has stood so long: a splitter that is dragged
+/// is not written a hundred times.
+const SETTLED: Duration = Duration::from_secs(1);
 
 /// What the window starts with.
 pub struct Start {
@@ -80,6 +84,8 @@ struct App {
     ending: Ending,
     data: Arc<DataDir>,
     saved: Settings,
+    /// What is not written yet, and since when.
+    changed: Option<(Settings, Instant)>,
     sized: bool,
     title: String,
     figures: Option<Figures>,
@@ -138,31 +144,27 @@ impl App {
             ending,
             data,
             saved: settings,
+            changed: None,
             sized: false,
             title: TITLE.to_owned(),
             figures: figures.map(Figures::new),
         })
     }
 
-    /// Makes the window as large as the monitor allows in whole steps of half the
-    /// panel's size, so that dots of the LCD stay whole.
+    /// Makes the window as large as it was last, or as the monitor allows.
     fn size_once(&mut self, context: &egui::Context) {
         if self.sized {
+            self.window.remember_place(context);
             return;
         }
         let Some(monitor) = context.input(|input| input.viewport().monitor_size) else {
             return;
         };
         self.sized = true;
-        let fits = (monitor.x / SIZE[0]).min(monitor.y / SIZE[1]) * MOST;
-        let steps = (fits * 2.0).floor() / 2.0;
-        if steps > 1.0 {
-            let size = egui::vec2(SIZE[0] * steps, (SIZE[1] - 50.0) * steps + 50.0);
-            context.send_viewport_cmd(egui::ViewportCommand::InnerSize(size));
-        } else if fits < 1.0 {
-            let size = egui::vec2(SIZE[0], SIZE[1]) * fits;
-            context.send_viewport_cmd(egui::ViewportCommand::InnerSize(size));
-        }
+        let last = self.window.settings().layouts.window;
+        let (corner, size) = floating::main_window(last, monitor, MOST);
+        context.send_viewport_cmd(ViewportCommand::InnerSize(size));
+        context.send_viewport_cmd(ViewportCommand::OuterPosition(corner));
     }
 
     /// The title says it, too, when the keys move a real machine.
@@ -170,7 +172,26 @@ impl App {
         let title = self.window.title();
         if title != self.title {
             self.title.clone_from(&title);
-            context.send_viewport_cmd(egui::ViewportCommand::Title(title));
+            context.send_viewport_cmd(ViewportCommand::Title(title));
+        }
+    }
+
+    /// Writes what is remembered, once it has stood a while.
+    fn keep_settings(&mut self, context: &egui::Context) {
+        let settings = self.window.settings();
+        if *settings == self.saved {
+            self.changed = None;
+            return;
+        }
+        let changed = match &self.changed {
+            Some((last, at)) if last == settings => *at,
+            _ => Instant::now(),
+        };
+        self.changed = Some((settings.clone(), changed));
+        if changed.elapsed() >= SETTLED {
+            self.save_settings();
+        } else {
+            context.request_repaint_after(SETTLED);
         }
     }
 
@@ -196,11 +217,11 @@ impl eframe::App for App {
         }
         if self.ending.is_asked() {
             self.window.close_without_asking();
-            context.send_viewport_cmd(egui::ViewportCommand::Close);
+            context.send_viewport_cmd(ViewportCommand::Close);
         } else if !self.kernel.is_alive() {
             self.window.kernel_gone();
         }
-        self.save_settings();
+        self.keep_settings(context);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {

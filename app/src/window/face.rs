@@ -1,5 +1,5 @@
-//! The faceplate in the window: where it lies, and one ready picture of it, in which
-//! only what has changed is painted anew.
+//! The faceplate in the window: one ready picture of it, or of each of its areas, in
+//! which only what has changed is painted anew.
 //!
 //! A software renderer pays for every pixel of every layer: a hundred parts painted
 //! anew for each frame cost it ten times as much as one picture of them all. The
@@ -10,77 +10,38 @@
 use std::thread;
 
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
-use egui::{
-    Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2, vec2,
-};
-use gsk_panel::faceplate::{self, Colour, FaceState, Pixmap, SIZE};
+use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2};
+use gsk_panel::faceplate::{self, Area, Colour, FaceState, Part, Pixmap};
+
+use super::placing::View;
 
 /// The picture is made for whole pixels.
 const DOTS: TextureOptions = TextureOptions::NEAREST;
 
-/// Where the panel lies in the window.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// Upper left corner of the panel, points.
-    pub corner: Pos2,
-    /// Points a panel unit.
-    pub scale: f32,
-    /// Physical pixels a point.
-    pub pixels_per_point: f32,
-}
-
-impl View {
-    /// The largest panel that fits into a room, in its middle, on whole pixels.
-    pub fn fit(room: Rect, pixels_per_point: f32) -> Self {
-        let (width, height) = SIZE;
-        let scale = (room.width() / width).min(room.height() / height).max(0.01);
-        let corner = room.center() - vec2(width, height) * scale / 2.0;
-        let snap = |at: f32| (at * pixels_per_point).round() / pixels_per_point;
-        Self {
-            corner: pos2(snap(corner.x), snap(corner.y)),
-            scale,
-            pixels_per_point,
-        }
-    }
-
-    /// A rectangle of the panel in the window, its edges on whole pixels.
-    pub fn rect(&self, rect: faceplate::Rect) -> Rect {
-        let snap = |at: f32| (at * self.pixels_per_point).round() / self.pixels_per_point;
-        let x = |units: f32| snap(self.corner.x + units * self.scale);
-        let y = |units: f32| snap(self.corner.y + units * self.scale);
-        Rect::from_min_max(
-            pos2(x(rect.x), y(rect.y)),
-            pos2(x(rect.x + rect.w), y(rect.y + rect.h)),
-        )
-    }
-
-    /// A place of the window in panel units.
-    pub fn units(&self, at: Pos2) -> (f32, f32) {
-        let way = (at - self.corner) / self.scale;
-        (way.x, way.y)
-    }
-
-    /// The whole panel, points.
-    fn whole(&self) -> Rect {
-        Rect::from_min_size(self.corner, vec2(SIZE.0, SIZE.1) * self.scale)
-    }
-}
-
-/// A picture of the panel and what it shows.
+/// A picture of an area and what it shows.
 struct Picture {
     texture: TextureHandle,
     /// Physical pixels a panel unit.
     scale: f32,
-    /// How each part looks in it, in the order of the parts.
-    looks: Vec<u32>,
+    /// The parts, and how each looks in it.
+    looks: Vec<(Part, u32)>,
 }
 
-/// The picture of the panel, made anew when the size has changed.
+/// A picture that a thread makes, with its scale.
+type Job = Receiver<(ColorImage, f32)>;
+
+/// An area with its picture, made anew when the size has changed.
+struct Piece {
+    area: Area,
+    job: Option<Job>,
+    picture: Option<Picture>,
+}
+
+/// The pictures of the panel.
 #[derive(Default)]
 pub struct Face {
     wanted: bool,
-    job: Option<Receiver<(ColorImage, f32)>>,
-    picture: Option<Picture>,
+    pieces: Vec<Piece>,
 }
 
 impl Face {
@@ -90,15 +51,35 @@ impl Face {
     }
 
     /// Draws the panel; the LCD's picture is drawn by its owner.
-    pub fn paint(&mut self, painter: &Painter, view: View, state: &FaceState<'_>) {
+    pub fn paint(&mut self, painter: &Painter, views: &[View], state: &FaceState<'_>) {
+        self.pieces
+            .retain(|piece| views.iter().any(|view| view.area == piece.area));
+        for view in views {
+            let known = self.pieces.iter().position(|it| it.area == view.area);
+            let index = known.unwrap_or_else(|| {
+                self.pieces.push(Piece {
+                    area: view.area,
+                    job: None,
+                    picture: None,
+                });
+                self.pieces.len() - 1
+            });
+            if let Some(piece) = self.pieces.get_mut(index) {
+                piece.paint(painter, *view, state, self.wanted);
+            }
+        }
+    }
+}
+
+impl Piece {
+    fn paint(&mut self, painter: &Painter, view: View, state: &FaceState<'_>, wanted: bool) {
         self.collect(painter.ctx());
         let side = painter.ctx().input(|input| input.max_texture_side) as f32;
-        let scale = (view.scale * view.pixels_per_point).min(side / SIZE.0.max(SIZE.1));
+        let longest = self.area.rect.w.max(self.area.rect.h);
+        let scale = (view.scale * view.pixels_per_point).min(side / longest);
         let ready = self.picture.as_ref().map(|picture| picture.scale);
-        if self.wanted
-            && self.job.is_none()
-            && ready.is_none_or(|ready| pixels(ready) != pixels(scale))
-        {
+        let same = |ready: f32| pixels(self.area, ready) == pixels(self.area, scale);
+        if wanted && self.job.is_none() && !ready.is_some_and(same) {
             self.begin(painter.ctx(), scale);
         }
         let Some(picture) = &mut self.picture else {
@@ -106,11 +87,11 @@ impl Face {
             painter.rect_filled(view.whole(), 0.0, Color32::from_rgb(red, green, blue));
             return;
         };
-        picture.follow(state);
-        let exact = pixels(picture.scale) == pixels(view.scale * view.pixels_per_point);
-        let place = if exact {
-            let size = pixels(picture.scale).map(|side| side as f32 / view.pixels_per_point);
-            Rect::from_min_size(view.corner, Vec2::from(size))
+        picture.follow(self.area, state);
+        let size = pixels(self.area, picture.scale);
+        let place = if size == pixels(self.area, view.scale * view.pixels_per_point) {
+            let size = size.map(|side| side as f32 / view.pixels_per_point);
+            Rect::from_min_size(view.whole().min, Vec2::from(size))
         } else {
             view.whole()
         };
@@ -121,13 +102,14 @@ impl Face {
     fn begin(&mut self, context: &egui::Context, scale: f32) {
         let (deliver, job) = bounded(1);
         self.job = Some(job);
+        let area = self.area;
         let waker = context.clone();
         let outside = deliver.clone();
         let started = thread::Builder::new()
             .name("faceplate".to_owned())
-            .spawn(move || make(scale, &outside, &waker));
+            .spawn(move || make(area, scale, &outside, &waker));
         if started.is_err() {
-            make(scale, &deliver, context);
+            make(area, scale, &deliver, context);
         }
     }
 
@@ -136,11 +118,13 @@ impl Face {
         match job.try_recv() {
             Ok((image, scale)) => {
                 let dark = FaceState::default();
-                let looks = faceplate::parts().iter();
+                let parts = self.area.parts();
                 self.picture = Some(Picture {
                     texture: context.load_texture("panel", image, DOTS),
                     scale,
-                    looks: looks.map(|part| faceplate::look(part, &dark)).collect(),
+                    looks: parts
+                        .map(|part| (part, faceplate::look(&part, &dark)))
+                        .collect(),
                 });
             }
             Err(TryRecvError::Empty) => return,
@@ -152,14 +136,14 @@ impl Face {
 
 impl Picture {
     /// Paints the parts that look different now.
-    fn follow(&mut self, state: &FaceState<'_>) {
-        for (part, shown) in faceplate::parts().iter().zip(&mut self.looks) {
+    fn follow(&mut self, area: Area, state: &FaceState<'_>) {
+        for (part, shown) in &mut self.looks {
             let look = faceplate::look(part, state);
             if look == *shown {
                 continue;
             }
             *shown = look;
-            if let Some((piece, at)) = faceplate::paint_part(part, state, self.scale) {
+            if let Some((piece, at)) = faceplate::paint_part(area, part, state, self.scale) {
                 let at = at.map(|side| side as usize);
                 self.texture.set_partial(at, image(&piece), DOTS);
             }
@@ -168,12 +152,12 @@ impl Picture {
 }
 
 /// Size of a picture: two scales are the same if it is the same.
-fn pixels(scale: f32) -> [u32; 2] {
-    [SIZE.0, SIZE.1].map(|units| (units * scale).round().max(1.0) as u32)
+fn pixels(area: Area, scale: f32) -> [u32; 2] {
+    [area.rect.w, area.rect.h].map(|units| (units * scale).round().max(1.0) as u32)
 }
 
-fn make(scale: f32, deliver: &Sender<(ColorImage, f32)>, context: &egui::Context) {
-    let Some(picture) = faceplate::paint(&FaceState::default(), scale) else {
+fn make(area: Area, scale: f32, deliver: &Sender<(ColorImage, f32)>, context: &egui::Context) {
+    let Some(picture) = faceplate::paint(area, &FaceState::default(), scale) else {
         return;
     };
     // A window that has been closed meanwhile needs none.
@@ -188,28 +172,4 @@ fn image(picture: &Pixmap) -> ColorImage {
         .iter()
         .map(|[r, g, b, a]| Color32::from_rgba_premultiplied(*r, *g, *b, *a));
     ColorImage::new(size, dots.collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_panel_fits_and_stands_in_the_middle() {
-        for (width, height) in [
-            (1280.0, 756.0),
-            (640.0, 480.0),
-            (400.0, 900.0),
-            (3840.0, 800.0),
-        ] {
-            let room = Rect::from_min_size(pos2(0.0, 26.0), vec2(width, height));
-            let view = View::fit(room, 2.0);
-            let (w, h) = SIZE;
-            let whole = view.rect(faceplate::Rect::new(0.0, 0.0, w, h));
-            assert!(room.expand(0.51).contains_rect(whole), "{whole:?}");
-            assert!((whole.center() - room.center()).length() < 1.0);
-            let (x, y) = view.units(whole.center());
-            assert!((x - w / 2.0).abs() < 2.0 && (y - h / 2.0).abs() < 2.0);
-        }
-    }
 }

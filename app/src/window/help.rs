@@ -3,6 +3,7 @@
 use egui::{Color32, Context, RichText};
 use gsk_panel::keys::{KEYS, KeyRow, Role};
 
+use super::layout::LAYOUTS;
 use super::views::{VIEWS, key_name};
 use gsk_messages::{Language, say};
 
@@ -27,9 +28,11 @@ pub fn show(context: &Context, language: Language) -> bool {
         ] {
             ui.label(RichText::new(text.text(language)).color(Color32::from_gray(150)));
         }
-        let views = VIEWS
-            .iter()
-            .map(|row| format!("{}  {}", key_name(row), (row.name)().text(language)));
+        let views = VIEWS.iter().map(|row| (row.key, row.name));
+        let layouts = LAYOUTS.iter().map(|row| (row.key, row.name));
+        let views = views
+            .chain(layouts)
+            .map(|(key, name)| format!("{}  {}", key_name(key), name().text(language)));
         let views = views.collect::<Vec<_>>().join("     ");
         ui.label(RichText::new(views).color(Color32::from_gray(190)));
         egui::ScrollArea::vertical()

@@ -11,21 +11,23 @@ pub mod fonts;
 mod held;
 mod help;
 mod keyboard;
+pub mod layout;
 mod lcd;
 mod message;
 mod opener;
 mod panel_view;
+mod placing;
 mod pointing;
 mod questions;
 pub mod refusal;
 mod samples;
 mod settings;
 mod top_bar;
-mod views;
+pub mod views;
 
 use std::path::PathBuf;
 
-use egui::{Event, Frame, Margin, Panel, Ui};
+use egui::{Event, Frame, Margin, Panel, Ui, UiBuilder};
 use gsk_link::LinkState;
 use gsk_panel::keys::Key;
 
@@ -34,12 +36,13 @@ use files::Browser;
 use gsk_messages::{Language, say};
 use held::{Change, Held};
 use keyboard::PcAction;
+use layout::Pane;
 use message::Message;
 use opener::Opener;
 use pointing::Pointing;
 use questions::Questions;
 pub use settings::Settings;
-use views::Views;
+use views::{Views, header};
 
 pub use help::pc_name;
 
@@ -101,6 +104,13 @@ impl Window {
         &self.settings
     }
 
+    /// Remembers how large the window is.
+    pub fn remember_place(&mut self, context: &egui::Context) {
+        if let Some(place) = context.input(|input| layout::floating::place(input.viewport())) {
+            self.settings.layouts.window = Some(place);
+        }
+    }
+
     /// Says something on the line of messages.
     pub fn say(&mut self, said: impl Into<gsk_messages::Message>) {
         self.message = Some(Message::Said(said.into()));
@@ -147,6 +157,7 @@ impl Window {
     /// Draws the window and takes its input.
     pub fn ui(&mut self, ui: &mut Ui) {
         self.receive();
+        self.views.follow(&self.settings.layouts);
         self.take_files(ui);
         let language = self.settings.language;
         badge::show(ui, "panel", self.board(), language);
@@ -161,10 +172,10 @@ impl Window {
         let imposed = imposed.unwrap_or_default();
         let asked = bar
             .show(ui, |ui| {
-                let is_open = |view| self.views.is_open(view);
                 let recent = &self.settings.recent;
                 let opened = self.opened.as_ref();
-                top_bar::show(ui, language, recent, opened, imposed, is_open)
+                let layouts = &self.settings.layouts;
+                top_bar::show(ui, language, recent, opened, imposed, layouts)
             })
             .inner;
         let line = Panel::bottom("status")
@@ -175,7 +186,7 @@ impl Window {
         // What the panel leaves free is the colour that a picture is cleared with.
         egui::CentralPanel::default()
             .frame(Frame::NONE)
-            .show(ui, |ui| self.panel(ui));
+            .show(ui, |ui| self.panes(ui));
         if let Some(asked) = asked {
             self.answer(asked, ui);
         }
@@ -187,7 +198,11 @@ impl Window {
             .show(ui.ctx(), language, picture, &self.console);
         self.browser.show(ui.ctx(), language);
         self.keyboard(ui);
-        let typed = self.views.show(ui.ctx(), language, self.board());
+        let (board, lcd) = (self.board(), self.lcd.place());
+        let layouts = &mut self.settings.layouts;
+        let typed = self
+            .views
+            .show_floating(ui.ctx(), language, board, lcd, layouts);
         self.typed(&typed.events);
         let focused = typed.focused || ui.input(|input| input.focused);
         if !focused {
@@ -199,6 +214,32 @@ impl Window {
             ui.ctx()
                 .request_repaint_after(std::time::Duration::from_millis(100));
         }
+    }
+
+    /// Draws the panel and the docked views, each in its pane.
+    fn panes(&mut self, ui: &mut Ui) {
+        let language = self.settings.language;
+        let layouts = &self.settings.layouts;
+        let arranged = layouts.arrange(ui.max_rect(), ui.pixels_per_point());
+        for (pane, place) in arranged.panes {
+            let inside = UiBuilder::new()
+                .id_salt(format!("{pane:?}"))
+                .max_rect(place);
+            let mut ui = ui.new_child(inside);
+            ui.set_clip_rect(ui.clip_rect().intersect(place));
+            let Pane::View(view) = pane else {
+                self.panel(&mut ui);
+                continue;
+            };
+            let asked = self.views.show_docked(&mut ui, view, language);
+            match asked {
+                Some(header::Asked::Float) => self.settings.layouts.float(view),
+                Some(header::Asked::Close) => self.settings.layouts.toggle(view),
+                Some(header::Asked::Dock) | None => {}
+            }
+        }
+        let layouts = &mut self.settings.layouts;
+        layout::drag(ui, &arranged.splitters, layouts, language);
     }
 
     /// Takes what the kernel has sent.
@@ -268,7 +309,8 @@ impl Window {
             }
             top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
             top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
-            top_bar::Asked::View(view) => self.views.toggle(view),
+            top_bar::Asked::Layout(layout) => self.settings.layouts.choose(layout),
+            top_bar::Asked::View(view) => self.settings.layouts.toggle(view),
             top_bar::Asked::FreeBits => self.console.send(Command::FreeBits),
             top_bar::Asked::Mend => self.console.send(Command::Mend),
             top_bar::Asked::Keys => self.help = !self.help,
@@ -333,7 +375,10 @@ impl Window {
         }
         let events: Vec<Event> = ui.input(|input| input.events.clone());
         if let Some(view) = views::toggled(&events) {
-            self.views.toggle(view);
+            self.settings.layouts.toggle(view);
+        }
+        if let Some(layout) = layout::chosen(&events) {
+            self.settings.layouts.choose(layout);
         }
         self.typed(&events);
     }

@@ -4,8 +4,8 @@ use egui::{Color32, Painter, Pos2, Role, Sense, Stroke, StrokeKind, Ui, WidgetIn
 use gsk_panel::faceplate::{self, FaceState, Outline, Part, What};
 use gsk_panel::keys::{Key, STRIP};
 
-use super::face::View;
 use super::help::pc_name;
+use super::placing::{self, View};
 use super::{Command, Message, Window};
 use gsk_messages::{Language, say};
 
@@ -32,8 +32,8 @@ impl Window {
     /// Draws the panel and takes what mouse and fingers do to it.
     pub(super) fn panel(&mut self, ui: &mut Ui) {
         let room = ui.max_rect();
-        let view = View::fit(room, ui.pixels_per_point());
-        self.point(ui, view);
+        let views = placing::views(room, ui.pixels_per_point());
+        self.point(ui, &views);
         let painter = ui.painter().clone();
         let picture = self.picture.take();
         let mut pressed: Vec<Key> = self.held.keys().collect();
@@ -47,17 +47,19 @@ impl Window {
             wheel: picture.as_ref().map_or(0, |picture| picture.wheel),
             real: picture.as_ref().is_some_and(|it| it.board.is_some()),
         };
-        self.face.paint(&painter, view, &state);
+        self.face.paint(&painter, &views, &state);
         let mut taps = Vec::new();
-        for part in faceplate::parts() {
-            taps.extend(self.describe(ui, part, view, &state));
+        for view in &views {
+            for part in view.area.parts() {
+                taps.extend(self.describe(ui, &part, *view, &state));
+            }
         }
         for key in taps {
             self.held.forget_kept();
             self.console.send(Command::Tap(key));
         }
-        if let Some(picture) = &picture {
-            let place = view.rect(faceplate::lcd());
+        let screen = views.first().map(|view| view.rect(faceplate::lcd()));
+        if let (Some(picture), Some(place)) = (&picture, screen) {
             self.lcd
                 .paint(&painter, place, &picture.screen, picture.brightness);
             let lcd = ui.interact(place, ui.scope_id().with("lcd"), Sense::HOVER);
@@ -70,8 +72,10 @@ impl Window {
                 )
             });
         }
-        if let Some(part) = self.held.kept().and_then(faceplate::part_of) {
-            ring(&painter, view, part);
+        if let Some(part) = self.held.kept().and_then(faceplate::part_of)
+            && let Some(view) = placing::of_part(&views, part)
+        {
+            ring(&painter, *view, part);
         }
         self.picture = picture;
     }
@@ -151,7 +155,7 @@ impl Window {
         }
     }
 
-    fn point(&mut self, ui: &Ui, view: View) {
+    fn point(&mut self, ui: &Ui, views: &[View]) {
         let own = ui.layer_id();
         let context = ui.ctx().clone();
         let room = ui.max_rect();
@@ -159,7 +163,7 @@ impl Window {
             room.contains(at) && context.layer_id_at(at).is_none_or(|layer| layer == own)
         };
         let events = ui.input(|input| input.events.clone());
-        let done = self.pointing.follow(&events, view, &mut self.held, &free);
+        let done = self.pointing.follow(&events, views, &mut self.held, &free);
         self.send(&done.changes);
         if let Some(key) = done.not_kept {
             self.message = Some(Message::NotKept(key));

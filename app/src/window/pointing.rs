@@ -6,8 +6,8 @@ use egui::{Event, MouseWheelUnit, PointerButton, Pos2, TouchPhase, Vec2};
 use gsk_panel::faceplate::{self, What};
 use gsk_panel::keys::Key;
 
-use super::face::View;
 use super::held::{Change, Held, Holder, may_be_kept};
+use super::placing::{self, View};
 
 /// Points of scrolling that make one detent of the handwheel.
 const POINTS_A_DETENT: f32 = 24.0;
@@ -42,7 +42,7 @@ impl Pointing {
     pub fn follow(
         &mut self,
         events: &[Event],
-        view: View,
+        views: &[View],
         held: &mut Held<Key>,
         free: &dyn Fn(Pos2) -> bool,
     ) -> Done {
@@ -61,7 +61,7 @@ impl Pointing {
                     ..
                 } => {
                     let finger = (device_id.0, id.0);
-                    self.finger(finger, *phase, *pos, view, held, free, &mut done);
+                    self.finger(finger, *phase, *pos, views, held, free, &mut done);
                 }
                 // What a finger does also arrives as the mouse: not twice.
                 Event::PointerButton { .. } | Event::PointerMoved(_) | Event::PointerGone
@@ -74,13 +74,13 @@ impl Pointing {
                 } => {
                     self.last = Some(*pos);
                     let key = if *pressed && free(*pos) {
-                        key_at(*pos, view)
+                        key_at(*pos, views)
                     } else {
                         None
                     };
                     done.changes.extend(hold(Holder::Pointer, key, held));
                     self.drag = (*pressed && free(*pos))
-                        .then(|| wheel_angle(*pos, view))
+                        .then(|| wheel_angle(*pos, views))
                         .flatten();
                 }
                 Event::PointerButton {
@@ -88,11 +88,11 @@ impl Pointing {
                     button: PointerButton::Secondary,
                     pressed: true,
                     ..
-                } if free(*pos) => keep(key_at(*pos, view), held, &mut done),
+                } if free(*pos) => keep(key_at(*pos, views), held, &mut done),
                 Event::PointerMoved(pos) => {
                     self.last = Some(*pos);
-                    slide(Holder::Pointer, *pos, view, held, &mut done);
-                    self.turn_to(*pos, view, &mut done);
+                    slide(Holder::Pointer, *pos, views, held, &mut done);
+                    self.turn_to(*pos, views, &mut done);
                 }
                 Event::PointerGone => {
                     self.last = None;
@@ -102,7 +102,7 @@ impl Pointing {
                 Event::MouseWheel { unit, delta, .. }
                     if self
                         .last
-                        .is_some_and(|at| free(at) && wheel_angle(at, view).is_some()) =>
+                        .is_some_and(|at| free(at) && wheel_angle(at, views).is_some()) =>
                 {
                     self.scroll(*unit, *delta, &mut done);
                 }
@@ -124,7 +124,7 @@ impl Pointing {
         finger: (u64, u64),
         phase: TouchPhase,
         at: Pos2,
-        view: View,
+        views: &[View],
         held: &mut Held<Key>,
         free: &dyn Fn(Pos2) -> bool,
         done: &mut Done,
@@ -133,16 +133,16 @@ impl Pointing {
         match phase {
             TouchPhase::Start => {
                 self.fingers.insert(finger);
-                let key = if free(at) { key_at(at, view) } else { None };
+                let key = if free(at) { key_at(at, views) } else { None };
                 done.changes.extend(hold(holder, key, held));
                 if key.is_none() && free(at) {
-                    self.drag = wheel_angle(at, view);
+                    self.drag = wheel_angle(at, views);
                 }
             }
             TouchPhase::Move => {
-                slide(holder, at, view, held, done);
+                slide(holder, at, views, held, done);
                 if held.of(holder).is_none() {
-                    self.turn_to(at, view, done);
+                    self.turn_to(at, views, done);
                 }
             }
             TouchPhase::End | TouchPhase::Cancel => {
@@ -153,9 +153,10 @@ impl Pointing {
         }
     }
 
-    fn turn_to(&mut self, at: Pos2, view: View, done: &mut Done) {
-        let Some(before) = self.drag else { return };
-        let now = angle(at, view);
+    fn turn_to(&mut self, at: Pos2, views: &[View], done: &mut Done) {
+        let (Some(before), Some(now)) = (self.drag, angle(at, views)) else {
+            return;
+        };
         let half = std::f32::consts::PI;
         let way = (now - before + half).rem_euclid(2.0 * half) - half;
         self.drag = Some(now);
@@ -201,33 +202,37 @@ fn hold(holder: Holder, key: Option<Key>, held: &mut Held<Key>) -> Vec<Change<Ke
 }
 
 /// A holder that leaves its key lets it go; it does not press the next one.
-fn slide(holder: Holder, at: Pos2, view: View, held: &mut Held<Key>, done: &mut Done) {
+fn slide(holder: Holder, at: Pos2, views: &[View], held: &mut Held<Key>, done: &mut Done) {
     if let Some(key) = held.of(holder)
-        && key_at(at, view) != Some(key)
+        && key_at(at, views) != Some(key)
     {
         done.changes.extend(held.set(holder, None));
     }
 }
 
-fn key_at(at: Pos2, view: View) -> Option<Key> {
-    let (x, y) = view.units(at);
+fn key_at(at: Pos2, views: &[View]) -> Option<Key> {
+    let (x, y) = placing::units(views, at)?;
     faceplate::part_at(x, y)?.key()
 }
 
 /// The angle of a place around the handwheel, if it is on it.
-fn wheel_angle(at: Pos2, view: View) -> Option<f32> {
-    let (x, y) = view.units(at);
+fn wheel_angle(at: Pos2, views: &[View]) -> Option<f32> {
+    let (x, y) = placing::units(views, at)?;
     let part = faceplate::part_at(x, y)?;
-    (part.what == What::Handwheel).then(|| angle(at, view))
+    if part.what != What::Handwheel {
+        return None;
+    }
+    angle(at, views)
 }
 
-fn angle(at: Pos2, view: View) -> f32 {
+/// The angle of a place around the handwheel, also beside it.
+fn angle(at: Pos2, views: &[View]) -> Option<f32> {
     let wheel = faceplate::parts()
         .iter()
-        .find(|part| part.what == What::Handwheel);
-    let (cx, cy) = wheel.map_or((0.0, 0.0), |part| part.rect.center());
-    let (x, y) = view.units(at);
-    (y - cy).atan2(x - cx)
+        .find(|part| part.what == What::Handwheel)?;
+    let (cx, cy) = wheel.rect.center();
+    let (x, y) = placing::of_part(views, wheel)?.units(at);
+    Some((y - cy).atan2(x - cx))
 }
 
 #[cfg(test)]
@@ -235,11 +240,12 @@ mod tests {
     use super::*;
     use egui::{Modifiers, TouchDeviceId, TouchId, pos2};
 
-    const VIEW: View = View {
-        corner: Pos2::ZERO,
+    const VIEW: &[View] = &[View {
+        area: faceplate::Area::WHOLE,
+        origin: Pos2::ZERO,
         scale: 1.0,
         pixels_per_point: 1.0,
-    };
+    }];
 
     fn at(key: Key) -> Pos2 {
         let (x, y) = faceplate::part_of(key).expect("part").rect.center();

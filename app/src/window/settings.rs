@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::layout::Layouts;
 use gsk_messages::Language;
 
 /// Programs that are remembered.
@@ -17,6 +18,8 @@ pub struct Settings {
     pub language: Language,
     /// The last programs, the newest first.
     pub recent: Vec<PathBuf>,
+    /// Layouts, and where windows are.
+    pub layouts: Layouts,
 }
 
 impl Default for Settings {
@@ -24,6 +27,7 @@ impl Default for Settings {
         Self {
             language: Language::Zh,
             recent: Vec::new(),
+            layouts: Layouts::default(),
         }
     }
 }

@@ -8,6 +8,7 @@ use gsk_core::alarm::Alarm;
 
 use super::alarm_line;
 use super::fonts;
+use super::layout::{LAYOUTS, Layout, Layouts};
 use super::samples::{SAMPLES, Sample};
 use super::views::{VIEWS, View, key_name};
 use crate::kernel::Imposed;
@@ -28,6 +29,8 @@ pub enum Asked {
     Open(PathBuf),
     /// Open a sample.
     Sample(&'static Sample),
+    /// Use a layout.
+    Layout(Layout),
     /// Open a view, or close it.
     View(View),
     /// Let every forced bit go.
@@ -47,8 +50,10 @@ pub fn show(
     recent: &[PathBuf],
     opened: Option<&PathBuf>,
     imposed: Imposed,
-    is_open: impl Fn(View) -> bool,
+    layouts: &Layouts,
 ) -> Option<Asked> {
+    let is_open = |view| layouts.is_open(view);
+    let layout = layouts.current();
     let mut asked = None;
     ui.horizontal_centered(|ui| {
         if ui
@@ -86,11 +91,22 @@ pub fn show(
         if ui.add_enabled(opened.is_some(), reload).clicked() {
             asked = opened.cloned().map(Asked::Open);
         }
+        ui.menu_button(say::window_layouts().text(language), |ui| {
+            for row in &LAYOUTS {
+                let chosen = row.layout == layout;
+                let entry = egui::Button::selectable(chosen, (row.name)().text(language))
+                    .shortcut_text(key_name(row.key));
+                if ui.add(entry).clicked() {
+                    asked = Some(Asked::Layout(row.layout));
+                    ui.close();
+                }
+            }
+        });
         ui.menu_button(say::window_views().text(language), |ui| {
             for row in &VIEWS {
                 let entry =
                     egui::Button::selectable(is_open(row.view), (row.name)().text(language))
-                        .shortcut_text(key_name(row));
+                        .shortcut_text(key_name(row.key));
                 if ui.add(entry).clicked() {
                     asked = Some(Asked::View(row.view));
                     ui.close();

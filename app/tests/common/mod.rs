@@ -7,6 +7,7 @@ use std::time::Duration;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use gsk_app::kernel::{Console, Kernel};
+use gsk_app::window::layout::{Layout, Layouts};
 use gsk_app::window::{Settings, Window, fonts};
 use gsk_core::setup::Setup;
 use gsk_messages::Language;
@@ -28,13 +29,19 @@ impl Bench {
 
     /// The same with a setup of its own.
     pub fn with(setup: Setup) -> Self {
+        Self::sized(setup, Layouts::of(Layout::Panel), egui::vec2(1280.0, 806.0))
+    }
+
+    /// With layouts, in a window of so many points.
+    pub fn sized(setup: Setup, layouts: Layouts, size: egui::Vec2) -> Self {
         let (kernel, console) = Kernel::new(Emulator::new(setup));
         let settings = Settings {
             language: Language::En,
+            layouts,
             ..Settings::default()
         };
         let harness = Harness::builder()
-            .with_size(egui::vec2(1280.0, 806.0))
+            .with_size(size)
             .with_context_setup(fonts::set_up)
             .build_ui_state(
                 |ui, window: &mut Window| window.ui(ui),

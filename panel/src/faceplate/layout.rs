@@ -1,6 +1,6 @@
 //! Where everything stands.
 
-use super::{Colour, Outline, Part, Rect, SIZE, What};
+use super::{Area, Colour, Outline, Part, Rect, SIZE, What};
 use crate::keys::{Key, STRIP};
 
 /// The LCD.
@@ -13,6 +13,19 @@ const EDIT_PLATE: Rect = Rect::new(694.0, 78.0, 572.0, 372.0);
 const PAGE_PLATE: Rect = Rect::new(694.0, 458.0, 572.0, 96.0);
 const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 946.0, 184.0);
 const ADDITIONAL_PLATE: Rect = Rect::new(970.0, 562.0, 296.0, 184.0);
+
+/// The panel in three, with a rim of its own around each.
+pub(super) const APART: [Area; 3] = [
+    Area {
+        rect: Rect::new(6.0, 2.0, 684.0, 560.0),
+    },
+    Area {
+        rect: Rect::new(686.0, 2.0, 588.0, 560.0),
+    },
+    Area {
+        rect: Rect::new(6.0, 554.0, 1268.0, 200.0),
+    },
+];
 
 /// Space between keys.
 const GAP: f32 = 6.0;

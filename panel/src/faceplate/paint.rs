@@ -11,7 +11,7 @@ use tiny_skia::{
 };
 
 use super::text::{draw, opaque};
-use super::{Colour, LINE_HEIGHT, Outline, Part, Rect, SIZE, What, parts};
+use super::{Area, Colour, LINE_HEIGHT, Outline, Part, Rect, What};
 use crate::glyphs::text_columns;
 use crate::keys::{Bit, Key, Role, STRIP, StripLamp};
 use additional::GRADUATIONS;
@@ -60,46 +60,57 @@ pub fn look(part: &Part, state: &FaceState<'_>) -> u32 {
     }
 }
 
-/// The panel at so many pixels a panel unit.
-pub fn paint(state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
+/// An area of the panel at so many pixels a panel unit.
+pub fn paint(area: Area, state: &FaceState<'_>, scale: f32) -> Option<Pixmap> {
     let scale = scale.clamp(0.1, MOST_SCALE);
     let size = |units: f32| (units * scale).round() as u32;
     let mut painter = Painter {
-        pixmap: Pixmap::new(size(SIZE.0), size(SIZE.1))?,
+        pixmap: Pixmap::new(size(area.rect.w), size(area.rect.h))?,
         scale,
-        corner: (0.0, 0.0),
+        corner: corner(area, scale),
     };
-    for part in parts() {
-        painter.part(part, state);
+    for part in area.parts() {
+        painter.part(&part, state);
     }
     Some(painter.pixmap)
 }
 
 /// The piece of the picture of [`paint`] that holds a part, and the place of its
 /// upper left corner there, pixels.
-pub fn paint_part(part: &Part, state: &FaceState<'_>, scale: f32) -> Option<(Pixmap, [u32; 2])> {
+pub fn paint_part(
+    area: Area,
+    part: &Part,
+    state: &FaceState<'_>,
+    scale: f32,
+) -> Option<(Pixmap, [u32; 2])> {
     let scale = scale.clamp(0.1, MOST_SCALE);
-    let area = with_reach(part);
+    let room = with_reach(part);
     let first = |units: f32| (units * scale).floor();
     let end = |units: f32| (units * scale).ceil();
-    let (left, top) = (first(area.x), first(area.y));
-    let width = (end(area.x + area.w) - left) as u32;
-    let height = (end(area.y + area.h) - top) as u32;
+    let (left, top) = (first(room.x), first(room.y));
+    let width = (end(room.x + room.w) - left) as u32;
+    let height = (end(room.y + room.h) - top) as u32;
     // Outlines that cross the edge of a pixmap come out wrong on it.
     let mut painter = Painter {
         pixmap: Pixmap::new(width + 2 * MARGIN, height + 2 * MARGIN)?,
         scale,
         corner: (left - MARGIN as f32, top - MARGIN as f32),
     };
-    for other in parts() {
-        if with_reach(other).overlaps(&area) {
-            painter.part(other, state);
+    for other in area.parts() {
+        if with_reach(&other).overlaps(&room) {
+            painter.part(&other, state);
         }
     }
     let margin = MARGIN as i32;
     let inside = IntRect::from_xywh(margin, margin, width, height)?;
     let piece = painter.pixmap.clone_rect(inside)?;
-    Some((piece, [left as u32, top as u32]))
+    let (x, y) = corner(area, scale);
+    Some((piece, [(left - x) as u32, (top - y) as u32]))
+}
+
+/// The whole pixel of the panel that the picture of an area begins at.
+fn corner(area: Area, scale: f32) -> (f32, f32) {
+    ((area.rect.x * scale).round(), (area.rect.y * scale).round())
 }
 
 fn with_reach(part: &Part) -> Rect {

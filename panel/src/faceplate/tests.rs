@@ -1,13 +1,6 @@
 use super::*;
 use crate::keys::{KEYS, STRIP};
 
-fn encloses(outer: &Rect, inner: &Rect) -> bool {
-    outer.x <= inner.x
-        && outer.y <= inner.y
-        && inner.x + inner.w <= outer.x + outer.w
-        && inner.y + inner.h <= outer.y + outer.h
-}
-
 #[test]
 fn every_key_stands_once() {
     for row in &KEYS {
@@ -37,7 +30,7 @@ fn parts_of_one_layer_do_not_overlap_and_stand_on_the_layer_below() {
         let supported = part.layer == 0
             || parts()
                 .iter()
-                .any(|below| below.layer + 1 == part.layer && encloses(&below.rect, &part.rect));
+                .any(|below| below.layer + 1 == part.layer && below.rect.encloses(&part.rect));
         assert!(supported, "{part:?}");
     }
 }
@@ -46,14 +39,23 @@ fn parts_of_one_layer_do_not_overlap_and_stand_on_the_layer_below() {
 fn legends_and_lamps_stay_inside_their_key() {
     for part in parts() {
         for (line, rect) in part.legend() {
-            assert!(encloses(&part.rect, &rect), "{line}");
+            assert!(part.rect.encloses(&rect), "{line}");
             let width = crate::glyphs::text_columns(line) as f32 * rect.h / 2.0;
             assert!(width + 4.0 <= part.rect.w, "{line} is {width} wide");
             if let Some(lamp) = part.lamp() {
                 assert!(!lamp.overlaps(&rect), "{line}");
-                assert!(encloses(&part.rect, &lamp));
+                assert!(part.rect.encloses(&lamp));
             }
         }
+    }
+}
+
+#[test]
+fn every_part_stands_in_one_of_the_three_areas() {
+    for part in parts().iter().filter(|part| part.what != What::Housing) {
+        let areas = Area::APART.iter().filter(|area| area.holds(part));
+        assert_eq!(areas.count(), 1, "{part:?}");
+        assert!(Area::WHOLE.holds(part));
     }
 }
 
@@ -87,11 +89,14 @@ fn it_is_painted_at_any_scale() {
         wheel: -7,
         real: false,
     };
-    let picture = paint(&state, 1.0).unwrap();
+    let picture = paint(Area::WHOLE, &state, 1.0).unwrap();
     assert_eq!((picture.width(), picture.height()), (1280, 756));
-    assert_ne!(picture, paint(&FaceState::default(), 1.0).unwrap());
-    assert!(paint(&state, 0.33).is_some());
-    assert!(paint(&state, f32::NAN).is_none_or(|picture| picture.width() > 0));
+    assert_ne!(
+        picture,
+        paint(Area::WHOLE, &FaceState::default(), 1.0).unwrap()
+    );
+    assert!(paint(Area::WHOLE, &state, 0.33).is_some());
+    assert!(paint(Area::WHOLE, &state, f32::NAN).is_none_or(|picture| picture.width() > 0));
 }
 
 #[test]
@@ -110,9 +115,16 @@ fn a_part_is_painted_as_in_the_whole_picture() {
 }
 
 fn pieces_as_in_the_whole(state: &FaceState<'_>, scale: f32) {
-    let whole = paint(state, scale).unwrap();
-    for part in parts().iter().filter(|part| part.layer > 1) {
-        let (piece, [left, top]) = paint_part(part, state, scale).unwrap();
+    for area in core::iter::once(Area::WHOLE).chain(Area::APART) {
+        pieces_as_in(area, state, scale);
+    }
+}
+
+fn pieces_as_in(area: Area, state: &FaceState<'_>, scale: f32) {
+    let whole = paint(area, state, scale).unwrap();
+    for part in area.parts().filter(|part| part.layer > 1) {
+        let part = &part;
+        let (piece, [left, top]) = paint_part(area, part, state, scale).unwrap();
         for (index, dot) in piece.pixels().iter().enumerate() {
             let (x, y) = (index as u32 % piece.width(), index as u32 / piece.width());
             let there = whole.pixel(left + x, top + y).unwrap();
@@ -164,7 +176,7 @@ fn a_panel_with_a_real_machine_is_no_emulator() {
             real,
             ..FaceState::default()
         };
-        paint_part(part, &state, 1.0).unwrap().0
+        paint_part(Area::WHOLE, part, &state, 1.0).unwrap().0
     };
     let plain = |piece: &Pixmap| {
         let row = |y: u32| (8..piece.width() - 8).map(move |x| piece.pixel(x, y).unwrap());

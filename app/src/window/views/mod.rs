@@ -1,19 +1,25 @@
-//! Views beside the panel, each in a window of its own: scope, fault bench, ladder,
-//! link page. They are closed at the start, and closed they cost nothing.
+//! Views beside the panel: scope, fault bench, ladder, link page. They stand in panes
+//! of the window or in windows of their own; closed they cost nothing.
 
 mod aside;
 mod bench;
+pub mod header;
 mod ladder;
 mod link;
 mod scope;
 
-use egui::{Color32, Context, Event, Frame, Key, Margin, Ui, ViewportBuilder, ViewportId};
-
 use std::sync::Arc;
 
+use egui::{
+    Color32, Context, Event, Frame, Key, Margin, Pos2, Rect, ScrollArea, Sense, Ui, UiBuilder,
+    Vec2, ViewportBuilder, ViewportId,
+};
 use gsk_link::LinkState;
+use serde::{Deserialize, Serialize};
 
 use super::badge;
+use super::layout::floating::{self, Screen};
+use super::layout::{self, Layout, Layouts, Place};
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use bench::Bench;
@@ -23,7 +29,7 @@ use link::LinkPage;
 use scope::Scope;
 
 /// A view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum View {
     /// The scope.
     Scope,
@@ -39,6 +45,11 @@ impl View {
     /// Whether it shows the machine and the PLC as they are.
     const fn monitors(self) -> bool {
         matches!(self, Self::Bench | Self::Ladder)
+    }
+
+    fn row(self) -> &'static ViewRow {
+        let row = VIEWS.iter().find(|row| row.view == self);
+        row.unwrap_or(&VIEWS[0])
     }
 }
 
@@ -88,9 +99,12 @@ pub static VIEWS: [ViewRow; 4] = [
     },
 ];
 
-/// The views and which of them are open.
+/// The views.
 pub struct Views {
-    open: [bool; VIEWS.len()],
+    /// Those that are open, as the last frame left them.
+    shown: Vec<View>,
+    /// Where the open windows of their own were put.
+    opened: Vec<(View, Option<Pos2>, Vec2)>,
     scope: Scope,
     bench: Bench,
     ladder: LadderView,
@@ -103,7 +117,8 @@ impl Views {
     /// All closed.
     pub fn new(console: &Console) -> Self {
         Self {
-            open: [false; VIEWS.len()],
+            shown: Vec::new(),
+            opened: Vec::new(),
             scope: Scope::new(console.clone()),
             bench: Bench::new(console.clone()),
             ladder: LadderView::new(console.clone()),
@@ -113,79 +128,135 @@ impl Views {
         }
     }
 
-    /// Whether a view is open.
-    pub fn is_open(&self, view: View) -> bool {
-        VIEWS
-            .iter()
-            .zip(self.open)
-            .any(|(row, open)| open && row.view == view)
-    }
-
-    /// Opens a view, or closes it.
-    pub fn toggle(&mut self, view: View) {
-        let Some(index) = VIEWS.iter().position(|row| row.view == view) else {
-            return;
-        };
-        let was = self.monitors();
-        self.open[index] = !self.open[index];
-        match (view, self.open[index]) {
-            (View::Scope, true) => self.scope.open(),
-            (View::Scope, false) => self.scope.close(),
-            (View::Ladder, false) => self.ladder.close(),
-            (View::Link, true) => self.link.open(),
-            (View::Link, false) => self.link.close(),
-            (View::Bench | View::Ladder, _) => {}
+    /// Opens and closes what the layouts say, and takes what the kernel has sent.
+    pub fn follow(&mut self, layouts: &Layouts) {
+        let before = self.monitors();
+        for row in &VIEWS {
+            let view = row.view;
+            let open = layouts.is_open(view);
+            if open == self.shown.contains(&view) {
+                continue;
+            }
+            if open {
+                self.shown.push(view);
+            } else {
+                self.shown.retain(|shown| *shown != view);
+            }
+            match (view, open) {
+                (View::Scope, true) => self.scope.open(),
+                (View::Scope, false) => self.scope.close(),
+                (View::Ladder, false) => self.ladder.close(),
+                (View::Link, true) => self.link.open(),
+                (View::Link, false) => self.link.close(),
+                (View::Bench | View::Ladder, _) => {}
+            }
         }
-        if self.monitors() != was {
+        let after = self.monitors();
+        if after != before {
             self.machine = None;
-            self.console.send(Command::Monitor(!was));
+            self.console.send(Command::Monitor(after));
+        }
+        if let Some(machine) = self.console.machine.pop() {
+            self.machine = Some(Arc::new(machine));
         }
     }
 
     /// Whether an open view shows the machine and the PLC.
     fn monitors(&self) -> bool {
-        let shown = |(row, open): (&ViewRow, bool)| open && row.view.monitors();
-        VIEWS.iter().zip(self.open).any(shown)
+        self.shown.iter().any(|view| view.monitors())
     }
 
-    /// Draws the open views. What their windows leave to the panel of the keyboard
-    /// comes back, and whether one of them has the focus.
-    pub fn show(
+    /// Draws a view; `native`: in a window of its own, with all keys.
+    fn content(&mut self, ui: &mut Ui, view: View, language: Language, native: bool) {
+        match view {
+            View::Scope => self.scope.show(ui, language, native),
+            View::Link => self.link.show(ui, language),
+            View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
+            View::Ladder => {
+                let machine = self.machine.as_ref();
+                self.ladder.show(ui, language, machine, native);
+            }
+        }
+    }
+
+    /// Draws a docked view into its pane. One that is larger than the pane is scrolled.
+    pub fn show_docked(
+        &mut self,
+        ui: &mut Ui,
+        view: View,
+        language: Language,
+    ) -> Option<header::Asked> {
+        let row = view.row();
+        let asked = header::show(ui, row, language, header::Place::Docked);
+        let mut room = ui.max_rect();
+        room.min.y = room.bottom().min(room.top() + header::HEIGHT);
+        let size = room.size().max(Vec2::from(row.least));
+        ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
+            ScrollArea::both()
+                .id_salt(("docked", row.key.name()))
+                .auto_shrink([false, false])
+                .show(ui, |ui| {
+                    let (place, _) = ui.allocate_exact_size(size, Sense::HOVER);
+                    let mut inside = ui.new_child(UiBuilder::new().max_rect(place));
+                    inside.set_clip_rect(inside.clip_rect().intersect(place));
+                    self.content(&mut inside, view, language, false);
+                });
+        });
+        asked
+    }
+
+    /// Draws the views in windows of their own. What their windows leave to the panel
+    /// of the keyboard comes back, and whether one of them has the focus.
+    pub fn show_floating(
         &mut self,
         context: &Context,
         language: Language,
         board: Option<LinkState>,
+        lcd: Option<Rect>,
+        layouts: &mut Layouts,
     ) -> Typed {
+        self.follow(layouts);
         let mut typed = Typed::default();
-        if let Some(machine) = self.console.machine.pop() {
-            self.machine = Some(Arc::new(machine));
-        }
-        for (index, row) in VIEWS.iter().enumerate() {
-            if !self.open[index] {
-                continue;
-            }
-            let stays = window(
-                context,
+        let floating = layouts.floating();
+        self.opened.retain(|(view, ..)| floating.contains(view));
+        for view in floating {
+            let row = view.row();
+            let opened = self.opened.iter().find(|(open, ..)| *open == view);
+            let opened = opened.map(|(_, corner, size)| (*corner, *size));
+            let (corner, size) = opened.unwrap_or_else(|| {
+                let screen = Screen::of(context, lcd);
+                let header = Vec2::new(0.0, header::HEIGHT);
+                let [wanted, least] = [row.size, row.least].map(|it| Vec2::from(it) + header);
+                let (corner, size) = screen.open(layouts.place(view), wanted, least);
+                self.opened.push((view, corner, size));
+                (corner, size)
+            });
+            let window = OwnWindow {
                 row,
                 language,
                 board,
-                &mut typed,
-                |ui, native| match row.view {
-                    View::Scope => self.scope.show(ui, language, native),
-                    View::Link => self.link.show(ui, language),
-                    View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
-                    View::Ladder => {
-                        let machine = self.machine.as_ref();
-                        self.ladder.show(ui, language, machine, native);
-                    }
-                },
-            );
-            if !stays {
-                self.toggle(row.view);
+                corner,
+                size,
+            };
+            let left = window.show(context, &mut typed, |ui, native| {
+                let asked = header::show(ui, row, language, header::Place::Floating);
+                self.content(ui, view, language, native);
+                asked
+            });
+            if let Some(place) = left.place {
+                layouts.remember(view, place);
+            }
+            match left.asked {
+                Some(header::Asked::Dock) => layouts.dock(view),
+                Some(header::Asked::Close) => layouts.toggle(view),
+                Some(header::Asked::Float) | None => {}
             }
         }
         if let Some(view) = typed.toggled {
-            self.toggle(view);
+            layouts.toggle(view);
+        }
+        if let Some(layout) = typed.chosen {
+            layouts.choose(layout);
         }
         typed
     }
@@ -200,60 +271,91 @@ pub struct Typed {
     pub events: Vec<Event>,
     /// A key of another view.
     toggled: Option<View>,
+    /// A key of a layout.
+    chosen: Option<Layout>,
 }
 
-/// Draws a view in a window of its own, or inside the window where the system has
-/// one window only; tells whether it stays open.
-fn window(
-    context: &Context,
-    row: &ViewRow,
+/// A view's own window.
+struct OwnWindow {
+    row: &'static ViewRow,
     language: Language,
     board: Option<LinkState>,
-    typed: &mut Typed,
-    mut add: impl FnMut(&mut Ui, bool),
-) -> bool {
-    let title = (row.name)().text(language);
-    let id = format!("{:?}", row.view);
-    if context.embed_viewports() {
-        let mut open = true;
-        egui::Window::new(title)
-            .id(egui::Id::unique(&id))
-            .open(&mut open)
-            .default_size(row.size)
-            .min_size(row.least)
-            .collapsible(false)
-            .show(context, |ui| {
-                badge::show(ui, &id, board, language);
-                add(ui, false);
-            });
-        return open;
-    }
-    let builder = ViewportBuilder::default()
-        .with_title(badge::title(&format!("{title} - GSK980TD"), board))
-        .with_app_id("gsk980td")
-        .with_inner_size(row.size)
-        .with_min_inner_size(row.least);
-    let viewport = ViewportId::from_hash_of(&id);
-    context.show_viewport_immediate(viewport, builder, |ui, _| {
-        badge::show(ui, &id, board, language);
-        add(ui, true);
-        let typing = ui.ctx().egui_wants_keyboard_input();
-        ui.input(|input| {
-            typed.focused |= input.focused;
-            let events = input
-                .events
-                .iter()
-                .filter(|event| for_panel(event, row.view, typing));
-            typed.events.extend(events.cloned());
-            let closing = input.viewport().close_requested();
-            let toggled = toggled(&input.events);
-            let again = toggled == Some(row.view);
-            if !again {
-                typed.toggled = typed.toggled.or(toggled);
+    /// Where it was put when it was opened, and how large.
+    corner: Option<Pos2>,
+    size: Vec2,
+}
+
+/// What came out of a view's own window in a frame.
+#[derive(Debug, Default)]
+struct Left {
+    asked: Option<header::Asked>,
+    /// Where it is now.
+    place: Option<Place>,
+}
+
+impl OwnWindow {
+    /// Draws it, or inside the main window where the system has one window only.
+    fn show(
+        &self,
+        context: &Context,
+        typed: &mut Typed,
+        mut add: impl FnMut(&mut Ui, bool) -> Option<header::Asked>,
+    ) -> Left {
+        let row = self.row;
+        let title = (row.name)().text(self.language);
+        let id = format!("{:?}", row.view);
+        let mut left = Left::default();
+        if context.embed_viewports() {
+            let mut open = true;
+            egui::Window::new(title)
+                .id(egui::Id::unique(&id))
+                .open(&mut open)
+                .default_size(self.size)
+                .min_size(row.least)
+                .collapsible(false)
+                .show(context, |ui| {
+                    badge::show(ui, &id, self.board, self.language);
+                    left.asked = add(ui, false);
+                });
+            if !open {
+                left.asked = Some(header::Asked::Close);
             }
-            !closing && !again
-        })
-    })
+            return left;
+        }
+        let mut builder = ViewportBuilder::default()
+            .with_title(badge::title(&format!("{title} - GSK980TD"), self.board))
+            .with_app_id("gsk980td")
+            .with_inner_size(self.size)
+            .with_min_inner_size(Vec2::from(row.least).min(self.size));
+        if let Some(corner) = self.corner {
+            builder = builder.with_position(corner);
+        }
+        let viewport = ViewportId::from_hash_of(&id);
+        context.show_viewport_immediate(viewport, builder, |ui, _| {
+            badge::show(ui, &id, self.board, self.language);
+            left.asked = add(ui, true);
+            let typing = ui.ctx().egui_wants_keyboard_input();
+            ui.input(|input| {
+                typed.focused |= input.focused;
+                let events = input
+                    .events
+                    .iter()
+                    .filter(|event| for_panel(event, row.view, typing));
+                typed.events.extend(events.cloned());
+                let toggled = toggled(&input.events);
+                let again = toggled == Some(row.view);
+                if again || input.viewport().close_requested() {
+                    left.asked = Some(header::Asked::Close);
+                }
+                if !again {
+                    typed.toggled = typed.toggled.or(toggled);
+                }
+                typed.chosen = typed.chosen.or(layout::chosen(&input.events));
+                left.place = floating::place(input.viewport());
+            });
+        });
+        left
+    }
 }
 
 /// Whether a key typed into a view's window is meant for the panel. Feed hold and
@@ -284,19 +386,19 @@ fn for_panel(event: &Event, view: View, typing: bool) -> bool {
 
 /// The view that a key opens or closes.
 pub fn toggled(events: &[Event]) -> Option<View> {
-    let pressed = |wanted: Key| {
-        events.iter().any(|event| {
-            matches!(
-                event,
-                Event::Key { key, pressed: true, repeat: false, modifiers, .. }
-                    if *key == wanted && modifiers.shift && !modifiers.ctrl && !modifiers.alt
-            )
-        })
-    };
-    VIEWS
-        .iter()
-        .find(|row| pressed(row.key))
-        .map(|row| row.view)
+    let row = VIEWS.iter().find(|row| shifted(events, row.key));
+    row.map(|row| row.view)
+}
+
+/// Whether a key is pressed together with Shift alone.
+pub fn shifted(events: &[Event], wanted: Key) -> bool {
+    events.iter().any(|event| {
+        matches!(
+            event,
+            Event::Key { key, pressed: true, repeat: false, modifiers, .. }
+                if *key == wanted && modifiers.shift && !modifiers.ctrl && !modifiers.alt
+        )
+    })
 }
 
 fn bar_frame() -> Frame {
@@ -315,9 +417,9 @@ fn plain_frame() -> Frame {
     Frame::new().fill(Color32::from_gray(18))
 }
 
-/// The name of a view's key.
-pub fn key_name(row: &ViewRow) -> String {
-    format!("Shift+{}", row.key.name())
+/// The name of a key of a view or a layout.
+pub fn key_name(key: Key) -> String {
+    format!("Shift+{}", key.name())
 }
 
 #[cfg(test)]

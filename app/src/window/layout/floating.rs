@@ -1,0 +1,179 @@
+//! Where a view's own window opens: where it was, else beside the LCD; never larger
+//! than the screen.
+
+use egui::{Context, Pos2, Rect, Vec2, ViewportInfo, pos2, vec2};
+
+use super::Place;
+
+/// What the frame and the title of a window take, points.
+const FRAME: Vec2 = vec2(12.0, 44.0);
+
+/// The screen with what must stay in sight on it, points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Screen {
+    size: Option<Vec2>,
+    /// The LCD; none where the system does not tell where the window is.
+    lcd: Option<Rect>,
+}
+
+impl Screen {
+    /// The screen that the main window is on; `lcd` is the LCD inside the window.
+    pub fn of(context: &Context, lcd: Option<Rect>) -> Self {
+        context.input(|input| {
+            let viewport = input.viewport();
+            let inner = viewport.inner_rect;
+            Self {
+                size: viewport.monitor_size.filter(|size| size.min_elem() > 1.0),
+                lcd: inner
+                    .zip(lcd)
+                    .map(|(inner, lcd)| lcd.translate(inner.min.to_vec2())),
+            }
+        })
+    }
+
+    /// Where a window opens, with its size: where it was last, else where it leaves the
+    /// LCD free.
+    pub fn open(&self, last: Option<Place>, wanted: Vec2, least: Vec2) -> (Option<Pos2>, Vec2) {
+        let wanted = last.map_or(wanted, |place| {
+            vec2(place.size.0 as f32, place.size.1 as f32)
+        });
+        let Some(size) = self.size else {
+            return (None, wanted);
+        };
+        let wanted = wanted.min(size - FRAME).max(vec2(1.0, 1.0));
+        if let Some((x, y)) = last.and_then(|place| place.corner) {
+            // A screen that is gone, or a smaller one.
+            let most = (size - wanted - FRAME).max(Vec2::ZERO);
+            let corner = pos2((x as f32).clamp(0.0, most.x), (y as f32).clamp(0.0, most.y));
+            return (Some(corner), wanted);
+        }
+        // On another screen of several the LCD's place says nothing about this one.
+        let screen = Rect::from_min_size(Pos2::ZERO, size);
+        let Some(lcd) = self.lcd.filter(|lcd| screen.contains_rect(*lcd)) else {
+            return (None, wanted);
+        };
+        let (corner, size) = beside(screen, lcd, wanted, least.min(wanted));
+        (Some(corner), size)
+    }
+}
+
+/// Where the main window opens, with its size: where it was last, else in the middle of
+/// the screen, with a share of its width and height.
+pub fn main_window(last: Option<Place>, screen: Vec2, share: f32) -> (Pos2, Vec2) {
+    let most = screen * share;
+    let size = last.map_or(most, |place| vec2(place.size.0 as f32, place.size.1 as f32));
+    let size = size.min(most);
+    let room = (screen - size - FRAME).max(Vec2::ZERO);
+    let middle = (room / 2.0).to_pos2();
+    let corner = last.and_then(|place| place.corner);
+    let corner = corner.map_or(middle, |(x, y)| {
+        pos2((x as f32).clamp(0.0, room.x), (y as f32).clamp(0.0, room.y))
+    });
+    (corner, size)
+}
+
+/// Where a window is that is neither maximized nor hidden.
+pub fn place(viewport: &ViewportInfo) -> Option<Place> {
+    let unusual = [viewport.maximized, viewport.fullscreen, viewport.minimized];
+    if unusual.contains(&Some(true)) {
+        return None;
+    }
+    let size = viewport.inner_rect?.size().round();
+    let corner = viewport.outer_rect.map(|outer| outer.min.round());
+    Some(Place {
+        corner: corner.map(|corner| (corner.x as i32, corner.y as i32)),
+        size: (size.x as u32, size.y as u32),
+    })
+}
+
+/// The largest window, at most as large as wanted, to the right of the LCD, below,
+/// above or to the left of it.
+fn beside(screen: Rect, lcd: Rect, wanted: Vec2, least: Vec2) -> (Pos2, Vec2) {
+    let rooms = [
+        Rect::from_min_max(pos2(lcd.right(), screen.top()), screen.max),
+        Rect::from_min_max(pos2(screen.left(), lcd.bottom()), screen.max),
+        Rect::from_min_max(screen.min, pos2(screen.right(), lcd.top())),
+        Rect::from_min_max(screen.min, pos2(lcd.left(), screen.bottom())),
+    ];
+    let fitted = rooms.map(|room| (room, wanted.min(room.size() - FRAME)));
+    let enough = fitted
+        .iter()
+        .filter(|(_, size)| size.x >= least.x && size.y >= least.y)
+        .max_by(|(_, one), (_, other)| (one.x * one.y).total_cmp(&(other.x * other.y)));
+    let (room, size) = match enough {
+        Some((room, size)) => (*room, *size),
+        // Nowhere: as small as it can be, in the corner.
+        None => (screen, least),
+    };
+    (room.max - size - FRAME, size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_opens_beside_the_lcd_and_on_the_screen() {
+        let lcd = Rect::from_min_size(pos2(80.0, 90.0), vec2(640.0, 480.0));
+        for (screen, over) in [
+            (vec2(3840.0, 2160.0), false),
+            (vec2(1920.0, 1080.0), false),
+            (vec2(1366.0, 768.0), true),
+        ] {
+            let on = Screen {
+                size: Some(screen),
+                lcd: Some(lcd),
+            };
+            let (corner, size) = on.open(None, vec2(1120.0, 720.0), vec2(760.0, 360.0));
+            let window = Rect::from_min_size(corner.unwrap(), size + FRAME);
+            let room = Rect::from_min_size(Pos2::ZERO, screen);
+            assert!(room.contains_rect(window), "{window:?} on {screen}");
+            assert_eq!(
+                window.shrink(0.1).intersects(lcd),
+                over,
+                "{window:?} on {screen}"
+            );
+            assert!(size.x >= 760.0 && size.y >= 360.0);
+        }
+    }
+
+    #[test]
+    fn the_main_window_stands_in_the_middle_or_where_it_was() {
+        let screen = vec2(1366.0, 768.0);
+        let (corner, size) = main_window(None, screen, 0.92);
+        assert_eq!(size, screen * 0.92);
+        assert!(corner.x > 40.0 && corner.y >= 0.0);
+        let place = Place {
+            corner: Some((-100, 500)),
+            size: (600, 5000),
+        };
+        let (corner, size) = main_window(Some(place), screen, 0.92);
+        assert_eq!((corner.x, size.x), (0.0, 600.0));
+        assert!(corner.y + size.y <= screen.y);
+    }
+
+    #[test]
+    fn it_comes_back_where_it_was_also_on_a_smaller_screen() {
+        let on = |screen| Screen {
+            size: Some(screen),
+            lcd: None,
+        };
+        let place = Place {
+            corner: Some((1500, 300)),
+            size: (1120, 720),
+        };
+        let open = |screen| on(screen).open(Some(place), vec2(100.0, 100.0), vec2(50.0, 50.0));
+        let (corner, size) = open(vec2(3840.0, 2160.0));
+        assert_eq!(
+            (corner, size),
+            (Some(pos2(1500.0, 300.0)), vec2(1120.0, 720.0))
+        );
+        let (corner, size) = open(vec2(1366.0, 768.0));
+        assert_eq!(
+            (corner, size),
+            (Some(pos2(234.0, 4.0)), vec2(1120.0, 720.0))
+        );
+        let (_, size) = open(vec2(800.0, 600.0));
+        assert_eq!(size, vec2(800.0, 600.0) - FRAME);
+    }
+}

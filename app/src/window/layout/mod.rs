@@ -1,0 +1,306 @@
+//! Layouts of the window: which views are docked beside the panel, and how the room is
+//! shared. Everything here is remembered from one start to the next.
+
+pub mod floating;
+mod panes;
+mod splitters;
+
+use std::collections::BTreeMap;
+
+use egui::{Event, Key, Rect};
+use serde::{Deserialize, Serialize};
+
+use super::placing;
+use super::views::{View, shifted};
+use gsk_messages::{Message, say};
+pub use panes::{Arranged, Pane, arrange};
+pub use splitters::drag;
+
+/// Units a pixel of the LCD's dots: the panel is drawn with half a dot a unit.
+const UNITS_A_DOT: f32 = 2.0;
+/// The most of a window's width that the panel takes by itself beside views.
+const PANEL_AT_MOST: f32 = 0.75;
+
+/// A layout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Layout {
+    /// The panel alone.
+    Panel,
+    /// Panel, fault bench and scope: for whoever teaches.
+    Instructor,
+}
+
+/// A row of the table of layouts.
+pub struct LayoutRow {
+    /// The layout.
+    pub layout: Layout,
+    /// Its name.
+    pub name: fn() -> Message,
+    /// The key that chooses it, with Shift.
+    pub key: Key,
+    /// What is docked in it as long as nobody has changed it.
+    docked: &'static [View],
+}
+
+/// The layouts in the order of the menu.
+pub static LAYOUTS: [LayoutRow; 2] = [
+    LayoutRow {
+        layout: Layout::Panel,
+        name: say::window_layout_panel,
+        key: Key::F6,
+        docked: &[],
+    },
+    LayoutRow {
+        layout: Layout::Instructor,
+        name: say::window_layout_instructor,
+        key: Key::F9,
+        docked: &[View::Bench, View::Scope],
+    },
+];
+
+impl Layout {
+    /// The one of the first start: as much as leaves the LCD a pixel a dot.
+    const fn first() -> Self {
+        Self::Panel
+    }
+
+    fn row(self) -> &'static LayoutRow {
+        let row = LAYOUTS.iter().find(|row| row.layout == self);
+        row.unwrap_or(&LAYOUTS[0])
+    }
+}
+
+/// The layout that a key chooses.
+pub fn chosen(events: &[Event]) -> Option<Layout> {
+    let row = LAYOUTS.iter().find(|row| shifted(events, row.key));
+    row.map(|row| row.layout)
+}
+
+/// Position and size of a window on the screen, points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Place {
+    /// Upper left corner, frame and all; None where the system does not tell it.
+    pub corner: Option<(i32, i32)>,
+    /// Size without the frame.
+    pub size: (u32, u32),
+}
+
+/// What somebody has made of a layout.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+struct Changes {
+    /// The views that are docked, if they are others than those of the table.
+    docked: Option<Vec<View>>,
+    /// Where splitters were dragged to: share of the first side, thousandths.
+    shares: BTreeMap<u8, u16>,
+}
+
+/// Where a view goes when it is opened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+struct Home {
+    /// Into the window, not into one of its own.
+    docks: bool,
+    /// Its own window, when it was open last.
+    place: Option<Place>,
+}
+
+/// The layouts as they are remembered.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Layouts {
+    /// The one in use; none was chosen yet.
+    chosen: Option<Layout>,
+    changes: BTreeMap<Layout, Changes>,
+    homes: BTreeMap<View, Home>,
+    /// The main window, when it was not maximized.
+    pub window: Option<Place>,
+    /// Views in windows of their own; at the start there is none.
+    #[serde(skip)]
+    floating: Vec<View>,
+}
+
+impl Layouts {
+    /// With a layout chosen.
+    pub fn of(layout: Layout) -> Self {
+        Self {
+            chosen: Some(layout),
+            ..Self::default()
+        }
+    }
+
+    /// The layout in use.
+    pub fn current(&self) -> Layout {
+        self.chosen.unwrap_or(Layout::first())
+    }
+
+    /// Uses another layout.
+    pub const fn choose(&mut self, layout: Layout) {
+        self.chosen = Some(layout);
+    }
+
+    /// The docked views.
+    pub fn docked(&self) -> Vec<View> {
+        let layout = self.current();
+        let changed = self.changes.get(&layout);
+        let changed = changed.and_then(|changes| changes.docked.clone());
+        changed.unwrap_or_else(|| layout.row().docked.to_vec())
+    }
+
+    /// The views in windows of their own.
+    pub fn floating(&self) -> Vec<View> {
+        let docked = self.docked();
+        let own = self.floating.iter().copied();
+        own.filter(|view| !docked.contains(view)).collect()
+    }
+
+    /// Whether a view is open.
+    pub fn is_open(&self, view: View) -> bool {
+        self.floating.contains(&view) || self.docked().contains(&view)
+    }
+
+    /// Opens a view where it was last, or closes it.
+    pub fn toggle(&mut self, view: View) {
+        let docked = self.docked().contains(&view);
+        if docked || self.floating.contains(&view) {
+            self.take_away(view);
+            self.home(view).docks = docked;
+        } else if self.home(view).docks {
+            self.dock(view);
+        } else {
+            self.float(view);
+        }
+    }
+
+    /// Puts a view into the window.
+    pub fn dock(&mut self, view: View) {
+        self.take_away(view);
+        let mut docked = self.docked();
+        docked.push(view);
+        self.set_docked(docked);
+        self.home(view).docks = true;
+    }
+
+    /// Gives a view a window of its own.
+    pub fn float(&mut self, view: View) {
+        self.take_away(view);
+        self.floating.push(view);
+        self.home(view).docks = false;
+    }
+
+    /// Where a view's own window was last.
+    pub fn place(&self, view: View) -> Option<Place> {
+        self.homes.get(&view).and_then(|home| home.place)
+    }
+
+    /// Remembers where a view's own window is.
+    pub fn remember(&mut self, view: View, place: Place) {
+        self.home(view).place = Some(place);
+    }
+
+    fn home(&mut self, view: View) -> &mut Home {
+        self.homes.entry(view).or_default()
+    }
+
+    fn take_away(&mut self, view: View) {
+        self.floating.retain(|open| *open != view);
+        let mut docked = self.docked();
+        if docked.contains(&view) {
+            docked.retain(|open| *open != view);
+            self.set_docked(docked);
+        }
+    }
+
+    fn set_docked(&mut self, docked: Vec<View>) {
+        let layout = self.current();
+        self.changes.entry(layout).or_default().docked = Some(docked);
+    }
+
+    /// The panes in a room.
+    pub fn arrange(&self, room: Rect, pixels_per_point: f32) -> Arranged {
+        let shares = self.changes.get(&self.current());
+        let share = |split: u8| {
+            let share = shares.and_then(|changes| changes.shares.get(&split))?;
+            Some(f32::from(*share) / 1000.0)
+        };
+        arrange(room, &self.docked(), pixels_per_point, &share)
+    }
+
+    /// Moves a splitter; `None`: back to where it stands by itself.
+    pub fn set_share(&mut self, split: u8, share: Option<f32>) {
+        let layout = self.current();
+        let shares = &mut self.changes.entry(layout).or_default().shares;
+        match share {
+            Some(share) => {
+                let thousandths = (share.clamp(0.0, 1.0) * 1000.0).round() as u16;
+                shares.insert(split, thousandths);
+            }
+            None => {
+                shares.remove(&split);
+            }
+        }
+    }
+}
+
+/// The share of a room's width that the panel takes by itself beside views: the most
+/// that shows the dots of the LCD as whole pixels.
+fn panel_share(room: Rect, pixels_per_point: f32) -> f32 {
+    let at_most = egui::vec2(room.width() * PANEL_AT_MOST, room.height());
+    let scale = placing::whole_scale(at_most) * pixels_per_point;
+    let pixels_a_dot = (scale * UNITS_A_DOT).floor();
+    if pixels_a_dot < 1.0 {
+        return 0.6;
+    }
+    let width = gsk_panel::faceplate::SIZE.0 * pixels_a_dot / UNITS_A_DOT;
+    (width / pixels_per_point / room.width()).min(PANEL_AT_MOST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_view_opens_where_it_was_last() {
+        let mut layouts = Layouts::of(Layout::Panel);
+        layouts.toggle(View::Scope);
+        assert_eq!(
+            (layouts.floating(), layouts.docked()),
+            (vec![View::Scope], vec![])
+        );
+        layouts.dock(View::Scope);
+        assert_eq!(
+            (layouts.floating(), layouts.docked()),
+            (vec![], vec![View::Scope])
+        );
+        layouts.toggle(View::Scope);
+        assert!(!layouts.is_open(View::Scope));
+        layouts.toggle(View::Scope);
+        assert_eq!(layouts.docked(), [View::Scope]);
+        layouts.choose(Layout::Instructor);
+        assert_eq!(layouts.docked(), [View::Bench, View::Scope]);
+        layouts.float(View::Bench);
+        layouts.choose(Layout::Panel);
+        assert_eq!(
+            (layouts.floating(), layouts.docked()),
+            (vec![View::Bench], vec![View::Scope])
+        );
+    }
+
+    #[test]
+    fn they_come_back_as_they_were() {
+        let mut layouts = Layouts::of(Layout::Instructor);
+        layouts.dock(View::Ladder);
+        layouts.set_share(0, Some(0.4321));
+        let place = Place {
+            corner: Some((-5, 40)),
+            size: (800, 600),
+        };
+        layouts.remember(View::Scope, place);
+        let kept = ron::to_string(&layouts).unwrap();
+        let back: Layouts = ron::from_str(&kept).unwrap();
+        assert_eq!(back, layouts);
+        assert_eq!(back.place(View::Scope), Some(place));
+        let room = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1000.0, 800.0));
+        assert_eq!(back.arrange(room, 1.0).panes[0].1.width(), 432.0 - 3.0);
+    }
+}

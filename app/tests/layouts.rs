@@ -1,0 +1,125 @@
+//! The layouts of the window: keys, splitters, docked views, a narrow window.
+
+use crate::common::Bench;
+use egui::{Event, Modifiers, PointerButton, Pos2, vec2};
+use egui_kittest::kittest::Queryable;
+use gsk_app::window::layout::{Layout, Layouts};
+use gsk_app::window::views::View;
+use gsk_core::setup::Setup;
+use gsk_panel::keys::KEYS;
+
+fn shift(bench: &mut Bench, key: egui::Key) {
+    bench.harness.key_press_modifiers(Modifiers::SHIFT, key);
+    for _ in 0..3 {
+        bench.run(50);
+    }
+}
+
+fn layouts(bench: &Bench) -> &Layouts {
+    &bench.harness.state().settings().layouts
+}
+
+fn drag(bench: &mut Bench, from: Pos2, to: Pos2) {
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::default(),
+    };
+    bench.harness.event(Event::PointerMoved(from));
+    bench.run(1);
+    bench.harness.event(button(from, true));
+    bench.run(1);
+    bench.harness.event(Event::PointerMoved(to));
+    bench.run(1);
+    bench.harness.event(button(to, false));
+    bench.run(1);
+}
+
+#[test]
+fn a_key_chooses_a_layout_whose_panes_stand_beside_the_panel() {
+    let mut bench = Bench::new();
+    assert!(bench.harness.query_by_label("Scope picture").is_none());
+    shift(&mut bench, egui::Key::F9);
+    assert_eq!(layouts(&bench).current(), Layout::Instructor);
+    assert!(bench.harness.query_by_label("Scope picture").is_some());
+    assert!(bench.harness.query_by_label("Faults").is_some());
+    let lcd = bench.harness.get_by_label("LCD").rect();
+    let scope = bench.harness.get_by_label("Scope picture").rect();
+    assert!(!lcd.intersects(scope));
+    // Machine keys act as before.
+    bench.click("Automatic mode");
+    bench.lcd_shows("自动方式");
+    shift(&mut bench, egui::Key::F6);
+    assert!(bench.harness.query_by_label("Scope picture").is_none());
+}
+
+#[test]
+fn a_dragged_splitter_stays_and_a_double_click_puts_it_back() {
+    let mut bench = Bench::new();
+    shift(&mut bench, egui::Key::F9);
+    let bar = |bench: &Bench| bench.harness.get_by_label("Splitter 0").rect().center();
+    let before = bar(&bench);
+    drag(&mut bench, before, before + vec2(-150.0, 0.0));
+    let after = bar(&bench);
+    assert!((before.x - after.x - 150.0).abs() < 3.0, "{before} {after}");
+    shift(&mut bench, egui::Key::F6);
+    shift(&mut bench, egui::Key::F9);
+    assert_eq!(bar(&bench), after);
+    // The next start.
+    let kept = layouts(&bench).clone();
+    let again = Bench::sized(Setup::default(), kept, vec2(1280.0, 806.0));
+    assert_eq!(bar(&again), after);
+}
+
+#[test]
+fn a_view_floats_docks_and_closes_by_the_signs_above_it() {
+    let mut bench = Bench::new();
+    shift(&mut bench, egui::Key::F2);
+    assert_eq!(layouts(&bench).floating(), [View::Scope]);
+    let click = |bench: &mut Bench, name: &str| {
+        bench.harness.get_by_label(name).click();
+        for _ in 0..3 {
+            bench.run(10);
+        }
+    };
+    click(&mut bench, "Dock Scope in the window");
+    assert_eq!(layouts(&bench).docked(), [View::Scope]);
+    assert!(bench.harness.query_by_label("Scope picture").is_some());
+    click(&mut bench, "Scope in a window of its own");
+    assert_eq!(layouts(&bench).floating(), [View::Scope]);
+    click(&mut bench, "Dock Scope in the window");
+    click(&mut bench, "Close Scope");
+    assert!(!layouts(&bench).is_open(View::Scope));
+    shift(&mut bench, egui::Key::F2);
+    assert_eq!(
+        layouts(&bench).docked(),
+        [View::Scope],
+        "it comes back where it was"
+    );
+}
+
+#[test]
+fn in_a_narrow_window_every_key_is_inside_and_can_be_clicked() {
+    let size = vec2(800.0, 1280.0);
+    let mut bench = Bench::sized(Setup::default(), Layouts::of(Layout::Panel), size);
+    let window = egui::Rect::from_min_size(Pos2::ZERO, size);
+    for row in &KEYS {
+        let place = bench.harness.get_by_label(row.name_en).rect();
+        assert!(window.contains_rect(place), "{} at {place}", row.id);
+        assert!(place.width() > 20.0, "{} is {} wide", row.id, place.width());
+    }
+    let lcd = bench.harness.get_by_label("LCD").rect();
+    assert!(lcd.width() > 600.0, "{lcd}");
+    for (name, mode) in [("Jog mode", "手动方式"), ("Edit mode", "编辑方式")] {
+        bench.click(name);
+        bench.lcd_shows(mode);
+    }
+    bench.click("Program pages");
+    for key in ["Address O", "Digit 7", "Digit 3"] {
+        bench.click(key);
+    }
+    bench.lcd_shows("O73");
+    bench.click("Emergency stop");
+    bench.lcd_shows("准备未绪");
+}
