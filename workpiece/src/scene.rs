@@ -21,6 +21,9 @@ pub struct Scene {
     stock: Stock,
     part: Part,
     obstacles: Vec<(Obstacle, Region, Bounds)>,
+    /// Where a thread ended: the tool stands in its own groove there, though the drawn
+    /// plane may show that groove elsewhere.
+    groove: Option<Point>,
 }
 
 /// What came of a motion.
@@ -79,6 +82,7 @@ impl Scene {
                     Some((obstacle, region, bounds))
                 })
                 .collect(),
+            groove: None,
         }
     }
 
@@ -112,7 +116,7 @@ impl Scene {
             let by_body = cutter
                 .body
                 .iter()
-                .find_map(|(toucher, contour)| self.hit(*toucher, contour, from, to, true));
+                .find_map(|(toucher, contour)| self.hit(*toucher, contour, from, to, Some(&[])));
             outcome.collision = outcome.collision.or(by_body);
         }
         if let Kind::Thread(imprints) = &motion.kind {
@@ -121,6 +125,7 @@ impl Scene {
                 outcome.removed.add(removed);
             }
         }
+        self.groove = threading.then_some(motion.to);
         outcome
     }
 
@@ -138,23 +143,35 @@ impl Scene {
             _ if !motion.turning => (Toucher::StandingInsert, true),
             _ => (Toucher::Insert, false),
         };
-        self.hit(toucher, &cutter.clear, from, to, stock)
+        let groove = self.groove.filter(|end| *end == from);
+        let own: Vec<Contour> = groove
+            .map(|end| sweep(&cutter.shape.cutting, to_grid(end), to_grid(end)))
+            .into_iter()
+            .collect();
+        self.hit(toucher, &cutter.clear, from, to, stock.then_some(&own))
     }
 
-    /// The first obstacle that a contour meets on a straight way.
+    /// The first obstacle that a contour meets on a straight way; the stock only if it
+    /// may not be met, but for where the tool stands in a groove of its own.
     fn hit(
         &self,
         toucher: Toucher,
         contour: &[GridPoint],
         from: Point,
         to: Point,
-        stock: bool,
+        stock: Option<&[Contour]>,
     ) -> Option<Collision> {
         let swept = both_sides(sweep(contour, to_grid(from), to_grid(to)));
         let bounds = Bounds::of(swept.iter().flatten())?;
         let met = |common: &Region| !common.is_empty();
-        if stock && met(&self.part.touched(&swept)) {
-            let touched = |swept: &[Contour]| self.part.touched(swept);
+        let touched = |swept: &[Contour]| {
+            let touched = self.part.touched(swept);
+            match stock {
+                Some(groove) if !groove.is_empty() => touched.without(groove),
+                _ => touched,
+            }
+        };
+        if stock.is_some() && met(&touched(&swept)) {
             return Some(first_touch(
                 (toucher, Obstacle::Stock),
                 contour,
