@@ -273,6 +273,9 @@ impl Window {
                     }
                     self.opened = path;
                 }
+                // What it says of a file must not cover an alarm that stands by now.
+                Notice::Looked(..)
+                    if self.picture.as_ref().is_some_and(|it| it.alarm.is_some()) => {}
                 Notice::Looked(file, look) => {
                     self.message = Some(Message::looked(self.message.take(), file, look));
                 }
