@@ -109,6 +109,8 @@ pub enum Command {
     Link(LinkOrder),
     /// Hand out the state of the pulse board, or no more.
     WatchLink(bool),
+    /// Store a text as a program of the memory, and say what came of it.
+    Store(String, Sender<Result<u16, NotStored>>),
     /// Hand out once what a preview of the control as it stands starts from.
     HandOut(Sender<Box<Setup>>),
     /// The job of the part in the simulated lathe, on fresh stock; none: there is none.
@@ -262,6 +264,15 @@ impl Console {
         let (to, answer) = bounded(1);
         self.commands.send(Command::HandOut(to)).ok()?;
         answer.recv_timeout(LONGEST).ok().map(|setup| *setup)
+    }
+
+    /// Stores a text as a program of the memory and selects it; `None` where the kernel
+    /// gives no answer. It waits, as [`Self::setup`] does.
+    pub fn store(&self, text: String) -> Option<Result<u16, NotStored>> {
+        const LONGEST: Duration = Duration::from_secs(5);
+        let (to, answer) = bounded(1);
+        self.commands.send(Command::Store(text, to)).ok()?;
+        answer.recv_timeout(LONGEST).ok()
     }
 }
 
@@ -511,6 +522,9 @@ impl Kernel {
                 if let Some(drive) = &mut self.drive {
                     drive.watch(on);
                 }
+            }
+            Command::Store(text, to) => {
+                let _ = to.try_send(self.store(&Program::new(text)));
             }
             Command::HandOut(to) => {
                 // Who asked may have gone.

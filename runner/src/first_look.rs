@@ -3,7 +3,7 @@
 
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{ExecutedMove, MoveKind};
-use gsk_core::preview::{Bounds, End, Progress, preview_while};
+use gsk_core::preview::{Bounds, End, Preview, Progress, preview_beyond_alarms, preview_while};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_messages::{Language, say};
@@ -35,28 +35,56 @@ pub struct FirstLook {
 
 /// Looks the selected program of a set-up through, as long as `goes_on` says so.
 pub fn look(name: String, setup: &Setup, goes_on: &mut dyn FnMut(&Progress) -> bool) -> FirstLook {
-    let mut times = Times::default();
-    let mut cuts = None;
-    let mut take = |executed: &ExecutedMove| {
-        times.push(executed);
-        if !matches!(executed.kind, MoveKind::Rapid | MoveKind::Dwell) {
-            Bounds::widen(&mut cuts, executed);
-        }
-    };
+    let mut seen = Seen::default();
     let programs = &setup.memory.programs;
-    let preview = preview_while(setup, programs, &mut take, goes_on);
-    let tools = times.tools().iter();
-    let told = |alarm: &Alarm| {
-        [Language::Zh, Language::En]
-            .map(|language| AlarmReport::new(alarm, programs, Some(language)))
-    };
-    FirstLook {
-        name,
-        end: preview.end,
-        time_s: preview.time_s,
-        tools: tools.filter(|time| time.spent.cutting() > 0.0).count(),
-        cuts,
-        alarm: preview.alarm.as_ref().map(told),
+    let preview = preview_while(setup, programs, &mut |it| seen.take(it), goes_on);
+    seen.into_look(name, setup, &preview)
+}
+
+/// As [`look`], behind alarms too: all that were found, the first one first.
+pub fn look_beyond(
+    name: String,
+    setup: &Setup,
+    goes_on: &mut dyn FnMut(&Progress) -> bool,
+) -> (FirstLook, Vec<Alarm>) {
+    let mut seen = Seen::default();
+    let programs = &setup.memory.programs;
+    let preview = preview_beyond_alarms(setup, programs, &mut |it| seen.take(it), goes_on);
+    let further = preview.further.alarms.iter();
+    let alarms = preview.alarm.iter().chain(further).cloned().collect();
+    (seen.into_look(name, setup, &preview), alarms)
+}
+
+/// What the moves say.
+#[derive(Debug, Default)]
+struct Seen {
+    times: Times,
+    cuts: Option<Bounds>,
+}
+
+impl Seen {
+    fn take(&mut self, executed: &ExecutedMove) {
+        self.times.push(executed);
+        if !matches!(executed.kind, MoveKind::Rapid | MoveKind::Dwell) {
+            Bounds::widen(&mut self.cuts, executed);
+        }
+    }
+
+    fn into_look(self, name: String, setup: &Setup, preview: &Preview) -> FirstLook {
+        let programs = &setup.memory.programs;
+        let told = |alarm: &Alarm| {
+            [Language::Zh, Language::En]
+                .map(|language| AlarmReport::new(alarm, programs, Some(language)))
+        };
+        let tools = self.times.tools().iter();
+        FirstLook {
+            name,
+            end: preview.end,
+            time_s: preview.time_s,
+            tools: tools.filter(|time| time.spent.cutting() > 0.0).count(),
+            cuts: self.cuts,
+            alarm: preview.alarm.as_ref().map(told),
+        }
     }
 }
 

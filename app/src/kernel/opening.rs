@@ -96,7 +96,7 @@ impl Kernel {
     }
 
     /// Stores a program where it may be stored, and selects it.
-    fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
+    pub(super) fn store(&mut self, program: &Program) -> Result<u16, NotStored> {
         let number = program.number().ok_or(NotStored::NoNumber)?;
         let cnc = &mut self.emulator.simulation.cnc;
         let there = cnc.programs().get(ProgramId::Stored(number));

@@ -90,7 +90,8 @@ impl Message {
     }
 }
 
-fn why_not(why: &NotStored, language: Language) -> gsk_messages::Message {
+/// Why a program is not in the memory.
+pub fn why_not(why: &NotStored, language: Language) -> gsk_messages::Message {
     match why {
         NotStored::NoNumber => say::window_file_has_no_number(),
         NotStored::NumberTaken(number) => say::window_memory_keeps_its_own(number),

@@ -194,8 +194,9 @@ impl Window {
             self.help = help::show(ui.ctx(), language);
         }
         let picture = self.picture.as_ref();
+        let unsaved = self.views.program().is_unsaved();
         self.questions
-            .show(ui.ctx(), language, picture, &self.console);
+            .show(ui.ctx(), language, picture, &self.console, unsaved);
         self.browser.show(ui.ctx(), language);
         self.keyboard(ui);
         let (board, lcd) = (self.board(), self.lcd.place());
@@ -264,6 +265,7 @@ impl Window {
                     self.questions.ask_for_place(opened, number);
                 }
                 Notice::Opened { name, path, place } => {
+                    self.views.program().opened(path.as_deref(), &place);
                     let shown = PathBuf::from(name);
                     let shown = shown.file_name().unwrap_or_default();
                     let shown = shown.to_string_lossy().into_owned();
@@ -371,12 +373,14 @@ impl Window {
         top_bar::status(ui, text.as_deref(), warning, &hint.text(language));
     }
 
-    /// The PC keyboard; it belongs to the panel unless a text is being typed.
+    /// The PC keyboard; while a text is being typed the panel has its stops alone.
     fn keyboard(&mut self, ui: &Ui) {
+        let events: Vec<Event> = ui.input(|input| input.events.clone());
         if ui.ctx().text_edit_focused() {
+            let stops: Vec<Event> = events.into_iter().filter(views::stops).collect();
+            self.typed(&stops);
             return;
         }
-        let events: Vec<Event> = ui.input(|input| input.events.clone());
         if let Some(view) = views::toggled(&events) {
             self.settings.layouts.toggle(view);
         }

@@ -5,7 +5,7 @@ use egui::{Align2, Context, ViewportCommand, Window};
 use gsk_core::operation::RunState;
 
 use crate::kernel::{Command, Console, Opened, Snapshot, Storing};
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 
 /// Whether the window may close.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,14 +45,20 @@ impl Questions {
         language: Language,
         picture: Option<&Snapshot>,
         console: &Console,
+        unsaved: bool,
     ) {
-        self.closing(context, language, picture);
+        self.closing(context, language, picture, unsaved);
         self.place(context, language, console);
     }
 
-    fn closing(&mut self, context: &Context, language: Language, picture: Option<&Snapshot>) {
-        let run = picture.map(|picture| picture.run);
-        let Some(run @ (RunState::Run | RunState::Hold)) = run else {
+    fn closing(
+        &mut self,
+        context: &Context,
+        language: Language,
+        picture: Option<&Snapshot>,
+        unsaved: bool,
+    ) {
+        let Some([title, consequence, agree]) = loss(picture, unsaved) else {
             if self.closing == Closing::Asked {
                 self.closing = Closing::Open;
             }
@@ -66,19 +72,10 @@ impl Questions {
         if self.closing != Closing::Asked {
             return;
         }
-        let title = match run {
-            RunState::Hold => say::question_program_held().text(language),
-            _ => say::question_program_runs().text(language),
-        };
-        let linked = picture.is_some_and(|picture| picture.board.is_some());
-        let consequence = if linked {
-            say::question_closing_stops_board().text(language)
-        } else {
-            say::question_closing_ends_program().text(language)
-        };
+        let [title, consequence] = [title, consequence].map(|said| said.text(language));
         let answers = [
             say::question_do_not_close().text(language),
-            say::question_stop_and_close().text(language),
+            agree.text(language),
         ];
         match ask(context, "closing", &title, &consequence, &answers) {
             Some(1) => {
@@ -114,6 +111,28 @@ impl Questions {
             console.send(Command::Open(Box::new(opened)));
         }
     }
+}
+
+/// What closing the window would end or lose: the question, what comes of it, and the
+/// answer that agrees.
+fn loss(picture: Option<&Snapshot>, unsaved: bool) -> Option<[Message; 3]> {
+    let run = picture.map(|picture| picture.run);
+    let title = match run {
+        Some(RunState::Run) => say::question_program_runs(),
+        Some(RunState::Hold) => say::question_program_held(),
+        _ if unsaved => {
+            let [title, loss] = [say::question_text_unsaved(), say::question_text_is_lost()];
+            return Some([title, loss, say::question_close_anyway()]);
+        }
+        _ => return None,
+    };
+    let linked = picture.is_some_and(|picture| picture.board.is_some());
+    let consequence = if linked {
+        say::question_closing_stops_board()
+    } else {
+        say::question_closing_ends_program()
+    };
+    Some([title, consequence, say::question_stop_and_close()])
 }
 
 /// Draws a question; the answer that was clicked.

@@ -6,6 +6,7 @@ mod bench;
 pub mod header;
 mod ladder;
 mod link;
+pub mod program;
 mod scope;
 
 use std::sync::Arc;
@@ -26,6 +27,7 @@ use bench::Bench;
 use gsk_messages::{Language, Message, say};
 use ladder::LadderView;
 use link::LinkPage;
+use program::ProgramView;
 use scope::Scope;
 
 /// A view.
@@ -39,6 +41,8 @@ pub enum View {
     Ladder,
     /// The link page.
     Link,
+    /// The program text.
+    Program,
 }
 
 impl View {
@@ -68,7 +72,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 4] = [
+pub static VIEWS: [ViewRow; 5] = [
     ViewRow {
         view: View::Scope,
         name: say::window_view_scope,
@@ -97,6 +101,13 @@ pub static VIEWS: [ViewRow; 4] = [
         size: [1040.0, 740.0],
         least: [760.0, 320.0],
     },
+    ViewRow {
+        view: View::Program,
+        name: say::window_view_program,
+        key: Key::F11,
+        size: [900.0, 760.0],
+        least: [480.0, 320.0],
+    },
 ];
 
 /// The views.
@@ -109,6 +120,7 @@ pub struct Views {
     bench: Bench,
     ladder: LadderView,
     link: LinkPage,
+    program: ProgramView,
     console: Console,
     machine: Option<Arc<MachineView>>,
 }
@@ -123,6 +135,7 @@ impl Views {
             bench: Bench::new(console.clone()),
             ladder: LadderView::new(console.clone()),
             link: LinkPage::new(console.clone()),
+            program: ProgramView::new(console.clone()),
             console: console.clone(),
             machine: None,
         }
@@ -148,7 +161,7 @@ impl Views {
                 (View::Ladder, false) => self.ladder.close(),
                 (View::Link, true) => self.link.open(),
                 (View::Link, false) => self.link.close(),
-                (View::Bench | View::Ladder, _) => {}
+                (View::Bench | View::Ladder | View::Program, _) => {}
             }
         }
         let after = self.monitors();
@@ -161,6 +174,11 @@ impl Views {
         }
     }
 
+    /// The program view.
+    pub const fn program(&mut self) -> &mut ProgramView {
+        &mut self.program
+    }
+
     /// Whether an open view shows the machine and the PLC.
     fn monitors(&self) -> bool {
         self.shown.iter().any(|view| view.monitors())
@@ -171,6 +189,7 @@ impl Views {
         match view {
             View::Scope => self.scope.show(ui, language, native),
             View::Link => self.link.show(ui, language),
+            View::Program => self.program.show(ui, language, native),
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();
@@ -363,25 +382,27 @@ impl OwnWindow {
 /// for them the function keys and what is held with Ctrl or Alt, unless a field is
 /// being filled.
 fn for_panel(event: &Event, view: View, typing: bool) -> bool {
-    let Event::Key {
-        key,
-        pressed,
-        modifiers,
-        ..
-    } = event
-    else {
+    let Event::Key { key, modifiers, .. } = event else {
         return false;
     };
-    if !pressed {
-        return true;
-    }
-    if matches!(key, Key::F10 | Key::F12) && !modifiers.any() {
+    if stops(event) {
         return true;
     }
     let number = key.name().strip_prefix('F');
     let function = number.is_some_and(|number| !number.is_empty());
     let combined = modifiers.ctrl || modifiers.alt;
-    view != View::Ladder && !typing && !modifiers.shift && (function || combined)
+    let own_keys = matches!(view, View::Ladder | View::Program);
+    !own_keys && !typing && !modifiers.shift && (function || combined)
+}
+
+/// Whether a key is the panel's wherever it is typed: feed hold, emergency stop, and
+/// every release.
+pub fn stops(event: &Event) -> bool {
+    match event {
+        Event::Key { pressed: false, .. } => true,
+        Event::Key { key, modifiers, .. } => matches!(key, Key::F10 | Key::F12) && !modifiers.any(),
+        _ => false,
+    }
 }
 
 /// The view that a key opens or closes.

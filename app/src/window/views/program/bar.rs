@@ -1,0 +1,205 @@
+//! The tools of the program view, and what it asks.
+
+use egui::{Align2, Button, Context, Key, Modifiers, RichText, TextEdit, Ui, Window};
+use gsk_messages::{Language, Message, say};
+
+use super::Next;
+use super::document::{Document, Origin};
+
+/// What the user wants.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wish {
+    /// Another text.
+    Bring(Next),
+    /// To its file.
+    Save,
+    /// To a file that is asked for.
+    SaveAs,
+    /// Into the control.
+    Store,
+    /// The last change back.
+    Undo,
+    /// It again.
+    Redo,
+    /// The next place of what is sought.
+    Find,
+    /// To what was typed.
+    GoTo,
+}
+
+/// The tools.
+#[derive(Default)]
+pub struct Bar {
+    /// What is sought.
+    pub find: String,
+    /// Where to go.
+    pub go_to: String,
+    /// The language of dialogs.
+    pub language: Language,
+    /// The field that gets the keyboard with the next picture.
+    focus: Option<&'static str>,
+}
+
+/// Width of a field, points.
+const FIELD: f32 = 90.0;
+
+impl Bar {
+    /// Draws the tools. `memory`: numbers of the programs of the control.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        document: &Document,
+        memory: &[u16],
+        language: Language,
+    ) -> Option<Wish> {
+        let mut wish = None;
+        let edited = document.is_edited();
+        ui.horizontal_wrapped(|ui| {
+            ui.menu_button(say::program_file().text(language), |ui| {
+                let entries = [
+                    (say::program_new(), Wish::Bring(Next::New)),
+                    (say::program_open(), Wish::Bring(Next::Choose)),
+                    (say::program_save(), Wish::Save),
+                    (say::program_save_as(), Wish::SaveAs),
+                ];
+                for (words, what) in entries {
+                    if ui.button(words.text(language)).clicked() {
+                        wish = Some(what);
+                        ui.close();
+                    }
+                }
+            });
+            let control = ui.menu_button(say::program_control().text(language), |ui| {
+                for number in memory {
+                    if ui.button(format!("O{number:04}")).clicked() {
+                        wish = Some(Wish::Bring(Next::Memory(Some(*number))));
+                        ui.close();
+                    }
+                }
+            });
+            let hint = say::program_control_hint().text(language);
+            control.response.on_hover_text(hint);
+            ui.separator();
+            let mut button = |ui: &mut Ui, on: bool, words: Message, hint: &str, what: Wish| {
+                let button = ui.add_enabled(on, Button::new(words.text(language)));
+                if button.on_hover_text(hint).clicked() {
+                    wish = Some(what);
+                }
+            };
+            let unsaved = document.is_unsaved();
+            button(ui, unsaved, say::program_save(), "Ctrl+S", Wish::Save);
+            let hint = say::program_store_hint().text(language);
+            button(ui, true, say::program_store(), &hint, Wish::Store);
+            ui.separator();
+            button(ui, edited, say::program_undo(), "Ctrl+Z", Wish::Undo);
+            button(ui, edited, say::program_redo(), "Ctrl+Y", Wish::Redo);
+            ui.separator();
+            if self.field(ui, "find", &say::program_find(), "Ctrl+F", language) {
+                wish = Some(Wish::Find);
+            }
+            if ui
+                .button(say::program_find_next().text(language))
+                .on_hover_text("F3")
+                .clicked()
+            {
+                wish = Some(Wish::Find);
+            }
+            let hint = say::program_go_to_hint().text(language);
+            let hint = format!("{hint} (Ctrl+G)");
+            if self.field(ui, "go to", &say::program_go_to(), &hint, language) {
+                wish = Some(Wish::GoTo);
+            }
+            ui.separator();
+            let mark = if unsaved { "● " } else { "" };
+            let name = match &document.origin {
+                Origin::New => say::program_new_name().text(language),
+                Origin::File(_, encoding) => format!("{} ({encoding})", document.name()),
+                Origin::Memory(_) => document.name(),
+            };
+            ui.label(RichText::new(format!("{mark}{name}")).strong());
+        });
+        wish
+    }
+
+    /// A field with its name; whether Enter was pressed in it.
+    fn field(
+        &mut self,
+        ui: &mut Ui,
+        id: &'static str,
+        name: &Message,
+        hint: &str,
+        language: Language,
+    ) -> bool {
+        let label = ui.label(name.text(language));
+        let text = match id {
+            "find" => &mut self.find,
+            _ => &mut self.go_to,
+        };
+        let field = TextEdit::singleline(text)
+            .id(egui::Id::unique(("program", id)))
+            .desired_width(FIELD);
+        let response = ui.add(field).labelled_by(label.id).on_hover_text(hint);
+        if self.focus == Some(id) {
+            self.focus = None;
+            response.request_focus();
+        }
+        response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter))
+    }
+
+    /// Keys of the view, where they are its own.
+    pub fn keys(&mut self, ui: &Ui, own: bool) -> Option<Wish> {
+        if !own {
+            return None;
+        }
+        let pressed = |modifiers: Modifiers, key: Key| {
+            ui.input_mut(|input| input.consume_key(modifiers, key))
+        };
+        if pressed(Modifiers::COMMAND, Key::F) {
+            self.focus = Some("find");
+        }
+        if pressed(Modifiers::COMMAND, Key::G) {
+            self.focus = Some("go to");
+        }
+        if pressed(Modifiers::COMMAND, Key::S) {
+            return Some(Wish::Save);
+        }
+        pressed(Modifiers::NONE, Key::F3).then_some(Wish::Find)
+    }
+}
+
+/// What becomes of an unsaved text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// It is saved first.
+    Save,
+    /// It is lost.
+    Discard,
+    /// It stays, and the other one does not come.
+    Cancel,
+}
+
+/// Asks before an unsaved text is lost.
+pub fn ask_to_save(context: &Context, name: &str, language: Language) -> Option<Answer> {
+    let mut answer = None;
+    Window::new(say::program_unsaved_title(name).text(language))
+        .id(egui::Id::unique("unsaved program"))
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, [0.0, -60.0])
+        .show(context, |ui| {
+            ui.label(say::program_unsaved_lost(name).text(language));
+            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                for (words, what) in [
+                    (say::program_save(), Answer::Save),
+                    (say::program_discard(), Answer::Discard),
+                    (say::program_keep(), Answer::Cancel),
+                ] {
+                    if ui.button(words.text(language)).clicked() {
+                        answer = Some(what);
+                    }
+                }
+            });
+        });
+    answer
+}

@@ -1,0 +1,274 @@
+//! The text as typed, looked through beside the window: which words raise alarms.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use crossbeam::channel::{Receiver, Sender, unbounded};
+use crossbeam::queue::ArrayQueue;
+use egui::Context;
+use gsk_core::alarm::Alarm;
+use gsk_core::command::ProgramId;
+use gsk_core::preview::End;
+use gsk_core::program::{Program, ProgramMemory};
+use gsk_core::setup::Setup;
+use gsk_messages::Language;
+use gsk_runner::first_look::{self, FirstLook};
+use gsk_runner::report::AlarmReport;
+
+use super::words::spans;
+use crate::kernel::Console;
+use crate::patience::Patience;
+
+/// How long a text is looked through, and how many moves of it.
+pub const PATIENCE: (Duration, u64) = (Duration::from_secs(10), 20_000_000);
+
+/// The message of an alarm that a cycle raises in a block of its profile.
+const IN_PROFILE: &str = "in_profile";
+
+/// Something wrong with the text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// Its line, from 0; `None`: not in this text.
+    pub line: Option<usize>,
+    /// Characters of the line that raise it.
+    pub columns: Range<usize>,
+    /// What it is, in Chinese and English.
+    told: [AlarmReport; 2],
+}
+
+impl Finding {
+    /// What it is.
+    pub const fn told(&self, language: Language) -> &AlarmReport {
+        match language {
+            Language::Zh => &self.told[0],
+            Language::En => &self.told[1],
+        }
+    }
+}
+
+/// What a look found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Checked {
+    /// The revision of the text.
+    pub revision: u64,
+    /// What is wrong, in the order of execution.
+    pub findings: Vec<Finding>,
+    /// What the program does.
+    pub look: FirstLook,
+    /// The programs of the control's memory.
+    pub memory: Vec<u16>,
+}
+
+impl Checked {
+    /// Whether it came to no end.
+    pub fn is_given_up(&self) -> bool {
+        self.look.end == End::Limit
+    }
+}
+
+/// A text to be looked through.
+struct Job {
+    revision: u64,
+    name: String,
+    program: Program,
+    context: Context,
+}
+
+/// Looks texts through in a thread of its own, the newest one only.
+pub struct Checker {
+    jobs: Sender<Job>,
+    newest: Arc<AtomicU64>,
+    /// The revision that was handed over last.
+    asked: Option<u64>,
+    results: Arc<ArrayQueue<Checked>>,
+}
+
+impl Checker {
+    /// Begins.
+    pub fn new(console: &Console) -> Self {
+        let (jobs, from_view) = unbounded();
+        let newest = Arc::new(AtomicU64::new(0));
+        let results = Arc::new(ArrayQueue::new(1));
+        let worker = Worker {
+            console: console.clone(),
+            jobs: from_view,
+            newest: Arc::clone(&newest),
+            results: Arc::clone(&results),
+        };
+        thread::spawn(move || worker.work());
+        Self {
+            jobs,
+            newest,
+            asked: None,
+            results,
+        }
+    }
+
+    /// Hands a text over, unless that revision has been.
+    pub fn ask(
+        &mut self,
+        revision: u64,
+        context: &Context,
+        text: impl FnOnce() -> (String, Program),
+    ) {
+        if self.asked == Some(revision) {
+            return;
+        }
+        self.asked = Some(revision);
+        self.newest.store(revision, Ordering::Relaxed);
+        let (name, program) = text();
+        // The thread lives as long as this end of its channel.
+        let _ = self.jobs.send(Job {
+            revision,
+            name,
+            program,
+            context: context.clone(),
+        });
+    }
+
+    /// The next look begins anew, even if the text is the same.
+    pub const fn forget(&mut self) {
+        self.asked = None;
+    }
+
+    /// What came out of the last look.
+    pub fn result(&self) -> Option<Checked> {
+        self.results.pop()
+    }
+}
+
+struct Worker {
+    console: Console,
+    jobs: Receiver<Job>,
+    newest: Arc<AtomicU64>,
+    results: Arc<ArrayQueue<Checked>>,
+}
+
+impl Worker {
+    fn work(&self) {
+        while let Ok(first) = self.jobs.recv() {
+            let job = self.jobs.try_iter().last().unwrap_or(first);
+            let setup = self.console.setup().unwrap_or_default();
+            let is_newest = || self.newest.load(Ordering::Relaxed) == job.revision;
+            let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+            let checked = check(&job, setup, &mut |progress| {
+                patience.lasts(progress) && is_newest()
+            });
+            if is_newest() {
+                self.results.force_push(checked);
+                job.context.request_repaint();
+            }
+        }
+    }
+}
+
+fn check(
+    job: &Job,
+    mut setup: Setup,
+    goes_on: &mut dyn FnMut(&gsk_core::preview::Progress) -> bool,
+) -> Checked {
+    let programs = &mut setup.memory.programs;
+    let memory = programs.iter().map(|(number, _)| number).collect();
+    programs.open_external(job.program.clone());
+    programs.select(ProgramId::External);
+    let (look, alarms) = first_look::look_beyond(job.name.clone(), &setup, goes_on);
+    let programs = &setup.memory.programs;
+    Checked {
+        revision: job.revision,
+        findings: alarms
+            .iter()
+            .map(|alarm| finding(alarm, programs, &job.program))
+            .collect(),
+        look,
+        memory,
+    }
+}
+
+fn finding(alarm: &Alarm, programs: &ProgramMemory, program: &Program) -> Finding {
+    let told = [Language::Zh, Language::En]
+        .map(|language| AlarmReport::new(alarm, programs, Some(language)));
+    let here = alarm
+        .source
+        .filter(|source| source.program == ProgramId::External);
+    let detail = alarm.detail.as_ref();
+    let profile = detail.filter(|detail| detail.id().name() == IN_PROFILE);
+    // A cycle reads its profile: what is wrong stands there.
+    let in_profile = profile.and_then(|detail| detail.plain_value("line")?.parse().ok());
+    let line = here.map(|source| in_profile.unwrap_or(source.line));
+    let text = line.map_or("", |line| program.line(line));
+    let column = detail.and_then(|detail| detail.plain_value("column"));
+    let column = column.and_then(|column| column.parse().ok());
+    Finding {
+        line: line.map(|line| line.saturating_sub(1) as usize),
+        columns: columns(text, column),
+        told,
+    }
+}
+
+/// The characters of a line that raise an alarm: the word at a column (from 1), or the
+/// whole block without its number.
+fn columns(line: &str, column: Option<usize>) -> Range<usize> {
+    let characters = |byte: usize| line.get(..byte).map_or(0, |before| before.chars().count());
+    let spans: Vec<Range<usize>> = spans(line)
+        .into_iter()
+        .map(|span| characters(span.range.start)..characters(span.range.end))
+        .collect();
+    if let Some(column) = column {
+        let at = column.saturating_sub(1);
+        let word = spans.iter().find(|range| range.contains(&at));
+        return word.cloned().unwrap_or(at..at + 1);
+    }
+    match (spans.first(), spans.last()) {
+        (Some(first), Some(last)) => first.start..last.end,
+        _ => 0..line.chars().count().max(1),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(text: &str) -> Checked {
+        let job = Job {
+            revision: 7,
+            name: "O0001".to_owned(),
+            program: Program::new(text),
+            context: Context::default(),
+        };
+        check(&job, Setup::default(), &mut |progress| {
+            progress.moves < 1000
+        })
+    }
+
+    #[test]
+    fn alarms_stand_at_their_words() {
+        let checked = found("O0001\nG00 X20 Z2\nG01 Z-5\nX30.12345 F100\nM30\n");
+        assert_eq!(checked.revision, 7);
+        let [first, ..] = &checked.findings[..] else {
+            panic!("{checked:?}");
+        };
+        assert_eq!((first.line, first.columns.clone()), (Some(2), 0..7));
+        assert_eq!(first.told(Language::En).number, 11);
+        assert!(first.told(Language::Zh).way_out.is_some());
+        let profile = found(
+            "T0101 M03 S500\nG00 X62 Z2\nG71 U2 R1\nG71 P1 Q2 U1 F100\nN1 G00 X20\nG01 Z-9\n\
+             N2 G02 X40 Z-45 R2\nM30\n",
+        );
+        assert_eq!(profile.findings[0].line, Some(6), "{profile:?}");
+        let syntax = found("G00 X20 ?\nM30\n");
+        let [first, ..] = &syntax.findings[..] else {
+            panic!("{syntax:?}");
+        };
+        assert_eq!((first.line, first.columns.clone()), (Some(0), 8..9));
+    }
+
+    #[test]
+    fn a_right_program_has_none_and_one_without_end_says_so() {
+        let right = found("G00 X20 Z2\nG01 Z-5 F100\nM30\n");
+        assert!(right.findings.is_empty() && !right.is_given_up());
+        assert!(found("N1 G01 U1 F6000\nU-1\nG65 H80 P1\n").is_given_up());
+    }
+}

@@ -1,0 +1,293 @@
+//! The text itself: edited with colours, line numbers and tips, or only shown where it is
+//! too large for that.
+
+use std::ops::Range;
+
+use egui::text::{CCursor, CCursorRange, LayoutJob};
+use egui::text_edit::TextEditState;
+use egui::{
+    Align, Align2, Color32, Context, FontId, Frame, Galley, Id, Margin, Pos2, Rect, Response,
+    ScrollArea, TextEdit, Ui, pos2, vec2,
+};
+use gsk_messages::{Language, say};
+
+use super::check::Finding;
+use super::codes::meaning;
+use super::document::Document;
+use super::paint::{self, Painter, wrong_in};
+use super::targets::Target;
+use super::words::{spans, word_of};
+
+const SIZE: f32 = 15.0;
+const GROUND: Color32 = Color32::from_gray(22);
+const GROUND_OF_NUMBERS: Color32 = Color32::from_gray(30);
+const NUMBERS: Color32 = Color32::from_gray(110);
+/// Width of a digit of a line number, and room beside them, points.
+const DIGIT: f32 = 9.0;
+const BESIDE: f32 = 14.0;
+
+/// What is shown with the text.
+pub struct Sheet<'a> {
+    /// The text.
+    pub document: &'a mut Document,
+    /// What is wrong with it, and the revision of the look that found it.
+    pub marks: (Option<u64>, &'a [Finding]),
+    /// The language of tips.
+    pub language: Language,
+}
+
+/// What the user did to the text.
+#[derive(Debug, Default)]
+pub struct Done {
+    /// It was changed.
+    pub changed: bool,
+    /// A word that leads somewhere was clicked with Ctrl: where to, and its line.
+    pub followed: Option<(Target, usize)>,
+}
+
+/// The text field, for its state.
+pub fn id() -> Id {
+    Id::unique("program text")
+}
+
+/// Characters of a text in which the cursor stands, if it does.
+pub fn cursor(context: &Context) -> Option<Range<usize>> {
+    let range = TextEditState::load(context, id())?.cursor.char_range()?;
+    let range = range.as_sorted_char_range();
+    Some(range.start.0..range.end.0)
+}
+
+/// Takes the last change back, or makes it again; the text then, if there was one.
+pub fn step(context: &Context, text: &str, again: bool) -> Option<String> {
+    let mut state = TextEditState::load(context, id())?;
+    let mut undoer = state.undoer();
+    let here = state.cursor.char_range().unwrap_or_default();
+    let now = (here, text.to_owned());
+    let step = if again {
+        undoer.redo(&now)
+    } else {
+        undoer.undo(&now)
+    };
+    let (range, text) = step?.clone();
+    state.cursor.set_char_range(Some(range));
+    state.set_undoer(undoer);
+    state.store(context, id());
+    Some(text)
+}
+
+/// Forgets the changes of another text.
+pub fn forget(context: &Context) {
+    if let Some(mut state) = TextEditState::load(context, id()) {
+        state.clear_undoer();
+        state.cursor.set_char_range(None);
+        state.store(context, id());
+    }
+}
+
+/// Draws a text that is edited. `jump`: characters to be selected and shown.
+pub fn edit(
+    ui: &mut Ui,
+    sheet: Sheet<'_>,
+    painter: &mut Painter,
+    jump: &mut Option<Range<usize>>,
+) -> Done {
+    let font = FontId::monospace(SIZE);
+    let left = width_of_numbers(sheet.document.line_count());
+    let Sheet {
+        document,
+        marks,
+        language,
+    } = sheet;
+    ui.painter().rect_filled(ui.max_rect(), 0.0, GROUND);
+    let area = ScrollArea::both()
+        .auto_shrink([false, false])
+        .id_salt("text");
+    area.show(ui, |ui| {
+        let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, _wrap: f32| {
+            let job = painter.job(buffer.as_str(), &font, marks);
+            ui.fonts_mut(|fonts| fonts.layout_job(job))
+        };
+        let room = ui.available_size();
+        let margin = Margin {
+            left: left as i8,
+            ..Margin::same(4)
+        };
+        let mut output = TextEdit::multiline(&mut document.text)
+            .id(id())
+            .code_editor()
+            .frame(Frame::NONE.inner_margin(margin))
+            .desired_width(f32::INFINITY)
+            .min_size(room)
+            .layouter(&mut layouter)
+            .show(ui);
+        let response = output.response.response.clone();
+        let name = say::program_text().text(language);
+        response
+            .widget_info(|| egui::WidgetInfo::labeled(egui::Role::MultilineTextInput, true, &name));
+        let done = Done {
+            changed: response.changed(),
+            followed: followed(ui, document, &response, &output.galley, output.galley_pos),
+        };
+        if done.changed {
+            document.changed();
+        }
+        if let Some(range) = jump.take() {
+            let (from, to) = (CCursor::new(range.start), CCursor::new(range.end));
+            output
+                .state
+                .cursor
+                .set_char_range(Some(CCursorRange::two(from, to)));
+            output.state.store(ui.ctx(), id());
+            response.request_focus();
+            let at = output.galley.pos_from_cursor(from);
+            ui.scroll_to_rect(
+                at.translate(output.galley_pos.to_vec2()),
+                Some(Align::Center),
+            );
+        }
+        numbers(ui, &output.galley, output.galley_pos, left);
+        tip(
+            document,
+            marks.1,
+            language,
+            &response,
+            &output.galley,
+            output.galley_pos,
+        );
+        done
+    })
+    .inner
+}
+
+/// Draws a text that is only shown, the lines in view alone. `jump`: a line to be shown.
+pub fn show(ui: &mut Ui, sheet: &Sheet<'_>, jump: Option<usize>) {
+    let font = FontId::monospace(SIZE);
+    let count = sheet.document.line_count();
+    let left = width_of_numbers(count);
+    let height = ui.fonts_mut(|fonts| fonts.row_height(&font));
+    ui.painter().rect_filled(ui.max_rect(), 0.0, GROUND);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let mut area = ScrollArea::both()
+        .auto_shrink([false, false])
+        .id_salt("lines");
+    if let Some(line) = jump {
+        let above = ui.available_height() / 2.0;
+        area = area.vertical_scroll_offset((line as f32 * height - above).max(0.0));
+    }
+    area.show_rows(ui, height, count, |ui, rows| {
+        for index in rows {
+            let mut job = LayoutJob::default();
+            let wrong = wrong_in(sheet.marks.1, index);
+            paint::line(&mut job, sheet.document.line(index), &font, &wrong);
+            let galley = ui.fonts_mut(|fonts| fonts.layout_job(job));
+            let size = vec2(left + galley.size().x, height);
+            let (place, _) = ui.allocate_exact_size(size, egui::Sense::HOVER);
+            let at = place.left_top() + vec2(left, 0.0);
+            ui.painter().galley(at, galley, Color32::WHITE);
+            number(
+                ui,
+                index + 1,
+                pos2(place.left() + left - BESIDE / 2.0, place.top()),
+            );
+        }
+    });
+}
+
+fn width_of_numbers(lines: usize) -> f32 {
+    let digits = lines.max(100).to_string().len();
+    DIGIT * digits as f32 + BESIDE
+}
+
+/// Line numbers beside the rows in view; they stay where they are when long lines are
+/// scrolled.
+fn numbers(ui: &Ui, galley: &Galley, origin: Pos2, width: f32) {
+    let clip = ui.clip_rect();
+    let column = Rect::from_min_max(
+        clip.left_top(),
+        pos2(clip.left() + width - 4.0, clip.bottom()),
+    );
+    ui.painter().rect_filled(column, 0.0, GROUND_OF_NUMBERS);
+    let mut line = 1;
+    for row in &galley.rows {
+        let top = origin.y + row.pos.y;
+        if top > clip.bottom() {
+            break;
+        }
+        if top + row.size.y >= clip.top() {
+            number(ui, line, pos2(column.right() - BESIDE / 2.0, top));
+        }
+        line += usize::from(row.ends_with_newline);
+    }
+}
+
+fn number(ui: &Ui, line: usize, at: Pos2) {
+    let font = FontId::monospace(SIZE - 2.0);
+    ui.painter()
+        .text(at, Align2::RIGHT_TOP, line, font, NUMBERS);
+}
+
+/// The character under a position.
+fn character_at(galley: &Galley, origin: Pos2, at: Pos2) -> usize {
+    galley.cursor_from_pos(at - origin).index.0
+}
+
+/// The word under the pointer that leads somewhere, when it was clicked with Ctrl.
+fn followed(
+    ui: &Ui,
+    document: &Document,
+    response: &Response,
+    galley: &Galley,
+    origin: Pos2,
+) -> Option<(Target, usize)> {
+    let command = ui.input(|input| input.modifiers.command);
+    if !response.clicked() || !command {
+        return None;
+    }
+    let at = response.interact_pointer_pos()?;
+    let byte = document.byte_of(character_at(galley, origin, at));
+    let line = document.line_at(byte);
+    let (text, column) = (document.line(line), byte - document.line_start(line));
+    let span = spans(text)
+        .into_iter()
+        .find(|span| span.range.contains(&column))?;
+    Target::of(text, word_of(text, &span)?).map(|target| (target, line))
+}
+
+/// Says what the word under the pointer means, and what is wrong with it.
+fn tip(
+    document: &Document,
+    findings: &[Finding],
+    language: Language,
+    response: &Response,
+    galley: &Galley,
+    origin: Pos2,
+) {
+    let Some(at) = response.hover_pos() else {
+        return;
+    };
+    let byte = document.byte_of(character_at(galley, origin, at));
+    let line = document.line_at(byte);
+    let (text, column) = (document.line(line), byte - document.line_start(line));
+    let span = spans(text)
+        .into_iter()
+        .find(|span| span.range.contains(&column));
+    let word = span.as_ref().and_then(|span| word_of(text, span));
+    let mut lines: Vec<String> = Vec::new();
+    lines.extend(word.and_then(meaning).map(|said| said.text(language)));
+    if word.is_some_and(|word| Target::of(text, word).is_some()) {
+        lines.push(say::program_lead().text(language));
+    }
+    let character = text
+        .get(..column)
+        .map_or(0, |before| before.chars().count());
+    let here = findings.iter().filter(|finding| finding.line == Some(line));
+    for finding in here.filter(|finding| finding.columns.contains(&character)) {
+        lines.push(finding.told(language).sentence(Some(language)));
+    }
+    // Beyond the end of a line there is no word.
+    let row = galley.pos_from_cursor(galley.cursor_from_pos(at - origin));
+    let near = (row.center() + origin.to_vec2() - at).length() < 2.0 * SIZE;
+    if near && !lines.is_empty() {
+        response.clone().on_hover_text_at_pointer(lines.join("\n"));
+    }
+}

@@ -1,0 +1,373 @@
+//! The program view: a text editor for people at a PC, with colours, the alarms of the
+//! text as it is typed, and what its words mean. The control's own edit page stays what
+//! it is.
+
+mod bar;
+mod check;
+mod codes;
+mod desk;
+mod document;
+mod editor;
+mod paint;
+mod targets;
+mod words;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use egui::{Context, Panel, RichText, ScrollArea, Ui};
+use gsk_messages::{Language, Message, say};
+
+use super::{bar_frame, plain_frame, side_frame};
+use crate::kernel::{Console, Place};
+use crate::window::message::why_not;
+use bar::{Bar, Wish};
+use check::{Checked, Checker};
+use desk::{Arrived, Desk};
+use document::{Document, Origin, file_name};
+use editor::Sheet;
+use paint::{Painter, WRONG};
+use targets::Target;
+
+/// What is to come into the editor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Next {
+    /// Nothing: an empty text.
+    New,
+    /// A file that the user chooses.
+    Choose,
+    /// A file.
+    File(PathBuf),
+    /// A program of the memory; none: the selected one.
+    Memory(Option<u16>),
+}
+
+/// The program view.
+pub struct ProgramView {
+    document: Document,
+    desk: Desk,
+    checker: Checker,
+    checked: Option<Checked>,
+    painter: Painter,
+    bar: Bar,
+    /// Characters to be selected and shown.
+    jump: Option<Range<usize>>,
+    /// What comes when nothing stands against it.
+    next: Option<Next>,
+    /// What was said last.
+    said: Option<Said>,
+}
+
+/// A sentence of the view.
+enum Said {
+    Good(Message),
+    Bad(Message),
+    NotStored(crate::kernel::NotStored),
+}
+
+impl ProgramView {
+    /// Shows the selected program of the control first.
+    pub fn new(console: Console) -> Self {
+        Self {
+            document: Document::new(Origin::New, ""),
+            checker: Checker::new(&console),
+            desk: Desk::new(console),
+            checked: None,
+            painter: Painter::default(),
+            bar: Bar::default(),
+            jump: None,
+            next: Some(Next::Memory(None)),
+            said: None,
+        }
+    }
+
+    /// A program was opened in the window: it is what the editor shows next.
+    pub fn opened(&mut self, path: Option<&Path>, place: &Place) {
+        self.next = Some(match (path, place) {
+            (Some(path), _) => Next::File(path.to_owned()),
+            (None, Place::Stored(number)) => Next::Memory(Some(*number)),
+            (None, Place::OnlyRun(_)) => return,
+        });
+    }
+
+    /// Whether a text would be lost with the window.
+    pub const fn is_unsaved(&self) -> bool {
+        self.document.is_unsaved()
+    }
+
+    /// Draws it; `native`: in a window of its own, with all keys.
+    pub fn show(&mut self, ui: &mut Ui, language: Language, native: bool) {
+        self.receive(ui.ctx());
+        self.keys(ui, language, native);
+        let document = &self.document;
+        let memory = self
+            .checked
+            .as_ref()
+            .map_or(&[][..], |checked| &checked.memory);
+        let tools = Panel::top("program bar").frame(bar_frame());
+        let wish = tools
+            .show(ui, |ui| self.bar.show(ui, document, memory, language))
+            .inner;
+        if let Some(wish) = wish {
+            self.carry_out(wish, ui.ctx(), language);
+        }
+        Panel::bottom("program findings")
+            .frame(side_frame())
+            .resizable(true)
+            .default_size(124.0)
+            .min_size(60.0)
+            .show(ui, |ui| self.findings(ui, language));
+        egui::CentralPanel::default()
+            .frame(plain_frame())
+            .show(ui, |ui| self.text(ui, language));
+        self.question(ui.ctx(), language);
+        let document = &self.document;
+        self.checker.ask(document.revision, ui.ctx(), || {
+            (document.name(), document.program())
+        });
+    }
+
+    fn text(&mut self, ui: &mut Ui, language: Language) {
+        let checked = self.checked.as_ref();
+        let marks = checked.map_or((None, &[][..]), |checked| {
+            (Some(checked.revision), &checked.findings[..])
+        });
+        let line = self
+            .jump
+            .as_ref()
+            .map(|range| self.document.line_at(self.document.byte_of(range.start)));
+        let edited = self.document.is_edited();
+        let sheet = Sheet {
+            document: &mut self.document,
+            marks,
+            language,
+        };
+        if !edited {
+            self.jump = None;
+            return editor::show(ui, &sheet, line);
+        }
+        let done = editor::edit(ui, sheet, &mut self.painter, &mut self.jump);
+        if done.changed {
+            self.said = None;
+        }
+        if let Some((target, line)) = done.followed {
+            self.go_to(target, line, ui.ctx());
+        }
+    }
+
+    /// Takes what has come from files, memory and the look through the text.
+    fn receive(&mut self, context: &Context) {
+        if let Some(checked) = self.checker.result() {
+            self.checked = Some(checked);
+        }
+        while let Some(arrived) = self.desk.arrived() {
+            self.said = match arrived {
+                Arrived::Text(document) => {
+                    self.replace(*document, context);
+                    None
+                }
+                Arrived::Saved { text, origin } => {
+                    let Origin::File(path, _) = &origin else {
+                        continue;
+                    };
+                    let said = say::window_saved(path.display());
+                    self.document.saved(text, origin);
+                    Some(Said::Good(said))
+                }
+                Arrived::Stored { text, number } => {
+                    // What stands in a file is saved when it is written there.
+                    if !matches!(self.document.origin, Origin::File(..)) {
+                        self.document.saved(text, Origin::Memory(number));
+                    }
+                    self.checker.forget();
+                    Some(Said::Good(say::program_stored(number)))
+                }
+                Arrived::NotStored(why) => Some(Said::NotStored(why)),
+                Arrived::Refused(why) => Some(Said::Bad(why)),
+            };
+        }
+        // What is typed is not lost: `question` asks first.
+        if !self.document.is_unsaved()
+            && let Some(next) = self.next.take()
+        {
+            self.bring(next, context);
+        }
+    }
+
+    /// Another text comes into the editor; its revisions go on.
+    fn replace(&mut self, document: Document, context: &Context) {
+        let revision = self.document.revision + 1;
+        self.document = document;
+        self.document.revision = revision;
+        self.checked = None;
+        self.jump = None;
+        editor::forget(context);
+    }
+
+    fn bring(&mut self, next: Next, context: &Context) {
+        match next {
+            Next::New => self.replace(Document::new(Origin::New, ""), context),
+            Next::Choose => self.desk.choose(self.bar.language, context),
+            Next::File(path) => self.desk.read(path, context),
+            Next::Memory(number) => self.desk.take(number, context),
+        }
+    }
+
+    fn carry_out(&mut self, wish: Wish, context: &Context, language: Language) {
+        match wish {
+            Wish::Bring(next) => self.next = Some(next),
+            Wish::Save => self.desk.save(&self.document, language, context),
+            Wish::SaveAs => self.desk.save_as(&self.document, language, context),
+            Wish::Store => self.desk.store(&self.document, context),
+            Wish::Undo => self.step(context, false),
+            Wish::Redo => self.step(context, true),
+            Wish::Find => self.find(context),
+            Wish::GoTo => {
+                let typed = self.bar.go_to.clone();
+                match Target::typed(&typed) {
+                    Some(target) => self.go_to(target, 0, context),
+                    None => self.said = Some(Said::Bad(say::program_go_to_nothing(typed))),
+                }
+            }
+        }
+    }
+
+    fn step(&mut self, context: &Context, again: bool) {
+        if let Some(text) = editor::step(context, &self.document.text, again) {
+            self.document.text = text;
+            self.document.changed();
+        }
+    }
+
+    /// Finds the next place after the cursor.
+    fn find(&mut self, context: &Context) {
+        let sought = self.bar.find.clone();
+        let from = editor::cursor(context).map_or(0, |range| self.document.byte_of(range.end));
+        match targets::find(&self.document.text, &sought, from) {
+            Some(found) => self.select(&found),
+            None => self.said = Some(Said::Bad(say::program_find_nothing(sought))),
+        }
+    }
+
+    /// Goes to a block, a program of this text or of the memory, or a line.
+    fn go_to(&mut self, target: Target, from_line: usize, context: &Context) {
+        if let Some(line) = target.line_in(&self.document.text, from_line) {
+            let start = self.document.line_start(line);
+            let end = start + self.document.line(line).len();
+            return self.select(&(start..end));
+        }
+        let known = |number| {
+            let checked = self.checked.as_ref();
+            checked.is_some_and(|checked| checked.memory.contains(&number))
+        };
+        match target {
+            Target::Program(number) if known(number) => {
+                self.next = Some(Next::Memory(Some(number)));
+                context.request_repaint();
+            }
+            Target::Program(number) => self.nothing(format!("O{number:04}")),
+            Target::Sequence(number) => self.nothing(format!("N{number}")),
+            Target::Line(line) => self.nothing(line.to_string()),
+        }
+    }
+
+    fn nothing(&mut self, target: String) {
+        self.said = Some(Said::Bad(say::program_go_to_nothing(target)));
+    }
+
+    /// Selects bytes of the text and shows them.
+    fn select(&mut self, bytes: &Range<usize>) {
+        let characters = |byte| self.document.character_of(byte);
+        self.jump = Some(characters(bytes.start)..characters(bytes.end));
+        self.said = None;
+    }
+
+    /// Keys of an editor; the text field has undo and redo of its own.
+    fn keys(&mut self, ui: &mut Ui, language: Language, native: bool) {
+        self.bar.language = language;
+        let typing = ui.ctx().text_edit_focused();
+        if let Some(wish) = self.bar.keys(ui, typing || native) {
+            self.carry_out(wish, &ui.ctx().clone(), language);
+        }
+    }
+
+    /// What was said, and what is wrong with the text.
+    fn findings(&mut self, ui: &mut Ui, language: Language) {
+        let said = self.said.as_ref().map(|said| match said {
+            Said::Good(said) => (said.text(language), None),
+            Said::Bad(said) => (said.text(language), Some(WRONG)),
+            Said::NotStored(why) => (why_not(why, language).text(language), Some(WRONG)),
+        });
+        if let Some((text, color)) = said {
+            let text = RichText::new(text);
+            ui.label(color.map_or(text.clone(), |color| text.color(color)));
+        }
+        if !self.document.is_edited() {
+            let limit = document::LARGEST_EDITED / 1000;
+            ui.label(say::program_large(limit).text(language));
+        }
+        let newest = self.checked.as_ref();
+        let Some(checked) = newest.filter(|it| it.revision == self.document.revision) else {
+            ui.weak(say::program_checking().text(language));
+            return;
+        };
+        let mut go = None;
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                if checked.is_given_up() {
+                    let seconds = check::PATIENCE.0.as_secs();
+                    let words = say::program_given_up(seconds).text(language);
+                    ui.label(RichText::new(words).color(WRONG));
+                } else if checked.findings.is_empty() {
+                    ui.label(checked.look.line(language));
+                }
+                for finding in &checked.findings {
+                    let told = finding.told(language);
+                    let sentence = RichText::new(told.sentence(Some(language))).color(WRONG);
+                    if ui.link(sentence).clicked() {
+                        go = finding.line.map(|line| (line, finding.columns.clone()));
+                    }
+                    let helps = [
+                        told.cause.map(say::window_alarm_cause),
+                        told.way_out.map(say::window_alarm_way_out),
+                    ];
+                    for said in helps.into_iter().flatten() {
+                        ui.label(said.text(language));
+                    }
+                }
+            });
+        if let Some((line, columns)) = go {
+            let start = self.document.character_of(self.document.line_start(line));
+            self.jump = Some(start + columns.start..start + columns.end);
+        }
+    }
+
+    /// Asks what becomes of a text that is not saved when another one is to come.
+    fn question(&mut self, context: &Context, language: Language) {
+        if self.next.is_none() || !self.document.is_unsaved() {
+            return;
+        }
+        let name = match &self.document.origin {
+            Origin::File(path, _) => file_name(path),
+            Origin::New => say::program_new_name().text(language),
+            Origin::Memory(_) => self.document.name(),
+        };
+        match bar::ask_to_save(context, &name, language) {
+            Some(bar::Answer::Save) => {
+                let document = &self.document;
+                match document.origin {
+                    Origin::Memory(_) => self.desk.store(document, context),
+                    Origin::File(..) | Origin::New => self.desk.save(document, language, context),
+                }
+            }
+            Some(bar::Answer::Discard) => {
+                if let Some(next) = self.next.take() {
+                    self.bring(next, context);
+                }
+            }
+            Some(bar::Answer::Cancel) => self.next = None,
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Where words lead to: N numbers, programs, lines; and where a text is found.
+
+use std::ops::Range;
+
+use super::words::{Word, words};
+
+/// What is jumped to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// A block by its N number.
+    Sequence(u16),
+    /// A program by its O number.
+    Program(u16),
+    /// A line, from 1.
+    Line(u32),
+}
+
+impl Target {
+    /// What somebody typed: `N30`, `O2`, or a line.
+    pub fn typed(text: &str) -> Option<Self> {
+        let text = text.trim();
+        if let Ok(line) = text.parse::<u32>() {
+            return (line > 0).then_some(Self::Line(line));
+        }
+        let number = text.get(1..)?.trim().parse().ok()?;
+        match text.chars().next()?.to_ascii_uppercase() {
+            'N' => Some(Self::Sequence(number)),
+            'O' => Some(Self::Program(number)),
+            _ => None,
+        }
+    }
+
+    /// Where a word of a line leads to: P of M98 to a program, P of M99, of G65 and of
+    /// G70 to G73 and Q of these to a block (manual I-2.4, I-3.3, I-5).
+    pub fn of(line: &str, word: Word<'_>) -> Option<Self> {
+        let has = |address: char, numbers: &[u32]| {
+            words(line).any(|other| {
+                let number = other.value.parse().ok();
+                other.address == address && number.is_some_and(|number| numbers.contains(&number))
+            })
+        };
+        match word.address {
+            'P' if has('M', &[98]) => {
+                // Before the four digits of the number stand those of the runs.
+                let digits = word.value.len().saturating_sub(4);
+                word.value.get(digits..)?.parse().ok().map(Self::Program)
+            }
+            'P' if has('M', &[99]) || has('G', &[65, 70, 71, 72, 73]) => {
+                word.value.parse().ok().map(Self::Sequence)
+            }
+            'Q' if has('G', &[70, 71, 72, 73]) => word.value.parse().ok().map(Self::Sequence),
+            _ => None,
+        }
+    }
+
+    /// Its line in a text, from 0. Of several blocks of a number the next one after a
+    /// line counts, as the control seeks them.
+    pub fn line_in(self, text: &str, after: usize) -> Option<usize> {
+        let begins = |line: &str, address: char, number: u16| {
+            let line = line.trim_start_matches(['/', ' ']);
+            words(line)
+                .next()
+                .is_some_and(|word| word.address == address && word.value.parse() == Ok(number))
+        };
+        let (address, number) = match self {
+            Self::Line(line) => {
+                let last = text.lines().count().saturating_sub(1);
+                return Some((line as usize).saturating_sub(1).min(last));
+            }
+            Self::Sequence(number) => ('N', number),
+            Self::Program(number) => ('O', number),
+        };
+        let mut first = None;
+        for (index, line) in text.lines().enumerate() {
+            if begins(line, address, number) {
+                if index > after {
+                    return Some(index);
+                }
+                first = first.or(Some(index));
+            }
+        }
+        first
+    }
+}
+
+/// The next place of a text at a byte or after it, else the first one; letters count as
+/// the same in upper and lower case.
+pub fn find(text: &str, sought: &str, from: usize) -> Option<Range<usize>> {
+    if sought.is_empty() {
+        return None;
+    }
+    let (text, sought) = (text.to_ascii_uppercase(), sought.to_ascii_uppercase());
+    let from = (from..=text.len()).find(|at| text.is_char_boundary(*at))?;
+    let found = text[from..].find(&sought).map(|at| from + at);
+    let at = found.or_else(|| text.find(&sought))?;
+    Some(at..at + sought.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "O0001\nG71 P30 Q50 U0.5\nN30 G00 X10\nN50 X20\nM98 P20003\nM99 P30\nO0003\n\
+                        N30 M99\n";
+
+    fn led(line: &str, address: char) -> Option<Target> {
+        let word = words(line).find(|word| word.address == address)?;
+        Target::of(line, word)
+    }
+
+    #[test]
+    fn p_and_q_lead_to_their_blocks_and_programs() {
+        assert_eq!(led("G71 P30 Q50 U0.5", 'P'), Some(Target::Sequence(30)));
+        assert_eq!(led("G71 P30 Q50 U0.5", 'Q'), Some(Target::Sequence(50)));
+        assert_eq!(led("M98 P20003", 'P'), Some(Target::Program(3)));
+        assert_eq!(led("M98 P3", 'P'), Some(Target::Program(3)));
+        assert_eq!(led("M99 P30", 'P'), Some(Target::Sequence(30)));
+        assert_eq!(led("G65 H80 P12", 'P'), Some(Target::Sequence(12)));
+        assert_eq!(led("G04 P300", 'P'), None);
+        assert_eq!(led("G75 X10 Q3000", 'Q'), None);
+    }
+
+    #[test]
+    fn targets_are_found_from_where_they_are_sought() {
+        assert_eq!(Target::Sequence(30).line_in(TEXT, 0), Some(2));
+        assert_eq!(Target::Sequence(30).line_in(TEXT, 5), Some(7));
+        assert_eq!(Target::Sequence(30).line_in(TEXT, 7), Some(2));
+        assert_eq!(Target::Program(3).line_in(TEXT, 0), Some(6));
+        assert_eq!(Target::Program(9).line_in(TEXT, 0), None);
+        assert_eq!(Target::Line(400).line_in(TEXT, 0), Some(7));
+    }
+
+    #[test]
+    fn typed_targets_are_numbers_or_names() {
+        assert_eq!(Target::typed(" n30 "), Some(Target::Sequence(30)));
+        assert_eq!(Target::typed("O0002"), Some(Target::Program(2)));
+        assert_eq!(Target::typed("17"), Some(Target::Line(17)));
+        for nothing in ["", "0", "X3", "N", "车3", "N99999"] {
+            assert_eq!(Target::typed(nothing), None, "{nothing}");
+        }
+    }
+
+    #[test]
+    fn finding_goes_on_at_the_beginning() {
+        let text = "G00 X1\n(粗车) g00 X2\n";
+        assert_eq!(find(text, "g00", 0), Some(0..3));
+        let second = text.find("g00");
+        assert_eq!(find(text, "G00", 1).map(|found| found.start), second);
+        assert_eq!(find(text, "g00", text.len()), Some(0..3));
+        assert_eq!(find(text, "车", 9), text.find("车").map(|at| at..at + 3));
+        assert_eq!((find(text, "G99", 0), find(text, "", 0)), (None, None));
+    }
+}
