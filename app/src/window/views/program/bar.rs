@@ -1,6 +1,8 @@
 //! The tools of the program view, and what it asks.
 
-use egui::{Align2, Button, Context, Key, Modifiers, RichText, TextEdit, Ui, Window};
+use egui::{
+    Align2, Button, Context, Key, Label, Modifiers, RichText, ScrollArea, TextEdit, Ui, Window,
+};
 use gsk_messages::{Language, Message, say};
 
 use super::Next;
@@ -42,6 +44,8 @@ pub struct Bar {
 
 /// Width of a field, points.
 const FIELD: f32 = 90.0;
+/// Height of the list of programs, points.
+const MENU: f32 = 400.0;
 
 impl Bar {
     /// Draws the tools. `memory`: numbers of the programs of the control.
@@ -53,55 +57,36 @@ impl Bar {
         language: Language,
     ) -> Option<Wish> {
         let mut wish = None;
-        let edited = document.is_edited();
-        ui.horizontal_wrapped(|ui| {
-            ui.menu_button(say::program_file().text(language), |ui| {
-                let entries = [
-                    (say::program_new(), Wish::Bring(Next::New)),
-                    (say::program_open(), Wish::Bring(Next::Choose)),
-                    (say::program_save(), Wish::Save),
-                    (say::program_save_as(), Wish::SaveAs),
-                ];
-                for (words, what) in entries {
-                    if ui.button(words.text(language)).clicked() {
-                        wish = Some(what);
-                        ui.close();
-                    }
-                }
-            });
-            let control = ui.menu_button(say::program_control().text(language), |ui| {
-                for number in memory {
-                    if ui.button(format!("O{number:04}")).clicked() {
-                        wish = Some(Wish::Bring(Next::Memory(Some(*number))));
-                        ui.close();
-                    }
-                }
-            });
-            let hint = say::program_control_hint().text(language);
-            control.response.on_hover_text(hint);
+        ui.horizontal(|ui| {
+            files(ui, language, &mut wish);
+            programs(ui, memory, language, &mut wish);
             ui.separator();
-            let mut button = |ui: &mut Ui, on: bool, words: Message, hint: &str, what: Wish| {
+            let edited = document.is_edited();
+            let hint = say::program_store_hint().text(language);
+            let tools = [
+                (
+                    document.is_unsaved(),
+                    say::program_save(),
+                    "Ctrl+S",
+                    Wish::Save,
+                ),
+                (true, say::program_store(), &hint, Wish::Store),
+                (edited, say::program_undo(), "Ctrl+Z", Wish::Undo),
+                (edited, say::program_redo(), "Ctrl+Y", Wish::Redo),
+            ];
+            for (on, words, hint, what) in tools {
                 let button = ui.add_enabled(on, Button::new(words.text(language)));
                 if button.on_hover_text(hint).clicked() {
                     wish = Some(what);
                 }
-            };
-            let unsaved = document.is_unsaved();
-            button(ui, unsaved, say::program_save(), "Ctrl+S", Wish::Save);
-            let hint = say::program_store_hint().text(language);
-            button(ui, true, say::program_store(), &hint, Wish::Store);
-            ui.separator();
-            button(ui, edited, say::program_undo(), "Ctrl+Z", Wish::Undo);
-            button(ui, edited, say::program_redo(), "Ctrl+Y", Wish::Redo);
-            ui.separator();
+            }
+        });
+        ui.horizontal(|ui| {
             if self.field(ui, "find", &say::program_find(), "Ctrl+F", language) {
                 wish = Some(Wish::Find);
             }
-            if ui
-                .button(say::program_find_next().text(language))
-                .on_hover_text("F3")
-                .clicked()
-            {
+            let next = ui.button(say::program_find_next().text(language));
+            if next.on_hover_text("F3").clicked() {
                 wish = Some(Wish::Find);
             }
             let hint = say::program_go_to_hint().text(language);
@@ -110,13 +95,8 @@ impl Bar {
                 wish = Some(Wish::GoTo);
             }
             ui.separator();
-            let mark = if unsaved { "● " } else { "" };
-            let name = match &document.origin {
-                Origin::New => say::program_new_name().text(language),
-                Origin::File(_, encoding) => format!("{} ({encoding})", document.name()),
-                Origin::Memory(_) => document.name(),
-            };
-            ui.label(RichText::new(format!("{mark}{name}")).strong());
+            let name = Label::new(RichText::new(title(document, language)).strong());
+            ui.add(name.truncate());
         });
         wish
     }
@@ -165,6 +145,52 @@ impl Bar {
         }
         pressed(Modifiers::NONE, Key::F3).then_some(Wish::Find)
     }
+}
+
+/// The menu of files.
+fn files(ui: &mut Ui, language: Language, wish: &mut Option<Wish>) {
+    ui.menu_button(say::program_file().text(language), |ui| {
+        let entries = [
+            (say::program_new(), Wish::Bring(Next::New)),
+            (say::program_open(), Wish::Bring(Next::Choose)),
+            (say::program_save(), Wish::Save),
+            (say::program_save_as(), Wish::SaveAs),
+        ];
+        for (words, what) in entries {
+            if ui.button(words.text(language)).clicked() {
+                *wish = Some(what);
+                ui.close();
+            }
+        }
+    });
+}
+
+/// The menu of the programs of the control.
+fn programs(ui: &mut Ui, memory: &[u16], language: Language, wish: &mut Option<Wish>) {
+    let menu = ui.menu_button(say::program_control().text(language), |ui| {
+        let list = ScrollArea::vertical().max_height(MENU);
+        list.show(ui, |ui| {
+            for number in memory {
+                if ui.button(format!("O{number:04}")).clicked() {
+                    *wish = Some(Wish::Bring(Next::Memory(Some(*number))));
+                    ui.close();
+                }
+            }
+        });
+    });
+    let hint = say::program_control_hint().text(language);
+    menu.response.on_hover_text(hint);
+}
+
+/// What the text is, with a mark when it is not saved.
+fn title(document: &Document, language: Language) -> String {
+    let mark = if document.is_unsaved() { "● " } else { "" };
+    let name = match &document.origin {
+        Origin::New => say::program_new_name().text(language),
+        Origin::File(_, encoding) => format!("{} ({encoding})", document.name()),
+        Origin::Memory(_) => document.name(),
+    };
+    format!("{mark}{name}")
 }
 
 /// What becomes of an unsaved text.

@@ -72,8 +72,9 @@ impl Checked {
 /// A text to be looked through.
 struct Job {
     revision: u64,
+    /// What it is called if it has no number.
     name: String,
-    program: Program,
+    text: String,
     context: Context,
 }
 
@@ -112,19 +113,19 @@ impl Checker {
         &mut self,
         revision: u64,
         context: &Context,
-        text: impl FnOnce() -> (String, Program),
+        text: impl FnOnce() -> (String, String),
     ) {
         if self.asked == Some(revision) {
             return;
         }
         self.asked = Some(revision);
         self.newest.store(revision, Ordering::Relaxed);
-        let (name, program) = text();
+        let (name, text) = text();
         // The thread lives as long as this end of its channel.
         let _ = self.jobs.send(Job {
             revision,
             name,
-            program,
+            text,
             context: context.clone(),
         });
     }
@@ -170,17 +171,20 @@ fn check(
     mut setup: Setup,
     goes_on: &mut dyn FnMut(&gsk_core::preview::Progress) -> bool,
 ) -> Checked {
+    let program = Program::new(job.text.as_str());
+    let name = program.number();
+    let name = name.map_or_else(|| job.name.clone(), |number| format!("O{number:04}"));
     let programs = &mut setup.memory.programs;
     let memory = programs.iter().map(|(number, _)| number).collect();
-    programs.open_external(job.program.clone());
+    programs.open_external(program.clone());
     programs.select(ProgramId::External);
-    let (look, alarms) = first_look::look_beyond(job.name.clone(), &setup, goes_on);
+    let (look, alarms) = first_look::look_beyond(name, &setup, goes_on);
     let programs = &setup.memory.programs;
     Checked {
         revision: job.revision,
         findings: alarms
             .iter()
-            .map(|alarm| finding(alarm, programs, &job.program))
+            .map(|alarm| finding(alarm, programs, &program))
             .collect(),
         look,
         memory,
@@ -234,8 +238,8 @@ mod tests {
     fn found(text: &str) -> Checked {
         let job = Job {
             revision: 7,
-            name: "O0001".to_owned(),
-            program: Program::new(text),
+            name: "part.CNC".to_owned(),
+            text: text.to_owned(),
             context: Context::default(),
         };
         check(&job, Setup::default(), &mut |progress| {

@@ -52,6 +52,8 @@ pub struct ProgramView {
     bar: Bar,
     /// Characters to be selected and shown.
     jump: Option<Range<usize>>,
+    /// Where what was found last ends, bytes; a text that is only shown has no cursor.
+    found: usize,
     /// What comes when nothing stands against it.
     next: Option<Next>,
     /// What was said last.
@@ -76,6 +78,7 @@ impl ProgramView {
             painter: Painter::default(),
             bar: Bar::default(),
             jump: None,
+            found: 0,
             next: Some(Next::Memory(None)),
             said: None,
         }
@@ -123,7 +126,7 @@ impl ProgramView {
         self.question(ui.ctx(), language);
         let document = &self.document;
         self.checker.ask(document.revision, ui.ctx(), || {
-            (document.name(), document.program())
+            (document.name(), document.text.clone())
         });
     }
 
@@ -201,6 +204,7 @@ impl ProgramView {
         self.document.revision = revision;
         self.checked = None;
         self.jump = None;
+        self.found = 0;
         editor::forget(context);
     }
 
@@ -242,9 +246,13 @@ impl ProgramView {
     /// Finds the next place after the cursor.
     fn find(&mut self, context: &Context) {
         let sought = self.bar.find.clone();
-        let from = editor::cursor(context).map_or(0, |range| self.document.byte_of(range.end));
+        let cursor = editor::cursor(context).filter(|_| self.document.is_edited());
+        let from = cursor.map_or(self.found, |range| self.document.byte_of(range.end));
         match targets::find(&self.document.text, &sought, from) {
-            Some(found) => self.select(&found),
+            Some(found) => {
+                self.found = found.end;
+                self.select(&found);
+            }
             None => self.said = Some(Said::Bad(say::program_find_nothing(sought))),
         }
     }
