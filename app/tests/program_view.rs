@@ -210,3 +210,28 @@ fn a_text_of_many_lines_is_shown_and_not_edited() {
     wait_to_say(&mut bench, "shown, not edited");
     assert!(bench.harness.query_by_label("Program text").is_none());
 }
+
+#[test]
+fn the_emergency_stop_is_within_reach_while_a_text_is_typed() {
+    let mut bench = with_view();
+    type_at_end(&mut bench, "G00 X10\n");
+    bench.harness.key_press(Key::F12);
+    bench.run(50);
+    let pressed = bench.kernel.emulator().panel.pressed();
+    assert!(pressed.contains(&gsk_panel::keys::Key::EmergencyStop));
+    assert_eq!(text(&bench), "G00 X10\n");
+}
+
+#[test]
+fn the_pointer_says_what_a_word_means() {
+    let mut bench = with_view();
+    type_at_end(&mut bench, "G71 U2 R1\n");
+    let field = bench.harness.get_by_label("Program text").rect();
+    // Beside three digits of the line number.
+    let word = field.left_top() + egui::vec2(50.0, 12.0);
+    bench.harness.hover_at(word);
+    for _ in 0..60 {
+        bench.harness.step();
+    }
+    assert!(says(&bench, "G71: roughing along Z"));
+}

@@ -363,6 +363,27 @@ fn ask_to_close(bench: &mut Bench) -> Vec<ViewportCommand> {
 }
 
 #[test]
+fn closing_asks_while_a_typed_text_is_not_saved() {
+    let mut bench = Bench::new();
+    let shift = egui::Modifiers::SHIFT;
+    bench.harness.key_press_modifiers(shift, egui::Key::F11);
+    bench.run(1);
+    assert_eq!(ask_to_close(&mut bench), [], "nothing is typed");
+    bench.harness.get_by_label("Program text").focus();
+    bench.run(1);
+    let typed = egui::Event::Text("G00 X10".to_owned());
+    bench.harness.event(typed);
+    bench.run(1);
+    let asked = ask_to_close(&mut bench);
+    assert!(asked.contains(&ViewportCommand::CancelClose), "{asked:?}");
+    assert!(says(&bench, "The program text is not saved"));
+    bench.harness.get_by_label("Close without saving").click();
+    bench.harness.step();
+    let commands = &bench.harness.output().viewport_output[&ViewportId::ROOT].commands;
+    assert!(commands.contains(&ViewportCommand::Close), "{commands:?}");
+}
+
+#[test]
 fn closing_asks_while_a_program_runs_or_is_held() {
     let mut bench = Bench::new();
     assert_eq!(ask_to_close(&mut bench), [], "nothing runs");
