@@ -4,7 +4,7 @@ use crate::common::Bench;
 use egui::{Event, Modifiers, PointerButton, Pos2, vec2};
 use egui_kittest::kittest::Queryable;
 use gsk_app::window::layout::{Layout, Layouts};
-use gsk_app::window::views::View;
+use gsk_app::window::view::View;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::KEYS;
 

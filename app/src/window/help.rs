@@ -4,7 +4,7 @@ use egui::{Color32, Context, RichText};
 use gsk_panel::keys::{KEYS, KeyRow, Role};
 
 use super::layout::LAYOUTS;
-use super::views::{VIEWS, key_name};
+use super::view::{VIEWS, key_name};
 use gsk_messages::{Language, say};
 
 /// Draws the map; returns whether it stays open.

@@ -23,7 +23,8 @@ pub mod refusal;
 mod samples;
 mod settings;
 mod top_bar;
-pub mod views;
+pub mod view;
+mod views;
 
 use std::path::PathBuf;
 
@@ -381,7 +382,7 @@ impl Window {
             self.typed(&stops);
             return;
         }
-        if let Some(view) = views::toggled(&events) {
+        if let Some(view) = view::toggled(&events) {
             self.settings.layouts.toggle(view);
         }
         if let Some(layout) = layout::chosen(&events) {

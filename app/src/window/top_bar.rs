@@ -10,7 +10,7 @@ use super::alarm_line;
 use super::fonts;
 use super::layout::{LAYOUTS, Layout, Layouts};
 use super::samples::{SAMPLES, Sample};
-use super::views::{VIEWS, View, key_name};
+use super::view::{VIEWS, View, key_name};
 use crate::kernel::Imposed;
 use gsk_messages::{Language, say};
 

@@ -11,7 +11,7 @@ use egui::{Event, Key, Rect};
 use serde::{Deserialize, Serialize};
 
 use super::placing;
-use super::views::{View, shifted};
+use super::view::{View, shifted};
 use gsk_messages::{Message, say};
 pub use panes::{Arranged, Pane, arrange};
 pub use splitters::drag;

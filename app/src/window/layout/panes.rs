@@ -5,7 +5,7 @@
 use egui::{Pos2, Rect, pos2};
 
 use super::panel_share;
-use crate::window::views::View;
+use crate::window::view::View;
 use gsk_panel::faceplate::SIZE;
 
 /// Width of a splitter, points.

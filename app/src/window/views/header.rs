@@ -6,7 +6,7 @@ use egui::{
     UiBuilder, WidgetInfo, vec2,
 };
 
-use super::{ViewRow, key_name};
+use crate::window::view::{ViewRow, key_name};
 use gsk_messages::{Language, say};
 
 /// Height of the line, points.

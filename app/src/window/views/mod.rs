@@ -16,99 +16,19 @@ use egui::{
     Vec2, ViewportBuilder, ViewportId,
 };
 use gsk_link::LinkState;
-use serde::{Deserialize, Serialize};
 
 use super::badge;
 use super::layout::floating::{self, Screen};
 use super::layout::{self, Layout, Layouts, Place};
+use super::view::{VIEWS, View, ViewRow, toggled};
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use bench::Bench;
-use gsk_messages::{Language, Message, say};
+use gsk_messages::Language;
 use ladder::LadderView;
 use link::LinkPage;
 use program::ProgramView;
 use scope::Scope;
-
-/// A view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum View {
-    /// The scope.
-    Scope,
-    /// The fault bench.
-    Bench,
-    /// The ladder.
-    Ladder,
-    /// The link page.
-    Link,
-    /// The program text.
-    Program,
-}
-
-impl View {
-    /// Whether it shows the machine and the PLC as they are.
-    const fn monitors(self) -> bool {
-        matches!(self, Self::Bench | Self::Ladder)
-    }
-
-    fn row(self) -> &'static ViewRow {
-        let row = VIEWS.iter().find(|row| row.view == self);
-        row.unwrap_or(&VIEWS[0])
-    }
-}
-
-/// A row of the table of views.
-pub struct ViewRow {
-    /// The view.
-    pub view: View,
-    /// Its name.
-    pub name: fn() -> Message,
-    /// The key that opens and closes it, with Shift.
-    pub key: Key,
-    /// Size of its window, points.
-    size: [f32; 2],
-    /// Least size of its window, points.
-    least: [f32; 2],
-}
-
-/// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 5] = [
-    ViewRow {
-        view: View::Scope,
-        name: say::window_view_scope,
-        key: Key::F2,
-        size: [1120.0, 720.0],
-        least: [760.0, 360.0],
-    },
-    ViewRow {
-        view: View::Bench,
-        name: say::window_view_bench,
-        key: Key::F3,
-        size: [1000.0, 640.0],
-        least: [760.0, 320.0],
-    },
-    ViewRow {
-        view: View::Ladder,
-        name: say::window_view_ladder,
-        key: Key::F4,
-        size: [1240.0, 780.0],
-        least: [820.0, 360.0],
-    },
-    ViewRow {
-        view: View::Link,
-        name: say::window_view_link,
-        key: Key::F5,
-        size: [1040.0, 740.0],
-        least: [760.0, 320.0],
-    },
-    ViewRow {
-        view: View::Program,
-        name: say::window_view_program,
-        key: Key::F11,
-        size: [900.0, 760.0],
-        least: [480.0, 320.0],
-    },
-];
 
 /// The views.
 pub struct Views {
@@ -405,23 +325,6 @@ pub fn stops(event: &Event) -> bool {
     }
 }
 
-/// The view that a key opens or closes.
-pub fn toggled(events: &[Event]) -> Option<View> {
-    let row = VIEWS.iter().find(|row| shifted(events, row.key));
-    row.map(|row| row.view)
-}
-
-/// Whether a key is pressed together with Shift alone.
-pub fn shifted(events: &[Event], wanted: Key) -> bool {
-    events.iter().any(|event| {
-        matches!(
-            event,
-            Event::Key { key, pressed: true, repeat: false, modifiers, .. }
-                if *key == wanted && modifiers.shift && !modifiers.ctrl && !modifiers.alt
-        )
-    })
-}
-
 fn bar_frame() -> Frame {
     Frame::new()
         .fill(Color32::from_gray(34))
@@ -436,11 +339,6 @@ fn side_frame() -> Frame {
 
 fn plain_frame() -> Frame {
     Frame::new().fill(Color32::from_gray(18))
-}
-
-/// The name of a key of a view or a layout.
-pub fn key_name(key: Key) -> String {
-    format!("Shift+{}", key.name())
 }
 
 #[cfg(test)]
