@@ -1,5 +1,6 @@
 //! Job files: the stock and the tools of a program, beside it.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -7,9 +8,11 @@ use gsk_core::preview::Progress;
 use gsk_core::setup::Setup;
 use gsk_messages::{Message, say};
 use gsk_runner::machining::{Machining, guess};
+use gsk_workpiece::grid::from_grid;
 use gsk_workpiece::job::Job;
 
 use crate::files::program_file::{self, FileError};
+use crate::output::{self, WriteError};
 
 /// Whether a program is carried out on a part, and on which.
 #[derive(Args, Clone, Debug, Default)]
@@ -21,12 +24,18 @@ pub struct PartArgs {
     /// The same with this job file (RON)
     #[arg(long, value_name = "FILE")]
     pub job: Option<PathBuf>,
+    /// The same, and measure the part: cylinders, cones, faces, arcs, threads from front to back
+    #[arg(long)]
+    pub measure: bool,
+    /// The same, and write the half section of the part as CSV: polygon, X (diameter), Z
+    #[arg(long, value_name = "FILE")]
+    pub section: Option<PathBuf>,
 }
 
 impl PartArgs {
     /// Whether there is to be a part.
     pub const fn wanted(&self) -> bool {
-        self.part || self.job.is_some()
+        self.part || self.measure || self.job.is_some() || self.section.is_some()
     }
 }
 
@@ -136,6 +145,27 @@ pub fn choose(args: &PartArgs, program: Option<&Path>, setup: &Setup) -> Result<
     let goes_on = &mut |progress: &Progress| progress.moves < guess::MOST_MOVES as u64;
     let job = guess::of_program(setup, goes_on).ok_or(JobError::NothingCut)?;
     Ok(Chosen { job, file: None })
+}
+
+/// Writes the half section of a part: a line for each corner, with the number of its
+/// polygon.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write_section(path: &Path, machining: &Machining) -> Result<(), WriteError> {
+    let mut out = output::open(path)?;
+    let section = machining.scene().part().section();
+    let mut write = || -> std::io::Result<()> {
+        writeln!(out, "polygon,x,z")?;
+        for (number, contour) in section.contours().iter().enumerate() {
+            for point in contour {
+                let point = from_grid(*point);
+                writeln!(out, "{number},{:.4},{:.4}", point.diameter().0, point.z)?;
+            }
+        }
+        out.flush()
+    };
+    write().map_err(|error| WriteError::new(path, error))
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ pub mod convex;
 pub mod curve;
 pub mod grid;
 pub mod job;
+pub mod measure;
 pub mod motion;
 pub mod part;
 pub mod region;

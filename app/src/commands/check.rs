@@ -16,12 +16,16 @@ use gsk_runner::report::{self, PartReport, Report};
 use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
 use crate::apart::{Read, keep_apart};
 use crate::cli::{CheckArgs, Language};
-use crate::{job, loading};
+use crate::job::{self, write_section};
+use crate::loading;
 
 /// Checks programs.
 pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     if args.moves.is_some() && args.files.len() > 1 {
         return Err(CommandError::OneProgram);
+    }
+    if args.part.section.is_some() && args.files.len() > 1 {
+        return Err(CommandError::OneSection);
     }
     let setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
     let read = Read {
@@ -31,7 +35,13 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
         main: args.files.first().map(PathBuf::as_path),
         data: args.setup.data.as_deref(),
     };
-    keep_apart(&read, args.moves.as_deref().as_slice())?;
+    let written = [&args.moves, &args.part.section];
+    let written: Vec<&Path> = written
+        .into_iter()
+        .flatten()
+        .map(PathBuf::as_path)
+        .collect();
+    keep_apart(&read, &written)?;
     if let (Some(path), [file]) = (&args.moves, &args.files[..]) {
         let mut out = output::open(path)?;
         let mut failed = None;
@@ -106,7 +116,15 @@ fn check_file(
         on_move(executed);
     };
     let mut report = report::check(&name, &setup, look.lang, &mut take, &mut goes_on);
-    report.part = Some(PartReport::new(&machining, chosen.name(), look.lang));
+    if let Some(path) = &args.part.section {
+        write_section(path, &machining)?;
+    }
+    report.part = Some(PartReport::new(
+        &machining,
+        chosen.name(),
+        args.part.measure,
+        look.lang,
+    ));
     Ok(report)
 }
 

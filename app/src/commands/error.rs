@@ -87,6 +87,8 @@ pub enum CommandError {
     Unattended(u32),
     /// Moves of several programs.
     OneProgram,
+    /// Parts of several programs.
+    OneSection,
     /// Another file ended the work.
     NotChecked,
     /// No board.
@@ -148,6 +150,7 @@ impl CommandError {
             Self::NoPage { name, pages } => say::command_no_page(name, pages),
             Self::Unattended(parts) => say::command_parts_unattended(parts),
             Self::OneProgram => say::command_one_program(),
+            Self::OneSection => say::command_one_section(),
             Self::NotChecked => say::command_not_checked(),
             Self::NoPort => say::command_no_port(),
             Self::TooFast { feed, rate, most } => say::command_feed_too_high(feed, rate, most),

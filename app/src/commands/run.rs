@@ -50,7 +50,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
             .map(PathBuf::as_path),
         data: args.setup.data.as_deref(),
     };
-    let written = [&args.moves, &args.positions, &args.plot];
+    let written = [&args.moves, &args.positions, &args.plot, &args.part.section];
     let written: Vec<&Path> = written
         .into_iter()
         .flatten()
@@ -149,9 +149,9 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     let partner = partner.as_mut().map(|partner| partner as &mut dyn Partner);
     let (mut report, simulation) =
         execution::execute(&name, simulation, limits, partner, board, &mut outputs)?;
-    report.part = chosen
-        .zip(outputs.live.as_ref())
-        .map(|(chosen, live)| PartReport::new(live.machining(), chosen.name(), None));
+    report.part = chosen.zip(outputs.live.as_ref()).map(|(chosen, live)| {
+        PartReport::new(live.machining(), chosen.name(), args.part.measure, None)
+    });
     // Each is written for itself: one that cannot be takes no other with it.
     let mut failures = Vec::new();
     if let (Some(data), Some(restored)) = (data, restored) {
@@ -159,6 +159,13 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         failures.extend(saved.map_err(CommandError::from).err());
     }
     failures.extend(outputs.end().err());
+    if let (Some(path), Some(live)) = (&args.part.section, &outputs.live) {
+        failures.extend(
+            job::write_section(path, live.machining())
+                .err()
+                .map(CommandError::from),
+        );
+    }
     let mut drawing = outputs.drawing.take();
     if let (Some(path), Some(target), Some(drawing)) = (&args.plot, target, &mut drawing) {
         drawing.end(report.time_s);

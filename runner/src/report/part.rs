@@ -1,6 +1,8 @@
 //! What became of the part.
 
+use gsk_core::units::Diameter;
 use gsk_messages::{Language, Message, say};
+use gsk_workpiece::measure::{self, Feature, Side};
 use serde::Serialize;
 
 use super::said;
@@ -18,6 +20,9 @@ pub struct PartReport {
     pub removed_mm3: f64,
     /// Volume of the part, mm³.
     pub left_mm3: f64,
+    /// The outside and then the bore, each from front to back, if they were measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub features: Vec<Feature>,
     /// What hit what, in the order in which it happened.
     pub collisions: Vec<CollisionReport>,
 }
@@ -43,12 +48,31 @@ pub struct CollisionReport {
 
 impl PartReport {
     /// Of a part as it is now.
-    pub fn new(machining: &Machining, job: Option<String>, language: Option<Language>) -> Self {
+    pub fn new(
+        machining: &Machining,
+        job: Option<String>,
+        measure: bool,
+        language: Option<Language>,
+    ) -> Self {
+        let features = match measure {
+            true => {
+                let section = machining.scene().part().section();
+                let sides = [Side::Outside, Side::Inside];
+                let of_side = |side| measure::features(&section, side);
+                sides
+                    .into_iter()
+                    .flat_map(of_side)
+                    .map(to_micrometre)
+                    .collect()
+            }
+            false => Vec::new(),
+        };
         Self {
             job,
             stock_mm3: rounded(machining.scene().stock().section().volume()),
             removed_mm3: rounded(machining.removed_volume()),
             left_mm3: rounded(machining.scene().part().volume()),
+            features,
             collisions: machining
                 .findings()
                 .iter()
@@ -64,10 +88,82 @@ impl PartReport {
             None => say::report_part_guessed(self.removed_mm3, self.left_mm3),
         };
         let collisions = self.collisions.iter().map(CollisionReport::message);
+        let features = self.features.iter().map(in_words);
         core::iter::once(part)
+            .chain(features)
             .chain(collisions)
             .map(|said| said.text(words))
             .collect()
+    }
+}
+
+/// A feature as a drawing gives it: whole micrometres, thousandths of a degree.
+fn to_micrometre(feature: Feature) -> Feature {
+    let whole = |value: f64| (value * 1000.0).round() / 1000.0;
+    let both = |(from, to): (f64, f64)| (whole(from), whole(to));
+    let across =
+        |(from, to): (Diameter, Diameter)| (Diameter(whole(from.0)), Diameter(whole(to.0)));
+    match feature {
+        Feature::Cylinder { diameter, z } => Feature::Cylinder {
+            diameter: Diameter(whole(diameter.0)),
+            z: both(z),
+        },
+        Feature::Face { diameters, z } => Feature::Face {
+            diameters: across(diameters),
+            z: whole(z),
+        },
+        Feature::Cone {
+            diameters,
+            z,
+            angle,
+        } => Feature::Cone {
+            diameters: across(diameters),
+            z: both(z),
+            angle: whole(angle),
+        },
+        Feature::Arc {
+            radius,
+            diameters,
+            z,
+        } => Feature::Arc {
+            radius: whole(radius),
+            diameters: across(diameters),
+            z: both(z),
+        },
+        Feature::Thread {
+            pitch,
+            diameters,
+            z,
+        } => Feature::Thread {
+            pitch: whole(pitch),
+            diameters: across(diameters),
+            z: both(z),
+        },
+    }
+}
+
+fn in_words(feature: &Feature) -> Message {
+    match *feature {
+        Feature::Cylinder { diameter, z } => say::measure_cylinder(diameter.0, z.0, z.1),
+        Feature::Face {
+            diameters: (from, to),
+            z,
+        } => say::measure_face(z, from.0, to.0),
+        Feature::Cone {
+            diameters: (from, to),
+            z,
+            angle,
+        } => say::measure_cone(from.0, to.0, z.0, z.1, angle),
+        Feature::Arc {
+            radius,
+            diameters: (from, to),
+            z,
+        } => say::measure_arc(radius, from.0, to.0, z.0, z.1),
+        Feature::Thread {
+            pitch,
+            diameters: (crest, root),
+            z,
+        } => say::measure_thread(pitch, crest.0, root.0, z.0, z.1),
     }
 }
 
