@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The part that G42 leaves, against a closing of the programmed contour by shapely.
+"""The part that G42 leaves, against a closing of the programmed contour by Clipper.
 
 A nose of radius r that follows a contour without touching it removes every point that
 a disc of that radius reaches from outside; what is left is the contour closed by the
@@ -12,7 +12,8 @@ runs `check --part --section` on each with and without G42, and measures
   off with G42     the farthest point of the part from the closed contour, mm
   off without      the same against the nose swept along the uncompensated path, mm
 
-Contours that the control refuses (interference) count apart. Needs numpy, shapely.
+Contours that the control refuses (interference) count apart. Needs pyclipper, which
+grows and shrinks, and shapely, which measures distances.
 
     python3 tests/oracles/nose_parts.py --program target/release/gsk980td --parts 300
 """
@@ -26,12 +27,27 @@ import random
 import subprocess
 import tempfile
 
-from shapely import affinity
-from shapely.geometry import LineString, Point, Polygon
+import pyclipper
+from shapely.geometry import Point, Polygon
 from shapely.ops import unary_union
 
 STEP = 0.001  # least increment, mm
 FINE = 512  # segments in a quarter of a circle
+SCALE = 1e6  # Clipper counts in whole nanometres
+ARC = 20  # how far its arcs may be off, nm
+
+
+def grown(polygons, by, end=pyclipper.ET_CLOSEDPOLYGON):
+    """Polygons (or an open line) grown by a distance, mm; shrunk by one below 0."""
+    offset = pyclipper.PyclipperOffset(2.0, ARC)
+    for polygon in polygons:
+        path = [(round(z * SCALE), round(x * SCALE)) for z, x in polygon]
+        offset.AddPath(path, pyclipper.JT_ROUND, end)
+    return [[(z / SCALE, x / SCALE) for z, x in path] for path in offset.Execute(by * SCALE)]
+
+
+def as_region(polygons):
+    return unary_union([Polygon(points).buffer(0) for points in polygons])
 
 
 def rounded(value):
@@ -98,7 +114,8 @@ def section(program, folder, name, text, description):
     with open(os.path.join(folder, name + ".job.ron"), "w", encoding="ascii") as file:
         file.write(description)
     out = os.path.join(folder, name + ".csv")
-    call = [program, "check", path, "--section", out, "--offset", description_offset(description)]
+    call = [program, "check", path, "--section", out, "--param", "002.1=1"]
+    call += ["--offset", description_offset(description)]
     result = subprocess.run(call, capture_output=True, text=True)
     if result.returncode == 1:
         return None
@@ -109,7 +126,7 @@ def section(program, folder, name, text, description):
         for row in csv.DictReader(file):
             point = (float(row["z"]), float(row["x"]) / 2)
             polygons.setdefault(row["polygon"], []).append(point)
-    return unary_union([Polygon(points).buffer(0) for points in polygons.values()])
+    return as_region(polygons.values())
 
 
 def description_offset(description):
@@ -117,16 +134,21 @@ def description_offset(description):
     return f"01=0,0,{nose},3"
 
 
+def largest(region):
+    pieces = getattr(region, "geoms", [region])
+    return max(pieces, key=lambda piece: piece.area)
+
+
 def off(part, wanted, window):
     """The farthest point of either outline from the other, within a window of Z."""
     low, high = window
     worst = 0.0
+    part, wanted = largest(part), largest(wanted)
     for one, other in ((part, wanted), (wanted, part)):
-        edge = other.boundary
-        for ring in [one.exterior]:
-            for z, x in ring.coords:
-                if low < z < high and x > 1.0:
-                    worst = max(worst, edge.distance(Point(z, x)))
+        edge = other.exterior
+        for z, x in one.exterior.coords:
+            if low < z < high and x > 1.0:
+                worst = max(worst, edge.distance(Point(z, x)))
     return worst
 
 
@@ -142,24 +164,21 @@ def one(arguments):
     tail = f"\nG40 G00 X{2 * greatest + 10:.3f} Z{back + 1:.3f}\nM30\n"
     body = "\n".join(blocks)
     description = job(nose, greatest, -back)
-    region = Polygon(
-        [(0.0, 0.0), (0.0, points[0][1])]
-        + points[1:]
-        + [(back, greatest + 50), (back - 50, greatest + 50), (back - 50, 0.0)]
-    ).buffer(0)
+    region = [(0.0, 0.0), (0.0, points[0][1])] + points[1:]
+    region += [(back, greatest + 50), (back - 50, greatest + 50), (back - 50, 0.0)]
     stock = Polygon([(0, 0), (0, greatest), (back - 80, greatest), (back - 80, 0)])
     window = (back + 2 * nose + 0.1, -2 * nose - 0.1)
     with tempfile.TemporaryDirectory() as folder:
         with_g42 = section(program, folder, "a", head + "G42 " + start + body + tail, description)
         without = section(program, folder, "b", head + start + body + tail, description)
-    closed = region.buffer(nose, quad_segs=FINE).buffer(-nose, quad_segs=FINE)
+    closed = as_region(grown(grown([region], nose), -nose))
     result = [None, None]
     if with_g42 is not None:
         result[0] = off(with_g42, closed.intersection(stock), window)
     if without is not None:
         # The nose's centre lies (r, r) beside the imaginary tip.
-        centers = affinity.translate(LineString(points), nose, nose)
-        swept = centers.buffer(nose, quad_segs=FINE)
+        centers = [(z + nose, x + nose) for z, x in points]
+        swept = as_region(grown([centers], nose, pyclipper.ET_OPENROUND))
         above = Polygon(
             [(z + nose, x + nose) for z, x in points]
             + [(back + nose, greatest + 60), (60, greatest + 60), (60, points[0][1] + nose)]

@@ -208,3 +208,29 @@ fn the_running_control_leaves_the_part_of_the_preview() {
     );
     assert!((run / looked - 1.0).abs() < 1e-4, "{run} {looked}");
 }
+
+#[test]
+fn a_thread_of_g76_has_its_pitch_and_its_depth_in_the_part() {
+    let text = "G50 X100 Z50\nG97 M03 S300\nT0101\nG00 X34 Z6\nG76 P010060 Q100 R0.1\n\
+                G76 X28.05 Z-25 P975 Q400 F1.5\nG00 X100 Z50\nM30\n";
+    let setup = setup(&[text]);
+    let mut job = Job::new(Stock::bar(30.0, 0.0, 60.0));
+    job.tools.insert(1, Tool::threading(60.0));
+    let machining = carried_out(&setup, job);
+    assert_eq!(machining.findings(), []);
+    let section = machining.scene().part().section();
+    let features =
+        gsk_workpiece::measure::features(&section, gsk_workpiece::measure::Side::Outside);
+    let thread = features.iter().find_map(|feature| match feature {
+        gsk_workpiece::measure::Feature::Thread {
+            pitch, diameters, ..
+        } => Some((*pitch, diameters.0.0, diameters.1.0)),
+        _ => None,
+    });
+    let Some((pitch, crest, root)) = thread else {
+        panic!("{features:?}");
+    };
+    assert!((pitch - 1.5).abs() < 0.001, "{pitch}");
+    assert!((crest - 30.0).abs() < 0.001, "{crest}");
+    assert!((root - 28.05).abs() < 0.001, "{root}");
+}
