@@ -9,8 +9,12 @@ contour, and what is left is the area no position of the nose covers.
 This makes random contours of cylinders, tapers, faces and arcs, rounded to 0.001 mm,
 runs `check --part --section` on each with and without G42, and measures
 
-  off with G42     the farthest point of the part from the closed contour, mm
-  off without      the same against the nose swept along the uncompensated path, mm
+  with G42     how far the part is cut too deep, and how far it is left standing, mm,
+               against the closed contour
+  without      the same against the nose swept along the uncompensated path
+
+A step that is lower than the nose radius may be left standing farther: the control
+does not bring the nose over such a corner as far as it would go.
 
 Contours that the control refuses (interference) count apart. Needs pyclipper, which
 grows and shrinks, and shapely, which measures distances.
@@ -140,15 +144,18 @@ def largest(region):
 
 
 def off(part, wanted, window):
-    """The farthest point of either outline from the other, within a window of Z."""
+    """How far the part is cut too deep, and how far it is left standing, within a window
+    of Z: the farthest point of either outline from the other."""
     low, high = window
-    worst = 0.0
     part, wanted = largest(part), largest(wanted)
-    for one, other in ((part, wanted), (wanted, part)):
+    worst = [0.0, 0.0]
+    for one, other, inside in ((part, wanted, 0), (wanted, part, 1)):
         edge = other.exterior
         for z, x in one.exterior.coords:
             if low < z < high and x > 1.0:
-                worst = max(worst, edge.distance(Point(z, x)))
+                point = Point(z, x)
+                side = inside if other.contains(point) else 1 - inside
+                worst[side] = max(worst[side], edge.distance(point))
     return worst
 
 
@@ -196,18 +203,19 @@ def main():
     arguments = parser.parse_args()
     program = os.path.abspath(arguments.program)
     seeds = range(arguments.seed, arguments.seed + arguments.parts)
-    columns = ([], [])
+    names = ("with G42, too deep", "with G42, left", "without, too deep", "without, left")
+    columns = ([], [], [], [])
     refused = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for seed, result in pool.map(one, [(program, seed) for seed in seeds]):
             refused += result[0] is None
-            for column, value in zip(columns, result):
-                if value is not None:
-                    column.append((value, seed))
-    for name, column in zip(("with G42", "without"), columns):
+            for index, values in enumerate(result):
+                for side, value in enumerate(values or []):
+                    columns[2 * index + side].append((value, seed))
+    for name, column in zip(names, columns):
         column.sort()
         median = column[len(column) // 2][0]
-        print(f"off {name}: {len(column)} parts, median {median:.6f} mm, worst", end=" ")
+        print(f"{name}: {len(column)} parts, median {median:.6f} mm, worst", end=" ")
         print(", ".join(f"{value:.6f} (seed {seed})" for value, seed in column[-3:]))
     print(f"refused with G42: {refused}")
 
