@@ -10,7 +10,7 @@ pub use gsk_runner::Language;
 use gsk_runner::picture::{Look, Size};
 use tracing::level_filters::LevelFilter;
 
-use crate::job::PartArgs;
+use crate::job::{JobArgs, PartArgs};
 use crate::patience::Patience;
 use crate::setup_args::SetupArgs;
 
@@ -273,6 +273,9 @@ pub struct PlotArgs {
     /// How to look at it.
     #[command(flatten)]
     pub look: LookArgs,
+    /// The part behind the path.
+    #[command(flatten)]
+    pub part: JobArgs,
     /// The picture (name ends in .png or .svg)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,

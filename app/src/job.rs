@@ -14,9 +14,9 @@ use gsk_workpiece::job::Job;
 use crate::files::program_file::{self, FileError};
 use crate::output::{self, WriteError};
 
-/// Whether a program is carried out on a part, and on which.
+/// On which part a program is carried out.
 #[derive(Args, Clone, Debug, Default)]
-pub struct PartArgs {
+pub struct JobArgs {
     /// Cut the part and look for collisions (exit code 3): stock and tools come from the job file
     /// beside the program (shaft.CNC: shaft.job.ron), else they are guessed
     #[arg(long)]
@@ -24,6 +24,14 @@ pub struct PartArgs {
     /// The same with this job file (RON)
     #[arg(long, value_name = "FILE")]
     pub job: Option<PathBuf>,
+}
+
+/// Whether a program is carried out on a part, and what is made of it.
+#[derive(Args, Clone, Debug, Default)]
+pub struct PartArgs {
+    /// The part.
+    #[command(flatten)]
+    pub job: JobArgs,
     /// The same, and measure the part: cylinders, cones, faces, arcs, threads from front to back
     #[arg(long)]
     pub measure: bool,
@@ -35,7 +43,14 @@ pub struct PartArgs {
 impl PartArgs {
     /// Whether there is to be a part.
     pub const fn wanted(&self) -> bool {
-        self.part || self.measure || self.job.is_some() || self.section.is_some()
+        self.job.wanted() || self.measure || self.section.is_some()
+    }
+}
+
+impl JobArgs {
+    /// Whether there is to be a part.
+    pub const fn wanted(&self) -> bool {
+        self.part || self.job.is_some()
     }
 }
 
@@ -133,7 +148,7 @@ pub fn read(path: &Path) -> Result<Job, JobError> {
 ///
 /// # Errors
 /// No job can be had.
-pub fn choose(args: &PartArgs, program: Option<&Path>, setup: &Setup) -> Result<Chosen, JobError> {
+pub fn choose(args: &JobArgs, program: Option<&Path>, setup: &Setup) -> Result<Chosen, JobError> {
     let beside = program.map(beside).filter(|path| path.exists());
     if let Some(path) = args.job.clone().or(beside) {
         let job = read(&path)?;

@@ -12,6 +12,7 @@ mod numbers;
 mod pens;
 mod pieces;
 mod png_file;
+mod scenery;
 mod svg;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +26,7 @@ pub use curves::RapidRates;
 pub(crate) use curves::rapid_bend;
 pub use drawing::{Drawing, Look};
 pub use extent::{NoSize, Size};
+pub use scenery::Scenery;
 
 /// Pixels of an LCD dot in a picture of the LCD.
 const LCD_SCALE: u32 = 2;

@@ -108,7 +108,7 @@ fn check_file(
         let report = report::check(&name, &setup, look.lang, on_move, &mut goes_on);
         return Ok(report);
     }
-    let chosen = job::choose(&args.part, Some(file), &setup)?;
+    let chosen = job::choose(&args.part.job, Some(file), &setup)?;
     let mut machining = chosen.machining();
     let rates = RapidRates::of(&setup.memory.parameters);
     let mut take = |executed: &ExecutedMove| {

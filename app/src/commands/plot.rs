@@ -2,15 +2,15 @@
 
 use gsk_core::preview::{End, Slip, preview_while};
 use gsk_messages::{Language, say};
-use gsk_runner::picture::{self, Drawing, Format, RapidRates};
+use gsk_runner::picture::{self, Drawing, Format, RapidRates, Scenery};
 use gsk_runner::report::{self, AlarmReport};
 
 use super::run::title;
-use super::{ALARM, CommandError, FINE, output};
+use super::{ALARM, COLLISION, CommandError, FINE, output};
 use crate::apart::{Read, keep_apart};
 use crate::cli::PlotArgs;
-use crate::loading;
 use crate::picture::check_name;
+use crate::{job, loading};
 
 /// Draws a program. What comes before an alarm is drawn, too.
 pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
@@ -31,15 +31,27 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     let target = output::reserve(&args.output)?;
     let rates = RapidRates::of(&setup.memory.parameters);
     let mut drawing = Drawing::new(title(&args.file), args.picture.look());
+    let mut machining = match args.part.wanted() {
+        true => Some(job::choose(&args.part, Some(main), &setup)?.machining()),
+        false => None,
+    };
     let mut watch = output::watch(&setup.memory.programs, args.look.patience.begin(), true);
     let preview = preview_while(
         &setup,
         &setup.memory.programs,
-        &mut |executed| drawing.push(executed, rates),
+        &mut |executed| {
+            drawing.push(executed, rates);
+            if let Some(machining) = &mut machining {
+                machining.moved(executed, rates);
+            }
+        },
         &mut |progress| watch.goes_on(progress),
     );
     drop(watch);
     drawing.end(preview.time_s);
+    if let Some(machining) = &machining {
+        drawing.stand_before(Scenery::of(machining));
+    }
     let bytes = picture::encode(format, &drawing, language.unwrap_or(Language::En))?;
     target.write(&bytes)?;
     if let Some(said) = picture::shortfall(&drawing) {
@@ -58,9 +70,10 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         let said = report::said(&say::report_limit(), language);
         complain!("gsk980td: {}: {said}", args.file.display());
     }
-    Ok(if matches!(preview.end, End::Alarm | End::Limit) {
-        ALARM
-    } else {
-        FINE
+    let collided = machining.is_some_and(|machining| !machining.findings().is_empty());
+    Ok(match preview.end {
+        _ if collided => COLLISION,
+        End::Alarm | End::Limit => ALARM,
+        End::M30 | End::M99 | End::Text => FINE,
     })
 }

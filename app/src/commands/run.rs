@@ -14,7 +14,7 @@ use gsk_runner::board::Operator;
 use gsk_runner::execution::{self, Board, Limits, Watcher};
 use gsk_runner::machining::live::Live;
 use gsk_runner::partner::Partner;
-use gsk_runner::picture::{self, Drawing, Format, RapidRates};
+use gsk_runner::picture::{self, Drawing, Format, RapidRates, Scenery};
 use gsk_runner::report::PartReport;
 use gsk_runner::words::clock;
 use gsk_runner::{moves, narration, report};
@@ -114,7 +114,11 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     };
     let wants_part = args.part.wanted() || args.stop_on_collision;
     let chosen = match wants_part {
-        true => Some(job::choose(&args.part, main.map(PathBuf::as_path), &setup)?),
+        true => Some(job::choose(
+            &args.part.job,
+            main.map(PathBuf::as_path),
+            &setup,
+        )?),
         false => None,
     };
     outputs.live = chosen.as_ref().map(|chosen| Live::new(chosen.machining()));
@@ -169,6 +173,9 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     let mut drawing = outputs.drawing.take();
     if let (Some(path), Some(target), Some(drawing)) = (&args.plot, target, &mut drawing) {
         drawing.end(report.time_s);
+        if let Some(live) = &outputs.live {
+            drawing.stand_before(Scenery::of(live.machining()));
+        }
         failures.extend(drawn(path, drawing, target).err());
         if let Some(said) = picture::shortfall(drawing) {
             complain!("gsk980td: {said}");

@@ -85,6 +85,25 @@ impl Canvas {
         self.stroke(builder, pen, 0.0);
     }
 
+    /// Fills polygons, holes the other way round.
+    pub fn fill(&mut self, color: [u8; 3], polygons: &[Vec<(f64, f64)>]) {
+        let mut builder = PathBuilder::new();
+        for polygon in polygons {
+            for (index, (x, y)) in polygon.iter().enumerate() {
+                match index {
+                    0 => builder.move_to(*x as f32, *y as f32),
+                    _ => builder.line_to(*x as f32, *y as f32),
+                }
+            }
+            builder.close();
+        }
+        let Some(path) = builder.finish() else { return };
+        let rule = tiny_skia::FillRule::Winding;
+        let scale = self.transform();
+        self.pixels
+            .fill_path(&path, &paint(color), rule, scale, None);
+    }
+
     /// Draws a dot of a radius.
     pub fn dot(&mut self, at: (f64, f64), radius: f32) {
         let Some(path) = PathBuilder::from_circle(at.0 as f32, at.1 as f32, radius) else {

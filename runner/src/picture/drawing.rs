@@ -8,6 +8,7 @@ use super::curves::{RapidRates, arc_points, rapid_bend};
 use super::extent::{Extent, Size};
 use super::labels::Labels;
 use super::pieces::{Made, Pieces};
+use super::scenery::Scenery;
 use crate::times::{Spent, Times};
 
 /// Height of a block number, pixels.
@@ -38,6 +39,7 @@ pub struct Drawing {
     /// The tools that cut, in the order of their first cuts.
     tools: Vec<u8>,
     times: Times,
+    scenery: Scenery,
     left_out: u64,
 }
 
@@ -53,6 +55,7 @@ impl Drawing {
             all: None,
             tools: Vec::new(),
             times: Times::default(),
+            scenery: Scenery::default(),
             left_out: 0,
         }
     }
@@ -102,6 +105,16 @@ impl Drawing {
     pub fn end(&mut self, time_s: f64) {
         self.times.end(time_s);
         self.labels.end();
+    }
+
+    /// Part and clamping are drawn behind the path.
+    pub fn stand_before(&mut self, scenery: Scenery) {
+        self.scenery = scenery;
+    }
+
+    /// What is drawn behind the path.
+    pub(super) const fn scenery(&self) -> &Scenery {
+        &self.scenery
     }
 
     /// Moves that found no room any more.

@@ -83,6 +83,20 @@ impl Layout {
         layout
     }
 
+    /// The least and the greatest point in the frame.
+    pub fn window(&self) -> (Point, Point) {
+        let (left, top, right, bottom) = self.frame;
+        let size = Point::new(bottom - top, right - left) * (1.0 / self.scale);
+        let low = Point::new(self.bottom_x, self.left_z);
+        (low, low + size)
+    }
+
+    /// Whether a point lies in the frame.
+    pub fn shows(&self, point: Point) -> bool {
+        let (low, high) = self.window();
+        (low.x..=high.x).contains(&point.x) && (low.z..=high.z).contains(&point.z)
+    }
+
     /// Where a point lies, units.
     pub fn place(&self, point: Point) -> (f64, f64) {
         let x = self.frame.0 + (point.z - self.left_z) * self.scale;

@@ -28,6 +28,14 @@ const COLORS: [[u8; 3]; 7] = [
 /// Lines of further tools, when the colours begin anew.
 const DASHES: [&[f32]; 3] = [&[], &[14.0, 3.0], &[3.0, 2.0]];
 
+/// Where something was hit: a cross with arms of so many units.
+pub(super) const ARM: f64 = 6.0;
+pub(super) const MARK: Pen = Pen {
+    color: [0xE0, 0x00, 0x20],
+    width: 2.5,
+    dash: &[],
+};
+
 impl Pen {
     /// Of what was made this way.
     pub const fn of(made: Made) -> Self {

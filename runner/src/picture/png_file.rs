@@ -9,7 +9,7 @@ use super::clip::clipped;
 use super::drawing::Drawing;
 use super::layout::Layout;
 use super::legend::{EDGE, GAP, SAMPLE};
-use super::pens::Pen;
+use super::pens::{ARM, MARK, Pen};
 use super::pieces::Made;
 
 /// Lines of the grid, of its frame, of the spindle axis.
@@ -22,8 +22,19 @@ pub fn render(drawing: &Drawing, language: Language) -> Result<Vec<u8>, PictureE
     let layout = Layout::new(drawing, language);
     let mut canvas = Canvas::new(drawing.look().size)?;
     grid(&mut canvas, &layout);
+    scenery(&mut canvas, drawing, &layout);
     path(&mut canvas, drawing, &layout, |made| made == Made::Rapid);
     path(&mut canvas, drawing, &layout, |made| made != Made::Rapid);
+    for mark in drawing
+        .scenery()
+        .marks
+        .iter()
+        .filter(|it| layout.shows(**it))
+    {
+        let (x, y) = layout.place(*mark);
+        canvas.line(MARK, (x - ARM, y - ARM), (x + ARM, y + ARM));
+        canvas.line(MARK, (x - ARM, y + ARM), (x + ARM, y - ARM));
+    }
     for number in &layout.numbers {
         canvas.dot(number.end, 2.0);
         canvas.text_over_lines(number.at.0, number.at.1, &number.words);
@@ -50,6 +61,22 @@ const fn grey(shade: u8, dash: &'static [f32]) -> Pen {
         color: [shade; 3],
         width: 1.0,
         dash,
+    }
+}
+
+/// Draws part and clamping.
+fn scenery(canvas: &mut Canvas, drawing: &Drawing, layout: &Layout) {
+    let (low, high) = layout.window();
+    for (look, polygons) in drawing.scenery().within(low, high) {
+        let placed = |polygon: &Vec<_>| polygon.iter().map(|it| layout.place(*it)).collect();
+        let polygons: Vec<Vec<(f64, f64)>> = polygons.iter().map(placed).collect();
+        if let Some(color) = look.fill {
+            canvas.fill(color, &polygons);
+        }
+        for mut polygon in polygons {
+            polygon.extend(polygon.first().copied());
+            canvas.polyline(look.edge, &polygon);
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use super::drawing::Drawing;
 use super::layout::Layout;
 use super::legend::{EDGE, GAP, SAMPLE};
 use super::numbers::HEIGHT;
-use super::pens::Pen;
+use super::pens::{ARM, MARK, Pen};
 
 /// The whole file.
 pub fn render(drawing: &Drawing, language: Language) -> String {
@@ -26,6 +26,7 @@ pub fn render(drawing: &Drawing, language: Language) -> String {
         size.height()
     );
     grid(&mut out, &layout);
+    scenery(&mut out, drawing, &layout);
     for (made, points) in drawing.pieces().strokes() {
         let style = style(Pen::of(made));
         let points = points.map(|point| layout.place(point));
@@ -41,10 +42,49 @@ pub fn render(drawing: &Drawing, language: Language) -> String {
             out.push_str("\"/>\n");
         });
     }
+    for mark in drawing
+        .scenery()
+        .marks
+        .iter()
+        .filter(|it| layout.shows(**it))
+    {
+        let (x, y) = layout.place(*mark);
+        let _ = writeln!(
+            out,
+            "<path d=\"M{:.2},{:.2} l{w},{w} m0,-{w} l-{w},{w}\" fill=\"none\" {}/>",
+            x - ARM,
+            y - ARM,
+            style(MARK),
+            w = 2.0 * ARM
+        );
+    }
     numbers(&mut out, &layout);
     head(&mut out, &layout);
     out.push_str("</svg>\n");
     out
+}
+
+/// Part and clamping.
+fn scenery(out: &mut String, drawing: &Drawing, layout: &Layout) {
+    let (low, high) = layout.window();
+    for (look, polygons) in drawing.scenery().within(low, high) {
+        if polygons.is_empty() {
+            continue;
+        }
+        let fill = look.fill.map_or_else(
+            || "none".to_owned(),
+            |[red, green, blue]| format!("#{red:02x}{green:02x}{blue:02x}"),
+        );
+        let _ = write!(out, "<path fill=\"{fill}\" {} d=\"", style(look.edge));
+        for polygon in polygons {
+            for (index, point) in polygon.iter().enumerate() {
+                let (x, y) = layout.place(*point);
+                let _ = write!(out, "{}{x:.2},{y:.2}", if index == 0 { "M" } else { " " });
+            }
+            out.push('Z');
+        }
+        out.push_str("\"/>\n");
+    }
 }
 
 fn style(pen: Pen) -> String {
