@@ -15,6 +15,7 @@ mod layouts;
 mod lease;
 mod notices;
 mod overwriting;
+mod part;
 mod program_view;
 mod streams;
 mod transfer;
