@@ -21,8 +21,6 @@ fn code(number: u16) -> Option<Message> {
         2 => say::code_g02(),
         3 => say::code_g03(),
         4 => say::code_g04(),
-        20 => say::code_g20(),
-        21 => say::code_g21(),
         28 => say::code_g28(),
         32 => say::code_g32(),
         33 => say::code_g33(),
