@@ -108,7 +108,8 @@ impl Pieces {
 
     /// Makes room for more pieces: with cells up to a pixel, or not at all.
     pub fn make_room(&mut self, pixel_mm: f64) {
-        if self.cell_mm * 2.0 <= pixel_mm {
+        self.suit(pixel_mm);
+        if !self.has_room() && self.cell_mm * 2.0 <= pixel_mm {
             self.coarsen(self.cell_mm * 2.0);
         }
     }
@@ -166,7 +167,6 @@ impl Pieces {
     }
 
     /// How many pieces it holds.
-    #[cfg(test)]
     pub fn len(&self) -> usize {
         self.drawn.len()
     }

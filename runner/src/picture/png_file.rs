@@ -17,14 +17,19 @@ const GRID: Pen = grey(0xE0, &[]);
 const FRAME: Pen = grey(0xB0, &[]);
 const SPINDLE_AXIS: Pen = grey(0x80, &[16.0, 4.0, 3.0, 4.0]);
 
+/// Pieces up to which a path is drawn with smooth edges: a second of work.
+const MOST_SMOOTH: usize = 30_000;
+
 /// The whole file.
 pub fn render(drawing: &Drawing, language: Language) -> Result<Vec<u8>, PictureError> {
     let layout = Layout::new(drawing, language);
     let mut canvas = Canvas::new(drawing.look().size)?;
     grid(&mut canvas, &layout);
     scenery(&mut canvas, drawing, &layout);
+    canvas.set_smooth(drawing.pieces().len() <= MOST_SMOOTH);
     path(&mut canvas, drawing, &layout, |made| made == Made::Rapid);
     path(&mut canvas, drawing, &layout, |made| made != Made::Rapid);
+    canvas.set_smooth(true);
     for mark in drawing
         .scenery()
         .marks
