@@ -41,6 +41,7 @@ use gsk_runner::partner::{Partner as _, Patience};
 
 use crate::dnc::{Partner, Source};
 use crate::job::Chosen;
+use crate::pace::Speed;
 pub use drive::Connection;
 use drive::Drive;
 use edges::{Edge, Edges};
@@ -105,6 +106,8 @@ pub enum Command {
     FreeBits,
     /// Mend every fault and give every input back to its sensor.
     Mend,
+    /// Run programs at this speed from now on, while no board moves real slides.
+    Speed(Speed),
     /// Do something with the pulse board.
     Link(LinkOrder),
     /// Hand out the state of the pulse board, or no more.
@@ -204,8 +207,13 @@ pub struct Snapshot {
     pub pressed: Vec<Key>,
     /// Position of the handwheel, detents.
     pub wheel: i32,
-    /// Machine time over wall time, %; 100 unless the PC is too slow.
+    /// Machine time over wall time at the speed of a real lathe, %; 100 unless the PC is
+    /// too slow.
     pub speed_percent: u32,
+    /// How fast a program is to run.
+    pub speed: Speed,
+    /// Machine time over wall time while another speed than a real lathe's is in force.
+    pub times: Option<Times>,
     /// What stands against ladder and sensors.
     pub imposed: Imposed,
     /// The newest alarm that stands, or the first message of the ladder.
@@ -217,6 +225,10 @@ pub struct Snapshot {
     /// Whether a program runs or is held.
     pub run: RunState,
 }
+
+/// Machine time over wall time, in steps so that pictures do not change for nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Times(pub f64);
 
 /// What views have imposed on control and lathe; it stands until it is taken back,
 /// also when the view is closed.
@@ -308,6 +320,8 @@ pub struct Kernel {
     tick: u64,
     last: Option<Snapshot>,
     speed_percent: u32,
+    speed: Speed,
+    times: Option<Times>,
     /// Only while a scope is open.
     probing: Option<Probing>,
     /// The part that is cut.
@@ -341,6 +355,8 @@ impl Kernel {
             tick: 0,
             last: None,
             speed_percent: 100,
+            speed: Speed::REAL,
+            times: None,
             probing: None,
             part: PartSide::new(Arc::clone(&part)),
             quit: false,
@@ -367,6 +383,16 @@ impl Kernel {
     /// The emulator.
     pub const fn emulator(&self) -> &Emulator {
         &self.emulator
+    }
+
+    /// The speed in force: only a program that runs by itself on the simulated lathe is
+    /// faster or slower than a real one (decision WINDOW-9).
+    pub fn speed(&self) -> Speed {
+        let runs = self.emulator.simulation.cnc.run_state() == RunState::Run;
+        match runs && self.drive.is_none() {
+            true => self.speed,
+            false => Speed::REAL,
+        }
     }
 
     /// Takes what the window asked for and runs so many ticks.
@@ -455,6 +481,8 @@ impl Kernel {
             pressed: panel.pressed(),
             wheel: panel.wheel(),
             speed_percent: self.speed_percent,
+            speed: self.speed,
+            times: self.times,
             alarm: self.standing_alarm(),
             place_unknown: self.emulator.simulation.cnc.is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
@@ -515,6 +543,7 @@ impl Kernel {
                     self.carry_out(Command::Ask(Box::new(Request::ForceBit(force.bit, None))));
                 }
             }
+            Command::Speed(speed) => self.speed = speed,
             Command::Mend => self.emulator.simulation.lathe.mend(),
             Command::Link(order) => self.order(order),
             Command::WatchLink(on) => {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 /// The kernel thread wakes up every so many milliseconds.
 pub const BATCH_MS: u64 = 8;
-/// The most ticks run in one go, so that keys are seen in between.
+/// The most ticks run in one go at the speed of a real lathe, so that keys are seen in between.
 const MOST_AT_ONCE: u64 = 40;
 /// What is missed beyond this is never caught up: the machine is slower than
 /// the clock then, and no motion is skipped.
@@ -13,12 +13,47 @@ const CATCH_UP_MS: u64 = 250;
 /// The ratio is measured over this time.
 const WINDOW: Duration = Duration::from_secs(2);
 
+/// The most ticks run in one go when nothing but the computer limits them.
+const FASTEST_AT_ONCE: u64 = 100_000;
+
+/// How fast machine time is to pass while a program runs on the simulated lathe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Speed {
+    /// Machine time over wall time, %.
+    Percent(u32),
+    /// As fast as the computer can.
+    Fastest,
+}
+
+impl Speed {
+    /// As on a real lathe.
+    pub const REAL: Self = Self::Percent(100);
+
+    /// Those to choose from, the slowest first.
+    pub const CHOICES: [Self; 11] = [
+        Self::Percent(10),
+        Self::Percent(25),
+        Self::Percent(50),
+        Self::REAL,
+        Self::Percent(200),
+        Self::Percent(500),
+        Self::Percent(1000),
+        Self::Percent(2000),
+        Self::Percent(5000),
+        Self::Percent(10_000),
+        Self::Fastest,
+    ];
+}
+
 /// Paces ticks of one millisecond.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
+    speed: Speed,
     /// Wall time at which tick zero would have run.
     origin: Instant,
     done: u64,
+    /// When was looked last.
+    last: Instant,
     window_start: Instant,
     window_done: u64,
     ratio: f64,
@@ -28,34 +63,77 @@ impl Pace {
     /// Starts at a moment.
     pub const fn new(now: Instant) -> Self {
         Self {
+            speed: Speed::REAL,
             origin: now,
             done: 0,
+            last: now,
             window_start: now,
             window_done: 0,
             ratio: 1.0,
         }
     }
 
+    /// The speed in force.
+    pub const fn speed(&self) -> Speed {
+        self.speed
+    }
+
+    /// Another speed from now on; what is due by the old one is forgotten.
+    pub fn set_speed(&mut self, speed: Speed, now: Instant) {
+        if speed == self.speed {
+            return;
+        }
+        let ratio = match speed {
+            Speed::Percent(percent) => f64::from(percent) / 100.0,
+            Speed::Fastest => self.ratio,
+        };
+        *self = Self {
+            speed,
+            ratio,
+            ..Self::new(now)
+        };
+    }
+
     /// The number of ticks to run now; they count as done.
     pub fn due(&mut self, now: Instant) -> u64 {
         self.measure(now);
-        let elapsed = millis(now.saturating_duration_since(self.origin));
-        let behind = elapsed.saturating_sub(self.done);
-        if behind > CATCH_UP_MS {
-            self.origin += Duration::from_millis(behind - CATCH_UP_MS);
-        }
-        let due = behind.min(MOST_AT_ONCE);
+        self.last = now;
+        let due = match self.speed {
+            Speed::Percent(percent) => self.due_at(u64::from(percent.max(1)), now),
+            Speed::Fastest => FASTEST_AT_ONCE,
+        };
         self.done += due;
         due
     }
 
-    /// When the next ticks are due.
-    pub fn next(&self) -> Instant {
-        self.origin + Duration::from_millis(self.done + BATCH_MS)
+    fn due_at(&mut self, percent: u64, now: Instant) -> u64 {
+        let elapsed = micros(now.saturating_duration_since(self.origin));
+        let behind = (elapsed.saturating_mul(percent) / 100_000).saturating_sub(self.done);
+        let catch_up = (CATCH_UP_MS * percent / 100).max(1);
+        if behind > catch_up {
+            self.origin += Duration::from_micros((behind - catch_up) * 100_000 / percent);
+        }
+        behind.min((MOST_AT_ONCE * percent / 100).max(1))
     }
 
-    /// Machine time over wall time in the last two seconds: 1 unless the PC is too
-    /// slow.
+    /// So many of the ticks that were due have not run: there was no time.
+    pub const fn give_back(&mut self, ticks: u64) {
+        self.done = self.done.saturating_sub(ticks);
+    }
+
+    /// When the next ticks are due.
+    pub fn next(&self) -> Instant {
+        match self.speed {
+            Speed::Percent(percent) => {
+                let wall = self.done.saturating_mul(100_000) / u64::from(percent.max(1));
+                self.origin + Duration::from_micros(wall) + Duration::from_millis(BATCH_MS)
+            }
+            Speed::Fastest => self.last,
+        }
+    }
+
+    /// Machine time over wall time in the last two seconds: what the speed says unless
+    /// the PC is too slow.
     pub const fn ratio(&self) -> f64 {
         self.ratio
     }
@@ -65,17 +143,20 @@ impl Pace {
         if wall < WINDOW {
             return;
         }
-        let ran = self.done - self.window_done;
+        let ran = self.done.saturating_sub(self.window_done);
         let ratio = ran as f64 / (wall.as_secs_f64() * 1000.0);
-        // Catching up after a pause may run a little faster than the clock.
-        self.ratio = ratio.min(1.0);
+        self.ratio = match self.speed {
+            // Catching up after a pause may run a little faster than the clock.
+            Speed::Percent(percent) => ratio.min(f64::from(percent) / 100.0),
+            Speed::Fastest => ratio,
+        };
         self.window_start = now;
         self.window_done = self.done;
     }
 }
 
-fn millis(duration: Duration) -> u64 {
-    u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
+fn micros(duration: Duration) -> u64 {
+    u64::try_from(duration.as_micros()).unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]
@@ -122,5 +203,43 @@ mod tests {
             pace.due(start + Duration::from_millis(step * 80));
         }
         assert!((pace.ratio() - 0.5).abs() < 0.05, "{}", pace.ratio());
+    }
+
+    #[test]
+    fn other_speeds_follow_the_clock_too() {
+        for (percent, expected) in [(10, 1000), (100, 10_000), (10_000, 1_000_000)] {
+            let start = Instant::now();
+            let mut pace = Pace::new(start);
+            pace.set_speed(Speed::Percent(percent), start);
+            let ran: u64 = (1..=1250u64)
+                .map(|step| pace.due(start + Duration::from_millis(step * 8)))
+                .sum();
+            assert_eq!(ran, expected, "{percent} %");
+            assert!((pace.ratio() - f64::from(percent) / 100.0).abs() < 0.01);
+            assert!(pace.next() > start + Duration::from_secs(10));
+        }
+    }
+
+    #[test]
+    fn what_a_slow_computer_does_not_run_is_not_caught_up_for_ever() {
+        let start = Instant::now();
+        let mut pace = Pace::new(start);
+        pace.set_speed(Speed::Percent(10_000), start);
+        let mut ran = 0;
+        for step in 1..=500u64 {
+            let due = pace.due(start + Duration::from_millis(step * 10));
+            let done = due.min(300);
+            pace.give_back(due - done);
+            ran += done;
+        }
+        assert!((pace.ratio() - 30.0).abs() < 0.5, "{}", pace.ratio());
+        assert!(ran <= 150_000);
+        // Back at the speed of a real lathe nothing is owed.
+        let now = start + Duration::from_secs(5);
+        pace.set_speed(Speed::REAL, now);
+        assert_eq!(pace.due(now + Duration::from_millis(8)), 8);
+        pace.set_speed(Speed::Fastest, now);
+        assert_eq!(pace.due(now), FASTEST_AT_ONCE);
+        assert_eq!(pace.next(), now, "it does not sleep");
     }
 }

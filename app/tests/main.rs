@@ -17,6 +17,7 @@ mod notices;
 mod overwriting;
 mod part;
 mod program_view;
+mod speed;
 mod streams;
 mod transfer;
 mod views;

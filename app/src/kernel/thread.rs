@@ -9,9 +9,9 @@ use gsk_messages::{Message, say};
 use tracing::error;
 
 use super::journal::Journal;
-use super::{Command, Console, Kernel, Notice, PICTURE_TICKS};
+use super::{Command, Console, Kernel, Notice, PICTURE_TICKS, Times};
 use crate::ending::{ENDED, Ending};
-use crate::pace::Pace;
+use crate::pace::{Pace, Speed};
 use crate::retained::Keeper;
 use crate::{log, transfer};
 
@@ -22,6 +22,14 @@ const LEASE: Duration = Duration::from_millis(600);
 const KEEP: Duration = Duration::from_millis(100);
 /// So long the window may take to close when the program is to end.
 const WINDOW_CLOSES: Duration = Duration::from_secs(3);
+
+/// Between two pictures: as long as the control needs for them at the speed of a real
+/// lathe.
+const PICTURE: Duration = Duration::from_millis(PICTURE_TICKS);
+/// Ticks between two looks at keys and clock.
+const TICKS_A_LOOK: u64 = 40;
+/// So long ticks run at once, at most.
+const AT_ONCE: Duration = Duration::from_millis(10);
 
 /// What the kernel thread needs from outside.
 pub struct Outside {
@@ -84,7 +92,7 @@ pub fn start(kernel: Kernel, console: &Console, outside: Outside) -> std::io::Re
 fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
     let start = Instant::now();
     let mut pace = Pace::new(start);
-    let mut picture_at = 0;
+    let mut picture_at = start;
     let mut heard = start;
     let mut kept = start;
     let mut journal = Journal::default();
@@ -98,20 +106,29 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
         if !kernel.is_linked() {
             journal.turn(now, pace.next());
         }
+        pace.set_speed(kernel.speed(), now);
         let due = pace.due(now);
         if kernel.is_linked() {
             // The board's clock counts; the machine is as fast as it has to be.
             kernel.speed_percent = 100;
+            kernel.times = None;
             if kernel.run_linked() {
                 (outside.wake)();
             }
         } else {
-            kernel.run(due);
+            let ran = run(&mut kernel, due, pace.speed(), now + AT_ONCE);
+            pace.give_back(due.saturating_sub(ran));
         }
         journal.look(&kernel.emulator.simulation.cnc, kernel.link_state());
-        if !kernel.is_linked() && kernel.tick >= picture_at {
-            picture_at = kernel.tick + PICTURE_TICKS;
-            kernel.speed_percent = speed_percent(pace.ratio());
+        if !kernel.is_linked() && now >= picture_at {
+            picture_at = now + PICTURE;
+            let real = pace.speed() == Speed::REAL;
+            kernel.speed_percent = if real {
+                speed_percent(pace.ratio())
+            } else {
+                100
+            };
+            kernel.times = (!real).then(|| times(pace.ratio()));
             if kernel.show() {
                 (outside.wake)();
             }
@@ -171,6 +188,20 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
     }
 }
 
+/// Runs what is due as long as there is time and the speed stays in force; returns how
+/// many ticks that were. Keys are seen every few ticks.
+fn run(kernel: &mut Kernel, due: u64, speed: Speed, until: Instant) -> u64 {
+    let mut ran = 0;
+    loop {
+        let ticks = (due - ran).min(TICKS_A_LOOK);
+        kernel.run(ticks);
+        ran += ticks;
+        if ran >= due || kernel.speed() != speed || Instant::now() >= until {
+            return ran;
+        }
+    }
+}
+
 /// The board stands and all is saved: the window closes now, or the program ends
 /// without it.
 fn wait_for_window(kernel: &Kernel) {
@@ -195,6 +226,17 @@ fn tell_of_transfer(console: &Console, written: Result<String, Message>) {
             console.send(Command::TransferFailed);
         }
     }
+}
+
+/// With two digits, so that the picture does not change for nothing.
+fn times(ratio: f64) -> Times {
+    let step = match ratio {
+        ..1.0 => 0.05,
+        ..10.0 => 0.5,
+        ..100.0 => 5.0,
+        _ => 50.0,
+    };
+    Times((ratio / step).round() * step)
 }
 
 /// In steps of 5 % below 95 %, so that the picture does not change for nothing.

@@ -169,14 +169,13 @@ impl Window {
             .exact_size(BAR)
             .frame(slim)
             .show_separator_line(false);
-        let imposed = self.picture.as_ref().map(|picture| picture.imposed);
-        let imposed = imposed.unwrap_or_default();
         let asked = bar
             .show(ui, |ui| {
                 let recent = &self.settings.recent;
                 let opened = self.opened.as_ref();
                 let layouts = &self.settings.layouts;
-                top_bar::show(ui, language, recent, opened, imposed, layouts)
+                let picture = self.picture.as_ref();
+                top_bar::show(ui, language, recent, opened, picture, layouts)
             })
             .inner;
         let line = Panel::bottom("status")
@@ -317,6 +316,7 @@ impl Window {
             top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
             top_bar::Asked::Layout(layout) => self.settings.layouts.choose(layout),
             top_bar::Asked::View(view) => self.settings.layouts.toggle(view),
+            top_bar::Asked::Speed(speed) => self.console.send(Command::Speed(speed)),
             top_bar::Asked::FreeBits => self.console.send(Command::FreeBits),
             top_bar::Asked::Mend => self.console.send(Command::Mend),
             top_bar::Asked::Keys => self.help = !self.help,

@@ -11,7 +11,8 @@ use super::fonts;
 use super::layout::{LAYOUTS, Layout, Layouts};
 use super::samples::{SAMPLES, Sample};
 use super::view::{VIEWS, View, key_name};
-use crate::kernel::Imposed;
+use crate::kernel::{Imposed, Snapshot, Times};
+use crate::pace::Speed;
 use gsk_messages::{Language, say};
 
 /// Ground of the sign that something is imposed.
@@ -33,6 +34,8 @@ pub enum Asked {
     Layout(Layout),
     /// Open a view, or close it.
     View(View),
+    /// Run programs at this speed.
+    Speed(Speed),
     /// Let every forced bit go.
     FreeBits,
     /// Mend every fault and let every held input go.
@@ -49,9 +52,10 @@ pub fn show(
     language: Language,
     recent: &[PathBuf],
     opened: Option<&PathBuf>,
-    imposed: Imposed,
+    picture: Option<&Snapshot>,
     layouts: &Layouts,
 ) -> Option<Asked> {
+    let imposed = picture.map(|picture| picture.imposed).unwrap_or_default();
     let is_open = |view| layouts.is_open(view);
     let layout = layouts.current();
     let mut asked = None;
@@ -128,11 +132,51 @@ pub fn show(
             if ui.button(say::window_keys().text(language)).clicked() {
                 asked = Some(Asked::Keys);
             }
+            if let Some(picture) = picture {
+                asked = speeds(ui, language, picture).or(asked.take());
+            }
             if imposed != Imposed::default() {
                 asked = standing(ui, language, imposed, &is_open).or(asked.take());
             }
         });
     });
+    asked
+}
+
+/// The speed at which programs run; a board has one speed only.
+fn speeds(ui: &mut Ui, language: Language, picture: &Snapshot) -> Option<Asked> {
+    let name = |speed: Speed| match speed {
+        Speed::Percent(percent) => format!("{}x", f64::from(percent) / 100.0),
+        Speed::Fastest => say::window_speed_fastest().text(language),
+    };
+    let linked = picture.board.is_some();
+    let chosen = if linked { Speed::REAL } else { picture.speed };
+    let words = match picture.times {
+        Some(Times(times)) => {
+            let now = (times * 100.0).round() / 100.0;
+            say::window_speed_now(name(chosen), now).text(language)
+        }
+        None => say::window_speed(name(chosen)).text(language),
+    };
+    let hint = match linked {
+        true => say::window_speed_of_board(),
+        false => say::window_speed_hint(),
+    };
+    let mut asked = None;
+    let bar = ui.add_enabled_ui(!linked, |ui| {
+        ui.menu_button(words, |ui| {
+            for speed in Speed::CHOICES {
+                let entry = egui::Button::selectable(speed == chosen, name(speed));
+                if ui.add(entry).clicked() {
+                    asked = Some(Asked::Speed(speed));
+                    ui.close();
+                }
+            }
+        })
+        .response
+    });
+    let hint = hint.text(language);
+    bar.inner.on_hover_text(&hint).on_disabled_hover_text(&hint);
     asked
 }
 
