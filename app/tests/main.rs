@@ -13,6 +13,7 @@ mod common;
 
 mod layouts;
 mod lease;
+mod machine_view;
 mod notices;
 mod overwriting;
 mod part;

@@ -22,8 +22,7 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::raster;
 use gsk_panel::screen::Screen;
 
-pub use curves::RapidRates;
-pub(crate) use curves::rapid_bend;
+pub use curves::{RapidRates, arc_points, rapid_bend};
 pub use drawing::{Drawing, Look};
 pub use extent::{NoSize, Size};
 pub use scenery::Scenery;

@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use crossbeam::queue::ArrayQueue;
-use gsk_core::command::Frame;
+use gsk_core::command::{Frame, Source};
 use gsk_core::machine::Fault;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::{Axis, Point};
 use gsk_runner::machining::Finding;
-use gsk_runner::machining::live::Live;
+use gsk_runner::machining::live::{Live, running};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
@@ -45,6 +45,8 @@ pub struct PartView {
     pub door_open: bool,
     /// What was hit.
     pub findings: Vec<Finding>,
+    /// The block that is carried out; none while nothing runs.
+    pub block: Option<Source>,
 }
 
 /// The kernel's side of the part.
@@ -153,6 +155,7 @@ impl PartSide {
             tailstock_forward: lathe.tailstock_forward(),
             door_open: lathe.has_fault(Fault::DoorOpen),
             findings: live.machining().findings().to_vec(),
+            block: running(simulation),
         };
         if self.last.as_ref() == Some(&view) {
             return false;

@@ -47,7 +47,8 @@ pub fn action(event: &Event) -> Option<PcAction> {
     if *repeat {
         return None;
     }
-    if *key == PcKey::F1 {
+    // With Shift it opens a view.
+    if *key == PcKey::F1 && !modifiers.shift {
         return Some(PcAction::Help);
     }
     panel_key(*key, *modifiers).map(|panel| PcAction::Press(holder, panel))

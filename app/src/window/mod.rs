@@ -220,7 +220,8 @@ impl Window {
     /// Draws the panel and the docked views, each in its pane.
     fn panes(&mut self, ui: &mut Ui) {
         let language = self.settings.language;
-        let layouts = &self.settings.layouts;
+        let layouts = &mut self.settings.layouts;
+        layouts.begin(ui.max_rect(), ui.pixels_per_point());
         let arranged = layouts.arrange(ui.max_rect(), ui.pixels_per_point());
         for (pane, place) in arranged.panes {
             let inside = UiBuilder::new()
@@ -266,6 +267,7 @@ impl Window {
                 }
                 Notice::Opened { name, path, place } => {
                     self.views.program().opened(path.as_deref(), &place);
+                    self.views.lathe().opened(path.as_deref(), &place);
                     let shown = PathBuf::from(name);
                     let shown = shown.file_name().unwrap_or_default();
                     let shown = shown.to_string_lossy().into_owned();

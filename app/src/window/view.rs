@@ -19,6 +19,8 @@ pub enum View {
     Link,
     /// The program text.
     Program,
+    /// Part, tool and path.
+    Machine,
 }
 
 impl View {
@@ -49,7 +51,14 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 5] = [
+pub static VIEWS: [ViewRow; 6] = [
+    ViewRow {
+        view: View::Machine,
+        name: say::window_view_machine,
+        key: Key::F1,
+        size: [900.0, 640.0],
+        least: [300.0, 220.0],
+    },
     ViewRow {
         view: View::Scope,
         name: say::window_view_scope,

@@ -30,6 +30,9 @@ pub struct Live {
 
 #[derive(Clone, Copy, Debug)]
 struct Last {
+    /// Of the slide, machine coordinates.
+    slide: Point,
+    /// Of the tool in the part.
     tip: Point,
     turns: f64,
 }
@@ -95,14 +98,21 @@ impl Live {
         if !manner.rapid && manner.source.is_some() && cnc.is_moving() {
             self.machining.mounting.settle(tool, &frame);
         }
-        let tip = self
-            .machining
-            .mounting
-            .tip(tool, cnc.position_machine(), &frame);
-        let turns = simulation.lathe.spindle_turns();
-        let before = self.last.replace(Last { tip, turns });
+        let tip = |slide| self.machining.mounting.tip(tool, slide, &frame);
+        let slide = cnc.position_machine();
+        let now = Last {
+            slide,
+            tip: tip(slide),
+            turns: simulation.lathe.spindle_turns(),
+        };
+        // Where it was by the coordinates of now: G50 and T move nothing.
+        let before = self.last.map(|last| Last {
+            tip: tip(last.slide),
+            ..last
+        });
+        self.last = Some(now);
         match before {
-            Some(before) if before.tip != tip => self.step(manner, before, Last { tip, turns }),
+            Some(before) if before.slide != slide => self.step(manner, before, now),
             // It stands: what is pending is seen at once.
             _ => self.flush(),
         }
@@ -188,7 +198,7 @@ impl Piece {
 }
 
 /// The block under way in automatic operation.
-fn running(simulation: &Simulation) -> Option<Source> {
+pub fn running(simulation: &Simulation) -> Option<Source> {
     let cnc = &simulation.cnc;
     if cnc.run_state() == RunState::Reset {
         return None;

@@ -24,7 +24,7 @@ impl RapidRates {
 
 /// Rapids move both axes at their own rates: at 45° on equal ones, then along the
 /// axis that has further to go. Where that bend is, if there is one.
-pub(crate) fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
+pub fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
     let distance = to - from;
     let time_x = distance.x.abs() / rates.x.max(1.0);
     let time_z = distance.z.abs() / rates.z.max(1.0);
@@ -44,7 +44,7 @@ pub(crate) fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Po
 /// ```text
 ///   sagitta = radius · (1 − cos(step / 2))
 /// ```
-pub(super) fn arc_points(
+pub fn arc_points(
     from: Point,
     to: Point,
     center: Point,

@@ -26,7 +26,11 @@ const PANEL_AT_MOST: f32 = 0.75;
 pub enum Layout {
     /// The panel alone.
     Panel,
-    /// Panel, fault bench and scope: for whoever teaches.
+    /// Panel and machine.
+    Machine,
+    /// Program text, machine and a smaller panel: for whoever writes programs.
+    Programmer,
+    /// Panel, machine, scope and fault bench: for whoever teaches.
     Instructor,
 }
 
@@ -43,7 +47,7 @@ pub struct LayoutRow {
 }
 
 /// The layouts in the order of the menu.
-pub static LAYOUTS: [LayoutRow; 2] = [
+pub static LAYOUTS: [LayoutRow; 4] = [
     LayoutRow {
         layout: Layout::Panel,
         name: say::window_layout_panel,
@@ -51,17 +55,32 @@ pub static LAYOUTS: [LayoutRow; 2] = [
         docked: &[],
     },
     LayoutRow {
+        layout: Layout::Machine,
+        name: say::window_layout_machine,
+        key: Key::F7,
+        docked: &[View::Machine],
+    },
+    LayoutRow {
+        layout: Layout::Programmer,
+        name: say::window_layout_programmer,
+        key: Key::F8,
+        docked: &[View::Program, View::Machine],
+    },
+    LayoutRow {
         layout: Layout::Instructor,
         name: say::window_layout_instructor,
         key: Key::F9,
-        docked: &[View::Bench, View::Scope],
+        docked: &[View::Machine, View::Scope, View::Bench],
     },
 ];
 
 impl Layout {
-    /// The one of the first start: as much as leaves the LCD a pixel a dot.
-    const fn first() -> Self {
-        Self::Panel
+    /// The one of the first start: with the machine where the LCD keeps a pixel a dot.
+    fn first(room: Rect, pixels_per_point: f32) -> Self {
+        match pixels_a_dot(room, pixels_per_point) < 1.0 {
+            true => Self::Panel,
+            false => Self::Machine,
+        }
     }
 
     fn row(self) -> &'static LayoutRow {
@@ -131,7 +150,13 @@ impl Layouts {
 
     /// The layout in use.
     pub fn current(&self) -> Layout {
-        self.chosen.unwrap_or(Layout::first())
+        self.chosen.unwrap_or(Layout::Panel)
+    }
+
+    /// At the first start: what the room is large enough for.
+    pub fn begin(&mut self, room: Rect, pixels_per_point: f32) {
+        let first = || Layout::first(room, pixels_per_point);
+        self.chosen.get_or_insert_with(first);
     }
 
     /// Uses another layout.
@@ -242,12 +267,17 @@ impl Layouts {
     }
 }
 
+/// Whole pixels that a dot of the LCD has beside views.
+fn pixels_a_dot(room: Rect, pixels_per_point: f32) -> f32 {
+    let at_most = egui::vec2(room.width() * PANEL_AT_MOST, room.height());
+    let scale = placing::whole_scale(at_most) * pixels_per_point;
+    (scale * UNITS_A_DOT).floor()
+}
+
 /// The share of a room's width that the panel takes by itself beside views: the most
 /// that shows the dots of the LCD as whole pixels.
 fn panel_share(room: Rect, pixels_per_point: f32) -> f32 {
-    let at_most = egui::vec2(room.width() * PANEL_AT_MOST, room.height());
-    let scale = placing::whole_scale(at_most) * pixels_per_point;
-    let pixels_a_dot = (scale * UNITS_A_DOT).floor();
+    let pixels_a_dot = pixels_a_dot(room, pixels_per_point);
     if pixels_a_dot < 1.0 {
         return 0.6;
     }
@@ -277,13 +307,24 @@ mod tests {
         layouts.toggle(View::Scope);
         assert_eq!(layouts.docked(), [View::Scope]);
         layouts.choose(Layout::Instructor);
-        assert_eq!(layouts.docked(), [View::Bench, View::Scope]);
+        let docked = [View::Machine, View::Scope, View::Bench];
+        assert_eq!(layouts.docked(), docked);
         layouts.float(View::Bench);
         layouts.choose(Layout::Panel);
         assert_eq!(
             (layouts.floating(), layouts.docked()),
             (vec![View::Bench], vec![View::Scope])
         );
+    }
+
+    #[test]
+    fn the_first_start_shows_the_machine_where_there_is_room() {
+        for (width, layout) in [(1366.0, Layout::Machine), (800.0, Layout::Panel)] {
+            let room = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, 718.0));
+            let mut layouts = Layouts::default();
+            layouts.begin(room, 1.0);
+            assert_eq!(layouts.current(), layout);
+        }
     }
 
     #[test]

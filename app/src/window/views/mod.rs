@@ -1,4 +1,4 @@
-//! Views beside the panel: scope, fault bench, ladder, link page. They stand in panes
+//! Views beside the panel: machine, program, scope, fault bench, ladder, link page. They stand in panes
 //! of the window or in windows of their own; closed they cost nothing.
 
 mod aside;
@@ -6,6 +6,7 @@ mod bench;
 pub mod header;
 mod ladder;
 mod link;
+mod machine;
 pub mod program;
 mod scope;
 
@@ -27,6 +28,7 @@ use bench::Bench;
 use gsk_messages::Language;
 use ladder::LadderView;
 use link::LinkPage;
+use machine::LatheView;
 use program::ProgramView;
 use scope::Scope;
 
@@ -41,6 +43,7 @@ pub struct Views {
     ladder: LadderView,
     link: LinkPage,
     program: ProgramView,
+    lathe: LatheView,
     console: Console,
     machine: Option<Arc<MachineView>>,
 }
@@ -56,6 +59,7 @@ impl Views {
             ladder: LadderView::new(console.clone()),
             link: LinkPage::new(console.clone()),
             program: ProgramView::new(console.clone()),
+            lathe: LatheView::new(console.clone()),
             console: console.clone(),
             machine: None,
         }
@@ -81,7 +85,8 @@ impl Views {
                 (View::Ladder, false) => self.ladder.close(),
                 (View::Link, true) => self.link.open(),
                 (View::Link, false) => self.link.close(),
-                (View::Bench | View::Ladder | View::Program, _) => {}
+                (View::Machine, false) => self.lathe.close(),
+                (View::Bench | View::Ladder | View::Program | View::Machine, _) => {}
             }
         }
         let after = self.monitors();
@@ -99,6 +104,11 @@ impl Views {
         &mut self.program
     }
 
+    /// The machine view.
+    pub const fn lathe(&mut self) -> &mut LatheView {
+        &mut self.lathe
+    }
+
     /// Whether an open view shows the machine and the PLC.
     fn monitors(&self) -> bool {
         self.shown.iter().any(|view| view.monitors())
@@ -110,6 +120,7 @@ impl Views {
             View::Scope => self.scope.show(ui, language, native),
             View::Link => self.link.show(ui, language),
             View::Program => self.program.show(ui, language, native),
+            View::Machine => self.lathe.show(ui, language),
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();

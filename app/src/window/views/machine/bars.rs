@@ -1,0 +1,135 @@
+//! The bar above the picture, and below it what is to be read.
+
+use egui::{Color32, RichText, ScrollArea, Ui};
+use gsk_core::command::ProgramId;
+use gsk_messages::{Language, Message, say};
+use gsk_runner::times::Spending;
+
+use super::path::Block;
+use super::{HIT, LatheView, block_of, lines, place};
+use crate::kernel::Command;
+use crate::window::alarm_line;
+
+/// Height of the list of collisions, points.
+const LIST: f32 = 72.0;
+const DOUBTFUL: Color32 = Color32::from_rgb(255, 196, 90);
+
+impl LatheView {
+    pub(super) fn toolbar(&mut self, ui: &mut Ui, language: Language) {
+        ui.horizontal_wrapped(|ui| {
+            let button = |ui: &mut Ui, words: Message, hint: Message| {
+                let button = ui.button(words.text(language));
+                button.on_hover_text(hint.text(language)).clicked()
+            };
+            if button(ui, say::lathe_fit(), say::lathe_fit_hint()) {
+                self.camera = None;
+                self.follow = false;
+            }
+            ui.checkbox(&mut self.follow, say::lathe_follow().text(language))
+                .on_hover_text(say::lathe_follow_hint().text(language));
+            ui.separator();
+            if button(ui, say::lathe_new_stock(), say::lathe_new_stock_hint()) {
+                self.console.send(Command::FreshStock);
+            }
+            let words = say::lathe_crash_stops().text(language);
+            let stops = ui.checkbox(&mut self.crash_stops, words);
+            let hint = say::lathe_crash_stops_hint().text(language);
+            if stops.on_hover_text(hint).changed() {
+                self.console.send(Command::CrashStops(self.crash_stops));
+            }
+            ui.separator();
+            for (what, color) in [
+                (Spending::Rapid, lines::RAPID),
+                (Spending::Feed, lines::FEED),
+                (Spending::Thread, lines::THREAD),
+            ] {
+                ui.label(RichText::new(what.words().text(language)).color(color));
+            }
+        });
+    }
+
+    /// Where the pointer is, which block is meant, what was guessed, what was hit.
+    pub(super) fn state(&mut self, ui: &mut Ui, language: Language) {
+        ui.horizontal(|ui| {
+            let pointer = self.pointer.map_or_else(String::new, |at| {
+                say::lathe_pointer(f64::from(at.y) * 2.0, f64::from(at.x)).text(language)
+            });
+            // As wide as it gets, so that what stands beside it does not move.
+            ui.label(RichText::new(format!("{pointer:<24}")).monospace());
+            let running = self.part.as_ref().and_then(|part| part.block);
+            if let Some(block) = self.chosen.or(running.map(block_of)) {
+                let words = RichText::new(self.words_of(block)).monospace();
+                ui.add(egui::Label::new(words).truncate());
+            }
+        });
+        let (words, color) = match &self.part {
+            Some(part) if part.guessed => (say::lathe_guessed(), DOUBTFUL),
+            Some(_) => (say::lathe_job(), Color32::from_gray(160)),
+            None if self.made.serial > 0 => (say::lathe_nothing_cut(), DOUBTFUL),
+            None => (say::window_one_moment(), Color32::from_gray(160)),
+        };
+        ui.label(RichText::new(words.text(language)).color(color));
+        if let Some(trouble) = &self.made.trouble {
+            ui.label(RichText::new(trouble.text(language)).color(HIT));
+        }
+        if let Some(alarm) = &self.made.alarm {
+            let alarm = alarm_line::short(alarm, language);
+            let words = say::lathe_path_ends(alarm).text(language);
+            ui.label(RichText::new(words).color(HIT));
+        } else if self.made.path.partial {
+            let words = say::lathe_path_partial().text(language);
+            ui.label(RichText::new(words).color(DOUBTFUL));
+        }
+        self.collisions(ui, language);
+    }
+
+    fn collisions(&mut self, ui: &mut Ui, language: Language) {
+        let findings = self.part.as_ref().map_or(&[][..], |part| &part.findings);
+        if findings.is_empty() {
+            return;
+        }
+        let words = say::lathe_collisions(findings.len()).text(language);
+        ui.label(RichText::new(words).color(HIT));
+        let mut meant = None;
+        ScrollArea::vertical()
+            .max_height(LIST)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                for finding in findings {
+                    let collision = &finding.collision;
+                    let (x, z) = (collision.tip.diameter().0, collision.tip.z);
+                    let block = finding.source.map(block_of);
+                    let words = match block {
+                        Some(block) => {
+                            let block = Self::name_of(block);
+                            say::lathe_collision(block, collision.message(), x, z)
+                        }
+                        None => say::window_collision(collision.message(), x, z),
+                    };
+                    let words = RichText::new(words.text(language)).color(HIT);
+                    if ui.link(words).clicked() {
+                        meant = Some((block, place(collision.contact)));
+                    }
+                }
+            });
+        if let Some((block, at)) = meant {
+            self.chosen = block;
+            self.look_at(at);
+        }
+    }
+
+    /// A block: program, line and text.
+    fn words_of(&self, block: Block) -> String {
+        let text = self.made.path.text(block).trim();
+        format!("{}  {text}", Self::name_of(block))
+    }
+
+    /// Program and line of a block.
+    fn name_of(block: Block) -> String {
+        let line = block.line;
+        match block.program {
+            ProgramId::Stored(number) => format!("O{number:04}:{line}"),
+            ProgramId::External | ProgramId::Mdi | ProgramId::Dnc => line.to_string(),
+        }
+    }
+}

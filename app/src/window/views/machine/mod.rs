@@ -1,0 +1,275 @@
+//! The machine view: the half section of the part with its clamping, the tool at its
+//! live position, and the path of the selected program.
+
+mod bars;
+mod camera;
+mod fill;
+mod grid;
+mod lines;
+mod path;
+mod solids;
+mod worker;
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use egui::{
+    Align2, Color32, FontId, Panel, Pos2, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo,
+    pos2, vec2,
+};
+use gsk_core::command::{ProgramId, Source};
+use gsk_core::units::Point;
+use gsk_messages::{Language, say};
+
+use super::{bar_frame, plain_frame, side_frame};
+use crate::kernel::part::PartView;
+use crate::kernel::{Command, Console, Place};
+use camera::Camera;
+use lines::Lines;
+use path::Block;
+use solids::Solids;
+use worker::{Made, Worker};
+
+/// How near a click must be to the path, points.
+const REACH: f32 = 8.0;
+/// A point of the wheel makes the picture larger by that share.
+const ZOOM: f32 = 0.004;
+/// What of the chuck is in the fitted picture, mm before the jaws' front.
+const CHUCK_SHOWN: f32 = 35.0;
+const HIT: Color32 = Color32::from_rgb(255, 70, 60);
+const WORDS: Color32 = Color32::from_gray(190);
+
+/// The machine view.
+pub struct LatheView {
+    console: Console,
+    /// Only while the view is open.
+    worker: Option<Worker>,
+    made: Made,
+    part: Option<PartView>,
+    /// The file that was opened last, and its program.
+    file: Option<(ProgramId, PathBuf)>,
+    solids: Solids,
+    lines: Lines,
+    /// Somebody has moved the picture; else it shows everything.
+    camera: Option<Camera>,
+    follow: bool,
+    crash_stops: bool,
+    /// The block that was clicked.
+    chosen: Option<Block>,
+    /// Where the pointer is, position of the part.
+    pointer: Option<Pos2>,
+}
+
+impl LatheView {
+    /// Closed: nothing is cut.
+    pub fn new(console: Console) -> Self {
+        Self {
+            console,
+            worker: None,
+            made: Made::default(),
+            part: None,
+            file: None,
+            solids: Solids::default(),
+            lines: Lines::default(),
+            camera: None,
+            follow: false,
+            crash_stops: false,
+            chosen: None,
+            pointer: None,
+        }
+    }
+
+    /// The part costs nothing any more.
+    pub fn close(&mut self) {
+        self.worker = None;
+        self.part = None;
+        self.made = Made::default();
+        self.console.send(Command::Job(None));
+    }
+
+    /// A program was opened in the window: its job may lie beside its file.
+    pub fn opened(&mut self, path: Option<&std::path::Path>, place: &Place) {
+        let program = match place {
+            Place::Stored(number) => ProgramId::Stored(*number),
+            Place::OnlyRun(_) => ProgramId::External,
+        };
+        self.file = path.map(|path| (program, path.to_owned()));
+        if let (Some(worker), Some((program, file))) = (&self.worker, &self.file) {
+            worker.opened(*program, file.clone());
+        }
+    }
+
+    /// Draws it and takes its input.
+    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+        self.receive(ui);
+        let tools = Panel::top("lathe bar").frame(bar_frame());
+        tools.show(ui, |ui| self.toolbar(ui, language));
+        let state = Panel::bottom("lathe state").frame(side_frame());
+        state.show(ui, |ui| self.state(ui, language));
+        egui::CentralPanel::default()
+            .frame(plain_frame())
+            .show(ui, |ui| self.picture(ui, language));
+    }
+
+    fn receive(&mut self, ui: &Ui) {
+        let worker = self.worker.get_or_insert_with(|| {
+            let worker = Worker::start(&self.console, ui.ctx());
+            if let Some((program, file)) = &self.file {
+                worker.opened(*program, file.clone());
+            }
+            worker
+        });
+        if let Some(made) = worker.result() {
+            if made.serial != self.made.serial {
+                self.camera = None;
+                self.chosen = None;
+            }
+            self.made = made;
+        }
+        if let Some(part) = self.console.part.pop() {
+            self.part = Some(part);
+        }
+        let running = self.part.as_ref().is_some_and(|part| part.block.is_some());
+        worker.shared.running.store(running, Ordering::Relaxed);
+    }
+
+    fn picture(&mut self, ui: &mut Ui, language: Language) {
+        let room = ui.available_rect_before_wrap();
+        let sense = Sense::CLICK | Sense::DRAG;
+        let response = ui.interact(room, ui.scope_id().with("lathe"), sense);
+        response.widget_info(|| {
+            let name = say::lathe_picture().text(language);
+            WidgetInfo::labeled(Role::Canvas, true, name)
+        });
+        if room.width() < 20.0 || room.height() < 20.0 {
+            return;
+        }
+        let mut camera = self.camera_in(room);
+        self.point(ui, &response, &mut camera);
+        let tip = self.part.as_ref().map(|part| place(part.tip));
+        if let (true, Some(tip)) = (self.follow, tip) {
+            camera.follow(tip);
+            self.camera = Some(camera);
+        }
+        let painter = ui.painter().with_clip_rect(room);
+        grid::lines(&painter, &camera);
+        if let Some(part) = &self.part {
+            self.solids.draw(&painter, &camera, part);
+        }
+        self.lines.draw(&painter, &camera, &self.made.path);
+        if let Some(chosen) = self.chosen {
+            lines::highlight(&painter, &camera, &self.made.path, chosen, false);
+        }
+        if let Some(part) = &self.part {
+            if let Some(block) = part.block.map(block_of) {
+                lines::highlight(&painter, &camera, &self.made.path, block, true);
+            }
+            draw_tool(&painter, &camera, part);
+            draw_hits(&painter, &camera, part);
+        }
+        grid::figures(&painter, &camera);
+        if let Some(part) = &self.part {
+            let words = say::lathe_tool(part.tool, part.rpm).text(language);
+            let font = FontId::monospace(13.0);
+            let at = room.right_top() + vec2(-8.0, 6.0);
+            painter.text(at, Align2::RIGHT_TOP, words, font, WORDS);
+        }
+    }
+
+    /// The picture that somebody has moved, or everything.
+    fn camera_in(&self, room: Rect) -> Camera {
+        if let Some(camera) = self.camera {
+            return Camera { room, ..camera };
+        }
+        let part = self.part.as_ref().map(|part| {
+            let stock = &part.job.stock;
+            let (radius, front) = (stock.radius() as f32, stock.front() as f32);
+            let back = stock.clamped() as f32 - CHUCK_SHOWN;
+            Rect::from_min_max(pos2(back, -radius), pos2(front, radius))
+        });
+        let bounds = match (part, self.made.path.bounds) {
+            (Some(part), Some(path)) => part.union(path),
+            (one, other) => one
+                .or(other)
+                .unwrap_or(Rect::from_center_size(Pos2::ZERO, vec2(200.0, 120.0))),
+        };
+        Camera::fit(bounds, self.is_rear(), room)
+    }
+
+    /// The tool post is behind the spindle; so it is as long as nothing else is known.
+    const fn is_rear(&self) -> bool {
+        self.made.rear || self.made.serial == 0
+    }
+
+    /// What mouse and fingers do.
+    fn point(&mut self, ui: &Ui, response: &Response, camera: &mut Camera) {
+        let before = *camera;
+        let hover = response.hover_pos();
+        self.pointer = hover.map(|at| camera.part(at));
+        if let Some(at) = hover {
+            let (scrolled, pinched) =
+                ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            let factor = (scrolled * ZOOM).exp() * pinched;
+            if factor != 1.0 {
+                camera.zoom(factor, at);
+            }
+        }
+        if response.dragged() {
+            camera.pan(response.drag_delta());
+        }
+        if *camera != before {
+            self.camera = Some(*camera);
+        }
+        if response.double_clicked() {
+            self.camera = None;
+            *camera = self.camera_in(camera.room);
+        } else if response.clicked()
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            let path = &self.made.path;
+            self.chosen = path.nearest(camera.part(at), REACH / camera.scale);
+        }
+    }
+
+    /// Shows a position in the middle, as large as it is.
+    fn look_at(&mut self, at: Pos2) {
+        let room = Rect::from_center_size(Pos2::ZERO, vec2(600.0, 400.0));
+        let camera = self.camera_in(room);
+        self.camera = Some(Camera {
+            centre: at,
+            ..camera
+        });
+    }
+}
+
+/// A point as the view has it: Z, and X as a radius.
+fn place(point: Point) -> Pos2 {
+    pos2(point.z as f32, point.x as f32)
+}
+
+const fn block_of(source: Source) -> Block {
+    Block {
+        program: source.program,
+        line: source.line,
+    }
+}
+
+fn draw_tool(painter: &egui::Painter, camera: &Camera, part: &PartView) {
+    let tip = place(part.tip);
+    match part.job.tools.get(&part.tool) {
+        Some(tool) => solids::tool(painter, camera, tool, tip),
+        None => solids::tip(painter, camera, tip),
+    }
+}
+
+/// Marks what was hit.
+fn draw_hits(painter: &egui::Painter, camera: &Camera, part: &PartView) {
+    for finding in &part.findings {
+        let at = camera.screen(place(finding.collision.contact));
+        painter.circle_stroke(at, 8.0, Stroke::new(2.0, HIT));
+        let arm = vec2(5.0, 5.0);
+        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, HIT));
+        let arm = vec2(5.0, -5.0);
+        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, HIT));
+    }
+}

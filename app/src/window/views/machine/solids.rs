@@ -1,0 +1,169 @@
+//! Stock, chuck, tailstock and tool, drawn as the half section they are: cut open on the
+//! side of the tool, from outside on the other.
+
+use std::sync::Arc;
+
+use egui::epaint::{Mesh, Vertex, WHITE_UV};
+use egui::{Color32, Painter, Pos2, Shape, Stroke, Vec2, pos2};
+use gsk_workpiece::grid::{Contour, from_grid};
+use gsk_workpiece::job::Job;
+use gsk_workpiece::region::Region;
+use gsk_workpiece::tool::{Shape as ToolShape, Tool};
+
+use super::camera::Camera;
+use super::fill::{Filled, Trapezoid, trapezoids};
+use crate::kernel::part::PartView;
+
+const SECTION: Color32 = Color32::from_rgb(118, 116, 112);
+const OUTSIDE: Color32 = Color32::from_rgb(74, 74, 76);
+const EDGE: Color32 = Color32::from_rgb(196, 196, 192);
+const CHUCK: Color32 = Color32::from_rgb(44, 50, 60);
+const JAWS: Color32 = Color32::from_rgb(62, 72, 88);
+const CLAMP_EDGE: Color32 = Color32::from_rgb(104, 116, 136);
+const INSERT: Color32 = Color32::from_rgb(240, 200, 60);
+const HOLDER: Color32 = Color32::from_rgb(98, 104, 112);
+const HOLDER_EDGE: Color32 = Color32::from_rgb(150, 156, 164);
+
+/// Sections as they were cut into trapezoids.
+#[derive(Default)]
+pub struct Solids {
+    section: Arc<Region>,
+    material: Vec<Trapezoid>,
+    outside: Vec<Trapezoid>,
+    job: Option<Arc<Job>>,
+    /// Chuck, jaws and tailstock.
+    clamps: Vec<(Vec<Trapezoid>, Region, Color32)>,
+}
+
+impl Solids {
+    /// Draws what is clamped and what clamps it.
+    pub fn draw(&mut self, painter: &Painter, camera: &Camera, part: &PartView) {
+        self.take(part);
+        for (filled, region, color) in &self.clamps {
+            for mirrored in [true, false] {
+                fill(painter, camera, filled, mirrored, *color);
+                outline(painter, camera, region.contours(), mirrored, CLAMP_EDGE);
+            }
+        }
+        fill(painter, camera, &self.outside, true, OUTSIDE);
+        silhouette(painter, camera, &self.outside);
+        fill(painter, camera, &self.material, false, SECTION);
+        outline(painter, camera, self.section.contours(), false, EDGE);
+    }
+
+    fn take(&mut self, part: &PartView) {
+        if !Arc::ptr_eq(&self.section, &part.section) {
+            self.section = Arc::clone(&part.section);
+            self.material = trapezoids(&self.section, Filled::Material);
+            self.outside = trapezoids(&self.section, Filled::Outside);
+        }
+        let same = self.job.as_ref();
+        if same.is_some_and(|job| Arc::ptr_eq(job, &part.job)) {
+            return;
+        }
+        self.job = Some(Arc::clone(&part.job));
+        let stock = &part.job.stock;
+        let (body, jaws) = stock.chuck_section();
+        self.clamps = [
+            (body, CHUCK),
+            (jaws, JAWS),
+            (stock.tailstock_section(), CHUCK),
+        ]
+        .map(|(region, color)| (trapezoids(&region, Filled::Material), region, color))
+        .into();
+    }
+}
+
+/// Draws a tool with its tip at a position.
+pub fn tool(painter: &Painter, camera: &Camera, tool: &Tool, tip: Pos2) {
+    let shape = ToolShape::of(tool);
+    let moved = |contour: &Contour| -> (Vec<Trapezoid>, Vec<Pos2>) {
+        let made = trapezoids(&Region::of(std::slice::from_ref(contour)), Filled::Material);
+        let by = |(z, low, high): (f32, f32, f32)| (z + tip.x, low + tip.y, high + tip.y);
+        let made = made.into_iter().map(|it| Trapezoid {
+            sides: it.sides.map(by),
+        });
+        let points = points(contour, false);
+        let edge = points.map(|at| camera.screen(at + tip.to_vec2()));
+        (made.collect(), edge.collect())
+    };
+    let body = shape.body.iter().map(|(_, contour)| contour);
+    let body = body.map(|contour| (contour, HOLDER, HOLDER_EDGE));
+    let insert = std::iter::once((&shape.cutting, INSERT, Color32::WHITE));
+    for (contour, color, edge) in body.chain(insert) {
+        let (made, line) = moved(contour);
+        fill(painter, camera, &made, false, color);
+        painter.add(Shape::closed_line(line, Stroke::new(1.0, edge)));
+    }
+}
+
+/// Fills trapezoids, or their mirror image beyond the axis.
+fn fill(painter: &Painter, camera: &Camera, made: &[Trapezoid], mirrored: bool, color: Color32) {
+    let mut mesh = Mesh::default();
+    mesh.reserve_vertices(made.len() * 4);
+    mesh.reserve_triangles(made.len() * 2);
+    for trapezoid in made {
+        let first = mesh.vertices.len() as u32;
+        for corner in trapezoid.corners() {
+            mesh.vertices.push(Vertex {
+                pos: camera.screen(turned(corner, mirrored)),
+                uv: WHITE_UV,
+                color,
+            });
+        }
+        mesh.add_triangle(first, first + 1, first + 2);
+        mesh.add_triangle(first + 1, first + 2, first + 3);
+    }
+    painter.add(mesh);
+}
+
+fn outline(
+    painter: &Painter,
+    camera: &Camera,
+    contours: &[Contour],
+    mirrored: bool,
+    color: Color32,
+) {
+    for contour in contours {
+        let line = points(contour, mirrored).map(|at| camera.screen(at));
+        let stroke = Stroke::new(1.0, color);
+        painter.add(Shape::closed_line(line.collect(), stroke));
+    }
+}
+
+/// The edge of the part on the side that is not cut open.
+fn silhouette(painter: &Painter, camera: &Camera, outside: &[Trapezoid]) {
+    let corner = |(z, _, high): (f32, f32, f32)| pos2(z, -high);
+    let mut line: Vec<Pos2> = Vec::with_capacity(outside.len() * 2 + 2);
+    for trapezoid in outside {
+        if line.is_empty() {
+            line.push(pos2(trapezoid.sides[0].0, 0.0));
+        }
+        line.extend(trapezoid.sides.map(corner));
+    }
+    if let Some(last) = line.last().copied() {
+        line.push(pos2(last.x, 0.0));
+    }
+    let line = line.into_iter().map(|at| camera.screen(at)).collect();
+    painter.add(Shape::line(line, Stroke::new(1.0, EDGE)));
+}
+
+fn points(contour: &Contour, mirrored: bool) -> impl Iterator<Item = Pos2> + '_ {
+    contour.iter().map(move |point| {
+        let point = from_grid(*point);
+        turned(pos2(point.z as f32, point.x as f32), mirrored)
+    })
+}
+
+fn turned(at: Pos2, mirrored: bool) -> Pos2 {
+    let x = if mirrored { -at.y } else { at.y };
+    pos2(at.x, x)
+}
+
+/// A cross at a tip of which no tool is known.
+pub fn tip(painter: &Painter, camera: &Camera, tip: Pos2) {
+    let (at, stroke) = (camera.screen(tip), Stroke::new(1.5, INSERT));
+    for arm in [Vec2::new(7.0, 0.0), Vec2::new(0.0, 7.0)] {
+        painter.line_segment([at - arm, at + arm], stroke);
+    }
+}

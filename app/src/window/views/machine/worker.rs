@@ -1,0 +1,271 @@
+//! Carries the selected program out beside the window: its path, its times, and the job
+//! of its part. It looks again when the program, an offset or a parameter has changed.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, bounded};
+use crossbeam::queue::ArrayQueue;
+use egui::Context;
+use gsk_core::alarm::Alarm;
+use gsk_core::command::ProgramId;
+use gsk_core::memory::{Offsets, Parameters};
+use gsk_core::preview::{End, preview_while};
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::units::Point;
+use gsk_messages::Message;
+use gsk_runner::machining::{Machining, guess};
+use gsk_runner::picture::RapidRates;
+use gsk_runner::times::Times;
+
+use super::path::{Builder, Path};
+use crate::job::{self, Chosen};
+use crate::kernel::{Command, Console};
+use crate::patience::Patience;
+
+/// How often the control is asked whether something has changed.
+const LOOKS: Duration = Duration::from_millis(300);
+/// How often a path that grows is handed over.
+const NEWS: Duration = Duration::from_millis(150);
+/// How long a program is carried out, and how many moves of it.
+const PATIENCE: (Duration, u64) = (Duration::from_secs(30), 5_000_000);
+
+/// What came of a program.
+#[derive(Clone, Debug, Default)]
+pub struct Made {
+    /// Its path.
+    pub path: Arc<Path>,
+    /// Where its time goes.
+    pub times: Times,
+    /// The alarm that ends it.
+    pub alarm: Option<Alarm>,
+    /// What is wrong with its job file.
+    pub trouble: Option<Message>,
+    /// The tool post is behind the spindle.
+    pub rear: bool,
+    /// Counts programs: with another one the picture is fitted again.
+    pub serial: u64,
+}
+
+/// What the window says to the worker.
+#[derive(Debug)]
+pub struct Shared {
+    /// A program runs: what it writes makes no other path.
+    pub running: AtomicBool,
+    /// What is in work is old.
+    pub newer: AtomicU64,
+}
+
+/// The worker's end in the window; it ends with it.
+pub struct Worker {
+    files: Sender<(ProgramId, PathBuf)>,
+    results: Arc<ArrayQueue<Made>>,
+    /// What the window says to it.
+    pub shared: Arc<Shared>,
+}
+
+impl Worker {
+    /// Starts it.
+    pub fn start(console: &Console, context: &Context) -> Self {
+        let (files, from_view) = bounded(16);
+        let results = Arc::new(ArrayQueue::new(1));
+        let shared = Arc::new(Shared {
+            running: AtomicBool::new(false),
+            newer: AtomicU64::new(0),
+        });
+        let work = Work {
+            console: console.clone(),
+            context: context.clone(),
+            files: from_view,
+            results: Arc::clone(&results),
+            shared: Arc::clone(&shared),
+            file: None,
+            last: None,
+            serial: 0,
+        };
+        thread::spawn(move || work.run());
+        Self {
+            files,
+            results,
+            shared,
+        }
+    }
+
+    /// A program was opened from a file.
+    pub fn opened(&self, program: ProgramId, file: PathBuf) {
+        self.shared.newer.fetch_add(1, Ordering::Relaxed);
+        let _ = self.files.try_send((program, file));
+    }
+
+    /// The newest result.
+    pub fn result(&self) -> Option<Made> {
+        self.results.pop()
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.shared.newer.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// What a path depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct Basis {
+    program: Option<(ProgramId, Program)>,
+    file: Option<PathBuf>,
+    offsets: Offsets,
+    parameters: Parameters,
+}
+
+struct Work {
+    console: Console,
+    context: Context,
+    files: Receiver<(ProgramId, PathBuf)>,
+    results: Arc<ArrayQueue<Made>>,
+    shared: Arc<Shared>,
+    /// The file that was opened last, and the program made of it.
+    file: Option<(ProgramId, PathBuf)>,
+    last: Option<Basis>,
+    serial: u64,
+}
+
+impl Work {
+    fn run(mut self) {
+        loop {
+            if !self.shared.running.load(Ordering::Relaxed)
+                && let Some(setup) = self.console.setup()
+            {
+                self.look(&setup);
+            }
+            match self.files.recv_timeout(LOOKS) {
+                Ok(file) => self.file = Some(file),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+        }
+    }
+
+    fn look(&mut self, setup: &Setup) {
+        let programs = &setup.memory.programs;
+        let program = programs
+            .current()
+            .and_then(|id| Some((id, programs.get(id)?.clone())));
+        let file = self.file.as_ref().filter(|(id, _)| {
+            let current = program.as_ref();
+            current.is_some_and(|(current, _)| current == id)
+        });
+        let basis = Basis {
+            program,
+            file: file.map(|(_, path)| path.clone()),
+            offsets: setup.memory.offsets.clone(),
+            parameters: setup.memory.parameters.clone(),
+        };
+        if self.last.as_ref() == Some(&basis) {
+            return;
+        }
+        let last = self.last.as_ref();
+        let another =
+            last.is_none_or(|last| last.program != basis.program || last.file != basis.file);
+        if another {
+            self.serial += 1;
+        }
+        if self.carry_out(setup, &basis, another) {
+            self.last = Some(basis);
+        }
+    }
+
+    /// Carries a program out; `false` when it was overtaken.
+    fn carry_out(&self, setup: &Setup, basis: &Basis, another: bool) -> bool {
+        let begun = self.shared.newer.load(Ordering::Relaxed);
+        let is_newest = || self.shared.newer.load(Ordering::Relaxed) == begun;
+        let (mut chosen, trouble) = read_job(basis);
+        let machining = chosen.as_ref().map(Chosen::machining);
+        if another && let Some(chosen) = &chosen {
+            self.send(Some(chosen.clone()));
+        }
+        let rates = RapidRates::of(&setup.memory.parameters);
+        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let mut news = Instant::now();
+        let mut made = Made {
+            trouble,
+            rear: setup.lathe.rear_tool_post,
+            serial: self.serial,
+            ..Made::default()
+        };
+        let programs = &setup.memory.programs;
+        let (mut builder, mut first) = (Builder::default(), Vec::new());
+        let mut times = Times::default();
+        let preview = preview_while(
+            setup,
+            programs,
+            &mut |executed| {
+                builder.push(executed, shift(machining.as_ref(), executed), rates);
+                times.push(executed);
+                if chosen.is_none() && first.len() < guess::MOST_MOVES {
+                    first.push(*executed);
+                }
+                if news.elapsed() > NEWS {
+                    news = Instant::now();
+                    made.path = Arc::new(builder.path(programs, true));
+                    made.times = times.clone();
+                    self.results.force_push(made.clone());
+                    self.context.request_repaint();
+                }
+            },
+            &mut |progress| patience.lasts(progress) && is_newest(),
+        );
+        if !is_newest() {
+            return false;
+        }
+        times.end(preview.time_s);
+        let partial = preview.end == End::Limit;
+        made.path = Arc::new(builder.path(programs, partial));
+        made.times = times;
+        made.alarm = preview.alarm;
+        self.results.force_push(made);
+        self.context.request_repaint();
+        if another && chosen.is_none() {
+            let job = guess::guess(&first, &setup.memory.offsets, rates);
+            chosen = job.map(|job| Chosen { job, file: None });
+            self.send(chosen);
+        }
+        true
+    }
+
+    fn send(&self, chosen: Option<Chosen>) {
+        // Who closed the view has said that there is no job.
+        self.console.send(Command::Job(chosen.map(Box::new)));
+    }
+}
+
+/// The job of the file beside the program, and what is wrong with it.
+fn read_job(basis: &Basis) -> (Option<Chosen>, Option<Message>) {
+    let beside = basis.file.as_deref().map(job::beside);
+    let Some(path) = beside.filter(|path| path.exists()) else {
+        return (None, None);
+    };
+    match job::read(&path) {
+        Ok(job) => {
+            let file = Some(path);
+            (Some(Chosen { job, file }), None)
+        }
+        Err(error) => (None, Some(error.message())),
+    }
+}
+
+/// From program to part coordinates: nothing, unless the job knows where the part is.
+fn shift(machining: Option<&Machining>, executed: &gsk_core::command::ExecutedMove) -> Point {
+    let Some(machining) = machining else {
+        return Point::default();
+    };
+    let conditions = &executed.conditions;
+    let zero = machining
+        .mounting()
+        .zero_of(conditions.tool, &conditions.frame);
+    conditions.frame.machine(Point::default()) - zero
+}
