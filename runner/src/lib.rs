@@ -3,6 +3,7 @@
 //! in by whoever carries something out.
 
 pub mod board;
+pub mod curves;
 pub mod execution;
 pub mod first_look;
 pub mod machining;

@@ -2,7 +2,6 @@
 
 mod canvas;
 mod clip;
-mod curves;
 mod drawing;
 mod extent;
 mod labels;
@@ -22,7 +21,6 @@ use gsk_panel::emulator::Emulator;
 use gsk_panel::raster;
 use gsk_panel::screen::Screen;
 
-pub use curves::{RapidRates, arc_points, rapid_bend};
 pub use drawing::{Drawing, Look};
 pub use extent::{NoSize, Size};
 pub use scenery::Scenery;
@@ -132,6 +130,7 @@ pub fn shortfall(drawing: &Drawing) -> Option<Message> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::curves::RapidRates;
     use gsk_core::command::{Conditions, ExecutedMove, MoveKind, ProgramId, Source};
     use gsk_core::units::Point;
 

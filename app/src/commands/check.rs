@@ -9,8 +9,8 @@ use std::thread;
 use gsk_core::command::ExecutedMove;
 use gsk_core::preview::Progress;
 use gsk_core::setup::Setup;
+use gsk_runner::curves::RapidRates;
 use gsk_runner::moves;
-use gsk_runner::picture::RapidRates;
 use gsk_runner::report::{self, PartReport, Report};
 
 use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};

@@ -2,7 +2,8 @@
 
 use gsk_core::preview::{End, Slip, preview_while};
 use gsk_messages::{Language, say};
-use gsk_runner::picture::{self, Drawing, Format, RapidRates, Scenery};
+use gsk_runner::curves::RapidRates;
+use gsk_runner::picture::{self, Drawing, Format, Scenery};
 use gsk_runner::report::{self, AlarmReport};
 
 use super::run::title;

@@ -14,7 +14,7 @@ use gsk_workpiece::stock::{Form, Stock};
 use gsk_workpiece::tool::{Insert, Letter, Tool};
 
 use super::Machining;
-use crate::picture::RapidRates;
+use crate::curves::RapidRates;
 
 /// Moves that a guess looks at: the first of a program.
 pub const MOST_MOVES: usize = 20_000;

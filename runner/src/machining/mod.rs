@@ -21,7 +21,7 @@ use gsk_workpiece::tool::{Insert, Shape};
 
 pub use mounting::Mounting;
 
-use crate::picture::{RapidRates, rapid_bend};
+use crate::curves::{RapidRates, rapid_bend};
 
 /// Findings that are kept.
 const MOST_FINDINGS: usize = 100;

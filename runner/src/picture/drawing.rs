@@ -4,11 +4,11 @@
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::Point;
 
-use super::curves::{RapidRates, arc_points, rapid_bend};
 use super::extent::{Extent, Size};
 use super::labels::Labels;
 use super::pieces::{Made, Pieces};
 use super::scenery::Scenery;
+use crate::curves::{RapidRates, arc_points, rapid_bend};
 use crate::times::{Spent, Times};
 
 /// Height of a block number, pixels.

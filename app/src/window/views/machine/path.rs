@@ -7,7 +7,7 @@ use egui::{Pos2, Rect, Vec2, pos2};
 use gsk_core::command::{ExecutedMove, MoveKind, ProgramId};
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
-use gsk_runner::picture::{RapidRates, arc_points, rapid_bend};
+use gsk_runner::curves::{RapidRates, arc_points, rapid_bend};
 
 /// Pieces of a portion.
 const PORTION: usize = 16_384;

@@ -18,8 +18,8 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_messages::Message;
+use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::{Machining, guess};
-use gsk_runner::picture::RapidRates;
 use gsk_runner::times::Times;
 
 use super::path::{Builder, Path};
