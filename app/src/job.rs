@@ -126,16 +126,21 @@ pub fn beside(program: &Path) -> PathBuf {
 /// # Errors
 /// The file, or the rule that is broken.
 pub fn read(path: &Path) -> Result<Job, JobError> {
-    let file = program_file::read(path)?;
+    parse(path, &program_file::read(path)?.text)
+}
+
+/// The job in the text of a file.
+///
+/// # Errors
+/// The line, or the rule that is broken.
+pub fn parse(path: &Path, text: &str) -> Result<Job, JobError> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let job: Job = options
-        .from_str(&file.text)
-        .map_err(|error| JobError::Syntax {
-            path: path.to_owned(),
-            line: error.span.start.line,
-            error: Box::new(error.code),
-        })?;
+    let job: Job = options.from_str(text).map_err(|error| JobError::Syntax {
+        path: path.to_owned(),
+        line: error.span.start.line,
+        error: Box::new(error.code),
+    })?;
     job.check().map_err(|rule| JobError::Rule {
         path: path.to_owned(),
         rule,

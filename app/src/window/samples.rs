@@ -1,7 +1,10 @@
 //! The sample programs that come with the program itself, for its menu.
 
+use std::path::Path;
+
 use gsk_core::program::{self, Program};
 
+use crate::job::{self, Chosen};
 use crate::kernel::{Opened, Storing};
 use gsk_messages::{Language, Message, say};
 
@@ -13,6 +16,8 @@ pub struct Sample {
     /// What it shows.
     shows: fn() -> Message,
     text: &'static str,
+    /// Its job file, if it has one.
+    job: Option<&'static str>,
     /// Subprograms that it calls.
     calls: &'static [&'static str],
 }
@@ -24,11 +29,18 @@ macro_rules! text {
 }
 
 macro_rules! sample {
-    ($name:literal, $shows:ident $(, calls $called:literal)*) => {
+    (@job) => {
+        None
+    };
+    (@job $job:literal) => {
+        Some(text!($job))
+    };
+    ($name:literal, $shows:ident $(, job $job:literal)? $(, calls $called:literal)*) => {
         Sample {
             name: $name,
             shows: say::$shows,
             text: text!($name),
+            job: sample!(@job $($job)?),
             calls: &[$(text!($called)),*],
         }
     };
@@ -36,14 +48,23 @@ macro_rules! sample {
 
 /// The samples in the order of the menu.
 pub static SAMPLES: [Sample; 7] = [
-    sample!("01-stepped-shaft.CNC", sample_stepped_shaft),
-    sample!("02-bushing.CNC", sample_bushing),
+    sample!(
+        "01-stepped-shaft.CNC",
+        sample_stepped_shaft,
+        job "01-stepped-shaft.job.ron"
+    ),
+    sample!("02-bushing.CNC", sample_bushing, job "02-bushing.job.ron"),
     sample!(
         "03-grooved-pin.CNC",
         sample_grooved_pin,
+        job "03-grooved-pin.job.ron",
         calls "O1031.CNC"
     ),
-    sample!("04-manual-example.CNC", sample_manual_example),
+    sample!(
+        "04-manual-example.CNC",
+        sample_manual_example,
+        job "04-manual-example.job.ron"
+    ),
     sample!("faulty/01-arc-too-small.CNC", sample_faulty_arc),
     sample!("faulty/02-no-feed.CNC", sample_faulty_no_feed),
     sample!(
@@ -73,12 +94,22 @@ impl Sample {
     }
 }
 
+/// The job of a sample, by the text of its program.
+pub fn job_of(program: &Program) -> Option<Chosen> {
+    let is_it = |sample: &&Sample| sample.opened().program.text() == program.text();
+    let sample = SAMPLES.iter().find(is_it)?;
+    let file = sample.name.replace(".CNC", ".job.ron");
+    let job = job::parse(Path::new(&file), sample.job?).ok()?;
+    Some(Chosen {
+        job,
+        file: Some(file.into()),
+    })
+}
+
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeSet;
-    use std::path::Path;
-
     use super::*;
+    use std::collections::BTreeSet;
 
     #[test]
     fn every_sample_of_the_folder_is_in_the_menu_with_a_number_of_its_own() {
@@ -97,6 +128,11 @@ mod tests {
         let numbers = SAMPLES.iter().map(|it| it.opened().program.number());
         let numbers: BTreeSet<_> = numbers.map(Option::unwrap).collect();
         assert_eq!(numbers.len(), SAMPLES.len());
+        for sample in &SAMPLES[..4] {
+            let chosen = job_of(&sample.opened().program).unwrap();
+            assert!(!chosen.job.tools.is_empty(), "{}", sample.name);
+        }
+        assert!(job_of(&Program::new("O0001\nM30\n")).is_none());
         let pin = SAMPLES[2].opened();
         assert_eq!(pin.subprograms[0].number(), Some(1031));
     }

@@ -26,6 +26,7 @@ use super::path::{Builder, Path};
 use crate::job::{self, Chosen};
 use crate::kernel::{Command, Console};
 use crate::patience::Patience;
+use crate::window::samples;
 
 /// How often the control is asked whether something has changed.
 const LOOKS: Duration = Duration::from_millis(300);
@@ -247,7 +248,11 @@ impl Work {
 fn read_job(basis: &Basis) -> (Option<Chosen>, Option<Message>) {
     let beside = basis.file.as_deref().map(job::beside);
     let Some(path) = beside.filter(|path| path.exists()) else {
-        return (None, None);
+        let program = basis.program.as_ref();
+        return (
+            program.and_then(|(_, program)| samples::job_of(program)),
+            None,
+        );
     };
     match job::read(&path) {
         Ok(job) => {
