@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use gsk_core::battery::Memory;
 use gsk_core::cnc::Cnc;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
@@ -13,7 +14,11 @@ pub fn setup(emulator: &Emulator) -> Setup {
     let cnc: &Cnc = &simulation.cnc;
     let machine = cnc.position_machine();
     Setup {
-        memory: cnc.battery(),
+        // With the program that can only be run: the battery does not keep that one.
+        memory: Memory {
+            programs: cnc.programs().clone(),
+            ..cnc.battery()
+        },
         ladder: Arc::clone(cnc.plc().ladder()),
         plc_retained: Some(cnc.plc().memory().retained()),
         lathe: simulation.lathe.config().clone(),

@@ -62,6 +62,9 @@ impl LatheView {
                 ui.add(egui::Label::new(words).truncate());
             }
         });
+        let running = self.part.as_ref().and_then(|part| part.block);
+        let made = (&self.made.times, &self.made.path);
+        self.clock.show(ui, made, running.map(block_of), language);
         let (words, color) = match &self.part {
             Some(part) if part.guessed => (say::lathe_guessed(), DOUBTFUL),
             Some(_) => (say::lathe_job(), Color32::from_gray(160)),

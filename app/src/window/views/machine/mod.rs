@@ -3,6 +3,7 @@
 
 mod bars;
 mod camera;
+mod clock;
 mod fill;
 mod grid;
 mod lines;
@@ -25,6 +26,7 @@ use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::part::PartView;
 use crate::kernel::{Command, Console, Place};
 use camera::Camera;
+use clock::Clock;
 use lines::Lines;
 use path::Block;
 use solids::Solids;
@@ -50,6 +52,7 @@ pub struct LatheView {
     file: Option<(ProgramId, PathBuf)>,
     solids: Solids,
     lines: Lines,
+    clock: Clock,
     /// Somebody has moved the picture; else it shows everything.
     camera: Option<Camera>,
     follow: bool,
@@ -71,6 +74,7 @@ impl LatheView {
             file: None,
             solids: Solids::default(),
             lines: Lines::default(),
+            clock: Clock::default(),
             camera: None,
             follow: false,
             crash_stops: false,

@@ -34,6 +34,8 @@ pub struct Piece {
     pub end: Pos2,
     /// Machine time when its move began, s.
     pub start_s: f32,
+    /// Machine time when it ended, s.
+    pub end_s: f32,
     /// Its block.
     pub line: u32,
     /// The program of its block.
@@ -135,6 +137,7 @@ impl Builder {
         let piece = |end, way| Piece {
             end,
             start_s: executed.start_s as f32,
+            end_s: (executed.start_s + executed.duration_s) as f32,
             line: executed.source.line,
             program: executed.source.program,
             way,
