@@ -237,7 +237,10 @@ const CRASHES: [Case; 20] = [
     ),
 ];
 
-const CLEAN: [(fn() -> Job, &str); 20] = [
+/// A program that hits nothing.
+type Clean = (fn() -> Job, &'static str);
+
+const CLEAN: [Clean; 20] = [
     (job, "T0101\nG00 X46 Z2\nG01 Z-30 F100\nG01 X52\nG00 Z2"),
     (
         job,
