@@ -104,7 +104,7 @@ impl Bench {
             std::thread::sleep(Duration::from_millis(10));
             self.run(1);
             let says = |words| self.harness.query_by_label_contains(words).is_some();
-            says("Opened ") || says(", no alarm") || says(": P/S ")
+            says("Opened ") || says(", no alarm") || says(": P/S ") || says(": PLC ")
         });
         assert!(opened, "{file} is not opened");
     }
