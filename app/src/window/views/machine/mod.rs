@@ -4,6 +4,7 @@
 mod bars;
 mod camera;
 mod clock;
+mod dots;
 mod fill;
 mod grid;
 mod lines;
@@ -27,6 +28,7 @@ use crate::kernel::part::PartView;
 use crate::kernel::{Command, Console, Place};
 use camera::Camera;
 use clock::Clock;
+use dots::Dots;
 use lines::Lines;
 use path::Block;
 use solids::Solids;
@@ -36,6 +38,8 @@ use worker::{Made, Worker};
 const REACH: f32 = 8.0;
 /// A point of the wheel makes the picture larger by that share.
 const ZOOM: f32 = 0.004;
+/// A path of more pieces than that is drawn dot by dot.
+const MANY: usize = 50_000;
 /// What of the chuck is in the fitted picture, mm before the jaws' front.
 const CHUCK_SHOWN: f32 = 35.0;
 const HIT: Color32 = Color32::from_rgb(255, 70, 60);
@@ -52,6 +56,7 @@ pub struct LatheView {
     file: Option<(ProgramId, PathBuf)>,
     solids: Solids,
     lines: Lines,
+    dots: Dots,
     clock: Clock,
     /// Somebody has moved the picture; else it shows everything.
     camera: Option<Camera>,
@@ -74,6 +79,7 @@ impl LatheView {
             file: None,
             solids: Solids::default(),
             lines: Lines::default(),
+            dots: Dots::default(),
             clock: Clock::default(),
             camera: None,
             follow: false,
@@ -160,7 +166,12 @@ impl LatheView {
         if let Some(part) = &self.part {
             self.solids.draw(&painter, &camera, part);
         }
-        self.lines.draw(&painter, &camera, &self.made.path);
+        let path = &self.made.path;
+        if path.count() > MANY {
+            self.dots.draw(&painter, &camera, path);
+        } else {
+            self.lines.draw(&painter, &camera, path);
+        }
         if let Some(chosen) = self.chosen {
             lines::highlight(&painter, &camera, &self.made.path, chosen, false);
         }

@@ -76,6 +76,11 @@ impl Path {
         })
     }
 
+    /// How many pieces there are.
+    pub fn count(&self) -> usize {
+        self.portions.iter().map(|portion| portion.len()).sum()
+    }
+
     /// The block whose piece is nearest to a point, at most so far from it, mm. Of two
     /// that are equally near, the later one: it lies on top.
     pub fn nearest(&self, at: Pos2, reach: f32) -> Option<Block> {
