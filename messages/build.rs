@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::{env, fs, path::Path};
 
-use template::{Kind, Piece, pieces};
+use template::{Kind, Piece, TemplateError, pieces};
 
 const TABLE: &str = "../assets/tables/messages.tsv";
 const HEADER: &str = "id\ten\tzh";
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if let Some(last) = rows.last()
             && last.id >= row.id
         {
-            let wrong = format!("`{}` must stand after `{}`, once", last.id, row.id);
+            let wrong = RowError::Order(last.id.clone(), row.id);
             return Err(Wrong::Line(number, wrong).into());
         }
         rows.push(row);
@@ -45,7 +45,24 @@ enum Wrong {
     #[error("{TABLE} does not begin with the line `{HEADER}`")]
     Header,
     #[error("{TABLE}, line {0}: {1}")]
-    Line(u32, String),
+    Line(u32, RowError),
+}
+
+/// What is wrong with a line of it.
+#[derive(Debug, thiserror::Error)]
+enum RowError {
+    #[error("`{0}` must stand after `{1}`, once")]
+    Order(String, String),
+    #[error("{0} columns in place of 3")]
+    Columns(usize),
+    #[error("`{0}` is not an id: small letters, digits and _")]
+    Id(String),
+    #[error("a text is missing")]
+    Text,
+    #[error("the two texts have not the same placeholders")]
+    Placeholders,
+    #[error(transparent)]
+    Template(#[from] TemplateError),
 }
 
 struct Row {
@@ -57,17 +74,17 @@ struct Row {
 }
 
 /// A line of the table: the same placeholders in both languages, each of them used.
-fn parse(line: &str) -> Result<Row, String> {
+fn parse(line: &str) -> Result<Row, RowError> {
     let fields: Vec<&str> = line.split('\t').collect();
     let [id, en, zh] = fields[..] else {
-        return Err(format!("{} columns in place of 3", fields.len()));
+        return Err(RowError::Columns(fields.len()));
     };
     let plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_';
     if !id.starts_with(|first: char| first.is_ascii_lowercase()) || !id.bytes().all(plain) {
-        return Err(format!("`{id}` is not an id: small letters, digits and _"));
+        return Err(RowError::Id(id.to_owned()));
     }
     if en.trim().is_empty() || zh.trim().is_empty() {
-        return Err("a text is missing".to_owned());
+        return Err(RowError::Text);
     }
     let [en, zh] = [en, zh].map(|text| text.replace("\\n", "\n"));
     let mut values: Vec<(String, Kind)> = Vec::new();
@@ -78,7 +95,7 @@ fn parse(line: &str) -> Result<Row, String> {
             values.push((name.to_owned(), kind));
         }
     }
-    let names = |text: &str| -> Result<BTreeMap<String, ()>, String> {
+    let names = |text: &str| -> Result<BTreeMap<String, ()>, TemplateError> {
         let named = pieces(text)?.into_iter().filter_map(|piece| match piece {
             Piece::Value { name, .. } => Some((name.to_owned(), ())),
             Piece::Text(_) => None,
@@ -86,7 +103,7 @@ fn parse(line: &str) -> Result<Row, String> {
         Ok(named.collect())
     };
     if names(&en)? != names(&zh)? {
-        return Err("the two texts have not the same placeholders".to_owned());
+        return Err(RowError::Placeholders);
     }
     Ok(Row {
         id: id.to_owned(),

@@ -7,6 +7,17 @@
 //! {name:messages}   several, with "; " between them
 //! ```
 
+/// What is wrong with a text.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TemplateError {
+    /// A placeholder does not end.
+    #[error("a {{ without its }} in `{0}`")]
+    Open(String),
+    /// A placeholder whose name is none.
+    #[error("`{{{0}}}` names no value")]
+    Name(String),
+}
+
 /// What stands in a placeholder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -36,20 +47,20 @@ pub enum Piece<'a> {
 ///
 /// # Errors
 /// A placeholder without end or with a name that is none.
-pub fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
+pub fn pieces(text: &str) -> Result<Vec<Piece<'_>>, TemplateError> {
     let mut pieces = Vec::new();
     let mut rest = text;
     while let Some((before, after)) = rest.split_once('{') {
         let (inside, left) = after
             .split_once('}')
-            .ok_or_else(|| format!("a {{ without its }} in `{text}`"))?;
+            .ok_or_else(|| TemplateError::Open(text.to_owned()))?;
         if !before.is_empty() {
             pieces.push(Piece::Text(before));
         }
         let (name, spec) = inside.split_once(':').unwrap_or((inside, ""));
         let letter = |letter: char| letter.is_ascii_lowercase() || letter == '_';
         if name.is_empty() || !name.chars().all(letter) {
-            return Err(format!("`{{{inside}}}` names no value"));
+            return Err(TemplateError::Name(inside.to_owned()));
         }
         let kind = match spec {
             "message" => Kind::Message,

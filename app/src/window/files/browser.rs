@@ -7,7 +7,7 @@ use crossbeam::channel::{Receiver, bounded};
 use egui::{Button, Context, Key, Panel, ScrollArea, TextEdit, Ui, ViewportBuilder, ViewportId};
 
 use super::{Ask, Asked, Wanted, beside};
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 
 /// Size of the dialog, points.
 const SIZE: [f32; 2] = [640.0, 460.0];
@@ -21,7 +21,7 @@ struct Entry {
 }
 
 /// What a folder holds, or why it cannot be read.
-type Listing = Result<Vec<Entry>, String>;
+type Listing = Result<Vec<Entry>, Message>;
 
 /// The dialog while it is open.
 struct Open {
@@ -202,7 +202,7 @@ impl Open {
         let entries = match &self.listing {
             Ok(entries) => entries,
             Err(said) => {
-                ui.label(said);
+                ui.label(said.text(language));
                 return Outcome::Stays;
             }
         };
@@ -311,7 +311,8 @@ fn ends_so(name: &str, endings: &[&str]) -> bool {
 
 /// What a folder holds, folders first, without what begins with a point.
 fn listing(folder: &Path) -> Listing {
-    let wrong = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let wrong =
+        |error: std::io::Error| say::subject_reason(folder.display(), say::as_written(error));
     let mut entries = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(wrong)? {
         let entry = entry.map_err(wrong)?;
