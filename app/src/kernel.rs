@@ -1,6 +1,7 @@
 //! The kernel: owns the emulator, carries out what the window asks for, hands
 //! out pictures. The same code runs in its thread and, step by step, in a test.
 
+mod console;
 mod drive;
 mod edges;
 mod journal;
@@ -15,42 +16,35 @@ mod refused;
 mod standing;
 mod thread;
 
-use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
 
 use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Event, Request};
-use gsk_core::machine::Fault;
 use gsk_core::operation::{Mode, RunState};
-use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
-use gsk_core::setup::Setup;
-use gsk_core::units::Point;
-use gsk_link::LinkState;
-use gsk_messages::{Message, say};
+use gsk_messages::say;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
-use gsk_panel::panel::{KeyEvent, SerialFile};
+use gsk_panel::panel::KeyEvent;
 use gsk_panel::refusal::Press;
-use gsk_panel::screen::Screen;
-use gsk_runner::first_look::FirstLook;
 use gsk_runner::partner::{Partner as _, Patience};
 
 use crate::dnc::{Partner, Source};
-use crate::job::Chosen;
 use crate::pace::Speed;
+pub use console::{
+    Command, Console, Imposed, LinkOrder, NotStored, Notice, Opened, Place, Snapshot, Storing,
+    Times,
+};
 pub use drive::Connection;
 use drive::Drive;
 use edges::{Edge, Edges};
 use link_view::LinkView;
 use monitor::MachineView;
 use opening::LastOpened;
-pub use opening::{NotStored, Place};
-use part::{PartSide, PartView};
-use probe::{Probe, Probing};
+use part::PartSide;
+use probe::Probing;
 use refused::{Refusals, Verdict};
 pub use thread::{KernelThread, Outside, start};
 
@@ -60,233 +54,6 @@ pub const PICTURE_TICKS: u64 = 25;
 const MACHINE_TICKS: u64 = 50;
 /// Commands that wait for the kernel.
 const QUEUE: usize = 1024;
-
-/// What the window asks of the kernel.
-#[derive(Clone, Debug)]
-pub enum Command {
-    /// A key of the panel went down or came up.
-    Key {
-        /// The key.
-        key: Key,
-        /// Down, or up.
-        down: bool,
-    },
-    /// Press a key and let it go.
-    Tap(Key),
-    /// A character that the panel has no key of its own for.
-    Type(char),
-    /// Turn the handwheel by so many detents.
-    Turn(i32),
-    /// Open a program that was read from a file.
-    Open(Box<Opened>),
-    /// A file comes in through the serial port.
-    Receive(Box<SerialFile>),
-    /// The partner could not take what the control sent.
-    TransferFailed,
-    /// What the opened program cuts, for the graphic page.
-    Fit {
-        /// Least point, X as a radius.
-        least: Point,
-        /// Greatest point.
-        greatest: Point,
-    },
-    /// Take samples for the scope from now on, or no more.
-    Probe(Option<Probe>),
-    /// Hand out the machine and the PLC with the pictures, or no more.
-    Monitor(bool),
-    /// Break something, or mend it.
-    Fault(Fault, bool),
-    /// Ask the control for something; a refusal is said.
-    Ask(Box<Request>),
-    /// Switch the control off and on again.
-    PowerCycle,
-    /// Hold a machine input at a value, or give it back to its sensor.
-    ForceInput(BitAddress, Option<bool>),
-    /// Let every forced bit of the PLC go.
-    FreeBits,
-    /// Mend every fault and give every input back to its sensor.
-    Mend,
-    /// Run programs at this speed from now on, while no board moves real slides.
-    Speed(Speed),
-    /// Do something with the pulse board.
-    Link(LinkOrder),
-    /// Hand out the state of the pulse board, or no more.
-    WatchLink(bool),
-    /// Store a text as a program of the memory, and say what came of it.
-    Store(String, Sender<Result<u16, NotStored>>),
-    /// Hand out once what a preview of the control as it stands starts from.
-    HandOut(Sender<Box<Setup>>),
-    /// The job of the part in the simulated lathe, on fresh stock; none: there is none.
-    Job(Option<Box<Chosen>>),
-    /// New stock is clamped.
-    FreshStock,
-    /// Whether the simulated lathe stops where a tool hits something.
-    CrashStops(bool),
-    /// The window is alive; held keys may stay down.
-    Alive,
-    /// Let go of every key.
-    ReleaseAll,
-    /// Stop the kernel.
-    Quit,
-}
-
-/// What may be asked of the pulse board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LinkOrder {
-    /// Close the port and open it again.
-    Reconnect,
-    /// Write the settings that differ into the board.
-    WriteSettings,
-    /// Compare its count with the commanded pulses now.
-    Check,
-}
-
-/// What becomes of a program whose number is in the memory already, with another text.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Storing {
-    /// Whoever opened it is asked.
-    #[default]
-    Ask,
-    /// It takes the place of the other.
-    Replace,
-    /// It is run without being stored.
-    RunOnly,
-}
-
-/// A program read from a file, ready for the control.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Opened {
-    /// Name to be shown.
-    pub name: String,
-    /// Its file; a sample has none.
-    pub path: Option<PathBuf>,
-    /// What becomes of it when its number is taken.
-    pub storing: Storing,
-    /// The program.
-    pub program: Program,
-    /// Subprograms from its folder.
-    pub subprograms: Vec<Program>,
-}
-
-/// What the kernel tells the window besides pictures; none is lost.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Notice {
-    /// A program was opened.
-    Opened {
-        /// Its name.
-        name: String,
-        /// Its file, if it has one.
-        path: Option<PathBuf>,
-        /// Where it stands now.
-        place: Place,
-    },
-    /// It was not opened: the memory has another program of its number.
-    NumberTaken(Box<Opened>, u16),
-    /// The control has sent something: what, and where it is.
-    Sent(String),
-    /// Something went wrong, or should be known.
-    Said(Message),
-    /// The control refused what was asked of it.
-    Refused(Alarm),
-    /// A program that was opened, by the name of its file, has been looked through.
-    Looked(String, Box<FirstLook>),
-    /// A key does nothing, and why; none: a key acts again.
-    Key(Option<Message>),
-}
-
-/// The panel as it is seen at one moment.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Snapshot {
-    /// The LCD.
-    pub screen: Screen,
-    /// Brightness of the LCD.
-    pub brightness: u8,
-    /// Lamps: the Y memory.
-    pub y: [u8; 20],
-    /// Keys that are down, the latched emergency stop among them.
-    pub pressed: Vec<Key>,
-    /// Position of the handwheel, detents.
-    pub wheel: i32,
-    /// Machine time over wall time at the speed of a real lathe, %; 100 unless the PC is
-    /// too slow.
-    pub speed_percent: u32,
-    /// How fast a program is to run.
-    pub speed: Speed,
-    /// Machine time over wall time while another speed than a real lathe's is in force.
-    pub times: Option<Times>,
-    /// What stands against ladder and sensors.
-    pub imposed: Imposed,
-    /// The newest alarm that stands, or the first message of the ladder.
-    pub alarm: Option<Alarm>,
-    /// The slides behind a pulse board want their reference return.
-    pub place_unknown: bool,
-    /// State of the pulse board that moves real slides, if there is one.
-    pub board: Option<LinkState>,
-    /// Whether a program runs or is held.
-    pub run: RunState,
-}
-
-/// Machine time over wall time, in steps so that pictures do not change for nothing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Times(pub f64);
-
-/// What views have imposed on control and lathe; it stands until it is taken back,
-/// also when the view is closed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Imposed {
-    /// Forced bits of the PLC.
-    pub bits: usize,
-    /// Machine inputs held at a value.
-    pub inputs: usize,
-    /// Faults of the lathe.
-    pub faults: usize,
-}
-
-/// The window's end of the channels.
-#[derive(Clone, Debug)]
-pub struct Console {
-    /// To the kernel.
-    pub commands: Sender<Command>,
-    /// The newest picture.
-    pub pictures: Arc<ArrayQueue<Snapshot>>,
-    /// The newest state of machine and PLC, while it is asked for.
-    pub machine: Arc<ArrayQueue<MachineView>>,
-    /// The newest state of the pulse board, while it is asked for.
-    pub link: Arc<ArrayQueue<LinkView>>,
-    /// The newest state of the part, while there is a job.
-    pub part: Arc<ArrayQueue<PartView>>,
-    /// Messages.
-    pub notices: Receiver<Notice>,
-    /// For helpers that read files: their messages come out of `notices`.
-    pub say: Sender<Notice>,
-}
-
-impl Console {
-    /// Sends a command; a kernel that has ended hears nothing.
-    pub fn send(&self, command: Command) {
-        // A full queue means that the kernel has stood still for a thousand
-        // commands: one more would not help, and the window must not wait.
-        let _ = self.commands.try_send(command);
-    }
-
-    /// What a preview of the control as it stands starts from; `None` where the kernel
-    /// gives no answer. It waits: for threads beside the window only.
-    pub fn setup(&self) -> Option<Setup> {
-        const LONGEST: Duration = Duration::from_secs(5);
-        let (to, answer) = bounded(1);
-        self.commands.send(Command::HandOut(to)).ok()?;
-        answer.recv_timeout(LONGEST).ok().map(|setup| *setup)
-    }
-
-    /// Stores a text as a program of the memory and selects it; `None` where the kernel
-    /// gives no answer. It waits, as [`Self::setup`] does.
-    pub fn store(&self, text: String) -> Option<Result<u16, NotStored>> {
-        const LONGEST: Duration = Duration::from_secs(5);
-        let (to, answer) = bounded(1);
-        self.commands.send(Command::Store(text, to)).ok()?;
-        answer.recv_timeout(LONGEST).ok()
-    }
-}
 
 /// What was handed out of machine and PLC.
 #[derive(Debug, Default)]

@@ -1,38 +1,14 @@
 //! A program that was read from a file becomes a program of the memory, or it is said
 //! why it does not.
 
-use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::command::ProgramId;
-use gsk_core::memory::Refusal;
 use gsk_core::operation::RunState;
 use gsk_core::program::Program;
 use gsk_messages::say;
 use tracing::info;
 
-use super::{Kernel, Notice, Opened, Storing};
-
-/// Where an opened program stands.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// In the memory, under its number.
-    Stored(u16),
-    /// It can be run and read, but not edited, and is gone with the power.
-    OnlyRun(NotStored),
-}
-
-/// Why an opened program is not in the memory.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum NotStored {
-    /// It has no number, nor has its name.
-    NoNumber,
-    /// Its number belongs to another program, which was to stay.
-    NumberTaken(u16),
-    /// Switch, lock or level stand against it.
-    Refused(Refusal),
-    /// The memory does not take it.
-    Alarm(Alarm),
-}
+use super::{Kernel, NotStored, Notice, Opened, Place, Storing};
 
 /// The last program that was opened.
 #[derive(Clone, Debug)]
