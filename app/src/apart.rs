@@ -20,6 +20,12 @@ pub struct Read<'a> {
     pub data: Option<&'a Path>,
 }
 
+/// The results that are asked for.
+pub fn results<'a>(paths: &[&'a Option<PathBuf>]) -> Vec<&'a Path> {
+    let asked = paths.iter().filter_map(|path| path.as_deref());
+    asked.collect()
+}
+
 /// Why a result is not written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]

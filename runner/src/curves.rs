@@ -2,6 +2,7 @@
 
 use gsk_core::memory::Parameters;
 use gsk_core::units::{Axis, Point};
+use gsk_workpiece::curve::Arc;
 
 /// Rapid rates, for the bend in the path of a rapid with both axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,10 +41,6 @@ pub fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
 
 /// The points of an arc after its first: as many as keep the chords within half a
 /// cell of the arc.
-///
-/// ```text
-///   sagitta = radius · (1 − cos(step / 2))
-/// ```
 pub fn arc_points(
     from: Point,
     to: Point,
@@ -51,25 +48,11 @@ pub fn arc_points(
     clockwise: bool,
     cell_mm: f64,
 ) -> impl Iterator<Item = Point> {
-    const MOST_STEPS: f64 = 4096.0;
-    let (first, last) = (from - center, to - center);
-    let radius = first.length();
-    let start = first.x.atan2(first.z);
-    let mut sweep = last.x.atan2(last.z) - start;
-    let turn = std::f64::consts::TAU;
-    if clockwise && sweep >= -1e-12 {
-        sweep -= turn;
-    } else if !clockwise && sweep <= 1e-12 {
-        sweep += turn;
-    }
-    let step = 2.0 * (1.0 - cell_mm / 2.0 / radius.max(cell_mm)).acos();
-    let steps = (sweep.abs() / step).ceil().clamp(2.0, MOST_STEPS) as u32;
-    (1..=steps).map(move |index| {
-        if index == steps {
-            return to;
-        }
-        let angle = start + sweep * f64::from(index) / f64::from(steps);
-        center + Point::new(angle.sin() * radius, angle.cos() * radius)
+    let arc = Arc::between(from, to, center, clockwise);
+    let steps = arc.chords(cell_mm / 2.0).max(2);
+    (1..=steps).map(move |index| match index == steps {
+        true => to,
+        false => arc.at(f64::from(index) / f64::from(steps)),
     })
 }
 

@@ -14,7 +14,7 @@ use gsk_runner::moves;
 use gsk_runner::report::{self, PartReport, Report};
 
 use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
-use crate::apart::{Read, keep_apart};
+use crate::apart::{Read, keep_apart, results};
 use crate::cli::{CheckArgs, Language};
 use crate::job::{self, write_section};
 use crate::loading;
@@ -35,12 +35,7 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
         main: args.files.first().map(PathBuf::as_path),
         data: args.setup.data.as_deref(),
     };
-    let written = [&args.moves, &args.part.section];
-    let written: Vec<&Path> = written
-        .into_iter()
-        .flatten()
-        .map(PathBuf::as_path)
-        .collect();
+    let written = results(&[&args.moves, &args.part.section]);
     keep_apart(&read, &written)?;
     if let (Some(path), [file]) = (&args.moves, &args.files[..]) {
         let mut out = output::open(path)?;

@@ -22,7 +22,7 @@ use gsk_runner::{moves, narration, report};
 use indicatif::ProgressBar;
 
 use super::{ALARM, COLLISION, CommandError, FINE, output};
-use crate::apart::{Read, keep_apart};
+use crate::apart::{Read, keep_apart, results};
 use crate::cli::RunArgs;
 use crate::dnc::{self, Source};
 use crate::ending::ENDED;
@@ -51,12 +51,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
             .map(PathBuf::as_path),
         data: args.setup.data.as_deref(),
     };
-    let written = [&args.moves, &args.positions, &args.plot, &args.part.section];
-    let written: Vec<&Path> = written
-        .into_iter()
-        .flatten()
-        .map(PathBuf::as_path)
-        .collect();
+    let written = results(&[&args.moves, &args.positions, &args.plot, &args.part.section]);
     keep_apart(&read, &written)?;
     let person = attended(args)?;
     let bare = match args.link {

@@ -7,7 +7,7 @@ use crossbeam::queue::ArrayQueue;
 use gsk_core::command::{Frame, Source};
 use gsk_core::machine::Fault;
 use gsk_core::simulation::Simulation;
-use gsk_core::units::{Axis, Point};
+use gsk_core::units::Point;
 use gsk_runner::machining::Finding;
 use gsk_runner::machining::live::{Live, running};
 use gsk_workpiece::job::Job;
@@ -112,14 +112,10 @@ impl PartSide {
     ) -> Option<Finding> {
         let finding = *self.live.as_mut()?.ticked(simulation).first()?;
         if self.crash_stops && simulated {
-            let velocity = simulation.cnc.distance_to_go();
-            let axis = match velocity.x.abs() > velocity.z.abs() {
-                true => Axis::X,
-                false => Axis::Z,
-            };
-            let drive = match axis {
-                Axis::X => Fault::DriveX,
-                Axis::Z => Fault::DriveZ,
+            let left = simulation.cnc.distance_to_go();
+            let drive = match left.x.abs() > left.z.abs() {
+                true => Fault::DriveX,
+                false => Fault::DriveZ,
             };
             simulation.lathe.set_fault(drive, true);
             simulation.lathe.set_fault(Fault::SpindleBlocked, true);

@@ -1,5 +1,6 @@
 //! The part while the control runs: tick by tick, by hand as in automatic operation.
 
+use gsk_core::cnc::Event;
 use gsk_core::command::{ProgramId, Source};
 use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
@@ -125,10 +126,8 @@ impl Live {
     fn change_stock(&mut self, simulation: &Simulation) {
         for event in simulation.cnc.events() {
             match event {
-                gsk_core::cnc::Event::ProgramEnded { .. } => self.ended = true,
-                gsk_core::cnc::Event::BlockBegan(source, _)
-                    if self.ended && source.program != ProgramId::Mdi =>
-                {
+                Event::ProgramEnded { .. } => self.ended = true,
+                Event::BlockBegan(source, _) if self.ended && source.program != ProgramId::Mdi => {
                     self.ended = false;
                     self.fresh_stock();
                 }

@@ -7,7 +7,7 @@ use gsk_core::memory::Offsets;
 use gsk_core::preview::preview;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
-use gsk_core::simulation::{Simulation, Until};
+use gsk_core::simulation::Simulation;
 use gsk_workpiece::collision::{Obstacle, Toucher};
 use gsk_workpiece::stock::{Form, Stock};
 use gsk_workpiece::tool::{Insert, Tool};
@@ -200,7 +200,6 @@ fn the_running_control_leaves_the_part_of_the_preview() {
             break;
         }
     }
-    let _ = simulation.run_until(Until::Stopped, 1000);
     assert_eq!(found, []);
     let (run, looked) = (
         live.machining().scene().part().volume(),

@@ -6,24 +6,20 @@ use std::sync::Arc;
 use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, pos2};
 
 use super::camera::Camera;
-use super::lines::{FEED, RAPID, THREAD};
+use super::lines::{FEED, MadeFor, RAPID, THREAD};
 use super::path::{Path, Way};
 
 /// The dots that were made for a view.
 #[derive(Default)]
 pub struct Dots {
     texture: Option<TextureHandle>,
-    made_for: Option<(Camera, Arc<Path>)>,
+    made_for: MadeFor,
 }
 
 impl Dots {
     /// Draws the path.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, path: &Arc<Path>) {
-        let same = self
-            .made_for
-            .as_ref()
-            .is_some_and(|(made, of)| made == camera && Arc::ptr_eq(of, path));
-        if !same {
+        if self.made_for.changes(camera, path) {
             let image = image(camera, path, painter.pixels_per_point());
             match &mut self.texture {
                 Some(texture) => texture.set(image, TextureOptions::NEAREST),
@@ -33,7 +29,6 @@ impl Dots {
                     self.texture = Some(context.load_texture("path", image, options));
                 }
             }
-            self.made_for = Some((*camera, Arc::clone(path)));
         }
         if let Some(texture) = &self.texture {
             let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));

@@ -23,23 +23,34 @@ const DASH: (f32, f32) = (6.0, 4.0);
 /// Slots of the table of pieces that were drawn.
 const SLOTS: usize = 1 << 16;
 
+/// What a drawing was made for.
+#[derive(Default)]
+pub struct MadeFor(Option<(Camera, Arc<Path>)>);
+
+impl MadeFor {
+    /// Whether it is another view or another path; from now on it is this one.
+    pub fn changes(&mut self, camera: &Camera, path: &Arc<Path>) -> bool {
+        let known = self.0.as_ref();
+        if known.is_some_and(|(made, of)| made == camera && Arc::ptr_eq(of, path)) {
+            return false;
+        }
+        self.0 = Some((*camera, Arc::clone(path)));
+        true
+    }
+}
+
 /// The lines that were made for a view.
 #[derive(Default)]
 pub struct Lines {
-    made_for: Option<(Camera, Arc<Path>)>,
+    made_for: MadeFor,
     shapes: Vec<Shape>,
 }
 
 impl Lines {
     /// Draws the path.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, path: &Arc<Path>) {
-        let same = self
-            .made_for
-            .as_ref()
-            .is_some_and(|(made, of)| made == camera && Arc::ptr_eq(of, path));
-        if !same {
+        if self.made_for.changes(camera, path) {
             self.shapes = shapes(camera, path);
-            self.made_for = Some((*camera, Arc::clone(path)));
         }
         painter.extend(self.shapes.iter().cloned());
     }
