@@ -21,7 +21,7 @@ use egui::{
 };
 use gsk_core::command::{ProgramId, Source};
 use gsk_core::units::Point;
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 
 use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::part::PartView;
@@ -179,15 +179,21 @@ impl LatheView {
             if let Some(block) = part.block.map(block_of) {
                 lines::highlight(&painter, &camera, &self.made.path, block, true);
             }
-            draw_tool(&painter, &camera, part);
+            let tip = place(part.tip);
+            if !self.solids.tool(&painter, &camera, part, tip) {
+                solids::tip(&painter, &camera, tip);
+            }
             draw_hits(&painter, &camera, part);
         }
         grid::figures(&painter, &camera);
         if let Some(part) = &self.part {
-            let words = say::lathe_tool(part.tool, part.rpm).text(language);
             let font = FontId::monospace(13.0);
-            let at = room.right_top() + vec2(-8.0, 6.0);
-            painter.text(at, Align2::RIGHT_TOP, words, font, WORDS);
+            let corner = room.right_top() + vec2(-8.0, 6.0);
+            for (line, words) in states(part).into_iter().enumerate() {
+                let at = corner + vec2(0.0, 18.0 * line as f32);
+                let words = words.text(language);
+                painter.text(at, Align2::RIGHT_TOP, words, font.clone(), WORDS);
+            }
         }
     }
 
@@ -269,12 +275,18 @@ const fn block_of(source: Source) -> Block {
     }
 }
 
-fn draw_tool(painter: &egui::Painter, camera: &Camera, part: &PartView) {
-    let tip = place(part.tip);
-    match part.job.tools.get(&part.tool) {
-        Some(tool) => solids::tool(painter, camera, tool, tip),
-        None => solids::tip(painter, camera, tip),
-    }
+/// Tool and spindle, and what of the lathe is not as at rest.
+fn states(part: &PartView) -> Vec<Message> {
+    let others = [
+        (part.coolant, say::lathe_coolant()),
+        (part.clamped, say::lathe_chuck_clamped()),
+        (part.tailstock_forward, say::lathe_tailstock_out()),
+        (part.door_open, say::lathe_door_open()),
+    ];
+    let others = others.into_iter().filter(|(holds, _)| *holds);
+    core::iter::once(say::lathe_tool(part.tool, part.rpm))
+        .chain(others.map(|(_, said)| said))
+        .collect()
 }
 
 /// Marks what was hit.

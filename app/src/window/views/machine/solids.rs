@@ -1,6 +1,7 @@
 //! Stock, chuck, tailstock and tool, drawn as the half section they are: cut open on the
 //! side of the tool, from outside on the other.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
@@ -33,6 +34,8 @@ pub struct Solids {
     job: Option<Arc<Job>>,
     /// Chuck, jaws and tailstock.
     clamps: Vec<(Vec<Trapezoid>, Region, Color32)>,
+    /// The tools of the job that were drawn, by their T number.
+    tools: BTreeMap<u8, Vec<ToolPart>>,
 }
 
 impl Solids {
@@ -51,6 +54,36 @@ impl Solids {
         outline(painter, camera, self.section.contours(), false, EDGE);
     }
 
+    /// Draws the tool with its tip at a position; `false` for one that the job does not
+    /// describe.
+    pub fn tool(&mut self, painter: &Painter, camera: &Camera, part: &PartView, tip: Pos2) -> bool {
+        let Some(tool) = part.job.tools.get(&part.tool) else {
+            return false;
+        };
+        self.take(part);
+        let parts = self.tools.entry(part.tool);
+        for part in parts.or_insert_with(|| tool_parts(tool)) {
+            let by = |(z, low, high): (f32, f32, f32)| (z + tip.x, low + tip.y, high + tip.y);
+            let moved = part.filled.iter().map(|it| Trapezoid {
+                sides: it.sides.map(by),
+            });
+            fill(
+                painter,
+                camera,
+                &moved.collect::<Vec<_>>(),
+                false,
+                part.color,
+            );
+            let edge = part
+                .edge
+                .iter()
+                .map(|at| camera.screen(*at + tip.to_vec2()));
+            let stroke = Stroke::new(1.0, part.edge_color);
+            painter.add(Shape::closed_line(edge.collect(), stroke));
+        }
+        true
+    }
+
     fn take(&mut self, part: &PartView) {
         if !Arc::ptr_eq(&self.section, &part.section) {
             self.section = Arc::clone(&part.section);
@@ -62,6 +95,7 @@ impl Solids {
             return;
         }
         self.job = Some(Arc::clone(&part.job));
+        self.tools.clear();
         let stock = &part.job.stock;
         let (body, jaws) = stock.chuck_section();
         self.clamps = [
@@ -74,27 +108,33 @@ impl Solids {
     }
 }
 
-/// Draws a tool with its tip at a position.
-pub fn tool(painter: &Painter, camera: &Camera, tool: &Tool, tip: Pos2) {
-    let shape = ToolShape::of(tool);
-    let moved = |contour: &Contour| -> (Vec<Trapezoid>, Vec<Pos2>) {
-        let made = trapezoids(&Region::of(std::slice::from_ref(contour)), Filled::Material);
-        let by = |(z, low, high): (f32, f32, f32)| (z + tip.x, low + tip.y, high + tip.y);
-        let made = made.into_iter().map(|it| Trapezoid {
-            sides: it.sides.map(by),
-        });
-        let points = points(contour, false);
-        let edge = points.map(|at| camera.screen(at + tip.to_vec2()));
-        (made.collect(), edge.collect())
-    };
-    let body = shape.body.iter().map(|(_, contour)| contour);
-    let body = body.map(|contour| (contour, HOLDER, HOLDER_EDGE));
-    let insert = std::iter::once((&shape.cutting, INSERT, Color32::WHITE));
-    for (contour, color, edge) in body.chain(insert) {
-        let (made, line) = moved(contour);
-        fill(painter, camera, &made, false, color);
-        painter.add(Shape::closed_line(line, Stroke::new(1.0, edge)));
+/// A part of a tool, its tip at the zero.
+struct ToolPart {
+    filled: Vec<Trapezoid>,
+    edge: Vec<Pos2>,
+    color: Color32,
+    edge_color: Color32,
+}
+
+impl ToolPart {
+    fn new(contour: &Contour, color: Color32, edge_color: Color32) -> Self {
+        let region = Region::of(std::slice::from_ref(contour));
+        Self {
+            filled: trapezoids(&region, Filled::Material),
+            edge: points(contour, false).collect(),
+            color,
+            edge_color,
+        }
     }
+}
+
+/// Holder and insert.
+fn tool_parts(tool: &Tool) -> Vec<ToolPart> {
+    let shape = ToolShape::of(tool);
+    let body = shape.body.iter();
+    let body = body.map(|(_, contour)| ToolPart::new(contour, HOLDER, HOLDER_EDGE));
+    body.chain([ToolPart::new(&shape.cutting, INSERT, Color32::WHITE)])
+        .collect()
 }
 
 /// Fills trapezoids, or their mirror image beyond the axis.
