@@ -177,8 +177,10 @@ fn cross(a: GridPoint, b: GridPoint) -> f64 {
 
 fn shapes(subject: &[Contour], clip: &[Contour], rule: OverlayRule) -> IntShapes<i32> {
     let edges = subject.iter().chain(clip).map(Vec::len).sum();
-    // The grid is finer than any tolerance: nothing is snapped beyond a unit of it.
-    let solver = Solver::with_precision(Precision::ABSOLUTE);
+    // Crossings are snapped to corners within a unit of the grid, and within a little
+    // more each time the split edges cross anew: without that, edges that lie almost on
+    // each other are split for seconds and come out wrong.
+    let solver = Solver::with_precision(Precision::HIGH);
     let mut overlay = Overlay::new_custom(edges, IntOverlayOptions::default(), solver);
     overlay.add_source(subject, ShapeType::Subject);
     overlay.add_source(clip, ShapeType::Clip);
