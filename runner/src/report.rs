@@ -22,7 +22,7 @@ use serde::Serialize;
 
 pub use checked::check;
 pub use end::End;
-pub use part::{CollisionReport, PartReport};
+pub use part::{CollisionReport, PartReport, in_words};
 pub use spent::{Seconds, ToolSeconds};
 
 use crate::moves::diameter_z;

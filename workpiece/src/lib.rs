@@ -14,6 +14,7 @@
 //! ```
 
 pub mod collision;
+pub mod compare;
 pub mod convex;
 pub mod curve;
 pub mod grid;

@@ -74,22 +74,39 @@ pub enum Feature {
     },
 }
 
+/// A feature with its outline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// What it is.
+    pub feature: Feature,
+    /// Its points, mm, from the front to the back; X a radius.
+    pub outline: Vec<Point>,
+}
+
 /// The features of the outside of a half section, or of its bore.
 pub fn features(section: &Region, side: Side) -> Vec<Feature> {
+    let measured = measured(section, side);
+    measured.into_iter().map(|it| it.feature).collect()
+}
+
+/// The features of the outside of a half section, or of its bore, with their outlines.
+pub fn measured(section: &Region, side: Side) -> Vec<Measured> {
     let outline = outline(section, side);
     let pieces = pieces(&outline);
-    let mut features = Vec::new();
+    let mut found = Vec::new();
     let mut next = 0;
     while next < pieces.len() {
-        if let Some((thread, used)) = thread(&pieces[next..]) {
-            features.push(thread);
-            next += used;
-        } else {
-            features.push(pieces[next].feature());
-            next += 1;
-        }
+        let (feature, used) =
+            thread(&pieces[next..]).unwrap_or_else(|| (pieces[next].feature(), 1));
+        let (first, last) = (&pieces[next], &pieces[next + used - 1]);
+        let outline = outline.get(first.points.0..=last.points.1);
+        found.push(Measured {
+            feature,
+            outline: outline.unwrap_or_default().to_vec(),
+        });
+        next += used;
     }
-    features
+    found
 }
 
 /// A side of a half section.
@@ -106,6 +123,8 @@ pub enum Side {
 struct Piece {
     from: Point,
     to: Point,
+    /// Indices of its ends in the outline.
+    points: (usize, usize),
     /// Centre and whether it bulges outwards.
     arc: Option<(Point, bool)>,
 }
@@ -196,6 +215,7 @@ fn pieces(points: &[Point]) -> Vec<Piece> {
         pieces.push(Piece {
             from: points[begin],
             to: points[end],
+            points: (begin, end),
             arc: if is_arc {
                 fits_arc(&points[begin..=end])
             } else {

@@ -102,6 +102,13 @@ impl Offsets {
         )
     }
 
+    /// Every tool becomes as sharp as a needle: nose radius compensation does nothing.
+    pub fn clear_noses(&mut self) {
+        for row in &mut self.rows {
+            row.r = 0.0;
+        }
+    }
+
     /// All rows with their numbers.
     pub fn iter(&self) -> impl Iterator<Item = (u8, &ToolOffset)> {
         (0..).zip(&self.rows)

@@ -5,6 +5,7 @@
 //! ([`Machining::moved`]), and tick by tick from a control that runs ([`live`]).
 
 pub mod guess;
+pub mod ideal;
 pub mod live;
 mod mounting;
 

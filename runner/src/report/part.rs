@@ -142,7 +142,8 @@ fn to_micrometre(feature: Feature) -> Feature {
     }
 }
 
-fn in_words(feature: &Feature) -> Message {
+/// What is measured of a feature.
+pub fn in_words(feature: &Feature) -> Message {
     match *feature {
         Feature::Cylinder { diameter, z } => say::measure_cylinder(diameter.0, z.0, z.1),
         Feature::Face {

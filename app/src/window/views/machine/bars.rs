@@ -6,7 +6,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_runner::times::Spending;
 
 use super::path::Block;
-use super::{HIT, LatheView, block_of, lines, place};
+use super::{HIT, Instrument, LatheView, block_of, lines, place};
 use crate::kernel::Command;
 use crate::window::alarm_line;
 
@@ -38,6 +38,22 @@ impl LatheView {
                 self.console.send(Command::CrashStops(self.crash_stops));
             }
             ui.separator();
+            for (instrument, words, hint) in [
+                (Instrument::Path, say::lathe_path(), say::lathe_path_hint()),
+                (Instrument::Caliper, say::caliper(), say::caliper_hint()),
+                (
+                    Instrument::Microscope,
+                    say::microscope(),
+                    say::microscope_hint(),
+                ),
+            ] {
+                let chosen = self.instrument == instrument;
+                let button = ui.selectable_label(chosen, words.text(language));
+                if button.on_hover_text(hint.text(language)).clicked() {
+                    self.instrument = instrument;
+                }
+            }
+            ui.separator();
             for (what, color) in [
                 (Spending::Rapid, lines::RAPID),
                 (Spending::Feed, lines::FEED),
@@ -62,6 +78,22 @@ impl LatheView {
                 ui.add(egui::Label::new(words).truncate());
             }
         });
+        match self.instrument {
+            Instrument::Path => {}
+            Instrument::Caliper => {
+                let said = self.caliper.words();
+                let said = said.iter().map(|words| words.text(language));
+                // Always as many rows: what is pointed at must not move.
+                for words in said.chain(std::iter::repeat(String::new())).take(3) {
+                    ui.label(RichText::new(words).monospace());
+                }
+            }
+            Instrument::Microscope => {
+                if let Some(at) = self.microscope.bar(ui, language) {
+                    self.look_closely(at);
+                }
+            }
+        }
         let running = self.part.as_ref().and_then(|part| part.block);
         let made = (&self.made.times, &self.made.path);
         self.clock.show(ui, made, running.map(block_of), language);

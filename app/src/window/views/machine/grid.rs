@@ -8,7 +8,8 @@ const LINE: Color32 = Color32::from_gray(34);
 const FIGURES: Color32 = Color32::from_gray(150);
 const AXIS: Color32 = Color32::from_rgb(176, 120, 120);
 /// Room for figures, points.
-const GROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
+/// Ground of words over the picture.
+pub const GROUND: Color32 = Color32::from_rgba_premultiplied(12, 12, 12, 170);
 /// Least distance of two lines, points.
 const APART: f32 = 56.0;
 

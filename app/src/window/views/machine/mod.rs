@@ -2,17 +2,20 @@
 //! live position, and the path of the selected program.
 
 mod bars;
+mod caliper;
 mod camera;
 mod clock;
 mod dots;
 mod fill;
 mod grid;
 mod lines;
+mod microscope;
 mod path;
 mod solids;
 mod worker;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use egui::{
@@ -26,10 +29,12 @@ use gsk_messages::{Language, Message, say};
 use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::part::PartView;
 use crate::kernel::{Command, Console, Place};
+use caliper::Caliper;
 use camera::Camera;
 use clock::Clock;
 use dots::Dots;
 use lines::Lines;
+use microscope::Microscope;
 use path::Block;
 use solids::Solids;
 use worker::{Made, Worker};
@@ -42,8 +47,21 @@ const ZOOM: f32 = 0.004;
 const MANY: usize = 50_000;
 /// What of the chuck is in the fitted picture, mm before the jaws' front.
 const CHUCK_SHOWN: f32 = 35.0;
+/// A place that is looked at closely: so many points a millimetre.
+const CLOSE: f32 = 120.0;
 const HIT: Color32 = Color32::from_rgb(255, 70, 60);
 const WORDS: Color32 = Color32::from_gray(190);
+
+/// What the pointer does with the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Instrument {
+    /// Finds the blocks of the path.
+    Path,
+    /// Measures.
+    Caliper,
+    /// Compares the surface with the one that is meant.
+    Microscope,
+}
 
 /// The machine view.
 pub struct LatheView {
@@ -66,6 +84,9 @@ pub struct LatheView {
     chosen: Option<Block>,
     /// Where the pointer is, position of the part.
     pointer: Option<Pos2>,
+    instrument: Instrument,
+    caliper: Caliper,
+    microscope: Microscope,
 }
 
 impl LatheView {
@@ -86,6 +107,9 @@ impl LatheView {
             crash_stops: false,
             chosen: None,
             pointer: None,
+            instrument: Instrument::Path,
+            caliper: Caliper::default(),
+            microscope: Microscope::default(),
         }
     }
 
@@ -133,6 +157,7 @@ impl LatheView {
             if made.serial != self.made.serial {
                 self.camera = None;
                 self.chosen = None;
+                self.microscope.clear();
             }
             self.made = made;
         }
@@ -141,6 +166,22 @@ impl LatheView {
         }
         let running = self.part.as_ref().is_some_and(|part| part.block.is_some());
         worker.shared.running.store(running, Ordering::Relaxed);
+        if let Some(compared) = worker.compared() {
+            self.microscope.receive(compared);
+        }
+        if let Some(part) = &self.part {
+            match self.instrument {
+                Instrument::Path => {}
+                Instrument::Caliper => self.caliper.take(&part.section),
+                Instrument::Microscope => {
+                    if !running && self.microscope.asks(&self.made.path, &part.job) {
+                        worker.compare(Arc::clone(&part.job));
+                    }
+                    let clamped = part.job.stock.clamped();
+                    self.microscope.take(&part.section, clamped);
+                }
+            }
+        }
     }
 
     fn picture(&mut self, ui: &mut Ui, language: Language) {
@@ -167,7 +208,9 @@ impl LatheView {
             self.solids.draw(&painter, &camera, part);
         }
         let path = &self.made.path;
-        if path.count() > MANY {
+        if self.instrument == Instrument::Microscope {
+            self.microscope.draw(&painter, &camera);
+        } else if path.count() > MANY {
             self.dots.draw(&painter, &camera, path);
         } else {
             self.lines.draw(&painter, &camera, path);
@@ -185,6 +228,9 @@ impl LatheView {
             }
             draw_hits(&painter, &camera, part);
         }
+        if self.instrument == Instrument::Caliper {
+            self.caliper.draw(&painter, &camera, language);
+        }
         grid::figures(&painter, &camera);
         if let Some(part) = &self.part {
             let font = FontId::monospace(13.0);
@@ -192,7 +238,10 @@ impl LatheView {
             for (line, words) in states(part).into_iter().enumerate() {
                 let at = corner + vec2(0.0, 18.0 * line as f32);
                 let words = words.text(language);
-                painter.text(at, Align2::RIGHT_TOP, words, font.clone(), WORDS);
+                let galley = painter.layout_no_wrap(words, font.clone(), WORDS);
+                let place = Align2::RIGHT_TOP.anchor_size(at, galley.size());
+                painter.rect_filled(place.expand2(vec2(4.0, 0.0)), 2.0, grid::GROUND);
+                painter.galley(place.min, galley, WORDS);
             }
         }
     }
@@ -248,7 +297,25 @@ impl LatheView {
             && let Some(at) = response.interact_pointer_pos()
         {
             let path = &self.made.path;
-            self.chosen = path.nearest(camera.part(at), REACH / camera.scale);
+            match self.instrument {
+                Instrument::Caliper => self.caliper.click(),
+                Instrument::Path | Instrument::Microscope => {
+                    self.chosen = path.nearest(camera.part(at), REACH / camera.scale);
+                }
+            }
+        }
+        match self.instrument {
+            Instrument::Path => {}
+            Instrument::Caliper => self.caliper.point(self.pointer, camera),
+            Instrument::Microscope => self.microscope.point(self.pointer, camera),
+        }
+    }
+
+    /// Shows a position in the middle, large.
+    fn look_closely(&mut self, at: Pos2) {
+        self.look_at(at);
+        if let Some(camera) = &mut self.camera {
+            camera.scale = camera.scale.max(CLOSE);
         }
     }
 

@@ -19,8 +19,10 @@ use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_messages::Message;
 use gsk_runner::curves::RapidRates;
+use gsk_runner::machining::ideal::{self, Compared};
 use gsk_runner::machining::{Machining, guess};
 use gsk_runner::times::Times;
+use gsk_workpiece::job::Job;
 
 use super::path::{Builder, Path};
 use crate::job::{self, Chosen};
@@ -61,10 +63,19 @@ pub struct Shared {
     pub newer: AtomicU64,
 }
 
+/// What the window asks of the worker.
+enum Request {
+    /// A program was opened from a file.
+    Opened(ProgramId, PathBuf),
+    /// The part that is meant, beside the one that comes of the program.
+    Compare(Arc<Job>),
+}
+
 /// The worker's end in the window; it ends with it.
 pub struct Worker {
-    files: Sender<(ProgramId, PathBuf)>,
+    requests: Sender<Request>,
     results: Arc<ArrayQueue<Made>>,
+    compared: Arc<ArrayQueue<Arc<Compared>>>,
     /// What the window says to it.
     pub shared: Arc<Shared>,
 }
@@ -72,8 +83,9 @@ pub struct Worker {
 impl Worker {
     /// Starts it.
     pub fn start(console: &Console, context: &Context) -> Self {
-        let (files, from_view) = bounded(16);
+        let (requests, from_view) = bounded(16);
         let results = Arc::new(ArrayQueue::new(1));
+        let compared = Arc::new(ArrayQueue::new(1));
         let shared = Arc::new(Shared {
             running: AtomicBool::new(false),
             newer: AtomicU64::new(0),
@@ -81,8 +93,9 @@ impl Worker {
         let work = Work {
             console: console.clone(),
             context: context.clone(),
-            files: from_view,
+            requests: from_view,
             results: Arc::clone(&results),
+            compared: Arc::clone(&compared),
             shared: Arc::clone(&shared),
             file: None,
             last: None,
@@ -90,8 +103,9 @@ impl Worker {
         };
         thread::spawn(move || work.run());
         Self {
-            files,
+            requests,
             results,
+            compared,
             shared,
         }
     }
@@ -99,7 +113,17 @@ impl Worker {
     /// A program was opened from a file.
     pub fn opened(&self, program: ProgramId, file: PathBuf) {
         self.shared.newer.fetch_add(1, Ordering::Relaxed);
-        let _ = self.files.try_send((program, file));
+        let _ = self.requests.try_send(Request::Opened(program, file));
+    }
+
+    /// Compares what is meant with what comes of it.
+    pub fn compare(&self, job: Arc<Job>) {
+        let _ = self.requests.try_send(Request::Compare(job));
+    }
+
+    /// The newest comparison.
+    pub fn compared(&self) -> Option<Arc<Compared>> {
+        self.compared.pop()
     }
 
     /// The newest result.
@@ -126,8 +150,9 @@ struct Basis {
 struct Work {
     console: Console,
     context: Context,
-    files: Receiver<(ProgramId, PathBuf)>,
+    requests: Receiver<Request>,
     results: Arc<ArrayQueue<Made>>,
+    compared: Arc<ArrayQueue<Arc<Compared>>>,
     shared: Arc<Shared>,
     /// The file that was opened last, and the program made of it.
     file: Option<(ProgramId, PathBuf)>,
@@ -143,8 +168,9 @@ impl Work {
             {
                 self.look(&setup);
             }
-            match self.files.recv_timeout(LOOKS) {
-                Ok(file) => self.file = Some(file),
+            match self.requests.recv_timeout(LOOKS) {
+                Ok(Request::Opened(program, file)) => self.file = Some((program, file)),
+                Ok(Request::Compare(job)) => self.compare(&job),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
@@ -236,6 +262,22 @@ impl Work {
             self.send(chosen);
         }
         true
+    }
+
+    fn compare(&self, job: &Job) {
+        let Some(setup) = self.console.setup() else {
+            return;
+        };
+        let begun = self.shared.newer.load(Ordering::Relaxed);
+        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let rates = RapidRates::of(&setup.memory.parameters);
+        let compared = ideal::compare(&setup, job, rates, &mut |progress| {
+            patience.lasts(progress) && self.shared.newer.load(Ordering::Relaxed) == begun
+        });
+        if let Some(compared) = compared {
+            self.compared.force_push(Arc::new(compared));
+            self.context.request_repaint();
+        }
     }
 
     fn send(&self, chosen: Option<Chosen>) {
