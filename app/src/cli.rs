@@ -276,6 +276,9 @@ pub struct PlotArgs {
     /// The part behind the path.
     #[command(flatten)]
     pub part: JobArgs,
+    /// Draw the part as a lit solid with a quarter cut out, not the path (.png only)
+    #[arg(long, conflicts_with_all = ["whole", "labels"])]
+    pub solid: bool,
     /// The picture (name ends in .png or .svg)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,

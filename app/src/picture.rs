@@ -15,6 +15,8 @@ pub enum NameError {
     Ending(#[from] NoPicture),
     /// Its ending is another one than that of a PNG.
     NoPng(PathBuf),
+    /// A solid is made of pixels.
+    NoLines(PathBuf),
     /// What stands there is something else.
     NotOverwritten(PathBuf),
 }
@@ -25,6 +27,7 @@ impl NameError {
         match self {
             Self::Ending(error) => error.message(),
             Self::NoPng(path) => say::picture_ending_png(path.display()),
+            Self::NoLines(path) => say::picture_solid_png(path.display()),
             Self::NotOverwritten(path) => say::picture_not_overwritten(path.display()),
         }
     }

@@ -156,3 +156,24 @@ fn a_wrong_job_is_named_with_its_line_and_its_rule() {
     let (code, _, err) = said(&["check", "--part", &idle]);
     assert!(code == 2 && err.contains("no stock to guess"), "{err}");
 }
+
+#[test]
+fn a_solid_is_drawn_as_pixels_of_the_size_that_is_asked_for() {
+    let folder = Folder::new("solid");
+    let picture = folder.0.join("shaft.png");
+    let picture = picture.to_str().unwrap();
+    let program = "01-stepped-shaft.CNC";
+    let (code, _, err) = said(&[
+        "plot", "--solid", program, "-o", picture, "--size", "640x400",
+    ]);
+    assert_eq!(code, 0, "{err}");
+    let bytes = std::fs::read(picture).unwrap();
+    // Width and height stand in the first chunk of a PNG.
+    let size = [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()));
+    assert_eq!(size, [640, 400]);
+    let lines = folder.0.join("shaft.svg");
+    let lines = lines.to_str().unwrap();
+    let (code, _, err) = said(&["plot", "--solid", program, "-o", lines]);
+    assert!(code != 0 && err.contains("ends in .png"), "{err}");
+    assert!(!Path::new(lines).exists());
+}

@@ -13,6 +13,7 @@ pub mod partner;
 pub mod picture;
 pub mod report;
 pub mod script;
+pub mod solid;
 pub mod times;
 pub mod words;
 

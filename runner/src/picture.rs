@@ -1,4 +1,5 @@
-//! Pictures as bytes of a file: the toolpath as PNG or SVG, the LCD and the panel as PNG.
+//! Pictures as bytes of a file: the toolpath as PNG or SVG, the part as a solid, the LCD
+//! and the panel as PNG.
 
 mod canvas;
 mod clip;
@@ -7,6 +8,7 @@ mod extent;
 mod labels;
 mod layout;
 mod legend;
+mod lit;
 mod numbers;
 mod pens;
 mod pieces;
@@ -23,6 +25,7 @@ use gsk_panel::screen::Screen;
 
 pub use drawing::{Drawing, Look};
 pub use extent::{NoSize, Size};
+pub use lit::of_solid;
 pub use scenery::Scenery;
 
 /// Pixels of an LCD dot in a picture of the LCD.

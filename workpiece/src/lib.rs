@@ -26,3 +26,4 @@ pub mod region;
 pub mod scene;
 pub mod stock;
 pub mod tool;
+pub mod trapezoid;

@@ -10,13 +10,16 @@ use super::run::title;
 use super::{ALARM, COLLISION, CommandError, FINE, output};
 use crate::apart::{Read, keep_apart};
 use crate::cli::PlotArgs;
-use crate::picture::check_name;
+use crate::picture::{NameError, check_name};
 use crate::{job, loading};
 
 /// Draws a program. What comes before an alarm is drawn, too.
 pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     check_name(&args.output)?;
     let format = Format::of(&args.output)?;
+    if args.solid && format != Format::Png {
+        return Err(NameError::NoLines(args.output.clone()).into());
+    }
     let language = args.look.lang;
     let main = args.file.as_path();
     let read = Read {
@@ -32,7 +35,7 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     let target = output::reserve(&args.output)?;
     let rates = RapidRates::of(&setup.memory.parameters);
     let mut drawing = Drawing::new(title(&args.file), args.picture.look());
-    let mut machining = match args.part.wanted() {
+    let mut machining = match args.part.wanted() || args.solid {
         true => Some(job::choose(&args.part, Some(main), &setup)?.machining()),
         false => None,
     };
@@ -50,12 +53,21 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     );
     drop(watch);
     drawing.end(preview.time_s);
-    if let Some(machining) = &machining {
-        drawing.stand_before(Scenery::of(machining));
-    }
-    let bytes = picture::encode(format, &drawing, language.unwrap_or(Language::En))?;
+    let bytes = match &machining {
+        Some(machining) if args.solid => {
+            let rear = setup.lathe.rear_tool_post;
+            picture::of_solid(machining, rear, &drawing.title, drawing.look().size)?
+        }
+        _ => {
+            if let Some(machining) = &machining {
+                drawing.stand_before(Scenery::of(machining));
+            }
+            picture::encode(format, &drawing, language.unwrap_or(Language::En))?
+        }
+    };
     target.write(&bytes)?;
-    if let Some(said) = picture::shortfall(&drawing) {
+    let shortfall = picture::shortfall(&drawing).filter(|_| !args.solid);
+    if let Some(said) = shortfall {
         complain!("gsk980td: {}", report::said(&said, language));
     }
     let of_place = preview.cautions.iter();

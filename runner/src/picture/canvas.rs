@@ -169,6 +169,32 @@ impl Canvas {
             .fill_path(&path, &paint(color), rule, scale, None);
     }
 
+    /// Fills it from one colour above to another one below.
+    pub fn ground(&mut self, [above, below]: [[f32; 3]; 2]) {
+        let (width, height) = (self.pixels.width() as usize, self.pixels.height());
+        let rows = self.pixels.pixels_mut().chunks_exact_mut(width.max(1));
+        for (row, pixels) in rows.enumerate() {
+            let share = row as f32 / height.max(1) as f32;
+            let mixed: [u8; 3] = core::array::from_fn(|index| {
+                (above[index] + (below[index] - above[index]) * share).round() as u8
+            });
+            let [red, green, blue] = mixed;
+            pixels.fill(ColorU8::from_rgba(red, green, blue, 255).premultiply());
+        }
+    }
+
+    /// Lays a picture of its size over it, premultiplied.
+    pub fn lay(&mut self, picture: &[[u8; 4]]) {
+        let own = self.pixels.data_mut().chunks_exact_mut(4);
+        for (own, pixel) in own.zip(picture) {
+            let left = 255 - u32::from(pixel[3]);
+            for (own, over) in own.iter_mut().zip(pixel) {
+                let through = (u32::from(*own) * left + 127) / 255;
+                *own = (u32::from(*over) + through).min(255) as u8;
+            }
+        }
+    }
+
     /// Draws a dot of a radius.
     pub fn dot(&mut self, at: (f64, f64), radius: f32) {
         let Some(path) = PathBuilder::from_circle(at.0 as f32, at.1 as f32, radius) else {

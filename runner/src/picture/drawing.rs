@@ -123,7 +123,7 @@ impl Drawing {
     }
 
     /// How it is drawn.
-    pub(super) const fn look(&self) -> Look {
+    pub const fn look(&self) -> Look {
         self.look
     }
 

@@ -6,7 +6,6 @@ mod caliper;
 mod camera;
 mod clock;
 mod dots;
-mod fill;
 mod grid;
 mod lines;
 mod microscope;

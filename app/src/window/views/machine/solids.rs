@@ -10,9 +10,9 @@ use gsk_workpiece::grid::{Contour, from_grid};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 use gsk_workpiece::tool::{Shape as ToolShape, Tool};
+use gsk_workpiece::trapezoid::{Filled, Trapezoid, trapezoids};
 
 use super::camera::Camera;
-use super::fill::{Filled, Trapezoid, trapezoids};
 use crate::kernel::part::PartView;
 
 const SECTION: Color32 = Color32::from_rgb(118, 116, 112);
@@ -144,9 +144,9 @@ fn fill(painter: &Painter, camera: &Camera, made: &[Trapezoid], mirrored: bool, 
     mesh.reserve_triangles(made.len() * 2);
     for trapezoid in made {
         let first = mesh.vertices.len() as u32;
-        for corner in trapezoid.corners() {
+        for (z, x) in trapezoid.corners() {
             mesh.vertices.push(Vertex {
-                pos: camera.screen(turned(corner, mirrored)),
+                pos: camera.screen(turned(pos2(z, x), mirrored)),
                 uv: WHITE_UV,
                 color,
             });

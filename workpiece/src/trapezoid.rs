@@ -1,9 +1,8 @@
 //! Half sections as triangles: cut into slabs between the Z of their corners, each a
 //! stack of trapezoids.
 
-use egui::{Pos2, pos2};
-use gsk_workpiece::grid::{GridPoint, mm};
-use gsk_workpiece::region::Region;
+use crate::grid::{GridPoint, mm};
+use crate::region::Region;
 
 /// What of a section is filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,15 +21,10 @@ pub struct Trapezoid {
 }
 
 impl Trapezoid {
-    /// Its corners, the part's positions, in the order of a strip.
-    pub const fn corners(&self) -> [Pos2; 4] {
+    /// Its corners, Z and X in mm, in the order of a strip of triangles.
+    pub const fn corners(&self) -> [(f32, f32); 4] {
         let [(left, low, high), (right, lower, higher)] = self.sides;
-        [
-            pos2(left, low),
-            pos2(left, high),
-            pos2(right, lower),
-            pos2(right, higher),
-        ]
+        [(left, low), (left, high), (right, lower), (right, higher)]
     }
 }
 
@@ -90,7 +84,7 @@ fn height((left, right): &(GridPoint, GridPoint), z: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_workpiece::grid::grid;
+    use crate::grid::grid;
 
     fn area(made: &[Trapezoid]) -> f32 {
         let one = |it: &Trapezoid| {

@@ -1,0 +1,134 @@
+//! How surfaces look: colour, and what light does on turned steel.
+//!
+//! Light comes with the viewer: a strong one from above on the left, a weak one from the
+//! right below, and what a workshop throws back, bright from above and dark from below.
+
+use glam::{Mat3, Vec3, vec3};
+
+use super::vertex::Vertex;
+
+/// The strong light and the weak one, and half-way between each and the viewer.
+const KEY: Vec3 = vec3(-0.359_336, 0.499_078, 0.788_543);
+const KEY_HALF: Vec3 = vec3(-0.189_992, 0.263_878, 0.945_659);
+const FILL: Vec3 = vec3(0.413_597, -0.709_024, 0.571_158);
+const FILL_HALF: Vec3 = vec3(0.233_320, -0.399_978, 0.886_329);
+
+/// What a surface is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Finish {
+    /// Its colour in full light, 0 to 255.
+    color: Vec3,
+    /// How much it shines, 0 to 1.
+    shine: f32,
+    /// Hatched as a section.
+    pub(super) hatched: bool,
+}
+
+impl Finish {
+    /// Freshly cut.
+    pub(super) const CUT: Self = Self::of([196.0, 202.0, 210.0], 1.0);
+    /// Stock that was never touched.
+    pub(super) const SKIN: Self = Self::of([136.0, 122.0, 112.0], 0.3);
+    /// A face of the cut-out quarter.
+    pub(super) const SECTION: Self = Self {
+        hatched: true,
+        ..Self::of([248.0, 186.0, 124.0], 0.0)
+    };
+    /// The chuck, its jaws, and their section.
+    pub(super) const CHUCK: Self = Self::of([104.0, 113.0, 126.0], 0.5);
+    pub(super) const JAWS: Self = Self::of([128.0, 140.0, 158.0], 0.4);
+    pub(super) const CHUCK_SECTION: Self = Self::of([92.0, 98.0, 108.0], 0.0);
+    /// The tailstock's centre and quill.
+    pub(super) const TAILSTOCK: Self = Self::of([140.0, 146.0, 156.0], 0.9);
+    /// Tools.
+    pub(super) const INSERT: Self = Self::of([250.0, 204.0, 62.0], 0.5);
+    pub(super) const HOLDER: Self = Self::of([92.0, 98.0, 108.0], 0.4);
+    pub(super) const TURRET: Self = Self::of([66.0, 72.0, 82.0], 0.3);
+
+    const fn of([red, green, blue]: [f32; 3], shine: f32) -> Self {
+        Self {
+            color: vec3(red, green, blue),
+            shine,
+            hatched: false,
+        }
+    }
+
+    /// The colour of a corner, 0 to 255 and beyond; `seen`: from the body's directions to
+    /// right, up and near.
+    ///
+    /// Marks of turning scatter light across themselves: a highlight lies where they are
+    /// at right angles to the half-way direction, along a cylinder and in two rays on a
+    /// face.
+    pub(super) fn lit(&self, vertex: &Vertex, seen: &Mat3) -> Vec3 {
+        let normal = *seen * vertex.normal;
+        let key = normal.dot(KEY).max(0.0);
+        let fill = normal.dot(FILL).max(0.0);
+        // Where the workshop is seen in the mirror of the surface.
+        let mirrored = 2.0 * normal.z.max(0.0) * normal.y;
+        let sky = ((mirrored + 0.35) / 1.1).clamp(0.0, 1.0);
+        let sky = sky * sky * (3.0 - 2.0 * sky);
+        let steady = 0.3 + 0.08 * normal.y + 0.56 * key + 0.24 * fill;
+        let light = steady * (1.0 - 0.25 * self.shine) + 0.3 * self.shine * sky;
+        let shining = if vertex.marks == Vec3::ZERO {
+            0.6 * power(normal.dot(KEY_HALF).max(0.0), 5)
+        } else {
+            let marks = *seen * vertex.marks;
+            let across = |half: Vec3| {
+                let along = marks.dot(half);
+                (1.0 - along * along).max(0.0)
+            };
+            let (strong, weak) = (across(KEY_HALF), across(FILL_HALF));
+            (0.3 * power(strong, 3) + 0.6 * power(strong, 6)) * (2.0 * key).min(1.0)
+                + 0.4 * power(weak, 5) * (2.0 * fill).min(1.0)
+        };
+        // A bore has less of the sky than what lies outside.
+        let outward = vertex.at.y * vertex.normal.y + vertex.at.z * vertex.normal.z;
+        let inside = if vertex.marks != Vec3::ZERO && outward < 0.0 {
+            0.72
+        } else {
+            1.0
+        };
+        (self.color * light + Vec3::splat(255.0 * self.shine * 0.62 * shining)) * inside
+    }
+}
+
+/// A number to the power of 2, 4, 8 …: squared so many times.
+fn power(base: f32, squarings: u8) -> f32 {
+    (0..squarings).fold(base, |value, _| value * value)
+}
+
+/// The hatching of a section: lines at 45° across it, a few pixels apart.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hatch {
+    /// Lines a millimetre, along Z as along X.
+    lines: f32,
+}
+
+impl Hatch {
+    /// Least distance of two lines along Z, pixels of the picture.
+    const APART: f32 = 13.0;
+
+    /// At a scale, pixels a millimetre: in steps of 2, so that it stays while the view is
+    /// only turned.
+    pub(super) fn new(scale: f32) -> Self {
+        let mut step = 65_536.0;
+        while step > 1e-4 && step / 2.0 * scale >= Self::APART {
+            step /= 2.0;
+        }
+        Self { lines: 1.0 / step }
+    }
+
+    /// Which line a position is on; whole numbers are in the middle of one.
+    pub(super) fn line(self, at: Vec3) -> f32 {
+        (at.x - at.y - at.z) * self.lines
+    }
+
+    /// The share of light on a place: less on a line. `step`: how much `line` grows in a
+    /// pixel, `width` of a line in pixels.
+    pub(super) fn share(line: f32, step: f32, width: f32) -> f32 {
+        let off = (line - line.floor() - 0.5).abs();
+        let beside = (0.5 - off) / step.max(1e-6);
+        let covered = (width / 2.0 + 0.5 - beside).clamp(0.0, 1.0);
+        1.0 - 0.3 * covered
+    }
+}

@@ -1,0 +1,152 @@
+//! From where a solid is looked at, and how it falls on the picture: in parallel, so that
+//! equal lengths along a direction stay equal.
+//!
+//! A position in space is Z, X and Y of the lathe, in this order: Y is at right angles to
+//! the plane in which the tools move, and points to the viewer.
+//!
+//! ```text
+//!   post behind the spindle      post in front of it
+//!        X                            Y
+//!        |                            |
+//!        +---Z                        +---Z
+//!       /                            /
+//!      Y                            X
+//! ```
+
+use glam::{Mat3, Vec2, Vec3};
+
+/// A direction of view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// The tool post is behind the spindle: X points up, else to the viewer.
+    pub rear: bool,
+    /// About the upright, degrees; less than 0 brings the end of +Z nearer.
+    pub yaw: f32,
+    /// About the horizontal of the picture, degrees; greater than 0 looks down.
+    pub pitch: f32,
+}
+
+impl Turn {
+    /// Farthest to either side, degrees: the plane of the tools is never seen from its edge.
+    const SIDE: f32 = 70.0;
+    /// Least and greatest pitch of a post behind the spindle, degrees.
+    const REAR: (f32, f32) = (-35.0, 70.0);
+    /// The same of one in front.
+    const FRONT: (f32, f32) = (15.0, 90.0);
+
+    /// Straight onto the plane of the tools: the half section as it is drawn.
+    pub const fn flat(rear: bool) -> Self {
+        Self {
+            rear,
+            yaw: 0.0,
+            pitch: if rear { 0.0 } else { 90.0 },
+        }
+    }
+
+    /// From the front and above: both faces of the cut-out quarter are seen, and the face
+    /// of the part.
+    pub const fn oblique(rear: bool) -> Self {
+        Self {
+            rear,
+            yaw: -30.0,
+            pitch: if rear { 24.0 } else { 42.0 },
+        }
+    }
+
+    /// Turned by so many degrees, as far as it goes.
+    #[must_use]
+    pub const fn turned(self, yaw: f32, pitch: f32) -> Self {
+        let (low, high) = if self.rear { Self::REAR } else { Self::FRONT };
+        Self {
+            yaw: (self.yaw + yaw).clamp(-Self::SIDE, Self::SIDE),
+            pitch: (self.pitch + pitch).clamp(low, high),
+            ..self
+        }
+    }
+
+    /// From Z, X, Y to right, up, towards the viewer.
+    pub(super) fn matrix(self) -> Mat3 {
+        let (yaw, pitch) = (self.yaw.to_radians(), self.pitch.to_radians());
+        let (side, along) = (libm::sinf(yaw), libm::cosf(yaw));
+        let (rise, level) = (libm::sinf(pitch), libm::cosf(pitch));
+        let right = Vec3::new(along, side * rise, -side * level);
+        let up = Vec3::new(0.0, level, rise);
+        let near = Vec3::new(side, -along * rise, along * level);
+        let (x, y) = if self.rear { (up, near) } else { (near, up) };
+        Mat3::from_cols(right, x, y)
+    }
+
+    /// Where a millimetre of Z and of X goes on the picture: right and down.
+    pub fn axes(self) -> [(f32, f32); 2] {
+        let matrix = self.matrix();
+        [matrix.x_axis, matrix.y_axis].map(|axis| (axis.x, -axis.y))
+    }
+}
+
+/// A view of the solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// The direction.
+    pub turn: Turn,
+    /// Z and X that are seen in the middle, mm.
+    pub centre: (f32, f32),
+    /// Pixels a millimetre.
+    pub scale: f32,
+}
+
+/// A view on a picture of a size: what is done with every corner.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Projection {
+    pub matrix: Mat3,
+    /// Pixels a millimetre.
+    pub scale: f32,
+    /// Its mirror image of a right-handed one.
+    pub mirrored: bool,
+    centre: Vec3,
+    middle: Vec2,
+}
+
+impl Projection {
+    pub(super) fn new(view: &View, (width, height): (usize, usize), samples: usize) -> Self {
+        let matrix = view.turn.matrix();
+        Self {
+            matrix,
+            scale: view.scale * samples as f32,
+            mirrored: !view.turn.rear,
+            centre: Vec3::new(view.centre.0, view.centre.1, 0.0),
+            middle: Vec2::new(width as f32, height as f32) / 2.0,
+        }
+    }
+
+    /// Right and down in pixels, and how near.
+    pub(super) fn place(&self, at: Vec3) -> Vec3 {
+        let seen = self.matrix * (at - self.centre) * self.scale;
+        Vec3::new(self.middle.x + seen.x, self.middle.y - seen.y, seen.z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn straight_on_it_is_the_half_section() {
+        let near = |(a, b): (f32, f32), c: f32, d: f32| (a - c).abs() + (b - d).abs() < 1e-6;
+        let [z, x] = Turn::flat(true).axes();
+        assert!(near(z, 1.0, 0.0) && near(x, 0.0, -1.0), "{z:?} {x:?}");
+        let [z, x] = Turn::flat(false).axes();
+        assert!(near(z, 1.0, 0.0) && near(x, 0.0, 1.0), "{z:?} {x:?}");
+    }
+
+    #[test]
+    fn the_plane_of_the_tools_is_never_seen_from_its_edge() {
+        for rear in [true, false] {
+            for yaw in [-500.0, 0.0, 500.0] {
+                for pitch in [-500.0, 0.0, 500.0] {
+                    let [z, x] = Turn::oblique(rear).turned(yaw, pitch).axes();
+                    assert!((z.0 * x.1 - z.1 * x.0).abs() > 0.08);
+                }
+            }
+        }
+    }
+}
