@@ -21,6 +21,7 @@ use core::cell::LazyCell;
 use crate::alarm::{Alarm, number};
 use crate::command::{ExecutedMove, Frame, Source};
 use crate::interpreter::Advance;
+use crate::interpreter::Explanation;
 use crate::interpreter::Immediate;
 use crate::interpreter::Interpreter;
 use crate::interpreter::MachineCodes;
@@ -164,7 +165,22 @@ pub fn preview_while(
     on_move: &mut dyn FnMut(&ExecutedMove),
     go_on: &mut dyn FnMut(&Progress) -> bool,
 ) -> Preview {
-    interpret(setup, programs, on_move, go_on, false)
+    let wanted = Wanted::default();
+    interpret(setup, programs, &mut |it, _| on_move(it), go_on, wanted)
+}
+
+/// As [`preview_while`]; `on_move` also gets why a move of a cycle is where it is.
+pub fn preview_explained(
+    setup: &Setup,
+    programs: &ProgramMemory,
+    on_move: &mut dyn FnMut(&ExecutedMove, Option<&Explanation>),
+    go_on: &mut dyn FnMut(&Progress) -> bool,
+) -> Preview {
+    let wanted = Wanted {
+        explanations: true,
+        ..Wanted::default()
+    };
+    interpret(setup, programs, on_move, go_on, wanted)
 }
 
 /// As [`preview_while`]; behind an alarm it looks on for [`Further`] ones.
@@ -174,15 +190,28 @@ pub fn preview_beyond_alarms(
     on_move: &mut dyn FnMut(&ExecutedMove),
     go_on: &mut dyn FnMut(&Progress) -> bool,
 ) -> Preview {
-    interpret(setup, programs, on_move, go_on, true)
+    let wanted = Wanted {
+        beyond_alarms: true,
+        ..Wanted::default()
+    };
+    interpret(setup, programs, &mut |it, _| on_move(it), go_on, wanted)
+}
+
+/// What costs time and is not always wanted.
+#[derive(Clone, Copy, Default)]
+struct Wanted {
+    /// A look at what follows an alarm.
+    beyond_alarms: bool,
+    /// Why the moves of cycles are where they are.
+    explanations: bool,
 }
 
 fn interpret(
     setup: &Setup,
     programs: &ProgramMemory,
-    on_move: &mut dyn FnMut(&ExecutedMove),
+    on_move: &mut OnMove<'_>,
     go_on: &mut dyn FnMut(&Progress) -> bool,
-    beyond_alarms: bool,
+    wanted: Wanted,
 ) -> Preview {
     let frame = frame_at_start(setup);
     let mut host = Immediate {
@@ -204,6 +233,7 @@ fn interpret(
     interpreter.set_machine_codes(MachineCodes::of(&setup.ladder));
     interpreter.set_frame(frame, &host);
     let mut walk = Walk::new(setup, programs, *interpreter.modal(), on_move);
+    walk.explains = wanted.explanations;
     let met = match programs.current() {
         Some(program) => {
             interpreter.start(program, 1, &host);
@@ -224,7 +254,7 @@ fn interpret(
         // The end of a program is a reset.
         preview.modal.nose_compensation = 40;
     }
-    if let (Some(met), true) = (met, beyond_alarms) {
+    if let (Some(met), true) = (met, wanted.beyond_alarms) {
         preview.further = walk.look_on(met, &mut interpreter, &mut host, go_on);
         preview.cautions = walk.so_far.cautions;
     }
@@ -253,6 +283,9 @@ fn idle_inputs(setup: &Setup) -> u16 {
     u16::from_le_bytes([memory.g(54), memory.g(55)])
 }
 
+/// Takes the moves, each with why it is where it is.
+type OnMove<'a> = dyn FnMut(&ExecutedMove, Option<&Explanation>) + 'a;
+
 /// The walk over the commands.
 struct Walk<'a> {
     limits: MotionLimits,
@@ -274,11 +307,14 @@ struct Walk<'a> {
     /// Cuts that go over into each other (007.3 = 0), and the last of them, whose
     /// time is known when the next command is.
     sequel: Sequel,
-    unsettled: Option<ExecutedMove>,
+    unsettled: Option<(ExecutedMove, Option<Explanation>)>,
     /// Time the spindle needs for a new speed, s.
     settle_s: f64,
     so_far: Preview,
-    on_move: &'a mut dyn FnMut(&ExecutedMove),
+    on_move: &'a mut OnMove<'a>,
+    /// Whether explanations are worked out, and that of the command in work.
+    explains: bool,
+    explanation: Option<Explanation>,
 }
 
 impl<'a> Walk<'a> {
@@ -286,7 +322,7 @@ impl<'a> Walk<'a> {
         setup: &Setup,
         programs: &'a ProgramMemory,
         modal: Modal,
-        on_move: &'a mut dyn FnMut(&ExecutedMove),
+        on_move: &'a mut OnMove<'a>,
     ) -> Self {
         let start = setup.start.unwrap_or_default();
         Self {
@@ -329,6 +365,8 @@ impl<'a> Walk<'a> {
                 parameters: setup.memory.parameters.clone(),
             },
             on_move,
+            explains: false,
+            explanation: None,
         }
     }
 
@@ -349,15 +387,20 @@ impl<'a> Walk<'a> {
                 }
             }
             match interpreter.advance(host) {
-                Ok(Advance::Command(command)) => match self.carry_out(&command) {
-                    Ok(None) => {}
-                    Ok(Some(end)) => {
-                        self.so_far.end = end;
-                        self.ended = true;
-                        return None;
+                Ok(Advance::Command(command)) => {
+                    if self.explains {
+                        self.explanation = interpreter.explanation();
                     }
-                    Err(alarm) => return Some((alarm.at(command.source), Raised::Making)),
-                },
+                    match self.carry_out(&command) {
+                        Ok(None) => {}
+                        Ok(Some(end)) => {
+                            self.so_far.end = end;
+                            self.ended = true;
+                            return None;
+                        }
+                        Err(alarm) => return Some((alarm.at(command.source), Raised::Making)),
+                    }
+                }
                 Ok(Advance::Wait | Advance::Starved | Advance::Ended) => return None,
                 Err(alarm) => return Some((alarm, Raised::Reading)),
             }

@@ -22,6 +22,13 @@ pub fn block(line: u32, text: &str, modal: &Modal) -> String {
 
 /// A pass of a cycle.
 pub fn pass(explanation: &Explanation, language: Language) -> String {
+    let (said, formula) = pass_in_words(explanation, language);
+    format!("        {said}\n          {formula}\n")
+}
+
+/// Which pass of a cycle it is and how deep it cuts; and the formula of its place with
+/// the words and parameters that made it.
+pub fn pass_in_words(explanation: &Explanation, language: Language) -> (String, String) {
     let Explanation {
         code,
         pass,
@@ -39,7 +46,7 @@ pub fn pass(explanation: &Explanation, language: Language) -> String {
     let said = [Some(say::narration_pass(code, pass)), of, level, cut];
     let said: String = said.iter().flatten().map(|it| it.text(language)).collect();
     let formula = formula.text(language);
-    format!("        {said}\n          {formula}   [{words}]\n")
+    (said, format!("{formula}   [{words}]"))
 }
 
 /// A move that was executed.

@@ -240,6 +240,11 @@ impl Window {
                 Some(header::Asked::Dock) | None => {}
             }
         }
+        if let Some(view) = self.views.take_wanted()
+            && !self.settings.layouts.is_open(view)
+        {
+            self.settings.layouts.toggle(view);
+        }
         let layouts = &mut self.settings.layouts;
         layout::drag(ui, &arranged.splitters, layouts, language);
     }

@@ -1,7 +1,8 @@
 //! What a preview says beside the path: further alarms, cautions, the work zero.
 
-use super::{MOST_FURTHER, Preview, Slip, preview_beyond_alarms};
+use super::{MOST_FURTHER, Preview, Slip, preview_beyond_alarms, preview_explained};
 use crate::command::{ExecutedMove, ProgramId};
+use crate::interpreter::Explanation;
 use crate::program::{Program, ProgramMemory};
 use crate::setup::Setup;
 use crate::units::Point;
@@ -299,4 +300,19 @@ fn the_machine_zero_lies_where_the_work_zero_says() {
         Point::new(0.0, 150.0),
     );
     assert_eq!(ends, [(start, near), (near, zero)]);
+}
+
+#[test]
+fn passes_of_a_cycle_come_with_their_explanations() {
+    let mut setup = Setup::default();
+    let text = "G00 X44 Z2\nG71 U3 R1\nG71 P1 Q2 F100\nN1 G00 X20\nG01 Z-20\nN2 X40\nM30\n";
+    setup.memory.programs.open_external(Program::new(text));
+    setup.memory.programs.select(ProgramId::External);
+    let mut passes = Vec::new();
+    let on_move = &mut |executed: &ExecutedMove, why: Option<&Explanation>| {
+        let deep = executed.from.z == 2.0 && executed.to.z < -10.0;
+        passes.extend(why.filter(|_| deep).map(|why| (executed.to.x, why.pass)));
+    };
+    preview_explained(&setup, &setup.memory.programs, on_move, &mut |_| true);
+    assert_eq!(passes, [(19.0, 1), (16.0, 2), (13.0, 3), (10.0, 4)]);
 }

@@ -77,7 +77,7 @@ impl Walk<'_> {
         };
         self.count(&executed);
         if over {
-            self.unsettled = Some(executed);
+            self.unsettled = Some((executed, self.explanation.take()));
         } else {
             self.show(&executed);
         }
@@ -94,14 +94,14 @@ impl Walk<'_> {
     /// Hands a move out; what an alarm keeps from being made is not shown.
     pub(super) fn show(&mut self, executed: &ExecutedMove) {
         if self.behind.is_none() {
-            (self.on_move)(executed);
+            (self.on_move)(executed, self.explanation.as_ref());
         }
     }
 
     /// The cut that waits for what follows it: unless that is a cut too, the tool
     /// closes up first.
     pub(super) fn settle(&mut self, goes_on: bool) {
-        let Some(mut executed) = self.unsettled.take() else {
+        let Some((mut executed, explanation)) = self.unsettled.take() else {
             return;
         };
         if !goes_on {
@@ -110,7 +110,9 @@ impl Walk<'_> {
             self.so_far.cutting_s += closing;
             self.clock.advance(closing);
         }
+        let next = core::mem::replace(&mut self.explanation, explanation);
         self.show(&executed);
+        self.explanation = next;
     }
 
     /// What holds while the move of a command is made.

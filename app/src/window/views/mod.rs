@@ -28,7 +28,7 @@ use bench::Bench;
 use gsk_messages::Language;
 use ladder::LadderView;
 use link::LinkPage;
-use machine::LatheView;
+use machine::{LatheView, Wish};
 use program::ProgramView;
 use scope::Scope;
 
@@ -46,6 +46,8 @@ pub struct Views {
     lathe: LatheView,
     console: Console,
     machine: Option<Arc<MachineView>>,
+    /// A view that another one wants to be open.
+    wanted: Option<View>,
 }
 
 impl Views {
@@ -62,6 +64,7 @@ impl Views {
             lathe: LatheView::new(console.clone()),
             console: console.clone(),
             machine: None,
+            wanted: None,
         }
     }
 
@@ -119,14 +122,48 @@ impl Views {
         match view {
             View::Scope => self.scope.show(ui, language, native),
             View::Link => self.link.show(ui, language),
-            View::Program => self.program.show(ui, language, native),
-            View::Machine => self.lathe.show(ui, language),
+            View::Program => {
+                self.program.show(ui, language, native);
+                if let Some(document) = self.program.newly_typed() {
+                    self.lathe.typed(document);
+                }
+            }
+            View::Machine => {
+                self.lathe.show(ui, language);
+                self.carry_out_wish();
+            }
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();
                 self.ladder.show(ui, language, machine, native);
             }
         }
+    }
+
+    /// What the machine view asks of the program view.
+    fn carry_out_wish(&mut self) {
+        let Some(wish) = self.lathe.take_wish() else {
+            return;
+        };
+        let is_open = self.shown.contains(&View::Program);
+        match wish {
+            Wish::Show { open: false, .. } if !is_open => return,
+            Wish::Show {
+                program,
+                line,
+                text,
+                ..
+            } => self.program.show_block(program, line, text),
+            Wish::Take { program, own, text } => self.program.take_over(program, own, text),
+        }
+        if !is_open {
+            self.wanted = Some(View::Program);
+        }
+    }
+
+    /// A view that another one wants to be open.
+    pub const fn take_wanted(&mut self) -> Option<View> {
+        self.wanted.take()
     }
 
     /// Draws a docked view into its pane. One that is larger than the pane is scrolled.

@@ -3,10 +3,12 @@
 use egui::{Color32, RichText, ScrollArea, Ui};
 use gsk_core::command::ProgramId;
 use gsk_messages::{Language, Message, say};
+use gsk_runner::narration::pass_in_words;
 use gsk_runner::times::Spending;
 
 use super::path::Block;
-use super::{HIT, Instrument, LatheView, block_of, lines, place};
+use super::xray::{self, Done};
+use super::{Chosen, HIT, Instrument, LatheView, Wish, block_of, lines, place};
 use crate::kernel::Command;
 use crate::window::alarm_line;
 
@@ -73,13 +75,18 @@ impl LatheView {
             // As wide as it gets, so that what stands beside it does not move.
             ui.label(RichText::new(format!("{pointer:<24}")).monospace());
             let running = self.part.as_ref().and_then(|part| part.block);
-            if let Some(block) = self.chosen.or(running.map(block_of)) {
+            let chosen = self.chosen.as_ref().map(|chosen| chosen.block);
+            if let Some(block) = chosen.or(running.map(block_of)) {
                 let words = RichText::new(self.words_of(block)).monospace();
-                ui.add(egui::Label::new(words).truncate());
+                let words = egui::Label::new(words).truncate().sense(egui::Sense::CLICK);
+                let hint = say::lathe_show_text().text(language);
+                if ui.add(words).on_hover_text(hint).clicked() {
+                    self.wish = Some(self.show_block(block, true));
+                }
             }
         });
         match self.instrument {
-            Instrument::Path => {}
+            Instrument::Path => self.xray(ui, language),
             Instrument::Caliper => {
                 let said = self.caliper.words();
                 let said = said.iter().map(|words| words.text(language));
@@ -118,6 +125,30 @@ impl LatheView {
         self.collisions(ui, language);
     }
 
+    /// Why the pass that was clicked lies there, and the words of its cycle.
+    fn xray(&mut self, ui: &mut Ui, language: Language) {
+        let pass = self.chosen.as_ref().and_then(|chosen| chosen.pass.as_ref());
+        if let Some(why) = pass.and_then(|pass| pass.why.as_ref()) {
+            let (said, formula) = pass_in_words(why, language);
+            ui.label(RichText::new(said).color(lines::PASS));
+            ui.label(RichText::new(formula).monospace());
+        }
+        let block = self.chosen.as_ref().map(|chosen| chosen.block);
+        let trial = self.trial.as_ref();
+        match xray::show(ui, &self.made.path, block, trial, language) {
+            Some(Done::Changed(trial)) => self.try_out(Some(trial)),
+            Some(Done::Discard) => self.try_out(None),
+            Some(Done::Take(trial)) => {
+                self.wish = Some(Wish::Take {
+                    program: trial.id,
+                    own: trial.own.text().to_owned(),
+                    text: trial.tried.text().to_owned(),
+                });
+            }
+            None => {}
+        }
+    }
+
     fn collisions(&mut self, ui: &mut Ui, language: Language) {
         let findings = self.part.as_ref().map_or(&[][..], |part| &part.findings);
         if findings.is_empty() {
@@ -148,7 +179,7 @@ impl LatheView {
                 }
             });
         if let Some((block, at)) = meant {
-            self.chosen = block;
+            self.chosen = block.map(|block| Chosen { block, pass: None });
             self.look_at(at);
         }
     }

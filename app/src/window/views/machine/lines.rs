@@ -15,6 +15,8 @@ pub const FEED: Color32 = Color32::from_rgb(90, 180, 255);
 /// Threads.
 pub const THREAD: Color32 = Color32::from_rgb(80, 225, 120);
 const LIT: Color32 = Color32::from_rgb(255, 255, 140);
+/// A pass of a cycle that was clicked.
+pub const PASS: Color32 = Color32::from_rgb(255, 245, 170);
 const CHOSEN: Color32 = Color32::from_rgb(255, 110, 220);
 
 /// Rapids are dashed as long as there are no more of them than that.
@@ -68,6 +70,14 @@ pub fn highlight(painter: &Painter, camera: &Camera, path: &Path, block: Block, 
         if Rect::from_two_pos(ends[0], ends[1]).intersects(room) {
             painter.line_segment(ends, Stroke::new(width, color));
         }
+    }
+}
+
+/// Draws the pieces of a pass over the path.
+pub fn highlight_pass(painter: &Painter, camera: &Camera, pieces: &[[Pos2; 2]]) {
+    for ends in pieces {
+        let ends = ends.map(|end| camera.screen(end));
+        painter.line_segment(ends, Stroke::new(3.5, PASS));
     }
 }
 

@@ -12,6 +12,7 @@ mod microscope;
 mod path;
 mod solids;
 mod worker;
+mod xray;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,6 +26,7 @@ use gsk_core::command::{ProgramId, Source};
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
 
+use super::program::{Document, Origin, with_line_feeds};
 use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::part::PartView;
 use crate::kernel::{Command, Console, Place};
@@ -37,6 +39,7 @@ use microscope::Microscope;
 use path::Block;
 use solids::Solids;
 use worker::{Made, Worker};
+use xray::Trial;
 
 /// How near a click must be to the path, points.
 const REACH: f32 = 8.0;
@@ -62,6 +65,38 @@ enum Instrument {
     Microscope,
 }
 
+/// A block of the path, and the pass of the cycle it makes there.
+#[derive(Clone, Debug)]
+struct Chosen {
+    block: Block,
+    pass: Option<path::Pass>,
+}
+
+/// What the machine view asks of the program view.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wish {
+    /// Show a block, and its text as far as is known.
+    Show {
+        /// The program.
+        program: ProgramId,
+        /// Line of the text, from 1.
+        line: u32,
+        /// What stands there.
+        text: String,
+        /// Even if the view is closed.
+        open: bool,
+    },
+    /// Take another text in the place of one.
+    Take {
+        /// The program.
+        program: ProgramId,
+        /// The text of the control.
+        own: String,
+        /// The other one.
+        text: String,
+    },
+}
+
 /// The machine view.
 pub struct LatheView {
     console: Console,
@@ -79,8 +114,12 @@ pub struct LatheView {
     camera: Option<Camera>,
     follow: bool,
     crash_stops: bool,
-    /// The block that was clicked.
-    chosen: Option<Block>,
+    /// What was clicked.
+    chosen: Option<Chosen>,
+    /// Another text than the control's is carried out.
+    trial: Option<Trial>,
+    /// What other views are to do.
+    wish: Option<Wish>,
     /// Where the pointer is, position of the part.
     pointer: Option<Pos2>,
     instrument: Instrument,
@@ -105,6 +144,8 @@ impl LatheView {
             follow: false,
             crash_stops: false,
             chosen: None,
+            trial: None,
+            wish: None,
             pointer: None,
             instrument: Instrument::Path,
             caliper: Caliper::default(),
@@ -127,6 +168,7 @@ impl LatheView {
             Place::OnlyRun(_) => ProgramId::External,
         };
         self.file = path.map(|path| (program, path.to_owned()));
+        self.try_out(None);
         if let (Some(worker), Some((program, file))) = (&self.worker, &self.file) {
             worker.opened(*program, file.clone());
         }
@@ -157,6 +199,10 @@ impl LatheView {
                 self.camera = None;
                 self.chosen = None;
                 self.microscope.clear();
+            }
+            // The passes lie elsewhere now.
+            if let Some(chosen) = &mut self.chosen {
+                chosen.pass = made.path.pass_again(chosen.pass.take());
             }
             self.made = made;
         }
@@ -214,8 +260,11 @@ impl LatheView {
         } else {
             self.lines.draw(&painter, &camera, path);
         }
-        if let Some(chosen) = self.chosen {
-            lines::highlight(&painter, &camera, &self.made.path, chosen, false);
+        if let Some(Chosen { block, pass }) = &self.chosen {
+            lines::highlight(&painter, &camera, &self.made.path, *block, false);
+            if let Some(pass) = pass {
+                lines::highlight_pass(&painter, &camera, &self.made.path.pieces_of(pass));
+            }
         }
         if let Some(part) = &self.part {
             if let Some(block) = part.block.map(block_of) {
@@ -299,7 +348,14 @@ impl LatheView {
             match self.instrument {
                 Instrument::Caliper => self.caliper.click(),
                 Instrument::Path | Instrument::Microscope => {
-                    self.chosen = path.nearest(camera.part(at), REACH / camera.scale);
+                    let piece = path.nearest(camera.part(at), REACH / camera.scale);
+                    self.chosen = piece.and_then(|piece| {
+                        let pass = path.pass_at(piece).cloned();
+                        let block = path.block_at(piece)?;
+                        Some(Chosen { block, pass })
+                    });
+                    let block = self.chosen.as_ref().map(|chosen| chosen.block);
+                    self.wish = block.map(|block| self.show_block(block, false));
                 }
             }
         }
@@ -308,6 +364,56 @@ impl LatheView {
             Instrument::Caliper => self.caliper.point(self.pointer, camera),
             Instrument::Microscope => self.microscope.point(self.pointer, camera),
         }
+    }
+
+    /// What other views are to do.
+    pub const fn take_wish(&mut self) -> Option<Wish> {
+        self.wish.take()
+    }
+
+    /// A text was typed: where the control has another one of the same program, it is
+    /// tried out.
+    pub fn typed(&mut self, document: &Document) {
+        let id = match &document.origin {
+            Origin::Memory(number) => ProgramId::Stored(*number),
+            Origin::File(path, _) => match &self.file {
+                Some((id, file)) if file == path => *id,
+                _ => return,
+            },
+            Origin::New => return,
+        };
+        let programs = &self.made.path.programs;
+        let own = match &self.trial {
+            Some(trial) if trial.id == id => Some(&trial.own),
+            _ => programs.get(id),
+        };
+        let Some(own) = own.filter(|_| programs.current() == Some(id)).cloned() else {
+            return;
+        };
+        let tried = document.program();
+        let same = with_line_feeds(own.text()) == tried.text();
+        let trial = (!same).then_some(Trial { id, own, tried });
+        if trial != self.trial {
+            self.try_out(trial);
+        }
+    }
+
+    fn show_block(&self, block: Block, open: bool) -> Wish {
+        Wish::Show {
+            program: block.program,
+            line: block.line,
+            text: self.made.path.text(block).to_owned(),
+            open,
+        }
+    }
+
+    /// Carries another text out than the control's, or its own again.
+    fn try_out(&mut self, trial: Option<Trial>) {
+        if let Some(worker) = &self.worker {
+            let text = trial.as_ref();
+            worker.try_out(text.map(|trial| (trial.id, trial.tried.clone())));
+        }
+        self.trial = trial;
     }
 
     /// Shows a position in the middle, large.

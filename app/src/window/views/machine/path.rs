@@ -5,12 +5,15 @@ use std::sync::Arc;
 
 use egui::{Pos2, Rect, Vec2, pos2};
 use gsk_core::command::{ExecutedMove, MoveKind, ProgramId};
+use gsk_core::interpreter::Explanation;
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
 use gsk_runner::curves::{RapidRates, arc_points, rapid_bend};
 
 /// Pieces of a portion.
 const PORTION: usize = 16_384;
+/// Passes of cycles that are explained, at most.
+const MOST_PASSES: usize = 20_000;
 /// How far the chord of an arc may lie beside it, mm.
 const SAGITTA: f64 = 0.01;
 
@@ -53,10 +56,20 @@ pub struct Block {
     pub line: u32,
 }
 
+/// A pass of a cycle: the pieces from its first to that of the next pass.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    first: usize,
+    block: Block,
+    /// Why it is where it is.
+    pub why: Option<Arc<Explanation>>,
+}
+
 /// A path, as far as it is known.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
     portions: Vec<Arc<Vec<Piece>>>,
+    passes: Vec<Pass>,
     /// The texts its blocks stand in.
     pub programs: ProgramMemory,
     /// Box around its cuts, or around everything where it cuts nothing.
@@ -81,20 +94,66 @@ impl Path {
         self.portions.iter().map(|portion| portion.len()).sum()
     }
 
-    /// The block whose piece is nearest to a point, at most so far from it, mm. Of two
+    /// The place of the piece nearest to a point, at most so far from it, mm. Of two
     /// that are equally near, the later one: it lies on top.
-    pub fn nearest(&self, at: Pos2, reach: f32) -> Option<Block> {
+    pub fn nearest(&self, at: Pos2, reach: f32) -> Option<usize> {
         let mut nearest = (reach * reach, None);
-        for (from, piece) in self.pieces() {
-            let distance = distance_sq(at, from, piece.end);
+        let mut from = Pos2::ZERO;
+        let all = self.portions.iter().flat_map(|portion| portion.iter());
+        for (index, piece) in all.enumerate() {
+            let begin = std::mem::replace(&mut from, piece.end);
+            if piece.way == Way::Jump {
+                continue;
+            }
+            let distance = distance_sq(at, begin, piece.end);
             if distance <= nearest.0 {
-                nearest = (distance, Some(piece));
+                nearest = (distance, Some(index));
             }
         }
-        nearest.1.map(|piece| Block {
+        nearest.1
+    }
+
+    /// The block of a piece.
+    pub fn block_at(&self, index: usize) -> Option<Block> {
+        let mut all = self.portions.iter().flat_map(|portion| portion.iter());
+        let piece = all.nth(index)?;
+        Some(Block {
             program: piece.program,
             line: piece.line,
         })
+    }
+
+    /// The pass of a cycle that a piece belongs to.
+    pub fn pass_at(&self, index: usize) -> Option<&Pass> {
+        let after = self.passes.partition_point(|pass| pass.first <= index);
+        let pass = self.passes.get(after.checked_sub(1)?)?;
+        (pass.why.is_some() && self.block_at(index) == Some(pass.block)).then_some(pass)
+    }
+
+    /// The pass of the same number in the same block, where it lies now.
+    pub fn pass_again(&self, pass: Option<Pass>) -> Option<Pass> {
+        let pass = pass?;
+        let number = pass.why.as_ref()?.pass;
+        let again = self.passes.iter().find(|other| {
+            let same = other.why.as_ref().is_some_and(|why| why.pass == number);
+            same && other.block == pass.block
+        });
+        again.cloned()
+    }
+
+    /// The pieces of a pass, each with the point it begins at.
+    pub fn pieces_of(&self, pass: &Pass) -> Vec<[Pos2; 2]> {
+        let next = self
+            .passes
+            .iter()
+            .find(|other| other.first > pass.first)
+            .map_or(usize::MAX, |next| next.first);
+        let all = self.portions.iter().flat_map(|portion| portion.iter());
+        let before = pass.first.saturating_sub(1);
+        let count = next.saturating_sub(before);
+        let pieces: Vec<&Piece> = all.skip(before).take(count).collect();
+        let pairs = pieces.windows(2).filter(|pair| pair[1].way != Way::Jump);
+        pairs.map(|pair| [pair[0].end, pair[1].end]).collect()
     }
 
     /// The text of a block.
@@ -121,12 +180,34 @@ fn distance_sq(at: Pos2, from: Pos2, to: Pos2) -> f32 {
 pub struct Builder {
     done: Vec<Arc<Vec<Piece>>>,
     open: Vec<Piece>,
+    passes: Vec<Pass>,
     last: Option<Pos2>,
     cuts: Option<Rect>,
     all: Option<Rect>,
 }
 
 impl Builder {
+    /// A pass begins unless the last one goes on; it is told by what explains it.
+    pub fn explain(&mut self, executed: &ExecutedMove, why: Option<&Explanation>) {
+        let block = Block {
+            program: executed.source.program,
+            line: executed.source.line,
+        };
+        let same = self.passes.last().map(|last| {
+            let explained = last.why.as_deref();
+            explained == why && (why.is_none() || last.block == block)
+        });
+        if same.unwrap_or(why.is_none()) || self.passes.len() > MOST_PASSES {
+            return;
+        }
+        let first = self.done.iter().map(|portion| portion.len()).sum::<usize>() + self.open.len();
+        self.passes.push(Pass {
+            first,
+            block,
+            why: why.cloned().map(Arc::new),
+        });
+    }
+
     /// Adds a move; `shift` leads from program to part coordinates.
     pub fn push(&mut self, executed: &ExecutedMove, shift: Point, rates: RapidRates) {
         let way = match executed.kind {
@@ -190,6 +271,7 @@ impl Builder {
         portions.push(Arc::new(self.open.clone()));
         Path {
             portions,
+            passes: self.passes.clone(),
             programs: programs.clone(),
             bounds: self.cuts.or(self.all),
             partial,
@@ -205,7 +287,7 @@ fn extend(bounds: &mut Option<Rect>, point: Pos2) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gsk_core::preview::preview;
+    use gsk_core::preview::preview_explained;
     use gsk_core::program::Program;
     use gsk_core::setup::Setup;
 
@@ -216,23 +298,41 @@ mod tests {
         let rates = RapidRates::of(&setup.memory.parameters);
         let mut builder = Builder::default();
         let programs = setup.memory.programs.clone();
-        preview(&setup, &programs, &mut |executed| {
+        let on_move = &mut |executed: &ExecutedMove, why: Option<&Explanation>| {
+            builder.explain(executed, why);
             builder.push(executed, Point::default(), rates);
-        });
+        };
+        preview_explained(&setup, &programs, on_move, &mut |_| true);
         builder.path(&programs, false)
     }
 
     #[test]
     fn the_nearest_piece_names_its_block() {
         let path = path("G00 X40 Z2\nG01 Z-30 F100\nX50\nG02 X60 Z-35 R5\nM30\n");
-        let block = |z, x| path.nearest(pos2(z, x), 0.5).map(|block| block.line);
+        let block_at = |z, x| path.block_at(path.nearest(pos2(z, x), 0.5)?);
+        let block = |z, x| block_at(z, x).map(|block| block.line);
         assert_eq!(block(-10.0, 20.1), Some(2));
         assert_eq!(block(-30.0, 22.0), Some(3));
         assert_eq!(block(-33.536, 26.464), Some(4), "the middle of the arc");
         assert_eq!(block(-10.0, 25.0), None);
-        let line = path.nearest(pos2(-10.0, 20.0), 0.5).unwrap();
+        let line = block_at(-10.0, 20.0).unwrap();
         assert_eq!(path.text(line), "G01 Z-30 F100");
         let bounds = path.bounds.unwrap();
         assert_eq!((bounds.left(), bounds.right()), (-35.0, 2.0));
+    }
+
+    #[test]
+    fn a_piece_of_a_cycle_names_its_pass() {
+        let path =
+            path("G00 X44 Z2\nG71 U3 R1\nG71 P1 Q2 F100\nN1 G00 X20\nG01 Z-20\nN2 X40\nM30\n");
+        let pass = |z, x| {
+            let pass = path.pass_at(path.nearest(pos2(z, x), 0.2)?)?;
+            Some((pass.why.as_ref()?.pass, path.pieces_of(pass).len()))
+        };
+        let (number, pieces) = pass(-10.0, 19.0).unwrap();
+        assert_eq!(number, 1, "the level of X38");
+        assert!((3..=5).contains(&pieces), "{pieces}");
+        assert_eq!(pass(-10.0, 13.0).unwrap().0, 3);
+        assert_eq!(pass(2.0, 30.0), None, "the way to the cycle");
     }
 }

@@ -13,7 +13,7 @@ use egui::Context;
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::{Offsets, Parameters};
-use gsk_core::preview::{End, preview_while};
+use gsk_core::preview::{End, preview_explained};
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
@@ -69,6 +69,8 @@ enum Request {
     Opened(ProgramId, PathBuf),
     /// The part that is meant, beside the one that comes of the program.
     Compare(Arc<Job>),
+    /// Another text for a program, which the control does not have; none: its own.
+    Try(Option<(ProgramId, Program)>),
 }
 
 /// The worker's end in the window; it ends with it.
@@ -98,6 +100,7 @@ impl Worker {
             compared: Arc::clone(&compared),
             shared: Arc::clone(&shared),
             file: None,
+            tried: None,
             last: None,
             serial: 0,
         };
@@ -121,6 +124,12 @@ impl Worker {
         let _ = self.requests.try_send(Request::Compare(job));
     }
 
+    /// Carries out another text of a program than the control has.
+    pub fn try_out(&self, text: Option<(ProgramId, Program)>) {
+        self.shared.newer.fetch_add(1, Ordering::Relaxed);
+        let _ = self.requests.try_send(Request::Try(text));
+    }
+
     /// The newest comparison.
     pub fn compared(&self) -> Option<Arc<Compared>> {
         self.compared.pop()
@@ -142,6 +151,7 @@ impl Drop for Worker {
 #[derive(Clone, Debug, PartialEq)]
 struct Basis {
     program: Option<(ProgramId, Program)>,
+    tried: Option<(ProgramId, Program)>,
     file: Option<PathBuf>,
     offsets: Offsets,
     parameters: Parameters,
@@ -156,6 +166,8 @@ struct Work {
     shared: Arc<Shared>,
     /// The file that was opened last, and the program made of it.
     file: Option<(ProgramId, PathBuf)>,
+    /// The text that is tried out, and the program it is another one of.
+    tried: Option<(ProgramId, Program)>,
     last: Option<Basis>,
     serial: u64,
 }
@@ -166,18 +178,19 @@ impl Work {
             if !self.shared.running.load(Ordering::Relaxed)
                 && let Some(setup) = self.console.setup()
             {
-                self.look(&setup);
+                self.look(setup);
             }
             match self.requests.recv_timeout(LOOKS) {
                 Ok(Request::Opened(program, file)) => self.file = Some((program, file)),
                 Ok(Request::Compare(job)) => self.compare(&job),
+                Ok(Request::Try(tried)) => self.tried = tried,
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
         }
     }
 
-    fn look(&mut self, setup: &Setup) {
+    fn look(&mut self, mut setup: Setup) {
         let programs = &setup.memory.programs;
         let program = programs
             .current()
@@ -188,6 +201,7 @@ impl Work {
         });
         let basis = Basis {
             program,
+            tried: self.tried.clone(),
             file: file.map(|(_, path)| path.clone()),
             offsets: setup.memory.offsets.clone(),
             parameters: setup.memory.parameters.clone(),
@@ -201,7 +215,8 @@ impl Work {
         if another {
             self.serial += 1;
         }
-        if self.carry_out(setup, &basis, another) {
+        self.put_in(&mut setup);
+        if self.carry_out(&setup, &basis, another) {
             self.last = Some(basis);
         }
     }
@@ -227,10 +242,11 @@ impl Work {
         let programs = &setup.memory.programs;
         let (mut builder, mut first) = (Builder::default(), Vec::new());
         let mut times = Times::default();
-        let preview = preview_while(
+        let preview = preview_explained(
             setup,
             programs,
-            &mut |executed| {
+            &mut |executed, why| {
+                builder.explain(executed, why);
                 builder.push(executed, shift(machining.as_ref(), executed), rates);
                 times.push(executed);
                 if chosen.is_none() && first.len() < guess::MOST_MOVES {
@@ -264,10 +280,35 @@ impl Work {
         true
     }
 
-    fn compare(&self, job: &Job) {
-        let Some(setup) = self.console.setup() else {
+    /// Puts the text that is tried out in the place of the program's.
+    fn put_in(&self, setup: &mut Setup) {
+        let programs = &mut setup.memory.programs;
+        let Some((id, text)) = &self.tried else {
             return;
         };
+        if programs.current() != Some(*id) {
+            return;
+        }
+        let before = programs.clone();
+        match id {
+            ProgramId::Stored(number) => {
+                let stored = programs.store(text.text());
+                // Under another number it would be another program.
+                if stored.ok() != Some(*number) {
+                    *programs = before;
+                }
+            }
+            ProgramId::External => programs.open_external(text.clone()),
+            ProgramId::Mdi | ProgramId::Dnc => {}
+        }
+        programs.select(*id);
+    }
+
+    fn compare(&self, job: &Job) {
+        let Some(mut setup) = self.console.setup() else {
+            return;
+        };
+        self.put_in(&mut setup);
         let begun = self.shared.newer.load(Ordering::Relaxed);
         let patience = Patience::new(PATIENCE.0, PATIENCE.1);
         let rates = RapidRates::of(&setup.memory.parameters);

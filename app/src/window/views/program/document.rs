@@ -80,7 +80,7 @@ impl Document {
     /// A text from somewhere.
     pub fn new(origin: Origin, text: &str) -> Self {
         let line_end = LineEnd::of(text);
-        let text = text.replace("\r\n", "\n").replace('\r', "\n");
+        let text = with_line_feeds(text);
         let mut document = Self {
             origin,
             kept: text.clone(),
@@ -194,6 +194,11 @@ impl Document {
             end => self.text.replace('\n', end.text()),
         }
     }
+}
+
+/// A text whose lines end with LF.
+pub fn with_line_feeds(text: &str) -> String {
+    text.replace("\r\n", "\n").replace('\r', "\n")
 }
 
 /// The last part of a path.

@@ -10,12 +10,13 @@ mod document;
 mod editor;
 mod paint;
 mod targets;
-mod words;
+pub mod words;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use egui::{Context, Panel, RichText, ScrollArea, Ui};
+use gsk_core::command::ProgramId;
 use gsk_messages::{Language, Message, say};
 
 use super::{bar_frame, plain_frame, side_frame};
@@ -24,7 +25,8 @@ use crate::window::message::why_not;
 use bar::{Bar, Wish};
 use check::{Checked, Checker};
 use desk::{Arrived, Desk};
-use document::{Document, Origin, file_name};
+use document::file_name;
+pub use document::{Document, Origin, with_line_feeds};
 use editor::Sheet;
 use paint::{Painter, WRONG};
 use targets::Target;
@@ -56,8 +58,35 @@ pub struct ProgramView {
     found: usize,
     /// What comes when nothing stands against it.
     next: Option<Next>,
+    /// A text was sent for and has not come.
+    bringing: bool,
+    /// What another view asked for.
+    wanted: Option<Wanted>,
+    /// The revision of the text that other views know.
+    told: u64,
     /// What was said last.
     said: Option<Said>,
+}
+
+/// What another view asks for.
+enum Wanted {
+    /// A block, by its line and what stands there.
+    Block { line: u32, text: String },
+    /// Another text in the place of one.
+    Text { own: String, text: String },
+}
+
+impl Wanted {
+    /// Whether the text that it is about is in the editor.
+    fn is_in(&self, document: &Document) -> bool {
+        match self {
+            Self::Block { line, text } => {
+                let index = line.checked_sub(1).map(|index| index as usize);
+                index.is_some_and(|index| document.line(index).trim() == text.trim())
+            }
+            Self::Text { own, .. } => document.text.trim() == with_line_feeds(own).trim(),
+        }
+    }
 }
 
 /// A sentence of the view.
@@ -80,6 +109,9 @@ impl ProgramView {
             jump: None,
             found: 0,
             next: Some(Next::Memory(None)),
+            bringing: false,
+            wanted: None,
+            told: 0,
             said: None,
         }
     }
@@ -91,6 +123,60 @@ impl ProgramView {
             (None, Place::Stored(number)) => Next::Memory(Some(*number)),
             (None, Place::OnlyRun(_)) => return,
         });
+    }
+
+    /// The text, when it is another one than at the last time.
+    pub fn newly_typed(&mut self) -> Option<&Document> {
+        let revision = self.document.revision;
+        (std::mem::replace(&mut self.told, revision) != revision).then_some(&self.document)
+    }
+
+    /// Shows a block of a program as another view has it.
+    pub fn show_block(&mut self, program: ProgramId, line: u32, text: String) {
+        self.wanted = Some(Wanted::Block { line, text });
+        self.bring_program(program);
+    }
+
+    /// Takes another text in the place of the control's; it can be undone and is not
+    /// saved.
+    pub fn take_over(&mut self, program: ProgramId, own: String, text: String) {
+        self.wanted = Some(Wanted::Text { own, text });
+        self.bring_program(program);
+    }
+
+    /// Unless it is in the editor, a program comes out of the memory.
+    fn bring_program(&mut self, program: ProgramId) {
+        let ProgramId::Stored(number) = program else {
+            return;
+        };
+        let wanted = self.wanted.as_ref();
+        if !wanted.is_some_and(|wanted| wanted.is_in(&self.document)) && self.next.is_none() {
+            self.next = Some(Next::Memory(Some(number)));
+        }
+    }
+
+    /// What another view asked for, now that the text is there.
+    fn carry_out_wanted(&mut self, context: &Context) {
+        let Some(wanted) = self.wanted.take_if(|_| self.next.is_none()) else {
+            return;
+        };
+        if !wanted.is_in(&self.document) {
+            // It is on its way.
+            if self.bringing {
+                self.wanted = Some(wanted);
+                return;
+            }
+            self.said = Some(Said::Bad(say::program_other_text()));
+            return;
+        }
+        match wanted {
+            Wanted::Block { line, .. } => self.go_to(Target::Line(line), 0, context),
+            Wanted::Text { text, .. } => {
+                self.document.text = with_line_feeds(&text);
+                self.document.changed();
+                self.said = Some(Said::Good(say::program_taken_over()));
+            }
+        }
     }
 
     /// Whether a text would be lost with the window.
@@ -164,6 +250,7 @@ impl ProgramView {
             self.checked = Some(checked);
         }
         while let Some(arrived) = self.desk.arrived() {
+            self.bringing = false;
             self.said = match arrived {
                 Arrived::Text(document) => {
                     self.replace(*document, context);
@@ -195,6 +282,7 @@ impl ProgramView {
         {
             self.bring(next, context);
         }
+        self.carry_out_wanted(context);
     }
 
     /// Another text comes into the editor; its revisions go on.
@@ -209,6 +297,7 @@ impl ProgramView {
     }
 
     fn bring(&mut self, next: Next, context: &Context) {
+        self.bringing = matches!(next, Next::File(_) | Next::Memory(_));
         match next {
             Next::New => self.replace(Document::new(Origin::New, ""), context),
             Next::Choose => self.desk.choose(self.bar.language, context),

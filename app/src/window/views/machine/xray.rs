@@ -1,0 +1,186 @@
+//! The X-ray of a cycle: which pass was pointed at and why it lies there, and the words
+//! of the cycle to be changed, so that its passes are seen to move.
+//!
+//! What is changed here is tried out: the control keeps its program until the text is
+//! taken over in the program view.
+
+use std::ops::Range;
+
+use egui::{Color32, DragValue, RichText, Ui};
+use gsk_core::command::ProgramId;
+use gsk_core::program::Program;
+use gsk_messages::{Language, say};
+
+use super::path::{Block, Path};
+use crate::window::views::program::words::{spans, word_of};
+
+const TRIED: Color32 = Color32::from_rgb(255, 196, 90);
+
+/// A text that is tried out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// The program it is another text of.
+    pub id: ProgramId,
+    /// The text of the control.
+    pub own: Program,
+    /// The text that is tried.
+    pub tried: Program,
+}
+
+/// What was done in the box.
+pub enum Done {
+    /// Another text is to be tried.
+    Changed(Trial),
+    /// The text of the control again.
+    Discard,
+    /// The text goes into the program view.
+    Take(Trial),
+}
+
+/// Draws the words of the cycle that a block belongs to, and what becomes of a trial.
+pub fn show(
+    ui: &mut Ui,
+    path: &Path,
+    block: Option<Block>,
+    trial: Option<&Trial>,
+    language: Language,
+) -> Option<Done> {
+    let mut done = None;
+    if let Some(block) = block {
+        let before = trial.filter(|trial| trial.id == block.program);
+        let own = path.programs.get(block.program);
+        let program = before.map(|trial| &trial.tried).or(own)?;
+        for line in cycle_lines(program, block.line) {
+            if let Some(changed) = words(ui, program, line, language) {
+                done = Some(Done::Changed(Trial {
+                    id: block.program,
+                    own: before.map_or(program, |trial| &trial.own).clone(),
+                    tried: Program::new(changed),
+                }));
+            }
+        }
+    }
+    if let Some(trial) = trial {
+        ui.horizontal_wrapped(|ui| {
+            let words = say::xray_tried().text(language);
+            ui.label(RichText::new(words).color(TRIED));
+            if ui.button(say::xray_take().text(language)).clicked() {
+                done = Some(Done::Take(trial.clone()));
+            }
+            if ui.button(say::xray_discard().text(language)).clicked() {
+                done = Some(Done::Discard);
+            }
+        });
+    }
+    done
+}
+
+/// A box for each word of a line; the text with the one that was changed.
+fn words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Option<String> {
+    let (text, line) = (program.text(), program.line(number));
+    let start = line_start(text, line)?;
+    let code = cycle_code(line)?;
+    let mut changed = None;
+    ui.horizontal_wrapped(|ui| {
+        ui.label(RichText::new(format!("{number}:")).monospace());
+        for span in spans(line) {
+            let Some(word) = word_of(line, &span) else {
+                continue;
+            };
+            let value: Option<f64> = word.value.parse().ok();
+            let value = value.filter(|_| is_changed(code, word.address));
+            let Some(mut value) = value else {
+                ui.label(RichText::new(&line[span.range]).monospace());
+                continue;
+            };
+            let whole = matches!(word.address, 'P' | 'Q');
+            let drag = DragValue::new(&mut value)
+                .prefix(format!("{} ", word.address))
+                .speed(if whole { 50.0 } else { 0.05 })
+                .max_decimals(if whole { 0 } else { 3 })
+                .range(-9999.999..=9_999_999.0);
+            let hint = say::xray_hint().text(language);
+            if ui.add(drag).on_hover_text(hint).changed() {
+                let place = start + span.range.start..start + span.range.end;
+                changed = Some(replaced(text, place, word.address, value));
+            }
+        }
+    });
+    changed
+}
+
+/// Whether a word of a cycle is a measure. P and Q of G70 to G73 are sequence numbers.
+const fn is_changed(code: u32, address: char) -> bool {
+    match address {
+        'P' | 'Q' => !matches!(code, 70..=73),
+        'X' | 'Z' | 'U' | 'W' | 'R' | 'I' | 'K' | 'J' | 'F' => true,
+        _ => false,
+    }
+}
+
+/// The text with another number in a word.
+fn replaced(text: &str, place: Range<usize>, address: char, value: f64) -> String {
+    // Thousandths: what a word can say.
+    let value = (value * 1000.0).round() / 1000.0;
+    let mut changed = text.to_owned();
+    changed.replace_range(place, &format!("{address}{value}"));
+    changed
+}
+
+/// The lines of the cycle at a line, which may be written in two blocks.
+fn cycle_lines(program: &Program, line: u32) -> Vec<u32> {
+    let code = |number: u32| cycle_code(program.line(number));
+    // A program that was cut out of a file counts the lines of that file.
+    let whole = line_start(program.text(), program.line(1)) == Some(0);
+    let Some(own) = code(line).filter(|_| whole) else {
+        return Vec::new();
+    };
+    let compound = matches!(own, 71..=76);
+    let before = line.checked_sub(1).filter(|before| *before > 0);
+    let before = before.filter(|before| compound && code(*before) == Some(own));
+    before.into_iter().chain([line]).collect()
+}
+
+/// The G code of the cycle in a line.
+fn cycle_code(line: &str) -> Option<u32> {
+    let spans = spans(line);
+    let mut words = spans.iter().filter_map(|span| word_of(line, span));
+    words.find_map(|word| {
+        let code = word.value.parse().ok().filter(|_| word.address == 'G')?;
+        matches!(code, 70..=76 | 90 | 92 | 94).then_some(code)
+    })
+}
+
+/// Where a line of a text begins, bytes.
+fn line_start(text: &str, line: &str) -> Option<usize> {
+    let start = (line.as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
+    (start + line.len() <= text.len()).then_some(start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str =
+        "O0001\r\nG00 X44 Z2\r\nG71 U3 R1\r\nG71 P1 Q2 U0.5(fine U9) F100\r\nN1 G00 X20\r\n";
+
+    #[test]
+    fn a_cycle_in_two_blocks_is_changed_in_either() {
+        let program = Program::new(TEXT);
+        assert_eq!(cycle_lines(&program, 4), [3, 4]);
+        assert_eq!(cycle_lines(&program, 2), [0; 0]);
+        let line = program.line(3);
+        assert_eq!(line, "G71 U3 R1");
+        let start = line_start(program.text(), line).unwrap();
+        let changed = replaced(TEXT, start + 4..start + 6, 'U', 2.499_96);
+        assert_eq!(changed, TEXT.replace("G71 U3 R1", "G71 U2.5 R1"));
+    }
+
+    #[test]
+    fn sequence_numbers_are_no_measures_and_depths_of_threads_are() {
+        assert!(!is_changed(71, 'P') && is_changed(76, 'P') && is_changed(71, 'U'));
+        assert!(!is_changed(92, 'G') && !is_changed(71, 'N') && is_changed(92, 'J'));
+        assert_eq!(cycle_code("N5 g76 P010060"), Some(76));
+        assert_eq!(cycle_code("(G71) G01 X5"), None);
+    }
+}
