@@ -11,6 +11,7 @@ use gsk_runner::machining::{Machining, guess};
 use gsk_workpiece::grid::from_grid;
 use gsk_workpiece::job::Job;
 
+use crate::files::atomic;
 use crate::files::program_file::{self, FileError};
 use crate::output::{self, WriteError};
 
@@ -129,14 +130,38 @@ pub fn read(path: &Path) -> Result<Job, JobError> {
     parse(path, &program_file::read(path)?.text)
 }
 
+/// Writes a job file. The one that stood there before stays beside it, its name with a
+/// `~`: comments in it are not written again.
+///
+/// # Errors
+/// What the system says; the old file stands.
+pub fn write(path: &Path, job: &Job) -> Result<(), WriteError> {
+    let pretty = ron::ser::PrettyConfig::new()
+        .depth_limit(3)
+        .indentor("    ");
+    let text = options()
+        .to_string_pretty(job, pretty)
+        .map_err(|error| WriteError::new(path, std::io::Error::other(error)))?;
+    if let Ok(before) = std::fs::read(path) {
+        let mut kept = path.as_os_str().to_owned();
+        kept.push("~");
+        let kept = PathBuf::from(kept);
+        atomic::write(&kept, &before).map_err(|error| WriteError::new(&kept, error))?;
+    }
+    atomic::write(path, format!("{text}\n").as_bytes())
+        .map_err(|error| WriteError::new(path, error))
+}
+
+fn options() -> ron::Options {
+    ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME)
+}
+
 /// The job in the text of a file.
 ///
 /// # Errors
 /// The line, or the rule that is broken.
 pub fn parse(path: &Path, text: &str) -> Result<Job, JobError> {
-    let options =
-        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let job: Job = options.from_str(text).map_err(|error| JobError::Syntax {
+    let job: Job = options().from_str(text).map_err(|error| JobError::Syntax {
         path: path.to_owned(),
         line: error.span.start.line,
         error: Box::new(error.code),
@@ -191,6 +216,10 @@ pub fn write_section(path: &Path, machining: &Machining) -> Result<(), WriteErro
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gsk_core::units::{Diameter, Point};
+    use gsk_workpiece::job::Place;
+    use gsk_workpiece::stock::Tailstock;
+    use gsk_workpiece::tool::Tool;
 
     #[test]
     fn the_job_of_a_program_lies_beside_it() {
@@ -198,6 +227,29 @@ mod tests {
             beside(Path::new("a/shaft.v2.CNC")),
             Path::new("a/shaft.v2.job.ron")
         );
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_and_the_file_before_is_kept() {
+        let folder = std::env::temp_dir().join(format!("gsk980td-jobs-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("part.job.ron");
+        let old = "// by hand\n(stock: (form: Bar(diameter: 40), length: 90, overhang: 50))";
+        std::fs::write(&path, old).unwrap();
+        let mut job = read(&path).unwrap();
+        job.tools.insert(1, Tool::turning());
+        job.tools.insert(12, Tool::drill(8.5));
+        job.zero = Some(Place::from(Point::new(-40.5, -320.25)));
+        job.lengths.insert(12, Place::from(Point::new(0.0, 31.007)));
+        job.stock.tailstock = Some(Tailstock {
+            quill: Diameter(40.0),
+            center: Diameter(6.0),
+        });
+        write(&path, &job).unwrap();
+        assert_eq!(read(&path).unwrap(), job);
+        let kept = std::fs::read_to_string(folder.join("part.job.ron~")).unwrap();
+        assert_eq!(kept, old);
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

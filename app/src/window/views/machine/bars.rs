@@ -48,6 +48,7 @@ impl LatheView {
                     say::microscope(),
                     say::microscope_hint(),
                 ),
+                (Instrument::Job, say::job_view(), say::job_view_hint()),
             ] {
                 let chosen = self.instrument == instrument;
                 let button = ui.selectable_label(chosen, words.text(language));
@@ -86,6 +87,7 @@ impl LatheView {
             }
         });
         match self.instrument {
+            Instrument::Job => {}
             Instrument::Path => self.xray(ui, language),
             Instrument::Caliper => {
                 let said = self.caliper.words();

@@ -7,6 +7,7 @@ mod camera;
 mod clock;
 mod dots;
 mod grid;
+mod job;
 mod lines;
 mod microscope;
 mod path;
@@ -34,6 +35,7 @@ use caliper::Caliper;
 use camera::Camera;
 use clock::Clock;
 use dots::Dots;
+use job::JobPanel;
 use lines::Lines;
 use microscope::Microscope;
 use path::Block;
@@ -63,6 +65,8 @@ enum Instrument {
     Caliper,
     /// Compares the surface with the one that is meant.
     Microscope,
+    /// Changes tools and stock.
+    Job,
 }
 
 /// A block of the path, and the pass of the cycle it makes there.
@@ -125,6 +129,7 @@ pub struct LatheView {
     instrument: Instrument,
     caliper: Caliper,
     microscope: Microscope,
+    job: JobPanel,
 }
 
 impl LatheView {
@@ -150,6 +155,7 @@ impl LatheView {
             instrument: Instrument::Path,
             caliper: Caliper::default(),
             microscope: Microscope::default(),
+            job: JobPanel::default(),
         }
     }
 
@@ -181,9 +187,35 @@ impl LatheView {
         tools.show(ui, |ui| self.toolbar(ui, language));
         let state = Panel::bottom("lathe state").frame(side_frame());
         state.show(ui, |ui| self.state(ui, language));
+        if self.instrument == Instrument::Job {
+            self.show_job(ui, language);
+        }
         egui::CentralPanel::default()
             .frame(plain_frame())
             .show(ui, |ui| self.picture(ui, language));
+    }
+
+    /// Tools and stock beside the picture.
+    fn show_job(&mut self, ui: &mut Ui, language: Language) {
+        let Some(part) = &self.part else { return };
+        let tools = self.made.times.tools();
+        let lathe = job::Lathe {
+            job: &part.job,
+            guessed: part.guessed,
+            program: self.file.as_ref().map(|(_, path)| path.as_path()),
+            named: tools.iter().map(|tool| tool.tool).collect(),
+            running: part.block.is_some(),
+            trouble: self.made.trouble.as_ref(),
+        };
+        let panel = Panel::right("job").frame(side_frame());
+        let clamped = panel
+            .default_size(300.0)
+            .size_range(220.0..=420.0)
+            .show(ui, |ui| self.job.show(ui, &lathe, language))
+            .inner;
+        if let (Some(job), Some(worker)) = (clamped, &self.worker) {
+            worker.clamp(job);
+        }
     }
 
     fn receive(&mut self, ui: &Ui) {
@@ -216,7 +248,7 @@ impl LatheView {
         }
         if let Some(part) = &self.part {
             match self.instrument {
-                Instrument::Path => {}
+                Instrument::Path | Instrument::Job => {}
                 Instrument::Caliper => self.caliper.take(&part.section),
                 Instrument::Microscope => {
                     if !running && self.microscope.asks(&self.made.path, &part.job) {
@@ -347,7 +379,7 @@ impl LatheView {
             let path = &self.made.path;
             match self.instrument {
                 Instrument::Caliper => self.caliper.click(),
-                Instrument::Path | Instrument::Microscope => {
+                Instrument::Path | Instrument::Microscope | Instrument::Job => {
                     let piece = path.nearest(camera.part(at), REACH / camera.scale);
                     self.chosen = piece.and_then(|piece| {
                         let pass = path.pass_at(piece).cloned();
@@ -360,7 +392,7 @@ impl LatheView {
             }
         }
         match self.instrument {
-            Instrument::Path => {}
+            Instrument::Path | Instrument::Job => {}
             Instrument::Caliper => self.caliper.point(self.pointer, camera),
             Instrument::Microscope => self.microscope.point(self.pointer, camera),
         }

@@ -63,23 +63,7 @@ impl Solids {
         self.take(part);
         let parts = self.tools.entry(part.tool);
         for part in parts.or_insert_with(|| tool_parts(tool)) {
-            let by = |(z, low, high): (f32, f32, f32)| (z + tip.x, low + tip.y, high + tip.y);
-            let moved = part.filled.iter().map(|it| Trapezoid {
-                sides: it.sides.map(by),
-            });
-            fill(
-                painter,
-                camera,
-                &moved.collect::<Vec<_>>(),
-                false,
-                part.color,
-            );
-            let edge = part
-                .edge
-                .iter()
-                .map(|at| camera.screen(*at + tip.to_vec2()));
-            let stroke = Stroke::new(1.0, part.edge_color);
-            painter.add(Shape::closed_line(edge.collect(), stroke));
+            part.draw(painter, camera, tip);
         }
         true
     }
@@ -117,6 +101,20 @@ struct ToolPart {
 }
 
 impl ToolPart {
+    /// With the tip at a position.
+    fn draw(&self, painter: &Painter, camera: &Camera, tip: Pos2) {
+        let by = |(z, low, high): (f32, f32, f32)| (z + tip.x, low + tip.y, high + tip.y);
+        let moved = self.filled.iter().map(|it| Trapezoid {
+            sides: it.sides.map(by),
+        });
+        let moved: Vec<Trapezoid> = moved.collect();
+        fill(painter, camera, &moved, false, self.color);
+        let edge = self.edge.iter();
+        let edge = edge.map(|at| camera.screen(*at + tip.to_vec2()));
+        let stroke = Stroke::new(1.0, self.edge_color);
+        painter.add(Shape::closed_line(edge.collect(), stroke));
+    }
+
     fn new(contour: &Contour, color: Color32, edge_color: Color32) -> Self {
         let region = Region::of(std::slice::from_ref(contour));
         Self {
@@ -125,6 +123,13 @@ impl ToolPart {
             color,
             edge_color,
         }
+    }
+}
+
+/// Draws a tool with its tip at the zero.
+pub fn draw_tool(painter: &Painter, camera: &Camera, tool: &Tool) {
+    for part in tool_parts(tool) {
+        part.draw(painter, camera, Pos2::ZERO);
     }
 }
 

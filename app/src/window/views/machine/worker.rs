@@ -69,6 +69,8 @@ enum Request {
     Opened(ProgramId, PathBuf),
     /// The part that is meant, beside the one that comes of the program.
     Compare(Arc<Job>),
+    /// Stock and tools that a person changed.
+    Clamp(Box<Job>),
     /// Another text for a program, which the control does not have; none: its own.
     Try(Option<(ProgramId, Program)>),
 }
@@ -101,6 +103,7 @@ impl Worker {
             shared: Arc::clone(&shared),
             file: None,
             tried: None,
+            changed: Vec::new(),
             last: None,
             serial: 0,
         };
@@ -122,6 +125,11 @@ impl Worker {
     /// Compares what is meant with what comes of it.
     pub fn compare(&self, job: Arc<Job>) {
         let _ = self.requests.try_send(Request::Compare(job));
+    }
+
+    /// Clamps other stock and mounts other tools; they belong to the program from now on.
+    pub fn clamp(&self, job: Job) {
+        let _ = self.requests.try_send(Request::Clamp(Box::new(job)));
     }
 
     /// Carries out another text of a program than the control has.
@@ -152,6 +160,8 @@ impl Drop for Worker {
 struct Basis {
     program: Option<(ProgramId, Program)>,
     tried: Option<(ProgramId, Program)>,
+    /// The job as a person changed it.
+    changed: Option<Job>,
     file: Option<PathBuf>,
     offsets: Offsets,
     parameters: Parameters,
@@ -168,9 +178,14 @@ struct Work {
     file: Option<(ProgramId, PathBuf)>,
     /// The text that is tried out, and the program it is another one of.
     tried: Option<(ProgramId, Program)>,
+    /// Jobs that a person changed, by their programs.
+    changed: Vec<(Owner, Chosen)>,
     last: Option<Basis>,
     serial: u64,
 }
+
+/// Whose job it is: a program, and its file.
+type Owner = (Option<ProgramId>, Option<PathBuf>);
 
 impl Work {
     fn run(mut self) {
@@ -184,6 +199,7 @@ impl Work {
                 Ok(Request::Opened(program, file)) => self.file = Some((program, file)),
                 Ok(Request::Compare(job)) => self.compare(&job),
                 Ok(Request::Try(tried)) => self.tried = tried,
+                Ok(Request::Clamp(job)) => self.clamp(*job),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
@@ -199,10 +215,13 @@ impl Work {
             let current = program.as_ref();
             current.is_some_and(|(current, _)| current == id)
         });
+        let file = file.map(|(_, path)| path.clone());
+        let owner = (program.as_ref().map(|(id, _)| *id), file.clone());
         let basis = Basis {
             program,
             tried: self.tried.clone(),
-            file: file.map(|(_, path)| path.clone()),
+            changed: self.job_of(&owner).map(|chosen| chosen.job.clone()),
+            file,
             offsets: setup.memory.offsets.clone(),
             parameters: setup.memory.parameters.clone(),
         };
@@ -225,7 +244,14 @@ impl Work {
     fn carry_out(&self, setup: &Setup, basis: &Basis, another: bool) -> bool {
         let begun = self.shared.newer.load(Ordering::Relaxed);
         let is_newest = || self.shared.newer.load(Ordering::Relaxed) == begun;
-        let (mut chosen, trouble) = read_job(basis);
+        let changed = basis.changed.clone().map(|job| {
+            let file = basis.file.as_deref().map(job::beside);
+            Chosen { job, file }
+        });
+        let (mut chosen, trouble) = match changed {
+            Some(changed) => (Some(changed), None),
+            None => read_job(basis),
+        };
         let machining = chosen.as_ref().map(Chosen::machining);
         if another && let Some(chosen) = &chosen {
             self.send(Some(chosen.clone()));
@@ -278,6 +304,21 @@ impl Work {
             self.send(chosen);
         }
         true
+    }
+
+    fn job_of(&self, owner: &Owner) -> Option<&Chosen> {
+        let mut all = self.changed.iter();
+        all.find_map(|(of, chosen)| (of == owner).then_some(chosen))
+    }
+
+    fn clamp(&mut self, job: Job) {
+        let Some(last) = &self.last else { return };
+        let owner: Owner = (last.program.as_ref().map(|(id, _)| *id), last.file.clone());
+        let file = last.file.as_deref().map(job::beside);
+        let chosen = Chosen { job, file };
+        self.changed.retain(|(of, _)| *of != owner);
+        self.changed.push((owner, chosen.clone()));
+        self.send(Some(chosen));
     }
 
     /// Puts the text that is tried out in the place of the program's.

@@ -1,0 +1,266 @@
+//! Tools and stock at the side of the picture: what is changed here is clamped at once,
+//! and saved as the job file of the program.
+
+mod fields;
+mod tool_drawing;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{Color32, ScrollArea, Ui};
+use gsk_messages::{Language, Message, say};
+use gsk_workpiece::job::Job;
+use gsk_workpiece::tool::{Insert, Tool};
+
+use crate::job;
+
+const WRONG: Color32 = Color32::from_rgb(255, 100, 90);
+const DOUBTFUL: Color32 = Color32::from_rgb(255, 196, 90);
+const GOOD: Color32 = Color32::from_rgb(110, 220, 120);
+/// The highest T number.
+const LAST_TOOL: u8 = 99;
+
+/// What is being changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Item {
+    #[default]
+    Stock,
+    Tool(u8),
+}
+
+/// Tools that can be added: name and what they are at first.
+type Kind = (fn() -> Message, fn() -> Tool);
+
+/// The kinds of tools.
+const KINDS: [Kind; 5] = [
+    (say::tool_kind_turning, Tool::turning),
+    (say::tool_kind_boring, Tool::boring),
+    (say::tool_kind_grooving, || Tool::grooving(3.0)),
+    (say::tool_kind_threading, || Tool::threading(60.0)),
+    (say::tool_kind_drill, || Tool::drill(10.0)),
+];
+
+/// The lathe about the job.
+pub struct Lathe<'a> {
+    /// The job that is cut.
+    pub job: &'a Arc<Job>,
+    /// It was guessed.
+    pub guessed: bool,
+    /// The file of the program.
+    pub program: Option<&'a Path>,
+    /// T numbers that the program names.
+    pub named: Vec<u8>,
+    /// A program runs.
+    pub running: bool,
+    /// What is wrong with the job file as it is on the disk.
+    pub trouble: Option<&'a Message>,
+}
+
+/// The panel.
+#[derive(Default)]
+pub struct JobPanel {
+    item: Item,
+    /// The job of the lathe that the draft was begun from.
+    base: Option<Arc<Job>>,
+    draft: Option<Job>,
+    /// The draft as it was clamped last.
+    clamped: Option<Job>,
+    /// The job as the lathe got it, without anything from this panel.
+    given: Option<Job>,
+    /// The job as it stands in its file, and the file.
+    saved: Option<(PathBuf, Job)>,
+    said: Option<(Message, Color32)>,
+}
+
+impl JobPanel {
+    /// Draws it; returns a job that is to be clamped.
+    pub fn show(&mut self, ui: &mut Ui, lathe: &Lathe<'_>, language: Language) -> Option<Job> {
+        self.take(lathe);
+        let mut job = self.draft.take()?;
+        self.origin(ui, lathe, &job, language);
+        if lathe.running {
+            let words = say::job_while_running().text(language);
+            ui.colored_label(DOUBTFUL, words);
+        }
+        ui.add_enabled_ui(!lathe.running, |ui| {
+            self.list(ui, &mut job, lathe, language);
+            ui.separator();
+            ScrollArea::vertical()
+                .auto_shrink([false, false])
+                .show(ui, |ui| self.item(ui, &mut job, language));
+        });
+        let rule = job.check();
+        // While the pointer drags a value nothing is clamped.
+        let still = !ui.input(|input| input.pointer.any_down());
+        let wanted = rule.is_ok() && still && !lathe.running && self.clamped.as_ref() != Some(&job);
+        let clamp = wanted.then(|| job.clone());
+        if clamp.is_some() {
+            self.clamped.clone_from(&clamp);
+        }
+        self.draft = Some(job);
+        clamp
+    }
+
+    /// Begins anew where the lathe has got another job than the one of this panel.
+    fn take(&mut self, lathe: &Lathe<'_>) {
+        let same = self.base.as_ref();
+        if same.is_some_and(|base| Arc::ptr_eq(base, lathe.job)) {
+            return;
+        }
+        self.base = Some(Arc::clone(lathe.job));
+        let job = lathe.job.as_ref();
+        if self.clamped.as_ref() == Some(job) {
+            return;
+        }
+        self.draft = Some(job.clone());
+        self.clamped = Some(job.clone());
+        self.given = Some(job.clone());
+        let path = lathe.program.map(job::beside);
+        self.saved = path.and_then(|path| Some((path.clone(), job::read(&path).ok()?)));
+        self.said = None;
+        if let Item::Tool(number) = self.item
+            && !job.tools.contains_key(&number)
+        {
+            self.item = Item::Stock;
+        }
+    }
+
+    /// Where the job comes from, and the way into its file.
+    fn origin(&mut self, ui: &mut Ui, lathe: &Lathe<'_>, job: &Job, language: Language) {
+        let file = self.saved.as_ref().map(|(path, _)| file_name(path));
+        let is_saved = self.saved.as_ref().is_some_and(|(_, saved)| saved == job);
+        let (words, color) = match file {
+            Some(file) if is_saved => (say::job_from_file(file), GOOD),
+            Some(file) => (say::job_differs(file), DOUBTFUL),
+            None if self.given.as_ref() != Some(job) => (say::job_unsaved(), DOUBTFUL),
+            None if lathe.guessed => (say::job_guessed(), DOUBTFUL),
+            None => (say::job_of_sample(), GOOD),
+        };
+        ui.colored_label(color, words.text(language));
+        let rule = job.check().err();
+        ui.horizontal_wrapped(|ui| {
+            let may = rule.is_none() && !is_saved;
+            let button = ui.add_enabled(may, egui::Button::new(say::job_save().text(language)));
+            if button
+                .on_hover_text(say::job_save_hint().text(language))
+                .clicked()
+            {
+                self.save(lathe, job);
+            }
+        });
+        if let Some(rule) = rule {
+            ui.colored_label(WRONG, rule.text(language));
+        } else if let Some((said, color)) = &self.said {
+            ui.colored_label(*color, said.text(language));
+        }
+        ui.separator();
+    }
+
+    fn save(&mut self, lathe: &Lathe<'_>, job: &Job) {
+        let Some(program) = lathe.program else {
+            self.said = Some((say::job_without_program_file(), WRONG));
+            return;
+        };
+        if let Some(trouble) = lathe.trouble {
+            // What somebody wrote there and misspelt is not to be lost.
+            self.said = Some((say::job_file_in_trouble(trouble.clone()), WRONG));
+            return;
+        }
+        let path = job::beside(program);
+        self.said = Some(match job::write(&path, job) {
+            Ok(()) => {
+                let said = say::window_saved(path.display());
+                self.saved = Some((path, job.clone()));
+                (said, GOOD)
+            }
+            Err(error) => (error.message(), WRONG),
+        });
+    }
+
+    /// Stock and tools; tools are added and removed here.
+    fn list(&mut self, ui: &mut Ui, job: &mut Job, lathe: &Lathe<'_>, language: Language) {
+        let stock = say::job_stock().text(language);
+        if ui
+            .selectable_label(self.item == Item::Stock, stock)
+            .clicked()
+        {
+            self.item = Item::Stock;
+        }
+        for (number, tool) in &job.tools {
+            let words = format!("T{number:02}  {}", in_short(tool, language));
+            let chosen = self.item == Item::Tool(*number);
+            if ui.selectable_label(chosen, words).clicked() {
+                self.item = Item::Tool(*number);
+            }
+        }
+        let missing = lathe.named.iter().find(|it| !job.tools.contains_key(it));
+        if let Some(number) = missing {
+            let words = say::job_tool_missing(*number).text(language);
+            ui.colored_label(DOUBTFUL, words);
+        }
+        ui.horizontal_wrapped(|ui| {
+            let free = (1..=LAST_TOOL).find(|number| !job.tools.contains_key(number));
+            let number = missing.copied().or(free);
+            ui.menu_button(say::job_tool_add().text(language), |ui| {
+                for (name, tool) in &KINDS {
+                    let Some(number) = number else { return };
+                    if ui.button(name().text(language)).clicked() {
+                        job.tools.insert(number, tool());
+                        self.item = Item::Tool(number);
+                        ui.close();
+                    }
+                }
+            });
+            if let Item::Tool(number) = self.item
+                && ui
+                    .button(say::job_tool_remove(number).text(language))
+                    .clicked()
+            {
+                job.tools.remove(&number);
+                job.lengths.remove(&number);
+                self.item = Item::Stock;
+            }
+        });
+    }
+
+    /// What is chosen, with its drawing.
+    fn item(&self, ui: &mut Ui, job: &mut Job, language: Language) {
+        match self.item {
+            Item::Stock => {
+                fields::stock(ui, &mut job.stock, language);
+                ui.separator();
+                fields::zero(ui, &mut job.zero, language);
+            }
+            Item::Tool(number) => {
+                let Some(tool) = job.tools.get_mut(&number) else {
+                    return;
+                };
+                tool_drawing::show(ui, tool, language);
+                fields::tool(ui, tool, language);
+                ui.separator();
+                fields::length(ui, &mut job.lengths, number, language);
+            }
+        }
+    }
+}
+
+/// A tool in a line.
+fn in_short(tool: &Tool, language: Language) -> String {
+    let words = match tool.insert {
+        Insert::Turning {
+            letter,
+            entering,
+            nose,
+            ..
+        } => say::tool_short_turning(format!("{letter:?}"), entering, nose),
+        Insert::Grooving { width, .. } => say::tool_short_grooving(width),
+        Insert::Threading { angle, .. } => say::tool_short_threading(angle),
+        Insert::Drill { diameter, .. } => say::tool_short_drill(diameter),
+    };
+    words.text(language)
+}
+
+fn file_name(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
