@@ -41,12 +41,11 @@ fn comes(bench: &mut Bench, words: &str) -> bool {
 const TEXT: &str = "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X42 Z2\n\
     G90 X36 Z-30 F300\nG00 X100 Z100\nM30\n";
 
-#[test]
-fn a_click_on_the_path_says_its_block() {
-    let mut bench = opened(TEXT);
+/// Clicks along a vertical line, where the path is met sooner or later, until a block is
+/// named.
+fn clicks_find(bench: &mut Bench, block: &str) -> bool {
     let picture = bench.harness.get_by_label("Machine picture").rect();
-    // Along a vertical line the path is met sooner or later.
-    let found = (0..200).any(|step| {
+    (0..200).any(|step| {
         // Far from the one before: two clicks side by side are a double click.
         let share = (step as f32 * 0.618) % 1.0;
         let at = egui::pos2(
@@ -54,19 +53,75 @@ fn a_click_on_the_path_says_its_block() {
             picture.top() + picture.height() * share,
         );
         for pressed in [true, false] {
-            bench.harness.event(egui::Event::PointerMoved(at));
-            bench.harness.event(egui::Event::PointerButton {
-                pos: at,
-                button: egui::PointerButton::Primary,
-                pressed,
-                modifiers: Modifiers::default(),
-            });
-            bench.harness.step();
+            press(bench, at, egui::PointerButton::Primary, pressed);
         }
-        let found = bench.harness.query_by_label_contains("5  G90 X36 Z-30");
-        found.is_some()
+        bench.harness.query_by_label_contains(block).is_some()
+    })
+}
+
+fn press(bench: &mut Bench, pos: egui::Pos2, button: egui::PointerButton, pressed: bool) {
+    bench.harness.event(egui::Event::PointerMoved(pos));
+    bench.harness.event(egui::Event::PointerButton {
+        pos,
+        button,
+        pressed,
+        modifiers: Modifiers::default(),
     });
-    assert!(found, "no click on the cut finds its block");
+    bench.harness.step();
+}
+
+/// What is read with the pointer at a place.
+fn read_at(bench: &mut Bench, at: egui::Pos2) -> String {
+    bench.harness.event(egui::Event::PointerMoved(at));
+    bench.harness.step();
+    bench.harness.step();
+    let read = bench.harness.get_by_label_contains("  Z ");
+    read.value().unwrap_or_default()
+}
+
+#[test]
+fn a_click_on_the_path_says_its_block() {
+    let mut bench = opened(TEXT);
+    let block = "5  G90 X36 Z-30";
+    assert!(clicks_find(&mut bench, block), "no click on the cut");
+}
+
+#[test]
+fn a_solid_is_turned_moved_and_fitted_again_and_its_path_can_be_clicked() {
+    let mut bench = opened(TEXT);
+    // From now on the bars around the picture keep their height.
+    assert!(comes(&mut bench, " in all:"), "there are no times");
+    bench.run(10);
+    let middle = bench
+        .harness
+        .get_by_label("Machine picture")
+        .rect()
+        .center();
+    let flat = read_at(&mut bench, middle);
+    bench.click("Solid");
+    assert!(bench.harness.state().settings().solid, "it is remembered");
+    let fitted = read_at(&mut bench, middle);
+    assert_ne!(flat, fitted);
+    let mut last = fitted.clone();
+    for button in [egui::PointerButton::Primary, egui::PointerButton::Secondary] {
+        let to = middle + egui::vec2(60.0, 30.0);
+        press(&mut bench, middle, button, true);
+        bench.harness.event(egui::Event::PointerMoved(to));
+        bench.harness.step();
+        press(&mut bench, to, button, false);
+        // Turned about the middle, the middle stays; moved, it does not.
+        let turns = button == egui::PointerButton::Primary;
+        assert_eq!(read_at(&mut bench, middle) == last, turns, "{button:?}");
+        let beside = read_at(&mut bench, middle + egui::vec2(100.0, 0.0));
+        assert_ne!(beside, fitted);
+        last = read_at(&mut bench, middle);
+    }
+    assert!(clicks_find(&mut bench, "5  G90 X36 Z-30"), "no click");
+    bench.click("Fit");
+    assert_eq!(read_at(&mut bench, middle), fitted);
+    bench.click("Section");
+    assert!(!bench.harness.state().settings().solid);
+    assert_eq!(read_at(&mut bench, middle), flat);
 }
 
 #[test]

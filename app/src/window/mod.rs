@@ -76,7 +76,7 @@ impl Window {
     /// A window on a console.
     pub fn new(console: Console, settings: Settings) -> Self {
         let opener = Opener::new(console.clone());
-        let views = Views::new(&console);
+        let views = Views::new(&console, settings.solid);
         Self {
             console,
             picture: None,
@@ -187,6 +187,7 @@ impl Window {
         egui::CentralPanel::default()
             .frame(Frame::NONE)
             .show(ui, |ui| self.panes(ui));
+        self.settings.solid = self.views.lathe().is_solid();
         if let Some(asked) = asked {
             self.answer(asked, ui);
         }

@@ -20,6 +20,8 @@ pub struct Settings {
     pub recent: Vec<PathBuf>,
     /// Layouts, and where windows are.
     pub layouts: Layouts,
+    /// The machine view shows the part as a solid, else as a half section.
+    pub solid: bool,
 }
 
 impl Default for Settings {
@@ -28,6 +30,7 @@ impl Default for Settings {
             language: Language::Zh,
             recent: Vec::new(),
             layouts: Layouts::default(),
+            solid: false,
         }
     }
 }

@@ -16,7 +16,8 @@ const FILL_HALF: Vec3 = vec3(0.233_320, -0.399_978, 0.886_329);
 /// What a surface is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Finish {
-    /// Its colour in full light, 0 to 255.
+    /// Its colour, 255 for what throws all light back; faces that are to be read are
+    /// brighter than that.
     color: Vec3,
     /// How much it shines, 0 to 1.
     shine: f32,
@@ -32,7 +33,7 @@ impl Finish {
     /// A face of the cut-out quarter.
     pub(super) const SECTION: Self = Self {
         hatched: true,
-        ..Self::of([248.0, 186.0, 124.0], 0.0)
+        ..Self::of([280.0, 211.0, 142.0], 0.0)
     };
     /// The chuck, its jaws, and their section.
     pub(super) const CHUCK: Self = Self::of([104.0, 113.0, 126.0], 0.5);
@@ -41,9 +42,9 @@ impl Finish {
     /// The tailstock's centre and quill.
     pub(super) const TAILSTOCK: Self = Self::of([140.0, 146.0, 156.0], 0.9);
     /// Tools.
-    pub(super) const INSERT: Self = Self::of([250.0, 204.0, 62.0], 0.5);
-    pub(super) const HOLDER: Self = Self::of([92.0, 98.0, 108.0], 0.4);
-    pub(super) const TURRET: Self = Self::of([66.0, 72.0, 82.0], 0.3);
+    pub(super) const INSERT: Self = Self::of([340.0, 276.0, 84.0], 0.5);
+    pub(super) const HOLDER: Self = Self::of([124.0, 132.0, 144.0], 0.4);
+    pub(super) const TURRET: Self = Self::of([86.0, 93.0, 104.0], 0.3);
 
     const fn of([red, green, blue]: [f32; 3], shine: f32) -> Self {
         Self {

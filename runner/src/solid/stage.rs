@@ -23,8 +23,8 @@ const JAW: f32 = 0.5;
 const INSERT: f32 = 4.8;
 const HOLDER: f32 = 20.0;
 const BELOW: f32 = 0.4;
-/// Half the thickness of a turret, mm.
-const TURRET: f32 = 40.0;
+/// Thickness of a turret, mm: it stands behind the plane of the tools, and hides nothing.
+const TURRET: f32 = 60.0;
 
 /// How fine a body is made: as fine as it is seen at a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,7 +123,7 @@ pub fn tool(tool: &Tool, fineness: Fineness) -> Vec<Body> {
             (BodyPart::InsertBack, _) => {
                 gold.draw_out(contour, (-INSERT, 0.0), 0.0, tolerance);
             }
-            (BodyPart::Turret, _) => turret.draw_out(contour, (-TURRET, TURRET), 0.0, tolerance),
+            (BodyPart::Turret, _) => turret.draw_out(contour, (-TURRET, -BELOW), 0.0, tolerance),
             (BodyPart::Holder, Holder::Bar { .. }) => round(&mut steel, contour, fineness),
             (BodyPart::Holder, _) => {
                 steel.draw_out(contour, (-HOLDER, -BELOW), 0.0, tolerance);

@@ -51,8 +51,8 @@ pub struct Views {
 }
 
 impl Views {
-    /// All closed.
-    pub fn new(console: &Console) -> Self {
+    /// All closed. `solid`: the machine view shows the part as a solid.
+    pub fn new(console: &Console, solid: bool) -> Self {
         Self {
             shown: Vec::new(),
             opened: Vec::new(),
@@ -61,7 +61,7 @@ impl Views {
             ladder: LadderView::new(console.clone()),
             link: LinkPage::new(console.clone()),
             program: ProgramView::new(console.clone()),
-            lathe: LatheView::new(console.clone()),
+            lathe: LatheView::new(console.clone(), solid),
             console: console.clone(),
             machine: None,
             wanted: None,

@@ -24,10 +24,21 @@ impl LatheView {
                 button.on_hover_text(hint.text(language)).clicked()
             };
             if button(ui, say::lathe_fit(), say::lathe_fit_hint()) {
-                self.camera = None;
-                self.follow = false;
+                self.sight.camera = None;
+                self.sight.follow = false;
             }
-            ui.checkbox(&mut self.follow, say::lathe_follow().text(language))
+            for (solid, words, hint) in [
+                (false, say::lathe_section(), say::lathe_section_hint()),
+                (true, say::lathe_solid(), say::lathe_solid_hint()),
+            ] {
+                let chosen = self.sight.solid == solid;
+                let button = ui.selectable_label(chosen, words.text(language));
+                if button.on_hover_text(hint.text(language)).clicked() && !chosen {
+                    self.sight.solid = solid;
+                    self.sight.camera = None;
+                }
+            }
+            ui.checkbox(&mut self.sight.follow, say::lathe_follow().text(language))
                 .on_hover_text(say::lathe_follow_hint().text(language));
             ui.separator();
             if button(ui, say::lathe_new_stock(), say::lathe_new_stock_hint()) {

@@ -1,11 +1,27 @@
-//! Which piece of the part is seen, and how large: from mm to points of the window.
+//! Which piece of the part is seen, from where, and how large: from mm in the plane of
+//! the tools to points of the window.
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
+use gsk_runner::solid::{Turn, View};
+use gsk_workpiece::region::Region;
 
 /// Points a millimetre, least and most.
 const SCALES: (f32, f32) = (0.02, 20_000.0);
 /// Room around what is fitted, share of a side.
 const MARGIN: f32 = 0.06;
+/// A point that is dragged turns the solid by so many degrees.
+const DEGREES: f32 = 0.4;
+
+/// What the view looks at.
+#[derive(Default)]
+pub struct Sight {
+    /// Somebody has moved the picture; else it shows everything.
+    pub camera: Option<Camera>,
+    /// It goes with the tool.
+    pub follow: bool,
+    /// The part as a solid; else its half section.
+    pub solid: bool,
+}
 
 /// The view on the part. Positions of the part: x is Z, y is X as a radius, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,39 +30,81 @@ pub struct Camera {
     pub centre: Pos2,
     /// Points a millimetre.
     pub scale: f32,
-    /// X points up: the tool post is behind the spindle.
-    pub rear: bool,
     /// Where it is drawn.
     pub room: Rect,
+    /// From where it is looked at.
+    turn: Turn,
+    /// Where Z and X go on the window, points right and down a unit of the scale.
+    axes: [Vec2; 2],
 }
 
 impl Camera {
-    /// Shows a box whole.
+    /// Shows a box whole, straight from above.
     pub fn fit(bounds: Rect, rear: bool, room: Rect) -> Self {
         let size = bounds.size().max(vec2(1.0, 1.0));
         let free = room.size() * (1.0 - 2.0 * MARGIN);
         let scale = (free.x / size.x).min(free.y / size.y);
+        Self::new(bounds.center(), scale, Turn::flat(rear), room)
+    }
+
+    /// Shows solids of half sections whole, at an angle.
+    pub fn fit_solid(regions: &[&Region], rear: bool, room: Rect) -> Self {
+        let size = (room.width() as usize, room.height() as usize);
+        let margin = MARGIN * room.size().min_elem();
+        let regions = regions.iter().copied();
+        let view = View::fit(Turn::oblique(rear), regions, size, margin);
+        Self::new(view.centre.into(), view.scale, view.turn, room)
+    }
+
+    fn new(centre: Pos2, scale: f32, turn: Turn, room: Rect) -> Self {
         Self {
-            centre: bounds.center(),
+            centre,
             scale: scale.clamp(SCALES.0, SCALES.1),
-            rear,
             room,
+            turn,
+            axes: turn.axes().map(Vec2::from),
+        }
+    }
+
+    /// The same in another room.
+    #[must_use]
+    pub const fn within(self, room: Rect) -> Self {
+        Self { room, ..self }
+    }
+
+    /// The same with something else in the middle.
+    #[must_use]
+    pub const fn centred(self, centre: Pos2) -> Self {
+        Self { centre, ..self }
+    }
+
+    /// The same on a picture of so many pixels a point.
+    pub fn view(&self, pixels_per_point: f32) -> View {
+        View {
+            turn: self.turn,
+            centre: self.centre.into(),
+            scale: self.scale * pixels_per_point,
         }
     }
 
     /// Where a position of the part is drawn.
     pub fn screen(&self, at: Pos2) -> Pos2 {
-        self.room.center() + self.turned(at - self.centre) * self.scale
+        let at = at - self.centre;
+        let [z, x] = self.axes;
+        self.room.center() + (z * at.x + x * at.y) * self.scale
     }
 
     /// The position of the part that is drawn there.
     pub fn part(&self, at: Pos2) -> Pos2 {
-        self.centre + self.turned(at - self.room.center()) / self.scale
+        self.centre + self.back(at - self.room.center())
     }
 
-    /// X grows away from the operator.
-    const fn turned(&self, it: Vec2) -> Vec2 {
-        vec2(it.x, if self.rear { -it.y } else { it.y })
+    /// From points of the window to mm of the part; the plane of the tools is never seen
+    /// from its edge.
+    fn back(&self, by: Vec2) -> Vec2 {
+        let [z, x] = self.axes;
+        let all = (z.x * x.y - z.y * x.x) * self.scale;
+        vec2(by.x * x.y - by.y * x.x, by.y * z.x - by.x * z.y) / all
     }
 
     /// Larger or smaller; what is drawn at a place stays there.
@@ -58,23 +116,30 @@ impl Camera {
 
     /// Moves the picture by so many points.
     pub fn pan(&mut self, by: Vec2) {
-        self.centre -= self.turned(by) / self.scale;
+        self.centre -= self.back(by);
+    }
+
+    /// Turns the solid under a pointer that is dragged by so many points.
+    pub fn orbit(&mut self, by: Vec2) {
+        let turn = self.turn.turned(by.x * DEGREES, by.y * DEGREES);
+        *self = Self::new(self.centre, self.scale, turn, self.room);
     }
 
     /// The box of the part that is seen.
     pub fn seen(&self) -> Rect {
-        Rect::from_two_pos(self.part(self.room.min), self.part(self.room.max))
+        let Rect { min, max } = self.room;
+        let corners = [min, max, pos2(min.x, max.y), pos2(max.x, min.y)];
+        Rect::from_points(&corners.map(|corner| self.part(corner)))
     }
 
     /// Moves as little as brings a position well into the picture.
     pub fn follow(&mut self, at: Pos2) {
-        let seen = self.seen();
-        let inner = seen.shrink2(seen.size() * 0.2);
-        let to = pos2(
-            at.x.clamp(inner.left(), inner.right()),
-            at.y.clamp(inner.top(), inner.bottom()),
-        );
-        self.centre += at - to;
+        let at = self.screen(at);
+        let inner = self.room.shrink2(self.room.size() * 0.2);
+        let to = at.clamp(inner.min, inner.max);
+        if to != at {
+            self.pan(to - at);
+        }
     }
 }
 
@@ -82,25 +147,31 @@ impl Camera {
 mod tests {
     use super::*;
 
+    fn room() -> Rect {
+        Rect::from_min_size(pos2(10.0, 20.0), vec2(400.0, 300.0))
+    }
+
     fn camera(rear: bool) -> Camera {
-        let room = Rect::from_min_size(pos2(10.0, 20.0), vec2(400.0, 300.0));
         let bounds = Rect::from_two_pos(pos2(-80.0, -25.0), pos2(2.0, 25.0));
-        Camera::fit(bounds, rear, room)
+        Camera::fit(bounds, rear, room())
     }
 
     #[test]
     fn places_go_there_and_back_and_x_points_to_the_tool_post() {
         for rear in [true, false] {
-            let mut camera = camera(rear);
-            let tip = pos2(-10.0, 20.0);
-            assert!((camera.part(camera.screen(tip)) - tip).length() < 1e-3);
-            let axis = camera.screen(pos2(-10.0, 0.0));
-            assert_eq!(camera.screen(tip).y < axis.y, rear);
-            let at = camera.screen(tip);
-            camera.zoom(3.0, at);
-            assert!((camera.screen(tip) - at).length() < 0.01);
-            camera.pan(vec2(30.0, -20.0));
-            assert!((camera.screen(tip) - at - vec2(30.0, -20.0)).length() < 0.01);
+            for turned in [vec2(0.0, 0.0), vec2(-80.0, 50.0), vec2(900.0, -900.0)] {
+                let mut camera = camera(rear);
+                let tip = pos2(-10.0, 20.0);
+                let axis = camera.screen(pos2(-10.0, 0.0));
+                assert_eq!(camera.screen(tip).y < axis.y, rear);
+                camera.orbit(turned);
+                assert!((camera.part(camera.screen(tip)) - tip).length() < 1e-3);
+                let at = camera.screen(tip);
+                camera.zoom(3.0, at);
+                assert!((camera.screen(tip) - at).length() < 0.01);
+                camera.pan(vec2(30.0, -20.0));
+                assert!((camera.screen(tip) - at - vec2(30.0, -20.0)).length() < 0.01);
+            }
         }
     }
 
@@ -112,5 +183,17 @@ mod tests {
         assert_eq!(camera.centre, before);
         camera.follow(pos2(300.0, 90.0));
         assert!(camera.seen().contains(pos2(300.0, 90.0)));
+    }
+
+    #[test]
+    fn lines_lie_on_the_solid_that_is_drawn_below_them() {
+        let stock = gsk_workpiece::stock::Stock::bar(50.0, 0.0, 60.0);
+        let camera = Camera::fit_solid(&[&stock.section()], true, room());
+        let view = camera.view(2.0);
+        for tip in [(-10.0, 20.0), (-60.0, -5.0)] {
+            let (x, y) = view.place(tip, (800, 600));
+            let drawn = room().min + vec2(x, y) / 2.0;
+            assert!((camera.screen(tip.into()) - drawn).length() < 0.01);
+        }
     }
 }

@@ -1,5 +1,5 @@
-//! The machine view: the half section of the part with its clamping, the tool at its
-//! live position, and the path of the selected program.
+//! The machine view: the half section of the part with its clamping, or the same as a lit
+//! solid, the tool at its live position, and the path of the selected program.
 
 mod bars;
 mod caliper;
@@ -10,8 +10,11 @@ mod grid;
 mod job;
 mod lines;
 mod microscope;
+mod overlay;
 mod path;
 mod solids;
+mod space;
+mod trail;
 mod worker;
 mod xray;
 
@@ -20,26 +23,25 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use egui::{
-    Align2, Color32, FontId, Panel, Pos2, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo,
-    pos2, vec2,
+    Color32, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2,
 };
 use gsk_core::command::{ProgramId, Source};
 use gsk_core::units::Point;
-use gsk_messages::{Language, Message, say};
+use gsk_messages::{Language, say};
 
 use super::program::{Document, Origin, with_line_feeds};
 use super::{bar_frame, plain_frame, side_frame};
 use crate::kernel::part::PartView;
 use crate::kernel::{Command, Console, Place};
 use caliper::Caliper;
-use camera::Camera;
+use camera::{Camera, Sight};
 use clock::Clock;
-use dots::Dots;
 use job::JobPanel;
-use lines::Lines;
 use microscope::Microscope;
 use path::Block;
 use solids::Solids;
+use space::Space;
+use trail::Trail;
 use worker::{Made, Worker};
 use xray::Trial;
 
@@ -47,14 +49,11 @@ use xray::Trial;
 const REACH: f32 = 8.0;
 /// A point of the wheel makes the picture larger by that share.
 const ZOOM: f32 = 0.004;
-/// A path of more pieces than that is drawn dot by dot.
-const MANY: usize = 50_000;
 /// What of the chuck is in the fitted picture, mm before the jaws' front.
 const CHUCK_SHOWN: f32 = 35.0;
 /// A place that is looked at closely: so many points a millimetre.
 const CLOSE: f32 = 120.0;
 const HIT: Color32 = Color32::from_rgb(255, 70, 60);
-const WORDS: Color32 = Color32::from_gray(190);
 
 /// What the pointer does with the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,12 +110,10 @@ pub struct LatheView {
     /// The file that was opened last, and its program.
     file: Option<(ProgramId, PathBuf)>,
     solids: Solids,
-    lines: Lines,
-    dots: Dots,
+    space: Space,
+    trail: Trail,
     clock: Clock,
-    /// Somebody has moved the picture; else it shows everything.
-    camera: Option<Camera>,
-    follow: bool,
+    sight: Sight,
     crash_stops: bool,
     /// What was clicked.
     chosen: Option<Chosen>,
@@ -133,8 +130,8 @@ pub struct LatheView {
 }
 
 impl LatheView {
-    /// Closed: nothing is cut.
-    pub fn new(console: Console) -> Self {
+    /// Closed: nothing is cut. `solid`: the part is shown as a solid.
+    pub fn new(console: Console, solid: bool) -> Self {
         Self {
             console,
             worker: None,
@@ -142,11 +139,13 @@ impl LatheView {
             part: None,
             file: None,
             solids: Solids::default(),
-            lines: Lines::default(),
-            dots: Dots::default(),
+            space: Space::default(),
+            trail: Trail::default(),
             clock: Clock::default(),
-            camera: None,
-            follow: false,
+            sight: Sight {
+                solid,
+                ..Sight::default()
+            },
             crash_stops: false,
             chosen: None,
             trial: None,
@@ -157,6 +156,11 @@ impl LatheView {
             microscope: Microscope::default(),
             job: JobPanel::default(),
         }
+    }
+
+    /// Whether the part is shown as a solid.
+    pub const fn is_solid(&self) -> bool {
+        self.sight.solid
     }
 
     /// The part costs nothing any more.
@@ -228,7 +232,7 @@ impl LatheView {
         });
         if let Some(made) = worker.result() {
             if made.serial != self.made.serial {
-                self.camera = None;
+                self.sight.camera = None;
                 self.chosen = None;
                 self.microscope.clear();
             }
@@ -275,22 +279,26 @@ impl LatheView {
         let mut camera = self.camera_in(room);
         self.point(ui, &response, &mut camera);
         let tip = self.part.as_ref().map(|part| place(part.tip));
-        if let (true, Some(tip)) = (self.follow, tip) {
+        if let (true, Some(tip)) = (self.sight.follow, tip) {
             camera.follow(tip);
-            self.camera = Some(camera);
+            self.sight.camera = Some(camera);
         }
         let painter = ui.painter().with_clip_rect(room);
-        grid::lines(&painter, &camera);
-        if let Some(part) = &self.part {
-            self.solids.draw(&painter, &camera, part);
+        let solid = self.part.as_ref().filter(|_| self.sight.solid);
+        let mut tool_drawn = false;
+        if let Some(part) = solid {
+            tool_drawn = self.space.draw(&painter, &camera, part);
+        } else {
+            grid::lines(&painter, &camera);
+            if let Some(part) = &self.part {
+                self.solids.draw(&painter, &camera, part);
+            }
         }
         let path = &self.made.path;
         if self.instrument == Instrument::Microscope {
             self.microscope.draw(&painter, &camera);
-        } else if path.count() > MANY {
-            self.dots.draw(&painter, &camera, path);
         } else {
-            self.lines.draw(&painter, &camera, path);
+            self.trail.draw(&painter, &camera, path);
         }
         if let Some(Chosen { block, pass }) = &self.chosen {
             lines::highlight(&painter, &camera, &self.made.path, *block, false);
@@ -303,33 +311,35 @@ impl LatheView {
                 lines::highlight(&painter, &camera, &self.made.path, block, true);
             }
             let tip = place(part.tip);
-            if !self.solids.tool(&painter, &camera, part, tip) {
+            if solid.is_none() {
+                tool_drawn = self.solids.tool(&painter, &camera, part, tip);
+            }
+            if !tool_drawn {
                 solids::tip(&painter, &camera, tip);
             }
-            draw_hits(&painter, &camera, part);
+            overlay::hits(&painter, &camera, part);
         }
         if self.instrument == Instrument::Caliper {
             self.caliper.draw(&painter, &camera, language);
         }
-        grid::figures(&painter, &camera);
+        if solid.is_none() {
+            grid::figures(&painter, &camera);
+        }
         if let Some(part) = &self.part {
-            let font = FontId::monospace(13.0);
-            let corner = room.right_top() + vec2(-8.0, 6.0);
-            for (line, words) in states(part).into_iter().enumerate() {
-                let at = corner + vec2(0.0, 18.0 * line as f32);
-                let words = words.text(language);
-                let galley = painter.layout_no_wrap(words, font.clone(), WORDS);
-                let place = Align2::RIGHT_TOP.anchor_size(at, galley.size());
-                painter.rect_filled(place.expand2(vec2(4.0, 0.0)), 2.0, grid::GROUND);
-                painter.galley(place.min, galley, WORDS);
-            }
+            overlay::states(&painter, room, part, language);
         }
     }
 
     /// The picture that somebody has moved, or everything.
     fn camera_in(&self, room: Rect) -> Camera {
-        if let Some(camera) = self.camera {
-            return Camera { room, ..camera };
+        if let Some(camera) = self.sight.camera {
+            return camera.within(room);
+        }
+        if let Some(part) = self.part.as_ref().filter(|_| self.sight.solid) {
+            let stock = &part.job.stock;
+            let (_, jaws) = stock.chuck_section();
+            let shown = [&stock.section(), &jaws, &stock.tailstock_section()];
+            return Camera::fit_solid(&shown, self.is_rear(), room);
         }
         let part = self.part.as_ref().map(|part| {
             let stock = &part.job.stock;
@@ -365,13 +375,19 @@ impl LatheView {
             }
         }
         if response.dragged() {
-            camera.pan(response.drag_delta());
+            let turns = response.dragged_by(PointerButton::Primary)
+                && ui.input(|input| !input.modifiers.shift);
+            if turns && self.sight.solid && self.part.is_some() {
+                camera.orbit(response.drag_delta());
+            } else {
+                camera.pan(response.drag_delta());
+            }
         }
         if *camera != before {
-            self.camera = Some(*camera);
+            self.sight.camera = Some(*camera);
         }
         if response.double_clicked() {
-            self.camera = None;
+            self.sight.camera = None;
             *camera = self.camera_in(camera.room);
         } else if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
@@ -451,7 +467,7 @@ impl LatheView {
     /// Shows a position in the middle, large.
     fn look_closely(&mut self, at: Pos2) {
         self.look_at(at);
-        if let Some(camera) = &mut self.camera {
+        if let Some(camera) = &mut self.sight.camera {
             camera.scale = camera.scale.max(CLOSE);
         }
     }
@@ -460,10 +476,7 @@ impl LatheView {
     fn look_at(&mut self, at: Pos2) {
         let room = Rect::from_center_size(Pos2::ZERO, vec2(600.0, 400.0));
         let camera = self.camera_in(room);
-        self.camera = Some(Camera {
-            centre: at,
-            ..camera
-        });
+        self.sight.camera = Some(camera.centred(at));
     }
 }
 
@@ -476,31 +489,5 @@ const fn block_of(source: Source) -> Block {
     Block {
         program: source.program,
         line: source.line,
-    }
-}
-
-/// Tool and spindle, and what of the lathe is not as at rest.
-fn states(part: &PartView) -> Vec<Message> {
-    let others = [
-        (part.coolant, say::lathe_coolant()),
-        (part.clamped, say::lathe_chuck_clamped()),
-        (part.tailstock_forward, say::lathe_tailstock_out()),
-        (part.door_open, say::lathe_door_open()),
-    ];
-    let others = others.into_iter().filter(|(holds, _)| *holds);
-    core::iter::once(say::lathe_tool(part.tool, part.rpm))
-        .chain(others.map(|(_, said)| said))
-        .collect()
-}
-
-/// Marks what was hit.
-fn draw_hits(painter: &egui::Painter, camera: &Camera, part: &PartView) {
-    for finding in &part.findings {
-        let at = camera.screen(place(finding.collision.contact));
-        painter.circle_stroke(at, 8.0, Stroke::new(2.0, HIT));
-        let arm = vec2(5.0, 5.0);
-        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, HIT));
-        let arm = vec2(5.0, -5.0);
-        painter.line_segment([at - arm, at + arm], Stroke::new(2.0, HIT));
     }
 }
