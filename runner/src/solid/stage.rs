@@ -19,12 +19,12 @@ const SIDES: (f32, f32) = (36.0, 144.0);
 const MOST: usize = 60_000;
 /// Width of a jaw, share of the chuck's radius.
 const JAW: f32 = 0.5;
-/// Thickness of an insert and of a holder, mm; the holder lies so much below.
-const INSERT: f32 = 4.8;
-const HOLDER: f32 = 20.0;
-const BELOW: f32 = 0.4;
-/// Thickness of a turret, mm: it stands behind the plane of the tools, and hides nothing.
-const TURRET: f32 = 60.0;
+/// From where to where an insert, a holder and a turret lie across the plane of the tools,
+/// mm: behind it, where they hide nothing, but so little in front of it that they are seen
+/// where they stand in the part.
+const INSERT: (f32, f32) = (-4.8, 0.02);
+const HOLDER: (f32, f32) = (-20.0, 0.01);
+const TURRET: (f32, f32) = (-60.0, 0.01);
 
 /// How fine a body is made: as fine as it is seen at a scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,18 +121,18 @@ pub fn tool(tool: &Tool, fineness: Fineness) -> Vec<Body> {
     for (part, contour) in &shape.body {
         match (part, tool.holder) {
             (BodyPart::InsertBack, _) => {
-                gold.draw_out(contour, (-INSERT, 0.0), 0.0, tolerance);
+                gold.draw_out(contour, INSERT, 0.0, tolerance);
             }
-            (BodyPart::Turret, _) => turret.draw_out(contour, (-TURRET, -BELOW), 0.0, tolerance),
+            (BodyPart::Turret, _) => turret.draw_out(contour, TURRET, 0.0, tolerance),
             (BodyPart::Holder, Holder::Bar { .. }) => round(&mut steel, contour, fineness),
             (BodyPart::Holder, _) => {
-                steel.draw_out(contour, (-HOLDER, -BELOW), 0.0, tolerance);
+                steel.draw_out(contour, HOLDER, 0.0, tolerance);
             }
         }
     }
     match tool.insert {
         Insert::Drill { .. } => round(&mut gold, &shape.cutting, fineness),
-        _ => gold.draw_out(&shape.cutting, (-INSERT, 0.0), 0.0, tolerance),
+        _ => gold.draw_out(&shape.cutting, INSERT, 0.0, tolerance),
     }
     vec![gold, steel, turret]
 }

@@ -110,6 +110,30 @@ fn what_was_cut_looks_other_than_the_stock() {
 }
 
 #[test]
+fn a_tool_that_stands_in_the_part_is_seen_before_its_section() {
+    let bar = rectangle((-80.0, 0.0), (0.0, 25.0));
+    let fineness = Fineness::of(4.0);
+    let part = part(&bar, &bar, fineness);
+    let tool = tool(&Tool::turning(), fineness);
+    for turn in [FLAT, Turn::oblique(true)] {
+        let mut seen = [0, 0];
+        for (count, with) in seen.iter_mut().zip([false, true]) {
+            let view = View {
+                turn,
+                centre: (-40.0, 10.0),
+                scale: 4.0,
+            };
+            let part = part.iter().filter(|_| with).map(|body| (body, (0.0, 0.0)));
+            let tool = tool.iter().map(|body| (body, (-40.0, 10.0)));
+            let picture = Canvas::default().draw(part.chain(tool), &view, (40, 40), 1);
+            let gold = |pixel: &&Pixel| pixel[1] > 150 && pixel[2] < pixel[1] / 2;
+            *count = picture.iter().filter(gold).count();
+        }
+        assert!(seen[0] > 100 && seen[1] >= seen[0] * 9 / 10, "{seen:?}");
+    }
+}
+
+#[test]
 fn the_same_bodies_make_the_same_picture() {
     let stock = Stock::bar(50.0, 0.0, 60.0);
     let draw = || {
