@@ -130,26 +130,46 @@ pub fn read(path: &Path) -> Result<Job, JobError> {
     parse(path, &program_file::read(path)?.text)
 }
 
-/// Writes a job file. The one that stood there before stays beside it, its name with a
-/// `~`: comments in it are not written again.
+/// Writes a job file. One that a person wrote stays beside it under the next free name
+/// with a `~`: its comments are not written again.
 ///
 /// # Errors
 /// What the system says; the old file stands.
 pub fn write(path: &Path, job: &Job) -> Result<(), WriteError> {
+    let text = text_of(job).map_err(|error| WriteError::new(path, std::io::Error::other(error)))?;
+    if let Ok(before) = std::fs::read(path) {
+        let own = std::str::from_utf8(&before).ok();
+        let own = own.and_then(|text| Some((text, parse(path, text).ok()?)));
+        let is_own = own.is_some_and(|(text, job)| text_of(&job).is_ok_and(|own| own == text));
+        if !is_own {
+            let kept = free_beside(path);
+            atomic::write(&kept, &before).map_err(|error| WriteError::new(&kept, error))?;
+        }
+    }
+    atomic::write(path, text.as_bytes()).map_err(|error| WriteError::new(path, error))
+}
+
+/// A job as it is written.
+fn text_of(job: &Job) -> Result<String, ron::Error> {
     let pretty = ron::ser::PrettyConfig::new()
         .depth_limit(3)
-        .indentor("    ");
-    let text = options()
-        .to_string_pretty(job, pretty)
-        .map_err(|error| WriteError::new(path, std::io::Error::other(error)))?;
-    if let Ok(before) = std::fs::read(path) {
-        let mut kept = path.as_os_str().to_owned();
-        kept.push("~");
-        let kept = PathBuf::from(kept);
-        atomic::write(&kept, &before).map_err(|error| WriteError::new(&kept, error))?;
-    }
-    atomic::write(path, format!("{text}\n").as_bytes())
-        .map_err(|error| WriteError::new(path, error))
+        .indentor("    ")
+        .new_line("\n");
+    Ok(options().to_string_pretty(job, pretty)? + "\n")
+}
+
+/// `part.job.ron~`, `part.job.ron~2`, …: the first that is free.
+fn free_beside(path: &Path) -> PathBuf {
+    let named = |ending: String| {
+        let mut name = path.as_os_str().to_owned();
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    let numbered = (2..).map(|number: u32| named(format!("~{number}")));
+    let mut names = core::iter::once(named("~".to_owned())).chain(numbered);
+    names
+        .find(|name| !name.exists())
+        .unwrap_or_else(|| named("~".to_owned()))
 }
 
 fn options() -> ron::Options {
@@ -218,7 +238,7 @@ mod tests {
     use super::*;
     use gsk_core::units::{Diameter, Point};
     use gsk_workpiece::job::Place;
-    use gsk_workpiece::stock::Tailstock;
+    use gsk_workpiece::stock::{Stock, Tailstock};
     use gsk_workpiece::tool::Tool;
 
     #[test]
@@ -247,8 +267,17 @@ mod tests {
         });
         write(&path, &job).unwrap();
         assert_eq!(read(&path).unwrap(), job);
-        let kept = std::fs::read_to_string(folder.join("part.job.ron~")).unwrap();
-        assert_eq!(kept, old);
+        write(&path, &Job::new(Stock::bar(30.0, 0.0, 40.0))).unwrap();
+        let kept = |name: &str| std::fs::read_to_string(folder.join(name)).ok();
+        assert_eq!(kept("part.job.ron~").unwrap(), old);
+        assert_eq!(
+            kept("part.job.ron~2"),
+            None,
+            "what was written here is not kept"
+        );
+        std::fs::write(&path, "(misspelt").unwrap();
+        write(&path, &job).unwrap();
+        assert_eq!(kept("part.job.ron~2").unwrap(), "(misspelt");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -137,6 +137,10 @@ impl Stock {
         };
         within(outside.0, 0.5, THICKEST, say::stock_word_diameter())?;
         within(bore.0, 0.0, outside.0 - 0.1, say::stock_word_bore())?;
+        if let Some(Tailstock { quill, center }) = self.tailstock {
+            within(quill.0, 1.0, 500.0, say::stock_word_quill())?;
+            within(center.0, 0.1, quill.0, say::stock_word_center())?;
+        }
         self.chuck.check()
     }
 
@@ -281,6 +285,12 @@ mod tests {
         assert!(stock.check().unwrap_err().to_string().contains("500"));
         stock = Stock::bar(f64::NAN, 1.0, 80.0);
         assert!(stock.check().is_err());
+        stock = Stock::bar(50.0, 1.0, 80.0);
+        stock.tailstock = Some(Tailstock {
+            quill: Diameter(40.0),
+            center: Diameter(-6.0),
+        });
+        assert!(stock.check().unwrap_err().to_string().contains("-6"));
     }
 
     #[test]

@@ -118,6 +118,9 @@ impl LatheView {
         let made = (&self.made.times, &self.made.path);
         self.clock.show(ui, made, running.map(block_of), language);
         let (words, color) = match &self.part {
+            Some(part) if part.guessed && self.job.has_changed(&part.job) => {
+                (say::job_unsaved(), DOUBTFUL)
+            }
             Some(part) if part.guessed => (say::lathe_guessed(), DOUBTFUL),
             Some(_) => (say::lathe_job(), Color32::from_gray(160)),
             None if self.made.serial > 0 => (say::lathe_nothing_cut(), DOUBTFUL),
@@ -131,6 +134,10 @@ impl LatheView {
             let alarm = alarm_line::short(alarm, language);
             let words = say::lathe_path_ends(alarm).text(language);
             ui.label(RichText::new(words).color(HIT));
+            if self.made.fault.is_some() {
+                let words = say::xray_profile().text(language);
+                ui.label(RichText::new(words).color(HIT));
+            }
         } else if self.made.path.partial {
             let words = say::lathe_path_partial().text(language);
             ui.label(RichText::new(words).color(DOUBTFUL));

@@ -17,6 +17,7 @@ pub const THREAD: Color32 = Color32::from_rgb(80, 225, 120);
 const LIT: Color32 = Color32::from_rgb(255, 255, 140);
 /// A pass of a cycle that was clicked.
 pub const PASS: Color32 = Color32::from_rgb(255, 245, 170);
+const WRONG: Color32 = Color32::from_rgb(255, 60, 50);
 const CHOSEN: Color32 = Color32::from_rgb(255, 110, 220);
 
 /// Rapids are dashed as long as there are no more of them than that.
@@ -61,6 +62,15 @@ impl Lines {
 /// Draws the pieces of a block over the path.
 pub fn highlight(painter: &Painter, camera: &Camera, path: &Path, block: Block, lit: bool) {
     let (color, width) = if lit { (LIT, 3.0) } else { (CHOSEN, 2.5) };
+    draw_block(painter, camera, path, block, Stroke::new(width, color));
+}
+
+/// Draws the pieces of a block that breaks a rule.
+pub fn mark_wrong(painter: &Painter, camera: &Camera, path: &Path, block: Block) {
+    draw_block(painter, camera, path, block, Stroke::new(4.0, WRONG));
+}
+
+fn draw_block(painter: &Painter, camera: &Camera, path: &Path, block: Block, stroke: Stroke) {
     let room = camera.room.expand(4.0);
     for (from, piece) in path.pieces() {
         if piece.line != block.line || piece.program != block.program {
@@ -68,7 +78,7 @@ pub fn highlight(painter: &Painter, camera: &Camera, path: &Path, block: Block, 
         }
         let ends = [camera.screen(from), camera.screen(piece.end)];
         if Rect::from_two_pos(ends[0], ends[1]).intersects(room) {
-            painter.line_segment(ends, Stroke::new(width, color));
+            painter.line_segment(ends, stroke);
         }
     }
 }

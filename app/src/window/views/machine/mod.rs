@@ -300,6 +300,9 @@ impl LatheView {
         } else {
             self.trail.draw(&painter, &camera, path);
         }
+        if let Some(fault) = self.made.fault {
+            lines::mark_wrong(&painter, &camera, &self.made.path, fault);
+        }
         if let Some(Chosen { block, pass }) = &self.chosen {
             lines::highlight(&painter, &camera, &self.made.path, *block, false);
             if let Some(pass) = pass {

@@ -7,14 +7,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, bounded};
+use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use crossbeam::queue::ArrayQueue;
 use egui::Context;
 use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::memory::{Offsets, Parameters};
-use gsk_core::preview::{End, preview_explained};
-use gsk_core::program::Program;
+use gsk_core::preview::{End, preview_explained, preview_while};
+use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::Point;
 use gsk_messages::Message;
@@ -24,7 +24,8 @@ use gsk_runner::machining::{Machining, guess};
 use gsk_runner::times::Times;
 use gsk_workpiece::job::Job;
 
-use super::path::{Builder, Path};
+use super::path::{Block, Builder, Path};
+use super::xray;
 use crate::job::{self, Chosen};
 use crate::kernel::{Command, Console};
 use crate::patience::Patience;
@@ -46,6 +47,9 @@ pub struct Made {
     pub times: Times,
     /// The alarm that ends it.
     pub alarm: Option<Alarm>,
+    /// The block of a profile that breaks a rule of its cycle; the path is then that of
+    /// the profile, without the cycle.
+    pub fault: Option<Block>,
     /// What is wrong with its job file.
     pub trouble: Option<Message>,
     /// The tool post is behind the spindle.
@@ -87,7 +91,7 @@ pub struct Worker {
 impl Worker {
     /// Starts it.
     pub fn start(console: &Console, context: &Context) -> Self {
-        let (requests, from_view) = bounded(16);
+        let (requests, from_view) = unbounded();
         let results = Arc::new(ArrayQueue::new(1));
         let compared = Arc::new(ArrayQueue::new(1));
         let shared = Arc::new(Shared {
@@ -119,23 +123,23 @@ impl Worker {
     /// A program was opened from a file.
     pub fn opened(&self, program: ProgramId, file: PathBuf) {
         self.shared.newer.fetch_add(1, Ordering::Relaxed);
-        let _ = self.requests.try_send(Request::Opened(program, file));
+        let _ = self.requests.send(Request::Opened(program, file));
     }
 
     /// Compares what is meant with what comes of it.
     pub fn compare(&self, job: Arc<Job>) {
-        let _ = self.requests.try_send(Request::Compare(job));
+        let _ = self.requests.send(Request::Compare(job));
     }
 
     /// Clamps other stock and mounts other tools; they belong to the program from now on.
     pub fn clamp(&self, job: Job) {
-        let _ = self.requests.try_send(Request::Clamp(Box::new(job)));
+        let _ = self.requests.send(Request::Clamp(Box::new(job)));
     }
 
     /// Carries out another text of a program than the control has.
     pub fn try_out(&self, text: Option<(ProgramId, Program)>) {
         self.shared.newer.fetch_add(1, Ordering::Relaxed);
-        let _ = self.requests.try_send(Request::Try(text));
+        let _ = self.requests.send(Request::Try(text));
     }
 
     /// The newest comparison.
@@ -196,13 +200,23 @@ impl Work {
                 self.look(setup);
             }
             match self.requests.recv_timeout(LOOKS) {
-                Ok(Request::Opened(program, file)) => self.file = Some((program, file)),
-                Ok(Request::Compare(job)) => self.compare(&job),
-                Ok(Request::Try(tried)) => self.tried = tried,
-                Ok(Request::Clamp(job)) => self.clamp(*job),
+                Ok(request) => self.answer(request),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
+            // What came meanwhile counts before the next look.
+            while let Ok(request) = self.requests.try_recv() {
+                self.answer(request);
+            }
+        }
+    }
+
+    fn answer(&mut self, request: Request) {
+        match request {
+            Request::Opened(program, file) => self.file = Some((program, file)),
+            Request::Compare(job) => self.compare(&job),
+            Request::Try(tried) => self.tried = tried,
+            Request::Clamp(job) => self.clamp(*job),
         }
     }
 
@@ -244,14 +258,9 @@ impl Work {
     fn carry_out(&self, setup: &Setup, basis: &Basis, another: bool) -> bool {
         let begun = self.shared.newer.load(Ordering::Relaxed);
         let is_newest = || self.shared.newer.load(Ordering::Relaxed) == begun;
-        let changed = basis.changed.clone().map(|job| {
-            let file = basis.file.as_deref().map(job::beside);
-            Chosen { job, file }
-        });
-        let (mut chosen, trouble) = match changed {
-            Some(changed) => (Some(changed), None),
-            None => read_job(basis),
-        };
+        let (read, trouble) = read_job(basis);
+        let changed = basis.changed.clone().map(|job| changed_job(job, basis));
+        let mut chosen = changed.or(read);
         let machining = chosen.as_ref().map(Chosen::machining);
         if another && let Some(chosen) = &chosen {
             self.send(Some(chosen.clone()));
@@ -296,6 +305,15 @@ impl Work {
         made.path = Arc::new(builder.path(programs, partial));
         made.times = times;
         made.alarm = preview.alarm;
+        let fault = made.alarm.as_ref().and_then(|alarm| {
+            let program = alarm.source?.program;
+            let line = xray::line_in_profile(alarm, programs.get(program)?)?;
+            Some(Block { program, line })
+        });
+        if let Some(fault) = fault {
+            made.path = Arc::new(profile(setup, fault.program, machining.as_ref(), rates));
+            made.fault = Some(fault);
+        }
         self.results.force_push(made);
         self.context.request_repaint();
         if another && chosen.is_none() {
@@ -314,8 +332,7 @@ impl Work {
     fn clamp(&mut self, job: Job) {
         let Some(last) = &self.last else { return };
         let owner: Owner = (last.program.as_ref().map(|(id, _)| *id), last.file.clone());
-        let file = last.file.as_deref().map(job::beside);
-        let chosen = Chosen { job, file };
+        let chosen = changed_job(job, last);
         self.changed.retain(|(of, _)| *of != owner);
         self.changed.push((owner, chosen.clone()));
         self.send(Some(chosen));
@@ -323,26 +340,9 @@ impl Work {
 
     /// Puts the text that is tried out in the place of the program's.
     fn put_in(&self, setup: &mut Setup) {
-        let programs = &mut setup.memory.programs;
-        let Some((id, text)) = &self.tried else {
-            return;
-        };
-        if programs.current() != Some(*id) {
-            return;
+        if let Some((id, text)) = &self.tried {
+            put_in(&mut setup.memory.programs, *id, text);
         }
-        let before = programs.clone();
-        match id {
-            ProgramId::Stored(number) => {
-                let stored = programs.store(text.text());
-                // Under another number it would be another program.
-                if stored.ok() != Some(*number) {
-                    *programs = before;
-                }
-            }
-            ProgramId::External => programs.open_external(text.clone()),
-            ProgramId::Mdi | ProgramId::Dnc => {}
-        }
-        programs.select(*id);
     }
 
     fn compare(&self, job: &Job) {
@@ -365,6 +365,57 @@ impl Work {
     fn send(&self, chosen: Option<Chosen>) {
         // Who closed the view has said that there is no job.
         self.console.send(Command::Job(chosen.map(Box::new)));
+    }
+}
+
+/// The path of a program whose cycle finds a rule of its profile broken.
+fn profile(
+    setup: &Setup,
+    program: ProgramId,
+    machining: Option<&Machining>,
+    rates: RapidRates,
+) -> Path {
+    let mut setup = setup.clone();
+    let programs = &mut setup.memory.programs;
+    if let Some(text) = programs.get(program).map(xray::without_profile_cycles) {
+        put_in(programs, program, &text);
+    }
+    let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+    let mut builder = Builder::default();
+    preview_while(
+        &setup,
+        &setup.memory.programs,
+        &mut |executed| builder.push(executed, shift(machining, executed), rates),
+        &mut |progress| patience.lasts(progress),
+    );
+    builder.path(&setup.memory.programs, false)
+}
+
+/// Puts another text in the place of the selected program's.
+fn put_in(programs: &mut ProgramMemory, id: ProgramId, text: &Program) {
+    if programs.current() != Some(id) {
+        return;
+    }
+    match id {
+        ProgramId::Stored(number) => {
+            let before = programs.clone();
+            // Under another number it would be another program.
+            if programs.store(text.text()).ok() != Some(number) {
+                *programs = before;
+            }
+        }
+        ProgramId::External => programs.open_external(text.clone()),
+        ProgramId::Mdi | ProgramId::Dnc => {}
+    }
+    programs.select(id);
+}
+
+/// A job that a person changed; it is of a file as soon as there is one.
+fn changed_job(job: Job, basis: &Basis) -> Chosen {
+    let file = basis.file.as_deref().map(job::beside);
+    Chosen {
+        job,
+        file: file.filter(|path| path.exists()),
     }
 }
 

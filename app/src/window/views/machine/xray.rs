@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use egui::{Color32, DragValue, RichText, Ui};
+use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::program::Program;
 use gsk_messages::{Language, say};
@@ -141,6 +142,30 @@ fn cycle_lines(program: &Program, line: u32) -> Vec<u32> {
     before.into_iter().chain([line]).collect()
 }
 
+/// The program without the cycles over a profile: what is left of it draws the profile.
+/// Lines keep their numbers, and cycles their feed.
+pub fn without_profile_cycles(program: &Program) -> Program {
+    let lines = program.text().split_inclusive(['\n', '\r']);
+    let left = lines.map(|line| match cycle_code(line) {
+        Some(70..=73) => {
+            let end = line.trim_end_matches(['\n', '\r']).len();
+            let spans = spans(line);
+            let mut words = spans.iter().map(|span| &line[span.range.clone()]);
+            let feed = words.find(|word| word.starts_with(['F', 'f']));
+            format!("{}{}", feed.unwrap_or_default(), &line[end..])
+        }
+        _ => line.to_owned(),
+    });
+    Program::new(left.collect::<String>())
+}
+
+/// The line of a profile in which an alarm of its cycle finds a rule broken.
+pub fn line_in_profile(alarm: &Alarm, program: &Program) -> Option<u32> {
+    let cycle = cycle_code(program.line(alarm.source?.line))?;
+    let line = alarm.detail.as_ref()?.plain_value("line")?.parse().ok()?;
+    matches!(cycle, 70..=73).then_some(line)
+}
+
 /// The G code of the cycle in a line.
 fn cycle_code(line: &str) -> Option<u32> {
     let spans = spans(line);
@@ -174,6 +199,15 @@ mod tests {
         let start = line_start(program.text(), line).unwrap();
         let changed = replaced(TEXT, start + 4..start + 6, 'U', 2.499_96);
         assert_eq!(changed, TEXT.replace("G71 U3 R1", "G71 U2.5 R1"));
+    }
+
+    #[test]
+    fn a_profile_is_drawn_without_the_cycles_over_it() {
+        let program = without_profile_cycles(&Program::new(TEXT));
+        assert_eq!(
+            program.text(),
+            "O0001\r\nG00 X44 Z2\r\n\r\nF100\r\nN1 G00 X20\r\n"
+        );
     }
 
     #[test]

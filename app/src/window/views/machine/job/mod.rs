@@ -101,6 +101,11 @@ impl JobPanel {
         clamp
     }
 
+    /// Whether a job was made here.
+    pub fn has_changed(&self, job: &Job) -> bool {
+        self.given.as_ref() != Some(job) && self.clamped.as_ref() == Some(job)
+    }
+
     /// Begins anew where the lathe has got another job than the one of this panel.
     fn take(&mut self, lathe: &Lathe<'_>) {
         let same = self.base.as_ref();
