@@ -230,6 +230,7 @@ impl eframe::App for App {
         self.follow_title(ui.ctx());
         if let Some(figures) = &mut self.figures {
             figures.frame(frame.info().cpu_usage);
+            figures.pieces(self.window.pieces_of_path());
         }
     }
 

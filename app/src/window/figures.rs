@@ -1,5 +1,5 @@
-//! Figures of the window for `--figures`: time to the first frame, frames a
-//! second, time spent on a frame.
+//! Figures of the window for `--figures`: time to the first frame and the first
+//! piece of a path, frames a second, time spent on a frame.
 
 use std::time::{Duration, Instant};
 
@@ -14,6 +14,8 @@ pub struct Figures {
     since: Option<Instant>,
     frames: u32,
     busy: Duration,
+    /// The path of a program has been seen.
+    path: bool,
 }
 
 impl Figures {
@@ -24,6 +26,16 @@ impl Figures {
             since: None,
             frames: 0,
             busy: Duration::ZERO,
+            path: false,
+        }
+    }
+
+    /// So many pieces of the path are drawn.
+    pub fn pieces(&mut self, pieces: usize) {
+        if pieces > 0 && !self.path {
+            self.path = true;
+            let after = self.begun.elapsed().as_millis();
+            complain!("gsk980td: {}", say::window_first_path(after, pieces));
         }
     }
 

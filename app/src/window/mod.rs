@@ -218,6 +218,11 @@ impl Window {
         }
     }
 
+    /// Pieces of the path in the machine view.
+    pub fn pieces_of_path(&mut self) -> usize {
+        self.views.lathe().pieces()
+    }
+
     /// Draws the panel and the docked views, each in its pane.
     fn panes(&mut self, ui: &mut Ui) {
         let language = self.settings.language;

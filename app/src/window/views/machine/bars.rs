@@ -61,10 +61,10 @@ impl LatheView {
                 ),
                 (Instrument::Job, say::job_view(), say::job_view_hint()),
             ] {
-                let chosen = self.instrument == instrument;
+                let chosen = self.instruments.in_hand == instrument;
                 let button = ui.selectable_label(chosen, words.text(language));
                 if button.on_hover_text(hint.text(language)).clicked() {
-                    self.instrument = instrument;
+                    self.instruments.in_hand = instrument;
                 }
             }
             ui.separator();
@@ -93,15 +93,15 @@ impl LatheView {
                 let words = egui::Label::new(words).truncate().sense(egui::Sense::CLICK);
                 let hint = say::lathe_show_text().text(language);
                 if ui.add(words).on_hover_text(hint).clicked() {
-                    self.wish = Some(self.show_block(block, true));
+                    self.text.wish = Some(self.show_block(block, true));
                 }
             }
         });
-        match self.instrument {
+        match self.instruments.in_hand {
             Instrument::Job => {}
             Instrument::Path => self.xray(ui, language),
             Instrument::Caliper => {
-                let said = self.caliper.words();
+                let said = self.instruments.caliper.words();
                 let said = said.iter().map(|words| words.text(language));
                 // Always as many rows: what is pointed at must not move.
                 for words in said.chain(std::iter::repeat(String::new())).take(3) {
@@ -109,7 +109,7 @@ impl LatheView {
                 }
             }
             Instrument::Microscope => {
-                if let Some(at) = self.microscope.bar(ui, language) {
+                if let Some(at) = self.instruments.microscope.bar(ui, language) {
                     self.look_closely(at);
                 }
             }
@@ -118,7 +118,7 @@ impl LatheView {
         let made = (&self.made.times, &self.made.path);
         self.clock.show(ui, made, running.map(block_of), language);
         let (words, color) = match &self.part {
-            Some(part) if part.guessed && self.job.has_changed(&part.job) => {
+            Some(part) if part.guessed && self.instruments.job.has_changed(&part.job) => {
                 (say::job_unsaved(), DOUBTFUL)
             }
             Some(part) if part.guessed => (say::lathe_guessed(), DOUBTFUL),
@@ -154,12 +154,12 @@ impl LatheView {
             ui.label(RichText::new(formula).monospace());
         }
         let block = self.chosen.as_ref().map(|chosen| chosen.block);
-        let trial = self.trial.as_ref();
+        let trial = self.text.trial.as_ref();
         match xray::show(ui, &self.made.path, block, trial, language) {
             Some(Done::Changed(trial)) => self.try_out(Some(trial)),
             Some(Done::Discard) => self.try_out(None),
             Some(Done::Take(trial)) => {
-                self.wish = Some(Wish::Take {
+                self.text.wish = Some(Wish::Take {
                     program: trial.id,
                     own: trial.own.text().to_owned(),
                     text: trial.tried.text().to_owned(),

@@ -56,8 +56,9 @@ const CLOSE: f32 = 120.0;
 const HIT: Color32 = Color32::from_rgb(255, 70, 60);
 
 /// What the pointer does with the part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Instrument {
+    #[default]
     /// Finds the blocks of the path.
     Path,
     /// Measures.
@@ -107,8 +108,7 @@ pub struct LatheView {
     worker: Option<Worker>,
     made: Made,
     part: Option<PartView>,
-    /// The file that was opened last, and its program.
-    file: Option<(ProgramId, PathBuf)>,
+    text: Text,
     solids: Solids,
     space: Space,
     trail: Trail,
@@ -117,13 +117,28 @@ pub struct LatheView {
     crash_stops: bool,
     /// What was clicked.
     chosen: Option<Chosen>,
+    /// Where the pointer is, position of the part.
+    pointer: Option<Pos2>,
+    instruments: Instruments,
+    /// Jobs that a person changed.
+    changed: worker::Changed,
+}
+
+/// The text of the program, and what other views have to do with it.
+#[derive(Default)]
+struct Text {
+    /// The file that was opened last, and its program.
+    file: Option<(ProgramId, PathBuf)>,
     /// Another text than the control's is carried out.
     trial: Option<Trial>,
     /// What other views are to do.
     wish: Option<Wish>,
-    /// Where the pointer is, position of the part.
-    pointer: Option<Pos2>,
-    instrument: Instrument,
+}
+
+/// What is done with the part.
+#[derive(Default)]
+struct Instruments {
+    in_hand: Instrument,
     caliper: Caliper,
     microscope: Microscope,
     job: JobPanel,
@@ -137,7 +152,7 @@ impl LatheView {
             worker: None,
             made: Made::default(),
             part: None,
-            file: None,
+            text: Text::default(),
             solids: Solids::default(),
             space: Space::default(),
             trail: Trail::default(),
@@ -148,14 +163,15 @@ impl LatheView {
             },
             crash_stops: false,
             chosen: None,
-            trial: None,
-            wish: None,
             pointer: None,
-            instrument: Instrument::Path,
-            caliper: Caliper::default(),
-            microscope: Microscope::default(),
-            job: JobPanel::default(),
+            instruments: Instruments::default(),
+            changed: worker::Changed::default(),
         }
+    }
+
+    /// Pieces of the path that is drawn.
+    pub fn pieces(&self) -> usize {
+        self.made.path.count()
     }
 
     /// Whether the part is shown as a solid.
@@ -177,9 +193,9 @@ impl LatheView {
             Place::Stored(number) => ProgramId::Stored(*number),
             Place::OnlyRun(_) => ProgramId::External,
         };
-        self.file = path.map(|path| (program, path.to_owned()));
+        self.text.file = path.map(|path| (program, path.to_owned()));
         self.try_out(None);
-        if let (Some(worker), Some((program, file))) = (&self.worker, &self.file) {
+        if let (Some(worker), Some((program, file))) = (&self.worker, &self.text.file) {
             worker.opened(*program, file.clone());
         }
     }
@@ -191,7 +207,7 @@ impl LatheView {
         tools.show(ui, |ui| self.toolbar(ui, language));
         let state = Panel::bottom("lathe state").frame(side_frame());
         state.show(ui, |ui| self.state(ui, language));
-        if self.instrument == Instrument::Job {
+        if self.instruments.in_hand == Instrument::Job {
             self.show_job(ui, language);
         }
         egui::CentralPanel::default()
@@ -206,7 +222,7 @@ impl LatheView {
         let lathe = job::Lathe {
             job: &part.job,
             guessed: part.guessed,
-            program: self.file.as_ref().map(|(_, path)| path.as_path()),
+            program: self.text.file.as_ref().map(|(_, path)| path.as_path()),
             named: tools.iter().map(|tool| tool.tool).collect(),
             running: part.block.is_some(),
             trouble: self.made.trouble.as_ref(),
@@ -215,7 +231,7 @@ impl LatheView {
         let clamped = panel
             .default_size(300.0)
             .size_range(220.0..=420.0)
-            .show(ui, |ui| self.job.show(ui, &lathe, language))
+            .show(ui, |ui| self.instruments.job.show(ui, &lathe, language))
             .inner;
         if let (Some(job), Some(worker)) = (clamped, &self.worker) {
             worker.clamp(job);
@@ -224,8 +240,11 @@ impl LatheView {
 
     fn receive(&mut self, ui: &Ui) {
         let worker = self.worker.get_or_insert_with(|| {
-            let worker = Worker::start(&self.console, ui.ctx());
-            if let Some((program, file)) = &self.file {
+            let worker = Worker::start(&self.console, ui.ctx(), &self.changed);
+            if let Some(trial) = &self.text.trial {
+                worker.try_out(Some(trial.program()));
+            }
+            if let Some((program, file)) = &self.text.file {
                 worker.opened(*program, file.clone());
             }
             worker
@@ -234,7 +253,7 @@ impl LatheView {
             if made.serial != self.made.serial {
                 self.sight.camera = None;
                 self.chosen = None;
-                self.microscope.clear();
+                self.instruments.microscope.clear();
             }
             // The passes lie elsewhere now.
             if let Some(chosen) = &mut self.chosen {
@@ -248,18 +267,18 @@ impl LatheView {
         let running = self.part.as_ref().is_some_and(|part| part.block.is_some());
         worker.shared.running.store(running, Ordering::Relaxed);
         if let Some(compared) = worker.compared() {
-            self.microscope.receive(compared);
+            self.instruments.microscope.receive(compared);
         }
         if let Some(part) = &self.part {
-            match self.instrument {
+            match self.instruments.in_hand {
                 Instrument::Path | Instrument::Job => {}
-                Instrument::Caliper => self.caliper.take(&part.section),
+                Instrument::Caliper => self.instruments.caliper.take(&part.section),
                 Instrument::Microscope => {
-                    if !running && self.microscope.asks(&self.made.path, &part.job) {
+                    if !running && self.instruments.microscope.asks(&self.made.path, &part.job) {
                         worker.compare(Arc::clone(&part.job));
                     }
                     let clamped = part.job.stock.clamped();
-                    self.microscope.take(&part.section, clamped);
+                    self.instruments.microscope.take(&part.section, clamped);
                 }
             }
         }
@@ -295,8 +314,8 @@ impl LatheView {
             }
         }
         let path = &self.made.path;
-        if self.instrument == Instrument::Microscope {
-            self.microscope.draw(&painter, &camera);
+        if self.instruments.in_hand == Instrument::Microscope {
+            self.instruments.microscope.draw(&painter, &camera);
         } else {
             self.trail.draw(&painter, &camera, path);
         }
@@ -322,8 +341,8 @@ impl LatheView {
             }
             overlay::hits(&painter, &camera, part);
         }
-        if self.instrument == Instrument::Caliper {
-            self.caliper.draw(&painter, &camera, language);
+        if self.instruments.in_hand == Instrument::Caliper {
+            self.instruments.caliper.draw(&painter, &camera, language);
         }
         if solid.is_none() {
             grid::figures(&painter, &camera);
@@ -396,8 +415,8 @@ impl LatheView {
             && let Some(at) = response.interact_pointer_pos()
         {
             let path = &self.made.path;
-            match self.instrument {
-                Instrument::Caliper => self.caliper.click(),
+            match self.instruments.in_hand {
+                Instrument::Caliper => self.instruments.caliper.click(),
                 Instrument::Path | Instrument::Microscope | Instrument::Job => {
                     let piece = path.nearest(camera.part(at), REACH / camera.scale);
                     self.chosen = piece.and_then(|piece| {
@@ -406,20 +425,20 @@ impl LatheView {
                         Some(Chosen { block, pass })
                     });
                     let block = self.chosen.as_ref().map(|chosen| chosen.block);
-                    self.wish = block.map(|block| self.show_block(block, false));
+                    self.text.wish = block.map(|block| self.show_block(block, false));
                 }
             }
         }
-        match self.instrument {
+        match self.instruments.in_hand {
             Instrument::Path | Instrument::Job => {}
-            Instrument::Caliper => self.caliper.point(self.pointer, camera),
-            Instrument::Microscope => self.microscope.point(self.pointer, camera),
+            Instrument::Caliper => self.instruments.caliper.point(self.pointer, camera),
+            Instrument::Microscope => self.instruments.microscope.point(self.pointer, camera),
         }
     }
 
     /// What other views are to do.
     pub const fn take_wish(&mut self) -> Option<Wish> {
-        self.wish.take()
+        self.text.wish.take()
     }
 
     /// A text was typed: where the control has another one of the same program, it is
@@ -427,14 +446,14 @@ impl LatheView {
     pub fn typed(&mut self, document: &Document) {
         let id = match &document.origin {
             Origin::Memory(number) => ProgramId::Stored(*number),
-            Origin::File(path, _) => match &self.file {
+            Origin::File(path, _) => match &self.text.file {
                 Some((id, file)) if file == path => *id,
                 _ => return,
             },
             Origin::New => return,
         };
         let programs = &self.made.path.programs;
-        let own = match &self.trial {
+        let own = match &self.text.trial {
             Some(trial) if trial.id == id => Some(&trial.own),
             _ => programs.get(id),
         };
@@ -444,7 +463,7 @@ impl LatheView {
         let tried = document.program();
         let same = with_line_feeds(own.text()) == tried.text();
         let trial = (!same).then_some(Trial { id, own, tried });
-        if trial != self.trial {
+        if trial != self.text.trial {
             self.try_out(trial);
         }
     }
@@ -462,9 +481,9 @@ impl LatheView {
     fn try_out(&mut self, trial: Option<Trial>) {
         if let Some(worker) = &self.worker {
             let text = trial.as_ref();
-            worker.try_out(text.map(|trial| (trial.id, trial.tried.clone())));
+            worker.try_out(text.map(Trial::program));
         }
-        self.trial = trial;
+        self.text.trial = trial;
     }
 
     /// Shows a position in the middle, large.

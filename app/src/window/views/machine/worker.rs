@@ -2,8 +2,8 @@
 //! of its part. It looks again when the program, an offset or a parameter has changed.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -32,9 +32,10 @@ use crate::patience::Patience;
 use crate::window::samples;
 
 /// How often the control is asked whether something has changed.
-const LOOKS: Duration = Duration::from_millis(300);
-/// How often a path that grows is handed over.
-const NEWS: Duration = Duration::from_millis(150);
+const LOOKS: Duration = Duration::from_millis(100);
+/// How soon a path that grows is handed over first, and how often then.
+const FIRST_NEWS: Duration = Duration::from_millis(30);
+const NEWS: Duration = Duration::from_millis(200);
 /// How long a program is carried out, and how many moves of it.
 const PATIENCE: (Duration, u64) = (Duration::from_secs(30), 5_000_000);
 
@@ -90,7 +91,7 @@ pub struct Worker {
 
 impl Worker {
     /// Starts it.
-    pub fn start(console: &Console, context: &Context) -> Self {
+    pub fn start(console: &Console, context: &Context, changed: &Changed) -> Self {
         let (requests, from_view) = unbounded();
         let results = Arc::new(ArrayQueue::new(1));
         let compared = Arc::new(ArrayQueue::new(1));
@@ -107,7 +108,7 @@ impl Worker {
             shared: Arc::clone(&shared),
             file: None,
             tried: None,
-            changed: Vec::new(),
+            changed: Arc::clone(changed),
             last: None,
             serial: 0,
         };
@@ -183,13 +184,16 @@ struct Work {
     /// The text that is tried out, and the program it is another one of.
     tried: Option<(ProgramId, Program)>,
     /// Jobs that a person changed, by their programs.
-    changed: Vec<(Owner, Chosen)>,
+    changed: Changed,
     last: Option<Basis>,
     serial: u64,
 }
 
 /// Whose job it is: a program, and its file.
 type Owner = (Option<ProgramId>, Option<PathBuf>);
+
+/// Jobs that a person changed; they outlast the worker.
+pub type Changed = Arc<Mutex<Vec<(Owner, Chosen)>>>;
 
 impl Work {
     fn run(mut self) {
@@ -234,7 +238,7 @@ impl Work {
         let basis = Basis {
             program,
             tried: self.tried.clone(),
-            changed: self.job_of(&owner).map(|chosen| chosen.job.clone()),
+            changed: self.job_of(&owner),
             file,
             offsets: setup.memory.offsets.clone(),
             parameters: setup.memory.parameters.clone(),
@@ -267,7 +271,7 @@ impl Work {
         }
         let rates = RapidRates::of(&setup.memory.parameters);
         let patience = Patience::new(PATIENCE.0, PATIENCE.1);
-        let mut news = Instant::now();
+        let (mut news, mut pause) = (Instant::now(), FIRST_NEWS);
         let mut made = Made {
             trouble,
             rear: setup.lathe.rear_tool_post,
@@ -287,8 +291,8 @@ impl Work {
                 if chosen.is_none() && first.len() < guess::MOST_MOVES {
                     first.push(*executed);
                 }
-                if news.elapsed() > NEWS {
-                    news = Instant::now();
+                if news.elapsed() > pause {
+                    (news, pause) = (Instant::now(), NEWS);
                     made.path = Arc::new(builder.path(programs, true));
                     made.times = times.clone();
                     self.results.force_push(made.clone());
@@ -324,17 +328,20 @@ impl Work {
         true
     }
 
-    fn job_of(&self, owner: &Owner) -> Option<&Chosen> {
-        let mut all = self.changed.iter();
-        all.find_map(|(of, chosen)| (of == owner).then_some(chosen))
+    fn job_of(&self, owner: &Owner) -> Option<Job> {
+        let all = self.changed.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = all.iter().find(|(of, _)| of == owner);
+        found.map(|(_, chosen)| chosen.job.clone())
     }
 
     fn clamp(&mut self, job: Job) {
         let Some(last) = &self.last else { return };
         let owner: Owner = (last.program.as_ref().map(|(id, _)| *id), last.file.clone());
         let chosen = changed_job(job, last);
-        self.changed.retain(|(of, _)| *of != owner);
-        self.changed.push((owner, chosen.clone()));
+        let mut all = self.changed.lock().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|(of, _)| *of != owner);
+        all.push((owner, chosen.clone()));
+        drop(all);
         self.send(Some(chosen));
     }
 

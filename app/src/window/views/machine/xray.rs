@@ -28,6 +28,13 @@ pub struct Trial {
     pub tried: Program,
 }
 
+impl Trial {
+    /// As it is carried out.
+    pub fn program(&self) -> (ProgramId, Program) {
+        (self.id, self.tried.clone())
+    }
+}
+
 /// What was done in the box.
 pub enum Done {
     /// Another text is to be tried.
