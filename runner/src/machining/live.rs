@@ -93,7 +93,7 @@ impl Live {
             rapid: cnc.moves_at_rapid(),
             thread: cnc.in_thread(),
             turning: simulation.lathe.spindle_rpm().abs() > STANDS,
-            source: running(simulation),
+            source: moving(simulation),
         };
         self.change_stock(simulation);
         if !manner.rapid && manner.source.is_some() && cnc.is_moving() {
@@ -196,18 +196,27 @@ impl Piece {
     }
 }
 
-/// The block under way in automatic operation.
+/// The block under way in automatic operation; between two blocks the one that was
+/// carried out. A block of MDI is over when it has ended.
 pub fn running(simulation: &Simulation) -> Option<Source> {
     let cnc = &simulation.cnc;
-    if cnc.run_state() == RunState::Reset {
-        return None;
-    }
     let cursor = cnc.cursor();
-    cursor.program.map(|program| Source {
+    let program = cursor.program.filter(|program| match cnc.run_state() {
+        RunState::Reset => false,
+        RunState::Stop => *program != ProgramId::Mdi,
+        RunState::Run | RunState::Hold => true,
+    });
+    program.map(|program| Source {
         program,
         line: cursor.line,
         sequence: cursor.sequence,
     })
+}
+
+/// The block that moves the tool; none by hand.
+fn moving(simulation: &Simulation) -> Option<Source> {
+    let by_program = matches!(simulation.cnc.run_state(), RunState::Run | RunState::Hold);
+    running(simulation).filter(|_| by_program)
 }
 
 /// Where the tip stood when the spindle passed the drawn plane between two ticks.
