@@ -9,7 +9,7 @@ use gsk_core::preview::{Progress, preview_while};
 use gsk_core::setup::Setup;
 use gsk_core::units::{Diameter, Point};
 use gsk_workpiece::collision::Toucher;
-use gsk_workpiece::job::Job;
+use gsk_workpiece::job::{Job, Place};
 use gsk_workpiece::stock::{Form, Stock};
 use gsk_workpiece::tool::{Insert, Letter, Tool};
 
@@ -67,6 +67,25 @@ struct Use {
     nearest: Option<f64>,
     /// Where its cuts begin, Z.
     positions: Vec<f64>,
+}
+
+/// A bar and tools to learn on where no program says what is cut: the tip of the first
+/// tool stands before the bar at power-on, and no offset is right, so that the tools
+/// must be set by trial cuts.
+pub fn practice() -> Job {
+    let length = |x: f64, z: f64| Place { x: Diameter(x), z };
+    let tools = [
+        (1, Tool::turning(), length(0.0, 0.0)),
+        (2, Tool::grooving(3.0), length(6.4, -2.7)),
+        (3, Tool::threading(60.0), length(-3.2, 4.1)),
+    ];
+    let mut job = Job::new(Stock::bar(50.0, 1.0, 81.0));
+    job.zero = Some(length(-64.0, -10.0));
+    for (number, tool, length) in tools {
+        job.tools.insert(number, tool);
+        job.lengths.insert(number, length);
+    }
+    job
 }
 
 /// A job for the selected program of a set-up, as long as `go_on` says so.

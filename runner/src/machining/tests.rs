@@ -233,3 +233,15 @@ fn a_thread_of_g76_has_its_pitch_and_its_depth_in_the_part() {
     assert!((crest - 30.0).abs() < 0.001, "{crest}");
     assert!((root - 28.05).abs() < 0.001, "{root}");
 }
+
+#[test]
+fn the_bar_to_practise_on_is_sound_and_the_first_tool_stands_before_it() {
+    let job = super::guess::practice();
+    job.check().unwrap();
+    let mounting = Mounting::of(&job);
+    let tip = mounting.tip(1, Point::default(), &Default::default());
+    assert!(
+        tip.x > job.stock.radius() && tip.z > job.stock.front(),
+        "{tip:?}"
+    );
+}

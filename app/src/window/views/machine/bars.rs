@@ -121,6 +121,9 @@ impl LatheView {
             Some(part) if part.guessed && self.instruments.job.has_changed(&part.job) => {
                 (say::job_unsaved(), DOUBTFUL)
             }
+            Some(part) if part.guessed && self.made.practice => {
+                (say::lathe_practice(), Color32::from_gray(160))
+            }
             Some(part) if part.guessed => (say::lathe_guessed(), DOUBTFUL),
             Some(_) => (say::lathe_job(), Color32::from_gray(160)),
             None if self.made.serial > 0 => (say::lathe_nothing_cut(), DOUBTFUL),

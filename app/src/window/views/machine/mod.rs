@@ -23,7 +23,8 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use egui::{
-    Color32, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2,
+    Color32, Panel, PointerButton, Pos2, Rect, Response, Role, Sense, Ui, Vec2, WidgetInfo, pos2,
+    vec2,
 };
 use gsk_core::command::{ProgramId, Source};
 use gsk_core::units::Point;
@@ -51,6 +52,8 @@ const REACH: f32 = 8.0;
 const ZOOM: f32 = 0.004;
 /// What of the chuck is in the fitted picture, mm before the jaws' front.
 const CHUCK_SHOWN: f32 = 35.0;
+/// Room round a part that no program cuts, mm.
+const ROOM_FOR_TOOL: Vec2 = vec2(22.0, 14.0);
 /// A place that is looked at closely: so many points a millimetre.
 const CLOSE: f32 = 120.0;
 const HIT: Color32 = Color32::from_rgb(255, 70, 60);
@@ -371,6 +374,8 @@ impl LatheView {
         });
         let bounds = match (part, self.made.path.bounds) {
             (Some(part), Some(path)) => part.union(path),
+            // Where the tool stands is seen by its path; without one it has some room.
+            (Some(part), None) => part.expand2(ROOM_FOR_TOOL),
             (one, other) => one
                 .or(other)
                 .unwrap_or(Rect::from_center_size(Pos2::ZERO, vec2(200.0, 120.0))),

@@ -51,6 +51,8 @@ pub struct Made {
     /// The block of a profile that breaks a rule of its cycle; the path is then that of
     /// the profile, without the cycle.
     pub fault: Option<Block>,
+    /// No program says what is cut: the job is one to learn on.
+    pub practice: bool,
     /// What is wrong with its job file.
     pub trouble: Option<Message>,
     /// The tool post is behind the spindle.
@@ -308,7 +310,11 @@ impl Work {
         let partial = preview.end == End::Limit;
         made.path = Arc::new(builder.path(programs, partial));
         made.times = times;
-        made.alarm = preview.alarm;
+        // Without a program there is nothing to be wrong.
+        made.practice = basis.program.is_none();
+        made.alarm = preview.alarm.filter(|_| !made.practice);
+        made.practice |= first.is_empty() && chosen.is_none() && made.alarm.is_none();
+        let practice = made.practice;
         let fault = made.alarm.as_ref().and_then(|alarm| {
             let program = alarm.source?.program;
             let line = xray::line_in_profile(alarm, programs.get(program)?)?;
@@ -321,7 +327,10 @@ impl Work {
         self.results.force_push(made);
         self.context.request_repaint();
         if another && chosen.is_none() {
-            let job = guess::guess(&first, &setup.memory.offsets, rates);
+            let job = match practice {
+                true => Some(guess::practice()),
+                false => guess::guess(&first, &setup.memory.offsets, rates),
+            };
             chosen = job.map(|job| Chosen { job, file: None });
             self.send(chosen);
         }
