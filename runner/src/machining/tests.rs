@@ -12,7 +12,7 @@ use gsk_workpiece::collision::{Obstacle, Toucher};
 use gsk_workpiece::stock::{Form, Stock};
 use gsk_workpiece::tool::{Insert, Tool};
 
-use super::guess::guess;
+use super::guess::{self, guess};
 use super::live::Live;
 use super::*;
 
@@ -236,7 +236,7 @@ fn a_thread_of_g76_has_its_pitch_and_its_depth_in_the_part() {
 
 #[test]
 fn the_bar_to_practise_on_is_sound_and_the_first_tool_stands_before_it() {
-    let job = super::guess::practice();
+    let job = guess::practice();
     job.check().unwrap();
     let mounting = Mounting::of(&job);
     let tip = mounting.tip(1, Point::default(), &Default::default());
