@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use crate::common::Bench;
 use egui::Modifiers;
-use egui_kittest::kittest::Queryable;
+use egui::accesskit::Role;
+use egui_kittest::kittest::{By, Queryable};
 use gsk_app::kernel::{Command, Opened, Storing};
 use gsk_app::window::layout::{Layout, Layouts};
 use gsk_core::operation::RunState;
@@ -55,6 +56,8 @@ fn clicks_find(bench: &mut Bench, block: &str) -> bool {
         for pressed in [true, false] {
             press(bench, at, egui::PointerButton::Primary, pressed);
         }
+        // What was clicked is said in the next picture.
+        bench.harness.step();
         bench.harness.query_by_label_contains(block).is_some()
     })
 }
@@ -117,6 +120,16 @@ fn a_solid_is_turned_moved_and_fitted_again_and_its_path_can_be_clicked() {
         last = read_at(&mut bench, middle);
     }
     assert!(clicks_find(&mut bench, "5  G90 X36 Z-30"), "no click");
+    // What is said of the block takes room from the picture; beside the path it goes.
+    let corner = bench
+        .harness
+        .get_by_label("Machine picture")
+        .rect()
+        .left_top();
+    for pressed in [true, false] {
+        let beside = corner + egui::vec2(4.0, 4.0);
+        press(&mut bench, beside, egui::PointerButton::Primary, pressed);
+    }
     bench.click("Fit");
     assert_eq!(read_at(&mut bench, middle), fitted);
     bench.click("Section");
@@ -140,4 +153,74 @@ fn the_work_zero_that_a_program_sets_moves_no_tool_through_the_part() {
     );
     let cnc = &bench.kernel.emulator().simulation.cnc;
     assert_eq!(cnc.run_state(), RunState::Reset, "it has come to its end");
+}
+
+/// Types a number into a field.
+fn fill(bench: &mut Bench, label: &str, number: &str) {
+    let spin = By::new().role(Role::SpinButton).label_contains(label);
+    let mut fields = bench.harness.query_all(spin);
+    fields.next().expect("there is no such field").click();
+    drop(fields);
+    bench.harness.step();
+    bench.harness.step();
+    bench.harness.event(egui::Event::Text(number.to_owned()));
+    bench.harness.step();
+    for pressed in [true, false] {
+        bench.harness.event(egui::Event::Key {
+            key: egui::Key::Enter,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::default(),
+        });
+        bench.harness.step();
+    }
+}
+
+#[test]
+fn tools_and_stock_are_changed_and_a_broken_rule_is_said() {
+    let mut bench = opened(TEXT);
+    bench.click("Tools and stock");
+    assert!(comes(&mut bench, "Guessed from the program; change"));
+    fill(&mut bench, "diameter of the stock", "61.5");
+    assert!(comes(&mut bench, "Changed, not yet saved"));
+    bench.click("Save");
+    assert!(comes(&mut bench, "not in a file"));
+    fill(&mut bench, "diameter of the stock", "0.1");
+    assert!(comes(&mut bench, "0.1 is outside 0.5"));
+    fill(&mut bench, "diameter of the stock", "60");
+    assert!(comes(&mut bench, "Changed, not yet saved"));
+    bench.click("Path");
+    bench.click("Measure");
+    let middle = bench.harness.get_by_label("Machine picture").rect();
+    let found = (0..200).any(|step| {
+        let x = middle.left() + middle.width() * 0.5;
+        let y = middle.top() + middle.height() * step as f32 / 200.0;
+        bench
+            .harness
+            .event(egui::Event::PointerMoved(egui::pos2(x, y)));
+        bench.harness.step();
+        bench.harness.step();
+        bench.harness.query_by_label_contains("⌀60.000").is_some()
+    });
+    assert!(found, "the lathe holds another bar");
+}
+
+#[test]
+fn a_pass_of_a_cycle_says_why_it_lies_there_and_moves_with_its_words() {
+    let text = "O0007\nG50 X100 Z100\nT0101 M03 S800\nG00 X64 Z2\nG71 U3 R1\n\
+        G71 P1 Q2 U0.5 F300\nN1 G00 X20\nG01 Z-30\nN2 X62\nG00 X100 Z100\nM30\n";
+    let mut bench = opened(text);
+    assert!(
+        clicks_find(&mut bench, "[U(Δd), 051]"),
+        "no click on a pass"
+    );
+    assert!(bench.harness.query_by_label_contains("of 8").is_some());
+    // The bar below the picture has grown.
+    bench.run(50);
+    fill(&mut bench, "U", "6");
+    assert!(comes(&mut bench, "Tried out"));
+    assert!(comes(&mut bench, "of 4"), "the passes have not moved");
+    bench.click("As it was");
+    assert!(comes(&mut bench, "of 8"), "they have not moved back");
 }

@@ -119,7 +119,7 @@ impl LatheView {
         self.clock.show(ui, made, running.map(block_of), language);
         let (words, color) = match &self.part {
             Some(part) if part.guessed && self.instruments.job.has_changed(&part.job) => {
-                (say::job_unsaved(), DOUBTFUL)
+                (say::lathe_changed(), Color32::from_gray(160))
             }
             Some(part) if part.guessed && self.made.practice => {
                 (say::lathe_practice(), Color32::from_gray(160))

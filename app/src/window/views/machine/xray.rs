@@ -102,13 +102,14 @@ fn words(ui: &mut Ui, program: &Program, number: u32, language: Language) -> Opt
                 continue;
             };
             let whole = matches!(word.address, 'P' | 'Q');
+            let address = ui.label(RichText::new(word.address).monospace());
             let drag = DragValue::new(&mut value)
-                .prefix(format!("{} ", word.address))
                 .speed(if whole { 50.0 } else { 0.05 })
                 .max_decimals(if whole { 0 } else { 3 })
                 .range(-9999.999..=9_999_999.0);
             let hint = say::xray_hint().text(language);
-            if ui.add(drag).on_hover_text(hint).changed() {
+            let drag = ui.add(drag).labelled_by(address.id);
+            if drag.on_hover_text(hint).changed() {
                 let place = start + span.range.start..start + span.range.end;
                 changed = Some(replaced(text, place, word.address, value));
             }
