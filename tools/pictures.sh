@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# Makes the pictures of README and docs from the program: window on a display of its own,
+# and what `plot` draws. Needs Xvfb, xdotool and ImageMagick.
+#
+#     cargo build --release && tools/pictures.sh [target/release/gsk980td]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+program=${1:-target/release/gsk980td}
+[[ -x $program ]] || { echo "$program is not there: cargo build --release" >&2; exit 1; }
+for needed in Xvfb xdotool import convert; do
+    command -v "$needed" >/dev/null || { echo "$needed is missing" >&2; exit 1; }
+done
+
+sample=assets/programs/01-stepped-shaft.CNC
+work=$(mktemp -d)
+export DISPLAY=:93 LIBGL_ALWAYS_SOFTWARE=1
+Xvfb "$DISPLAY" -screen 0 1440x900x24 >"$work/display.log" 2>&1 &
+display=$!
+trap 'kill "$display" 2>/dev/null || true; rm -rf "$work"' EXIT
+sleep 1
+
+click() {
+    xdotool mousemove "$1" "$2" sleep 0.2 click 1 sleep 0.5
+}
+
+# picture FILE LANGUAGE KEY…: the window as it opens, with these keys pressed.
+picture() {
+    local file=$1 language=$2 window
+    shift 2
+    "$program" --data "$work/data" --lang "$language" --program "$sample" 2>"$work/window.log" &
+    local started=$!
+    sleep 4
+    window=$(xdotool search --name GSK980TD | tail -1)
+    xdotool windowmove "$window" 0 0 windowsize "$window" 1440 900 windowfocus "$window" sleep 1
+    click 600 15
+    for key in "$@"; do
+        xdotool key "$key" sleep 2
+    done
+    # "Solid" in the bar of the machine view, in either language; what stands still is
+    # smoothed.
+    click 774 65
+    xdotool mousemove 700 12 sleep 2
+    import -window root "$work/shot.png"
+    convert "$work/shot.png" +dither -colors 128 -strip "$file"
+    kill "$started"
+    wait "$started" 2>/dev/null || true
+    rm -rf "$work/data"
+}
+
+picture docs/machine.png en shift+F7
+picture docs/machine.zh-CN.png zh shift+F7
+"$program" plot --part "$sample" --size 1200x700 -o "$work/plot.png"
+"$program" plot --solid "$sample" --size 1000x640 -o "$work/solid.png"
+convert "$work/plot.png" +dither -colors 128 -strip docs/plot.png
+convert "$work/solid.png" +dither -colors 128 -strip docs/solid.png
+ls -l docs/*.png
