@@ -1,42 +1,25 @@
 //! The interpreter itself: reads blocks as far as it may and hands out their
 //! commands one at a time.
 
-use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::alarm::{Alarm, number};
-use crate::command::{Action, Command, Frame, ProgramId, Source};
+use crate::alarm::Alarm;
+use crate::command::{Command, Frame, ProgramId, Source};
 use crate::compensation::Compensation;
 use crate::interpreter::Modal;
-use crate::interpreter::block;
 use crate::interpreter::calls::jump::Jumps;
-use crate::interpreter::calls::subprogram;
-use crate::interpreter::codes::corner;
-use crate::interpreter::codes::inch;
-use crate::interpreter::codes::nose_radius::check_call;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::explanation::{Explanation, Note};
-use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::host::{Host, Step};
 use crate::interpreter::context::machine_codes::MachineCodes;
-use crate::interpreter::context::place::{Call, Place};
+use crate::interpreter::context::place::Place;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::Words;
-use crate::interpreter::context::{Compensated, Context};
-use crate::interpreter::macros::lookahead;
-use crate::interpreter::macros::lookahead::Reading;
-use crate::interpreter::macros::macro_block;
-use crate::interpreter::macros::macro_block::Outcome;
-use crate::interpreter::macros::variable;
-use crate::interpreter::macros::variable::NotNow;
-use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
-use crate::program::{Block, Program, Syntax};
+use crate::program::Program;
 use crate::units::{Axis, Point};
 
-/// Blocks without any command that one call goes through.
-const SILENT_BLOCKS: u32 = 16;
+mod reading;
 
 /// Blocks to commands. Plain data: it can be saved and restored at any time.
 ///
@@ -68,20 +51,6 @@ pub(super) struct Mdi {
 /// Where a run has been read to, while the tool stands elsewhere.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ReadTo(State);
-
-/// What reading one block led to.
-enum Read {
-    /// Its plan stands in the run.
-    Planned,
-    /// It must not be read yet.
-    Wait,
-    /// It has not come through the line yet.
-    Starved,
-    /// There is nothing in it.
-    Skipped,
-    /// The text is over.
-    Ended,
-}
 
 /// One answer of [`Interpreter::advance`], the command in place.
 pub(crate) enum Advance {
@@ -302,258 +271,6 @@ impl Interpreter {
         })
     }
 
-    /// The next command as it is programmed, without the compensation.
-    pub(super) fn step<H: Host>(&mut self, host: &mut H) -> Result<Advance, Alarm> {
-        for _ in 0..SILENT_BLOCKS {
-            let run = self.run_mut();
-            if let Some(command) = run.take() {
-                return Ok(Advance::Command(command));
-            }
-            if run.ended {
-                self.mdi = None;
-                return Ok(Advance::Ended);
-            }
-            if run.paused {
-                if !host.settled() {
-                    return Ok(Advance::Wait);
-                }
-                run.paused = false;
-            }
-            match self.read(host)? {
-                Read::Planned => {}
-                Read::Skipped => self.run_mut().place.block += 1,
-                Read::Wait => return Ok(Advance::Wait),
-                Read::Starved => return Ok(Advance::Starved),
-                Read::Ended => self.run_mut().ended = true,
-            }
-        }
-        self.nothing_yet()
-    }
-
-    /// Many silent blocks in a row: the control gets a turn.
-    fn nothing_yet(&self) -> Result<Advance, Alarm> {
-        let Some(source) = self.run().source else {
-            return Ok(Advance::Wait);
-        };
-        Ok(Advance::Command(Command {
-            source,
-            action: Action::Nothing,
-            modal: self.state.modal,
-            block_end: false,
-            stop_point: false,
-            whole: false,
-            programmed_x: None,
-        }))
-    }
-
-    fn read<H: Host>(&mut self, host: &mut H) -> Result<Read, Alarm> {
-        let mdi = self.mdi.as_ref();
-        let run = mdi.map_or(&self.main, |mdi| &mdi.run);
-        let place = run.place;
-        let program = match mdi {
-            Some(mdi) => &mdi.program,
-            None => host
-                .programs()
-                .get(place.program)
-                .ok_or_else(|| missing(place.program))?,
-        };
-        if let Some(finishing) = run.finishing.filter(|profile| profile.is_over(place)) {
-            // The last block of the profile ends square to itself.
-            self.compensation.flush();
-            let mut plan = Plan::after_profile(&finishing, &mut self.state);
-            plan.whole = true;
-            self.run_mut().finishing = None;
-            self.note(plan.source);
-            return Ok(self.planned(plan));
-        }
-        if place.block >= program.block_count() {
-            if mdi.is_none() && host.programs().goes_on(place.program) {
-                return Ok(Read::Starved);
-            }
-            return self.end_of_text(program.line_count(), host);
-        }
-        let syntax = Syntax {
-            inch: self.state.modal.inch,
-            ..Syntax::from(host.parameters())
-        };
-        let mut source = Source {
-            program: place.program,
-            line: program.block_line(place.block),
-            sequence: run.sequence,
-        };
-        let skipping = host.block_skip() && mdi.is_none();
-        let mut block = Block::default();
-        if let Err(error) = program.read(place.block, syntax, &mut block) {
-            source.sequence = program.sequence(place.block).or(source.sequence);
-            if !(skipping && program.has_skip_mark(place.block)) {
-                return Err(Alarm::from(error).at(source));
-            }
-            self.note(source);
-            return Ok(Read::Skipped);
-        }
-        source.sequence = block.n.or(source.sequence);
-        let skipped = skipping && block.skip;
-        if skipped || (block.is_empty() && block.o.is_some()) {
-            self.note(source);
-            return Ok(Read::Skipped);
-        }
-        if block.has_g(65) {
-            return self.operate(&block, source, place, host);
-        }
-        if block.has_variables() {
-            block = match variable::resolve(block, syntax, host) {
-                Ok(block) => block,
-                Err(NotNow::Wait) => return Ok(Read::Wait),
-                Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
-            };
-        }
-        if syntax.inch {
-            inch::to_metric(&mut block, self.state.modal.motion);
-        }
-        let words = Words::of(&block).map_err(|alarm| alarm.at(source))?;
-        if words.waits() && !host.settled() && !self.reads_early(&words) {
-            return Ok(Read::Wait);
-        }
-        let reading = Reading {
-            program,
-            syntax,
-            skipping,
-            host: &*host,
-        };
-        let corner = corner::is_possible(&words, &self.state.modal);
-        // How a corner or a thread ends depends on the block behind it, and not on
-        // when that comes through the line.
-        let coming = mdi.is_none() && host.programs().may_bring_another(place.program);
-        if coming
-            && (corner || is_thread(&words, &self.state.modal))
-            && !reading.has_next(place.block)
-        {
-            return Ok(Read::Starved);
-        }
-        let next = if corner {
-            match reading.words_after(place.block, 1) {
-                Ok(next) => next,
-                Err(NotNow::Wait) => return Ok(Read::Wait),
-                Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
-            }
-        } else {
-            None
-        };
-        let read = |index, motion| reading.words_at(index, motion).map_err(lookahead::alarm);
-        let context = Context {
-            compensated: self.compensated(),
-            machine_codes: self.machine_codes,
-            next: next.as_ref(),
-            ..context(&*host, source, place, &run.calls, mdi.is_some(), &read)
-        };
-        let mut state = self.state;
-        let mut plan =
-            block::evaluate(&mut state, &context, &words).map_err(|alarm| alarm.at(source))?;
-        plan.writes
-            .apply(host.parameters_mut())
-            .map_err(|error| Alarm::from(error).at(source))?;
-        self.stand_before(&state);
-        self.state = state;
-        self.note(source);
-        Ok(self.planned(plan))
-    }
-
-    /// G65: acts while it is read; as a code of group 00 it clears the stored
-    /// words of G90, G92 and G94 (manual I-3.2.5.3).
-    fn operate<H: Host>(
-        &mut self,
-        block: &Block,
-        source: Source,
-        place: Place,
-        host: &mut H,
-    ) -> Result<Read, Alarm> {
-        let outcome = match macro_block::evaluate(block, host) {
-            Ok(outcome) => outcome,
-            Err(NotNow::Wait) => return Ok(Read::Wait),
-            Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
-        };
-        let mut plan = Plan::new(source, self.state.modal);
-        plan.after = Some(Action::Macro);
-        plan.stops = host.parameters().macro_blocks_stop();
-        match outcome {
-            Outcome::Nothing => {}
-            Outcome::Value(slot, value) => {
-                slot.write(value, host).map_err(|alarm| alarm.at(source))?;
-            }
-            Outcome::Jump(p) => {
-                let program = match &self.mdi {
-                    Some(mdi) => &mdi.program,
-                    None => host
-                        .programs()
-                        .get(place.program)
-                        .ok_or_else(|| missing(place.program))?,
-                };
-                let target = match place.program {
-                    ProgramId::Dnc => Err(Alarm::new(number::BAD_JUMP).because(say::jump_in_dnc())),
-                    _ => self.jumps.target(program, place, p),
-                };
-                let block = target.map_err(|alarm| alarm.at(source))?;
-                plan.flow = Flow::Jump(Place { block, ..place });
-            }
-        }
-        self.state.cycle.clear_end();
-        self.note(source);
-        Ok(self.planned(plan))
-    }
-
-    /// The text is over without M30 or M99.
-    fn end_of_text<H: Host>(&mut self, last_line: u32, host: &H) -> Result<Read, Alarm> {
-        if self.mdi.is_some() {
-            return Ok(Read::Ended);
-        }
-        let run = &self.main;
-        let source = Source {
-            program: run.place.program,
-            line: last_line,
-            sequence: run.sequence,
-        };
-        let mut plan = Plan::new(source, self.state.modal);
-        plan.stops = false;
-        if !run.calls.is_empty() {
-            let context = Context {
-                compensated: self.compensated(),
-                machine_codes: self.machine_codes,
-                ..context(host, source, run.place, &run.calls, false, &|_, _| Ok(None))
-            };
-            check_call(&self.state, &context, plan.motion.is_contour())
-                .map_err(|alarm| alarm.at(source))?;
-            plan.flow = subprogram::back(&context, None)?;
-            return Ok(self.planned(plan));
-        }
-        if !host.settled() {
-            return Ok(Read::Wait);
-        }
-        plan.after = Some(Action::End {
-            counts: false,
-            m30: false,
-        });
-        plan.flow = Flow::End;
-        self.state.cycle.clear();
-        Ok(self.planned(plan))
-    }
-
-    /// After M00, M30 and a G28 that seeks the reference point nothing is read
-    /// before they are finished.
-    fn planned(&mut self, mut plan: Plan) -> Read {
-        let run = self.run_mut();
-        plan.whole |= run.finishing.is_some();
-        run.paused = plan.motion.ends_unknown()
-            || matches!(plan.after, Some(Action::ProgramStop | Action::End { .. }));
-        run.plan = Some(plan);
-        Read::Planned
-    }
-
-    fn note(&mut self, source: Source) {
-        let run = self.run_mut();
-        run.source = Some(source);
-        run.sequence = source.sequence;
-    }
-
     fn run(&self) -> &Run {
         self.mdi.as_ref().map_or(&self.main, |mdi| &mdi.run)
     }
@@ -564,44 +281,4 @@ impl Interpreter {
             None => &mut self.main,
         }
     }
-}
-
-/// Whether a block cuts a thread that may go on in the next one.
-fn is_thread(words: &Words, modal: &Modal) -> bool {
-    let motion = words.motion.unwrap_or(modal.motion);
-    matches!(motion, 32 | 34) && words.one_shot.is_none() && words.has_axis_words()
-}
-
-fn context<'a, H: Host>(
-    host: &'a H,
-    source: Source,
-    place: Place,
-    calls: &'a [Call],
-    mdi: bool,
-    read: &'a dyn Fn(u32, u8) -> Result<Option<Words>, Alarm>,
-) -> Context<'a> {
-    let parameters = host.parameters();
-    Context {
-        parameters,
-        offsets: host.offsets(),
-        programs: host.programs(),
-        referenced: host.referenced(),
-        calls,
-        source,
-        place,
-        mdi,
-        machine_codes: MachineCodes::default(),
-        x_factor: if parameters.radius_programming() {
-            2
-        } else {
-            1
-        },
-        compensated: Compensated::Never,
-        read,
-        next: None,
-    }
-}
-
-fn missing(program: ProgramId) -> Alarm {
-    Alarm::new(number::PROGRAM_MISSING).because(say::program_not_there(format_args!("{program:?}")))
 }
