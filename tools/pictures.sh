@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the pictures of README and docs from the program: window on a display of its own,
-# and what `plot` draws. Needs Xvfb, xdotool and ImageMagick.
+# Makes the pictures of the machine view and of `plot` in docs/: the window on a display of
+# its own, and what the command draws. Needs Xvfb, xdotool and ImageMagick.
 #
 #     cargo build --release && tools/pictures.sh [target/release/gsk980td]
 set -euo pipefail

@@ -12,6 +12,7 @@ use gsk_workpiece::measure::{Feature, Measured, Side, measured};
 use gsk_workpiece::region::Region;
 
 use super::camera::Camera;
+use super::path::nearest_on;
 use super::place;
 
 /// How near the pointer must be to an edge, points.
@@ -144,14 +145,7 @@ fn distance(outline: &[Point], at: Pos2) -> f32 {
     let pairs = outline.windows(2);
     let each = pairs.map(|pair| {
         let (a, b) = (place(pair[0]), place(pair[1]));
-        let (along, beside) = (b - a, at - a);
-        let length = along.length_sq();
-        let share = if length > 0.0 {
-            (beside.dot(along) / length).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        (beside - along * share).length()
+        (at - nearest_on(a, b, at)).length()
     });
     each.fold(f32::INFINITY, f32::min)
 }

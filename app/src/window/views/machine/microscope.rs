@@ -12,7 +12,7 @@ use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
 
 use super::camera::Camera;
-use super::path::Path;
+use super::path::{Path, nearest_on};
 use super::{lines, place};
 
 /// A part that is being cut is compared that often.
@@ -272,14 +272,7 @@ impl Microscope {
 fn nearest_center(centers: &[Piece], at: Pos2) -> Option<(Pos2, f32)> {
     let on = |piece: &Piece| {
         let [from, to] = piece.ends.map(place);
-        let (along, beside) = (to - from, at - from);
-        let length = along.length_sq();
-        let share = if length > 0.0 {
-            (beside.dot(along) / length).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        from + along * share
+        nearest_on(from, to, at)
     };
     let places = centers.iter().map(|piece| (on(piece), piece.nose as f32));
     places.min_by(|one, other| {

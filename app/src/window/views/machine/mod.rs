@@ -222,11 +222,19 @@ impl LatheView {
     fn show_job(&mut self, ui: &mut Ui, language: Language) {
         let Some(part) = &self.part else { return };
         let tools = self.made.times.tools();
+        // The job of another program than the selected one has no place beside this file.
+        let selected = self.made.path.programs.current();
+        let file = self.text.file.as_ref();
+        let file = file.filter(|(program, _)| selected == Some(*program));
         let lathe = job::Lathe {
             job: &part.job,
             guessed: part.guessed,
-            program: self.text.file.as_ref().map(|(_, path)| path.as_path()),
-            named: tools.iter().map(|tool| tool.tool).collect(),
+            program: file.map(|(_, path)| path.as_path()),
+            named: tools
+                .iter()
+                .map(|it| it.tool)
+                .filter(|it| *it > 0)
+                .collect(),
             running: part.block.is_some(),
             trouble: self.made.trouble.as_ref(),
         };
@@ -258,6 +266,16 @@ impl LatheView {
                 self.chosen = None;
                 self.instruments.microscope.clear();
             }
+            // What was tried out has been stored: the control has no other text any more.
+            if let Some(trial) = &self.text.trial
+                && !made.tried
+                && made.path.programs.get(trial.id).is_some_and(|own| {
+                    with_line_feeds(own.text()) == with_line_feeds(trial.tried.text())
+                })
+            {
+                self.text.trial = None;
+                worker.try_out(None);
+            }
             // The passes lie elsewhere now.
             if let Some(chosen) = &mut self.chosen {
                 chosen.pass = made.path.pass_again(chosen.pass.take());
@@ -277,7 +295,9 @@ impl LatheView {
                 Instrument::Path | Instrument::Job => {}
                 Instrument::Caliper => self.instruments.caliper.take(&part.section),
                 Instrument::Microscope => {
-                    if !running && self.instruments.microscope.asks(&self.made.path, &part.job) {
+                    // A path that still grows is compared when it has come to its end.
+                    let ready = !running && !self.made.path.partial;
+                    if ready && self.instruments.microscope.asks(&self.made.path, &part.job) {
                         worker.compare(Arc::clone(&part.job));
                     }
                     let clamped = part.job.stock.clamped();

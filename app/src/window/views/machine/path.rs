@@ -105,7 +105,7 @@ impl Path {
             if piece.way == Way::Jump {
                 continue;
             }
-            let distance = distance_sq(at, begin, piece.end);
+            let distance = (at - nearest_on(begin, piece.end, at)).length_sq();
             if distance <= nearest.0 {
                 nearest = (distance, Some(index));
             }
@@ -163,8 +163,8 @@ impl Path {
     }
 }
 
-/// The square of the distance of a point from a piece.
-fn distance_sq(at: Pos2, from: Pos2, to: Pos2) -> f32 {
+/// The point of a line that is nearest to a point.
+pub fn nearest_on(from: Pos2, to: Pos2, at: Pos2) -> Pos2 {
     let (along, beside) = (to - from, at - from);
     let length = along.length_sq();
     let part = if length > 0.0 {
@@ -172,7 +172,7 @@ fn distance_sq(at: Pos2, from: Pos2, to: Pos2) -> f32 {
     } else {
         0.0
     };
-    (beside - along * part).length_sq()
+    from + along * part
 }
 
 /// Builds a path move by move.

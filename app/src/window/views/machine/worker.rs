@@ -51,6 +51,8 @@ pub struct Made {
     /// The block of a profile that breaks a rule of its cycle; the path is then that of
     /// the profile, without the cycle.
     pub fault: Option<Block>,
+    /// It is another text than the control's.
+    pub tried: bool,
     /// No program says what is cut: the job is one to learn on.
     pub practice: bool,
     /// What is wrong with its job file.
@@ -274,7 +276,12 @@ impl Work {
         let rates = RapidRates::of(&setup.memory.parameters);
         let patience = Patience::new(PATIENCE.0, PATIENCE.1);
         let (mut news, mut pause) = (Instant::now(), FIRST_NEWS);
+        let tried = basis.tried.as_ref().is_some_and(|(id, tried)| {
+            let own = basis.program.as_ref().filter(|(own, _)| own == id);
+            own.is_some_and(|(_, own)| own.text() != tried.text())
+        });
         let mut made = Made {
+            tried,
             trouble,
             rear: setup.lathe.rear_tool_post,
             serial: self.serial,

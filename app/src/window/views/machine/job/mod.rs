@@ -67,6 +67,8 @@ pub struct JobPanel {
     clamped: Option<Job>,
     /// The job as the lathe got it, without anything from this panel.
     given: Option<Job>,
+    /// Where the job of the program stands, or would stand.
+    path: Option<PathBuf>,
     /// The job as it stands in its file, and the file.
     saved: Option<(PathBuf, Job)>,
     said: Option<(Message, Color32)>,
@@ -76,6 +78,12 @@ impl JobPanel {
     /// Draws it; returns a job that is to be clamped.
     pub fn show(&mut self, ui: &mut Ui, lathe: &Lathe<'_>, language: Language) -> Option<Job> {
         self.take(lathe);
+        let path = lathe.program.map(job::beside);
+        if self.path != path {
+            let read = path.as_deref().and_then(|path| job::read(path).ok());
+            self.saved = path.clone().zip(read);
+            self.path = path;
+        }
         let mut job = self.draft.take()?;
         self.origin(ui, lathe, &job, language);
         if lathe.running {
@@ -120,8 +128,7 @@ impl JobPanel {
         self.draft = Some(job.clone());
         self.clamped = Some(job.clone());
         self.given = Some(job.clone());
-        let path = lathe.program.map(job::beside);
-        self.saved = path.and_then(|path| Some((path.clone(), job::read(&path).ok()?)));
+        (self.path, self.saved) = (None, None);
         self.said = None;
         if let Item::Tool(number) = self.item
             && !job.tools.contains_key(&number)
