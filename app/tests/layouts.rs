@@ -1,8 +1,8 @@
 //! The layouts of the window: keys, splitters, docked views, a narrow window.
 
 use crate::common::Bench;
-use egui::{Event, Modifiers, PointerButton, Pos2, vec2};
-use egui_kittest::kittest::Queryable;
+use egui::{Event, Modifiers, PointerButton, Pos2, Role, vec2};
+use egui_kittest::kittest::{NodeT as _, Queryable};
 use gsk_app::window::layout::{Layout, Layouts};
 use gsk_app::window::view::View;
 use gsk_core::setup::Setup;
@@ -122,4 +122,58 @@ fn in_a_narrow_window_every_key_is_inside_and_can_be_clicked() {
     bench.lcd_shows("O73");
     bench.click("Emergency stop");
     bench.lcd_shows("准备未绪");
+}
+
+#[test]
+fn at_a_school_laptops_size_nothing_lies_beside_its_view() {
+    let size = vec2(1366.0, 768.0);
+    for (layout, key) in [
+        (Layout::Machine, egui::Key::F7),
+        (Layout::Programmer, egui::Key::F8),
+        (Layout::Instructor, egui::Key::F9),
+    ] {
+        let mut bench = Bench::sized(Setup::default(), Layouts::of(Layout::Panel), size);
+        shift(&mut bench, key);
+        assert_eq!(layouts(&bench).current(), layout);
+        let splitter = bench.harness.get_by_label("Splitter 0").rect().center().x;
+        let nodes = bench.harness.root().children_recursive();
+        let operated = nodes.filter(|node| {
+            matches!(
+                node.accesskit_node().role(),
+                Role::Button | Role::CheckBox | Role::RadioButton | Role::Label | Role::ComboBox
+            )
+        });
+        let beside = operated.filter(|node| {
+            let place = node.rect();
+            // Below the bar and above the line of messages, which run across.
+            let in_views = place.top() > 28.0 && place.bottom() < 740.0;
+            let crosses = in_views && place.left() < splitter && place.right() > splitter;
+            crosses || place.right() > size.x
+        });
+        let named = beside.map(|node| (node.accesskit_node().label(), node.rect()));
+        let beside: Vec<_> = named.collect();
+        assert!(beside.is_empty(), "{layout:?}: {beside:?}");
+    }
+}
+
+#[test]
+fn light_surroundings_are_chosen_in_the_menu_and_kept() {
+    let mut bench = Bench::new();
+    // The bar is the first that is drawn.
+    let bar = |bench: &Bench| {
+        let shapes = bench.harness.output().shapes.iter();
+        let mut grounds = shapes.filter_map(|it| match &it.shape {
+            egui::Shape::Rect(rect) if rect.fill.is_opaque() => Some(rect.fill.r()),
+            _ => None,
+        });
+        grounds.next().unwrap()
+    };
+    assert!(bar(&bench) < 60);
+    for entry in ["Layout", "Light surroundings"] {
+        bench.harness.get_by_label(entry).click();
+        bench.run(20);
+        bench.run(20);
+    }
+    assert!(bar(&bench) > 220);
+    assert!(bench.harness.state().settings().light);
 }

@@ -11,7 +11,7 @@ use gsk_messages::{Message, say};
 
 use super::figures::Figures;
 use super::layout::floating;
-use super::{Settings, TITLE, Window, fonts};
+use super::{Settings, TITLE, Window, fonts, surroundings};
 use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
@@ -132,6 +132,7 @@ impl App {
         let thread = kernel::start(kernel, &console, outside)?;
         let mut window = Window::new(console, settings.clone());
         window.paint_panel();
+        surroundings::set(context, settings.light);
         if !restored.complaints.is_empty() {
             window.say(say::several(restored.complaints));
         }
@@ -235,7 +236,7 @@ impl eframe::App for App {
     }
 
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
-        egui::Color32::from_gray(22).to_normalized_gamma_f32()
+        surroundings::ground(self.window.settings().light).to_normalized_gamma_f32()
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {

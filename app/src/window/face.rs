@@ -14,6 +14,7 @@ use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptio
 use gsk_panel::faceplate::{self, Area, Colour, FaceState, Part, Pixmap};
 
 use super::placing::View;
+use super::surroundings::fill_as_it_is;
 
 /// The picture is made for whole pixels.
 const DOTS: TextureOptions = TextureOptions::NEAREST;
@@ -84,7 +85,8 @@ impl Piece {
         }
         let Some(picture) = &mut self.picture else {
             let [red, green, blue] = Colour::Housing.rgb();
-            painter.rect_filled(view.whole(), 0.0, Color32::from_rgb(red, green, blue));
+            let housing = Color32::from_rgb(red, green, blue);
+            fill_as_it_is(painter, view.whole(), housing);
             return;
         };
         picture.follow(self.area, state);

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::surroundings;
 use egui::epaint::text::{GlyphBitmap, GlyphRasterizer, GlyphRasterizerRequest, RasterizedGlyph};
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, ColorImage, FontId, vec2};
@@ -118,6 +119,7 @@ pub fn words(text: &str, font_id: FontId, color: Color32) -> LayoutJob {
 /// A context set up as the window uses it; for tests, too.
 pub fn set_up(context: &egui::Context) {
     install(context);
+    surroundings::install(context);
     context.set_theme(egui::Theme::Dark);
     context.all_styles_mut(|style| {
         style.visuals.override_text_color = Some(Color32::from_gray(225));

@@ -1,5 +1,6 @@
 //! The LCD in the window: whole dots wherever a whole zoom fits.
 
+use super::surroundings::fill_as_it_is;
 use egui::{Color32, ColorImage, Pos2, Rect, TextureHandle, TextureOptions, vec2};
 use gsk_panel::raster;
 use gsk_panel::screen::{HEIGHT, Screen, WIDTH};
@@ -75,7 +76,7 @@ impl Lcd {
         let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
         let [red, green, blue] = raster::palette(brightness).background;
         if !placing.rect.expand(0.01).contains_rect(room) {
-            painter.rect_filled(room, 0.0, Color32::from_rgb(red, green, blue));
+            fill_as_it_is(painter, room, Color32::from_rgb(red, green, blue));
         }
         painter.image(texture.id(), placing.rect, whole, Color32::WHITE);
     }

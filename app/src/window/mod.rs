@@ -22,6 +22,7 @@ mod questions;
 pub mod refusal;
 mod samples;
 mod settings;
+mod surroundings;
 mod top_bar;
 pub mod view;
 mod views;
@@ -171,11 +172,9 @@ impl Window {
             .show_separator_line(false);
         let asked = bar
             .show(ui, |ui| {
-                let recent = &self.settings.recent;
                 let opened = self.opened.as_ref();
-                let layouts = &self.settings.layouts;
                 let picture = self.picture.as_ref();
-                top_bar::show(ui, language, recent, opened, picture, layouts)
+                top_bar::show(ui, &self.settings, opened, picture)
             })
             .inner;
         let line = Panel::bottom("status")
@@ -332,6 +331,10 @@ impl Window {
             top_bar::Asked::Speed(speed) => self.console.send(Command::Speed(speed)),
             top_bar::Asked::FreeBits => self.console.send(Command::FreeBits),
             top_bar::Asked::Mend => self.console.send(Command::Mend),
+            top_bar::Asked::Light => {
+                self.settings.light = !self.settings.light;
+                surroundings::set(ui.ctx(), self.settings.light);
+            }
             top_bar::Asked::Keys => self.help = !self.help,
             top_bar::Asked::Language => {
                 self.settings.language = match self.settings.language {

@@ -20,6 +20,8 @@ pub struct Settings {
     pub recent: Vec<PathBuf>,
     /// Layouts, and where windows are.
     pub layouts: Layouts,
+    /// What surrounds panel and pictures is light, else dark.
+    pub light: bool,
     /// The machine view shows the part as a solid, else as a half section.
     pub solid: bool,
 }
@@ -30,6 +32,7 @@ impl Default for Settings {
             language: Language::Zh,
             recent: Vec::new(),
             layouts: Layouts::default(),
+            light: false,
             solid: false,
         }
     }

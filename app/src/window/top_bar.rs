@@ -6,9 +6,10 @@ use egui::{Align2, Area, Color32, Frame, Order, Rect, RichText, Tooltip, Ui};
 
 use gsk_core::alarm::Alarm;
 
+use super::Settings;
 use super::alarm_line;
 use super::fonts;
-use super::layout::{LAYOUTS, Layout, Layouts};
+use super::layout::{LAYOUTS, Layout};
 use super::samples::{SAMPLES, Sample};
 use super::view::{VIEWS, View, key_name};
 use crate::kernel::{Imposed, Snapshot, Times};
@@ -32,6 +33,8 @@ pub enum Asked {
     Sample(&'static Sample),
     /// Use a layout.
     Layout(Layout),
+    /// Light surroundings, or dark ones again.
+    Light,
     /// Open a view, or close it.
     View(View),
     /// Run programs at this speed.
@@ -49,12 +52,11 @@ pub enum Asked {
 /// Draws the bar.
 pub fn show(
     ui: &mut Ui,
-    language: Language,
-    recent: &[PathBuf],
+    settings: &Settings,
     opened: Option<&PathBuf>,
     picture: Option<&Snapshot>,
-    layouts: &Layouts,
 ) -> Option<Asked> {
+    let (language, layouts) = (settings.language, &settings.layouts);
     let imposed = picture.map(|picture| picture.imposed).unwrap_or_default();
     let is_open = |view| layouts.is_open(view);
     let layout = layouts.current();
@@ -67,10 +69,10 @@ pub fn show(
             asked = Some(Asked::Choose);
         }
         ui.menu_button(say::window_recent().text(language), |ui| {
-            if recent.is_empty() {
+            if settings.recent.is_empty() {
                 ui.label(say::window_recent_empty().text(language));
             }
-            for path in recent {
+            for path in &settings.recent {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
                 let entry = ui
                     .button(name.as_ref())
@@ -104,6 +106,13 @@ pub fn show(
                     asked = Some(Asked::Layout(row.layout));
                     ui.close();
                 }
+            }
+            ui.separator();
+            let entry =
+                egui::Button::selectable(settings.light, say::window_light().text(language));
+            if ui.add(entry).clicked() {
+                asked = Some(Asked::Light);
+                ui.close();
             }
         });
         ui.menu_button(say::window_views().text(language), |ui| {

@@ -64,14 +64,14 @@ pub static VIEWS: [ViewRow; 6] = [
         name: say::window_view_scope,
         key: Key::F2,
         size: [1120.0, 720.0],
-        least: [760.0, 360.0],
+        least: [600.0, 360.0],
     },
     ViewRow {
         view: View::Bench,
         name: say::window_view_bench,
         key: Key::F3,
         size: [1000.0, 640.0],
-        least: [760.0, 320.0],
+        least: [600.0, 320.0],
     },
     ViewRow {
         view: View::Ladder,

@@ -22,6 +22,13 @@ const SCROLL_BAR: f32 = 12.0;
 /// Widths of the columns of lamps, points.
 const CONTACT: f32 = 48.0;
 const ACCEPTED: f32 = 34.0;
+/// What the column of inputs needs, points.
+const INPUTS: f32 = 330.0;
+/// The least and the most that the column of faults takes, points.
+const NARROW: f32 = 240.0;
+const WIDE: f32 = 420.0;
+/// A fault and its name for scripts need as much, points.
+const BOTH_NAMES: f32 = 380.0;
 /// Bytes of X that machine contacts have plugs for.
 const PLUGGED: std::ops::Range<u16> = 0..4;
 
@@ -59,7 +66,7 @@ impl Bench {
         let state = Panel::bottom("machine state").frame(super::bar_frame());
         state.show(ui, |ui| state_line(ui, language, machine));
         let faults = Panel::left("faults")
-            .exact_size(420.0)
+            .exact_size((ui.available_width() - INPUTS).clamp(NARROW, WIDE))
             .resizable(false)
             .frame(super::side_frame());
         faults.show(ui, |ui| self.faults(ui, language, machine));
@@ -79,8 +86,11 @@ impl Bench {
                 }
             });
         });
-        let hint = say::bench_faults_hint().text(language);
-        ui.label(RichText::new(hint).weak());
+        let scripts = ui.available_width() >= BOTH_NAMES;
+        if scripts {
+            let hint = say::bench_faults_hint().text(language);
+            ui.label(RichText::new(hint).weak());
+        }
         ui.add_space(4.0);
         ScrollArea::vertical()
             .auto_shrink([false, false])
@@ -93,14 +103,20 @@ impl Bench {
                     let mut on = machine.lathe.has_fault(fault);
                     let colour = if on { BROKEN } else { Color32::from_gray(215) };
                     line(ui, |ui| {
-                        let script = RichText::new(name).monospace().weak();
-                        ui.label(script);
+                        if scripts {
+                            ui.label(RichText::new(name).monospace().weak());
+                        }
                         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                             let check = ui.checkbox(&mut on, RichText::new(&text).color(colour));
                             check.widget_info(|| {
                                 egui::WidgetInfo::selected(egui::Role::CheckBox, true, on, &text)
                             });
-                            if check.on_hover_text(&effect).changed() {
+                            let about = if scripts {
+                                effect.clone()
+                            } else {
+                                format!("{effect}\n{name}")
+                            };
+                            if check.on_hover_text(about).changed() {
                                 self.console.send(Command::Fault(fault, on));
                             }
                         });

@@ -14,6 +14,7 @@ use gsk_workpiece::trapezoid::{Filled, Trapezoid, trapezoids};
 
 use super::camera::Camera;
 use crate::kernel::part::PartView;
+use crate::window::surroundings::white;
 
 const SECTION: Color32 = Color32::from_rgb(118, 116, 112);
 const OUTSIDE: Color32 = Color32::from_rgb(74, 74, 76);
@@ -145,6 +146,10 @@ fn tool_parts(tool: &Tool) -> Vec<ToolPart> {
 /// Fills trapezoids, or their mirror image beyond the axis.
 fn fill(painter: &Painter, camera: &Camera, made: &[Trapezoid], mirrored: bool, color: Color32) {
     let mut mesh = Mesh::default();
+    if color == INSERT {
+        // What it is, its yellow says in light surroundings, too.
+        mesh.texture_id = white(painter.ctx());
+    }
     mesh.reserve_vertices(made.len() * 4);
     mesh.reserve_triangles(made.len() * 2);
     for trapezoid in made {

@@ -138,7 +138,7 @@ impl Scope {
         let bar = Panel::top("scope bar").frame(super::bar_frame());
         bar.show(ui, |ui| self.toolbar(ui, language));
         let side = Panel::right("scope side")
-            .exact_size(side::WIDTH)
+            .exact_size(self.side_width())
             .resizable(false)
             .frame(super::side_frame());
         side.show(ui, |ui| self.side(ui, language));

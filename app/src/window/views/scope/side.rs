@@ -7,8 +7,9 @@ use super::trace::{Quantity, TRACES};
 use super::{BitChannel, Cursors, Scope};
 use gsk_messages::{Language, say};
 
-/// Width of the list, points.
-pub const WIDTH: f32 = 366.0;
+/// Width of the list with one reading a trace, and with two cursors, points.
+const NARROW: f32 = 250.0;
+const WIDE: f32 = 366.0;
 /// Height of a line, points.
 const LINE: f32 = 21.0;
 /// Width of a reading, points.
@@ -22,6 +23,10 @@ pub const CURSOR_COLOURS: [Color32; 2] = [
 ];
 
 impl Scope {
+    pub(super) const fn side_width(&self) -> f32 {
+        if self.cursors.is_some() { WIDE } else { NARROW }
+    }
+
     pub(super) fn side(&mut self, ui: &mut Ui, language: Language) {
         self.head(ui, language);
         ui.separator();

@@ -1,0 +1,214 @@
+//! Light surroundings: the window is drawn for dark ones, and each colour has a light
+//! counterpart by one rule, laid over the frame just before it is shown. Panel, LCD and
+//! the lit part are pictures: they look the same in both.
+
+use std::cell::Cell;
+
+use egui::epaint::shape_transform::adjust_colors;
+use egui::{
+    Color32, Context, FullOutput, Id, Painter, Plugin, Pos2, Rect, Shape, TextureHandle, TextureId,
+    TextureOptions, pos2,
+};
+
+/// The ground that the window is cleared with, in dark surroundings.
+const GROUND: Color32 = Color32::from_gray(22);
+
+/// Lightness in light surroundings over that in dark ones, as a polynomial: the darkest
+/// ground (0.15) becomes white, an ink (0.75) half dark, white (1.0) nearly black.
+const TURNED: [f32; 3] = [1.087, -0.529, -0.338];
+
+#[derive(Default)]
+struct Surroundings {
+    light: bool,
+}
+
+impl Plugin for Surroundings {
+    fn debug_name(&self) -> &'static str {
+        "surroundings"
+    }
+
+    fn output_hook(&mut self, _context: &Context, output: &mut FullOutput) {
+        if self.light {
+            for shape in &mut output.shapes {
+                lighten(&mut shape.shape);
+            }
+        }
+    }
+}
+
+/// Prepares a context: its surroundings are dark.
+pub fn install(context: &Context) {
+    context.add_plugin(Surroundings::default());
+}
+
+/// Changes the surroundings of everything a context draws.
+pub fn set(context: &Context, light: bool) {
+    context.with_plugin(|surroundings: &mut Surroundings| surroundings.light = light);
+}
+
+/// The ground that a window is cleared with.
+pub fn ground(light: bool) -> Color32 {
+    if light { turned(GROUND) } else { GROUND }
+}
+
+/// Fills a room with a colour that is the same in any surroundings, as that of the panel.
+pub fn fill_as_it_is(painter: &Painter, room: Rect, color: Color32) {
+    let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+    painter.image(white(painter.ctx()), room, whole, color);
+}
+
+/// A picture of one white dot: what is drawn with it keeps its colours.
+pub fn white(context: &Context) -> TextureId {
+    let id = Id::unique("white");
+    let known: Option<TextureHandle> = context.data(|data| data.get_temp(id));
+    let made = known.unwrap_or_else(|| {
+        let dot = egui::ColorImage::filled([1, 1], Color32::WHITE);
+        let made = context.load_texture("white", dot, TextureOptions::NEAREST);
+        context.data_mut(|data| data.insert_temp(id, made.clone()));
+        made
+    });
+    made.id()
+}
+
+/// Gives a shape its light colours, unless it is a picture.
+fn lighten(shape: &mut Shape) {
+    match shape {
+        Shape::Vec(shapes) => shapes.iter_mut().for_each(lighten),
+        Shape::Mesh(mesh) if mesh.texture_id != TextureId::default() => {}
+        Shape::Rect(rect) if rect.brush.is_some() => {}
+        shape => adjust_colors(shape, |color| *color = turned(*color)),
+    }
+}
+
+/// The light counterpart of a colour.
+fn turned(color: Color32) -> Color32 {
+    thread_local! {
+        /// Neighbouring vertices are of one colour.
+        static LAST: Cell<(Color32, Color32)> =
+            const { Cell::new((Color32::TRANSPARENT, Color32::TRANSPARENT)) };
+    }
+    // egui puts another colour in place of this one later.
+    if color == Color32::PLACEHOLDER || color == Color32::TRANSPARENT {
+        return color;
+    }
+    let (last, light) = LAST.get();
+    if last == color {
+        return light;
+    }
+    let [red, green, blue, cover] = color.to_srgba_unmultiplied();
+    let [red, green, blue] = counterpart([red, green, blue]);
+    let light = Color32::from_rgba_unmultiplied(red, green, blue, cover);
+    LAST.set((color, light));
+    light
+}
+
+/// The same hue with the lightness turned over, in Oklab: there, equal steps look equally
+/// large, so that what can be told apart in the dark can be told apart in the light.
+fn counterpart(color: [u8; 3]) -> [u8; 3] {
+    let [lightness, a, b] = oklab(color.map(linear));
+    let [constant, linear, square] = TURNED;
+    let lightness = constant + (linear + square * lightness) * lightness;
+    // What no screen shows that light or dark gets paler until one does.
+    let shades = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1];
+    let colors = shades.map(|pale| linear_of([lightness, a * pale, b * pale]));
+    let shown = colors
+        .into_iter()
+        .find(|color| color.iter().all(|part| (0.0..=1.0).contains(part)))
+        .unwrap_or_else(|| linear_of([lightness, 0.0, 0.0]));
+    shown.map(gamma)
+}
+
+/// Oklab of linear sRGB (B. Ottosson, 2020).
+fn oklab([r, g, b]: [f32; 3]) -> [f32; 3] {
+    let l = (0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b).cbrt();
+    let m = (0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b).cbrt();
+    let s = (0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b).cbrt();
+    [
+        0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
+        1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
+        0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
+    ]
+}
+
+/// Linear sRGB of Oklab.
+fn linear_of([lightness, a, b]: [f32; 3]) -> [f32; 3] {
+    let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
+    let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);
+    let s = (lightness - 0.089_484_18 * a - 1.291_485_5 * b).powi(3);
+    [
+        4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s,
+        -1.268_438 * l + 2.609_757_4 * m - 0.341_319_38 * s,
+        -0.004_196_086 * l - 0.703_418_6 * m + 1.707_614_7 * s,
+    ]
+}
+
+fn linear(part: u8) -> f32 {
+    egui::ecolor::linear_f32_from_gamma_u8(part)
+}
+
+fn gamma(part: f32) -> u8 {
+    egui::ecolor::gamma_u8_from_linear_f32(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The contrast of two colours as the accessibility guidelines of the W3C count it.
+    fn contrast(one: Color32, other: Color32) -> f32 {
+        let luminance = |color: Color32| {
+            let [r, g, b] = [color.r(), color.g(), color.b()].map(linear);
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        let (one, other) = (luminance(one) + 0.05, luminance(other) + 0.05);
+        one.max(other) / one.min(other)
+    }
+
+    #[test]
+    fn what_is_read_in_the_dark_is_read_in_the_light() {
+        let ground = turned(GROUND);
+        assert!(ground.r() > 215, "{ground:?}");
+        for ink in [
+            Color32::from_gray(225),
+            Color32::from_gray(170),
+            Color32::from_rgb(255, 196, 90),
+            Color32::from_rgb(255, 120, 96),
+            Color32::from_rgb(110, 230, 120),
+            Color32::from_rgb(120, 190, 255),
+            Color32::from_rgb(255, 255, 140),
+        ] {
+            let light = turned(ink);
+            assert!(contrast(light, ground) > 4.5, "{ink:?} becomes {light:?}");
+        }
+    }
+
+    #[test]
+    fn hues_stay_what_they_are() {
+        let [red, green, blue] = counterpart([255, 110, 96]);
+        assert!(red > green + 60 && red > blue + 60, "{red} {green} {blue}");
+        let [red, green, blue] = counterpart([110, 180, 255]);
+        assert!(blue > green + 40 && green > red, "{red} {green} {blue}");
+    }
+
+    #[test]
+    fn what_egui_replaces_later_is_left_alone() {
+        for color in [Color32::PLACEHOLDER, Color32::TRANSPARENT] {
+            assert_eq!(turned(color), color);
+        }
+    }
+
+    #[test]
+    fn pictures_stay_as_they_are() {
+        let mut mesh = egui::Mesh::with_texture(TextureId::User(1));
+        mesh.add_rect_with_uv(Rect::ZERO, Rect::ZERO, Color32::WHITE);
+        let mut shape = Shape::Vec(vec![Shape::mesh(mesh)]);
+        lighten(&mut shape);
+        let Shape::Vec(shapes) = &shape else {
+            panic!("{shape:?}")
+        };
+        let Some(Shape::Mesh(mesh)) = shapes.first() else {
+            panic!("{shapes:?}")
+        };
+        assert_eq!(mesh.vertices.first().unwrap().color, Color32::WHITE);
+    }
+}
