@@ -18,8 +18,24 @@ pub use splitters::drag;
 
 /// Units a pixel of the LCD's dots: the panel is drawn with half a dot a unit.
 const UNITS_A_DOT: f32 = 2.0;
-/// The most of a window's width that the panel takes by itself beside views.
-const PANEL_AT_MOST: f32 = 0.75;
+
+/// How a layout shares out a wide window as long as nobody drags a splitter.
+#[derive(Clone, Copy, Debug)]
+pub struct Proportions {
+    /// The most of the window's width that the panel takes.
+    panel_at_most: f32,
+    /// Share of the column that the panel stands in; None: as wide as the panel.
+    column: Option<f32>,
+    /// Which of the docked views stands below the panel, counted from 0.
+    below: usize,
+}
+
+/// The panel as large as it goes.
+const LARGE_PANEL: Proportions = Proportions {
+    panel_at_most: 0.75,
+    column: None,
+    below: 2,
+};
 
 /// A layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -44,6 +60,7 @@ pub struct LayoutRow {
     pub key: Key,
     /// What is docked in it as long as nobody has changed it.
     docked: &'static [View],
+    proportions: Proportions,
 }
 
 /// The layouts in the order of the menu.
@@ -53,31 +70,43 @@ pub static LAYOUTS: [LayoutRow; 4] = [
         name: say::window_layout_panel,
         key: Key::F6,
         docked: &[],
+        proportions: LARGE_PANEL,
     },
     LayoutRow {
         layout: Layout::Machine,
         name: say::window_layout_machine,
         key: Key::F7,
         docked: &[View::Machine],
+        proportions: LARGE_PANEL,
     },
     LayoutRow {
         layout: Layout::Programmer,
         name: say::window_layout_programmer,
         key: Key::F8,
         docked: &[View::Program, View::Machine],
+        proportions: Proportions {
+            panel_at_most: 0.5,
+            column: Some(0.5),
+            below: 1,
+        },
     },
     LayoutRow {
         layout: Layout::Instructor,
         name: say::window_layout_instructor,
         key: Key::F9,
         docked: &[View::Machine, View::Scope, View::Bench],
+        proportions: Proportions {
+            panel_at_most: 0.5,
+            column: None,
+            below: 2,
+        },
     },
 ];
 
 impl Layout {
     /// The one of the first start: with the machine where the LCD keeps a pixel a dot.
     fn first(room: Rect, pixels_per_point: f32) -> Self {
-        match pixels_a_dot(room, pixels_per_point) < 1.0 {
+        match pixels_a_dot(room, LARGE_PANEL.panel_at_most, pixels_per_point) < 1.0 {
             true => Self::Panel,
             false => Self::Machine,
         }
@@ -248,7 +277,8 @@ impl Layouts {
             let share = shares.and_then(|changes| changes.shares.get(&split))?;
             Some(f32::from(*share) / 1000.0)
         };
-        arrange(room, &self.docked(), pixels_per_point, &share)
+        let proportions = self.current().row().proportions;
+        arrange(room, &self.docked(), proportions, pixels_per_point, &share)
     }
 
     /// Moves a splitter; `None`: back to where it stands by itself.
@@ -268,21 +298,21 @@ impl Layouts {
 }
 
 /// Whole pixels that a dot of the LCD has beside views.
-fn pixels_a_dot(room: Rect, pixels_per_point: f32) -> f32 {
-    let at_most = egui::vec2(room.width() * PANEL_AT_MOST, room.height());
+fn pixels_a_dot(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
+    let at_most = egui::vec2(room.width() * at_most, room.height());
     let scale = placing::whole_scale(at_most) * pixels_per_point;
     (scale * UNITS_A_DOT).floor()
 }
 
 /// The share of a room's width that the panel takes by itself beside views: the most
 /// that shows the dots of the LCD as whole pixels.
-fn panel_share(room: Rect, pixels_per_point: f32) -> f32 {
-    let pixels_a_dot = pixels_a_dot(room, pixels_per_point);
+fn panel_share(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
+    let pixels_a_dot = pixels_a_dot(room, at_most, pixels_per_point);
     if pixels_a_dot < 1.0 {
-        return 0.6;
+        return at_most.min(0.6);
     }
     let width = gsk_panel::faceplate::SIZE.0 * pixels_a_dot / UNITS_A_DOT;
-    (width / pixels_per_point / room.width()).min(PANEL_AT_MOST)
+    (width / pixels_per_point / room.width()).min(at_most)
 }
 
 #[cfg(test)]

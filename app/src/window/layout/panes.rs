@@ -4,7 +4,7 @@
 
 use egui::{Pos2, Rect, pos2};
 
-use super::panel_share;
+use super::{Proportions, panel_share};
 use crate::window::view::View;
 use gsk_panel::faceplate::SIZE;
 
@@ -12,8 +12,6 @@ use gsk_panel::faceplate::SIZE;
 const BAR: f32 = 6.0;
 /// Least side of a pane, points.
 const LEAST: f32 = 90.0;
-/// The view that stands below the panel, not in the column beside it.
-const BELOW_PANEL: usize = 2;
 /// Numbers of splitters: between the columns, in the left, in the right column, and in
 /// the single column of a high window.
 const COLUMNS: u8 = 0;
@@ -67,6 +65,7 @@ pub struct Arranged {
 pub fn arrange(
     room: Rect,
     docked: &[View],
+    proportions: Proportions,
     pixels_per_point: f32,
     share: &dyn Fn(u8) -> Option<f32>,
 ) -> Arranged {
@@ -85,18 +84,27 @@ pub fn arrange(
         arranged.column(above, &views, SINGLE + 1, share);
         return arranged;
     }
-    let below: Vec<Pane> = views.iter().skip(BELOW_PANEL).take(1).copied().collect();
+    let below: Vec<Pane> = (views.iter().skip(proportions.below).take(1))
+        .copied()
+        .collect();
     let beside = views.iter().enumerate();
     let beside: Vec<Pane> = beside
-        .filter(|(index, _)| *index != BELOW_PANEL)
+        .filter(|(index, _)| *index != proportions.below)
         .map(|(_, pane)| *pane)
         .collect();
-    let columns = share(COLUMNS).unwrap_or_else(|| panel_share(room, pixels_per_point));
+    let panel_share = panel_share(room, proportions.panel_at_most, pixels_per_point);
+    let columns = share(COLUMNS).or(proportions.column);
+    let columns = columns.unwrap_or(panel_share);
     let (left, right) = arranged.split(room, COLUMNS, true, columns);
     let panel = if below.is_empty() {
         left
     } else {
-        let high = (left.width() * SIZE.1 / SIZE.0 + BAR / 2.0) / left.height();
+        // In a column of its own width the panel is as large as it wants to be.
+        let panel = match proportions.column {
+            Some(_) => left.width().min(panel_share * room.width()),
+            None => left.width(),
+        };
+        let high = (panel * SIZE.1 / SIZE.0 + BAR / 2.0) / left.height();
         let split = share(LEFT).unwrap_or(high.clamp(0.3, 0.7));
         let (above, rest) = arranged.split(left, LEFT, false, split);
         arranged.column(rest, &below, LEFT + 1, share);
@@ -153,6 +161,8 @@ mod tests {
     use super::*;
     use egui::vec2;
 
+    use super::super::LARGE_PANEL;
+
     const VIEWS: [View; 4] = [View::Bench, View::Ladder, View::Scope, View::Link];
 
     #[test]
@@ -166,7 +176,7 @@ mod tests {
             let room = Rect::from_min_size(pos2(0.0, 28.0), size);
             for count in 0..=VIEWS.len() {
                 for share in [None, Some(0.0), Some(0.3), Some(1.0)] {
-                    let arranged = arrange(room, &VIEWS[..count], 1.0, &|_| share);
+                    let arranged = arrange(room, &VIEWS[..count], LARGE_PANEL, 1.0, &|_| share);
                     let panes = &arranged.panes;
                     assert_eq!(panes.len(), count + 1);
                     assert_eq!(panes[0].0, Pane::Panel);
@@ -192,7 +202,7 @@ mod tests {
             (3840.0, 2110.0, 4.0),
         ] {
             let room = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
-            let arranged = arrange(room, &VIEWS[..1], 1.0, &|_| None);
+            let arranged = arrange(room, &VIEWS[..1], LARGE_PANEL, 1.0, &|_| None);
             let panel = arranged.panes[0].1.width();
             assert!((panel - 640.0 * pixels).abs() <= BAR, "{panel} of {width}");
         }
@@ -201,9 +211,9 @@ mod tests {
     #[test]
     fn a_bar_stands_where_it_is_dragged_to() {
         let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(1000.0, 700.0));
-        let arranged = arrange(room, &VIEWS[..1], 1.0, &|_| None);
+        let arranged = arrange(room, &VIEWS[..1], LARGE_PANEL, 1.0, &|_| None);
         let share = arranged.splitters[0].share(pos2(412.0, 300.0));
-        let dragged = arrange(room, &VIEWS[..1], 1.0, &|_| Some(share));
+        let dragged = arrange(room, &VIEWS[..1], LARGE_PANEL, 1.0, &|_| Some(share));
         assert!((dragged.splitters[0].bar.center().x - 412.0).abs() < 0.01);
     }
 }
