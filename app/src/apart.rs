@@ -1,13 +1,12 @@
 //! Nothing that a command writes overwrites what it reads.
 
-use std::fs;
-use std::os::unix::fs::MetadataExt;
 use std::path::{Component, Path, PathBuf};
 
 use gsk_messages::{Message, say};
 
 use crate::files::subprograms;
 use crate::output;
+use crate::platform::same_file;
 
 /// What a command reads.
 #[derive(Clone, Debug, Default)]
@@ -111,14 +110,6 @@ pub fn keep_apart(read: &Read<'_>, written: &[&Path]) -> Result<(), ApartError> 
     Ok(())
 }
 
-/// Whether two names, links included, are one plain file.
-pub fn same_file(one: &Path, other: &Path) -> bool {
-    let plain = |path| fs::metadata(path).ok().filter(fs::Metadata::is_file);
-    plain(one)
-        .zip(plain(other))
-        .is_some_and(|(one, other)| one.dev() == other.dev() && one.ino() == other.ino())
-}
-
 /// Where a file is or would be, links followed.
 fn place(path: &Path) -> PathBuf {
     let found = path.canonicalize().or_else(|error| {
@@ -166,6 +157,8 @@ fn is_memory(data: &Path, path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn read<'a>(files: &[&'a Path]) -> Read<'a> {

@@ -414,7 +414,7 @@ pub enum LinkCommand {
     Test(LinkTestArgs),
     /// Open a board and print everything said, with the time in seconds
     Monitor(LinkMonitorArgs),
-    /// Play a board behind a pseudo terminal; its name is printed first
+    /// Play a board behind a pseudo terminal or a network address; its name is printed first
     Twin(LinkTwinArgs),
 }
 
@@ -463,6 +463,9 @@ pub struct LinkTwinArgs {
     /// Firmware of the board
     #[arg(long, value_enum, default_value_t = TwinBoard::Grbl)]
     pub firmware: TwinBoard,
+    /// Offer it at this address as the port `tcp:HOST:PORT`; port 0 lets the system choose [default: a pseudo terminal; on Windows 127.0.0.1:0]
+    #[arg(long, value_name = "HOST:PORT")]
+    pub tcp: Option<String>,
     /// Print a machine file with the wiring of this board, and end
     #[arg(long)]
     pub print_machine: bool,

@@ -3,7 +3,6 @@
 
 use std::fs::File;
 use std::io::{self, Read};
-use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::thread;
 
@@ -12,6 +11,7 @@ use gsk_core::cnc::Cnc;
 use gsk_messages::{Message, say};
 use gsk_runner::partner::Patience;
 
+use crate::platform::is_serial_port;
 use crate::ports::{self, Port, PortError};
 
 /// What stands in the folder of the data directory under this name is sent when
@@ -38,13 +38,12 @@ pub enum Source {
 }
 
 impl Source {
-    /// From its name on the command line: `-` is standard input, a character device is
-    /// a port, everything else a file.
+    /// From its name on the command line: `-` is standard input, a port is read as one,
+    /// everything else is a file.
     pub fn of(name: &Path) -> Self {
-        let device = std::fs::metadata(name).is_ok_and(|data| data.file_type().is_char_device());
         match name.to_str() {
             Some("-") => Self::Standard,
-            Some(port) if device => Self::Port(port.to_owned()),
+            Some(port) if is_serial_port(name) => Self::Port(port.to_owned()),
             _ => Self::File(name.to_owned()),
         }
     }

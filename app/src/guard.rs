@@ -2,32 +2,29 @@
 //! board when the program is gone, however it went.
 //!
 //! ```text
-//!   program: kernel, link ──► Guard ═══ socket ═══ holder ──► port ──► board
+//!   program: kernel, link ──► Guard ═══  tie   ═══ holder ──► port ──► board
 //!   window, picture, files                         (the same binary, `hold-port`)
 //! ```
 //!
 //! A library of the window may end the process without asking anybody, memory may run
 //! out, somebody may kill it: nobody is left then who could stop the board. The holder
-//! sees its socket close. It knows nothing of the board but the bytes that stop it,
+//! sees the tie break. It knows nothing of the board but the bytes that stop it,
 //! which the link tells it ahead.
 
 pub mod frame;
 pub mod holder;
 
-use std::io::{self, ErrorKind, Read, Write};
-use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::net::UnixStream;
-use std::os::unix::process::CommandExt;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use gsk_messages::{Message, say};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use frame::{Kind, Reader};
 
+use crate::platform::ToHolder;
 use crate::ports;
 
 /// The hidden command of the holder.
@@ -43,15 +40,6 @@ const ENDS_WITHIN: Duration = Duration::from_secs(5);
 const LOOK: Duration = Duration::from_millis(2);
 /// What may wait for the holder before nothing more is taken.
 const MOST_WAITING: usize = frame::MOST;
-
-/// This program, for a holder of the same version: the file may have been replaced.
-pub fn program() -> PathBuf {
-    let own = Path::new("/proc/self/exe");
-    if own.exists() {
-        return own.to_owned();
-    }
-    std::env::current_exe().unwrap_or_else(|_| "gsk980td".into())
-}
 
 /// Why there is no port that another process holds.
 #[derive(Debug, thiserror::Error)]
@@ -100,9 +88,9 @@ impl GuardError {
 /// that was stopped.
 pub struct Guard {
     child: Child,
-    socket: UnixStream,
+    holder: ToHolder,
     reader: Reader,
-    /// Frames the socket has not taken yet.
+    /// Frames the holder has not taken yet.
     waiting: Vec<u8>,
     stop: Vec<u8>,
     program: PathBuf,
@@ -120,21 +108,12 @@ impl Guard {
             port: port.to_owned(),
             error,
         };
-        let (socket, far) = UnixStream::pair().map_err(cannot)?;
-        socket.set_nonblocking(true).map_err(cannot)?;
-        let child = Command::new(program)
-            .arg0("gsk980td")
-            .args([COMMAND, "--baud", &baud.to_string(), "--", port])
-            .stdin(Stdio::from(OwnedFd::from(far)))
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            // Ctrl-C at the terminal is for the program.
-            .process_group(0)
-            .spawn()
-            .map_err(cannot)?;
+        let mut command = Command::new(program);
+        command.args([COMMAND, "--baud", &baud.to_string(), "--", port]);
+        let (child, holder) = ToHolder::start(command).map_err(cannot)?;
         let mut guard = Self {
             child,
-            socket,
+            holder,
             reader: Reader::default(),
             waiting: Vec::new(),
             stop: Vec::new(),
@@ -231,31 +210,16 @@ impl Guard {
 
     /// Reads what the holder says, when it says something within this time.
     fn hear(&mut self, within: Duration) -> io::Result<()> {
-        let mut look = [PollFd::from_borrowed_fd(self.socket.as_fd(), PollFlags::IN)];
-        let within = Timespec::try_from(within).map_err(io::Error::other)?;
-        match poll(&mut look, Some(&within)) {
-            Ok(0) | Err(rustix::io::Errno::INTR) => return Ok(()),
-            Ok(_) => {}
-            Err(error) => return Err(error.into()),
-        }
-        let mut buffer = [0; frame::MOST];
-        match self.socket.read(&mut buffer) {
-            Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
-            Ok(count) => {
-                self.reader.give(&buffer[..count]);
-                Ok(())
-            }
-            Err(error) if passes(&error) => Ok(()),
-            Err(error) => Err(error),
-        }
+        self.reader.give(&self.holder.hear(within)?);
+        Ok(())
     }
 
     /// Hands over what waits, as far as it is taken.
     fn speak(&mut self) {
         while !self.waiting.is_empty() {
-            match self.socket.write(&self.waiting) {
+            match self.holder.say(&self.waiting) {
+                Ok(0) => return,
                 Ok(count) => drop(self.waiting.drain(..count)),
-                Err(error) if passes(&error) => return,
                 // Why, it may have said: that is read next.
                 Err(_) => self.waiting.clear(),
             }
@@ -285,7 +249,7 @@ impl Guard {
 impl Drop for Guard {
     fn drop(&mut self) {
         // Behind an End it changes nothing.
-        let _ = self.socket.shutdown(std::net::Shutdown::Write);
+        self.holder.hang_up();
         let begun = Instant::now();
         while begun.elapsed() < ENDS_WITHIN {
             if !matches!(self.child.try_wait(), Ok(None)) {
@@ -300,11 +264,6 @@ impl Drop for Guard {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
-}
-
-/// Whether the socket is only busy.
-fn passes(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }
 
 /// The error of the port that the holder has told.

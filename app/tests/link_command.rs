@@ -84,6 +84,27 @@ impl Drop for Running {
 }
 
 #[test]
+fn a_board_at_a_network_address_is_tried_as_one_at_a_port() {
+    let twin = Twin::play(&["--tcp", "127.0.0.1:0"]);
+    assert!(twin.port.starts_with("tcp:127.0.0.1:"), "{}", twin.port);
+    // One after the other: the board takes the next partner when one has gone.
+    let (code, text, error) = test(&twin.port, &["--write-settings"]);
+    assert_eq!(code, 0, "{text}{error}");
+    let (code, text, error) = test(&twin.port, &["--travel", "1"]);
+    assert_eq!(code, 0, "{text}{error}");
+    let mut monitor = Running::new(link(&["monitor"]).arg(&twin.port).args(GEAR));
+    let stdout = monitor.0.stdout.take().unwrap();
+    assert!(BufReader::new(stdout).lines().next().is_some());
+    let port = twin.port.clone();
+    drop(twin);
+    let complaint = monitor.complains();
+    assert!(complaint.contains("the port is gone"), "{complaint}");
+    let (code, _, error) = test(&port, &[]);
+    assert_eq!(code, 2, "{error}");
+    assert!(error.contains("cannot be reached"), "{error}");
+}
+
+#[test]
 fn a_slip_of_the_pen_in_data_makes_no_folder_and_is_no_new_control() {
     let twin = Twin::play(&[]);
     let name = format!("gsk980td-no-such-data-{}", std::process::id());

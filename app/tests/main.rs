@@ -21,5 +21,7 @@ mod program_view;
 mod speed;
 mod streams;
 mod transfer;
+#[cfg(unix)]
+mod unix_files;
 mod views;
 mod window;

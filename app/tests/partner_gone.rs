@@ -111,6 +111,8 @@ fn klipper_machine() -> PathBuf {
 struct Case<'a> {
     firmware: &'a str,
     options: &'a [&'a str],
+    /// Options of the board.
+    twin: &'a [&'a str],
     /// As soon as it moves, if it says so.
     begins: Option<&'a str>,
     /// When it was told to stop.
@@ -124,7 +126,7 @@ fn is_stopped(case: &Case, what: &str, happens: impl Fn(&mut Child, u32)) {
     for round in 1..=rounds() {
         let place = format!("{} {what}, round {round}", case.firmware);
         let moving = (0..ATTEMPTS).find_map(|_| {
-            let twin = Twin::play(&["--firmware", case.firmware]);
+            let twin = Twin::play(&[&["--firmware", case.firmware], case.twin].concat());
             let running = moves(&twin, case)?;
             Some((twin, running))
         });
@@ -154,6 +156,7 @@ const fn line_case(firmware: &str) -> Case<'_> {
     Case {
         firmware,
         options: &["--write-settings"],
+        twin: &[],
         begins: Some("Run"),
         // Moving or not: on a busy computer the board may have run dry by now.
         stops: "reset",
@@ -182,6 +185,15 @@ fn a_line_board_is_stopped_when_the_program_is_killed() {
 }
 
 #[test]
+fn a_board_at_a_network_address_is_stopped_when_the_program_is_killed() {
+    let case = Case {
+        twin: &["--tcp", "127.0.0.1:0"],
+        ..line_case("grbl")
+    };
+    is_stopped(&case, "over tcp, kill -9", ends_by("KILL"));
+}
+
+#[test]
 fn a_line_board_is_stopped_when_the_program_breaks_down() {
     for name in ["SEGV", "ABRT"] {
         line_board("grbl", name, ends_by(name));
@@ -194,6 +206,7 @@ fn a_board_of_timed_steps_is_stopped_when_the_program_is_killed() {
     let case = Case {
         firmware: "klipper",
         options: &["--machine", machine.to_str().unwrap()],
+        twin: &[],
         begins: None,
         // By command, not because nobody was heard for a quarter of a second.
         stops: "Command request",

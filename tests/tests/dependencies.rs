@@ -1,6 +1,6 @@
 //! Dependencies go one way: between packages as the table of ARCHITECTURE.md says,
 //! between the modules of `core` as `tests/core-modules.tsv` says, and nowhere do two
-//! neighbours use each other.
+//! neighbours use each other. What system it is, one room asks.
 
 mod paths;
 
@@ -229,4 +229,50 @@ fn packages_use_what_the_architecture_says() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The room of what each system does in its own way.
+const PLATFORM: &str = "app/src/platform/";
+/// How a source asks for the system, or uses what one of them alone has.
+const OF_ONE_SYSTEM: [&str; 12] = [
+    "cfg(unix",
+    "cfg(windows",
+    "(all(unix",
+    "(not(unix",
+    "(not(windows",
+    "target_os",
+    "target_family",
+    "std::os::",
+    "rustix::",
+    "win32console::",
+    "/proc/",
+    "/dev/",
+];
+
+#[test]
+fn one_room_alone_asks_what_system_it_is() {
+    let mut faults = Vec::new();
+    let mut in_room = false;
+    for source in PACKAGES.map(|package| sources(&repository().join(package).join("src"))) {
+        for file in source.into_iter().map(|source| source.file) {
+            let text = fs::read_to_string(repository().join(&file)).expect("a source");
+            let asking = text.lines().enumerate().filter(|(_, line)| {
+                let code = line.split("//").next().unwrap_or_default();
+                OF_ONE_SYSTEM.iter().any(|word| code.contains(word))
+            });
+            let places: Vec<_> = asking
+                .map(|(index, line)| format!("{file}:{}: {}", index + 1, line.trim()))
+                .collect();
+            match file.replace('\\', "/").starts_with(PLATFORM) {
+                true => in_room |= !places.is_empty(),
+                false => faults.extend(places),
+            }
+        }
+    }
+    assert!(in_room, "{PLATFORM} asks nothing: has it moved?");
+    assert!(
+        faults.is_empty(),
+        "belongs into {PLATFORM}:\n{}",
+        faults.join("\n")
+    );
 }

@@ -11,7 +11,7 @@ use super::{ALARM, CommandError, FINE, output};
 use crate::board::Board;
 use crate::cli::{LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs};
 use crate::saying::{differs, listed};
-use crate::{guard, loading, ports};
+use crate::{loading, platform, ports};
 use gsk_core::alarm::number;
 use gsk_messages::{Message, say};
 
@@ -58,7 +58,7 @@ fn open(args: &LinkBoardArgs) -> Result<Board, CommandError> {
     Ok(Board::open(
         config,
         &setup.memory.parameters,
-        &guard::program(),
+        &platform::own_program(),
     )?)
 }
 

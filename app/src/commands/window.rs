@@ -17,7 +17,7 @@ use crate::kernel::{Connection, Kernel};
 use crate::setup_args::SetupArgs;
 use crate::window::app::{self, Start};
 use crate::window::{Settings, refusal};
-use crate::{guard, loading, log, retained, transfer};
+use crate::{loading, log, platform, retained, transfer};
 
 /// Opens the window and returns when it is closed.
 pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandError> {
@@ -28,11 +28,12 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     {
         return Err(CommandError::NoFile(program.clone()));
     }
-    if !app::has_display() {
+    if !platform::has_display() {
         let said = without_display(args.program.as_deref());
         complain!("gsk980td: {}", report::said(&said, language));
         return Ok(USAGE);
     }
+    platform::leave_console();
     let path: PathBuf = match args.data {
         Some(path) => path,
         None => match data_dir::default_path() {
@@ -128,7 +129,7 @@ pub fn connection(
         config,
         log: data.map(|data| data.join("link.log")),
         boards: data.map(|data| data.join("boards")),
-        program: guard::program(),
+        program: platform::own_program(),
     }))
 }
 

@@ -4,6 +4,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use crate::platform;
+
 /// Ending of the hidden file in which a new content is written aside: a name that
 /// nobody gives a file of his own.
 const ASIDE: &str = ".gsk980td-new";
@@ -52,7 +54,9 @@ fn write_aside(aside: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> {
 fn create(path: &Path, readers: Readers) -> io::Result<File> {
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);
-    restrict(&mut options, readers);
+    if readers == Readers::Owner {
+        platform::for_owner_alone(&mut options);
+    }
     match options.open(path) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
             fs::remove_file(path)?;
@@ -62,22 +66,8 @@ fn create(path: &Path, readers: Readers) -> io::Result<File> {
     }
 }
 
-#[cfg(unix)]
-fn restrict(options: &mut OpenOptions, readers: Readers) {
-    use std::os::unix::fs::OpenOptionsExt;
-
-    const OWNER_READS_AND_WRITES: u32 = 0o600;
-    if readers == Readers::Owner {
-        options.mode(OWNER_READS_AND_WRITES);
-    }
-}
-
-/// Elsewhere the folder of the user's data is his own already.
-#[cfg(not(unix))]
-fn restrict(_options: &mut OpenOptions, _readers: Readers) {}
-
-/// Makes the rename itself lasting; where folders cannot be opened as files
-/// (Windows) the system does it by itself.
+/// Makes the rename itself lasting; where folders cannot be opened as files the system
+/// does it by itself.
 fn sync_folder(path: &Path) {
     if let Some(folder) = path.parent()
         && let Ok(folder) = File::open(folder)
@@ -148,22 +138,6 @@ mod tests {
         assert!(first.ends_with("a.ron.damaged"));
         write(&path, b"three").expect("third");
         assert!(set_aside(&path).expect("aside").ends_with("a.ron.damaged2"));
-        fs::remove_dir_all(folder).expect("clean");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn nothing_is_written_through_a_link_and_secrets_are_the_owners() {
-        use std::os::unix::fs::{PermissionsExt, symlink};
-
-        let folder = crate::files::test_folder("atomic-link");
-        let (path, other) = (folder.join("a.ron"), folder.join("other"));
-        fs::write(&other, "precious").expect("write");
-        symlink(&other, aside(&path)).expect("link");
-        write_for(&path, b"secret", Readers::Owner).expect("written");
-        assert_eq!(fs::read(&other).expect("read"), b"precious");
-        let mode = fs::metadata(&path).expect("there").permissions().mode();
-        assert_eq!(mode & 0o777, 0o600);
         fs::remove_dir_all(folder).expect("clean");
     }
 

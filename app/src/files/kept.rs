@@ -438,20 +438,4 @@ mod tests {
         assert_eq!(Kept::open(&folder, false).names(), ["a"]);
         fs::remove_dir_all(folder).unwrap();
     }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_pipe_is_not_waited_for() {
-        let folder = folder_with("kept-pipe", &[("a", "1")]);
-        fs::remove_file(folder.join("a")).unwrap();
-        let made = std::process::Command::new("mkfifo")
-            .arg(folder.join("a"))
-            .status();
-        assert!(made.unwrap().success());
-        let found = Kept::open(&folder, false).read("a", LARGEST);
-        let said = found.damage.unwrap().said.to_string();
-        assert!(said.contains("no plain file"), "{said}");
-        assert_eq!(found.content.as_deref(), Some(b"1".as_slice()));
-        fs::remove_dir_all(folder).unwrap();
-    }
 }

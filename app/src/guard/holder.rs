@@ -1,20 +1,17 @@
 //! The process that holds a port: it carries bytes, and stops the board when the
-//! program at the other end of the socket is gone.
+//! program at the other end of the tie is gone.
 
 use std::io::{self, ErrorKind, Read, Write};
-use std::os::fd::AsFd;
-use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use gsk_messages::Message;
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::flag;
 
 use super::frame::{self, Kind, Reader};
+use crate::platform::{self, ToProgram};
 use crate::ports::Port;
 
 /// A port that another process holds may be that of a program that has just ended.
@@ -57,14 +54,13 @@ impl NoProgram {
 /// # Errors
 /// Standard input is no such program.
 pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
-    let mut partner = partner().map_err(NoProgram)?;
+    let mut partner = ToProgram::at_standard_input().map_err(NoProgram)?;
     // The board is stopped before this process goes, whatever it is told.
     let told = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
+    for signal in platform::HOLDER_SIGNALS {
         let _ = flag::register(signal, Arc::clone(&told));
     }
-    // A name for the list of processes; it goes without.
-    let _ = std::fs::write("/proc/self/comm", "gsk980td-port");
+    platform::name_process("gsk980td-port");
     let opened = Port::open_within(path, baud, FREE_WITHIN)
         .and_then(|port| Ok((port.reading(READ_WAIT)?, port)));
     let (inward, mut port) = match opened {
@@ -96,26 +92,19 @@ pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
     Ok(())
 }
 
-/// The program that has started this one.
-fn partner() -> io::Result<UnixStream> {
-    let stream = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
-    stream.local_addr()?;
-    Ok(stream)
-}
-
-fn say(partner: &mut UnixStream, kind: Kind, content: &[u8]) -> io::Result<()> {
+fn say(partner: &mut ToProgram, kind: Kind, content: &[u8]) -> io::Result<()> {
     let mut bytes = Vec::new();
     frame::put(&mut bytes, kind, content);
     partner.write_all(&bytes)
 }
 
-fn tell_gone(partner: &mut UnixStream, error: &io::Error) {
+fn tell_gone(partner: &mut ToProgram, error: &io::Error) {
     let number = error.raw_os_error().unwrap_or(0);
     let _ = say(partner, Kind::Gone, &number.to_le_bytes());
 }
 
 /// What the board says goes to the program, in a thread of its own.
-fn listen(mut port: Port, mut partner: UnixStream) -> io::Result<()> {
+fn listen(mut port: Port, mut partner: ToProgram) -> io::Result<()> {
     let listen = move || {
         loop {
             match port.read() {
@@ -137,7 +126,7 @@ fn listen(mut port: Port, mut partner: UnixStream) -> io::Result<()> {
 }
 
 /// Carries what the program says to the port until it is gone.
-fn carry(partner: &mut UnixStream, port: &mut Port, stop: &mut Vec<u8>) -> io::Result<Gone> {
+fn carry(partner: &mut ToProgram, port: &mut Port, stop: &mut Vec<u8>) -> io::Result<Gone> {
     let mut reader = Reader::default();
     let mut buffer = [0; frame::MOST];
     loop {
@@ -150,9 +139,9 @@ fn carry(partner: &mut UnixStream, port: &mut Port, stop: &mut Vec<u8>) -> io::R
         loop {
             match reader.take() {
                 // What a program that is gone has left says nothing any more.
-                Ok(Some((Kind::Data, _))) if is_gone(partner) => {}
+                Ok(Some((Kind::Data, _))) if partner.is_gone() => {}
                 Ok(Some((Kind::Data, bytes))) => {
-                    write(port, &bytes, |_| is_gone(partner))?;
+                    write(port, &bytes, |_| partner.is_gone())?;
                 }
                 Ok(Some((Kind::Stop, bytes))) => *stop = bytes,
                 Ok(Some((Kind::End, _))) => return Ok(Gone::Closed),
@@ -161,16 +150,6 @@ fn carry(partner: &mut UnixStream, port: &mut Port, stop: &mut Vec<u8>) -> io::R
             }
         }
     }
-}
-
-/// Whether the program is gone.
-fn is_gone(partner: &UnixStream) -> bool {
-    let mut look = [PollFd::from_borrowed_fd(
-        partner.as_fd(),
-        PollFlags::empty(),
-    )];
-    poll(&mut look, Some(&Timespec::default())).is_ok()
-        && look[0].revents().contains(PollFlags::HUP)
 }
 
 /// Writes all of it, unless it is given up: asked whenever the port takes nothing, with

@@ -48,7 +48,7 @@ pub struct Connection {
     pub log: Option<PathBuf>,
     /// Folder for what boards say they understand.
     pub boards: Option<PathBuf>,
-    /// The program of the process that holds the port: [`crate::guard::program`].
+    /// The program of the process that holds the port: [`crate::platform::own_program`].
     pub program: PathBuf,
 }
 

@@ -44,16 +44,6 @@ pub struct Start {
     pub figures: Option<Instant>,
 }
 
-/// Whether there is a display to open a window on.
-pub fn has_display() -> bool {
-    if cfg!(not(all(unix, not(target_os = "macos")))) {
-        return true;
-    }
-    ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
-        .iter()
-        .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
-}
-
 /// Opens the window and returns when it is closed.
 pub fn run(start: Start) -> Result<(), Message> {
     let viewport = egui::ViewportBuilder::default()

@@ -2,7 +2,6 @@
 //! has one, else with the dialog of this program. Giving up is silent.
 
 mod browser;
-mod portal;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -71,7 +70,7 @@ pub fn choose(
     };
     let waker = context.clone();
     beside(context, say, move || {
-        if portal::answers() {
+        if crate::platform::file_dialog_answers() {
             return native(&ask.wanted, language).and_then(ask.then);
         }
         asked.put(ask);

@@ -10,6 +10,7 @@ use gsk_messages::{Message, say};
 
 use super::super::{ALARM, FINE, output};
 use crate::board::Board;
+use crate::platform;
 
 /// How long the idle board is listened to.
 const IDLE: Duration = Duration::from_secs(3);
@@ -175,23 +176,9 @@ impl Drill<'_> {
 /// Processor time of this process and of the one that holds the port so far, where the
 /// system tells.
 fn processor_time(board: &Board) -> Option<f64> {
-    let own = time_of("self")?;
-    let holder = board
-        .holder()
-        .and_then(|holder| time_of(&holder.to_string()));
+    let own = platform::processor_time(std::process::id())?;
+    let holder = board.holder().and_then(platform::processor_time);
     Some(own + holder.unwrap_or(0.0))
-}
-
-fn time_of(process: &str) -> Option<f64> {
-    /// Ticks a second in which Linux counts for programs.
-    const TICKS: f64 = 100.0;
-    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).ok()?;
-    // The name of the program, in brackets, may hold blanks.
-    let (_, fields) = stat.rsplit_once(')')?;
-    let mut times = fields.split_whitespace().skip(11);
-    let user: f64 = times.next()?.parse().ok()?;
-    let system: f64 = times.next()?.parse().ok()?;
-    Some((user + system) / TICKS)
 }
 
 /// Moves Z there and back with holds, and compares the counts.

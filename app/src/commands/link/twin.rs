@@ -1,4 +1,4 @@
-//! `link twin`: a board without hardware, behind a pseudo terminal, at the pace of
+//! `link twin`: a board without hardware, behind a pseudo terminal or a network address, at the pace of
 //! the wall clock.
 
 use crate::commands::CommandError;
@@ -11,7 +11,7 @@ use gsk_twins::wire::{Damage, Wire};
 
 use super::super::{FINE, output};
 use crate::cli::{LinkTwinArgs, TwinBoard};
-use crate::ports::Port;
+use crate::ports::Offer;
 
 /// Bytes ahead for which damage is prepared.
 const AHEAD: u64 = 4096;
@@ -153,9 +153,9 @@ pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
         output::print(machine(args.firmware));
         return Ok(FINE);
     }
-    let (mut near, _far, name) = Port::pair()?;
+    let mut port = Offer::open(args.tcp.as_deref())?;
     let mut board = Twin::new(args);
-    output::print(&format!("{name}\n"));
+    output::print(&format!("{}\n", port.name()?));
     if args.delay_ms > 0 {
         let delay = Damage::HeldUp(args.delay_ms * 1_000_000);
         board.wire().damage(0, delay);
@@ -173,16 +173,13 @@ pub fn twin(args: &LinkTwinArgs) -> Result<u8, CommandError> {
                 board.wire().damage(damaged, Damage::Lost);
             }
         }
-        let bytes = near.read().map_err(CommandError::Gone)?;
+        let bytes = port.read().map_err(CommandError::Gone)?;
         let elapsed = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
         if let (Twin::Klipper(board), Some(after)) = (&mut board, args.lose_index) {
             board.lose_index(start.elapsed() >= Duration::from_secs(after));
         }
-        let mut said = board.play(&bytes, elapsed);
-        while !said.is_empty() {
-            let count = near.write(&said).map_err(CommandError::Gone)?;
-            said.drain(..count);
-        }
+        let said = board.play(&bytes, elapsed);
+        port.write(&said).map_err(CommandError::Gone)?;
         let now = board.shown();
         let reset = now.resets != shown.resets;
         if reset || now.state != shown.state || (now.stands && now.pulses != shown.pulses) {

@@ -3,13 +3,11 @@
 
 /// Whether there is a file dialog of the desktop. Waits for a desktop that has to start
 /// it first.
-#[cfg(all(unix, not(target_os = "macos")))]
-pub fn answers() -> bool {
+pub fn file_dialog_answers() -> bool {
     pollster::block_on(version()).is_ok()
 }
 
 /// Version of the portal's file dialog.
-#[cfg(all(unix, not(target_os = "macos")))]
 async fn version() -> zbus::Result<u32> {
     const LONGEST: std::time::Duration = std::time::Duration::from_secs(3);
     let session = zbus::connection::Builder::session()?
@@ -24,10 +22,4 @@ async fn version() -> zbus::Result<u32> {
     )
     .await?;
     portal.get_property("version").await
-}
-
-/// Other systems always have one.
-#[cfg(not(all(unix, not(target_os = "macos"))))]
-pub const fn answers() -> bool {
-    true
 }

@@ -1,16 +1,23 @@
-//! Serial ports and pseudo terminals, without waiting longer than asked.
+//! Serial ports, pseudo terminals and their like over a network, without waiting longer
+//! than asked.
 
-use std::collections::BTreeMap;
+pub mod tcp;
+
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use gsk_messages::{Message, say};
-use serialport::{ClearBuffer, FlowControl, SerialPort, TTYPort};
+use serialport::FlowControl;
+
+use crate::platform::{self, Serial};
 
 /// How long a read may wait for the first byte, and a write for room.
 const WAIT: Duration = Duration::from_millis(2);
+/// Where a virtual board is offered when there are no pseudo terminals; the system
+/// chooses the port.
+const OWN_COMPUTER: &str = "127.0.0.1:0";
 /// Between two attempts to open a port that is in use.
 const BETWEEN: Duration = Duration::from_millis(20);
 
@@ -46,6 +53,20 @@ pub enum PortError {
         /// What the system said.
         error: serialport::Error,
     },
+    /// Nobody listens at this network address.
+    Unreachable {
+        /// The port.
+        path: String,
+        /// What the system said.
+        error: io::Error,
+    },
+    /// No board can be offered at this network address.
+    NotOffered {
+        /// The address.
+        address: String,
+        /// What the system said.
+        error: io::Error,
+    },
     /// An open port cannot be used twice.
     Clone(serialport::Error),
     /// The system gives no pseudo terminal.
@@ -66,6 +87,8 @@ impl PortError {
             Self::NotFound { path, error } => say::port_not_found(path, error),
             Self::NoDevice { path, error } => say::port_no_device(path, error),
             Self::Refused { path, error } => say::port_refused(path, error),
+            Self::Unreachable { path, error } => say::port_unreachable(path, error),
+            Self::NotOffered { address, error } => say::port_not_offered(address, error),
             Self::Clone(error) => say::port_not_shared(error),
             Self::NoTerminal(error) => say::port_terminal_refused(error),
             Self::NoName => say::port_terminal_nameless(),
@@ -88,21 +111,36 @@ impl PortError {
 }
 
 /// An open port; closed when dropped.
-pub struct Port(TTYPort);
+pub struct Port(Kind);
+
+enum Kind {
+    Serial(Serial),
+    Tcp(tcp::Connection),
+}
 
 impl Port {
-    /// Opens a device for itself alone. One that is in use is waited for so long.
+    /// Opens a device for itself alone, or connects with `tcp:HOST:PORT`. A device that
+    /// is in use is waited for so long.
     ///
     /// # Errors
     /// It cannot be opened: names the port and what to do.
     pub fn open_within(path: &str, baud: u32, patience: Duration) -> Result<Self, PortError> {
+        if let Some(address) = path.strip_prefix(tcp::PREFIX) {
+            return match tcp::Connection::open(address) {
+                Ok(connection) => Ok(Self(Kind::Tcp(connection))),
+                Err(error) => Err(PortError::Unreachable {
+                    path: path.to_owned(),
+                    error,
+                }),
+            };
+        }
         let begun = Instant::now();
         loop {
-            match serialport::new(path, baud).timeout(WAIT).open_native() {
+            match Serial::open(serialport::new(path, baud).timeout(WAIT)) {
                 Ok(port) => {
-                    // What was said to somebody else; a port that keeps it is used all the same.
-                    let _ = port.clear(ClearBuffer::Input);
-                    return Ok(Self(port));
+                    // What was said to somebody else.
+                    port.forget_arrived();
+                    return Ok(Self(Kind::Serial(port)));
                 }
                 Err(error)
                     if error.kind() == serialport::ErrorKind::NoDevice
@@ -120,12 +158,17 @@ impl Port {
     /// # Errors
     /// The system gives none.
     pub fn reading(&self, wait: Duration) -> Result<Self, PortError> {
-        let clone = || {
-            let mut port = self.0.try_clone_native()?;
-            port.set_timeout(wait)?;
-            Ok(Self(port))
+        let again = match &self.0 {
+            Kind::Serial(port) => port.try_clone().and_then(|mut port| {
+                port.wait_so_long(wait)?;
+                Ok(Kind::Serial(port))
+            }),
+            Kind::Tcp(connection) => connection
+                .reading(wait)
+                .map(Kind::Tcp)
+                .map_err(serialport::Error::from),
         };
-        clone().map_err(PortError::Clone)
+        again.map(Self).map_err(PortError::Clone)
     }
 
     /// Opens a device whose partner is stopped by XOFF when nobody reads.
@@ -133,23 +176,12 @@ impl Port {
     /// # Errors
     /// It cannot be opened: names the port and what to do.
     pub fn open_with_handshake(path: &str, baud: u32) -> Result<Self, PortError> {
-        serialport::new(path, baud)
+        let port = serialport::new(path, baud)
             .timeout(WAIT)
-            .flow_control(FlowControl::Software)
-            .open_native()
-            .map(Self)
+            .flow_control(FlowControl::Software);
+        Serial::open(port)
+            .map(|port| Self(Kind::Serial(port)))
             .map_err(|error| PortError::opening(path, error))
-    }
-
-    /// A pseudo terminal: our end, and the name of the other.
-    ///
-    /// # Errors
-    /// The system gives none.
-    pub fn pair() -> Result<(Self, TTYPort, String), PortError> {
-        let (mut near, far) = TTYPort::pair().map_err(PortError::NoTerminal)?;
-        let name = far.name().ok_or(PortError::NoName)?;
-        near.set_timeout(WAIT).map_err(PortError::Terminal)?;
-        Ok((Self(near), far, name))
     }
 
     /// What has arrived; empty when nothing did for 2 ms, or for the time of
@@ -182,6 +214,103 @@ impl Port {
     }
 }
 
+impl Kind {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Self::Serial(port) => port.read(buffer),
+            Self::Tcp(connection) => connection.read(buffer),
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Serial(port) => port.write(bytes),
+            Self::Tcp(connection) => connection.write(bytes),
+        }
+    }
+}
+
+/// Our end of a port at which somebody else is to find a virtual board.
+pub enum Offer {
+    /// A pseudo terminal. Its other end is kept open: whoever opens it may close it.
+    Terminal {
+        /// Our end.
+        near: Port,
+        /// The other one.
+        far: Serial,
+    },
+    /// A network address.
+    Tcp(tcp::Offer),
+}
+
+impl Offer {
+    /// At this network address, else behind a pseudo terminal; where the system has none,
+    /// at an address that only this computer reaches.
+    ///
+    /// # Errors
+    /// The system gives none.
+    pub fn open(address: Option<&str>) -> Result<Self, PortError> {
+        let listen = |address: &str| {
+            let listening = tcp::Offer::listen(address).map(Self::Tcp);
+            listening.map_err(|error| PortError::NotOffered {
+                address: address.to_owned(),
+                error,
+            })
+        };
+        match address {
+            Some(address) => listen(address),
+            None => platform::pseudo_terminal().map_or_else(
+                || listen(OWN_COMPUTER),
+                |ends| {
+                    let (mut near, far) = ends.map_err(PortError::NoTerminal)?;
+                    near.wait_so_long(WAIT).map_err(PortError::Terminal)?;
+                    let near = Port(Kind::Serial(near));
+                    Ok(Self::Terminal { near, far })
+                },
+            ),
+        }
+    }
+
+    /// What the other end is called.
+    ///
+    /// # Errors
+    /// The system does not tell.
+    pub fn name(&self) -> Result<String, PortError> {
+        match self {
+            Self::Terminal { far, .. } => far.name(),
+            Self::Tcp(offer) => offer.name().ok(),
+        }
+        .ok_or(PortError::NoName)
+    }
+
+    /// What the other end says; empty when it says nothing for 2 ms.
+    ///
+    /// # Errors
+    /// The other end can never come back.
+    pub fn read(&mut self) -> io::Result<Vec<u8>> {
+        match self {
+            Self::Terminal { near, .. } => near.read(),
+            Self::Tcp(offer) => offer.read(),
+        }
+    }
+
+    /// Says all of it to the other end.
+    ///
+    /// # Errors
+    /// The other end can never come back.
+    pub fn write(&mut self, mut bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Self::Terminal { near, .. } => {
+                while !bytes.is_empty() {
+                    bytes = &bytes[near.write(bytes)?..];
+                }
+            }
+            Self::Tcp(offer) => offer.write(bytes),
+        }
+        Ok(())
+    }
+}
+
 /// Whether the port is only busy, not gone.
 fn passes(error: &io::Error) -> bool {
     matches!(
@@ -200,9 +329,10 @@ pub fn gone(error: &io::Error) -> Message {
     if error.kind() == io::ErrorKind::ConnectionAborted {
         return say::port_holder_gone();
     }
-    // EIO, ENXIO and ENODEV: the device behind the name is no more.
     let pulled = error.kind() == io::ErrorKind::BrokenPipe
-        || matches!(error.raw_os_error(), Some(5 | 6 | 19));
+        || error
+            .raw_os_error()
+            .is_some_and(|number| platform::PULLED.contains(&number));
     if pulled {
         say::port_gone()
     } else {
@@ -225,7 +355,7 @@ pub struct Found {
 /// The system does not tell.
 pub fn list() -> Result<Vec<Found>, PortError> {
     let ports = serialport::available_ports().map_err(PortError::Unknown)?;
-    let names = by_id(Path::new("/dev/serial/by-id"));
+    let names = platform::unchanging_names();
     Ok(ports
         .into_iter()
         .map(|port| Found {
@@ -233,15 +363,4 @@ pub fn list() -> Result<Vec<Found>, PortError> {
             path: port.port_name,
         })
         .collect())
-}
-
-/// Devices and the unchanging names that point to them.
-fn by_id(folder: &Path) -> BTreeMap<PathBuf, PathBuf> {
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return BTreeMap::new();
-    };
-    entries
-        .flatten()
-        .filter_map(|entry| Some((entry.path().canonicalize().ok()?, entry.path())))
-        .collect()
 }

@@ -1,0 +1,21 @@
+//! What a window needs of the desktop.
+
+#[cfg(not(target_os = "macos"))]
+pub use super::portal::file_dialog_answers;
+
+/// macOS always has a file dialog.
+#[cfg(target_os = "macos")]
+pub const fn file_dialog_answers() -> bool {
+    true
+}
+
+/// Whether a window can be opened; macOS always has a display.
+pub fn has_display() -> bool {
+    cfg!(target_os = "macos")
+        || ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+            .iter()
+            .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
+}
+
+/// Nothing stands behind a window but the terminal it was started from.
+pub const fn leave_console() {}

@@ -1,0 +1,37 @@
+//! Files by their place on the disk and their rights.
+
+use std::fs::OpenOptions;
+use std::path::Path;
+
+/// Whether two names, links included, are one plain file.
+pub fn same_file(one: &Path, other: &Path) -> bool {
+    one.is_file() && other.is_file() && same_file::is_same_file(one, other).unwrap_or(false)
+}
+
+/// A file that is made with these options is read by its owner alone: the folder of a
+/// user's data is his own already.
+pub const fn for_owner_alone(_options: &mut OpenOptions) {}
+
+/// Whether a name is that of a serial port: `COM3`, `\\.\COM12`.
+pub fn is_serial_port(name: &Path) -> bool {
+    let name = name.to_string_lossy().to_ascii_uppercase();
+    let number = name.strip_prefix(r"\\.\").unwrap_or(&name);
+    number
+        .strip_prefix("COM")
+        .is_some_and(|number| number.parse::<u8>().is_ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ports_are_known_by_their_name() {
+        for port in ["COM1", "com3", r"\\.\COM12"] {
+            assert!(is_serial_port(Path::new(port)), "{port}");
+        }
+        for file in ["COM", "COMMON.nc", "COM1.nc", r"C:\COM1"] {
+            assert!(!is_serial_port(Path::new(file)), "{file}");
+        }
+    }
+}
