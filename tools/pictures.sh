@@ -49,7 +49,7 @@ picture() {
 
 picture docs/machine.png en shift+F7
 picture docs/machine.zh-CN.png zh shift+F7
-"$program" plot --part "$sample" --size 1200x700 -o "$work/plot.png"
+"$program" plot --dimensions "$sample" --size 1200x700 -o "$work/plot.png"
 "$program" plot --solid "$sample" --size 1000x640 -o "$work/solid.png"
 convert "$work/plot.png" +dither -colors 128 -strip docs/plot.png
 convert "$work/solid.png" +dither -colors 128 -strip docs/solid.png

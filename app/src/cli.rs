@@ -152,7 +152,9 @@ pub struct HoldPortArgs {
 #[command(
     mut_arg("size", |arg| arg.requires("plot")),
     mut_arg("whole", |arg| arg.requires("plot")),
-    mut_arg("labels", |arg| arg.requires("plot"))
+    mut_arg("labels", |arg| arg.requires("plot")),
+    mut_arg("dimensions", |arg| arg.requires("plot")),
+    mut_arg("tools", |arg| arg.requires("plot"))
 )]
 pub struct RunArgs {
     /// The program, then files of subprograms
@@ -277,7 +279,7 @@ pub struct PlotArgs {
     #[command(flatten)]
     pub part: JobArgs,
     /// Draw the part as a lit solid with a quarter cut out, not the path (.png only)
-    #[arg(long, conflicts_with_all = ["whole", "labels"])]
+    #[arg(long, conflicts_with_all = ["whole", "labels", "dimensions", "tools"])]
     pub solid: bool,
     /// The picture (name ends in .png or .svg)
     #[arg(short, long, value_name = "FILE")]
@@ -299,6 +301,12 @@ pub struct PictureArgs {
     /// Write the number of each block where it ends: its N word, or its line where it has none; numbers that would cover others are left out
     #[arg(long)]
     pub labels: bool,
+    /// Write the dimensions of the part: diameters, radii, angles, pitches, and where its shoulders lie; with the part behind the path
+    #[arg(long)]
+    pub dimensions: bool,
+    /// Draw each tool where it cut last; with the part behind the path
+    #[arg(long)]
+    pub tools: bool,
 }
 
 impl PictureArgs {
@@ -308,7 +316,14 @@ impl PictureArgs {
             size: self.size.unwrap_or_default(),
             whole: self.whole,
             labels: self.labels,
+            dimensions: self.dimensions,
+            tools: self.tools,
         }
+    }
+
+    /// Whether the part is drawn, too.
+    pub const fn needs_part(self) -> bool {
+        self.dimensions || self.tools
     }
 }
 

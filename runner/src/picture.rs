@@ -3,6 +3,7 @@
 
 mod canvas;
 mod clip;
+mod dimensions;
 mod drawing;
 mod extent;
 mod labels;
@@ -26,7 +27,6 @@ use gsk_panel::screen::Screen;
 pub use drawing::{Drawing, Look};
 pub use extent::{NoSize, Size};
 pub use lit::of_solid;
-pub use scenery::Scenery;
 
 /// Pixels of an LCD dot in a picture of the LCD.
 const LCD_SCALE: u32 = 2;

@@ -2,6 +2,9 @@
 
 use std::borrow::Cow;
 
+use gsk_messages::{Message, say};
+use gsk_workpiece::tool::{Insert, Tool};
+
 /// Letters of a block that are shown: a line may hold a whole program.
 const SHOWN: usize = 160;
 
@@ -31,6 +34,21 @@ pub fn clock_in_seconds(seconds: f64) -> String {
         return format!("{hours}:{minutes:02}:{seconds:02}");
     }
     format!("{minutes}:{seconds:02}")
+}
+
+/// What a tool is, as short as in a tool list.
+pub fn in_short(tool: &Tool) -> Message {
+    match tool.insert {
+        Insert::Turning {
+            letter,
+            entering,
+            nose,
+            ..
+        } => say::tool_short_turning(format!("{letter:?}"), entering, nose),
+        Insert::Grooving { width, .. } => say::tool_short_grooving(width),
+        Insert::Threading { angle, .. } => say::tool_short_threading(angle),
+        Insert::Drill { diameter, .. } => say::tool_short_drill(diameter),
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use gsk_core::preview::{End, Slip, preview_while};
 use gsk_messages::{Language, say};
 use gsk_runner::curves::RapidRates;
-use gsk_runner::picture::{self, Drawing, Format, Scenery};
+use gsk_runner::picture::{self, Drawing, Format};
 use gsk_runner::report::{self, AlarmReport};
 
 use super::run::title;
@@ -35,7 +35,7 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     let target = output::reserve(&args.output)?;
     let rates = RapidRates::of(&setup.memory.parameters);
     let mut drawing = Drawing::new(title(&args.file), args.picture.look());
-    let mut machining = match args.part.wanted() || args.solid {
+    let mut machining = match args.part.wanted() || args.solid || args.picture.needs_part() {
         true => Some(job::choose(&args.part, Some(main), &setup)?.machining()),
         false => None,
     };
@@ -60,7 +60,7 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         }
         _ => {
             if let Some(machining) = &machining {
-                drawing.stand_before(Scenery::of(machining));
+                drawing.stand_before(machining);
             }
             picture::encode(format, &drawing, language.unwrap_or(Language::En))?
         }

@@ -15,7 +15,7 @@ use gsk_runner::curves::RapidRates;
 use gsk_runner::execution::{self, Board, Limits, Watcher};
 use gsk_runner::machining::live::Live;
 use gsk_runner::partner::Partner;
-use gsk_runner::picture::{self, Drawing, Format, Scenery};
+use gsk_runner::picture::{self, Drawing, Format};
 use gsk_runner::report::PartReport;
 use gsk_runner::words::clock;
 use gsk_runner::{moves, narration, report};
@@ -108,7 +108,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         stops_at_collision: args.stop_on_collision,
         failed: None,
     };
-    let wants_part = args.part.wanted() || args.stop_on_collision;
+    let wants_part = args.part.wanted() || args.stop_on_collision || args.picture.needs_part();
     let chosen = match wants_part {
         true => Some(job::choose(
             &args.part.job,
@@ -170,7 +170,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
     if let (Some(path), Some(target), Some(drawing)) = (&args.plot, target, &mut drawing) {
         drawing.end(report.time_s);
         if let Some(live) = &outputs.live {
-            drawing.stand_before(Scenery::of(live.machining()));
+            drawing.stand_before(live.machining());
         }
         failures.extend(drawn(path, drawing, target).err());
         if let Some(said) = picture::shortfall(drawing) {

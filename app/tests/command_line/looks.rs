@@ -280,6 +280,26 @@ fn a_picture_has_its_size_its_tools_and_its_numbers() {
 }
 
 #[test]
+fn a_picture_gives_the_part_its_dimensions_and_the_tools_their_shapes() {
+    let picture = Scratch::new("shaft.svg", b"");
+    let plot = |more: &[&str]| {
+        let call = ["plot", "01-stepped-shaft.CNC", "-o", picture.path()];
+        let (code, _, err) = said(&[&call[..], more].concat());
+        assert_eq!(code, 0, "{err}");
+        std::fs::read_to_string(picture.path()).unwrap()
+    };
+    let plain = plot(&["--part", "--lang", "en"]);
+    assert!(plain.contains(">T0101 turning C 95° R0.8, 3:27.2<"), "{plain}");
+    assert!(!plain.contains(">⌀30<"));
+    let svg = plot(&["--dimensions"]);
+    for part in [">⌀20<", ">⌀30<", ">⌀50<", ">-72<", ">-55<", ">0<"] {
+        assert!(svg.contains(part), "{part} {svg}");
+    }
+    let areas = |svg: &str| svg.matches("<path fill=\"#").count();
+    assert!(areas(&plot(&["--tools", "--whole"])) >= areas(&plot(&["--part", "--whole"])) + 4);
+}
+
+#[test]
 fn how_a_picture_looks_needs_a_picture() {
     let (code, _, err) = said(&["run", "01-stepped-shaft.CNC", "--labels"]);
     assert_eq!(code, 2);

@@ -9,6 +9,7 @@ use super::labels::Labels;
 use super::pieces::{Made, Pieces};
 use super::scenery::Scenery;
 use crate::curves::{RapidRates, arc_points, rapid_bend};
+use crate::machining::Machining;
 use crate::times::{Spent, Times};
 
 /// Height of a block number, pixels.
@@ -23,6 +24,10 @@ pub struct Look {
     pub whole: bool,
     /// Whether the ends of blocks have their numbers.
     pub labels: bool,
+    /// Whether the part has its dimensions.
+    pub dimensions: bool,
+    /// Whether each tool is drawn where it cut last.
+    pub tools: bool,
 }
 
 /// The drawing: what the path looks like, and the words around it.
@@ -38,6 +43,8 @@ pub struct Drawing {
     all: Option<Extent>,
     /// The tools that cut, in the order of their first cuts.
     tools: Vec<u8>,
+    /// Where each of them cut last.
+    ends: Vec<Point>,
     times: Times,
     scenery: Scenery,
     left_out: u64,
@@ -54,6 +61,7 @@ impl Drawing {
             cuts: None,
             all: None,
             tools: Vec::new(),
+            ends: Vec::new(),
             times: Times::default(),
             scenery: Scenery::default(),
             left_out: 0,
@@ -71,6 +79,11 @@ impl Drawing {
             return;
         }
         let made = self.made(executed);
+        if let Made::Cut(index) = made
+            && let Some(end) = self.ends.get_mut(usize::from(index))
+        {
+            *end = executed.to;
+        }
         let (from, to) = (executed.from, executed.to);
         self.reach(made, from);
         self.reach(made, to);
@@ -107,9 +120,12 @@ impl Drawing {
         self.labels.end();
     }
 
-    /// Part and clamping are drawn behind the path.
-    pub fn stand_before(&mut self, scenery: Scenery) {
-        self.scenery = scenery;
+    /// Part and clamping are drawn behind the path, tools and dimensions if they are
+    /// wanted; tools have their shapes in the legend.
+    pub fn stand_before(&mut self, machining: &Machining) {
+        let ends = self.tools.iter().copied().zip(self.ends.iter().copied());
+        let ends = ends.filter(|_| self.look.tools).collect();
+        self.scenery = Scenery::of(machining, ends, self.look.dimensions);
     }
 
     /// What is drawn behind the path.
@@ -170,6 +186,7 @@ impl Drawing {
         let known = self.tools.iter().position(|known| *known == tool);
         let index = known.unwrap_or_else(|| {
             self.tools.push(tool);
+            self.ends.push(executed.to);
             self.tools.len() - 1
         });
         // A control has no more than 100 tools.

@@ -3,10 +3,11 @@
 use gsk_core::units::Point;
 use gsk_messages::Language;
 
+use super::dimensions::{BELOW_AXIS, Dimension};
 use super::drawing::Drawing;
 use super::extent::{Extent, MARGIN};
 use super::legend::Head;
-use super::numbers::{Area, Number, placed};
+use super::numbers::{Area, Number, Taken, placed};
 
 /// A grid line with its label.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +36,8 @@ pub struct Layout {
     pub x_ticks: Vec<Tick>,
     /// Height of the spindle axis, if it is in the picture.
     pub spindle_axis: Option<f64>,
+    /// Dimensions of the part.
+    pub dimensions: Vec<Dimension>,
     /// Numbers of blocks.
     pub numbers: Vec<Number>,
 }
@@ -47,7 +50,13 @@ impl Layout {
         // A legend of a hundred tools leaves a small picture nothing.
         let top = head.height.min(height / 2.0);
         let frame = (MARGIN, top, width - MARGIN, height - MARGIN);
-        let (room_z, room_x) = (frame.2 - frame.0, frame.3 - frame.1);
+        let dimensions = &drawing.scenery().dimensions;
+        let below = if dimensions.is_empty() {
+            0.0
+        } else {
+            BELOW_AXIS
+        };
+        let (room_z, room_x) = (frame.2 - frame.0, frame.3 - frame.1 - below);
         let (low, high) = bounds(drawing.extent());
         let (wide, tall) = (high.z - low.z, high.x - low.x);
         let scale = (room_z / wide).min(room_x / tall);
@@ -57,10 +66,11 @@ impl Layout {
             frame,
             scale,
             left_z: low.z - (room_z / scale - wide) / 2.0,
-            bottom_x: low.x - (room_x / scale - tall) / 2.0,
+            bottom_x: low.x - below / scale - (room_x / scale - tall) / 2.0,
             z_ticks: Vec::new(),
             x_ticks: Vec::new(),
             spindle_axis: None,
+            dimensions: Vec::new(),
             numbers: Vec::new(),
         };
         layout.z_ticks = ticks(layout.left_z, room_z / scale, room_z)
@@ -69,6 +79,7 @@ impl Layout {
                 label: label(z),
             })
             .collect();
+        let room_x = room_x + below;
         layout.x_ticks = ticks(layout.bottom_x * 2.0, room_x / scale * 2.0, room_x)
             .map(|x| Tick {
                 at: layout.place(Point::new(x / 2.0, 0.0)).1,
@@ -77,9 +88,11 @@ impl Layout {
             .collect();
         let axis = layout.place(Point::default()).1;
         layout.spindle_axis = (frame.1..=frame.3).contains(&axis).then_some(axis);
+        let mut taken = Taken::new(frame);
+        layout.dimensions = dimensions.placed(|point| layout.place(point), &mut taken);
         let numbers = drawing.labels().into_iter();
         let numbers = numbers.map(|(point, words)| (layout.place(point), words));
-        layout.numbers = placed(numbers, frame);
+        layout.numbers = placed(numbers, frame, &mut taken);
         layout
     }
 

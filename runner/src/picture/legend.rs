@@ -7,7 +7,7 @@ use super::extent::MARGIN;
 use super::pens::Pen;
 use super::pieces::Made;
 use crate::report::tool_word;
-use crate::words::clock;
+use crate::words::{clock, in_short};
 
 /// Units from the left and the right edge.
 pub(super) const EDGE: f64 = 20.0;
@@ -59,9 +59,12 @@ impl Head {
         let room = wide - 2.0 * EDGE - BETWEEN - width(&summary);
         let title = shortened(&drawing.title, room);
         let mut entries: Vec<(Pen, String)> = (drawing.tools().zip(0..))
-            .map(|((tool, offset, spent), index)| {
-                let (tool, time) = (tool_word((tool, offset)), clock(spent.cutting()));
-                (Pen::of(Made::Cut(index)), format!("T{tool} {time}"))
+            .map(|((number, offset, spent), index)| {
+                let (tool, time) = (tool_word((number, offset)), clock(spent.cutting()));
+                let shape = drawing.scenery().tools.get(&number);
+                let shape = shape.map(|it| format!("{}, ", in_short(it).text(language)));
+                let words = format!("T{tool} {}{time}", shape.unwrap_or_default());
+                (Pen::of(Made::Cut(index)), words)
             })
             .collect();
         let rapid = |(made, _)| made == Made::Rapid;

@@ -25,12 +25,13 @@ pub struct Number {
 /// A part of the picture, units: left, top, right, bottom.
 pub(super) type Area = (f64, f64, f64, f64);
 
-/// Places numbers within a frame, the first ones first; those without room are left out.
+/// Places numbers within a frame where nothing is yet, the first ones first; those
+/// without room are left out.
 pub(super) fn placed(
     numbers: impl Iterator<Item = ((f64, f64), String)>,
     frame: Area,
+    map: &mut Taken,
 ) -> Vec<Number> {
-    let mut map = Taken::new(frame);
     let inside =
         |(x, y): (f64, f64)| (frame.0..=frame.2).contains(&x) && (frame.1..=frame.3).contains(&y);
     numbers
@@ -49,14 +50,15 @@ pub(super) fn placed(
 }
 
 /// Which squares of the frame are taken.
-struct Taken {
+pub(super) struct Taken {
     frame: Area,
     across: usize,
     squares: Vec<bool>,
 }
 
 impl Taken {
-    fn new(frame: Area) -> Self {
+    /// None of them.
+    pub fn new(frame: Area) -> Self {
         let squares = |length: f64| (length.max(0.0) / SQUARE).ceil() as usize + 1;
         let (across, down) = (squares(frame.2 - frame.0), squares(frame.3 - frame.1));
         Self {
@@ -67,7 +69,7 @@ impl Taken {
     }
 
     /// Takes an area, if it lies in the frame and is free.
-    fn take(&mut self, area: Area) -> bool {
+    pub fn take(&mut self, area: Area) -> bool {
         let (left, top, right, bottom) = self.frame;
         if area.0 < left || area.1 < top || area.2 > right || area.3 > bottom {
             return false;
@@ -106,7 +108,7 @@ mod tests {
             let at = f64::from(index);
             ((60.0 + at * 1.1, 50.0 + at * 0.7), format!("N{index}"))
         });
-        let numbers = placed(ends, frame);
+        let numbers = placed(ends, frame, &mut Taken::new(frame));
         assert!((20..200).contains(&numbers.len()), "{}", numbers.len());
         let area = |number: &Number| {
             let (x, y) = number.at;

@@ -36,6 +36,13 @@ pub(super) const MARK: Pen = Pen {
     dash: &[],
 };
 
+/// From a shoulder to its figure.
+pub(super) const DIMENSION: Pen = Pen {
+    color: [0x60; 3],
+    width: 0.8,
+    dash: &[],
+};
+
 impl Pen {
     /// Of what was made this way.
     pub const fn of(made: Made) -> Self {

@@ -9,7 +9,7 @@ use super::clip::clipped;
 use super::drawing::Drawing;
 use super::layout::Layout;
 use super::legend::{EDGE, GAP, SAMPLE};
-use super::pens::{ARM, MARK, Pen};
+use super::pens::{ARM, DIMENSION, MARK, Pen};
 use super::pieces::Made;
 
 /// Lines of the grid, of its frame, of the spindle axis.
@@ -39,6 +39,12 @@ pub fn render(drawing: &Drawing, language: Language) -> Result<Vec<u8>, PictureE
         let (x, y) = layout.place(*mark);
         canvas.line(MARK, (x - ARM, y - ARM), (x + ARM, y + ARM));
         canvas.line(MARK, (x - ARM, y + ARM), (x + ARM, y - ARM));
+    }
+    for dimension in &layout.dimensions {
+        if let Some([from, to]) = dimension.line {
+            canvas.line(DIMENSION, from, to);
+        }
+        canvas.text_over_lines(dimension.at.0, dimension.at.1, &dimension.words);
     }
     for number in &layout.numbers {
         canvas.dot(number.end, 2.0);

@@ -1,10 +1,14 @@
 //! What stands behind a path: the part, the stock it was, chuck and tailstock, and marks
 //! where something was hit.
 
-use gsk_core::units::Point;
-use gsk_workpiece::grid::{from_grid, to_grid};
-use gsk_workpiece::region::Region;
+use std::collections::BTreeMap;
 
+use gsk_core::units::Point;
+use gsk_workpiece::grid::{Contour, from_grid, to_grid};
+use gsk_workpiece::region::Region;
+use gsk_workpiece::tool::{BodyPart, Shape, Tool};
+
+use super::dimensions::Dimensions;
 use super::pens::Pen;
 use crate::machining::Machining;
 
@@ -30,6 +34,15 @@ const STOCK: Look = Look {
     edge: edge([0xA0; 3], &[6.0, 4.0]),
 };
 
+const HOLDER: Look = Look {
+    fill: Some([0xE4; 3]),
+    edge: edge([0xA0; 3], &[]),
+};
+const INSERT: Look = Look {
+    fill: Some([0xF5, 0xD8, 0x60]),
+    edge: edge([0x80, 0x68, 0x10], &[]),
+};
+
 const fn edge(color: [u8; 3], dash: &'static [f32]) -> Pen {
     Pen {
         color,
@@ -40,35 +53,48 @@ const fn edge(color: [u8; 3], dash: &'static [f32]) -> Pen {
 
 /// Part and clamping, in the coordinates of the path.
 #[derive(Clone, Debug, Default)]
-pub struct Scenery {
+pub(super) struct Scenery {
     areas: Vec<(Look, Region)>,
+    /// The tools of the job, by their T number.
+    pub tools: BTreeMap<u8, Tool>,
+    pub dimensions: Dimensions,
     /// Where something was hit.
-    pub(super) marks: Vec<Point>,
+    pub marks: Vec<Point>,
 }
 
 impl Scenery {
-    /// Of a part as it is now.
-    pub fn of(machining: &Machining) -> Self {
+    /// Of a part as it is now, with tools whose tips are somewhere.
+    pub fn of(machining: &Machining, tips: Vec<(u8, Point)>, dimensions: bool) -> Self {
         let scene = machining.scene();
         let stock = scene.stock();
         let (chuck, jaws) = stock.chuck_section();
-        let areas = vec![
+        let section = scene.part().section();
+        let mut areas = vec![
             (CLAMPING, chuck),
             (CLAMPING, jaws),
             (CLAMPING, stock.tailstock_section()),
-            (PART, scene.part().section()),
+            (PART, section.clone()),
             (STOCK, stock.section()),
         ];
+        let tools = &machining.job().tools;
+        for (number, tip) in tips {
+            areas.extend(tools.get(&number).into_iter().flat_map(|it| drawn(it, tip)));
+        }
         let marks = machining.findings().iter();
         Self {
             areas,
+            tools: tools.clone(),
+            dimensions: match dimensions {
+                true => Dimensions::of(&section),
+                false => Dimensions::default(),
+            },
             marks: marks.map(|finding| finding.collision.contact).collect(),
         }
     }
 
     /// The areas as far as they lie between two points: polygons without overlap, holes
     /// the other way round.
-    pub(super) fn within(
+    pub fn within(
         &self,
         low: Point,
         high: Point,
@@ -80,4 +106,25 @@ impl Scenery {
             (*look, shown.contours().iter().map(points).collect())
         })
     }
+}
+
+/// Holder and insert of a tool.
+fn drawn(tool: &Tool, tip: Point) -> Vec<(Look, Region)> {
+    let shape = Shape::of(tool);
+    let placed = |contour: &Contour| {
+        let points = contour.iter().map(|at| to_grid(from_grid(*at) + tip));
+        Region::of(&[points.collect()])
+    };
+    let holder = shape
+        .body
+        .iter()
+        .filter(|(part, _)| *part == BodyPart::Holder);
+    let holder = holder.map(|(_, contour)| (HOLDER, placed(contour)));
+    let back = shape
+        .body
+        .iter()
+        .filter(|(part, _)| *part == BodyPart::InsertBack);
+    let back = back.map(|(_, contour)| (INSERT, placed(contour)));
+    let cutting = core::iter::once((INSERT, placed(&shape.cutting)));
+    holder.chain(back).chain(cutting).collect()
 }

@@ -7,9 +7,9 @@ use gsk_messages::Language;
 use super::clip::clipped;
 use super::drawing::Drawing;
 use super::layout::Layout;
-use super::legend::{EDGE, GAP, SAMPLE};
+use super::legend::{EDGE, GAP, SAMPLE, width};
 use super::numbers::HEIGHT;
-use super::pens::{ARM, MARK, Pen};
+use super::pens::{ARM, DIMENSION, MARK, Pen};
 
 /// The whole file.
 pub fn render(drawing: &Drawing, language: Language) -> String {
@@ -58,6 +58,7 @@ pub fn render(drawing: &Drawing, language: Language) -> String {
             w = 2.0 * ARM
         );
     }
+    dimensions(&mut out, &layout);
     numbers(&mut out, &layout);
     head(&mut out, &layout);
     out.push_str("</svg>\n");
@@ -121,6 +122,27 @@ fn head(out: &mut String, layout: &Layout) {
             safe(&entry.words),
             x + SAMPLE,
             style(entry.pen)
+        );
+    }
+}
+
+fn dimensions(out: &mut String, layout: &Layout) {
+    for dimension in &layout.dimensions {
+        if let Some([(x, from), (_, to)]) = dimension.line {
+            let _ = writeln!(
+                out,
+                "<line x1=\"{x:.2}\" y1=\"{from:.2}\" x2=\"{x:.2}\" y2=\"{to:.2}\" {}/>",
+                style(DIMENSION)
+            );
+        }
+        let (x, y) = dimension.at;
+        let _ = writeln!(
+            out,
+            "<text x=\"{:.2}\" y=\"{:.2}\" font-size=\"13\" text-anchor=\"middle\" \
+             stroke=\"#ffffff\" stroke-width=\"3\" paint-order=\"stroke\">{}</text>",
+            x + width(&dimension.words) / 2.0,
+            y + HEIGHT - 4.0,
+            dimension.words
         );
     }
 }

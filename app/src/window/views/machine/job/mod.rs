@@ -9,8 +9,9 @@ use std::sync::Arc;
 
 use egui::{Color32, ScrollArea, Ui};
 use gsk_messages::{Language, Message, say};
+use gsk_runner::words::in_short;
 use gsk_workpiece::job::Job;
-use gsk_workpiece::tool::{Insert, Tool};
+use gsk_workpiece::tool::Tool;
 
 use crate::job;
 
@@ -199,7 +200,7 @@ impl JobPanel {
             self.item = Item::Stock;
         }
         for (number, tool) in &job.tools {
-            let words = format!("T{number:02}  {}", in_short(tool, language));
+            let words = format!("T{number:02}  {}", in_short(tool).text(language));
             let chosen = self.item == Item::Tool(*number);
             if ui.selectable_label(chosen, words).clicked() {
                 self.item = Item::Tool(*number);
@@ -254,22 +255,6 @@ impl JobPanel {
             }
         }
     }
-}
-
-/// A tool in a line.
-fn in_short(tool: &Tool, language: Language) -> String {
-    let words = match tool.insert {
-        Insert::Turning {
-            letter,
-            entering,
-            nose,
-            ..
-        } => say::tool_short_turning(format!("{letter:?}"), entering, nose),
-        Insert::Grooving { width, .. } => say::tool_short_grooving(width),
-        Insert::Threading { angle, .. } => say::tool_short_threading(angle),
-        Insert::Drill { diameter, .. } => say::tool_short_drill(diameter),
-    };
-    words.text(language)
 }
 
 fn file_name(path: &Path) -> String {
