@@ -6,9 +6,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use gsk_messages::{Message, say};
-use signal_hook::flag;
 
-use crate::platform::ENDING_SIGNALS;
+use crate::platform;
 
 /// Exit code of a program that was ended so.
 pub const ENDED: u8 = 130;
@@ -37,11 +36,7 @@ impl Ending {
     /// The system does not let them be heard.
     pub fn heard() -> Result<Self, SignalError> {
         let ending = Self::default();
-        for signal in ENDING_SIGNALS {
-            flag::register_conditional_shutdown(signal, i32::from(ENDED), Arc::clone(&ending.0))
-                .and_then(|_| flag::register(signal, Arc::clone(&ending.0)))
-                .map_err(SignalError)?;
-        }
+        platform::hear_ending(&ending.0, ENDED).map_err(SignalError)?;
         Ok(ending)
     }
 

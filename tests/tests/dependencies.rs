@@ -234,7 +234,7 @@ fn packages_use_what_the_architecture_says() {
 /// The room of what each system does in its own way.
 const PLATFORM: &str = "app/src/platform/";
 /// How a source asks for the system, or uses what one of them alone has.
-const OF_ONE_SYSTEM: [&str; 12] = [
+const OF_ONE_SYSTEM: [&str; 14] = [
     "cfg(unix",
     "cfg(windows",
     "(all(unix",
@@ -244,6 +244,8 @@ const OF_ONE_SYSTEM: [&str; 12] = [
     "target_family",
     "std::os::",
     "rustix::",
+    "signal_hook::",
+    "ctrlc::",
     "win32console::",
     "/proc/",
     "/dev/",

@@ -34,12 +34,30 @@ pub enum TaskError {
     /// The folder of a new case exists.
     #[error("{} is there already", .0.display())]
     Exists(PathBuf),
-    /// A folder or file of a case cannot be written.
+    /// A folder or file cannot be read or written.
     #[error("{}: {error}", path.display())]
     Write {
-        /// The folder of the case.
+        /// The folder or file.
         path: PathBuf,
         /// Why.
         error: io::Error,
+    },
+    /// What is needed for another system is not installed.
+    #[error("the program for {system} is not built: {missing} is missing; {cure}")]
+    Tools {
+        /// The system it is built for.
+        system: &'static str,
+        /// The first thing that is missing.
+        missing: String,
+        /// How it comes.
+        cure: &'static str,
+    },
+    /// An archive cannot be written.
+    #[error("{}: {error}", path.display())]
+    Archive {
+        /// The archive.
+        path: PathBuf,
+        /// Why.
+        error: zip::result::ZipError,
     },
 }

@@ -1,6 +1,7 @@
 //! What a developer does often, on every platform: `cargo xtask --help`.
 
 mod case;
+mod dist;
 mod error;
 
 use std::path::PathBuf;
@@ -24,6 +25,9 @@ enum Task {
     /// Cases: folders of data under `tests/cases/`
     #[command(subcommand)]
     Case(CaseTask),
+    /// What is given to users, in `target/dist`
+    #[command(subcommand)]
+    Dist(DistTask),
     /// The documentation of all packages; a warning is an error
     Docs {
         /// Open it in the browser
@@ -32,6 +36,12 @@ enum Task {
     },
     /// The figures of speed: every bench, and a program of each kind in the release build
     Figures,
+}
+
+#[derive(Debug, Subcommand)]
+enum DistTask {
+    /// The program for Windows on x86-64, built on Debian: an .exe, a .zip with its checksum
+    Windows,
 }
 
 #[derive(Debug, Subcommand)]
@@ -52,6 +62,7 @@ fn main() -> ExitCode {
         Task::Case(CaseTask::New { path, script }) => {
             case::new(&root(), &path, script).map(|said| println!("{said}"))
         }
+        Task::Dist(DistTask::Windows) => dist::windows::make(&root()),
         Task::Docs { open } => docs(open),
         Task::Figures => figures(),
     };

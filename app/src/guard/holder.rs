@@ -2,13 +2,10 @@
 //! program at the other end of the tie is gone.
 
 use std::io::{self, ErrorKind, Read, Write};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use gsk_messages::Message;
-use signal_hook::flag;
 
 use super::frame::{self, Kind, Reader};
 use crate::platform::{self, ToProgram};
@@ -56,10 +53,7 @@ impl NoProgram {
 pub fn hold(path: &str, baud: u32) -> Result<(), NoProgram> {
     let mut partner = ToProgram::at_standard_input().map_err(NoProgram)?;
     // The board is stopped before this process goes, whatever it is told.
-    let told = Arc::new(AtomicBool::new(false));
-    for signal in platform::HOLDER_SIGNALS {
-        let _ = flag::register(signal, Arc::clone(&told));
-    }
+    platform::outlive_ending();
     platform::name_process("gsk980td-port");
     let opened = Port::open_within(path, baud, FREE_WITHIN)
         .and_then(|port| Ok((port.reading(READ_WAIT)?, port)));

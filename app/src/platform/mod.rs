@@ -4,7 +4,7 @@
 //! | File | What |
 //! |---|---|
 //! | `files` | one file under two names, files for their owner alone, names of ports |
-//! | `process` | this program's own file, its name, the signals that ask for the end |
+//! | `process` | this program's own file and name, how its end is asked for |
 //! | `tie` | what ties the program to the process that holds its port |
 //! | `serial` | serial ports, pseudo terminals |
 //! | `desktop` | whether there is a display, a file dialog; the console behind a window |

@@ -20,6 +20,8 @@ use crate::transfer;
 
 /// Size of the window before the monitor is known, points: the LCD at two pixels a dot.
 const SIZE: [f32; 2] = [1280.0, 806.0];
+/// What stands for the program in lists of windows.
+const ICON: &[u8] = include_bytes!("../../../assets/icon/gsk980td.png");
 /// Share of the monitor that the window takes at the first start.
 const MOST: f32 = 0.92;
 /// What is remembered is written when it has stood so long: a splitter that is dragged
@@ -52,6 +54,11 @@ pub fn run(start: Start) -> Result<(), Message> {
         .with_inner_size(SIZE)
         .with_min_inner_size([480.0, 330.0])
         .with_drag_and_drop(true);
+    // A picture that cannot be read leaves the one of the library.
+    let viewport = match eframe::icon_data::from_png_bytes(ICON) {
+        Ok(icon) => viewport.with_icon(icon),
+        Err(_) => viewport,
+    };
     let options = eframe::NativeOptions {
         viewport,
         centered: true,

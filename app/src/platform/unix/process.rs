@@ -1,14 +1,33 @@
 //! Processes and the signals they are sent.
 
-use std::ffi::c_int;
+use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+use signal_hook::flag;
 
-/// Signals that ask the program for its end: Ctrl-C, `kill`, the end of the session.
-pub const ENDING_SIGNALS: [c_int; 3] = [SIGINT, SIGTERM, SIGHUP];
-/// Signals that do not end the holder of a port before its work is done.
-pub const HOLDER_SIGNALS: [c_int; 4] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT];
+/// From now on Ctrl-C, `kill` and the end of the session set this flag, and end the
+/// program with this exit code when it is set already.
+///
+/// # Errors
+/// The system does not let them be heard.
+pub fn hear_ending(asked: &Arc<AtomicBool>, code: u8) -> io::Result<()> {
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        flag::register_conditional_shutdown(signal, i32::from(code), Arc::clone(asked))?;
+        flag::register(signal, Arc::clone(asked))?;
+    }
+    Ok(())
+}
+
+/// From now on nothing of that ends this process.
+pub fn outlive_ending() {
+    let told = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM, SIGHUP, SIGQUIT] {
+        let _ = flag::register(signal, Arc::clone(&told));
+    }
+}
 
 /// The file of this program, of the same version: one that stands under its name may
 /// have been replaced.

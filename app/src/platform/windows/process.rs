@@ -1,16 +1,42 @@
 //! Processes and the events of their console.
 
-use std::ffi::c_int;
+use std::io;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use signal_hook::consts::{SIGBREAK, SIGINT, SIGTERM};
+/// Who hears that the end is asked for.
+static HEARERS: Mutex<Vec<Arc<AtomicBool>>> = Mutex::new(Vec::new());
 
-/// What asks the program for its end: Ctrl-C, Ctrl-Break. Windows reports the closing of
-/// the console and the end of the session by the second one, and ends the program at
-/// once behind it.
-pub const ENDING_SIGNALS: [c_int; 3] = [SIGINT, SIGTERM, SIGBREAK];
-/// What does not end the holder of a port before its work is done.
-pub const HOLDER_SIGNALS: [c_int; 3] = [SIGINT, SIGTERM, SIGBREAK];
+/// From now on Ctrl-C and Ctrl-Break set this flag, and end the program with this exit
+/// code when it is set already. When its console is closed or the session ends, Windows
+/// ends the program at once: whoever holds its port stops the board then.
+///
+/// # Errors
+/// The system does not let them be heard.
+pub fn hear_ending(asked: &Arc<AtomicBool>, code: u8) -> io::Result<()> {
+    let mut hearers = HEARERS.lock().unwrap_or_else(PoisonError::into_inner);
+    hearers.push(Arc::clone(asked));
+    if hearers.len() > 1 {
+        return Ok(());
+    }
+    let tell = move || {
+        let hearers = HEARERS.lock().unwrap_or_else(PoisonError::into_inner);
+        // All of them are told, whether it is the first time or not.
+        let told = hearers
+            .iter()
+            .filter(|asked| asked.swap(true, Ordering::Relaxed));
+        if told.count() > 0 {
+            std::process::exit(i32::from(code));
+        }
+    };
+    ctrlc::set_handler(tell).map_err(io::Error::other)
+}
+
+/// From now on nothing of that ends this process.
+pub fn outlive_ending() {
+    let _ = ctrlc::set_handler(|| {});
+}
 
 /// The file of this program; Windows lets nobody replace it while it runs.
 pub fn own_program() -> PathBuf {

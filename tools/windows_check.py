@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Holds the program for Windows, under Wine, against the one for Linux.
+
+    tools/windows_check.py LINUX_PROGRAM WINDOWS_PROGRAM [CASE ...]
+    tools/windows_check.py --beside-random FOLDER
+
+Every part program of the cases goes through `check`, `run` and `plot`, every script
+through `operate`: exit code, standard output, standard error, moves and pictures must
+be the same, byte for byte. A CASE is a part of a path, for instance `cycles/G71`.
+
+Wine of Debian 12 lacks the library that Rust's random numbers come from; Windows has it.
+A stand-in is made with mingw and laid beside a copy of the program; `--beside-random`
+lays it into a folder for other programs.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+CASES = ROOT / "tests/cases"
+MINGW = "x86_64-w64-mingw32-gcc"
+RANDOM = """
+#include <windows.h>
+BOOLEAN NTAPI SystemFunction036(PVOID, ULONG);
+__declspec(dllexport) BOOL WINAPI ProcessPrng(PBYTE bytes, SIZE_T count) {
+    return SystemFunction036(bytes, (ULONG)count);
+}
+"""
+# Nobody is asked anything, and Wine says nothing of its own.
+WINE = {"WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}
+# Of machine time: a program without an end has one.
+LIMIT = "20m"
+# For one command, s.
+LONGEST = 600
+
+
+def lay_random(folder):
+    """Lays the stand-in into a folder."""
+    source = folder / "random.c"
+    source.write_text(RANDOM)
+    library = folder / "bcryptprimitives.dll"
+    subprocess.run([MINGW, "-shared", "-O1", "-o", library, source, "-ladvapi32"], check=True)
+
+
+def commands(case):
+    """The command lines of a case, and the files that they write; `OUT` is their folder."""
+    for program in sorted(case.glob("*.nc")):
+        name = program.name
+        yield ["check", "--json", "--moves", "OUT/moves", name], ["moves"]
+        yield ["check", name], []
+        yield ["run", "--json", "--limit", LIMIT, "--moves", "OUT/moves", name], ["moves"]
+        yield ["plot", "--labels", name, "-o", "OUT/path.svg"], ["path.svg"]
+        yield ["plot", name, "-o", "OUT/path.png"], ["path.png"]
+    for script in sorted(case.glob("*.txt")):
+        if script.name not in ("screen.txt", "sent.txt"):
+            yield ["operate", script.name], []
+
+
+def carried_out(program, arguments, files, folder):
+    """Everything that a command leaves behind."""
+    with tempfile.TemporaryDirectory() as out:
+        line = [*program, *(word.replace("OUT", out) for word in arguments)]
+        done = subprocess.run(
+            line,
+            cwd=folder,
+            env=os.environ | WINE,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=LONGEST,
+        )
+        left = {"exit code": done.returncode, "standard output": done.stdout, "standard error": done.stderr}
+        for name in files:
+            path = Path(out, name)
+            left[name] = path.read_bytes() if path.exists() else None
+        # Both write into a folder of their own.
+        return {
+            key: value.replace(out.encode(), b"OUT") if isinstance(value, bytes) else value
+            for key, value in left.items()
+        }
+
+
+def compared(programs, arguments, files, folder):
+    """What differs between the two systems, as a line each."""
+    linux, windows = (carried_out(program, arguments, files, folder) for program in programs)
+    place = f"{folder.relative_to(CASES)}: {' '.join(arguments)}"
+    return [
+        f"{place}: {key}\n  Linux:   {linux[key]!r:.600}\n  Windows: {windows[key]!r:.600}"
+        for key in linux
+        if linux[key] != windows[key]
+    ]
+
+
+def main():
+    linux, windows, *wanted = sys.argv[1:]
+    if linux == "--beside-random":
+        return lay_random(Path(windows))
+    folders = sorted(path.parent for path in CASES.rglob("case.ron"))
+    folders = [path for path in folders if not wanted or any(word in str(path) for word in wanted)]
+    with tempfile.TemporaryDirectory() as folder:
+        wine = shutil.which("wine") or sys.exit("wine is missing: apt-get install wine wine64")
+        lay_random(Path(folder))
+        programs = [[Path(linux).resolve()], [wine, shutil.copy(windows, folder)]]
+        # Once alone: Wine makes its own folder.
+        carried_out(programs[1], ["--version"], [], ROOT)
+        jobs = [(programs, *command, folder) for folder in folders for command in commands(folder)]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            faults = [fault for found in pool.map(lambda job: compared(*job), jobs) for fault in found]
+    print("\n".join(faults))
+    print(f"{len(folders)} cases, {len(jobs)} commands, {len(faults)} differences")
+    sys.exit(bool(faults) or not jobs)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,150 @@
+//! The program for Windows, built on Debian: its compiler brings the sources of the
+//! standard library, which are built along, and mingw links. Nothing of it is in the
+//! way of the usual tool chain.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::archive::{self, Entry};
+use super::{BESIDE, VERSION, folder, on, target};
+use crate::error::TaskError;
+use crate::run;
+
+const TRIPLE: &str = "x86_64-pc-windows-gnu";
+/// Debian's tool chain, whatever else stands before it on the PATH.
+const PATH: &str = "/usr/bin:/bin";
+const CARGO: &str = "/usr/bin/cargo";
+const RUSTC: &str = "/usr/bin/rustc";
+/// The sources of the standard library, below the compiler's own folder.
+const LIBRARY: &str = "lib/rustlib/src/rust/library/Cargo.lock";
+const LINKER: &str = "/usr/bin/x86_64-w64-mingw32-gcc";
+const RESOURCES: &str = "/usr/bin/x86_64-w64-mingw32-windres";
+const CURE: &str = "on Debian: apt-get install rustc-web cargo-web rust-web-src \
+                    gcc-mingw-w64-x86-64-posix";
+/// The `\x1f` between two flags of the compiler.
+const NEXT: &str = "\u{1f}";
+
+/// Makes the `.exe` and the `.zip` with its checksum in `target/dist`.
+///
+/// # Errors
+/// A tool is missing, or what it says.
+pub fn make(root: &Path) -> Result<(), TaskError> {
+    let missing = |missing: String| TaskError::Tools {
+        system: "Windows",
+        missing,
+        cure: CURE,
+    };
+    for tool in [CARGO, RUSTC, LINKER, RESOURCES] {
+        if !Path::new(tool).exists() {
+            return Err(missing(tool.to_owned()));
+        }
+    }
+    let library = sysroot()
+        .map(|sysroot| sysroot.join(LIBRARY))
+        .filter(|library| library.exists());
+    if library.is_none() {
+        return Err(missing(LIBRARY.to_owned()));
+    }
+    let folder = folder(root)?;
+    let built = build(root, &resources(root)?)?;
+    let program = folder.join("gsk980td.exe");
+    on(&program, fs::copy(&built, &program))?;
+    pack(root, &folder, &program)
+}
+
+/// Where Debian's compiler keeps its own things.
+fn sysroot() -> Option<PathBuf> {
+    let asked = Command::new(RUSTC).args(["--print", "sysroot"]).output();
+    let said = String::from_utf8(asked.ok()?.stdout).ok()?;
+    Some(PathBuf::from(said.trim()))
+}
+
+/// Icon, manifest and version, as an object that is linked into the program.
+fn resources(root: &Path) -> Result<PathBuf, TaskError> {
+    let numbers = VERSION.replace('.', ",");
+    let text = format!(
+        "1 ICON \"gsk980td.ico\"\n\
+         1 24 \"gsk980td.manifest\"\n\
+         1 VERSIONINFO\nFILEVERSION {numbers},0\nPRODUCTVERSION {numbers},0\nBEGIN\n\
+         BLOCK \"StringFileInfo\"\nBEGIN\nBLOCK \"040904b0\"\nBEGIN\n\
+         VALUE \"FileDescription\", \"GSK980TD lathe control\"\n\
+         VALUE \"ProductName\", \"gsk980td\"\n\
+         VALUE \"OriginalFilename\", \"gsk980td.exe\"\n\
+         VALUE \"LegalCopyright\", \"MIT OR Apache-2.0\"\n\
+         VALUE \"FileVersion\", \"{VERSION}\"\n\
+         VALUE \"ProductVersion\", \"{VERSION}\"\nEND\nEND\n\
+         BLOCK \"VarFileInfo\"\nBEGIN\nVALUE \"Translation\", 0x0409, 1200\nEND\nEND\n"
+    );
+    let folder = target(root).join(TRIPLE);
+    on(&folder, fs::create_dir_all(&folder))?;
+    let (script, object) = (folder.join("gsk980td.rc"), folder.join("gsk980td.rc.o"));
+    on(&script, fs::write(&script, text))?;
+    let include = root.join("app/windows");
+    let paths = [&include, &script, &object].map(|path| path.to_string_lossy());
+    let arguments = ["-O", "coff", "-I", &paths[0], &paths[1], &paths[2]];
+    run(RESOURCES, &arguments, &[])?;
+    Ok(object)
+}
+
+/// Builds the program and says where it is.
+fn build(root: &Path, resources: &Path) -> Result<PathBuf, TaskError> {
+    let target = target(root);
+    let resources = format!("link-arg={}", resources.display());
+    let target_folder = target.to_string_lossy();
+    let arguments = [
+        "rustc",
+        "--release",
+        "--locked",
+        "--package=gsk980td",
+        "--bin=gsk980td",
+        "-Zbuild-std=std,panic_unwind",
+        "--target",
+        TRIPLE,
+        "--target-dir",
+        &target_folder,
+        "--",
+        "-C",
+        &resources,
+        // The time of the build is none of the program's business.
+        "-C",
+        "link-arg=-Wl,--no-insert-timestamp",
+    ];
+    let environment = [
+        ("PATH", PATH),
+        ("RUSTC", RUSTC),
+        ("RUSTC_BOOTSTRAP", "1"),
+        ("CARGO_TARGET_X86_64_PC_WINDOWS_GNU_LINKER", LINKER),
+        ("CARGO_ENCODED_RUSTFLAGS", &same_places(root)),
+    ];
+    run(CARGO, &arguments, &environment)?;
+    Ok(target.join(TRIPLE).join("release/gsk980td.exe"))
+}
+
+/// Flags after which the program does not know where it was built.
+fn same_places(root: &Path) -> String {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
+    let called = |path: &Path, name| format!("--remap-path-prefix={}={name}", path.display());
+    let mut flags = vec![called(root, "gsk980td")];
+    flags.extend(home.map(|home| called(&home, "cargo")));
+    flags.join(NEXT)
+}
+
+/// The archive and its checksum.
+fn pack(root: &Path, folder: &Path, program: &Path) -> Result<(), TaskError> {
+    let name = format!("gsk980td-{VERSION}-windows-x86_64");
+    let mut files: Vec<Entry> = vec![("gsk980td.exe".to_owned(), program.to_owned())];
+    for beside in BESIDE {
+        files.extend(archive::entries(root, beside)?);
+    }
+    let zip = folder.join(format!("{name}.zip"));
+    archive::zip(&zip, &name, &files)?;
+    let sums = folder.join(format!("{name}.sha256"));
+    let command = format!(
+        "cd '{}' && sha256sum gsk980td.exe {name}.zip | tee '{}'",
+        folder.display(),
+        sums.display()
+    );
+    run("sh", &["-c", &command], &[])
+}
