@@ -21,6 +21,7 @@ mod program_view;
 mod speed;
 mod streams;
 mod transfer;
+mod trial_cuts;
 #[cfg(unix)]
 mod unix_files;
 mod views;

@@ -289,7 +289,10 @@ fn a_picture_gives_the_part_its_dimensions_and_the_tools_their_shapes() {
         std::fs::read_to_string(picture.path()).unwrap()
     };
     let plain = plot(&["--part", "--lang", "en"]);
-    assert!(plain.contains(">T0101 turning C 95° R0.8, 3:27.2<"), "{plain}");
+    assert!(
+        plain.contains(">T0101 turning C 95° R0.8, 3:27.2<"),
+        "{plain}"
+    );
     assert!(!plain.contains(">⌀30<"));
     let svg = plot(&["--dimensions"]);
     for part in [">⌀20<", ">⌀30<", ">⌀50<", ">-72<", ">-55<", ">0<"] {

@@ -1,6 +1,8 @@
 //! A window without a display with its kernel, for the tests of the window.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+pub mod hand;
+
 use std::path::Path;
 use std::time::Duration;
 

@@ -1,0 +1,176 @@
+//! One hand with a mouse in front of the window: every key is clicked at its place on the
+//! panel, the wheel is turned with the mouse.
+
+use std::collections::BTreeMap;
+
+use super::Bench;
+use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, TouchPhase};
+use egui_kittest::kittest::Queryable;
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::Condition;
+use gsk_panel::keys::{KEYS, Key, Role};
+use gsk_panel::script::{Action, Expect, Script};
+
+/// A press and the rest after it, ms.
+const CLICK: u64 = 200;
+/// Ticks between two looks while something is waited for.
+const LOOK: u64 = 10;
+/// Detents that the mouse wheel turns at once, and the time they take, ms.
+const DETENTS: i32 = 10;
+const DETENTS_TIME: u64 = 50;
+
+/// One hand with a mouse in front of the window.
+pub struct Hand {
+    pub bench: Bench,
+    places: BTreeMap<Key, Pos2>,
+    wheel: Pos2,
+}
+
+impl Hand {
+    /// In front of the panel alone.
+    pub fn new(setup: Setup) -> Self {
+        Self::at(Bench::with(setup))
+    }
+
+    /// In front of a window.
+    pub fn at(bench: Bench) -> Self {
+        let place = |name: &str| bench.harness.get_by_label(name).rect().center();
+        let places = KEYS.iter().map(|row| (row.key, place(row.name_en)));
+        Self {
+            places: places.collect(),
+            wheel: place("Handwheel"),
+            bench,
+        }
+    }
+
+    fn button(&mut self, key: Key, button: PointerButton) {
+        let pos = self.places[&key];
+        self.bench.harness.event(Event::PointerMoved(pos));
+        for pressed in [true, false] {
+            self.bench.harness.event(Event::PointerButton {
+                pos,
+                button,
+                pressed,
+                modifiers: Modifiers::default(),
+            });
+        }
+        self.run(CLICK);
+    }
+
+    fn click(&mut self, key: Key) {
+        self.button(key, PointerButton::Primary);
+    }
+
+    /// Pictures are drawn only where one is looked at.
+    fn run(&mut self, ms: u64) {
+        self.bench.harness.step();
+        self.bench.kernel.run(ms);
+    }
+
+    /// The keys of a character: a compound key is clicked twice for its second one.
+    fn type_character(&mut self, character: char) {
+        for row in &KEYS {
+            match row.role {
+                Role::Character(first, _) if first == character => return self.click(row.key),
+                Role::Character(_, Some(second)) if second == character => {
+                    self.click(row.key);
+                    return self.click(row.key);
+                }
+                _ => {}
+            }
+        }
+        panic!("no key for «{character}»");
+    }
+
+    fn turn(&mut self, graduations: i32) {
+        let mut left = graduations;
+        self.bench.harness.event(Event::PointerMoved(self.wheel));
+        while left != 0 {
+            let step = left.clamp(-DETENTS, DETENTS);
+            self.bench.harness.event(Event::MouseWheel {
+                unit: MouseWheelUnit::Line,
+                delta: egui::vec2(0.0, step as f32),
+                phase: TouchPhase::Move,
+                source: MouseWheelSource::Unknown,
+                modifiers: Modifiers::default(),
+            });
+            self.run(DETENTS_TIME);
+            left -= step;
+        }
+    }
+
+    fn holds(&self, condition: &Condition) -> bool {
+        let emulator = self.bench.kernel.emulator();
+        match condition {
+            Condition::Stopped => emulator.is_stopped(),
+            Condition::Text(text) => emulator.screen().text().contains(text),
+            other => panic!("the script waits for {other:?}"),
+        }
+    }
+
+    fn wait_for(&mut self, condition: &Condition, limit: u64) -> Result<(), String> {
+        for _ in 0..limit / LOOK {
+            if self.holds(condition) {
+                return Ok(());
+            }
+            self.bench.kernel.run(LOOK);
+        }
+        Err(format!("{condition:?} not within {limit} ms"))
+    }
+
+    /// What the control says, and what the window shows of it.
+    fn expect(&mut self, expect: &Expect) -> Result<(), String> {
+        expect
+            .check(self.bench.kernel.emulator())
+            .map_err(|seen| seen.to_string())?;
+        let Expect::Row(row, text) = expect else {
+            return Ok(());
+        };
+        self.bench.kernel.show();
+        self.bench.harness.step();
+        let lcd = self.bench.lcd();
+        let folded = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let seen = folded(lcd.lines().nth(*row).unwrap_or_default());
+        if seen.contains(&folded(text)) {
+            return Ok(());
+        }
+        Err(format!("the window shows\n{lcd}"))
+    }
+
+    fn is_up(&self, key: Key) -> bool {
+        !self.bench.kernel.emulator().panel.is_held(key)
+    }
+
+    fn act(&mut self, action: &Action) -> Result<(), String> {
+        match action {
+            Action::Press(key) => self.click(*key),
+            // A right click keeps the key for the next one, and no longer.
+            Action::Down(key) => self.button(*key, PointerButton::Secondary),
+            Action::Up(key) if self.is_up(*key) => {}
+            Action::Up(key) => return Err(format!("{} is still down", key.id())),
+            Action::Type(text) => text.chars().for_each(|c| self.type_character(c)),
+            Action::Turn(graduations, _) => self.turn(*graduations),
+            Action::Wait(ms) => self.run(*ms),
+            Action::WaitFor(condition, _, limit) => return self.wait_for(condition, *limit),
+            Action::Expect(expect) => return self.expect(expect),
+            other => return Err(format!("no hand can do {other:?}")),
+        }
+        Ok(())
+    }
+
+    /// Does what a script says, and sees what it expects.
+    #[track_caller]
+    pub fn follow(&mut self, text: &str) {
+        let script = Script::parse(text).expect("a script");
+        for line in &script.lines {
+            if let Err(seen) = self.act(&line.action) {
+                panic!(
+                    "line {}: {}: {seen}\n{}",
+                    line.number,
+                    line.text,
+                    self.bench.lcd()
+                );
+            }
+        }
+    }
+}
