@@ -35,8 +35,10 @@ __declspec(dllexport) BOOL WINAPI ProcessPrng(PBYTE bytes, SIZE_T count) {
 WINE = {"WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}
 # Of machine time: a program without an end has one.
 LIMIT = "20m"
+# For `check` and `plot` alike: by moves, which are the same everywhere, not by time.
+ENDLESS = ["--most-moves", "100000", "--give-up", "1h"]
 # For one command, s.
-LONGEST = 600
+LONGEST = 120
 
 
 def lay_random(folder):
@@ -51,11 +53,11 @@ def commands(case):
     """The command lines of a case, and the files that they write; `OUT` is their folder."""
     for program in sorted(case.glob("*.nc")):
         name = program.name
-        yield ["check", "--json", "--moves", "OUT/moves", name], ["moves"]
-        yield ["check", name], []
+        yield ["check", *ENDLESS, "--json", "--moves", "OUT/moves", name], ["moves"]
+        yield ["check", *ENDLESS, name], []
         yield ["run", "--json", "--limit", LIMIT, "--moves", "OUT/moves", name], ["moves"]
-        yield ["plot", "--labels", name, "-o", "OUT/path.svg"], ["path.svg"]
-        yield ["plot", name, "-o", "OUT/path.png"], ["path.png"]
+        yield ["plot", *ENDLESS, "--labels", name, "-o", "OUT/path.svg"], ["path.svg"]
+        yield ["plot", *ENDLESS, name, "-o", "OUT/path.png"], ["path.png"]
     for script in sorted(case.glob("*.txt")):
         if script.name not in ("screen.txt", "sent.txt"):
             yield ["operate", script.name], []
@@ -65,15 +67,23 @@ def carried_out(program, arguments, files, folder):
     """Everything that a command leaves behind."""
     with tempfile.TemporaryDirectory() as out:
         line = [*program, *(word.replace("OUT", out) for word in arguments)]
-        done = subprocess.run(
-            line,
-            cwd=folder,
-            env=os.environ | WINE,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=LONGEST,
-        )
-        left = {"exit code": done.returncode, "standard output": done.stdout, "standard error": done.stderr}
+        # Into files: what Wine leaves running would keep a pipe open.
+        said = {name: Path(out, name) for name in ("standard output", "standard error")}
+        with said["standard output"].open("wb") as output, said["standard error"].open("wb") as error:
+            try:
+                done = subprocess.run(
+                    line,
+                    cwd=folder,
+                    env=os.environ | WINE,
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=error,
+                    timeout=LONGEST,
+                )
+            except subprocess.TimeoutExpired:
+                return {"end": f"{arguments[0]} did not end within {LONGEST} s: {program[0]}"}
+        left = {"exit code": done.returncode}
+        left |= {name: path.read_bytes() for name, path in said.items()}
         for name in files:
             path = Path(out, name)
             left[name] = path.read_bytes() if path.exists() else None
@@ -88,7 +98,8 @@ def compared(programs, arguments, files, folder):
     """What differs between the two systems, as a line each."""
     linux, windows = (carried_out(program, arguments, files, folder) for program in programs)
     place = f"{folder.relative_to(CASES)}: {' '.join(arguments)}"
-    return [
+    late = [f"{place}: {one['end']}" for one in (linux, windows) if "end" in one]
+    return late or [
         f"{place}: {key}\n  Linux:   {linux[key]!r:.600}\n  Windows: {windows[key]!r:.600}"
         for key in linux
         if linux[key] != windows[key]
@@ -109,8 +120,11 @@ def main():
         carried_out(programs[1], ["--version"], [], ROOT)
         jobs = [(programs, *command, folder) for folder in folders for command in commands(folder)]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            faults = [fault for found in pool.map(lambda job: compared(*job), jobs) for fault in found]
-    print("\n".join(faults))
+            faults = []
+            for found in pool.map(lambda job: compared(*job), jobs):
+                faults += found
+                # One by one: it takes minutes.
+                print("\n".join(found), end="\n" if found else "", flush=True)
     print(f"{len(folders)} cases, {len(jobs)} commands, {len(faults)} differences")
     sys.exit(bool(faults) or not jobs)
 
