@@ -44,7 +44,7 @@ fn solid(criterion: &mut Criterion) {
         bencher.iter(|| part(&shaft, &section, fineness));
     });
     let mut bodies = part(&shaft, &section, fineness).to_vec();
-    bodies.extend(clamping(&stock, fineness));
+    bodies.extend(clamping(&stock, false, fineness));
     bodies.extend(tool(&Tool::turning(), fineness));
     let mut canvas = Canvas::default();
     for samples in [1, 2] {

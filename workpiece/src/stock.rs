@@ -208,15 +208,26 @@ impl Stock {
     /// The chuck's body and its jaws closed on the stock, as half sections.
     pub fn chuck_section(&self) -> (Region, Region) {
         let chuck = &self.chuck;
-        let clamped = self.clamped();
-        let rectangle = |z: (f64, f64), x: (f64, f64)| {
-            Region::rectangle(to_grid(Point::new(x.0, z.0)), to_grid(Point::new(x.1, z.1)))
-        };
-        let face = clamped - chuck.jaws;
-        let body = rectangle((face - chuck.length, face), (0.0, chuck.diameter.radius()));
-        let radius = self.radius();
-        let jaws = rectangle((face, clamped), (radius, radius + chuck.jaw_height));
-        (body, jaws)
+        let face = self.clamped() - chuck.jaws;
+        let low = Point::new(0.0, face - chuck.length);
+        let high = Point::new(chuck.diameter.radius(), face);
+        let body = Region::rectangle(to_grid(low), to_grid(high));
+        (body, self.jaws(self.radius()))
+    }
+
+    /// The jaws when a power chuck has let the stock go.
+    pub fn open_jaws(&self) -> Region {
+        /// How far they go outwards, mm.
+        const OPEN: f64 = 5.0;
+        self.jaws(self.radius() + OPEN)
+    }
+
+    /// The jaws with their inside at a radius.
+    fn jaws(&self, radius: f64) -> Region {
+        let end = self.clamped();
+        let low = Point::new(radius, end - self.chuck.jaws);
+        let high = Point::new(radius + self.chuck.jaw_height, end);
+        Region::rectangle(to_grid(low), to_grid(high))
     }
 
     /// The tailstock's half section: the cone of its centre and the quill.
@@ -301,5 +312,7 @@ mod tests {
         assert_eq!(jaws.low.y, grid(25.0));
         assert_eq!(jaws.high.x, grid(-60.0));
         assert_eq!(jaws.low.x, body.high.x);
+        let open = stock.open_jaws().bounds().unwrap();
+        assert!(open.low.y > jaws.low.y && open.high.x == jaws.high.x);
     }
 }

@@ -37,8 +37,11 @@ pub struct PartView {
     pub rpm: f64,
     /// Coolant flows.
     pub coolant: bool,
-    /// The chuck holds the stock.
+    /// The power chuck holds the stock.
     pub clamped: bool,
+    /// The power chuck held it and has let it go. One that never held anything is
+    /// clamped by hand.
+    pub chuck_open: bool,
     /// The tailstock's quill is out.
     pub tailstock_forward: bool,
     /// The guard door is open.
@@ -56,6 +59,8 @@ pub(super) struct PartSide {
     job: Arc<Job>,
     guessed: bool,
     crash_stops: bool,
+    /// The power chuck has held the stock.
+    gripped: bool,
     section: Arc<Region>,
     /// The version of the part that `section` shows.
     shown: Option<u64>,
@@ -71,6 +76,7 @@ impl PartSide {
             job: Arc::new(Job::new(gsk_workpiece::stock::Stock::bar(50.0, 0.0, 60.0))),
             guessed: true,
             crash_stops: false,
+            gripped: false,
             section: Arc::default(),
             shown: None,
             last: None,
@@ -134,6 +140,7 @@ impl PartSide {
             self.section = Arc::new(part.section());
         }
         let (cnc, lathe) = (&simulation.cnc, &simulation.lathe);
+        self.gripped |= lathe.chuck_clamped();
         let tool = lathe.station().unwrap_or(cnc.tool().0);
         let frame = cnc.frame();
         let mounting = live.machining().mounting();
@@ -148,6 +155,7 @@ impl PartSide {
             rpm: lathe.spindle_rpm(),
             coolant: lathe.coolant(),
             clamped: lathe.chuck_clamped(),
+            chuck_open: self.gripped && !lathe.chuck_clamped(),
             tailstock_forward: lathe.tailstock_forward(),
             door_open: lathe.has_fault(Fault::DoorOpen),
             findings: live.machining().findings().to_vec(),

@@ -40,7 +40,7 @@ pub fn of_solid(
     let view = View::fit(Turn::oblique(rear), shown, (width, height), margin);
     let fineness = Fineness::of(view.scale);
     let mut bodies = part(&section, &stock.section(), fineness).to_vec();
-    bodies.extend(clamping(stock, fineness));
+    bodies.extend(clamping(stock, false, fineness));
     let samples = SAMPLES.iter().find(|(_, most)| width * height <= *most);
     let bodies = bodies.iter().map(|body| (body, (0.0, 0.0)));
     let samples = samples.map_or(1, |(samples, _)| *samples);

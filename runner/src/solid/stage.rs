@@ -78,9 +78,10 @@ pub fn part(section: &Region, stock: &Region, fineness: Fineness) -> [Body; 3] {
     [cut, rough, faces]
 }
 
-/// Chuck, jaws and tailstock.
-pub fn clamping(stock: &Stock, fineness: Fineness) -> Vec<Body> {
+/// Chuck, jaws and tailstock; `open`: a power chuck has let the stock go.
+pub fn clamping(stock: &Stock, open: bool, fineness: Fineness) -> Vec<Body> {
     let (chuck, jaws) = stock.chuck_section();
+    let jaws = if open { stock.open_jaws() } else { jaws };
     // The bar goes into the chuck.
     let chuck = chuck.without(stock.section().contours());
     let sides = fineness.sides(chuck.bounds().map_or(0.0, |it| reach(&it)));

@@ -139,7 +139,7 @@ fn the_same_bodies_make_the_same_picture() {
     let draw = || {
         let fineness = Fineness::of(4.0);
         let mut bodies = part(&stock.section(), &Region::default(), fineness).to_vec();
-        bodies.extend(clamping(&stock, fineness));
+        bodies.extend(clamping(&stock, false, fineness));
         bodies.extend(tool(&Tool::turning(), fineness));
         picture(&bodies, Turn::oblique(false))
     };

@@ -1,6 +1,7 @@
 //! The machine view: the half section of the part with its clamping, or the same as a lit
 //! solid, the tool at its live position, and the path of the selected program.
 
+mod alive;
 mod bars;
 mod caliper;
 mod camera;
@@ -346,21 +347,30 @@ impl LatheView {
             lines::mark_wrong(&painter, &camera, &self.made.path, fault);
         }
         if let Some(Chosen { block, pass }) = &self.chosen {
-            lines::highlight(&painter, &camera, &self.made.path, *block, false);
-            if let Some(pass) = pass {
-                lines::highlight_pass(&painter, &camera, &self.made.path.pieces_of(pass));
+            // A cycle of many passes, all of them lit, would hide the part.
+            match pass {
+                Some(pass) => lines::highlight_pass(&painter, &camera, &path.pieces_of(pass)),
+                None => lines::highlight(&painter, &camera, path, *block, false),
             }
         }
         if let Some(part) = &self.part {
-            if let Some(block) = part.block.map(block_of) {
-                lines::highlight(&painter, &camera, &self.made.path, block, true);
-            }
             let tip = place(part.tip);
+            if let Some(block) = part.block.map(block_of) {
+                match path.pass_in_work(block, tip) {
+                    Some(pass) => {
+                        lines::highlight_pass(&painter, &camera, &path.pieces_of(pass));
+                    }
+                    None => lines::highlight(&painter, &camera, path, block, true),
+                }
+            }
             if solid.is_none() {
                 tool_drawn = self.solids.tool(&painter, &camera, part, tip);
             }
             if !tool_drawn {
                 solids::tip(&painter, &camera, tip);
+            }
+            if part.coolant {
+                alive::coolant(&painter, &camera, tip);
             }
             overlay::hits(&painter, &camera, part);
         }

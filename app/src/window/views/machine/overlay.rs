@@ -28,6 +28,7 @@ fn of(part: &PartView) -> Vec<Message> {
     let others = [
         (part.coolant, say::lathe_coolant()),
         (part.clamped, say::lathe_chuck_clamped()),
+        (part.chuck_open, say::lathe_chuck_open()),
         (part.tailstock_forward, say::lathe_tailstock_out()),
         (part.door_open, say::lathe_door_open()),
     ];

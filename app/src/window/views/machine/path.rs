@@ -97,12 +97,22 @@ impl Path {
     /// The place of the piece nearest to a point, at most so far from it, mm. Of two
     /// that are equally near, the later one: it lies on top.
     pub fn nearest(&self, at: Pos2, reach: f32) -> Option<usize> {
+        self.nearest_of(at, reach, |_| true)
+    }
+
+    /// The pass that a block in work makes, with the tip at a point.
+    pub fn pass_in_work(&self, block: Block, tip: Pos2) -> Option<&Pass> {
+        let of_block = |piece: &Piece| piece.line == block.line && piece.program == block.program;
+        self.pass_at(self.nearest_of(tip, f32::INFINITY, of_block)?)
+    }
+
+    fn nearest_of(&self, at: Pos2, reach: f32, meant: impl Fn(&Piece) -> bool) -> Option<usize> {
         let mut nearest = (reach * reach, None);
         let mut from = Pos2::ZERO;
         let all = self.portions.iter().flat_map(|portion| portion.iter());
         for (index, piece) in all.enumerate() {
             let begin = std::mem::replace(&mut from, piece.end);
-            if piece.way == Way::Jump {
+            if piece.way == Way::Jump || !meant(piece) {
                 continue;
             }
             let distance = (at - nearest_on(begin, piece.end, at)).length_sq();
@@ -334,5 +344,8 @@ mod tests {
         assert!((3..=5).contains(&pieces), "{pieces}");
         assert_eq!(pass(-10.0, 13.0).unwrap().0, 3);
         assert_eq!(pass(2.0, 30.0), None, "the way to the cycle");
+        let cycle = path.block_at(path.nearest(pos2(-10.0, 13.0), 0.2).unwrap());
+        let in_work = path.pass_in_work(cycle.unwrap(), pos2(-5.0, 13.1));
+        assert_eq!(in_work.unwrap().why.as_ref().unwrap().pass, 3);
     }
 }

@@ -12,6 +12,7 @@ use gsk_workpiece::region::Region;
 use gsk_workpiece::tool::{Shape as ToolShape, Tool};
 use gsk_workpiece::trapezoid::{Filled, Trapezoid, trapezoids};
 
+use super::alive::Turning;
 use super::camera::Camera;
 use crate::kernel::part::PartView;
 use crate::window::surroundings::white;
@@ -32,15 +33,16 @@ pub struct Solids {
     section: Arc<Region>,
     material: Vec<Trapezoid>,
     outside: Vec<Trapezoid>,
-    job: Option<Arc<Job>>,
+    job: Option<(Arc<Job>, bool)>,
     /// Chuck, jaws and tailstock.
     clamps: Vec<(Vec<Trapezoid>, Region, Color32)>,
+    turning: Turning,
     /// The tools of the job that were drawn, by their T number.
     tools: BTreeMap<u8, Vec<ToolPart>>,
 }
 
 impl Solids {
-    /// Draws what is clamped and what clamps it.
+    /// Draws what is clamped and what clamps it, the spindle as it turns.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, part: &PartView) {
         self.take(part);
         for (filled, region, color) in &self.clamps {
@@ -49,6 +51,7 @@ impl Solids {
                 outline(painter, camera, region.contours(), mirrored, CLAMP_EDGE);
             }
         }
+        self.turning.draw(painter, camera, part);
         fill(painter, camera, &self.outside, true, OUTSIDE);
         silhouette(painter, camera, &self.outside);
         fill(painter, camera, &self.material, false, SECTION);
@@ -76,13 +79,18 @@ impl Solids {
             self.outside = trapezoids(&self.section, Filled::Outside);
         }
         let same = self.job.as_ref();
-        if same.is_some_and(|job| Arc::ptr_eq(job, &part.job)) {
+        if same.is_some_and(|(job, open)| Arc::ptr_eq(job, &part.job) && *open == part.chuck_open) {
             return;
         }
-        self.job = Some(Arc::clone(&part.job));
+        self.job = Some((Arc::clone(&part.job), part.chuck_open));
         self.tools.clear();
         let stock = &part.job.stock;
         let (body, jaws) = stock.chuck_section();
+        let jaws = if part.chuck_open {
+            stock.open_jaws()
+        } else {
+            jaws
+        };
         self.clamps = [
             (body, CHUCK),
             (jaws, JAWS),

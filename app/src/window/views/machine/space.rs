@@ -36,6 +36,8 @@ struct Shown {
     camera: Camera,
     section: Arc<Region>,
     job: Arc<Job>,
+    /// The chuck has let the stock go.
+    open: bool,
     tool: u8,
     tip: Point,
     pixels_per_point: f32,
@@ -46,7 +48,7 @@ impl Shown {
         Arc::ptr_eq(&self.section, &other.section)
             && Arc::ptr_eq(&self.job, &other.job)
             && self.camera == other.camera
-            && (self.tool, self.tip) == (other.tool, other.tip)
+            && (self.tool, self.tip, self.open) == (other.tool, other.tip, other.open)
             && self.pixels_per_point == other.pixels_per_point
     }
 }
@@ -59,6 +61,7 @@ impl Space {
             camera: *camera,
             section: Arc::clone(&part.section),
             job: Arc::clone(&part.job),
+            open: part.chuck_open,
             tool: part.tool,
             tip: part.tip,
             pixels_per_point: painter.pixels_per_point(),
@@ -113,7 +116,7 @@ impl Space {
 /// What was built, and of what.
 #[derive(Default)]
 struct Bodies {
-    made_of: Option<(Arc<Job>, Fineness)>,
+    made_of: Option<(Arc<Job>, bool, Fineness)>,
     section: Arc<Region>,
     stock: Region,
     part: Vec<Body>,
@@ -125,12 +128,13 @@ struct Bodies {
 impl Bodies {
     fn take(&mut self, shown: &Shown, fineness: Fineness) {
         let made_of = self.made_of.as_ref();
-        let same =
-            made_of.is_some_and(|(job, made)| Arc::ptr_eq(job, &shown.job) && *made == fineness);
+        let same = made_of.is_some_and(|(job, open, made)| {
+            Arc::ptr_eq(job, &shown.job) && (*open, *made) == (shown.open, fineness)
+        });
         if !same {
-            self.made_of = Some((Arc::clone(&shown.job), fineness));
+            self.made_of = Some((Arc::clone(&shown.job), shown.open, fineness));
             self.stock = shown.job.stock.section();
-            self.clamps = clamping(&shown.job.stock, fineness);
+            self.clamps = clamping(&shown.job.stock, shown.open, fineness);
             self.tools.clear();
         }
         if !same || !Arc::ptr_eq(&self.section, &shown.section) {

@@ -1,0 +1,86 @@
+//! What moves in the lathe beside the slides: the spindle turns, coolant flows.
+
+use std::f32::consts::TAU;
+
+use egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
+use gsk_workpiece::stock::Stock;
+
+use super::camera::Camera;
+use crate::kernel::part::PartView;
+
+/// The jaws whose middle is marked on the chuck.
+const JAWS: [f32; 3] = [0.0, TAU / 3.0, 2.0 * TAU / 3.0];
+/// A spindle that turns faster is drawn turning so fast, r/min: the eye still sees which
+/// way.
+const FASTEST: f32 = 90.0;
+/// Time between two pictures of a spindle that turns, s.
+const PAUSE: f32 = 1.0 / 30.0;
+const MARK: Color32 = Color32::from_rgb(150, 164, 186);
+const COOLANT: Color32 = Color32::from_rgba_premultiplied(40, 84, 120, 130);
+/// Where the nozzle is, from the tip, mm.
+const NOZZLE: (f32, f32) = (14.0, 34.0);
+/// How far the jets spread at the tip, mm.
+const SPREAD: f32 = 2.5;
+const JETS: i8 = 2;
+
+/// How far the spindle has turned in the picture, radians.
+#[derive(Default)]
+pub struct Turning(f32);
+
+impl Turning {
+    /// Draws the marks of the jaws on the outside of the chuck, on the side that is not cut
+    /// open:
+    ///
+    /// ```text
+    ///   axis  -.-.-.-.-    a quarter turn from the axis ...
+    ///         |-------|
+    ///         |       |
+    ///         +-------+    ... to the edge is seen
+    /// ```
+    pub fn draw(&mut self, painter: &Painter, camera: &Camera, part: &PartView) {
+        let rpm = part.rpm as f32;
+        if rpm != 0.0 {
+            let passed = painter.ctx().input(|input| input.stable_dt).min(0.1);
+            self.0 = (self.0 + rpm.clamp(-FASTEST, FASTEST) / 60.0 * TAU * passed) % TAU;
+            let pause = std::time::Duration::from_secs_f32(PAUSE);
+            painter.ctx().request_repaint_after(pause);
+        }
+        for (from, to, radius) in marked(&part.job.stock) {
+            for jaw in JAWS {
+                let angle = (self.0 + jaw).rem_euclid(TAU);
+                // What is farther is behind the spindle.
+                if angle > TAU / 2.0 {
+                    continue;
+                }
+                // The marks go from the edge over the axis and are seen below it only.
+                let height = -radius * angle.cos();
+                if height > 0.0 {
+                    continue;
+                }
+                let ends = [from, to].map(|z| camera.screen(pos2(z, height)));
+                painter.line_segment(ends, Stroke::new(2.0, MARK));
+            }
+        }
+    }
+}
+
+/// The cylinders of chuck and jaws: from, to, radius.
+fn marked(stock: &Stock) -> impl Iterator<Item = (f32, f32, f32)> {
+    let (body, jaws) = stock.chuck_section();
+    let bounds = [body.bounds(), jaws.bounds()];
+    bounds.into_iter().flatten().map(|bounds| {
+        let [low, high] = [bounds.low, bounds.high].map(gsk_workpiece::grid::from_grid);
+        (low.z as f32, high.z as f32, high.x as f32)
+    })
+}
+
+/// Draws the jets of coolant onto the tip.
+pub fn coolant(painter: &Painter, camera: &Camera, tip: Pos2) {
+    let nozzle = camera.screen(tip + vec2(NOZZLE.0, NOZZLE.1));
+    for jet in -JETS..=JETS {
+        let beside = f32::from(jet) / f32::from(JETS) * SPREAD;
+        let end = camera.screen(tip + vec2(beside, -beside.abs() / 2.0));
+        painter.line_segment([nozzle, end], Stroke::new(2.0, COOLANT));
+    }
+    painter.circle_filled(nozzle, 3.0, MARK);
+}
