@@ -38,7 +38,7 @@ LIMIT = "20m"
 # For `check` and `plot` alike: by moves, which are the same everywhere, not by time.
 ENDLESS = ["--most-moves", "100000", "--give-up", "1h"]
 # For one command, s.
-LONGEST = 120
+LONGEST = 60
 
 
 def lay_random(folder):
@@ -81,7 +81,7 @@ def carried_out(program, arguments, files, folder):
                     timeout=LONGEST,
                 )
             except subprocess.TimeoutExpired:
-                return {"end": f"{arguments[0]} did not end within {LONGEST} s: {program[0]}"}
+                return {"end": f"it did not end within {LONGEST} s"}
         left = {"exit code": done.returncode}
         left |= {name: path.read_bytes() for name, path in said.items()}
         for name in files:
@@ -96,9 +96,13 @@ def carried_out(program, arguments, files, folder):
 
 def compared(programs, arguments, files, folder):
     """What differs between the two systems, as a line each."""
-    linux, windows = (carried_out(program, arguments, files, folder) for program in programs)
+    linux = carried_out(programs[0], arguments, files, folder)
+    # What waits for ever does so everywhere.
+    if "end" in linux:
+        return []
+    windows = carried_out(programs[1], arguments, files, folder)
     place = f"{folder.relative_to(CASES)}: {' '.join(arguments)}"
-    late = [f"{place}: {one['end']}" for one in (linux, windows) if "end" in one]
+    late = [f"{place}: {windows['end']}"] if "end" in windows else []
     return late or [
         f"{place}: {key}\n  Linux:   {linux[key]!r:.600}\n  Windows: {windows[key]!r:.600}"
         for key in linux

@@ -19,7 +19,7 @@ fn shaft(stock: &Region) -> Region {
     corner(0.0, 0.0);
     for step in 0..=900 {
         let angle = f64::from(step) / 900.0 * core::f64::consts::FRAC_PI_2;
-        corner(-12.0 + 12.0 * angle.cos(), 12.0 * angle.sin());
+        corner(-12.0 + 12.0 * libm::cos(angle), 12.0 * libm::sin(angle));
     }
     for turn in 0..25 {
         let z = -14.0 - 1.5 * f64::from(turn);

@@ -266,7 +266,7 @@ impl Use {
             self.along[usize::from(way.z > 0.0)] += 1;
             self.longest = self.longest.max(way.z.abs());
             if way.z < 0.0 && way.x < 0.0 {
-                let steep = (-way.x).atan2(-way.z).to_degrees();
+                let steep = libm::atan2(-way.x, -way.z).to_degrees();
                 self.steepest = self.steepest.max(steep);
             }
         }

@@ -218,7 +218,7 @@ mod tests {
         let (low, high) = range(&compared.finished, &compared.wanted);
         // The nose ends r (1 / cos 22.5° − 1) before the corner, which lies that much
         // times cos 22.5° off both sides.
-        let corner = NOSE * (1.0 - (PI / 8.0).cos());
+        let corner = NOSE * (1.0 - libm::cos(PI / 8.0));
         assert!(low > -1e-3, "{low}");
         assert!((high - corner).abs() < 1e-3, "{high} {corner}");
         assert_eq!(compared.uncompensated, cone("").uncompensated);

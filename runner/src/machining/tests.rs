@@ -122,8 +122,8 @@ fn the_stepped_shaft_has_its_analytic_volume() {
     let disc = |radius: &dyn Fn(f64) -> f64, from: f64, to: f64| {
         // Simpson's rule in a variable that takes the root at the end out.
         let steps = 20_000;
-        let at = |part: f64| from + (to - from) * (1.0 - (part * PI).cos()) / 2.0;
-        let slope = |part: f64| (to - from) * PI * (part * PI).sin() / 2.0;
+        let at = |part: f64| from + (to - from) * (1.0 - libm::cos(part * PI)) / 2.0;
+        let slope = |part: f64| (to - from) * PI * libm::sin(part * PI) / 2.0;
         let value = |index: u32| {
             let part = f64::from(index) / f64::from(steps);
             let r = radius(at(part));

@@ -80,7 +80,7 @@ impl Canvas {
             let mut count = 0;
             while count < POINTS_A_STROKE {
                 let Some(point) = points.next() else { break };
-                let length = (point.0 - last.0).hypot(point.1 - last.1);
+                let length = libm::hypotf(point.0 - last.0, point.1 - last.1);
                 if length < NEAR && points.peek().is_some() {
                     continue;
                 }
@@ -101,7 +101,7 @@ impl Canvas {
             if let [from, to] = two {
                 let [from, to] = [from, to].map(|(x, y)| (x * unit, y * unit));
                 self.plain_line(pen, from, to, along);
-                along += (to.0 - from.0).hypot(to.1 - from.1);
+                along += libm::hypot(to.0 - from.0, to.1 - from.1);
             }
         }
     }
@@ -115,7 +115,7 @@ impl Canvas {
         let (across, down) = (to.0 - from.0, to.1 - from.1);
         let steps = across.abs().max(down.abs()).ceil().max(1.0);
         let (step_x, step_y) = (across / steps, down / steps);
-        let step = step_x.hypot(step_y);
+        let step = libm::hypot(step_x, step_y);
         let flat = across.abs() >= down.abs();
         let width = (pen.width * self.unit as f32).round().max(1.0) as usize;
         let unit = self.unit as f32;

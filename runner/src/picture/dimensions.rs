@@ -106,7 +106,7 @@ impl Dimensions {
         let mut drawn = Vec::new();
         for surface in &self.surfaces {
             let [from, to] = surface.ends.map(&place);
-            if (to.0 - from.0).hypot(to.1 - from.1) < CORNER {
+            if libm::hypot(to.0 - from.0, to.1 - from.1) < CORNER {
                 continue;
             }
             let ((x, y), wide) = (place(surface.middle), width(&surface.words));

@@ -140,7 +140,7 @@ const BETWEEN_TICKS: f64 = 100.0;
 /// Round values inside a stretch that is so many units long.
 fn ticks(start: f64, length: f64, units: f64) -> impl Iterator<Item = f64> {
     let raw = length / (units / BETWEEN_TICKS).max(1.0);
-    let power = 10f64.powf(raw.log10().floor());
+    let power = libm::pow(10.0, libm::log10(raw).floor());
     let step = [1.0, 2.0, 5.0, 10.0]
         .into_iter()
         .map(|factor| factor * power)
