@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::common::Bench;
+use crate::window::ask_to_close;
 use egui::Modifiers;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{By, Queryable};
@@ -190,6 +191,9 @@ fn tools_and_stock_are_changed_and_a_broken_rule_is_said() {
     assert!(comes(&mut bench, "0.1 is outside 0.5"));
     fill(&mut bench, "diameter of the stock", "60");
     assert!(comes(&mut bench, "Changed, not yet saved"));
+    ask_to_close(&mut bench);
+    assert!(comes(&mut bench, "Tools and stock are not saved"));
+    bench.click("Do not close");
     bench.click("Path");
     bench.click("Measure");
     let middle = bench.harness.get_by_label("Machine picture").rect();

@@ -349,7 +349,7 @@ fn click(bench: &mut Bench, words: &str) {
     bench.run(20);
 }
 
-fn ask_to_close(bench: &mut Bench) -> Vec<ViewportCommand> {
+pub fn ask_to_close(bench: &mut Bench) -> Vec<ViewportCommand> {
     let root = bench.harness.input_mut().viewports.entry(ViewportId::ROOT);
     root.or_default().events.push(ViewportEvent::Close);
     bench.harness.step();

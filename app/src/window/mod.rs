@@ -194,7 +194,7 @@ impl Window {
             self.help = help::show(ui.ctx(), language);
         }
         let picture = self.picture.as_ref();
-        let unsaved = self.views.program().is_unsaved();
+        let unsaved = self.views.unsaved();
         self.questions
             .show(ui.ctx(), language, picture, &self.console, unsaved);
         self.browser.show(ui.ctx(), language);

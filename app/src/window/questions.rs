@@ -19,6 +19,25 @@ enum Closing {
     Agreed,
 }
 
+/// What somebody made and did not save.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsaved {
+    /// The text of the program view.
+    Text,
+    /// Tools and stock of the machine view.
+    Job,
+}
+
+impl Unsaved {
+    /// The question, and what comes of closing.
+    fn words(self) -> [Message; 2] {
+        match self {
+            Self::Text => [say::question_text_unsaved(), say::question_text_is_lost()],
+            Self::Job => [say::question_job_unsaved(), say::question_job_is_lost()],
+        }
+    }
+}
+
 /// The questions that stand.
 #[derive(Debug, Default)]
 pub struct Questions {
@@ -45,7 +64,7 @@ impl Questions {
         language: Language,
         picture: Option<&Snapshot>,
         console: &Console,
-        unsaved: bool,
+        unsaved: Option<Unsaved>,
     ) {
         self.closing(context, language, picture, unsaved);
         self.place(context, language, console);
@@ -56,7 +75,7 @@ impl Questions {
         context: &Context,
         language: Language,
         picture: Option<&Snapshot>,
-        unsaved: bool,
+        unsaved: Option<Unsaved>,
     ) {
         let Some([title, consequence, agree]) = loss(picture, unsaved) else {
             if self.closing == Closing::Asked {
@@ -115,16 +134,15 @@ impl Questions {
 
 /// What closing the window would end or lose: the question, what comes of it, and the
 /// answer that agrees.
-fn loss(picture: Option<&Snapshot>, unsaved: bool) -> Option<[Message; 3]> {
+fn loss(picture: Option<&Snapshot>, unsaved: Option<Unsaved>) -> Option<[Message; 3]> {
     let run = picture.map(|picture| picture.run);
     let title = match run {
         Some(RunState::Run) => say::question_program_runs(),
         Some(RunState::Hold) => say::question_program_held(),
-        _ if unsaved => {
-            let [title, loss] = [say::question_text_unsaved(), say::question_text_is_lost()];
+        _ => {
+            let [title, loss] = unsaved?.words();
             return Some([title, loss, say::question_close_anyway()]);
         }
-        _ => return None,
     };
     let linked = picture.is_some_and(|picture| picture.board.is_some());
     let consequence = if linked {

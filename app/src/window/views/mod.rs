@@ -21,6 +21,7 @@ use gsk_link::LinkState;
 use super::badge;
 use super::layout::floating::{self, Screen};
 use super::layout::{self, Layout, Layouts, Place};
+use super::questions::Unsaved;
 use super::view::{VIEWS, View, ViewRow, toggled};
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
@@ -110,6 +111,12 @@ impl Views {
     /// The machine view.
     pub const fn lathe(&mut self) -> &mut LatheView {
         &mut self.lathe
+    }
+
+    /// What closing the window would lose.
+    pub fn unsaved(&self) -> Option<Unsaved> {
+        let text = self.program.is_unsaved().then_some(Unsaved::Text);
+        text.or_else(|| self.lathe.is_unsaved().then_some(Unsaved::Job))
     }
 
     /// Whether an open view shows the machine and the PLC.

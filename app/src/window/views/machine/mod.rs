@@ -178,6 +178,11 @@ impl LatheView {
         self.made.path.count()
     }
 
+    /// Whether tools or stock were changed and not saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.instruments.job.is_unsaved()
+    }
+
     /// Whether the part is shown as a solid.
     pub const fn is_solid(&self) -> bool {
         self.sight.solid

@@ -110,6 +110,14 @@ impl JobPanel {
         clamp
     }
 
+    /// Whether the job of this panel is another one than what was read or given.
+    pub fn is_unsaved(&self) -> bool {
+        let kept = self.saved.as_ref().map(|(_, saved)| saved);
+        let kept = kept.or(self.given.as_ref());
+        let made = self.draft.as_ref().zip(kept);
+        made.is_some_and(|(draft, kept)| draft != kept)
+    }
+
     /// Whether a job was made here.
     pub fn has_changed(&self, job: &Job) -> bool {
         self.given.as_ref() != Some(job) && self.clamped.as_ref() == Some(job)
