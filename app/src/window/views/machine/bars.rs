@@ -109,7 +109,9 @@ impl LatheView {
                 }
             }
             Instrument::Microscope => {
-                if let Some(at) = self.instruments.microscope.bar(ui, language) {
+                let partial = self.made.path.partial;
+                let clicked = self.instruments.microscope.bar(ui, partial, language);
+                if let Some(at) = clicked {
                     self.look_closely(at);
                 }
             }

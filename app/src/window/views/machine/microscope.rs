@@ -141,8 +141,8 @@ impl Microscope {
     }
 
     /// Which surface, what is still right, what the colours mean, and the worst places;
-    /// returns one that was clicked.
-    pub fn bar(&mut self, ui: &mut Ui, language: Language) -> Option<Pos2> {
+    /// returns one that was clicked. `partial`: the end of the path is not known.
+    pub fn bar(&mut self, ui: &mut Ui, partial: bool, language: Language) -> Option<Pos2> {
         let mut meant = None;
         ui.horizontal_wrapped(|ui| {
             for surface in Surface::ALL {
@@ -170,7 +170,11 @@ impl Microscope {
         });
         ui.horizontal_wrapped(|ui| {
             if self.compared.is_none() {
-                ui.label(say::window_one_moment().text(language));
+                let words = match partial {
+                    true => say::microscope_waits(),
+                    false => say::window_one_moment(),
+                };
+                ui.label(words.text(language));
                 return;
             }
             let (deep, left) = self.worst();
