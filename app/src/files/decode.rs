@@ -238,10 +238,17 @@ const fn is_binary(byte: u8) -> bool {
     matches!(byte, 0..=8 | 0x0E..=0x10 | 0x15..=0x19 | 0x1B..=0x1F)
 }
 
+/// Whether a text has any; all bytes are looked at together.
+fn has_binary(text: &[u8]) -> bool {
+    (text.iter()).fold(false, |any, byte| any | is_binary(*byte))
+}
+
 /// The last gate: text without binary characters; an end mark of DOS and what
 /// follows it is dropped.
 fn plain(mut text: String, encoding: Encoding) -> Result<Decoded, DecodeError> {
-    if let Some(at) = text.bytes().position(is_binary) {
+    if has_binary(text.as_bytes())
+        && let Some(at) = text.bytes().position(is_binary)
+    {
         let (line, column) = place_after(&text[..at]);
         return Err(DecodeError::Binary {
             byte: text.as_bytes()[at],

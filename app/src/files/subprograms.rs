@@ -72,7 +72,7 @@ const MACHINE_CODES: [u16; 20] = [
 /// four digits of P, by an M, S or T code its own.
 pub fn calls(text: &str) -> BTreeSet<u16> {
     let mut numbers = BTreeSet::new();
-    for line in text.lines() {
+    for line in lines_that_may_call(text) {
         let upper = code_of(line);
         if upper.contains("M98")
             && let Some(at) = upper.find('P')
@@ -83,6 +83,25 @@ pub fn calls(text: &str) -> BTreeSet<u16> {
         numbers.extend(special_calls(&upper));
     }
     numbers
+}
+
+/// The lines that have a letter of a call. Most lines of a long program have none: no
+/// more is done with them than to look at their bytes.
+fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
+    let mut rest = text;
+    core::iter::from_fn(move || {
+        let letter = rest.bytes().position(may_call)?;
+        let start = rest[..letter].rfind('\n').map_or(0, |end| end + 1);
+        let line = &rest[start..];
+        let (line, behind) = line.split_once('\n').unwrap_or((line, ""));
+        rest = behind;
+        Some(line)
+    })
+}
+
+/// Whether a byte may be one of M, S and T, or of their full-width forms.
+const fn may_call(byte: u8) -> bool {
+    matches!(byte, b'M' | b'S' | b'T' | b'm' | b's' | b't' | 0x80..)
 }
 
 /// The programs of the codes in a block that may call one (006.5): an M that is no

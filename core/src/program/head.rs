@@ -14,6 +14,12 @@ pub(super) struct Head {
 }
 
 impl Head {
+    /// Whether a block names a program. The first byte of most says that they do not.
+    pub(super) fn names_program(text: &str) -> bool {
+        let other_word = matches!(text.as_bytes().first(), Some(b'A'..=b'M' | b'P'..=b'Z'));
+        !other_word && Self::read(text).o.is_some()
+    }
+
     /// Reads the start of a block.
     pub(super) fn read(text: &str) -> Self {
         let mut head = Self::default();

@@ -88,6 +88,7 @@ impl Index {
     fn scan(&mut self, lexer: &mut Lexer<'_>, line: u32) -> Scan {
         let mut scan = Scan::default();
         loop {
+            scan.words |= lexer.skip_plain();
             let (byte, len) = lexer.peek();
             if len > 1 && byte != FOREIGN && byte != b' ' {
                 self.full_width.get_or_insert(line);

@@ -26,6 +26,11 @@ impl<'a> Lexer<'a> {
         }
     }
 
+    /// The same text from another byte on.
+    pub(super) const fn moved_to(&self, at: usize) -> Self {
+        Self { at, ..*self }
+    }
+
     /// The character here and its bytes; `\n` with no bytes at the end of the
     /// text. A lone carriage return is an end of line like LF (the EOB of EIA).
     #[inline]
@@ -36,6 +41,32 @@ impl<'a> Lexer<'a> {
             Some(&byte) if byte < 0x80 => (byte, 1),
             Some(_) => ascii_of_wide(&self.bytes[self.at..]),
         }
+    }
+
+    /// Passes the ASCII letters, digits and marks here that neither end a block nor begin
+    /// a comment; whether there are any.
+    #[inline]
+    pub(super) fn skip_plain(&mut self) -> bool {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let plain = rest.iter().position(|&byte| !is_plain(byte));
+        let plain = plain.unwrap_or(rest.len());
+        self.at += plain;
+        plain > 0
+    }
+
+    /// Passes a digit, full-width or not, and gives its value; `None` before anything else.
+    #[inline]
+    pub(super) fn digit(&mut self) -> Option<u8> {
+        let (byte, len) = match self.bytes.get(self.at) {
+            Some(&byte @ ..0x80) => (byte, 1),
+            _ => self.peek(),
+        };
+        let value = byte.wrapping_sub(b'0');
+        if value > 9 {
+            return None;
+        }
+        self.at += len;
+        Some(value)
     }
 
     fn carriage_return(&self) -> (u8, usize) {
@@ -91,6 +122,12 @@ impl<'a> Lexer<'a> {
             }
         }
     }
+}
+
+/// Whether a byte is a character of a word wherever it stands outside comments.
+#[inline]
+const fn is_plain(byte: u8) -> bool {
+    matches!(byte, b'+'..=b':' | b'<'..=b'~')
 }
 
 /// The ASCII character of a full-width one (U+FF01–U+FF5E), the blank for the

@@ -169,15 +169,13 @@ fn read_number(
         return read_variable(lexer, address, negative);
     }
 
+    let digits_at = lexer.at;
     let mut digits = 0_u8;
-    let mut significant = 0_u32;
     let mut whole = 0_i64;
-    while let (byte @ b'0'..=b'9', len) = lexer.peek() {
-        lexer.at += len;
+    while let Some(digit) = lexer.digit() {
         digits = digits.saturating_add(1);
-        significant += u32::from(significant > 0 || byte != b'0');
         if whole < HUGE {
-            whole = whole * 10 + i64::from(byte - b'0');
+            whole = whole * 10 + i64::from(digit);
         }
     }
     let (mark, mark_len) = lexer.peek();
@@ -187,20 +185,13 @@ fn read_number(
     let mut fraction_digits = 0_u8;
     if point {
         lexer.at += mark_len;
-        let mut unit = 100_000;
-        let mut zeros = 0;
-        while let (byte @ b'0'..=b'9', len) = lexer.peek() {
-            lexer.at += len;
-            fraction_digits = fraction_digits.saturating_add(1);
-            fraction += i64::from(byte - b'0') * unit;
-            unit /= 10;
-            if byte == b'0' {
-                zeros += u32::from(significant > 0);
-            } else {
-                significant += zeros + 1;
-                zeros = 0;
+        while let Some(digit) = lexer.digit() {
+            if fraction_digits < PLACES {
+                fraction = fraction * 10 + i64::from(digit);
             }
+            fraction_digits = fraction_digits.saturating_add(1);
         }
+        fraction *= LAST_PLACE[usize::from(fraction_digits.min(PLACES))];
         if lexer.peek().0 == b'.' {
             return Err(BlockError::at(
                 number::BAD_POINT,
@@ -224,7 +215,7 @@ fn read_number(
         let detail = say::point_missing(name);
         return Err(BlockError::at(number::BAD_POINT, start, detail));
     }
-    if address == b'F' && significant > 7 {
+    if address == b'F' && significant_digits(lexer, digits_at) > 7 {
         return Err(BlockError::at(
             number::OUT_OF_RANGE,
             start,
@@ -249,6 +240,37 @@ fn read_number(
 
 /// Numbers this large are out of every range; reading stops to grow there.
 const HUGE: i64 = 1_000_000_000_000;
+
+/// Decimal places of a millionth; what is written behind them is dropped.
+const PLACES: u8 = 6;
+
+/// What one in the last of so many places is worth, in millionths.
+const LAST_PLACE: [i64; PLACES as usize + 1] = [1_000_000, 100_000, 10_000, 1000, 100, 10, 1];
+
+/// Digits of the number that was read last, from here on, without the zeros in front and
+/// those at the end of a fraction.
+fn significant_digits(lexer: &Lexer<'_>, at: usize) -> u32 {
+    let mut lexer = lexer.moved_to(at);
+    let mut significant = 0_u32;
+    while let Some(digit) = lexer.digit() {
+        significant += u32::from(significant > 0 || digit != 0);
+    }
+    let (mark, len) = lexer.peek();
+    if mark != b'.' {
+        return significant;
+    }
+    lexer.at += len;
+    let mut zeros = 0;
+    while let Some(digit) = lexer.digit() {
+        if digit == 0 {
+            zeros += u32::from(significant > 0);
+        } else {
+            significant += zeros + 1;
+            zeros = 0;
+        }
+    }
+    significant
+}
 
 /// Leading zeros beyond these are not kept.
 const MAX_DIGITS: u8 = 20;

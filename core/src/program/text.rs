@@ -400,7 +400,7 @@ impl Shared {
 pub fn split(text: &str) -> Vec<Program> {
     let whole = Program::new(text);
     let starts: Vec<Place> = (0..whole.shared.blocks.len())
-        .filter(|&index| Head::read(whole.shared.block(index)).o.is_some())
+        .filter(|&index| Head::names_program(whole.shared.block(index)))
         .filter_map(|index| whole.shared.blocks.get(index).copied())
         .collect();
     if starts.len() < 2 {
