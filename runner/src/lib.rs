@@ -4,6 +4,7 @@
 
 pub mod board;
 pub mod curves;
+mod decimal;
 pub mod execution;
 pub mod first_look;
 pub mod machining;

@@ -2,29 +2,9 @@
 
 use std::io::{self, Write};
 
+use crate::decimal::Line;
 use gsk_core::command::{ExecutedMove, MoveKind};
 use gsk_core::units::{Feed, Point};
-use serde::Serialize;
-
-/// One executed move. X values are diameters in the program's work coordinates
-/// without tool offset; times are seconds of machine time.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MoveLine {
-    line: u32,
-    n: Option<u16>,
-    kind: &'static str,
-    x0: f64,
-    z0: f64,
-    x: f64,
-    z: f64,
-    cx: Option<f64>,
-    cz: Option<f64>,
-    feed: Option<f64>,
-    per: Option<&'static str>,
-    lead: Option<f64>,
-    t: f64,
-    dt: f64,
-}
 
 /// Rounds to a millionth: a nanometre, a microsecond.
 pub fn rounded(value: f64) -> f64 {
@@ -44,45 +24,45 @@ pub fn counts(executed: &ExecutedMove) -> bool {
     executed.kind == MoveKind::Dwell || full_circle || executed.from != executed.to
 }
 
-impl From<&ExecutedMove> for MoveLine {
-    fn from(executed: &ExecutedMove) -> Self {
-        let (x0, z0) = diameter_z(executed.from);
-        let (x, z) = diameter_z(executed.to);
-        let center = executed.center.map(diameter_z);
-        let (feed, per) = match executed.feed {
-            Some(Feed::PerMinute(feed)) => (Some(rounded(feed)), Some("min")),
-            Some(Feed::PerRevolution(feed)) => (Some(rounded(feed)), Some("rev")),
-            None => (None, None),
-        };
-        // A thread has a lead, no feed.
-        let (feed, per, lead) = if executed.kind.is_thread() {
-            (None, None, feed)
-        } else {
-            (feed, per, None)
-        };
-        Self {
-            line: executed.source.line,
-            n: executed.source.sequence,
-            kind: executed.kind.name(),
-            x0,
-            z0,
-            x,
-            z,
-            cx: center.map(|center| center.0),
-            cz: center.map(|center| center.1),
-            feed,
-            per,
-            lead,
-            t: rounded(executed.start_s),
-            dt: rounded(executed.duration_s),
-        }
-    }
-}
-
-/// Writes a move as one line.
+/// Writes a move as one line, a JSON object. X values are diameters in the program's
+/// work coordinates without tool offset; times are seconds of machine time.
 pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()> {
-    serde_json::to_writer(&mut *out, &MoveLine::from(executed))?;
-    out.write_all(b"\n")
+    let mut line = Line::default();
+    line.number("{\"line\":", executed.source.line.into());
+    match executed.source.sequence {
+        Some(sequence) => line.number(",\"n\":", sequence.into()),
+        None => line.text(",\"n\":null"),
+    }
+    line.text(",\"kind\":\"");
+    line.text(executed.kind.name());
+    line.value("\",\"x0\":", Some(executed.from.diameter().0));
+    line.value(",\"z0\":", Some(executed.from.z));
+    line.value(",\"x\":", Some(executed.to.diameter().0));
+    line.value(",\"z\":", Some(executed.to.z));
+    line.value(
+        ",\"cx\":",
+        executed.center.map(|center| center.diameter().0),
+    );
+    line.value(",\"cz\":", executed.center.map(|center| center.z));
+    let (feed, per) = match executed.feed {
+        Some(Feed::PerMinute(feed)) => (Some(feed), "\"min\""),
+        Some(Feed::PerRevolution(feed)) => (Some(feed), "\"rev\""),
+        None => (None, "null"),
+    };
+    // A thread has a lead, no feed.
+    let (feed, per, lead) = if executed.kind.is_thread() {
+        (None, "null", feed)
+    } else {
+        (feed, per, None)
+    };
+    line.value(",\"feed\":", feed);
+    line.text(",\"per\":");
+    line.text(per);
+    line.value(",\"lead\":", lead);
+    line.value(",\"t\":", Some(executed.start_s));
+    line.value(",\"dt\":", Some(executed.duration_s));
+    line.text("}\n");
+    out.write_all(&line.bytes)
 }
 
 /// The head of the CSV of positions.
