@@ -101,7 +101,7 @@ fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
 
 /// Whether a byte may be one of M, S and T, or of their full-width forms.
 const fn may_call(byte: u8) -> bool {
-    matches!(byte, b'M' | b'S' | b'T' | b'm' | b's' | b't' | 0x80..)
+    byte >= 0x80 || matches!(byte.to_ascii_lowercase(), b'm' | b's' | b't')
 }
 
 /// The programs of the codes in a block that may call one (006.5): an M that is no

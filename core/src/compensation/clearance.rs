@@ -164,16 +164,16 @@ fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
 
 /// The least distance of two curves, arcs with the radius of their middle.
 pub(super) fn distance(a: &Curve, b: &Curve) -> f64 {
-    let ends = to_point(a, b.from)
-        .min(to_point(a, b.to))
-        .min(to_point(b, a.from))
-        .min(to_point(b, a.to));
     let between = match (&a.arc, &b.arc) {
-        (None, None) => lines(a, b),
+        (None, None) => return lines(a, b),
         (None, Some(arc)) => line_and_arc(a, b, arc),
         (Some(arc), None) => line_and_arc(b, a, arc),
         (Some(first), Some(second)) => arcs(a, first, b, second),
     };
+    let ends = to_point(a, b.from)
+        .min(to_point(a, b.to))
+        .min(to_point(b, a.from))
+        .min(to_point(b, a.to));
     ends.min(between)
 }
 
@@ -206,17 +206,36 @@ fn foot(line: &Curve, point: Point) -> Option<Point> {
         .then(|| line.from + along * part)
 }
 
-/// Two lines are nearest at an end, unless they cross.
+/// Two lines are nearest at an end, unless they cross. The squares of the distances are
+/// compared: the root of the least one is the least distance.
 fn lines(a: &Curve, b: &Curve) -> f64 {
+    if cross(a, b) {
+        return 0.0;
+    }
+    let square = |between: Point| between.dot(between);
+    let to_foot = |line: &Curve, point: Point| {
+        foot(line, point).map_or(f64::INFINITY, |foot| square(point - foot))
+    };
+    let ends = square(b.from - a.from)
+        .min(square(b.from - a.to))
+        .min(square(b.to - a.from))
+        .min(square(b.to - a.to));
+    let feet = to_foot(a, b.from)
+        .min(to_foot(a, b.to))
+        .min(to_foot(b, a.from))
+        .min(to_foot(b, a.to));
+    ends.min(feet).sqrt()
+}
+
+fn cross(a: &Curve, b: &Curve) -> bool {
     let (u, v) = (a.to - a.from, b.to - b.from);
     let between = b.from - a.from;
     let area = u.cross(v);
     if area == 0.0 {
-        return f64::INFINITY;
+        return false;
     }
     let (on_a, on_b) = (between.cross(v) / area, between.cross(u) / area);
-    let within = (0.0..=1.0).contains(&on_a) && (0.0..=1.0).contains(&on_b);
-    if within { 0.0 } else { f64::INFINITY }
+    (0.0..=1.0).contains(&on_a) && (0.0..=1.0).contains(&on_b)
 }
 
 fn line_and_arc(line: &Curve, curve: &Curve, arc: &Arc) -> f64 {

@@ -49,12 +49,13 @@ enum Kind {
     FacingCycle,
 }
 
-/// Evaluates a block.
+/// Evaluates a block into a new plan, in its place: plans are large to be moved.
 pub(crate) fn evaluate(
     state: &mut State,
     context: &Context<'_>,
     words: &Words,
-) -> Result<Plan, Alarm> {
+    plan: &mut Plan,
+) -> Result<(), Alarm> {
     let special = special_call::find(words, context)?;
     let rest;
     let words = match special {
@@ -75,7 +76,7 @@ pub(crate) fn evaluate(
 
     // Increments count from the position shown before a T of the same block.
     let base = state.position + state.ahead;
-    let mut plan = Plan::new(context.source, state.modal);
+    plan.modal = state.modal;
     let mut travels = false;
     if let Some(t) = words.t {
         let word = ToolWord::read(t, context.parameters.stations().into())?;
@@ -96,7 +97,7 @@ pub(crate) fn evaluate(
     };
     match kind {
         Kind::OneShot(code) if code.is_compound() => {
-            compound::plan(code, state, context, words, &axes, base, &mut plan)?;
+            compound::plan(code, state, context, words, &axes, base, plan)?;
         }
         _ => plan.motion = motion(state, context, words, kind, &axes, base)?,
     }
@@ -122,7 +123,7 @@ pub(crate) fn evaluate(
         plan.before
             .push_back(Action::Miscellaneous { code, timing });
     }
-    follow(state, context, words, function, &mut plan)?;
+    follow(state, context, words, function, plan)?;
     if let Some(call) = special {
         check_call(state, context, plan.motion.is_contour())?;
         plan.flow = subprogram::call_special(context, call)?;
@@ -136,7 +137,7 @@ pub(crate) fn evaluate(
     if plan.is_done() && plan.flow == Flow::Next {
         plan.after = Some(Action::Nothing);
     }
-    Ok(plan)
+    Ok(())
 }
 
 /// G groups 01, 03 and 04, and F.

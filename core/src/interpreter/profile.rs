@@ -21,6 +21,7 @@ use crate::interpreter::context::place::Place;
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{OneShot, Words};
 use crate::interpreter::context::{Compensated, Context};
+use crate::interpreter::plan::Plan;
 use crate::program::Program;
 use crate::units::Point;
 
@@ -254,7 +255,8 @@ pub(crate) fn evaluate(
                 next: next.as_ref(),
                 ..*context
             };
-            let plan = block::evaluate(&mut scratch, &inner, &words)?;
+            let mut plan = Plan::new(inner.source, scratch.modal);
+            block::evaluate(&mut scratch, &inner, &words, &mut plan)?;
             let mut moves = plan.motion;
             while let Some(made) = moves.next() {
                 let Some(step) = step(&made.action, shift, scratch.position, line) else {

@@ -48,7 +48,7 @@ impl<'a> Lexer<'a> {
     #[inline]
     pub(super) fn skip_plain(&mut self) -> bool {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
-        let plain = rest.iter().position(|&byte| !is_plain(byte));
+        let plain = rest.iter().position(|&byte| !PLAIN[usize::from(byte)]);
         let plain = plain.unwrap_or(rest.len());
         self.at += plain;
         plain > 0
@@ -86,6 +86,13 @@ impl<'a> Lexer<'a> {
     /// an error: the place of its parenthesis.
     #[inline]
     pub(super) fn skip_blanks(&mut self) -> Result<(), usize> {
+        if self
+            .bytes
+            .get(self.at)
+            .is_some_and(|&byte| PLAIN[usize::from(byte)])
+        {
+            return Ok(());
+        }
         loop {
             let (byte, len) = self.peek();
             match byte {
@@ -125,10 +132,15 @@ impl<'a> Lexer<'a> {
 }
 
 /// Whether a byte is a character of a word wherever it stands outside comments.
-#[inline]
-const fn is_plain(byte: u8) -> bool {
-    matches!(byte, b'+'..=b':' | b'<'..=b'~')
-}
+static PLAIN: [bool; 256] = {
+    let mut plain = [false; 256];
+    let mut byte = b'+';
+    while byte <= b'~' {
+        plain[byte as usize] = byte != b';';
+        byte += 1;
+    }
+    plain
+};
 
 /// The ASCII character of a full-width one (U+FF01–U+FF5E), the blank for the
 /// ideographic and the no-break space and the byte order mark, otherwise

@@ -74,7 +74,7 @@ impl Program {
         };
         let mut index = Index::default();
         index.read(&text, first_line);
-        let characters = text.bytes().filter(|&byte| byte & 0xC0 != 0x80).count();
+        let characters = text.chars().count();
         let mut shared = Shared {
             blocks: index.blocks,
             end: index.end,

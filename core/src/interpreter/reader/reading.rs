@@ -190,8 +190,9 @@ impl Interpreter {
             ..context(&*host, source, place, &run.calls, mdi.is_some(), &read)
         };
         let mut state = self.state;
-        let mut plan =
-            block::evaluate(&mut state, &context, &words).map_err(|alarm| alarm.at(source))?;
+        let mut plan = Plan::new(source, state.modal);
+        block::evaluate(&mut state, &context, &words, &mut plan)
+            .map_err(|alarm| alarm.at(source))?;
         plan.writes
             .apply(host.parameters_mut())
             .map_err(|error| Alarm::from(error).at(source))?;
