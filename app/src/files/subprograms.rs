@@ -90,7 +90,7 @@ pub fn calls(text: &str) -> BTreeSet<u16> {
 fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = text;
     core::iter::from_fn(move || {
-        let letter = rest.bytes().position(may_call)?;
+        let letter = (rest.bytes()).position(|byte| MAY_CALL[usize::from(byte)])?;
         let start = rest[..letter].rfind('\n').map_or(0, |end| end + 1);
         let line = &rest[start..];
         let (line, behind) = line.split_once('\n').unwrap_or((line, ""));
@@ -100,9 +100,15 @@ fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Whether a byte may be one of M, S and T, or of their full-width forms.
-const fn may_call(byte: u8) -> bool {
-    byte >= 0x80 || matches!(byte.to_ascii_lowercase(), b'm' | b's' | b't')
-}
+static MAY_CALL: [bool; 256] = {
+    let mut may_call = [false; 256];
+    let mut byte = 0;
+    while byte < may_call.len() {
+        may_call[byte] = matches!(byte as u8, b'M' | b'S' | b'T' | b'm' | b's' | b't' | 0x80..);
+        byte += 1;
+    }
+    may_call
+};
 
 /// The programs of the codes in a block that may call one (006.5): an M that is no
 /// machine function, S and T of two digits.
