@@ -3,6 +3,9 @@
 mod case;
 mod dist;
 mod error;
+mod figures;
+#[path = "../../core/benches/shapes/mod.rs"]
+mod shapes;
 
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
@@ -64,7 +67,7 @@ fn main() -> ExitCode {
         }
         Task::Dist(DistTask::Windows) => dist::windows::make(&root()),
         Task::Docs { open } => docs(open),
-        Task::Figures => figures(),
+        Task::Figures => figures::figures(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -109,26 +112,4 @@ fn docs(open: bool) -> Result<(), TaskError> {
         arguments.push("--open");
     }
     run("cargo", &arguments, &[("RUSTDOCFLAGS", "-D warnings")])
-}
-
-/// Sample programs that are checked and run, each with its time.
-const SAMPLES: [&str; 3] = ["01-stepped-shaft", "02-bushing", "03-grooved-pin"];
-
-fn figures() -> Result<(), TaskError> {
-    run("cargo", &["bench", "--workspace", "--locked"], &[])?;
-    run("cargo", &["build", "--release", "--locked"], &[])?;
-    let program = root().join("target/release/gsk980td");
-    let program = program.to_string_lossy();
-    for sample in SAMPLES {
-        let file = format!("assets/programs/{sample}.CNC");
-        for command in ["check", "run"] {
-            let begun = std::time::Instant::now();
-            run(&program, &[command, &file], &[])?;
-            println!(
-                "{sample}: {command} in {:.3} s",
-                begun.elapsed().as_secs_f64()
-            );
-        }
-    }
-    Ok(())
 }

@@ -1,0 +1,152 @@
+//! The figures of speed: every bench, the samples, and what a block of `check` costs
+//! beside what the interpreter of LinuxCNC takes for the like.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::Instant;
+
+use super::{root, run};
+use crate::error::TaskError;
+use crate::shapes;
+
+/// Sample programs that are checked and run, each with its time.
+const SAMPLES: [&str; 3] = ["01-stepped-shaft", "02-bushing", "03-grooved-pin"];
+
+/// Runs of which the middle one counts.
+const RUNS: usize = 5;
+
+/// What `rs274 -g` of LinuxCNC 2.9 did a second on an x86-64 computer of two cores, in
+/// blocks or, for calls and roughing, in moves. The programs are alike, not the same, and
+/// so are the computers: a loss is seen, a few per cent are not.
+const LINUXCNC: [(&str, f64); 6] = [
+    ("short lines", 329_000.0),
+    ("mixed arcs", 238_000.0),
+    ("subprogram calls", 217_500.0),
+    ("G71 roughing", 458_000.0),
+    ("compensated contour", 204_000.0),
+    ("macro loop", 505_000.0),
+];
+
+/// Measures and prints all of them.
+pub fn figures() -> Result<(), TaskError> {
+    run("cargo", &["bench", "--workspace", "--locked"], &[])?;
+    run("cargo", &["build", "--release", "--locked"], &[])?;
+    let program = root().join("target/release/gsk980td");
+    for sample in SAMPLES {
+        let file = format!("assets/programs/{sample}.CNC");
+        for command in ["check", "run"] {
+            let begun = Instant::now();
+            run(&program.to_string_lossy(), &[command, &file], &[])?;
+            println!(
+                "{sample}: {command} in {:.3} s",
+                begun.elapsed().as_secs_f64()
+            );
+        }
+    }
+    let folder = root().join("target/figures");
+    let written = |error| TaskError::Write {
+        path: folder.clone(),
+        error,
+    };
+    fs::create_dir_all(&folder).map_err(written)?;
+    for (name, text) in shapes::all() {
+        let file = folder.join(name.replace(' ', "-")).with_extension("CNC");
+        fs::write(&file, text).map_err(written)?;
+        println!("{}", cost(&program, name, &file)?);
+    }
+    Ok(())
+}
+
+/// What `check` of a file costs, in words.
+fn cost(program: &Path, name: &str, file: &Path) -> Result<String, TaskError> {
+    let check = [
+        program.to_string_lossy(),
+        "check".into(),
+        "--json".into(),
+        "--param=2.1=1".into(),
+        "--offset=01=0,0,0.4,3".into(),
+        file.to_string_lossy(),
+    ];
+    let mut report = String::new();
+    let mut seconds = Vec::with_capacity(RUNS);
+    for _ in 0..RUNS {
+        let begun = Instant::now();
+        report = text(&output(&check)?.stdout);
+        seconds.push(begun.elapsed().as_secs_f64());
+    }
+    seconds.sort_by(f64::total_cmp);
+    let of = |key| number_behind(&report, key).unwrap_or_default();
+    let elements = of("\"blocks\":").max(of("\"moves\":")).max(1.0);
+    let rate = elements / seconds[RUNS / 2];
+    let peer = LINUXCNC.iter().find(|(shape, _)| *shape == name);
+    let times = peer.map_or(0.0, |(_, peer)| rate / peer);
+    let instructions = instructions(&check).map_or_else(
+        || "not counted without valgrind".to_owned(),
+        |count| format!("{:.0} each", count / elements),
+    );
+    Ok(format!(
+        "check of {name}: {rate:.0} a second, {times:.1} times LinuxCNC; instructions: {instructions}"
+    ))
+}
+
+/// Instructions that a command takes; `None` where valgrind is not installed.
+fn instructions(command: &[impl AsRef<str>]) -> Option<f64> {
+    let counted = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .args(command.iter().map(AsRef::as_ref))
+        .output()
+        .ok()?;
+    number_behind(&text(&counted.stderr), "Collected :")
+}
+
+fn output(command: &[impl AsRef<str>]) -> Result<Output, TaskError> {
+    let line: Vec<&str> = command.iter().map(AsRef::as_ref).collect();
+    let failed = |error| TaskError::Start {
+        line: line.join(" "),
+        error,
+    };
+    let done = Command::new(line[0]).args(&line[1..]).output();
+    let done = done.map_err(failed)?;
+    if done.status.success() {
+        return Ok(done);
+    }
+    Err(TaskError::Failed {
+        line: line.join(" "),
+        status: done.status,
+    })
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// The whole number that follows a text.
+fn number_behind(text: &str, before: &str) -> Option<f64> {
+    let (_, behind) = text.split_once(before)?;
+    let behind = behind.trim_start();
+    let end = behind.find(|letter: char| !letter.is_ascii_digit());
+    behind[..end.unwrap_or(behind.len())].parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_read_from_what_programs_print() {
+        assert_eq!(
+            number_behind("==7== Collected : 512\n", "Collected :"),
+            Some(512.0)
+        );
+        assert_eq!(number_behind("{\"moves\":40}", "\"moves\":"), Some(40.0));
+        assert_eq!(number_behind("", "\"moves\":"), None);
+    }
+
+    #[test]
+    fn every_shape_has_a_figure_of_the_peer() {
+        for (name, _) in shapes::all() {
+            assert!(LINUXCNC.iter().any(|(shape, _)| *shape == name), "{name}");
+        }
+    }
+}
