@@ -9,18 +9,32 @@ use super::camera::Camera;
 use super::lines::{FEED, MadeFor, RAPID, THREAD};
 use super::path::{Path, Way};
 
+/// Slots of the table of pieces that were met.
+const SLOTS: usize = 1 << 18;
+
 /// The dots that were made for a view.
 #[derive(Default)]
 pub struct Dots {
     texture: Option<TextureHandle>,
     made_for: MadeFor,
+    thinned: Thinned,
+}
+
+/// The pieces of a path that differ on the screen at a scale: as long as a picture is
+/// only moved, the others need not be looked at again.
+#[derive(Default)]
+struct Thinned {
+    made_for: Option<(Camera, f32, Arc<Path>)>,
+    pieces: Vec<([Pos2; 2], Way)>,
 }
 
 impl Dots {
     /// Draws the path.
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, path: &Arc<Path>) {
         if self.made_for.changes(camera, path) {
-            let image = image(camera, path, painter.pixels_per_point());
+            let pixels_per_point = painter.pixels_per_point();
+            self.thinned.follow(camera, path, pixels_per_point);
+            let image = image(camera, &self.thinned.pieces, pixels_per_point);
             match &mut self.texture {
                 Some(texture) => texture.set(image, TextureOptions::NEAREST),
                 None => {
@@ -37,8 +51,41 @@ impl Dots {
     }
 }
 
+impl Thinned {
+    /// Thins a path out, unless the camera has only moved since.
+    fn follow(&mut self, camera: &Camera, path: &Arc<Path>, pixels_per_point: f32) {
+        // The same for every place of the picture.
+        let camera = camera.centred(Pos2::ZERO).within(Rect::ZERO);
+        let known = self.made_for.as_ref();
+        if known.is_some_and(|(made, pixels, of)| {
+            *made == camera && *pixels == pixels_per_point && Arc::ptr_eq(of, path)
+        }) {
+            return;
+        }
+        self.pieces.clear();
+        let pixel = |point: Pos2| {
+            let at = camera.screen(point) * pixels_per_point;
+            let [x, y] = [at.x, at.y].map(|it| u64::from(it.floor() as i32 as u32));
+            x << 32 | y
+        };
+        let mut met = vec![(0, 0, Way::Jump); SLOTS];
+        for (from, piece) in path.pieces() {
+            let key = (pixel(from), pixel(piece.end), piece.way);
+            let mixed = key.0.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ key.1;
+            let slot = (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 46) as usize;
+            if met.get(slot) != Some(&key) {
+                self.pieces.push(([from, piece.end], piece.way));
+                if let Some(slot) = met.get_mut(slot) {
+                    *slot = key;
+                }
+            }
+        }
+        self.made_for = Some((camera, pixels_per_point, Arc::clone(path)));
+    }
+}
+
 /// The picture: transparent where no piece lies; cuts over rapids.
-fn image(camera: &Camera, path: &Path, pixels_per_point: f32) -> ColorImage {
+fn image(camera: &Camera, pieces: &[([Pos2; 2], Way)], pixels_per_point: f32) -> ColorImage {
     let size = camera.room.size() * pixels_per_point;
     let size = [
         size.x.ceil().max(1.0) as usize,
@@ -48,14 +95,14 @@ fn image(camera: &Camera, path: &Path, pixels_per_point: f32) -> ColorImage {
     let corner = camera.room.min;
     let edge = pos2(size[0] as f32 - 1.0, size[1] as f32 - 1.0);
     let at = |point: Pos2| ((camera.screen(point) - corner) * pixels_per_point).to_pos2();
-    for (from, piece) in path.pieces() {
-        let color = match piece.way {
+    for (ends, way) in pieces {
+        let color = match way {
             Way::Jump => continue,
             Way::Rapid => RAPID,
             Way::Feed => FEED,
             Way::Thread => THREAD,
         };
-        let Some([from, to]) = within([at(from), at(piece.end)], edge) else {
+        let Some([from, to]) = within(ends.map(at), edge) else {
             continue;
         };
         let steps = (to - from).abs().max_elem().ceil().max(1.0);
@@ -64,7 +111,7 @@ fn image(camera: &Camera, path: &Path, pixels_per_point: f32) -> ColorImage {
             let dot = from + step * count as f32;
             let index = dot.y as usize * size[0] + dot.x as usize;
             if let Some(pixel) = image.pixels.get_mut(index)
-                && (piece.way != Way::Rapid || *pixel == Color32::TRANSPARENT)
+                && (*way != Way::Rapid || *pixel == Color32::TRANSPARENT)
             {
                 *pixel = color;
             }
@@ -106,7 +153,32 @@ fn within([from, to]: [Pos2; 2], edge: Pos2) -> Option<[Pos2; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::path::tests::path;
     use super::*;
+
+    #[test]
+    fn what_is_cut_again_is_drawn_once_and_moving_the_picture_costs_nothing() {
+        let again = "G01 Z-30 F100\nG00 X42\nZ2\nX40\n".repeat(100);
+        let path = Arc::new(path(&format!("G00 X40 Z2\n{again}M30\n")));
+        let room = Rect::from_min_size(Pos2::ZERO, egui::vec2(400.0, 300.0));
+        let bounds = Rect::from_min_max(pos2(-35.0, 0.0), pos2(5.0, 25.0));
+        let camera = Camera::fit(bounds, true, room);
+        let mut thinned = Thinned::default();
+        thinned.follow(&camera, &path, 1.0);
+        assert!(path.count() > 400);
+        assert!(thinned.pieces.len() < 8, "{}", thinned.pieces.len());
+        let all = path.pieces();
+        let all: Vec<_> = all.map(|(at, to)| ([at, to.end], to.way)).collect();
+        let whole = image(&camera, &all, 1.0);
+        assert_eq!(image(&camera, &thinned.pieces, 1.0).pixels, whole.pixels);
+        assert!(whole.pixels.contains(&FEED));
+
+        thinned.pieces.clear();
+        thinned.follow(&camera.centred(pos2(3.0, 1.0)), &path, 1.0);
+        assert!(thinned.pieces.is_empty(), "moved only");
+        thinned.follow(&camera, &path, 2.0);
+        assert!(!thinned.pieces.is_empty());
+    }
 
     #[test]
     fn a_line_is_cut_off_at_the_picture() {

@@ -295,13 +295,13 @@ fn extend(bounds: &mut Option<Rect>, point: Pos2) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use gsk_core::preview::preview_explained;
     use gsk_core::program::Program;
     use gsk_core::setup::Setup;
 
-    fn path(text: &str) -> Path {
+    pub fn path(text: &str) -> Path {
         let mut setup = Setup::default();
         setup.memory.programs.open_external(Program::new(text));
         setup.memory.programs.select(ProgramId::External);
