@@ -115,16 +115,12 @@ fn drawn(tool: &Tool, tip: Point) -> Vec<(Look, Region)> {
         let points = contour.iter().map(|at| to_grid(from_grid(*at) + tip));
         Region::of(&[points.collect()])
     };
-    let holder = shape
-        .body
-        .iter()
-        .filter(|(part, _)| *part == BodyPart::Holder);
-    let holder = holder.map(|(_, contour)| (HOLDER, placed(contour)));
-    let back = shape
-        .body
-        .iter()
-        .filter(|(part, _)| *part == BodyPart::InsertBack);
-    let back = back.map(|(_, contour)| (INSERT, placed(contour)));
-    let cutting = core::iter::once((INSERT, placed(&shape.cutting)));
-    holder.chain(back).chain(cutting).collect()
+    // The insert lies on its holder; the turret would hide the part.
+    let mut areas = Vec::new();
+    for (wanted, look) in [(BodyPart::Holder, HOLDER), (BodyPart::InsertBack, INSERT)] {
+        let parts = shape.body.iter().filter(|(part, _)| *part == wanted);
+        areas.extend(parts.map(|(_, contour)| (look, placed(contour))));
+    }
+    areas.push((INSERT, placed(&shape.cutting)));
+    areas
 }

@@ -32,10 +32,10 @@ impl Turning {
     /// open:
     ///
     /// ```text
-    ///   axis  -.-.-.-.-    a quarter turn from the axis ...
+    ///   axis  -.-.-.-.-    a quarter turn is seen: from the edge ...
     ///         |-------|
     ///         |       |
-    ///         +-------+    ... to the edge is seen
+    ///         +-------+    ... at angle 0 to the axis
     /// ```
     pub fn draw(&mut self, painter: &Painter, camera: &Camera, part: &PartView) {
         let rpm = part.rpm as f32;
@@ -48,15 +48,10 @@ impl Turning {
         for (from, to, radius) in marked(&part.job.stock) {
             for jaw in JAWS {
                 let angle = (self.0 + jaw).rem_euclid(TAU);
-                // What is farther is behind the spindle.
-                if angle > TAU / 2.0 {
+                if angle > TAU / 4.0 {
                     continue;
                 }
-                // The marks go from the edge over the axis and are seen below it only.
                 let height = -radius * angle.cos();
-                if height > 0.0 {
-                    continue;
-                }
                 let ends = [from, to].map(|z| camera.screen(pos2(z, height)));
                 painter.line_segment(ends, Stroke::new(2.0, MARK));
             }

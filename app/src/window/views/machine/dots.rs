@@ -9,8 +9,8 @@ use super::camera::Camera;
 use super::lines::{FEED, MadeFor, RAPID, THREAD};
 use super::path::{Path, Way};
 
-/// Slots of the table of pieces that were met.
-const SLOTS: usize = 1 << 18;
+/// Bits of a place in the table of pieces that were met.
+const SLOT_BITS: u32 = 18;
 
 /// The dots that were made for a view.
 #[derive(Default)]
@@ -68,11 +68,12 @@ impl Thinned {
             let [x, y] = [at.x, at.y].map(|it| u64::from(it.floor() as i32 as u32));
             x << 32 | y
         };
-        let mut met = vec![(0, 0, Way::Jump); SLOTS];
+        let mut met = vec![(0, 0, Way::Jump); 1 << SLOT_BITS];
         for (from, piece) in path.pieces() {
             let key = (pixel(from), pixel(piece.end), piece.way);
             let mixed = key.0.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ key.1;
-            let slot = (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 46) as usize;
+            let slot =
+                (mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (u64::BITS - SLOT_BITS)) as usize;
             if met.get(slot) != Some(&key) {
                 self.pieces.push(([from, piece.end], piece.way));
                 if let Some(slot) = met.get_mut(slot) {
