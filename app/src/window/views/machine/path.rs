@@ -140,15 +140,15 @@ impl Path {
         (pass.why.is_some() && self.block_at(index) == Some(pass.block)).then_some(pass)
     }
 
-    /// The pass of the same number in the same block, where it lies now.
+    /// The pass of the same number in the same block, where it lies now; the last one
+    /// where there are fewer.
     pub fn pass_again(&self, pass: Option<Pass>) -> Option<Pass> {
         let pass = pass?;
         let number = pass.why.as_ref()?.pass;
-        let again = self.passes.iter().find(|other| {
-            let same = other.why.as_ref().is_some_and(|why| why.pass == number);
-            same && other.block == pass.block
-        });
-        again.cloned()
+        let number_of = |other: &Pass| other.why.as_ref().map(|why| why.pass);
+        let of_block = self.passes.iter().filter(|other| other.block == pass.block);
+        let up_to = of_block.filter(|other| number_of(other).is_some_and(|it| it <= number));
+        up_to.max_by_key(|other| number_of(other)).cloned()
     }
 
     /// The pieces of a pass, each with the point it begins at.
@@ -331,6 +331,11 @@ pub(super) mod tests {
         assert_eq!((bounds.left(), bounds.right()), (-35.0, 2.0));
     }
 
+    /// The cycle of the next test with deeper passes.
+    fn path_of_two() -> Path {
+        path("G00 X44 Z2\nG71 U6 R1\nG71 P1 Q2 F100\nN1 G00 X20\nG01 Z-20\nN2 X40\nM30\n")
+    }
+
     #[test]
     fn a_piece_of_a_cycle_names_its_pass() {
         let path =
@@ -347,5 +352,8 @@ pub(super) mod tests {
         let cycle = path.block_at(path.nearest(pos2(-10.0, 13.0), 0.2).unwrap());
         let in_work = path.pass_in_work(cycle.unwrap(), pos2(-5.0, 13.1));
         assert_eq!(in_work.unwrap().why.as_ref().unwrap().pass, 3);
+        let fewer = path_of_two();
+        let again = fewer.pass_again(in_work.cloned()).unwrap();
+        assert_eq!(again.why.unwrap().pass, 2, "there is no third one");
     }
 }
