@@ -22,6 +22,7 @@ PLATFORMS = [
     "x86_64-unknown-linux-gnu",
     "x86_64-pc-windows-gnu",
     "x86_64-pc-windows-msvc",
+    "wasm32-unknown-unknown",
 ]
 # Of several licences to choose from the first of these is taken.
 CHOICE = ["MIT", "Apache-2.0", "BSD-3-Clause", "BSD-2-Clause", "Zlib", "ISC", "0BSD"]

@@ -3,9 +3,9 @@
 use std::io;
 use std::path::Path;
 use std::thread;
-use std::time::{Duration, Instant};
 
 use gsk_link::LinkConfig;
+use web_time::{Duration, Instant};
 
 use crate::guard::{Guard, GuardError};
 

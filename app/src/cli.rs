@@ -46,7 +46,7 @@ pub struct Cli {
 }
 
 /// Options of the window.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 pub struct WindowArgs {
     /// Folder of the control's memory (programs, parameters, offsets, counters)
     #[arg(long, value_name = "DIR")]

@@ -18,9 +18,9 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use gsk_messages::{Message, say};
+use web_time::{Duration, Instant};
 
 use frame::{Kind, Reader};
 

@@ -14,6 +14,7 @@ use gsk_workpiece::job::Job;
 use crate::files::atomic;
 use crate::files::program_file::{self, FileError};
 use crate::output::{self, WriteError};
+use crate::platform;
 
 /// On which part a program is carried out.
 #[derive(Args, Clone, Debug, Default)]
@@ -137,7 +138,7 @@ pub fn read(path: &Path) -> Result<Job, JobError> {
 /// What the system says; the old file stands.
 pub fn write(path: &Path, job: &Job) -> Result<(), WriteError> {
     let text = text_of(job).map_err(|error| WriteError::new(path, std::io::Error::other(error)))?;
-    if let Ok(before) = std::fs::read(path) {
+    if let Ok(before) = platform::read(path, u64::MAX) {
         let own = std::str::from_utf8(&before).ok();
         let own = own.and_then(|text| Some((text, parse(path, text).ok()?)));
         let is_own = own.is_some_and(|(text, job)| text_of(&job).is_ok_and(|own| own == text));
@@ -168,7 +169,7 @@ fn free_beside(path: &Path) -> PathBuf {
     let numbered = (2..).map(|number: u32| named(format!("~{number}")));
     let mut names = core::iter::once(named("~".to_owned())).chain(numbered);
     names
-        .find(|name| !name.exists())
+        .find(|name| !platform::is_taken(name))
         .unwrap_or_else(|| named("~".to_owned()))
 }
 
@@ -199,7 +200,9 @@ pub fn parse(path: &Path, text: &str) -> Result<Job, JobError> {
 /// # Errors
 /// No job can be had.
 pub fn choose(args: &JobArgs, program: Option<&Path>, setup: &Setup) -> Result<Chosen, JobError> {
-    let beside = program.map(beside).filter(|path| path.exists());
+    let beside = program
+        .map(beside)
+        .filter(|path| platform::facts(path).is_ok());
     if let Some(path) = args.job.clone().or(beside) {
         let job = read(&path)?;
         return Ok(Chosen {

@@ -93,6 +93,8 @@ pub struct Kernel {
     probing: Option<Probing>,
     /// The part that is cut.
     part: PartSide,
+    /// Commands so far: the window is heard.
+    heard: u64,
     quit: bool,
 }
 
@@ -126,6 +128,7 @@ impl Kernel {
             times: None,
             probing: None,
             part: PartSide::new(Arc::clone(&part)),
+            heard: 0,
             quit: false,
         };
         (
@@ -263,6 +266,7 @@ impl Kernel {
     }
 
     fn carry_out(&mut self, command: Command) {
+        self.heard += 1;
         match command {
             // It waits for nothing.
             Command::Key {

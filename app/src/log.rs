@@ -9,12 +9,12 @@ use std::sync::Mutex;
 use gsk_messages::{Message, say};
 use tracing::level_filters::LevelFilter;
 use tracing::{Subscriber, error, info, subscriber};
-use tracing_appender::non_blocking::{NonBlocking, WorkerGuard};
-use tracing_appender::rolling::{InitError, RollingFileAppender, Rotation};
 use tracing_subscriber::Layer;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::fmt::{self, MakeWriter};
 use tracing_subscriber::layer::SubscriberExt;
+
+use crate::platform::{LogFile, LogGuard, log_file};
 
 /// The folder in the data directory.
 pub const FOLDER: &str = "log";
@@ -51,35 +51,22 @@ pub fn level(word: &str) -> Result<LevelFilter, NoLevel> {
 /// Why there is no log.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", self.message())]
-pub enum LogError {
-    /// Its folder cannot be made.
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// What the system said.
-        cause: io::Error,
-    },
-    /// The file of today cannot be opened.
-    File {
-        /// The folder.
-        folder: PathBuf,
-        /// What the system said.
-        cause: InitError,
-    },
+pub struct LogError {
+    /// Its folder, which cannot be made or takes no file.
+    folder: PathBuf,
+    /// What the system said.
+    cause: io::Error,
 }
 
 impl LogError {
     /// What is said of it.
     pub fn message(&self) -> Message {
-        match self {
-            Self::Folder { folder, cause } => say::log_not_written(folder.display(), cause),
-            Self::File { folder, cause } => say::log_not_written(folder.display(), cause),
-        }
+        say::log_not_written(self.folder.display(), &self.cause)
     }
 }
 
 /// The thread that writes the file: dropped, it has written what waits.
-static WRITER: Mutex<Option<WorkerGuard>> = Mutex::new(None);
+static WRITER: Mutex<Option<LogGuard>> = Mutex::new(None);
 
 /// A log under way, which is finished when this is dropped.
 #[must_use]
@@ -129,23 +116,11 @@ pub fn on_terminal(level: LevelFilter) -> Option<Log> {
 }
 
 /// A file a day, the oldest go.
-fn file(folder: &Path) -> Result<(NonBlocking, WorkerGuard), LogError> {
-    let made = std::fs::create_dir_all(folder);
-    made.map_err(|cause| LogError::Folder {
+fn file(folder: &Path) -> Result<(LogFile, LogGuard), LogError> {
+    log_file(folder, MOST_FILES).map_err(|cause| LogError {
         folder: folder.to_owned(),
         cause,
-    })?;
-    let files = RollingFileAppender::builder()
-        .rotation(Rotation::DAILY)
-        .filename_prefix("gsk980td")
-        .filename_suffix("log")
-        .max_log_files(MOST_FILES)
-        .build(folder)
-        .map_err(|cause| LogError::File {
-            folder: folder.to_owned(),
-            cause,
-        })?;
-    Ok(tracing_appender::non_blocking(files))
+    })
 }
 
 fn subscriber(

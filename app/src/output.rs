@@ -9,7 +9,6 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
 
 use gsk_core::preview::Progress;
 use gsk_core::program::ProgramMemory;
@@ -18,6 +17,7 @@ use gsk_runner::Language;
 use gsk_runner::report::Report;
 use gsk_runner::words::clock;
 use indicatif::{ProgressBar, ProgressStyle};
+use web_time::{Duration, Instant};
 
 use crate::patience::Patience;
 

@@ -1,7 +1,7 @@
 //! Machine time against wall time: how many ticks are due, and whether the PC
 //! keeps up.
 
-use std::time::{Duration, Instant};
+use web_time::{Duration, Instant};
 
 /// The kernel thread wakes up every so many milliseconds.
 pub const BATCH_MS: u64 = 8;

@@ -3,9 +3,10 @@
 //! A loop without end is no error of the text: nobody can tell it from a long
 //! program but by its time.
 
-use std::time::{Duration, Instant};
-
 use gsk_core::preview::Progress;
+use web_time::{Duration, Instant};
+
+use crate::platform;
 
 /// When to give a look through a program up.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +21,7 @@ impl Patience {
     pub fn new(time: Duration, moves: u64) -> Self {
         Self {
             begun: Instant::now(),
-            time,
+            time: time.min(platform::LONGEST_LOOK),
             moves,
         }
     }

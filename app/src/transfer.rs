@@ -3,13 +3,13 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::thread;
 
 use gsk_messages::{Message, say};
 use gsk_panel::panel::SerialFile;
 
 use crate::files::atomic;
 use crate::files::program_file::{self, FileError};
+use crate::platform;
 
 /// The folder in the data directory.
 pub const FOLDER: &str = "transfer";
@@ -35,7 +35,7 @@ pub fn write(folder: &Path, files: &[SerialFile]) -> Result<(), TransferError> {
         folder: folder.to_owned(),
         error,
     };
-    std::fs::create_dir_all(folder).map_err(wrong)?;
+    platform::make_folder(folder).map_err(wrong)?;
     for file in files {
         atomic::write(&folder.join(&file.name), file.text.as_bytes()).map_err(wrong)?;
     }
@@ -78,8 +78,7 @@ pub fn write_aside(
     done: impl Fn(Result<String, Message>) + Clone + Send + 'static,
 ) {
     let written = done.clone();
-    let thread = thread::Builder::new().name("transfer".to_owned());
-    let begun = thread.spawn(move || {
+    let begun = platform::beside("transfer", move || {
         let what = format!("{} → {}", names(&files), folder.display());
         let result = write(&folder, &files);
         written(result.map(|()| what).map_err(|error| error.message()));

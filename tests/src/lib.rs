@@ -5,6 +5,7 @@
 
 pub mod case;
 pub mod compare;
+pub mod determinism;
 pub mod execute;
 pub mod fuzz;
 pub mod setup;

@@ -13,7 +13,7 @@ use paths::{Source, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 11] = [
+const PACKAGES: [&str; 12] = [
     "messages",
     "units",
     "plc",
@@ -24,6 +24,7 @@ const PACKAGES: [&str; 11] = [
     "panel",
     "runner",
     "app",
+    "web",
     "tests",
 ];
 /// Libraries that `core` hands on under its own name.
@@ -233,8 +234,10 @@ fn packages_use_what_the_architecture_says() {
 
 /// The room of what each system does in its own way.
 const PLATFORM: &str = "app/src/platform/";
+/// Beside it: what is built for a browser and what compares it with other systems.
+const OF_A_PAGE: [&str; 2] = ["tests/src/bin/golden.rs", "web/src/main.rs"];
 /// How a source asks for the system, or uses what one of them alone has.
-const OF_ONE_SYSTEM: [&str; 14] = [
+const OF_ONE_SYSTEM: [&str; 18] = [
     "cfg(unix",
     "cfg(windows",
     "(all(unix",
@@ -242,6 +245,10 @@ const OF_ONE_SYSTEM: [&str; 14] = [
     "(not(windows",
     "target_os",
     "target_family",
+    "target_arch",
+    "web_sys::",
+    "js_sys::",
+    "wasm_bindgen",
     "std::os::",
     "rustix::",
     "signal_hook::",
@@ -265,7 +272,8 @@ fn one_room_alone_asks_what_system_it_is() {
             let places: Vec<_> = asking
                 .map(|(index, line)| format!("{file}:{}: {}", index + 1, line.trim()))
                 .collect();
-            match file.replace('\\', "/").starts_with(PLATFORM) {
+            let file = file.replace('\\', "/");
+            match file.starts_with(PLATFORM) || OF_A_PAGE.contains(&file.as_str()) {
                 true => in_room |= !places.is_empty(),
                 false => faults.extend(places),
             }
@@ -277,4 +285,59 @@ fn one_room_alone_asks_what_system_it_is() {
         "belongs into {PLATFORM}:\n{}",
         faults.join("\n")
     );
+}
+
+/// What runs on a page in a browser, too: rooms of `app`.
+const ON_A_PAGE: [&str; 10] = [
+    "app/src/files/",
+    "app/src/job.rs",
+    "app/src/kernel.rs",
+    "app/src/kernel/",
+    "app/src/loading.rs",
+    "app/src/pace.rs",
+    "app/src/patience.rs",
+    "app/src/retained/",
+    "app/src/transfer.rs",
+    "app/src/window/",
+];
+/// Beside boards, which a page has not.
+const OF_BOARDS: [&str; 2] = ["app/src/kernel/drive.rs", "app/src/kernel/live.rs"];
+/// What fails there at run time.
+const NOT_ON_A_PAGE: [&str; 6] = [
+    "std::fs",
+    "std::thread",
+    "std::process::id",
+    "std::process::Command",
+    "time::Instant",
+    "SystemTime",
+];
+
+#[test]
+fn what_runs_on_a_page_has_files_threads_and_clock_from_the_platform() {
+    let mut faults = Vec::new();
+    let mut seen = BTreeSet::new();
+    for source in sources(&repository().join("app/src")) {
+        let file = source.file.replace('\\', "/");
+        let Some(room) = ON_A_PAGE.iter().find(|room| file.starts_with(*room)) else {
+            continue;
+        };
+        seen.insert(room);
+        // `files/time.rs` writes moments of the log of a board.
+        if OF_BOARDS.contains(&file.as_str())
+            || file.ends_with("/tests.rs")
+            || file.ends_with("/time.rs")
+        {
+            continue;
+        }
+        let text = fs::read_to_string(repository().join(&source.file)).expect("a source");
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let asking = code.lines().enumerate().filter(|(_, line)| {
+            let code = line.split("//").next().unwrap_or_default();
+            let web = code.replace("web_time::Instant", "");
+            NOT_ON_A_PAGE.iter().any(|word| web.contains(word))
+        });
+        faults.extend(asking.map(|(at, line)| format!("{file}:{}: {}", at + 1, line.trim())));
+    }
+    assert_eq!(seen.len(), ON_A_PAGE.len(), "a room has moved: {seen:?}");
+    assert!(faults.is_empty(), "fails on a page:\n{}", faults.join("\n"));
 }

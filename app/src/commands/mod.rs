@@ -9,7 +9,7 @@ mod plot;
 mod run;
 mod screen;
 mod tables;
-mod window;
+pub mod window;
 
 use std::process::ExitCode;
 

@@ -1,13 +1,13 @@
 //! The window: what stands behind `gsk980td` without a command.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
 use gsk_runner::report;
 use tracing::level_filters::LevelFilter;
+use web_time::Instant;
 
 use super::{CommandError, FINE, USAGE};
 use crate::cli::WindowArgs;
@@ -24,7 +24,7 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     let begun = Instant::now();
     let language = args.lang;
     if let Some(program) = &args.program
-        && !program.exists()
+        && !platform::is_taken(program)
     {
         return Err(CommandError::NoFile(program.clone()));
     }

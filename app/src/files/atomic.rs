@@ -1,7 +1,6 @@
 //! Writing a file so that a kill at any moment leaves the old or the new one.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::platform;
@@ -33,62 +32,32 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// What the system says; the old file stands.
 pub fn write_for(path: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> {
     let aside = aside(path);
-    let result = write_aside(&aside, bytes, readers).and_then(|()| fs::rename(&aside, path));
+    let result = platform::write_new(&aside, bytes, readers == Readers::Owner)
+        .and_then(|()| platform::rename(&aside, path));
     if result.is_err() {
         // The half-written file is of no use; the cause is what is reported.
-        let _ = fs::remove_file(&aside);
+        let _ = platform::remove(&aside);
         return result;
     }
-    sync_folder(path);
+    if let Some(folder) = path.parent() {
+        platform::sync_folder(folder);
+    }
     Ok(())
-}
-
-fn write_aside(aside: &Path, bytes: &[u8], readers: Readers) -> io::Result<()> {
-    let mut file = create(aside, readers)?;
-    file.write_all(bytes)?;
-    file.sync_all()
-}
-
-/// Makes a file that was not there. What is left of a killed process, or a link that
-/// leads elsewhere, goes first; it is never written through.
-fn create(path: &Path, readers: Readers) -> io::Result<File> {
-    let mut options = OpenOptions::new();
-    options.write(true).create_new(true);
-    if readers == Readers::Owner {
-        platform::for_owner_alone(&mut options);
-    }
-    match options.open(path) {
-        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            fs::remove_file(path)?;
-            options.open(path)
-        }
-        opened => opened,
-    }
-}
-
-/// Makes the rename itself lasting; where folders cannot be opened as files the system
-/// does it by itself.
-fn sync_folder(path: &Path) {
-    if let Some(folder) = path.parent()
-        && let Ok(folder) = File::open(folder)
-    {
-        let _ = folder.sync_all();
-    }
 }
 
 /// Removes from a folder what was being written aside when the process was killed;
 /// the names it was meant for.
 pub fn remove_unfinished(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
-        let name = entry.file_name();
+    for path in platform::list(folder).unwrap_or_default() {
+        let name = path.file_name().unwrap_or_default();
         let meant = name
             .to_str()
             .and_then(|name| name.strip_prefix('.')?.strip_suffix(ASIDE));
         if let Some(meant) = meant {
-            // What cannot be removed is replaced by the next writing.
-            let _ = fs::remove_file(entry.path());
             names.push(meant.to_owned());
+            // What cannot be removed is replaced by the next writing.
+            let _ = platform::remove(&path);
         }
     }
     names.sort();
@@ -107,11 +76,11 @@ pub fn set_aside(path: &Path) -> io::Result<PathBuf> {
     };
     let mut target = name(".damaged");
     let mut count = 1;
-    while target.symlink_metadata().is_ok() {
+    while platform::is_taken(&target) {
         count += 1;
         target = name(&format!(".damaged{count}"));
     }
-    fs::rename(path, &target)?;
+    platform::rename(path, &target)?;
     Ok(target)
 }
 
@@ -124,6 +93,8 @@ fn aside(path: &Path) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

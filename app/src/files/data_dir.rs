@@ -13,7 +13,6 @@
 //! is used; without a good copy that file alone is as delivered.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -26,9 +25,11 @@ use super::atomic::{self, Readers};
 use super::decode::{self, Encoding};
 use super::kept::{Change, Complaint, Found, Kept};
 use super::program_file;
+use crate::platform::{self, Lock};
 use crate::saying;
 
 const PROGRAMS: &str = "programs";
+const LOCK: &str = "lock";
 const LADDER: &str = "ladder.il";
 /// What holds passwords is its owner's alone.
 const PRIVATE: [&str; 1] = ["authority.ron"];
@@ -39,7 +40,7 @@ const LARGEST_BYTES: u64 = 64 * 1024 * 1024;
 #[derive(Debug)]
 pub struct DataDir {
     path: PathBuf,
-    _lock: File,
+    _lock: Lock,
     files: Kept,
     /// Programs whose writing was broken off: the power failed.
     interrupted: Vec<String>,
@@ -75,7 +76,7 @@ impl DataError {
     pub fn message(&self) -> Message {
         match self {
             Self::Unusable { path, source } => say::data_dir_unusable(path.display(), source),
-            Self::InUse { path } => say::data_dir_in_use(path.display()),
+            Self::InUse { path } => platform::in_use(path),
             Self::Missing { path } => say::data_dir_none(path.display()),
             Self::NoDefault => say::data_dir_no_default(),
         }
@@ -108,9 +109,7 @@ pub struct StoredProgram {
 
 /// The platform's own place for the data.
 pub fn default_path() -> Result<PathBuf, DataError> {
-    directories::ProjectDirs::from("", "", "gsk980td")
-        .map(|folders| folders.data_dir().to_owned())
-        .ok_or(DataError::NoDefault)
+    platform::data_folder("gsk980td").ok_or(DataError::NoDefault)
 }
 
 impl DataDir {
@@ -121,12 +120,12 @@ impl DataDir {
     /// # Errors
     /// Why it cannot be read.
     pub fn read_only(path: &Path) -> Result<Self, DataError> {
-        let Ok(lock) = File::open(path.join("lock")) else {
+        if !platform::is_taken(&path.join(LOCK)) {
             return Err(DataError::Missing {
                 path: path.to_owned(),
             });
-        };
-        locked(lock.try_lock_shared(), path)?;
+        }
+        let lock = locked(Lock::beside_readers(&path.join(LOCK)), path)?;
         Ok(Self {
             path: path.to_owned(),
             _lock: lock,
@@ -145,18 +144,12 @@ impl DataDir {
             source,
         };
         let programs = path.join(PROGRAMS);
-        fs::create_dir_all(&programs).map_err(unusable)?;
-        let lock = OpenOptions::new()
-            .create(true)
-            .truncate(false)
-            .write(true)
-            .open(path.join("lock"))
-            .map_err(unusable)?;
-        locked(lock.try_lock(), path)?;
+        platform::make_folder(&programs).map_err(unusable)?;
+        let lock = locked(Lock::alone(&path.join(LOCK)), path)?;
         // A directory that takes no file would fail at the first edit: say it now.
-        let probe = programs.join(format!(".gsk980td-probe-{}", std::process::id()));
+        let probe = programs.join(".gsk980td-probe");
         atomic::write(&probe, b"").map_err(unusable)?;
-        fs::remove_file(&probe).map_err(unusable)?;
+        platform::remove(&probe).map_err(unusable)?;
         for folder in ["", "copies", "copies/programs"] {
             atomic::remove_unfinished(&path.join(folder));
         }
@@ -230,11 +223,11 @@ impl DataDir {
         let mut complaints = Vec::new();
         let mut numbers: BTreeSet<u16> = self.program_numbers().collect();
         let folder = self.path.join(PROGRAMS);
-        match fs::read_dir(&folder) {
-            Ok(entries) => numbers.extend(
-                entries
-                    .flatten()
-                    .filter_map(|entry| program_number(entry.file_name().to_str()?)),
+        match platform::list(&folder) {
+            Ok(paths) => numbers.extend(
+                paths
+                    .iter()
+                    .filter_map(|path| program_number(path.file_name()?.to_str()?)),
             ),
             Err(error) => {
                 let said = say::data_dir_programs_unreadable(error);
@@ -339,15 +332,11 @@ pub fn as_program(number: u16, text: Option<(&str, Encoding)>) -> Change {
     }
 }
 
-fn locked(lock: Result<(), TryLockError>, path: &Path) -> Result<(), DataError> {
-    lock.map_err(|error| match error {
-        TryLockError::WouldBlock => DataError::InUse {
-            path: path.to_owned(),
-        },
-        TryLockError::Error(source) => DataError::Unusable {
-            path: path.to_owned(),
-            source,
-        },
+fn locked(lock: io::Result<Lock>, path: &Path) -> Result<Lock, DataError> {
+    let path = path.to_owned();
+    lock.map_err(|source| match source.kind() {
+        io::ErrorKind::WouldBlock => DataError::InUse { path },
+        _ => DataError::Unusable { path, source },
     })
 }
 
@@ -368,6 +357,8 @@ fn program_number(name: &str) -> Option<u16> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

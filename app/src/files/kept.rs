@@ -8,8 +8,7 @@
 //! copies/NAME              its copy
 //! ```
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -17,6 +16,7 @@ use gsk_messages::{Message, say};
 
 use super::atomic::{self, Readers};
 use super::manifest::{Manifest, Mark, State};
+use crate::platform;
 
 const MANIFEST: &str = "manifest.ron";
 const COPIES: &str = "copies";
@@ -267,19 +267,16 @@ fn read_manifest(folder: &Path) -> Result<Manifest, (Manifest, Complaint)> {
 
 /// Reads a plain file; `None` if there is none.
 fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, Message> {
-    let facts = match fs::metadata(path) {
+    let facts = match platform::facts(path) {
         Ok(facts) => facts,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(say::as_written(error)),
     };
     // A pipe would be waited for.
-    if !facts.is_file() {
+    if !facts.is_file {
         return Err(say::file_not_plain());
     }
-    let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(largest + 1).read_to_end(&mut bytes))
-        .map_err(say::as_written)?;
+    let bytes = platform::read(path, largest + 1).map_err(say::as_written)?;
     if bytes.len() as u64 > largest {
         return Err(say::file_larger_than(largest));
     }
@@ -289,13 +286,13 @@ fn read_plain(path: &Path, largest: u64) -> Result<Option<Vec<u8>>, Message> {
 fn write(path: &Path, bytes: &[u8], readers: Readers) -> Result<(), Message> {
     let said = |error| say::file_not_written(path.display(), error);
     if let Some(folder) = path.parent() {
-        fs::create_dir_all(folder).map_err(said)?;
+        platform::make_folder(folder).map_err(said)?;
     }
     atomic::write_for(path, bytes, readers).map_err(said)
 }
 
 fn remove(path: &Path) -> Result<(), Message> {
-    match fs::remove_file(path) {
+    match platform::remove(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => {
             Err(say::file_not_deleted(path.display(), error))
         }
@@ -305,6 +302,8 @@ fn remove(path: &Path) -> Result<(), Message> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::files::test_folder;
 

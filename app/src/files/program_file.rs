@@ -1,12 +1,12 @@
 //! Reading one part program from the disk.
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use gsk_messages::{Message, say};
 
 use super::decode::{self, DecodeError, Encoding};
+use crate::platform;
 
 /// The largest program file that is read.
 pub const LARGEST_BYTES: u64 = 256 * 1024 * 1024;
@@ -111,23 +111,19 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
         path: path.to_owned(),
         source,
     };
-    let file = File::open(path).map_err(system)?;
-    let facts = file.metadata().map_err(system)?;
-    if facts.is_dir() {
+    let facts = platform::facts(path).map_err(system)?;
+    if facts.is_folder {
         return Err(FileError::Folder {
             path: path.to_owned(),
         });
     }
-    if facts.len() > LARGEST_BYTES {
+    if facts.length > LARGEST_BYTES {
         return Err(FileError::TooLarge {
             path: path.to_owned(),
         });
     }
     // A pipe has no length beforehand: the limit holds for what is read, too.
-    let mut bytes = Vec::with_capacity(usize::try_from(facts.len()).unwrap_or_default());
-    file.take(LARGEST_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(system)?;
+    let bytes = platform::read(path, LARGEST_BYTES + 1).map_err(system)?;
     if bytes.len() as u64 > LARGEST_BYTES {
         return Err(FileError::TooLarge {
             path: path.to_owned(),
@@ -138,6 +134,8 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, FileError> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs::File;
+
     use super::*;
 
     #[test]

@@ -7,11 +7,10 @@
 //! the control itself when the call is reached (alarm 078).
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::program_file;
+use crate::platform;
 
 /// Endings of files that are opened only to look for their O word.
 const PROGRAM_ENDINGS: [&str; 9] = ["", "cnc", "nc", "txt", "tap", "gcode", "ngc", "min", "prg"];
@@ -155,19 +154,15 @@ pub fn beside(main: &Path) -> BTreeMap<u16, PathBuf> {
     let folder = main
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
-    let Ok(entries) = fs::read_dir(folder.unwrap_or(Path::new("."))) else {
+    let Ok(mut paths) = platform::list(folder.unwrap_or(Path::new("."))) else {
         return BTreeMap::new();
     };
-    let mut paths: Vec<PathBuf> = entries
-        .flatten()
-        .map(|entry| entry.path())
-        .filter(|path| path != main)
-        .collect();
+    paths.retain(|path| path != main);
     paths.sort();
     let mut by_number = BTreeMap::new();
     for path in &paths {
         if let Some(number) = number_in_name(path)
-            && path.is_file()
+            && is_file(path)
         {
             by_number.entry(number).or_insert_with(|| path.clone());
         }
@@ -196,15 +191,10 @@ pub fn number_in_name(path: &Path) -> Option<u16> {
 }
 
 fn number_in_head(path: &Path) -> Option<u16> {
-    if !path.is_file() {
+    if !is_file(path) {
         return None;
     }
-    let mut head = Vec::new();
-    fs::File::open(path)
-        .ok()?
-        .take(HEAD_BYTES)
-        .read_to_end(&mut head)
-        .ok()?;
+    let head = platform::read(path, HEAD_BYTES).ok()?;
     let head = String::from_utf8_lossy(&head);
     let line = head
         .lines()
@@ -218,6 +208,10 @@ fn number_in_head(path: &Path) -> Option<u16> {
     digits.parse().ok().filter(|number| *number <= 9999)
 }
 
+fn is_file(path: &Path) -> bool {
+    platform::facts(path).is_ok_and(|facts| facts.is_file)
+}
+
 fn has_program_ending(path: &Path) -> bool {
     let ending = path
         .extension()
@@ -227,6 +221,8 @@ fn has_program_ending(path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

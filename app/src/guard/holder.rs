@@ -3,9 +3,9 @@
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use gsk_messages::Message;
+use web_time::{Duration, Instant};
 
 use super::frame::{self, Kind, Reader};
 use crate::platform::{self, ToProgram};

@@ -29,6 +29,7 @@ use super::part::PartView;
 use super::probe::Probe;
 use crate::job::Chosen;
 use crate::pace::Speed;
+use crate::platform;
 
 /// What the window asks of the kernel.
 #[derive(Clone, Debug)]
@@ -266,7 +267,7 @@ impl Console {
         const LONGEST: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
         self.commands.send(Command::HandOut(to)).ok()?;
-        answer.recv_timeout(LONGEST).ok().map(|setup| *setup)
+        platform::answer(&answer, LONGEST).map(|setup| *setup)
     }
 
     /// Stores a text as a program of the memory and selects it; `None` where the kernel
@@ -275,6 +276,6 @@ impl Console {
         const LONGEST: Duration = Duration::from_secs(5);
         let (to, answer) = bounded(1);
         self.commands.send(Command::Store(text, to)).ok()?;
-        answer.recv_timeout(LONGEST).ok()
+        platform::answer(&answer, LONGEST)
     }
 }

@@ -5,13 +5,14 @@ use std::collections::VecDeque;
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::SystemTime;
 
 use gsk_core::command::ProgramId;
 use gsk_core::linked::{Linked, Note, Stamp};
 use gsk_core::simulation::Simulation;
 use gsk_link::{Difference, LinkConfig, LinkState};
 use gsk_messages::{Message, say};
+use web_time::{Duration, Instant};
 
 use super::Snapshot;
 use super::link_view::{LinkView, PositionCheck};

@@ -1,12 +1,11 @@
 //! What the log says of the control and its board: alarms that come and go, where the
 //! link stands, a computer that is too slow.
 
-use std::time::{Duration, Instant};
-
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Cnc;
 use gsk_link::LinkState;
 use tracing::{info, warn};
+use web_time::{Duration, Instant};
 
 /// Late is who comes so much after his time.
 const LATE: Duration = Duration::from_millis(100);

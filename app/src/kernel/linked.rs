@@ -1,8 +1,7 @@
 //! The kernel while a pulse board moves the slides: its clock counts.
 
-use std::time::{Duration, Instant};
-
 use gsk_link::LinkState;
+use web_time::{Duration, Instant};
 
 use super::drive::Drive;
 use super::{Connection, Kernel, LinkOrder, Notice, PICTURE_TICKS, Snapshot};

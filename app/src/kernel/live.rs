@@ -2,13 +2,13 @@
 //! for scripts and programs at a computer without a display.
 
 use std::thread;
-use std::time::{Duration, Instant};
 
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::simulation::Simulation;
 use gsk_link::LinkState;
 use gsk_messages::{Message, say};
 use gsk_runner::board::PulseBoard;
+use web_time::{Duration, Instant};
 
 use super::Connection;
 use super::drive::Drive;

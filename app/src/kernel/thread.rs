@@ -1,17 +1,17 @@
 //! The kernel in its thread: ticks against the clock, asleep in between.
 
 use std::path::PathBuf;
-use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
 
 use crossbeam::channel::{RecvTimeoutError, TryRecvError};
 use gsk_messages::{Message, say};
 use tracing::error;
+use web_time::{Duration, Instant};
 
 use super::journal::Journal;
 use super::{Command, Console, Kernel, Notice, PICTURE_TICKS, Times};
 use crate::ending::{ENDED, Ending};
 use crate::pace::{Pace, Speed};
+use crate::platform::{self, Turning};
 use crate::retained::Keeper;
 use crate::{log, transfer};
 
@@ -26,6 +26,8 @@ const WINDOW_CLOSES: Duration = Duration::from_secs(3);
 /// Between two pictures: as long as the control needs for them at the speed of a real
 /// lathe.
 const PICTURE: Duration = Duration::from_millis(PICTURE_TICKS);
+/// A program that was not given time for so long was asleep.
+const ASLEEP: Duration = Duration::from_secs(2);
 /// Ticks between two looks at keys and clock.
 const TICKS_A_LOOK: u64 = 40;
 /// So long ticks run at once, at most.
@@ -47,25 +49,23 @@ pub struct Outside {
 #[derive(Debug)]
 pub struct KernelThread {
     console: Console,
-    thread: Option<JoinHandle<()>>,
+    turning: Option<Turning>,
 }
 
 impl KernelThread {
     /// Whether it still runs.
     pub fn is_alive(&self) -> bool {
-        self.thread
-            .as_ref()
-            .is_some_and(|thread| !thread.is_finished())
+        self.turning.as_ref().is_some_and(Turning::goes_on)
     }
 
     /// Stops it; everything is saved then.
     pub fn stop(&mut self) {
-        let Some(thread) = self.thread.take() else {
+        let Some(turning) = self.turning.take() else {
             return;
         };
         // The queue may be full: the kernel empties it.
         let _ = self.console.commands.send(Command::Quit);
-        if thread.join().is_err() {
+        if !turning.finish() {
             complain!("gsk980td: {}", say::kernel_thread_failed());
         }
     }
@@ -79,32 +79,91 @@ impl Drop for KernelThread {
 
 /// Starts the kernel in a thread of its own.
 pub fn start(kernel: Kernel, console: &Console, outside: Outside) -> std::io::Result<KernelThread> {
-    let own = console.clone();
-    let thread = thread::Builder::new()
-        .name("kernel".to_owned())
-        .spawn(move || turn(kernel, outside, &own))?;
+    let mut running = Some(Running::new(kernel, outside, console.clone()));
+    let turning = platform::turn("kernel", move || {
+        let goes_on = running.as_mut().is_some_and(Running::turn);
+        if !goes_on && let Some(running) = running.take() {
+            running.end();
+        }
+        goes_on
+    })?;
     Ok(KernelThread {
         console: console.clone(),
-        thread: Some(thread),
+        turning: Some(turning),
     })
 }
 
-fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
-    let start = Instant::now();
-    let mut pace = Pace::new(start);
-    let mut picture_at = start;
-    let mut heard = start;
-    let mut kept = start;
-    let mut journal = Journal::default();
-    kernel.show();
-    (outside.wake)();
-    while !kernel.quit && !outside.ending.is_asked() {
+/// The kernel with its clock.
+struct Running {
+    kernel: Kernel,
+    outside: Outside,
+    console: Console,
+    pace: Pace,
+    journal: Journal,
+    /// When the next picture is due.
+    picture_at: Instant,
+    /// When the window was heard last, and how many commands that were by then.
+    heard: (Instant, u64),
+    /// When the clock was looked at last.
+    looked: Instant,
+    /// When the memory was looked at.
+    kept: Instant,
+}
+
+impl Running {
+    fn new(mut kernel: Kernel, outside: Outside, console: Console) -> Self {
         let now = Instant::now();
-        if kernel.keys.any_down() && now.duration_since(heard) > LEASE {
-            kernel.release_all();
+        kernel.show();
+        (outside.wake)();
+        Self {
+            kernel,
+            outside,
+            console,
+            pace: Pace::new(now),
+            journal: Journal::default(),
+            picture_at: now,
+            heard: (now, 0),
+            looked: now,
+            kept: now,
         }
+    }
+
+    /// Makes the ticks that are due and waits for the next ones, or for a command;
+    /// `false`: it is over.
+    fn turn(&mut self) -> bool {
+        if self.kernel.quit || self.outside.ending.is_asked() {
+            return false;
+        }
+        let now = Instant::now();
+        if self.kernel.heard > self.heard.1 {
+            self.heard = (now, self.kernel.heard);
+        }
+        if self.kernel.keys.any_down() && now.duration_since(self.heard.0) > LEASE {
+            self.kernel.release_all();
+        }
+        self.say_after_sleep(now);
+        self.tick(now);
+        self.show(now);
+        self.hand_out_sent();
+        self.keep(now);
+        self.hear(now)
+    }
+
+    /// Says that the machine stood still while the computer slept, or the page was frozen.
+    fn say_after_sleep(&mut self, now: Instant) {
+        let away = now.duration_since(self.looked);
+        self.looked = now;
+        if away > ASLEEP && !self.kernel.is_linked() {
+            let said = say::window_stood_still(away.as_secs());
+            self.kernel.say(Notice::Said(said));
+        }
+    }
+
+    /// Makes the ticks that are due.
+    fn tick(&mut self, now: Instant) {
+        let Self { kernel, pace, .. } = self;
         if !kernel.is_linked() {
-            journal.turn(now, pace.next());
+            self.journal.turn(now, pace.next());
         }
         pace.set_speed(kernel.speed(), now);
         let due = pace.due(now);
@@ -113,78 +172,106 @@ fn turn(mut kernel: Kernel, mut outside: Outside, console: &Console) {
             kernel.speed_percent = 100;
             kernel.times = None;
             if kernel.run_linked() {
-                (outside.wake)();
+                (self.outside.wake)();
             }
         } else {
-            let ran = run(&mut kernel, due, pace.speed(), now + AT_ONCE);
+            let ran = run(kernel, due, pace.speed(), now + AT_ONCE);
             pace.give_back(due.saturating_sub(ran));
         }
-        journal.look(&kernel.emulator.simulation.cnc, kernel.link_state());
-        if !kernel.is_linked() && now >= picture_at {
-            picture_at = now + PICTURE;
-            let real = pace.speed() == Speed::REAL;
-            kernel.speed_percent = if real {
-                speed_percent(pace.ratio())
-            } else {
-                100
-            };
-            kernel.times = (!real).then(|| times(pace.ratio()));
-            if kernel.show() {
-                (outside.wake)();
-            }
+        let link = kernel.link_state();
+        self.journal.look(&kernel.emulator.simulation.cnc, link);
+    }
+
+    /// Hands a picture out when one is due; of what a board moves they come with the
+    /// ticks.
+    fn show(&mut self, now: Instant) {
+        let Self { kernel, pace, .. } = self;
+        if kernel.is_linked() || now < self.picture_at {
+            return;
         }
-        if let Some(folder) = &outside.partner {
-            let files = kernel.emulator.panel.take_sent();
-            if !files.is_empty() {
-                let console = console.clone();
-                transfer::write_aside(folder.clone(), files, move |written| {
-                    tell_of_transfer(&console, written);
-                });
-            }
+        self.picture_at = now + PICTURE;
+        let real = pace.speed() == Speed::REAL;
+        kernel.speed_percent = if real {
+            speed_percent(pace.ratio())
+        } else {
+            100
+        };
+        kernel.times = (!real).then(|| times(pace.ratio()));
+        if kernel.show() {
+            (self.outside.wake)();
         }
-        if let Some(keeper) = &mut outside.keeper
-            && now.duration_since(kept) > KEEP
+    }
+
+    /// Puts what the control has sent where its partner takes it.
+    fn hand_out_sent(&mut self) {
+        let Some(folder) = &self.outside.partner else {
+            return;
+        };
+        let files = self.kernel.emulator.panel.take_sent();
+        if !files.is_empty() {
+            let console = self.console.clone();
+            transfer::write_aside(folder.clone(), files, move |written| {
+                tell_of_transfer(&console, written);
+            });
+        }
+    }
+
+    /// Saves what has changed in the memory.
+    fn keep(&mut self, now: Instant) {
+        if let Some(keeper) = &mut self.outside.keeper
+            && now.duration_since(self.kept) > KEEP
         {
-            kept = now;
-            keeper.look(&kernel.emulator);
+            self.kept = now;
+            keeper.look(&self.kernel.emulator);
             for complaint in keeper.complaints() {
                 error!("not saved: {complaint}");
-                kernel.say(Notice::Said(complaint));
-                (outside.wake)();
+                self.kernel.say(Notice::Said(complaint));
+                (self.outside.wake)();
             }
         }
-        let told = match kernel.wakes_at(now, &pace) {
-            Some(until) => {
-                let told = kernel.commands.recv_deadline(until);
-                told.map_err(|none| none == RecvTimeoutError::Disconnected)
-            }
+    }
+
+    /// Waits for a command, or for the next ticks; `false`: nobody can command any more.
+    fn hear(&mut self, now: Instant) -> bool {
+        let kernel = &mut self.kernel;
+        let told = match kernel.wakes_at(now, &self.pace) {
+            Some(until) => platform::receive(&kernel.commands, Some(until)),
             // Whoever waits yields the processor first, even when there is no time to
             // wait: on a busy computer it is back tens of milliseconds later, and the
             // board has heard nothing meanwhile.
-            None => {
-                let told = kernel.commands.try_recv();
-                told.map_err(|none| none == TryRecvError::Disconnected)
-            }
+            None => kernel.commands.try_recv().map_err(|error| match error {
+                TryRecvError::Empty => RecvTimeoutError::Timeout,
+                TryRecvError::Disconnected => RecvTimeoutError::Disconnected,
+            }),
         };
         match told {
             Ok(command) => {
-                heard = Instant::now();
                 kernel.carry_out(command);
+                true
             }
-            Err(over) if over => break,
-            Err(_) => {}
+            Err(none) => none == RecvTimeoutError::Timeout,
         }
     }
-    kernel.release_all();
-    kernel.disconnect();
-    journal.look(&kernel.emulator.simulation.cnc, kernel.link_state());
-    if let Some(keeper) = outside.keeper {
-        kernel.emulator.store_edited();
-        keeper.finish(&kernel.emulator);
-    }
-    if outside.ending.is_asked() {
-        (outside.wake)();
-        wait_for_window(&kernel);
+
+    /// Lets go of everything, and saves.
+    fn end(self) {
+        let Self {
+            mut kernel,
+            outside,
+            mut journal,
+            ..
+        } = self;
+        kernel.release_all();
+        kernel.disconnect();
+        journal.look(&kernel.emulator.simulation.cnc, kernel.link_state());
+        if let Some(keeper) = outside.keeper {
+            kernel.emulator.store_edited();
+            keeper.finish(&kernel.emulator);
+        }
+        if outside.ending.is_asked() {
+            (outside.wake)();
+            wait_for_window(&kernel);
+        }
     }
 }
 
@@ -206,7 +293,7 @@ fn run(kernel: &mut Kernel, due: u64, speed: Speed, until: Instant) -> u64 {
 /// without it.
 fn wait_for_window(kernel: &Kernel) {
     let last = Instant::now() + WINDOW_CLOSES;
-    while let Ok(command) = kernel.commands.recv_deadline(last) {
+    while let Ok(command) = platform::receive(&kernel.commands, Some(last)) {
         if matches!(command, Command::Quit) {
             return;
         }
@@ -245,5 +332,32 @@ fn speed_percent(ratio: f64) -> u32 {
         100
     } else {
         ((ratio * 20.0).floor() * 5.0) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::setup::Setup;
+    use gsk_panel::emulator::Emulator;
+
+    #[test]
+    fn a_sleep_is_said_and_a_short_delay_is_not() {
+        let (kernel, console) = Kernel::new(Emulator::new(Setup::default()));
+        let outside = Outside {
+            wake: Box::new(|| {}),
+            keeper: None,
+            partner: None,
+            ending: Ending::default(),
+        };
+        let mut running = Running::new(kernel, outside, console.clone());
+        let woken = Instant::now();
+        for (away, said) in [(1, None), (7, Some(7))] {
+            running.looked = woken;
+            running.say_after_sleep(woken + Duration::from_secs(away));
+            let heard = console.notices.try_iter().collect::<Vec<_>>();
+            let expected = said.map(|seconds| Notice::Said(say::window_stood_still(seconds)));
+            assert_eq!(heard, Vec::from_iter(expected));
+        }
     }
 }

@@ -8,13 +8,62 @@
 //! | `tie` | what ties the program to the process that holds its port |
 //! | `serial` | serial ports, pseudo terminals |
 //! | `desktop` | whether there is a display, a file dialog; the console behind a window |
+//!
+//! Linux and Windows do these alike (`computer/`), a page in a browser does not:
+//!
+//! | File | What |
+//! |---|---|
+//! | `disk` | files: of the disk, or of the storage that a browser has for a page |
+//! | `turns` | what goes on beside the window: threads, or turns between two frames |
+//! | `view` | the window itself, dialogs for files, files dropped on it |
+//! | `log_file` | the file of the log |
 
+#[cfg(any(unix, windows))]
+mod computer;
 #[cfg(unix)]
 mod unix;
+#[cfg(target_arch = "wasm32")]
+mod web;
 #[cfg(windows)]
 mod windows;
 
+#[cfg(any(unix, windows))]
+pub use computer::*;
 #[cfg(unix)]
 pub use unix::*;
+#[cfg(target_arch = "wasm32")]
+pub use web::*;
 #[cfg(windows)]
 pub use windows::*;
+
+/// What stands at a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facts {
+    /// A plain file.
+    pub is_file: bool,
+    /// A folder.
+    pub is_folder: bool,
+    /// Of a file, bytes.
+    pub length: u64,
+}
+
+/// What a file is chosen for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FileDialog {
+    /// To be read.
+    Open {
+        /// What files with these endings are called.
+        kind: String,
+        /// The endings, in small letters.
+        endings: Vec<&'static str>,
+        /// What all other files are called.
+        all: String,
+    },
+    /// To be written.
+    Save {
+        /// The name that is proposed.
+        name: String,
+        /// The ending.
+        ending: &'static str,
+    },
+}

@@ -6,10 +6,10 @@ pub mod tcp;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::thread;
-use std::time::{Duration, Instant};
 
 use gsk_messages::{Message, say};
 use serialport::FlowControl;
+use web_time::{Duration, Instant};
 
 use crate::platform::{self, Serial};
 

@@ -4,7 +4,8 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream, ToSocketAddrs};
 use std::thread;
-use std::time::{Duration, Instant};
+
+use web_time::{Duration, Instant};
 
 use super::{WAIT, closed, passes};
 

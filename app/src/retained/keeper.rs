@@ -1,9 +1,8 @@
 //! Keeps the memory of a running control on the disk.
 
 use std::sync::Arc;
-use std::thread::{self, JoinHandle};
 
-use crossbeam::channel::{Receiver, Sender, bounded};
+use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 
@@ -11,6 +10,7 @@ use super::snapshot::Snapshot;
 use super::writer::Writer;
 use super::{Restored, Standing};
 use crate::files::data_dir::DataDir;
+use crate::platform::{self, Turning};
 
 /// Looks between two savings of what changes all the time in a run: counters and
 /// position.
@@ -29,7 +29,7 @@ pub struct Keeper {
     looks: u32,
     pub(super) to_disk: Option<Sender<Job>>,
     complaints: Receiver<Message>,
-    pub(super) thread: Option<JoinHandle<()>>,
+    pub(super) turning: Option<Turning>,
 }
 
 impl Keeper {
@@ -43,24 +43,25 @@ impl Keeper {
         let (say, complaints) = bounded(16);
         let last = Snapshot::of_emulator(emulator);
         let mut writer = Writer::new(data, restored, Arc::clone(&last.ladder));
-        let thread = thread::Builder::new()
-            .name("memory".to_owned())
-            .spawn(move || {
-                for (snapshot, waiting) in from_kernel {
-                    for complaint in writer.write(&snapshot) {
-                        let _ = say.try_send(complaint);
-                    }
-                    if let Some(waiting) = waiting {
-                        let _ = waiting.send(());
-                    }
-                }
-            })?;
+        let turning = platform::turn("memory", move || {
+            let (snapshot, waiting) = match platform::receive(&from_kernel, None) {
+                Ok(job) => job,
+                Err(none) => return none == RecvTimeoutError::Timeout,
+            };
+            for complaint in writer.write(&snapshot) {
+                let _ = say.try_send(complaint);
+            }
+            if let Some(waiting) = waiting {
+                let _ = waiting.send(());
+            }
+            true
+        })?;
         Ok(Self {
             last,
             looks: 0,
             to_disk: Some(to_disk),
             complaints,
-            thread: Some(thread),
+            turning: Some(turning),
         })
     }
 
@@ -122,8 +123,8 @@ impl Keeper {
         if let Some(to_disk) = self.to_disk.take() {
             let _ = to_disk.send((Snapshot::of_emulator(emulator), None));
         }
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
+        if let Some(turning) = self.turning.take() {
+            turning.finish();
         }
         for complaint in self.complaints() {
             complain!("gsk980td: {complaint}");

@@ -1,7 +1,6 @@
 //! The data directory as the control's memory.
 
 use std::sync::Arc;
-use std::thread::JoinHandle;
 
 use super::keeper::TEXT_LOOKS;
 use super::*;
@@ -11,6 +10,8 @@ use gsk_core::plc::Ladder;
 use gsk_core::units::Axis;
 use gsk_panel::emulator::Condition;
 use gsk_panel::keys::Key;
+
+use crate::platform::Turning;
 
 #[test]
 fn a_loaded_ladder_is_kept_even_if_power_goes_at_once() {
@@ -126,7 +127,7 @@ fn what_is_typed_is_on_the_disk_before_its_page_is_left() {
     // The thread writes what it was given before it ends; the emulator is gone,
     // as after a kill.
     keeper.to_disk = None;
-    keeper.thread.take().map(JoinHandle::join);
+    assert!(keeper.turning.take().is_some_and(Turning::finish));
     let mut next = Setup::delivered();
     load(&data, &mut next);
     let text = next

@@ -2,12 +2,11 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::thread;
-use std::time::{Duration, Instant};
 
-use crossbeam::channel::bounded;
+use crossbeam::channel::{RecvTimeoutError, bounded};
 use eframe::egui::{self, ViewportCommand};
 use gsk_messages::{Message, say};
+use web_time::{Duration, Instant};
 
 use super::figures::Figures;
 use super::layout::floating;
@@ -16,12 +15,10 @@ use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
 use crate::retained::{Keeper, Restored};
-use crate::transfer;
+use crate::{platform, transfer};
 
 /// Size of the window before the monitor is known, points: the LCD at two pixels a dot.
 const SIZE: [f32; 2] = [1280.0, 806.0];
-/// What stands for the program in lists of windows.
-const ICON: &[u8] = include_bytes!("../../../assets/icon/gsk980td.png");
 /// Share of the monitor that the window takes at the first start.
 const MOST: f32 = 0.92;
 /// What is remembered is written when it has stood so long: a splitter that is dragged
@@ -54,19 +51,9 @@ pub fn run(start: Start) -> Result<(), Message> {
         .with_inner_size(SIZE)
         .with_min_inner_size([480.0, 330.0])
         .with_drag_and_drop(true);
-    // A picture that cannot be read leaves the one of the library.
-    let viewport = match eframe::icon_data::from_png_bytes(ICON) {
-        Ok(icon) => viewport.with_icon(icon),
-        Err(_) => viewport,
-    };
-    let options = eframe::NativeOptions {
-        viewport,
-        centered: true,
-        ..eframe::NativeOptions::default()
-    };
-    let opened = eframe::run_native(
+    let opened = platform::open_window(
         "gsk980td",
-        options,
+        viewport,
         Box::new(move |creation| {
             fonts::set_up(&creation.egui_ctx);
             Ok(Box::new(App::new(start, &creation.egui_ctx)?))
@@ -92,14 +79,14 @@ struct App {
 /// while it is drawn: a thread of its own waits for it, not the kernel.
 fn bell(context: egui::Context) -> std::io::Result<Box<dyn Fn() + Send>> {
     let (ring, rung) = bounded::<()>(1);
-    thread::Builder::new()
-        .name("bell".to_owned())
-        .spawn(move || {
-            for () in rung {
-                // With a delay it is drawn once; without one egui draws twice.
-                context.request_repaint_after(Duration::from_millis(1));
-            }
-        })?;
+    platform::turn("bell", move || match platform::receive(&rung, None) {
+        Ok(()) => {
+            // With a delay it is drawn once; without one egui draws twice.
+            context.request_repaint_after(Duration::from_millis(1));
+            true
+        }
+        Err(none) => none == RecvTimeoutError::Timeout,
+    })?;
     // One ring that is not heard yet stands for this one, too.
     Ok(Box::new(move || {
         let _ = ring.try_send(());
@@ -123,15 +110,19 @@ impl App {
         let outside = Outside {
             wake: bell(context.clone())?,
             keeper: Some(keeper),
-            partner: Some(data.path().join(transfer::FOLDER)),
+            partner: Some(platform::sent_folder(data.path(), transfer::FOLDER)),
             ending: ending.clone(),
         };
         let thread = kernel::start(kernel, &console, outside)?;
         let mut window = Window::new(console, settings.clone());
         window.paint_panel();
         surroundings::set(context, settings.light);
-        if !restored.complaints.is_empty() {
-            window.say(say::several(restored.complaints));
+        let complaints = restored.complaints;
+        if let Some(said) = platform::first_word() {
+            window.say(said);
+        }
+        if !complaints.is_empty() {
+            window.say(say::several(complaints));
         }
         if let Some(path) = program {
             window.open(context, path);

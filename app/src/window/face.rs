@@ -7,14 +7,13 @@
 //! window in physical pixels; until it is there the last one is stretched. A key, a
 //! lamp or the wheel is then painted into it when it looks different.
 
-use std::thread;
-
 use crossbeam::channel::{Receiver, Sender, TryRecvError, bounded};
 use egui::{Color32, ColorImage, Painter, Pos2, Rect, TextureHandle, TextureOptions, Vec2, pos2};
 use gsk_panel::faceplate::{self, Area, Colour, FaceState, Part, Pixmap};
 
 use super::placing::View;
 use super::surroundings::fill_as_it_is;
+use crate::platform;
 
 /// The picture is made for whole pixels.
 const DOTS: TextureOptions = TextureOptions::NEAREST;
@@ -107,9 +106,7 @@ impl Piece {
         let area = self.area;
         let waker = context.clone();
         let outside = deliver.clone();
-        let started = thread::Builder::new()
-            .name("faceplate".to_owned())
-            .spawn(move || make(area, scale, &outside, &waker));
+        let started = platform::beside("faceplate", move || make(area, scale, &outside, &waker));
         if started.is_err() {
             make(area, scale, &deliver, context);
         }

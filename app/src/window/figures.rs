@@ -1,9 +1,8 @@
 //! Figures of the window for `--figures`: time to the first frame and the first
 //! piece of a path, frames a second, time spent on a frame.
 
-use std::time::{Duration, Instant};
-
 use gsk_messages::say;
+use web_time::{Duration, Instant};
 
 /// How often a line is printed.
 const PERIOD: Duration = Duration::from_secs(5);

@@ -5,11 +5,11 @@ mod browser;
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
 
 use egui::{Context, Id};
 
 use crate::kernel::Notice;
+use crate::platform::{self, FileDialog};
 pub use browser::Browser;
 use crossbeam::channel::Sender;
 use gsk_messages::{Language, Message, say};
@@ -23,7 +23,7 @@ pub enum Wanted {
     Save(String, &'static str),
 }
 
-/// What is done with the chosen file, in a thread of its own; a sentence is said on the
+/// What is done with the chosen file, beside the window; a sentence is said on the
 /// line of messages.
 type Then = Box<dyn FnOnce(PathBuf) -> Option<Message> + Send>;
 
@@ -70,8 +70,15 @@ pub fn choose(
     };
     let waker = context.clone();
     beside(context, say, move || {
-        if crate::platform::file_dialog_answers() {
-            return native(&ask.wanted, language).and_then(ask.then);
+        if platform::file_dialog_answers() {
+            platform::choose_file(dialog(&ask.wanted, language), move |path| {
+                if let Some(said) = (ask.then)(path) {
+                    // A window that is gone needs no message.
+                    let _ = ask.say.try_send(Notice::Said(said));
+                }
+                waker.request_repaint();
+            });
+            return None;
         }
         asked.put(ask);
         waker.request_repaint();
@@ -79,30 +86,19 @@ pub fn choose(
     });
 }
 
-/// The desktop's dialog; nothing when it was given up.
-fn native(wanted: &Wanted, language: Language) -> Option<PathBuf> {
-    let dialog = rfd::FileDialog::new();
-    match wanted {
-        Wanted::Open(name, endings) => {
-            let upper: Vec<String> = endings.iter().map(|it| it.to_ascii_uppercase()).collect();
-            let all: Vec<&str> = endings
-                .iter()
-                .copied()
-                .chain(upper.iter().map(String::as_str))
-                .collect();
-            dialog
-                .add_filter(name, &all)
-                .add_filter(say::window_all_files().text(language), &["*"])
-                .pick_file()
-        }
-        Wanted::Save(name, ending) => dialog
-            .set_file_name(name)
-            .add_filter(*ending, &[ending])
-            .save_file(),
+/// What a dialog of the desktop is to ask.
+fn dialog(wanted: &Wanted, language: Language) -> FileDialog {
+    match wanted.clone() {
+        Wanted::Open(kind, endings) => FileDialog::Open {
+            kind,
+            endings,
+            all: say::window_all_files().text(language),
+        },
+        Wanted::Save(name, ending) => FileDialog::Save { name, ending },
     }
 }
 
-/// Does a job in a thread of its own and says what comes of it.
+/// Does a job beside the window and says what comes of it.
 pub fn beside(
     context: &Context,
     say: &Sender<Notice>,
@@ -110,15 +106,13 @@ pub fn beside(
 ) {
     let context = context.clone();
     let telling = say.clone();
-    let started = thread::Builder::new()
-        .name("files".to_owned())
-        .spawn(move || {
-            if let Some(said) = job() {
-                // A window that is gone needs no message.
-                let _ = telling.try_send(Notice::Said(said));
-            }
-            context.request_repaint();
-        });
+    let started = platform::beside("files", move || {
+        if let Some(said) = job() {
+            // A window that is gone needs no message.
+            let _ = telling.try_send(Notice::Said(said));
+        }
+        context.request_repaint();
+    });
     if let Err(error) = started {
         let _ = say.try_send(Notice::Said(say::as_written(error)));
     }

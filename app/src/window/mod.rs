@@ -34,6 +34,7 @@ use gsk_link::LinkState;
 use gsk_panel::keys::Key;
 
 use crate::kernel::{Command, Console, Notice, Snapshot};
+use crate::platform;
 use files::Browser;
 use gsk_messages::{Language, say};
 use held::{Change, Held};
@@ -265,6 +266,9 @@ impl Window {
                 // The newest word stands on the line.
                 self.message = None;
             }
+            if before.is_none_or(|before| before.screen != picture.screen) {
+                platform::tell_screen(|| picture.screen.text());
+            }
             self.picture = Some(picture);
         }
         while let Ok(notice) = self.console.notices.try_recv() {
@@ -282,7 +286,7 @@ impl Window {
                     let shown = shown.file_name().unwrap_or_default();
                     let shown = shown.to_string_lossy().into_owned();
                     self.message = Some(Message::opened(self.message.take(), shown, place));
-                    if let Some(path) = &path {
+                    if let Some(path) = path.as_ref().filter(|path| platform::lasts(path)) {
                         self.settings.remember(path);
                     }
                     self.opened = path;
@@ -305,15 +309,12 @@ impl Window {
     /// Files that were dropped on the window.
     fn take_files(&mut self, ui: &Ui) {
         let (dropped, hovering) = ui.input(|input| {
-            let dropped = input
-                .raw
-                .dropped_files
-                .first()
-                .map(|file| file.path().to_owned());
+            let dropped = input.raw.dropped_files.clone();
             (dropped, !input.raw.hovered_files.is_empty())
         });
-        if let Some(path) = dropped {
-            self.open(ui.ctx(), path);
+        if !dropped.is_empty() {
+            let (opener, context) = (self.opener.clone(), ui.ctx().clone());
+            platform::take_dropped(&dropped, move |path| opener.open(path, &context));
         } else if hovering {
             self.message = Some(Message::DropHere);
         }

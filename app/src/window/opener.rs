@@ -4,7 +4,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
 
 use gsk_core::command::ProgramId;
 use gsk_core::program::ProgramMemory;
@@ -12,6 +11,7 @@ use gsk_core::setup::Setup;
 use gsk_panel::emulator::number_of_name;
 use gsk_runner::first_look;
 use gsk_runner::words::clock;
+use web_time::{Duration, Instant};
 
 use super::files::{self, Wanted};
 use super::samples::Sample;

@@ -135,6 +135,9 @@ impl Pointing {
                 self.fingers.insert(finger);
                 let key = if free(at) { key_at(at, views) } else { None };
                 done.changes.extend(hold(holder, key, held));
+                // A browser says it as the mouse first, in a picture of its own: the
+                // mouse lets go when the finger does.
+                done.changes.extend(held.set(Holder::Pointer, None));
                 if key.is_none() && free(at) {
                     self.drag = wheel_angle(at, views);
                 }
@@ -320,6 +323,22 @@ mod tests {
         let done = pointing.follow(&events, VIEW, &mut held, &|_| true);
         assert_eq!(keys(&done), [(Key::ZLeft, false)]);
         assert!(held.is_down(Key::Rapid));
+    }
+
+    #[test]
+    fn a_finger_that_a_browser_says_as_the_mouse_first_lets_go() {
+        let (mut pointing, mut held) = (Pointing::default(), Held::default());
+        let key = at(Key::CycleStart);
+        let pictures = [
+            vec![button(key, true)],
+            vec![touch(1, TouchPhase::Start, key)],
+            vec![button(key, false)],
+            vec![touch(1, TouchPhase::End, key), Event::PointerGone],
+        ];
+        let done = pictures.map(|events| pointing.follow(&events, VIEW, &mut held, &|_| true));
+        let changes: Vec<_> = done.iter().flat_map(keys).collect();
+        assert_eq!(changes, [(Key::CycleStart, true), (Key::CycleStart, false)]);
+        assert!(keys(&done[3]).len() == 1 && !held.any());
     }
 
     fn right(key: Key) -> Event {

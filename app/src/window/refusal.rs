@@ -4,6 +4,7 @@
 use eframe::egui::{self, Button};
 
 use super::{TITLE, fonts};
+use crate::platform;
 use gsk_messages::{Language, Message, say};
 
 /// Size of the dialog, points.
@@ -18,15 +19,10 @@ pub fn tell(said: &Message, language: Option<Language>) {
         .with_app_id("gsk980td")
         .with_inner_size(SIZE)
         .with_resizable(false);
-    let options = eframe::NativeOptions {
-        viewport,
-        centered: true,
-        ..eframe::NativeOptions::default()
-    };
     // The sentence stands on standard error as well.
-    let _ = eframe::run_native(
+    let _ = platform::open_window(
         "gsk980td",
-        options,
+        viewport,
         Box::new(move |creation| {
             fonts::set_up(&creation.egui_ctx);
             Ok(Box::new(Refusal { sentences }))
@@ -73,7 +69,7 @@ impl eframe::App for Refusal {
             let keys = [egui::Key::Enter, egui::Key::Escape];
             let pressed = ui.input(|input| keys.iter().any(|key| input.key_pressed(*key)));
             if button.clicked() || pressed {
-                ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+                platform::leave_refusal(ui.ctx());
             }
         });
     }

@@ -2,12 +2,12 @@
 //! the wall clock.
 
 use crate::commands::CommandError;
-use std::time::{Duration, Instant};
 
 use gsk_messages::{Message, say};
 use gsk_twins::grbl::{GrblTwin, Settings, State, Variant};
 use gsk_twins::klipper::{self, KlipperTwin, SpindleMake, Travel};
 use gsk_twins::wire::{Damage, Wire};
+use web_time::{Duration, Instant};
 
 use super::super::{FINE, output};
 use crate::cli::{LinkTwinArgs, TwinBoard};

@@ -7,6 +7,7 @@ use crossbeam::channel::{Receiver, bounded};
 use egui::{Button, Context, Key, Panel, ScrollArea, TextEdit, Ui, ViewportBuilder, ViewportId};
 
 use super::{Ask, Asked, Wanted, beside};
+use crate::platform;
 use gsk_messages::{Language, Message, say};
 
 /// Size of the dialog, points.
@@ -80,8 +81,9 @@ impl Browser {
 fn first_folder() -> PathBuf {
     let called = std::env::current_dir().ok();
     let called = called.filter(|folder| folder.parent().is_some());
-    let home = || directories::BaseDirs::new().map(|folders| folders.home_dir().to_owned());
-    called.or_else(home).unwrap_or_else(|| PathBuf::from("/"))
+    called
+        .or_else(platform::home_folder)
+        .unwrap_or_else(|| PathBuf::from("/"))
 }
 
 /// A window of its own, or one inside the window where the system has only one.
@@ -185,7 +187,7 @@ impl Open {
                 to = up;
             }
             if ui.button(say::browser_home().text(language)).clicked() {
-                to = directories::BaseDirs::new().map(|it| it.home_dir().to_owned());
+                to = platform::home_folder();
             }
             ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
         });
@@ -314,15 +316,14 @@ fn listing(folder: &Path) -> Listing {
     let wrong =
         |error: std::io::Error| say::subject_reason(folder.display(), say::as_written(error));
     let mut entries = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(wrong)? {
-        let entry = entry.map_err(wrong)?;
-        let Ok(name) = entry.file_name().into_string() else {
+    for path in platform::list(folder).map_err(wrong)? {
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
             continue;
         };
         if !name.starts_with('.') {
             entries.push(Entry {
-                is_file: !entry.path().is_dir(),
-                name,
+                is_file: !platform::facts(&path).is_ok_and(|facts| facts.is_folder),
+                name: name.to_owned(),
             });
         }
     }

@@ -2,7 +2,6 @@
 //! between two features.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
 use gsk_core::units::Point;
@@ -10,6 +9,7 @@ use gsk_messages::{Language, Message, say};
 use gsk_runner::report::in_words;
 use gsk_workpiece::measure::{Feature, Measured, Side, measured};
 use gsk_workpiece::region::Region;
+use web_time::{Duration, Instant};
 
 use super::camera::Camera;
 use super::path::nearest_on;

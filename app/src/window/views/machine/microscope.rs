@@ -2,7 +2,6 @@
 //! centre, and how far the surface that comes of it stands off the one that is meant.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use egui::{Color32, Painter, Pos2, Shape, Stroke, Ui, pos2};
 use gsk_messages::{Language, Message, say};
@@ -10,6 +9,7 @@ use gsk_runner::machining::ideal::{Compared, Piece};
 use gsk_workpiece::compare::{Deviation, deviations};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
+use web_time::{Duration, Instant};
 
 use super::camera::Camera;
 use super::path::{Path, nearest_on};

@@ -4,8 +4,6 @@
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
-use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use crossbeam::queue::ArrayQueue;
@@ -23,12 +21,14 @@ use gsk_runner::machining::ideal::{self, Compared};
 use gsk_runner::machining::{Machining, guess};
 use gsk_runner::times::Times;
 use gsk_workpiece::job::Job;
+use web_time::{Duration, Instant};
 
 use super::path::{Block, Builder, Path};
 use super::xray;
 use crate::job::{self, Chosen};
 use crate::kernel::{Command, Console};
 use crate::patience::Patience;
+use crate::platform;
 use crate::window::samples;
 
 /// How often the control is asked whether something has changed.
@@ -103,7 +103,7 @@ impl Worker {
             running: AtomicBool::new(false),
             newer: AtomicU64::new(0),
         });
-        let work = Work {
+        let mut work = Work {
             console: console.clone(),
             context: context.clone(),
             requests: from_view,
@@ -116,7 +116,8 @@ impl Worker {
             last: None,
             serial: 0,
         };
-        thread::spawn(move || work.run());
+        // Without a thread for it there is no path to be seen, and no more is wrong.
+        let _ = platform::turn("lathe view", move || work.turn());
         Self {
             requests,
             results,
@@ -200,23 +201,23 @@ type Owner = (Option<ProgramId>, Option<PathBuf>);
 pub type Changed = Arc<Mutex<Vec<(Owner, Chosen)>>>;
 
 impl Work {
-    fn run(mut self) {
-        loop {
-            if !self.shared.running.load(Ordering::Relaxed)
-                && let Some(setup) = self.console.setup()
-            {
-                self.look(setup);
-            }
-            match self.requests.recv_timeout(LOOKS) {
-                Ok(request) => self.answer(request),
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return,
-            }
-            // What came meanwhile counts before the next look.
-            while let Ok(request) = self.requests.try_recv() {
-                self.answer(request);
-            }
+    /// Looks once and waits for the next request; `false` when none can come any more.
+    fn turn(&mut self) -> bool {
+        if !self.shared.running.load(Ordering::Relaxed)
+            && let Some(setup) = self.console.setup()
+        {
+            self.look(setup);
         }
+        match platform::receive(&self.requests, Some(Instant::now() + LOOKS)) {
+            Ok(request) => self.answer(request),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return false,
+        }
+        // What came meanwhile counts before the next look.
+        while let Ok(request) = self.requests.try_recv() {
+            self.answer(request);
+        }
+        true
     }
 
     fn answer(&mut self, request: Request) {

@@ -3,10 +3,9 @@
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::thread;
 use std::time::Duration;
 
-use crossbeam::channel::{Receiver, Sender, unbounded};
+use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use crossbeam::queue::ArrayQueue;
 use egui::Context;
 use gsk_core::alarm::Alarm;
@@ -21,6 +20,7 @@ use gsk_runner::report::AlarmReport;
 use super::words::spans;
 use crate::kernel::Console;
 use crate::patience::Patience;
+use crate::platform;
 
 /// How long a text is looked through, and how many moves of it.
 pub const PATIENCE: (Duration, u64) = (Duration::from_secs(10), 20_000_000);
@@ -99,7 +99,8 @@ impl Checker {
             newest: Arc::clone(&newest),
             results: Arc::clone(&results),
         };
-        thread::spawn(move || worker.work());
+        // Without a thread for it nothing is marked in the text, and no more is wrong.
+        let _ = platform::turn("program view", move || worker.turn());
         Self {
             jobs,
             newest,
@@ -149,20 +150,24 @@ struct Worker {
 }
 
 impl Worker {
-    fn work(&self) {
-        while let Ok(first) = self.jobs.recv() {
-            let job = self.jobs.try_iter().last().unwrap_or(first);
-            let setup = self.console.setup().unwrap_or_default();
-            let is_newest = || self.newest.load(Ordering::Relaxed) == job.revision;
-            let patience = Patience::new(PATIENCE.0, PATIENCE.1);
-            let checked = check(&job, setup, &mut |progress| {
-                patience.lasts(progress) && is_newest()
-            });
-            if is_newest() {
-                self.results.force_push(checked);
-                job.context.request_repaint();
-            }
+    /// Waits for a text and looks it through; `false` when none can come any more.
+    fn turn(&self) -> bool {
+        let first = match platform::receive(&self.jobs, None) {
+            Ok(job) => job,
+            Err(none) => return none == RecvTimeoutError::Timeout,
+        };
+        let job = self.jobs.try_iter().last().unwrap_or(first);
+        let setup = self.console.setup().unwrap_or_default();
+        let is_newest = || self.newest.load(Ordering::Relaxed) == job.revision;
+        let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+        let checked = check(&job, setup, &mut |progress| {
+            patience.lasts(progress) && is_newest()
+        });
+        if is_newest() {
+            self.results.force_push(checked);
+            job.context.request_repaint();
         }
+        true
     }
 }
 

@@ -1,0 +1,143 @@
+//! Files on the disk.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::super::{Facts, for_owner_alone};
+
+/// What stands at a path, links followed.
+///
+/// # Errors
+/// Nothing, or what the system says.
+pub fn facts(path: &Path) -> io::Result<Facts> {
+    let facts = fs::metadata(path)?;
+    Ok(Facts {
+        is_file: facts.is_file(),
+        is_folder: facts.is_dir(),
+        length: facts.len(),
+    })
+}
+
+/// Whether something stands at a path, a link that leads nowhere included.
+pub fn is_taken(path: &Path) -> bool {
+    path.symlink_metadata().is_ok()
+}
+
+/// The first bytes of a file, this many at most: what it has more is not read.
+///
+/// # Errors
+/// What the system says.
+pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    // Of a pipe nobody knows beforehand how much it has.
+    let length = file.metadata()?.len().min(most);
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or_default());
+    file.take(most).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// What stands in a folder, in no order.
+///
+/// # Errors
+/// What the system says.
+pub fn list(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(folder)?;
+    Ok(entries.flatten().map(|entry| entry.path()).collect())
+}
+
+/// Makes a folder and those above it, where they are not there.
+///
+/// # Errors
+/// What the system says.
+pub fn make_folder(path: &Path) -> io::Result<()> {
+    fs::create_dir_all(path)
+}
+
+/// Removes a file.
+///
+/// # Errors
+/// There is none, or what the system says.
+pub fn remove(path: &Path) -> io::Result<()> {
+    fs::remove_file(path)
+}
+
+/// Gives a file another name; one that had it is gone.
+///
+/// # Errors
+/// What the system says.
+pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
+    fs::rename(from, to)
+}
+
+/// Writes a file that was not there, to the disk. What is left of a killed process, or a
+/// link that leads elsewhere, goes first; it is never written through.
+///
+/// # Errors
+/// What the system says.
+pub fn write_new(path: &Path, bytes: &[u8], owner_alone: bool) -> io::Result<()> {
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true);
+    if owner_alone {
+        for_owner_alone(&mut options);
+    }
+    let mut file = match options.open(path) {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+            fs::remove_file(path)?;
+            options.open(path)?
+        }
+        opened => opened?,
+    };
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+/// Makes what was renamed in a folder lasting; where folders cannot be opened as files
+/// the system does it by itself.
+pub fn sync_folder(folder: &Path) {
+    if let Ok(folder) = File::open(folder) {
+        let _ = folder.sync_all();
+    }
+}
+
+/// Whether a file is there at the next start, too, for all that the program knows.
+pub const fn lasts(_path: &Path) -> bool {
+    true
+}
+
+/// A file that one process at a time has, or several that only read.
+#[derive(Debug)]
+pub struct Lock(#[expect(dead_code, reason = "held open, not read")] File);
+
+impl Lock {
+    /// For this process alone; the file is made if it is not there.
+    ///
+    /// # Errors
+    /// [`ErrorKind::WouldBlock`]: another one has it.
+    pub fn alone(path: &Path) -> io::Result<Self> {
+        let mut options = OpenOptions::new();
+        let file = options
+            .create(true)
+            .truncate(false)
+            .write(true)
+            .open(path)?;
+        Self::held(file.try_lock(), file)
+    }
+
+    /// Beside others that only read.
+    ///
+    /// # Errors
+    /// There is no such file; [`ErrorKind::WouldBlock`]: another process has it alone.
+    pub fn beside_readers(path: &Path) -> io::Result<Self> {
+        let file = File::open(path)?;
+        Self::held(file.try_lock_shared(), file)
+    }
+
+    fn held(locked: Result<(), TryLockError>, file: File) -> io::Result<Self> {
+        match locked {
+            Ok(()) => Ok(Self(file)),
+            Err(TryLockError::WouldBlock) => Err(ErrorKind::WouldBlock.into()),
+            Err(TryLockError::Error(error)) => Err(error),
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! What Linux and Windows do alike, and a page in a browser otherwise.
+
+mod disk;
+mod log_file;
+mod turns;
+mod view;
+
+pub use disk::{
+    Lock, facts, is_taken, lasts, list, make_folder, read, remove, rename, sync_folder, write_new,
+};
+pub use log_file::{LogFile, LogGuard, log_file};
+pub use turns::{LONGEST_LOOK, Turning, answer, beside, receive, turn};
+pub use view::{
+    choose_file, data_folder, first_word, home_folder, in_use, leave_refusal, open_window,
+    sent_folder, take_dropped, tell_screen,
+};

@@ -1,0 +1,29 @@
+//! A page in a browser: one thread, no files of its own, no serial ports.
+
+mod desktop;
+mod disk;
+mod download;
+mod files;
+mod log_file;
+mod page;
+mod process;
+mod serial;
+mod tie;
+mod turns;
+mod view;
+
+pub use desktop::{file_dialog_answers, has_display, leave_console};
+pub use disk::{
+    Lock, facts, is_taken, lasts, list, make_folder, read, remove, rename, sync_folder, write_new,
+};
+pub use files::{for_owner_alone, is_serial_port, same_file};
+pub use log_file::{LogFile, LogGuard, log_file};
+pub use page::{Asked, begin};
+pub use process::{hear_ending, name_process, outlive_ending, own_program, processor_time};
+pub use serial::{PULLED, Serial, pseudo_terminal, unchanging_names};
+pub use tie::{ToHolder, ToProgram};
+pub use turns::{LONGEST_LOOK, Turning, answer, beside, receive, turn};
+pub use view::{
+    choose_file, data_folder, first_word, home_folder, in_use, leave_refusal, open_window,
+    sent_folder, take_dropped, tell_screen,
+};

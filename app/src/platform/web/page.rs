@@ -1,0 +1,72 @@
+//! What the link to the page asks for: `?lang=en&open=part.CNC&open=part.job.ron`.
+
+use std::panic;
+use std::path::PathBuf;
+
+use js_sys::Uint8Array;
+use wasm_bindgen::{JsCast, JsValue};
+use wasm_bindgen_futures::{JsFuture, spawn_local};
+use web_sys::{Response, UrlSearchParams, Window};
+
+use super::disk;
+use super::view::show;
+
+/// What the link asks for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Asked {
+    /// The word of a language.
+    pub language: Option<String>,
+    /// The program to open.
+    pub program: Option<PathBuf>,
+}
+
+/// Fetches what the link asks for and opens the window with it. What stands against it
+/// is said in its place.
+pub fn begin(open: impl FnOnce(Asked) -> Result<(), String> + 'static) {
+    panic::set_hook(Box::new(|panic| {
+        let panic = panic.to_string();
+        web_sys::console::error_1(&panic.as_str().into());
+        show(&panic);
+    }));
+    spawn_local(async move {
+        let opened = match asked().await {
+            Ok(asked) => open(asked),
+            Err(said) => Err(said),
+        };
+        if let Err(said) = opened {
+            show(&said);
+        }
+    });
+}
+
+async fn asked() -> Result<Asked, String> {
+    let Some(window) = web_sys::window() else {
+        return Ok(Asked::default());
+    };
+    let words = window.location().search().unwrap_or_default();
+    let words = UrlSearchParams::new_with_str(&words).ok();
+    let all = words.as_ref().map(|words| words.get_all("open"));
+    let mut files = Vec::new();
+    for address in all.iter().flat_map(js_sys::Array::iter) {
+        let address = address.as_string().unwrap_or_default();
+        let bytes = fetched(&window, &address).await;
+        let name = address.rsplit('/').next().unwrap_or(&address).to_owned();
+        files.push((name, bytes.map_err(|said| format!("{address}: {said}"))?));
+    }
+    Ok(Asked {
+        language: words.and_then(|words| words.get("lang")),
+        program: disk::hand_in(files),
+    })
+}
+
+/// A file that stands beside the page, or anywhere that lets it be read.
+async fn fetched(window: &Window, address: &str) -> Result<Vec<u8>, String> {
+    let wrong = |error: JsValue| format!("{error:?}");
+    let answer = JsFuture::from(window.fetch_with_str(address)).await;
+    let answer: Response = answer.map_err(wrong)?.unchecked_into();
+    if !answer.ok() {
+        return Err(format!("{} {}", answer.status(), answer.status_text()));
+    }
+    let bytes = JsFuture::from(answer.array_buffer().map_err(wrong)?).await;
+    Ok(Uint8Array::new(&bytes.map_err(wrong)?).to_vec())
+}

@@ -1,0 +1,137 @@
+//! A session at the panel whose every tick is hashed: the same on every system.
+
+use gsk_core::setup::Setup;
+use gsk_panel::emulator::Emulator;
+use gsk_panel::script::{Effect, Progress, Runner, Script};
+
+/// Positions of [`SCRIPT`]. A change of motion, of the ladder or of the script
+/// changes it: then, and only then, put in the value that the test prints.
+pub const GOLDEN: u64 = 0x2b0d_c502_6b99_8055;
+
+const PART: &str = "O0001;
+G50 X100 Z100;
+M03 S800;
+T0202;
+G00 X60 Z2;
+G90 X50 Z-30 F900;
+X45 R-3;
+G01 X40 Z0 F700;
+G02 X50 Z-5 R5;
+G03 X60 Z-10 I0 K-5;
+G03 I-10 F1200;
+G99 G01 X64 Z-20 F0.8;
+G98 G04 P300;
+G94 X30 Z-22 F1000;
+G00 X100 Z100;
+M30;
+";
+
+const SCRIPT: &str = "load part.nc
+press POS
+press JOG
+hold ZM 1500ms
+press RT
+hold XP 700ms
+wait idle 2s
+press AUTO
+press CS
+wait 3s
+expect lamp CS on
+press FD-
+press FD-
+wait 3500ms
+press FH
+wait 700ms
+expect lamp FH on
+press CS
+press RP-
+wait 2s
+expect lamp CS on
+press PRG
+press SBK
+wait idle 20s
+press CS
+wait idle 20s
+press SBK
+press CS
+wait 10s
+press POS
+press PGDN
+expect lamp CS on
+press ESTOP
+wait 500ms
+expect alarm 207
+press ESTOP
+wait 500ms
+expect alarm none
+";
+
+/// What the session left behind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Trace {
+    /// Hash of the machine positions of every tick.
+    pub positions: u64,
+    /// Hash of the LCD, four times a second.
+    pub screens: u64,
+    /// Hash of PLC memory, at the same times.
+    pub plc: u64,
+    /// Ticks so far.
+    pub ticks: u64,
+}
+
+/// FNV-1a.
+fn hash(state: &mut u64, bytes: impl IntoIterator<Item = u8>) {
+    for byte in bytes {
+        *state = (*state ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+    }
+}
+
+/// Runs the session. At these ticks the machine is saved and goes on as what was
+/// restored.
+///
+/// # Errors
+/// A line of the session that fails, or a state that is another one once restored.
+pub fn trace(saves: &[u64]) -> Result<Trace, String> {
+    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    let mut trace = Trace {
+        positions: BASIS,
+        screens: BASIS,
+        plc: BASIS,
+        ticks: 0,
+    };
+    let mut emulator = Emulator::new(Setup::default());
+    let mut runner = Runner::new(Script::parse(SCRIPT).map_err(|errors| format!("{errors:?}"))?);
+    loop {
+        let before = emulator.ticks();
+        match runner.advance(&mut emulator, 1) {
+            Progress::Effect(Effect::Load(name)) => {
+                let loaded = emulator.load_program(&name, PART);
+                loaded.map_err(|alarm| alarm.to_string())?;
+            }
+            Progress::Running | Progress::Effect(_) => {}
+            Progress::Failed(failure) => return Err(failure.to_string()),
+            Progress::Finished => return Ok(trace),
+        }
+        if emulator.ticks() == before {
+            continue;
+        }
+        trace.ticks += 1;
+        let cnc = &emulator.simulation.cnc;
+        let machine = cnc.position_machine();
+        for axis in [machine.x, machine.z] {
+            hash(&mut trace.positions, axis.to_bits().to_le_bytes());
+        }
+        if trace.ticks.is_multiple_of(250) {
+            hash(&mut trace.screens, emulator.screen().text().bytes());
+            hash(&mut trace.plc, format!("{:?}", cnc.plc().memory()).bytes());
+        }
+        if saves.contains(&trace.ticks) {
+            let saved = ron::to_string(&emulator).map_err(|error| error.to_string())?;
+            let restored: Emulator = ron::from_str(&saved).map_err(|error| error.to_string())?;
+            if restored != emulator {
+                return Err(format!("the state at tick {} differs", trace.ticks));
+            }
+            emulator = restored;
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! The program as a page in a browser: the same window on a canvas. What a page does
+//! otherwise than a computer stands in `app/src/platform/web/`.
+
+fn main() {
+    #[cfg(target_arch = "wasm32")]
+    page::open();
+}
+
+#[cfg(target_arch = "wasm32")]
+mod page {
+    use gsk_app::cli::WindowArgs;
+    use gsk_app::commands::window;
+    use gsk_app::platform;
+    use gsk_messages::Language;
+
+    /// Opens the window on the page, as its link asks for.
+    pub fn open() {
+        platform::begin(|asked| {
+            let lang = match asked.language.as_deref() {
+                Some("en") => Some(Language::En),
+                Some("zh") => Some(Language::Zh),
+                _ => None,
+            };
+            let args = WindowArgs {
+                program: asked.program,
+                lang,
+                ..WindowArgs::default()
+            };
+            let opened = window::open(args, None);
+            opened.map(drop).map_err(|error| error.to_string())
+        });
+    }
+}
