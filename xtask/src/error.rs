@@ -52,6 +52,16 @@ pub enum TaskError {
         /// How it comes.
         cure: &'static str,
     },
+    /// What is given to users is too large.
+    #[error("{}: {size} bytes are more than {largest}", path.display())]
+    Large {
+        /// The file.
+        path: PathBuf,
+        /// Its size, bytes.
+        size: u64,
+        /// The largest that it may have.
+        largest: u64,
+    },
     /// An archive cannot be written.
     #[error("{}: {error}", path.display())]
     Archive {

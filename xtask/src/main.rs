@@ -45,6 +45,8 @@ enum Task {
 enum DistTask {
     /// The program for Windows on x86-64, built on Debian: an .exe, a .zip with its checksum
     Windows,
+    /// The page for browsers, built on Debian: a folder and a .zip with its checksum
+    Web,
 }
 
 #[derive(Debug, Subcommand)]
@@ -66,6 +68,7 @@ fn main() -> ExitCode {
             case::new(&root(), &path, script).map(|said| println!("{said}"))
         }
         Task::Dist(DistTask::Windows) => dist::windows::make(&root()),
+        Task::Dist(DistTask::Web) => dist::web::make(&root()),
         Task::Docs { open } => docs(open),
         Task::Figures => figures::figures(),
     };

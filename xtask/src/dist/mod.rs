@@ -2,6 +2,8 @@
 //! The same sources give the same bytes.
 
 mod archive;
+mod debian;
+pub mod web;
 pub mod windows;
 
 use std::path::{Path, PathBuf};
@@ -23,6 +25,9 @@ const BESIDE: [&str; 8] = [
     "THIRD-PARTY.md",
     "assets/programs",
 ];
+
+/// The `\x1f` between two flags of the compiler.
+const NEXT: &str = "\u{1f}";
 
 /// Where cargo builds.
 fn target(root: &Path) -> PathBuf {
@@ -47,4 +52,14 @@ fn on<T>(path: &Path, done: std::io::Result<T>) -> Result<T, TaskError> {
         path: path.to_owned(),
         error,
     })
+}
+
+/// Flags after which the program does not know where it was built.
+fn same_places(root: &Path) -> String {
+    let home = env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| env::home_dir().map(|home| home.join(".cargo")));
+    let called = |path: &Path, name| format!("--remap-path-prefix={}={name}", path.display());
+    let mut flags = vec![called(root, "gsk980td"), called(&target(root), "target")];
+    flags.extend(home.map(|home| called(&home, "cargo")));
+    flags.join(NEXT)
 }

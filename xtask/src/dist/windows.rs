@@ -4,60 +4,30 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use super::archive::{self, Entry};
-use super::{BESIDE, VERSION, folder, on, target};
+use super::debian::{self, CARGO, PATH, RUSTC};
+use super::{BESIDE, VERSION, folder, on, same_places, target};
 use crate::error::TaskError;
 use crate::run;
 
 const TRIPLE: &str = "x86_64-pc-windows-gnu";
-/// Debian's tool chain, whatever else stands before it on the PATH.
-const PATH: &str = "/usr/bin:/bin";
-const CARGO: &str = "/usr/bin/cargo";
-const RUSTC: &str = "/usr/bin/rustc";
-/// The sources of the standard library, below the compiler's own folder.
-const LIBRARY: &str = "lib/rustlib/src/rust/library/Cargo.lock";
 const LINKER: &str = "/usr/bin/x86_64-w64-mingw32-gcc";
 const RESOURCES: &str = "/usr/bin/x86_64-w64-mingw32-windres";
 const CURE: &str = "on Debian: apt-get install rustc-web cargo-web rust-web-src \
                     gcc-mingw-w64-x86-64-posix";
-/// The `\x1f` between two flags of the compiler.
-const NEXT: &str = "\u{1f}";
 
 /// Makes the `.exe` and the `.zip` with its checksum in `target/dist`.
 ///
 /// # Errors
 /// A tool is missing, or what it says.
 pub fn make(root: &Path) -> Result<(), TaskError> {
-    let missing = |missing: String| TaskError::Tools {
-        system: "Windows",
-        missing,
-        cure: CURE,
-    };
-    for tool in [CARGO, RUSTC, LINKER, RESOURCES] {
-        if !Path::new(tool).exists() {
-            return Err(missing(tool.to_owned()));
-        }
-    }
-    let library = sysroot()
-        .map(|sysroot| sysroot.join(LIBRARY))
-        .filter(|library| library.exists());
-    if library.is_none() {
-        return Err(missing(LIBRARY.to_owned()));
-    }
+    debian::is_there("Windows", CURE, &[LINKER, RESOURCES])?;
     let folder = folder(root)?;
     let built = build(root, &resources(root)?)?;
     let program = folder.join("gsk980td.exe");
     on(&program, fs::copy(&built, &program))?;
     pack(root, &folder, &program)
-}
-
-/// Where Debian's compiler keeps its own things.
-fn sysroot() -> Option<PathBuf> {
-    let asked = Command::new(RUSTC).args(["--print", "sysroot"]).output();
-    let said = String::from_utf8(asked.ok()?.stdout).ok()?;
-    Some(PathBuf::from(said.trim()))
 }
 
 /// Icon, manifest and version, as an object that is linked into the program.
@@ -119,16 +89,6 @@ fn build(root: &Path, resources: &Path) -> Result<PathBuf, TaskError> {
     ];
     run(CARGO, &arguments, &environment)?;
     Ok(target.join(TRIPLE).join("release/gsk980td.exe"))
-}
-
-/// Flags after which the program does not know where it was built.
-fn same_places(root: &Path) -> String {
-    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
-    let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
-    let called = |path: &Path, name| format!("--remap-path-prefix={}={name}", path.display());
-    let mut flags = vec![called(root, "gsk980td")];
-    flags.extend(home.map(|home| called(&home, "cargo")));
-    flags.join(NEXT)
 }
 
 /// The archive and its checksum.

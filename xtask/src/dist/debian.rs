@@ -1,0 +1,42 @@
+//! Debian's compiler, which brings the sources of the standard library: those are built
+//! along for systems that the usual tool chain does not know.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::error::TaskError;
+
+/// Debian's tool chain, whatever else stands before it on the PATH.
+pub const PATH: &str = "/usr/bin:/bin";
+pub const CARGO: &str = "/usr/bin/cargo";
+pub const RUSTC: &str = "/usr/bin/rustc";
+/// The sources of the standard library, below the compiler's own folder.
+const LIBRARY: &str = "lib/rustlib/src/rust/library/Cargo.lock";
+
+/// Whether it is there, with more tools that a system needs.
+///
+/// # Errors
+/// The first that is missing, and how it comes.
+pub fn is_there(system: &'static str, cure: &'static str, tools: &[&str]) -> Result<(), TaskError> {
+    let missing = |missing: &str| TaskError::Tools {
+        system,
+        missing: missing.to_owned(),
+        cure,
+    };
+    for tool in [CARGO, RUSTC].iter().chain(tools) {
+        if !Path::new(tool).exists() {
+            return Err(missing(tool));
+        }
+    }
+    let library = sysroot()
+        .map(|sysroot| sysroot.join(LIBRARY))
+        .filter(|library| library.exists());
+    library.map(drop).ok_or_else(|| missing(LIBRARY))
+}
+
+/// Where the compiler keeps its own things.
+fn sysroot() -> Option<PathBuf> {
+    let asked = Command::new(RUSTC).args(["--print", "sysroot"]).output();
+    let said = String::from_utf8(asked.ok()?.stdout).ok()?;
+    Some(PathBuf::from(said.trim()))
+}
