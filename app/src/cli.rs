@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use gsk_panel::script::FORMS;
 pub use gsk_runner::Language;
 use gsk_runner::picture::{Look, Size};
@@ -132,9 +133,32 @@ pub enum Command {
     Link(LinkCommand),
     /// Print the licences of this program and of the packages it contains
     Notices,
+    /// Print what a shell needs to complete this command line
+    ///
+    /// For bash: `gsk980td completions bash > ~/.local/share/bash-completion/completions/gsk980td`;
+    /// the packages for Linux bring it along.
+    Completions(CompletionsArgs),
+    /// Print the manual page, for `man -l`
+    Man(ManArgs),
     /// Hold the port of a board for the program at standard input
     #[command(name = crate::guard::COMMAND, hide = true)]
     HoldPort(HoldPortArgs),
+}
+
+/// `completions`.
+#[derive(Args, Debug)]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum, value_name = "SHELL")]
+    pub shell: Shell,
+}
+
+/// `man`.
+#[derive(Args, Debug)]
+pub struct ManArgs {
+    /// Write a page for the program and one for each command into this folder instead
+    #[arg(long, value_name = "DIR")]
+    pub folder: Option<PathBuf>,
 }
 
 /// `hold-port`, which the program starts by itself.

@@ -4,6 +4,7 @@ mod check;
 mod error;
 mod ladder;
 mod link;
+mod manual;
 mod operate;
 mod plot;
 mod run;
@@ -79,6 +80,8 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
         Some(Command::Notices) => Ok(notices()),
+        Some(Command::Completions(args)) => Ok(manual::completions(&args)),
+        Some(Command::Man(args)) => manual::man(&args),
         Some(Command::HoldPort(args)) => hold(&args.port, args.baud),
     };
     let code = result.unwrap_or_else(|said| {
