@@ -62,6 +62,17 @@ pub enum TaskError {
         /// The largest that it may have.
         largest: u64,
     },
+    /// The changelog does not know the version.
+    #[error("CHANGELOG.md has no heading `## [{0}] – YYYY-MM-DD`")]
+    NoHeading(String),
+    /// A program that is not understood.
+    #[error("{}: {why}", path.display())]
+    Program {
+        /// The program.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
     /// An archive cannot be written.
     #[error("{}: {error}", path.display())]
     Archive {

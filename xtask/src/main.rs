@@ -29,8 +29,11 @@ enum Task {
     #[command(subcommand)]
     Case(CaseTask),
     /// What is given to users, in `target/dist`
-    #[command(subcommand)]
-    Dist(DistTask),
+    Dist {
+        /// One of them; without it everything that can be built here, with SHA256SUMS
+        #[command(subcommand)]
+        one: Option<DistTask>,
+    },
     /// The documentation of all packages; a warning is an error
     Docs {
         /// Open it in the browser
@@ -43,6 +46,10 @@ enum Task {
 
 #[derive(Debug, Subcommand)]
 enum DistTask {
+    /// The program for this Linux: a portable .tar.gz and a .deb
+    Linux,
+    /// What is new in this version, from CHANGELOG.md
+    Notes,
     /// The program for Windows on x86-64, built on Debian: an .exe, a .zip with its checksum
     Windows,
     /// The page for browsers, built on Debian: a folder and a .zip with its checksum
@@ -67,8 +74,13 @@ fn main() -> ExitCode {
         Task::Case(CaseTask::New { path, script }) => {
             case::new(&root(), &path, script).map(|said| println!("{said}"))
         }
-        Task::Dist(DistTask::Windows) => dist::windows::make(&root()),
-        Task::Dist(DistTask::Web) => dist::web::make(&root()),
+        Task::Dist { one: None } => dist::all(&root()),
+        Task::Dist { one: Some(one) } => match one {
+            DistTask::Linux => dist::linux::make(&root()),
+            DistTask::Notes => dist::notes::make(&root()),
+            DistTask::Windows => dist::windows::make(&root()),
+            DistTask::Web => dist::web::make(&root()),
+        },
         Task::Docs { open } => docs(open),
         Task::Figures => figures::figures(),
     };

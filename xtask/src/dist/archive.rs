@@ -1,9 +1,12 @@
 //! Archives whose bytes depend on nothing but what is in them.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use flate2::{Compression, GzBuilder};
+use tar::{Builder, EntryType, Header};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -12,6 +15,96 @@ use crate::error::TaskError;
 
 /// A file in an archive: its name there and where it comes from.
 pub type Entry = (String, PathBuf);
+
+/// A file for Linux, in memory.
+#[derive(Debug)]
+pub struct Item {
+    /// Its path in the archive, without a slash before it.
+    pub name: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+    /// Whether it can be executed.
+    pub program: bool,
+}
+
+impl Item {
+    /// A file that is read.
+    pub fn text(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Self {
+        Self {
+            name: name.into(),
+            bytes: bytes.into(),
+            program: false,
+        }
+    }
+}
+
+/// The bytes packed by gzip, without name and time.
+pub fn gz(bytes: &[u8]) -> io::Result<Vec<u8>> {
+    let mut packed = GzBuilder::new().write(Vec::new(), Compression::best());
+    packed.write_all(bytes)?;
+    packed.finish()
+}
+
+/// The bytes of a .tar.gz: folders, then files, each in the order of names and below
+/// `root` (`./`, `name/`), of root and of one time (seconds since 1970).
+pub fn tar_gz(root: &str, items: &[Item], time: u64) -> io::Result<Vec<u8>> {
+    let mut folders = BTreeSet::from([String::new()]);
+    for item in items {
+        let ends = item.name.match_indices('/');
+        folders.extend(ends.map(|(at, _)| item.name[..=at].to_owned()));
+    }
+    let mut sorted: Vec<_> = items.iter().collect();
+    sorted.sort_by(|one, other| one.name.cmp(&other.name));
+    let mut archive = Builder::new(Vec::new());
+    let mut add = |name: String, kind, mode, bytes: &[u8]| {
+        let mut header = Header::new_gnu();
+        header.set_entry_type(kind);
+        header.set_mode(mode);
+        header.set_uid(0);
+        header.set_gid(0);
+        header.set_mtime(time);
+        header.set_size(bytes.len() as u64);
+        header.set_username("root")?;
+        header.set_groupname("root")?;
+        // As it stands: `set_path` would take `./` away, which dpkg wants.
+        let field = header
+            .as_old_mut()
+            .name
+            .get_mut(..name.len())
+            .ok_or_else(|| io::Error::other(format!("{name}: longer than 100 bytes")))?;
+        field.copy_from_slice(name.as_bytes());
+        header.set_cksum();
+        archive.append(&header, bytes)
+    };
+    for folder in folders {
+        add(format!("{root}{folder}"), EntryType::Directory, 0o755, &[])?;
+    }
+    for item in sorted {
+        let mode = if item.program { 0o755 } else { 0o644 };
+        let name = format!("{root}{}", item.name);
+        add(name, EntryType::Regular, mode, &item.bytes)?;
+    }
+    gz(&archive.into_inner()?)
+}
+
+/// The bytes of an archive of `ar`, as a .deb is one: names of at most 16 bytes, of root
+/// and of one time (seconds since 1970).
+pub fn ar(members: &[(&str, Vec<u8>)], time: u64) -> Vec<u8> {
+    let mut out = b"!<arch>\n".to_vec();
+    for (name, bytes) in members {
+        let size = bytes.len();
+        let header = format!(
+            "{name:<16}{time:<12}{:<6}{:<6}{:<8}{size:<10}`\n",
+            0, 0, 100_644
+        );
+        out.extend_from_slice(header.as_bytes());
+        out.extend_from_slice(bytes);
+        if size % 2 == 1 {
+            out.push(b'\n');
+        }
+    }
+    out
+}
 
 /// The files of a path, a folder's in the order of their names, as they are called below
 /// `root`.
@@ -57,6 +150,54 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
     use super::*;
+
+    #[test]
+    fn a_tar_has_its_folders_and_one_time() {
+        let items = [
+            Item::text("b/c/2", "two"),
+            Item {
+                name: "b/1".to_owned(),
+                bytes: b"one".to_vec(),
+                program: true,
+            },
+        ];
+        let bytes = tar_gz("./", &items, 86_400).unwrap();
+        assert_eq!(bytes[4..8], [0; 4], "gzip's time");
+        let mut tar = tar::Archive::new(flate2::read::GzDecoder::new(bytes.as_slice()));
+        let entries = tar.entries().unwrap().map(|entry| {
+            let entry = entry.unwrap();
+            let header = entry.header();
+            assert_eq!((header.uid().unwrap(), header.gid().unwrap()), (0, 0));
+            assert_eq!(header.mtime().unwrap(), 86_400);
+            let name = String::from_utf8(entry.path_bytes().into_owned()).unwrap();
+            (name, header.mode().unwrap(), header.size().unwrap())
+        });
+        let entries: Vec<_> = entries.collect();
+        let expected = [
+            ("./", 0o755, 0),
+            ("./b/", 0o755, 0),
+            ("./b/c/", 0o755, 0),
+            ("./b/1", 0o755, 3),
+            ("./b/c/2", 0o644, 3),
+        ];
+        assert_eq!(
+            entries,
+            expected.map(|(name, mode, size)| (name.to_owned(), mode, size))
+        );
+        let turned: Vec<_> = items.into_iter().rev().collect();
+        assert_eq!(tar_gz("./", &turned, 86_400).unwrap(), bytes);
+        assert!(tar_gz("./", &[Item::text("x".repeat(99), "")], 0).is_err());
+    }
+
+    #[test]
+    fn members_of_ar_begin_at_even_bytes() {
+        let bytes = ar(&[("one", b"abc".to_vec()), ("two", b"de".to_vec())], 7);
+        let header = "one             7           0     0     100644  3         `\n";
+        assert_eq!(bytes[8..68], *header.as_bytes());
+        assert_eq!(bytes[68..72], *b"abc\n");
+        assert_eq!(bytes[72..75], *b"two");
+        assert_eq!(bytes.len(), 72 + 60 + 2);
+    }
 
     #[test]
     fn the_same_files_give_the_same_bytes() {

@@ -2,11 +2,16 @@
 //! The same sources give the same bytes.
 
 mod archive;
+mod deb;
 mod debian;
+pub mod linux;
+mod needs;
+pub mod notes;
 pub mod web;
 pub mod windows;
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::{env, fs};
 
 use crate::error::TaskError;
@@ -62,4 +67,76 @@ fn same_places(root: &Path) -> String {
     let mut flags = vec![called(root, "gsk980td"), called(&target(root), "target")];
     flags.extend(home.map(|home| called(&home, "cargo")));
     flags.join(NEXT)
+}
+
+/// Makes what is given to users.
+type Make = fn(&Path) -> Result<(), TaskError>;
+
+/// All there is, by name: the notes first, they are the cheapest to fail.
+const ALL: [(&str, Make); 4] = [
+    ("notes", notes::make),
+    ("linux", linux::make),
+    ("windows", windows::make),
+    ("web", web::make),
+];
+
+/// Makes everything that can be made here; what lacks its tools is left out, and said so.
+/// `SHA256SUMS` then holds the checksums of all files in the folder.
+///
+/// # Errors
+/// What fails for another reason than a missing tool.
+pub fn all(root: &Path) -> Result<(), TaskError> {
+    let mut left_out = Vec::new();
+    for (name, make) in ALL {
+        match make(root) {
+            Ok(()) => {}
+            Err(said @ TaskError::Tools { .. }) => {
+                println!("{name} is left out: {said}");
+                left_out.push(name);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    let folder = folder(root)?;
+    sums(&folder)?;
+    println!("in {}, with SHA256SUMS", folder.display());
+    if !left_out.is_empty() {
+        println!("left out: {}", left_out.join(", "));
+    }
+    Ok(())
+}
+
+/// Writes `SHA256SUMS` of the files in a folder, by name; checksums of a single archive
+/// are none of them.
+fn sums(folder: &Path) -> Result<(), TaskError> {
+    let mut names = Vec::new();
+    for entry in on(folder, fs::read_dir(folder))? {
+        let entry = on(folder, entry)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if entry.path().is_file() && name != "SHA256SUMS" && !name.ends_with(".sha256") {
+            names.push(name);
+        }
+    }
+    names.sort();
+    let text = told(
+        Command::new("sha256sum")
+            .arg("--")
+            .args(&names)
+            .current_dir(folder),
+    )?;
+    let path = folder.join("SHA256SUMS");
+    on(&path, fs::write(&path, text))
+}
+
+/// What a command writes to standard output.
+fn told(command: &mut Command) -> Result<String, TaskError> {
+    let line = format!("{command:?}");
+    match command.output() {
+        Err(error) => Err(TaskError::Start { line, error }),
+        Ok(done) if done.status.success() => Ok(String::from_utf8_lossy(&done.stdout).into_owned()),
+        Ok(done) => Err(TaskError::Failed {
+            line,
+            status: done.status,
+        }),
+    }
 }

@@ -1,0 +1,174 @@
+//! What a program for Linux needs of the system it runs on, read out of the program.
+
+use std::collections::BTreeSet;
+
+use object::elf::{EM_AARCH64, EM_X86_64, FileHeader64};
+use object::read::elf::{Dyn, FileHeader};
+use object::{Endianness, elf};
+
+/// Packages of Debian by the libraries that a program may link. Versions of symbols that
+/// begin with the word are versions of the package.
+const LINKED: [(&str, &str, &str); 5] = [
+    ("libc.so.6", "libc6", "GLIBC_"),
+    ("libm.so.6", "libc6", "GLIBC_"),
+    ("libgcc_s.so.1", "libgcc-s1", "GCC_"),
+    ("ld-linux-x86-64.so.2", "libc6", "GLIBC_"),
+    ("ld-linux-aarch64.so.1", "libc6", "GLIBC_"),
+];
+
+/// Packages of Debian by the libraries that the window loads while it runs: without them
+/// every command works, and the window says what it lacks.
+const LOADED: [(&str, &str); 10] = [
+    ("libEGL.so.1", "libegl1"),
+    ("libGL.so.1", "libgl1"),
+    ("libX11.so.6", "libx11-6"),
+    ("libX11-xcb.so.1", "libx11-xcb1"),
+    ("libXcursor.so.1", "libxcursor1"),
+    ("libXi.so.6", "libxi6"),
+    ("libwayland-client.so.0", "libwayland-client0"),
+    ("libwayland-egl.so.1", "libwayland-egl1"),
+    ("libxkbcommon.so.0", "libxkbcommon0"),
+    ("libxkbcommon-x11.so.0", "libxkbcommon-x11-0"),
+];
+
+/// What a program needs.
+#[derive(Debug, Default)]
+pub struct Needs {
+    /// The processor as Rust calls it, and as Debian does.
+    pub processor: (&'static str, &'static str),
+    /// Packages without which it does not start, with the lowest version.
+    pub depends: Vec<String>,
+    /// Packages of libraries that it loads for its window.
+    pub loads: Vec<String>,
+}
+
+/// Reads what a program needs.
+///
+/// # Errors
+/// It is no program for Linux on a processor that is known here, or links a library of
+/// which no package is known.
+pub fn read(program: &[u8]) -> Result<Needs, String> {
+    let processor = processor(program).map_err(|error| error.to_string())?;
+    let (libraries, versions) = linked(program).map_err(|error| error.to_string())?;
+    let processor = processor.ok_or("a processor that has no name here")?;
+    let packages = libraries
+        .iter()
+        .map(|library| {
+            let known = LINKED.iter().find(|(name, ..)| name == library);
+            known
+                .map(|&(_, package, word)| (package, word))
+                .ok_or_else(|| format!("{library}: no package is known for this library"))
+        })
+        .collect::<Result<BTreeSet<_>, _>>()?;
+    let depends = packages
+        .iter()
+        .map(|&(package, word)| match newest(&versions, word) {
+            Some(version) => format!("{package} (>= {version})"),
+            None => package.to_owned(),
+        })
+        .collect();
+    let named = |library: &str| {
+        program
+            .windows(library.len())
+            .any(|at| at == library.as_bytes())
+    };
+    let loads = LOADED
+        .iter()
+        .filter(|(library, _)| named(library))
+        .map(|&(_, package)| package.to_owned())
+        .collect();
+    Ok(Needs {
+        processor,
+        depends,
+        loads,
+    })
+}
+
+fn processor(program: &[u8]) -> object::Result<Option<(&'static str, &'static str)>> {
+    let header = FileHeader64::<Endianness>::parse(program)?;
+    Ok(match header.e_machine(header.endian()?) {
+        EM_X86_64 => Some(("x86_64", "amd64")),
+        EM_AARCH64 => Some(("aarch64", "arm64")),
+        _ => None,
+    })
+}
+
+/// The libraries that a program links, and the versions of symbols that it asks them for.
+fn linked(program: &[u8]) -> object::Result<(BTreeSet<String>, BTreeSet<String>)> {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let header = FileHeader64::<Endianness>::parse(program)?;
+    let endian = header.endian()?;
+    let sections = header.sections(endian, program)?;
+    let mut libraries = BTreeSet::new();
+    if let Some((entries, index)) = sections.dynamic(endian, program)? {
+        let strings = sections.strings(endian, program, index)?;
+        for entry in entries {
+            if entry.tag(endian) == elf::DT_NEEDED {
+                libraries.insert(text(entry.string(endian, strings)?));
+            }
+        }
+    }
+    let mut versions = BTreeSet::new();
+    if let Some((mut files, index)) = sections.gnu_verneed(endian, program)? {
+        let strings = sections.strings(endian, program, index)?;
+        while let Some((_, mut names)) = files.next()? {
+            while let Some(name) = names.next()? {
+                versions.insert(text(name.name(endian, strings)?));
+            }
+        }
+    }
+    Ok((libraries, versions))
+}
+
+/// The newest of the versions that begin with a word, without it.
+fn newest(versions: &BTreeSet<String>, word: &str) -> Option<String> {
+    let numbers = |version: &&str| {
+        let parts = version.split('.').map(|part| part.parse().ok());
+        parts.collect::<Option<Vec<u32>>>()
+    };
+    let named = versions.iter().filter_map(|name| name.strip_prefix(word));
+    let newest = named
+        .filter_map(|version| Some((numbers(&version)?, version)))
+        .max()?;
+    Some(newest.1.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+    use super::*;
+
+    #[test]
+    fn versions_are_compared_as_numbers() {
+        let names = [
+            "GLIBC_2.4",
+            "GLIBC_2.34",
+            "GLIBC_2.9",
+            "GLIBC_ABI_DT_RELR",
+            "GCC_4.2.0",
+        ];
+        let versions = names.map(str::to_owned).into();
+        assert_eq!(newest(&versions, "GLIBC_").as_deref(), Some("2.34"));
+        assert_eq!(newest(&versions, "GCC_").as_deref(), Some("4.2.0"));
+        assert_eq!(newest(&versions, "QT_"), None);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn this_test_needs_the_library_of_c() {
+        let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
+        let needs = read(&program).unwrap();
+        assert_eq!(needs.processor.0, std::env::consts::ARCH);
+        let libc = needs
+            .depends
+            .iter()
+            .find(|need| need.starts_with("libc6 (>= 2."));
+        assert!(libc.is_some(), "{needs:?}");
+    }
+
+    #[test]
+    fn what_is_no_program_is_refused() {
+        assert!(read(b"#!/bin/sh\n").is_err());
+    }
+}
