@@ -66,6 +66,8 @@ fn files(root: &Path, parts: &Parts, version: &Section) -> Result<Vec<Item>, Tas
     }
     let kinds = read("app/linux/gsk980td.xml")?;
     add("usr/share/mime/packages/gsk980td.xml".to_owned(), kinds);
+    let lintian = read("app/linux/gsk980td.lintian-overrides")?;
+    add("usr/share/lintian/overrides/gsk980td".to_owned(), lintian);
     let icon =
         |folder: &str, end: &str| format!("usr/share/icons/hicolor/{folder}/apps/gsk980td.{end}");
     for size in ICONS {
@@ -117,7 +119,7 @@ fn control(parts: &Parts, items: &[Item]) -> String {
          Suggests: xdg-desktop-portal\n\
          Section: science\n\
          Priority: optional\n\
-         Description: GSK980TD lathe control on a PC\n \
+         Description: control of a GSK980TD lathe on a PC\n \
          The operator panel of the control with its keys and Chinese LCD pages in a\n \
          window, a complete control with its PLC behind it, and a simulated lathe\n \
          behind that, for training and for trying part programs.\n \
