@@ -4,7 +4,7 @@ use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::script::{Effect, Progress, Runner, Script};
 
-/// Positions of [`SCRIPT`]. A change of motion, of the ladder or of the script
+/// Positions of the session. A change of motion, of the ladder or of the script
 /// changes it: then, and only then, put in the value that the test prints.
 pub const GOLDEN: u64 = 0x2b0d_c502_6b99_8055;
 
