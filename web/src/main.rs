@@ -27,7 +27,7 @@ mod page {
                 ..WindowArgs::default()
             };
             let opened = window::open(args, None);
-            opened.map(drop).map_err(|error| error.to_string())
+            opened.map(drop).map_err(|error| error.message())
         });
     }
 }

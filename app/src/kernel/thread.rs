@@ -102,7 +102,8 @@ struct Running {
     journal: Journal,
     /// When the next picture is due.
     picture_at: Instant,
-    /// When the window was heard last, and how many commands that were by then.
+    /// When the window was heard last, or a moment before, and how many commands that
+    /// were by then.
     heard: (Instant, u64),
     /// When the clock was looked at last.
     looked: Instant,
@@ -135,18 +136,26 @@ impl Running {
             return false;
         }
         let now = Instant::now();
-        if self.kernel.heard > self.heard.1 {
-            self.heard = (now, self.kernel.heard);
-        }
-        if self.kernel.keys.any_down() && now.duration_since(self.heard.0) > LEASE {
-            self.kernel.release_all();
-        }
+        self.let_go(now);
         self.say_after_sleep(now);
         self.tick(now);
         self.show(now);
         self.hand_out_sent();
         self.keep(now);
-        self.hear(now)
+        let goes_on = self.hear(now);
+        // The computer may have slept since: what was heard counts from the moment
+        // before it.
+        if self.kernel.heard > self.heard.1 {
+            self.heard = (now, self.kernel.heard);
+        }
+        goes_on
+    }
+
+    /// Lets held keys go when the window has said nothing for too long.
+    fn let_go(&mut self, now: Instant) {
+        if self.kernel.keys.any_down() && now.duration_since(self.heard.0) > LEASE {
+            self.kernel.release_all();
+        }
     }
 
     /// Says that the machine stood still while the computer slept, or the page was frozen.
@@ -156,6 +165,7 @@ impl Running {
         if away > ASLEEP && !self.kernel.is_linked() {
             let said = say::window_stood_still(away.as_secs());
             self.kernel.say(Notice::Said(said));
+            (self.outside.wake)();
         }
     }
 
@@ -340,9 +350,9 @@ mod tests {
     use super::*;
     use gsk_core::setup::Setup;
     use gsk_panel::emulator::Emulator;
+    use gsk_panel::keys::Key;
 
-    #[test]
-    fn a_sleep_is_said_and_a_short_delay_is_not() {
+    fn running() -> (Running, Console) {
         let (kernel, console) = Kernel::new(Emulator::new(Setup::default()));
         let outside = Outside {
             wake: Box::new(|| {}),
@@ -350,7 +360,32 @@ mod tests {
             partner: None,
             ending: Ending::default(),
         };
-        let mut running = Running::new(kernel, outside, console.clone());
+        (Running::new(kernel, outside, console.clone()), console)
+    }
+
+    #[test]
+    fn held_keys_are_let_go_after_a_silence_whatever_waits_to_be_heard() {
+        let (mut running, console) = running();
+        let held = || Command::Key {
+            key: Key::XUp,
+            down: true,
+        };
+        for _ in 0..2 {
+            // Pressed after the silence it is held.
+            console.send(held());
+            assert!(running.turn() && running.turn());
+            assert!(running.kernel.keys.any_down());
+            // The computer slept: what the window said before it is no sign of life.
+            running.heard.0 = Instant::now() - 2 * LEASE;
+            console.send(Command::Alive);
+            assert!(running.turn());
+            assert!(!running.kernel.keys.any_down());
+        }
+    }
+
+    #[test]
+    fn a_sleep_is_said_and_a_short_delay_is_not() {
+        let (mut running, console) = running();
         let woken = Instant::now();
         for (away, said) in [(1, None), (7, Some(7))] {
             running.looked = woken;

@@ -51,15 +51,14 @@ pub fn run(start: Start) -> Result<(), Message> {
         .with_inner_size(SIZE)
         .with_min_inner_size([480.0, 330.0])
         .with_drag_and_drop(true);
-    let opened = platform::open_window(
+    platform::open_window(
         "gsk980td",
         viewport,
         Box::new(move |creation| {
             fonts::set_up(&creation.egui_ctx);
             Ok(Box::new(App::new(start, &creation.egui_ctx)?))
         }),
-    );
-    opened.map_err(say::window_cannot_be_opened)
+    )
 }
 
 struct App {

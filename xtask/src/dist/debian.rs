@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use super::told;
 use crate::error::TaskError;
 
 /// Debian's tool chain, whatever else stands before it on the PATH.
@@ -28,15 +29,14 @@ pub fn is_there(system: &'static str, cure: &'static str, tools: &[&str]) -> Res
             return Err(missing(tool));
         }
     }
-    let library = sysroot()
+    let library = sysroot(RUSTC)
         .map(|sysroot| sysroot.join(LIBRARY))
         .filter(|library| library.exists());
     library.map(drop).ok_or_else(|| missing(LIBRARY))
 }
 
-/// Where the compiler keeps its own things.
-fn sysroot() -> Option<PathBuf> {
-    let asked = Command::new(RUSTC).args(["--print", "sysroot"]).output();
-    let said = String::from_utf8(asked.ok()?.stdout).ok()?;
+/// Where a compiler keeps its own things.
+pub fn sysroot(compiler: &str) -> Option<PathBuf> {
+    let said = told(Command::new(compiler).args(["--print", "sysroot"])).ok()?;
     Some(PathBuf::from(said.trim()))
 }

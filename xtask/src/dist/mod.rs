@@ -118,14 +118,16 @@ fn sums(folder: &Path) -> Result<(), TaskError> {
         }
     }
     names.sort();
-    let text = told(
-        Command::new("sha256sum")
-            .arg("--")
-            .args(&names)
-            .current_dir(folder),
-    )?;
-    let path = folder.join("SHA256SUMS");
-    on(&path, fs::write(&path, text))
+    sum(folder, "SHA256SUMS", &names).map(drop)
+}
+
+/// Writes the checksums of files into one beside them, and returns its text.
+fn sum(folder: &Path, name: &str, files: &[String]) -> Result<String, TaskError> {
+    let mut command = Command::new("sha256sum");
+    let text = told(command.arg("--").args(files).current_dir(folder))?;
+    let path = folder.join(name);
+    on(&path, fs::write(&path, &text))?;
+    Ok(text)
 }
 
 /// What a command writes to standard output.

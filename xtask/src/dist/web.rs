@@ -8,7 +8,7 @@ use std::process::Command;
 
 use super::archive::{self, Entry};
 use super::debian::{self, CARGO, PATH, RUSTC};
-use super::{VERSION, folder, on, same_places, target};
+use super::{VERSION, folder, on, same_places, sum, target, told};
 use crate::error::TaskError;
 use crate::run;
 
@@ -17,6 +17,7 @@ const SYSTEM: &str = "browsers";
 /// Linker of the usual tool chain, below its own folder.
 const LINKER: &str = "lib/rustlib/x86_64-unknown-linux-gnu/bin/rust-lld";
 const CURE: &str = "on Debian: apt-get install rustc-web cargo-web rust-web-src";
+const LINKER_CURE: &str = "it is part of the Rust tool chain that rustup installs";
 /// What the page is made of, besides the program.
 const BESIDE: [(&str, &str); 2] = [
     ("index.html", "web/index.html"),
@@ -31,15 +32,13 @@ const LARGEST: u64 = 4_000_000;
 /// A tool is missing, or what it says; the page is too large.
 pub fn make(root: &Path) -> Result<(), TaskError> {
     debian::is_there(SYSTEM, CURE, &[])?;
-    let missing = |missing: String| TaskError::Tools {
+    let linker = debian::sysroot("rustc").map(|sysroot| sysroot.join(LINKER));
+    let linker = linker.filter(|linker| linker.exists());
+    let linker = linker.ok_or_else(|| TaskError::Tools {
         system: SYSTEM,
-        missing,
-        cure: CURE,
-    };
-    let linker = said("rustc", &["--print", "sysroot"])
-        .map(|sysroot| PathBuf::from(sysroot).join(LINKER))
-        .filter(|linker| linker.exists())
-        .ok_or_else(|| missing(LINKER.to_owned()))?;
+        missing: LINKER.to_owned(),
+        cure: LINKER_CURE,
+    })?;
     let bindgen = bindgen(root)?;
     let page = folder(root)?.join("web");
     // What an earlier one has left is none of this page.
@@ -122,8 +121,8 @@ fn bindgen(root: &Path) -> Result<PathBuf, TaskError> {
     let version = locked_version(root, "wasm-bindgen")?;
     let home = target(root).join("wasm-bindgen");
     let program = home.join("bin/wasm-bindgen");
-    let is_it = said(&program.to_string_lossy(), &["--version"])
-        .is_some_and(|said| said.split(' ').nth(1) == Some(&version));
+    let is_it = told(Command::new(&program).arg("--version"))
+        .is_ok_and(|said| said.split_whitespace().nth(1) == Some(&version));
     if !is_it {
         let home = home.to_string_lossy();
         let arguments = [
@@ -155,13 +154,6 @@ fn locked_version(root: &Path, package: &str) -> Result<String, TaskError> {
     })
 }
 
-/// What a program says; none if it cannot be started.
-fn said(program: &str, arguments: &[&str]) -> Option<String> {
-    let asked = Command::new(program).args(arguments).output().ok()?;
-    let said = String::from_utf8(asked.stdout).ok()?;
-    Some(said.trim().to_owned())
-}
-
 /// The archive and its checksum; says how large the page is.
 fn pack(root: &Path, page: &Path) -> Result<(), TaskError> {
     let name = format!("gsk980td-{VERSION}-web");
@@ -189,11 +181,9 @@ fn pack(root: &Path, page: &Path) -> Result<(), TaskError> {
             largest: LARGEST,
         });
     }
-    let sums = folder.join(format!("{name}.sha256"));
-    let command = format!(
-        "cd '{}' && sha256sum {name}.zip | tee '{}'",
-        folder.display(),
-        sums.display()
+    print!(
+        "{}",
+        sum(&folder, &format!("{name}.sha256"), &[format!("{name}.zip")])?
     );
-    run("sh", &["-c", &command], &[])
+    Ok(())
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::archive::{self, Entry};
 use super::debian::{self, CARGO, PATH, RUSTC};
-use super::{BESIDE, VERSION, folder, on, same_places, target};
+use super::{BESIDE, VERSION, folder, on, same_places, sum, target};
 use crate::error::TaskError;
 use crate::run;
 
@@ -100,11 +100,7 @@ fn pack(root: &Path, folder: &Path, program: &Path) -> Result<(), TaskError> {
     }
     let zip = folder.join(format!("{name}.zip"));
     archive::zip(&zip, &name, &files)?;
-    let sums = folder.join(format!("{name}.sha256"));
-    let command = format!(
-        "cd '{}' && sha256sum gsk980td.exe {name}.zip | tee '{}'",
-        folder.display(),
-        sums.display()
-    );
-    run("sh", &["-c", &command], &[])
+    let both = ["gsk980td.exe".to_owned(), format!("{name}.zip")];
+    print!("{}", sum(folder, &format!("{name}.sha256"), &both)?);
+    Ok(())
 }

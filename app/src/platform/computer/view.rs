@@ -14,12 +14,12 @@ const ICON: &[u8] = include_bytes!("../../../../assets/icon/gsk980td.png");
 /// Opens a window and returns when it is closed.
 ///
 /// # Errors
-/// What the system says.
+/// The system opens none.
 pub fn open_window(
     name: &str,
     viewport: ViewportBuilder,
     application: AppCreator<'static>,
-) -> Result<(), String> {
+) -> Result<(), Message> {
     // A picture that cannot be read leaves the one of the library.
     let viewport = match eframe::icon_data::from_png_bytes(ICON) {
         Ok(icon) => viewport.with_icon(icon),
@@ -30,7 +30,7 @@ pub fn open_window(
         centered: true,
         ..NativeOptions::default()
     };
-    eframe::run_native(name, options, application).map_err(|error| error.to_string())
+    eframe::run_native(name, options, application).map_err(say::window_cannot_be_opened)
 }
 
 /// The system's own folder for data of this name; some have none.

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use gsk_messages::say;
 use web_sys::Storage;
 use web_time::{Duration, Instant};
 
@@ -104,7 +105,8 @@ fn keep(path: &Path, bytes: Option<&[u8]>) -> io::Result<()> {
         return Ok(());
     }
     if LOST.get() {
-        return Err(ErrorKind::WouldBlock.into());
+        let lost = say::page_open_elsewhere().to_string();
+        return Err(io::Error::new(ErrorKind::WouldBlock, lost));
     }
     // Without a storage the page goes on, and says so at its start.
     let Some(storage) = storage() else {
@@ -248,7 +250,8 @@ impl Lock {
     pub fn alone(path: &Path) -> io::Result<Self> {
         NAME.set(js_sys::Math::random());
         if holder(path).is_some_and(|(_, age)| age < LEASE.as_secs_f64() * 1e3) {
-            return Err(ErrorKind::WouldBlock.into());
+            let lost = say::page_open_elsewhere().to_string();
+            return Err(io::Error::new(ErrorKind::WouldBlock, lost));
         }
         hold(path);
         LOCKED.set(Some((path.to_owned(), Instant::now())));

@@ -16,7 +16,7 @@ pub use desktop::{file_dialog_answers, has_display, leave_console};
 pub use disk::{
     Lock, facts, is_taken, lasts, list, make_folder, read, remove, rename, sync_folder, write_new,
 };
-pub use files::{for_owner_alone, is_serial_port, same_file};
+pub use files::{is_serial_port, same_file};
 pub use log_file::{LogFile, LogGuard, log_file};
 pub use page::{Asked, begin};
 pub use process::{hear_ending, name_process, outlive_ending, own_program, processor_time};

@@ -3,13 +3,14 @@
 use std::panic;
 use std::path::PathBuf;
 
+use gsk_messages::{Message, say};
 use js_sys::Uint8Array;
 use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_sys::{Response, UrlSearchParams, Window};
 
 use super::disk;
-use super::view::show;
+use super::view::{show, tell};
 
 /// What the link asks for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -22,7 +23,7 @@ pub struct Asked {
 
 /// Fetches what the link asks for and opens the window with it. What stands against it
 /// is said in its place.
-pub fn begin(open: impl FnOnce(Asked) -> Result<(), String> + 'static) {
+pub fn begin(open: impl FnOnce(Asked) -> Result<(), Message> + 'static) {
     panic::set_hook(Box::new(|panic| {
         let panic = panic.to_string();
         web_sys::console::error_1(&panic.as_str().into());
@@ -34,12 +35,12 @@ pub fn begin(open: impl FnOnce(Asked) -> Result<(), String> + 'static) {
             Err(said) => Err(said),
         };
         if let Err(said) = opened {
-            show(&said);
+            tell(&said);
         }
     });
 }
 
-async fn asked() -> Result<Asked, String> {
+async fn asked() -> Result<Asked, Message> {
     let Some(window) = web_sys::window() else {
         return Ok(Asked::default());
     };
@@ -51,7 +52,10 @@ async fn asked() -> Result<Asked, String> {
         let address = address.as_string().unwrap_or_default();
         let bytes = fetched(&window, &address).await;
         let name = address.rsplit('/').next().unwrap_or(&address).to_owned();
-        files.push((name, bytes.map_err(|said| format!("{address}: {said}"))?));
+        files.push((
+            name,
+            bytes.map_err(|error| say::page_no_file(&address, error))?,
+        ));
     }
     Ok(Asked {
         language: words.and_then(|words| words.get("lang")),

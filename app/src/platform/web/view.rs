@@ -33,9 +33,9 @@ pub fn open_window(
     _name: &str,
     _viewport: ViewportBuilder,
     application: AppCreator<'static>,
-) -> Result<(), String> {
+) -> Result<(), Message> {
     let canvas = element(CANVAS).and_then(|it| it.dyn_into::<HtmlCanvasElement>().ok());
-    let canvas = canvas.ok_or_else(|| format!("the page has no canvas `{CANVAS}`"))?;
+    let canvas = canvas.ok_or_else(|| say::page_not_opened(format!("no canvas `{CANVAS}`")))?;
     plain_context(&canvas);
     // Dots as they are: the panel is no gradient.
     let options = WebOptions {
@@ -87,7 +87,7 @@ fn element(id: &str) -> Option<web_sys::Element> {
 }
 
 /// Says something in place of the window, in both languages.
-fn tell(said: &Message) {
+pub fn tell(said: &Message) {
     let texts = [Language::Zh, Language::En].map(|language| said.text(language));
     show(&texts.join("\n"));
 }
