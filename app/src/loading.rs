@@ -19,7 +19,7 @@ use gsk_runner::report;
 
 use crate::files::data_dir::DataDir;
 use crate::files::data_dir::DataError;
-use crate::files::program_file::{self, FileError};
+use crate::files::program_file::{self, FileError, ProgramFile};
 use crate::files::subprograms;
 use crate::retained;
 use crate::saying::{lines, of_ladder};
@@ -310,15 +310,13 @@ pub fn open_into(
     main: &Path,
     others: &[PathBuf],
 ) -> Result<(Program, Notices), LoadError> {
-    let file = program_file::read(main)?;
-    let mut notices = file.notices.clone();
-    let mut parts = program::split(&file.text);
+    let ProgramFile {
+        text, mut notices, ..
+    } = program_file::read(main)?;
+    let calls = subprograms::calls(&text);
+    let mut parts = program::split(text);
     let begin = main_part(&parts);
-    let program = if parts.is_empty() {
-        Program::new(file.text.as_str())
-    } else {
-        parts.remove(begin)
-    };
+    let program = parts.remove(begin);
     if begin > 0 {
         let number = program.number().unwrap_or_default();
         notices.push(say::file_begins_before(main.display(), number));
@@ -329,7 +327,7 @@ pub fn open_into(
     notices.extend(store_files(programs, others)?.0);
     let mut loaded: BTreeSet<u16> = programs.iter().map(|(number, _)| number).collect();
     loaded.extend(program.number());
-    for found in subprograms::find(main, &file.text, &loaded) {
+    for found in subprograms::find(main, calls, &loaded) {
         store(programs, &found.text, Some(found.number), &found.path)?;
     }
     Ok((program, Notices(notices)))
@@ -341,7 +339,7 @@ pub fn store_files(programs: &mut ProgramMemory, files: &[PathBuf]) -> Result<No
     for path in files {
         let file = program_file::read(path)?;
         notices.extend(file.notices);
-        for part in program::split(&file.text) {
+        for part in program::split(file.text) {
             store(programs, part.text(), None, path)?;
         }
     }

@@ -30,10 +30,10 @@ pub struct Found {
     pub text: String,
 }
 
-/// Searches the folder of `main` for the programs that `text` calls and that
-/// are not in `loaded`, and for those that they call.
-pub fn find(main: &Path, text: &str, loaded: &BTreeSet<u16>) -> Vec<Found> {
-    let mut wanted: Vec<u16> = calls(text).into_iter().collect();
+/// Searches the folder of `main` for the programs that it `calls` and that are not in
+/// `loaded`, and for those that they call.
+pub fn find(main: &Path, calls: BTreeSet<u16>, loaded: &BTreeSet<u16>) -> Vec<Found> {
+    let mut wanted: Vec<u16> = calls.into_iter().collect();
     let mut known = loaded.clone();
     wanted.retain(|number| !known.contains(number));
     if wanted.is_empty() {
@@ -51,7 +51,7 @@ pub fn find(main: &Path, text: &str, loaded: &BTreeSet<u16>) -> Vec<Found> {
         let Ok(file) = program_file::read(path) else {
             continue;
         };
-        wanted.extend(calls(&file.text));
+        wanted.extend(self::calls(&file.text));
         found.push(Found {
             number,
             path: file.path,
@@ -89,7 +89,7 @@ pub fn calls(text: &str) -> BTreeSet<u16> {
 fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
     let mut rest = text;
     core::iter::from_fn(move || {
-        let letter = (rest.bytes()).position(|byte| MAY_CALL[usize::from(byte)])?;
+        let letter = first_that_may_call(rest.as_bytes())?;
         let start = rest[..letter].rfind('\n').map_or(0, |end| end + 1);
         let line = &rest[start..];
         let (line, behind) = line.split_once('\n').unwrap_or((line, ""));
@@ -98,16 +98,26 @@ fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Whether a byte may be one of M, S and T, or of their full-width forms.
-static MAY_CALL: [bool; 256] = {
-    let mut may_call = [false; 256];
-    let mut byte = 0;
-    while byte < may_call.len() {
-        may_call[byte] = matches!(byte as u8, b'M' | b'S' | b'T' | b'm' | b's' | b't' | 0x80..);
-        byte += 1;
+/// The first byte that may be one of M, S and T, or of their full-width forms.
+fn first_that_may_call(bytes: &[u8]) -> Option<usize> {
+    let may_call = |byte: &u8| {
+        let small = byte | 0x20;
+        small == b'm' || small == b's' || small == b't' || *byte >= 0x80
+    };
+    // Many at once first: this is what the processor does best.
+    let mut from = 0;
+    for many in bytes.chunks(MANY) {
+        if many.iter().fold(false, |any, byte| any | may_call(byte)) {
+            break;
+        }
+        from += many.len();
     }
-    may_call
-};
+    let rest = bytes.get(from..)?;
+    Some(from + rest.iter().position(may_call)?)
+}
+
+/// Bytes that are looked at together.
+const MANY: usize = 64;
 
 /// The programs of the codes in a block that may call one (006.5): an M that is no
 /// machine function, S and T of two digits.
@@ -190,7 +200,8 @@ pub fn number_in_name(path: &Path) -> Option<u16> {
     plain.then(|| digits.parse().ok())?
 }
 
-fn number_in_head(path: &Path) -> Option<u16> {
+/// The number of the O word that a file begins with.
+pub fn number_in_head(path: &Path) -> Option<u16> {
     if !is_file(path) {
         return None;
     }
@@ -213,10 +224,16 @@ fn is_file(path: &Path) -> bool {
 }
 
 fn has_program_ending(path: &Path) -> bool {
+    program_ending(path).is_some()
+}
+
+/// The ending of a file in small letters, if programs have such.
+pub fn program_ending(path: &Path) -> Option<&'static str> {
     let ending = path
         .extension()
         .map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-    PROGRAM_ENDINGS.contains(&ending.as_deref().unwrap_or_default())
+    let ending = ending.unwrap_or_default();
+    PROGRAM_ENDINGS.into_iter().find(|known| *known == ending)
 }
 
 #[cfg(test)]
@@ -257,7 +274,7 @@ mod tests {
         put("picture.png", "O0005\n");
         let main = folder.join("main.CNC");
         let text = fs::read_to_string(&main).expect("read");
-        let found = find(&main, &text, &BTreeSet::from([1]));
+        let found = find(&main, calls(&text), &BTreeSet::from([1]));
         let names: Vec<_> = found
             .iter()
             .map(|found| (found.number, found.path.file_name()))

@@ -59,10 +59,10 @@ impl Interpreter {
         }
     }
 
-    /// Where the tool stands before a block that may start the compensation.
-    pub(super) fn stand_before(&mut self, after: &State) {
-        if after.modal.nose_compensation != 40 && !self.compensation.is_on() {
-            let before = &self.state;
+    /// Where the tool stands before a block that may start the compensation, and has just
+    /// been read.
+    pub(super) fn stand_as(&mut self, before: &State) {
+        if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
             let machine = before.machine(before.position).point();
             self.compensation.stand_at(machine, before.frame());
         }

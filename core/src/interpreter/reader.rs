@@ -16,7 +16,7 @@ use crate::interpreter::context::place::Place;
 use crate::interpreter::context::state::State;
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
-use crate::program::Program;
+use crate::program::{Program, Recent};
 use crate::units::{Axis, Point};
 
 mod reading;
@@ -39,6 +39,8 @@ pub struct Interpreter {
     pub(super) aside: Option<Exact>,
     jumps: Jumps,
     machine_codes: MachineCodes,
+    #[serde(skip)]
+    recent: Recent,
 }
 
 /// The run over the MDI block.
@@ -76,6 +78,7 @@ impl Interpreter {
             aside: None,
             jumps: Jumps::default(),
             machine_codes: MachineCodes::default(),
+            recent: Recent::default(),
         }
     }
 

@@ -32,7 +32,7 @@ impl Word {
 }
 
 /// The words of one block in the order of the text.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(into = "Plain", try_from = "Plain")]
 pub struct Block {
     /// Sequence number N.
@@ -85,6 +85,13 @@ const fn address_bit(address: u8) -> u32 {
 }
 
 impl Block {
+    /// Empties it. What is left in the places of words is none of them.
+    pub(super) const fn clear(&mut self) {
+        (self.n, self.o, self.skip, self.line) = (None, None, false, 0);
+        self.variables = false;
+        (self.len, self.addresses, self.codes) = (0, 0, 0);
+    }
+
     /// The words in order, without N and O.
     pub fn words(&self) -> &[Word] {
         &self.words[..usize::from(self.len)]
@@ -215,6 +222,13 @@ pub(super) const fn is_length(address: u8) -> bool {
         address,
         b'X' | b'Z' | b'U' | b'W' | b'R' | b'I' | b'J' | b'K'
     )
+}
+
+impl PartialEq for Block {
+    fn eq(&self, other: &Self) -> bool {
+        let head = |block: &Self| (block.n, block.o, block.skip, block.line);
+        head(self) == head(other) && self.words() == other.words()
+    }
 }
 
 /// One line of text that reads back as the same block.

@@ -1,18 +1,12 @@
 //! Where the blocks and lines of a text begin.
 
 use super::lexer::{FOREIGN, Lexer};
-
-/// Where a block begins.
-#[derive(Clone, Copy)]
-pub(super) struct Place {
-    pub(super) byte: u32,
-    pub(super) line: u32,
-}
+use super::places::{Place, Places};
 
 /// One pass over a text that finds its blocks.
 #[derive(Default)]
 pub(super) struct Index {
-    pub(super) blocks: Vec<Place>,
+    pub(super) blocks: Places,
     /// Byte after the last block.
     pub(super) end: u32,
     /// Lines of the text.
@@ -61,10 +55,15 @@ impl Index {
             if scan.end == End::Line {
                 line += 1;
             }
+            if scan.end == End::Mark && lexer.skip_line_feed() {
+                // Most blocks stand on a line of their own.
+                line_is_open = false;
+                line += 1;
+            }
             if scan.end != End::Percent {
                 continue;
             }
-            if self.blocks.is_empty() {
+            if self.blocks.len() == 0 {
                 // The start of a tape: what follows on its line is a leader.
                 let (end, next) = line_end(text, lexer.at);
                 line_is_open = next == end;

@@ -26,6 +26,17 @@ impl<'a> Lexer<'a> {
         }
     }
 
+    /// The bytes from here on.
+    #[inline]
+    pub(super) fn rest(&self) -> &'a [u8] {
+        self.bytes.get(self.at..).unwrap_or_default()
+    }
+
+    /// The length of the text.
+    pub(super) const fn end(&self) -> usize {
+        self.bytes.len()
+    }
+
     /// The same text from another byte on.
     pub(super) const fn moved_to(&self, at: usize) -> Self {
         Self { at, ..*self }
@@ -43,15 +54,27 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Passes the ASCII letters, digits and marks here that neither end a block nor begin
-    /// a comment; whether there are any.
+    /// Passes the blanks and the ASCII letters, digits and marks here that neither end a
+    /// block nor begin a comment; whether there is more than blanks.
     #[inline]
     pub(super) fn skip_plain(&mut self) -> bool {
-        let rest = self.bytes.get(self.at..).unwrap_or_default();
-        let plain = rest.iter().position(|&byte| !PLAIN[usize::from(byte)]);
-        let plain = plain.unwrap_or(rest.len());
-        self.at += plain;
-        plain > 0
+        let rest = self.rest();
+        let mut met = 0;
+        let other = rest.iter().position(|&byte| {
+            let kind = KINDS[usize::from(byte)];
+            met |= kind;
+            kind == OTHER
+        });
+        self.at += other.unwrap_or(rest.len());
+        met & PLAIN != 0
+    }
+
+    /// Passes the line feed here; whether there is one.
+    #[inline]
+    pub(super) fn skip_line_feed(&mut self) -> bool {
+        let is_here = self.bytes.get(self.at) == Some(&b'\n');
+        self.at += usize::from(is_here);
+        is_here
     }
 
     /// Passes a digit, full-width or not, and gives its value; `None` before anything else.
@@ -89,7 +112,7 @@ impl<'a> Lexer<'a> {
         if self
             .bytes
             .get(self.at)
-            .is_some_and(|&byte| PLAIN[usize::from(byte)])
+            .is_some_and(|&byte| KINDS[usize::from(byte)] == PLAIN)
         {
             return Ok(());
         }
@@ -131,15 +154,23 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// Whether a byte is a character of a word wherever it stands outside comments.
-static PLAIN: [bool; 256] = {
-    let mut plain = [false; 256];
+/// A byte is a character of a word wherever it stands outside comments; a blank; anything
+/// else.
+const PLAIN: u8 = 1;
+const BLANK: u8 = 2;
+const OTHER: u8 = 0;
+static KINDS: [u8; 256] = {
+    let mut kinds = [OTHER; 256];
     let mut byte = b'+';
     while byte <= b'~' {
-        plain[byte as usize] = byte != b';';
+        if byte != b';' {
+            kinds[byte as usize] = PLAIN;
+        }
         byte += 1;
     }
-    plain
+    kinds[b' ' as usize] = BLANK;
+    kinds[b'\t' as usize] = BLANK;
+    kinds
 };
 
 /// The ASCII character of a full-width one (U+FF01–U+FF5E), the blank for the

@@ -31,7 +31,9 @@ mod listing;
 mod mdi;
 mod number;
 mod parse;
+mod places;
 mod points;
+mod recent;
 mod store;
 mod syntax;
 #[cfg(test)]
@@ -46,6 +48,7 @@ pub use mdi::MdiBlock;
 pub use number::{Number, Variable};
 pub(crate) use parse::parse_block;
 pub use points::with_points;
+pub(crate) use recent::Recent;
 pub use store::{ProgramMemory, RANGE};
 pub use syntax::{BlockError, Syntax};
 pub use text::{Program, split};

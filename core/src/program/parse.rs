@@ -156,86 +156,159 @@ fn read_number(
     g65: bool,
     syntax: Syntax,
 ) -> Result<Number, BlockError> {
-    skip_blanks(lexer)?;
     let name = char::from(address);
-    let (first, len) = lexer.peek();
-    let negative = first == b'-';
-    let signed = negative || first == b'+';
-    if signed {
-        lexer.at += len;
+    let (mut negative, mut signed) = (false, false);
+    if !matches!(lexer.rest(), [b'0'..=b'9', ..]) {
         skip_blanks(lexer)?;
-    }
-    if lexer.peek().0 == b'#' {
-        return read_variable(lexer, address, negative);
-    }
-
-    let digits_at = lexer.at;
-    let mut digits = 0_u8;
-    let mut whole = 0_i64;
-    while let Some(digit) = lexer.digit() {
-        digits = digits.saturating_add(1);
-        if whole < HUGE {
-            whole = whole * 10 + i64::from(digit);
+        let (first, len) = lexer.peek();
+        negative = first == b'-';
+        signed = negative || first == b'+';
+        if signed {
+            lexer.at += len;
+            skip_blanks(lexer)?;
+        }
+        if lexer.peek().0 == b'#' {
+            return read_variable(lexer, address, negative);
         }
     }
-    let (mark, mark_len) = lexer.peek();
-    let point = mark == b'.';
-    let point_at = lexer.at;
-    let mut fraction = 0_i64;
-    let mut fraction_digits = 0_u8;
-    if point {
-        lexer.at += mark_len;
-        while let Some(digit) = lexer.digit() {
-            if fraction_digits < PLACES {
-                fraction = fraction * 10 + i64::from(digit);
-            }
-            fraction_digits = fraction_digits.saturating_add(1);
-        }
-        fraction *= LAST_PLACE[usize::from(fraction_digits.min(PLACES))];
-        if lexer.peek().0 == b'.' {
-            return Err(BlockError::at(
-                number::BAD_POINT,
-                lexer.at,
-                say::point_twice(),
-            ));
-        }
+    let digits = match plain_digits(lexer) {
+        Some(digits) => digits,
+        None => any_digits(lexer)?,
+    };
+    let Digits { point, places, .. } = digits;
+    if digits.count == 0 && places == 0 {
+        return Err(no_digits(lexer, name, start, signed || point.is_some()));
     }
-
-    if digits == 0 && fraction_digits == 0 {
-        return Err(no_digits(lexer, name, start, signed || point));
+    if let Some(at) = point
+        && (g65 || !takes_point(address))
+    {
+        let rule = say::point_not_allowed(name);
+        return Err(BlockError::at(number::BAD_POINT, at, rule));
     }
-    if point && (g65 || !takes_point(address)) {
-        return Err(BlockError::at(
-            number::BAD_POINT,
-            point_at,
-            say::point_not_allowed(name),
-        ));
-    }
-    if !point && syntax.point_required && takes_point(address) && !g65 {
+    if point.is_none() && syntax.point_required && takes_point(address) && !g65 {
         let detail = say::point_missing(name);
         return Err(BlockError::at(number::BAD_POINT, start, detail));
     }
-    if address == b'F' && significant_digits(lexer, digits_at) > 7 {
+    if address == b'F' && significant_digits(lexer, digits.at) > 7 {
         return Err(BlockError::at(
             number::OUT_OF_RANGE,
             start,
             say::feed_digits_too_many(),
         ));
     }
-    let size = whole.min(HUGE) * 1_000_000 + fraction;
-    let millionths = if negative { -size } else { size };
-    if point {
-        let number = Number::from_millionths(millionths);
-        return Ok(if is_length(address) {
-            number.rounded_to_increment(syntax.increment())
+    if point.is_none() {
+        let whole = if negative {
+            -digits.whole
         } else {
-            number
-        });
+            digits.whole
+        };
+        return Ok(Number::from_integer(whole, digits.count.min(MAX_DIGITS)));
     }
-    Ok(Number::from_integer(
-        millionths / 1_000_000,
-        digits.min(MAX_DIGITS),
-    ))
+    let size = digits.whole * 1_000_000 + digits.fraction;
+    let number = Number::from_millionths(if negative { -size } else { size });
+    Ok(match is_length(address) && places > syntax.places() {
+        true => number.rounded_to_increment(syntax.increment()),
+        false => number,
+    })
+}
+
+/// The digits of a number as they are written.
+struct Digits {
+    /// Where they begin, and where their point stands.
+    at: usize,
+    point: Option<usize>,
+    /// What stands before the point, and its digits.
+    whole: i64,
+    count: u8,
+    /// What stands after it, in millionths, and its digits.
+    fraction: i64,
+    places: u8,
+}
+
+/// Digits as most are written: ASCII, and no more than count. Anything else is left to
+/// [`any_digits`].
+#[inline]
+fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
+    /// Digits before the point.
+    const MOST: usize = 12;
+    let at = lexer.at;
+    let (whole, mut rest) = leading(lexer.rest());
+    let count = lexer.rest().len() - rest.len();
+    let (mut point, mut fraction, mut places) = (None, 0, 0);
+    if let [b'.', behind @ ..] = rest {
+        point = Some(at + count);
+        (fraction, rest) = leading(behind);
+        places = behind.len() - rest.len();
+    }
+    let others = matches!(rest, [b'.' | 0x80.., ..]);
+    if count > MOST || others {
+        return None;
+    }
+    let fraction = fraction * LAST_PLACE.get(places)?;
+    lexer.at = lexer.end() - rest.len();
+    Some(Digits {
+        at,
+        point,
+        whole,
+        count: count as u8,
+        fraction,
+        places: places as u8,
+    })
+}
+
+/// The value of the ASCII digits in front, whatever it is of very many, and what follows.
+#[inline]
+fn leading(mut bytes: &[u8]) -> (i64, &[u8]) {
+    let mut value = 0_i64;
+    while let [byte, rest @ ..] = bytes {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
+        bytes = rest;
+    }
+    (value, bytes)
+}
+
+/// Digits however they are written.
+#[cold]
+fn any_digits(lexer: &mut Lexer<'_>) -> Result<Digits, BlockError> {
+    let at = lexer.at;
+    let mut count = 0_u8;
+    let mut whole = 0_i64;
+    while let Some(digit) = lexer.digit() {
+        count = count.saturating_add(1);
+        if whole < HUGE {
+            whole = whole * 10 + i64::from(digit);
+        }
+    }
+    let mut digits = Digits {
+        at,
+        point: None,
+        whole: whole.min(HUGE),
+        count,
+        fraction: 0,
+        places: 0,
+    };
+    let (mark, len) = lexer.peek();
+    if mark != b'.' {
+        return Ok(digits);
+    }
+    digits.point = Some(lexer.at);
+    lexer.at += len;
+    while let Some(digit) = lexer.digit() {
+        if digits.places < PLACES {
+            digits.fraction = digits.fraction * 10 + i64::from(digit);
+        }
+        digits.places = digits.places.saturating_add(1);
+    }
+    digits.fraction *= LAST_PLACE[usize::from(digits.places.min(PLACES))];
+    if lexer.peek().0 == b'.' {
+        let rule = say::point_twice();
+        return Err(BlockError::at(number::BAD_POINT, lexer.at, rule));
+    }
+    Ok(digits)
 }
 
 /// Numbers this large are out of every range; reading stops to grow there.

@@ -3,7 +3,6 @@
 
 use core::ops::RangeInclusive;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
@@ -38,7 +37,7 @@ impl ProgramMemory {
     ///
     /// # Errors
     /// 074 without an O number, 068 and 072 when the memory is full.
-    pub fn store(&mut self, text: impl Into<Arc<str>>) -> Result<u16, Alarm> {
+    pub fn store(&mut self, text: impl Into<String>) -> Result<u16, Alarm> {
         let program = Program::new(text);
         let number = program.number().ok_or_else(|| {
             Alarm::new(number::PROGRAM_NUMBER).because(say::program_number_missing())
@@ -51,7 +50,7 @@ impl ProgramMemory {
     ///
     /// # Errors
     /// 073 when the number is in use, and those of [`Self::store`].
-    pub fn receive(&mut self, text: impl Into<Arc<str>>) -> Result<u16, Alarm> {
+    pub fn receive(&mut self, text: impl Into<String>) -> Result<u16, Alarm> {
         let program = Program::new(text);
         match program.number() {
             Some(number) if self.stored.contains_key(&number) => {

@@ -21,6 +21,11 @@ impl Syntax {
     pub(super) const fn increment(self) -> i64 {
         if self.inch { 100 } else { 1000 }
     }
+
+    /// Decimal places of the least input increment.
+    pub(super) const fn places(self) -> u8 {
+        if self.inch { 4 } else { 3 }
+    }
 }
 
 impl From<&Parameters> for Syntax {

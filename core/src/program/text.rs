@@ -1,29 +1,34 @@
 //! A program: its text and where its blocks begin.
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
 use super::head::Head;
-use super::index::{Index, Place, line_end, line_start};
+use super::index::{Index, line_end, line_start};
 use super::parse::read_block;
+use super::places::{Place, Places};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 
 /// A program text with the index of its blocks; cheap to clone.
 ///
-/// Besides the text it keeps 8 bytes a block.
+/// Besides the text it keeps a byte and a half a block; eight where they do not stand one a line.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(into = "Plain", from = "Plain")]
 pub struct Program {
     shared: Arc<Shared>,
 }
 
+/// Which program a text is; it does not keep the text.
+#[derive(Clone, Default)]
+pub(super) struct Identity(Weak<Shared>);
+
 struct Shared {
-    text: Arc<str>,
-    blocks: Vec<Place>,
+    text: String,
+    blocks: Places,
     /// Byte after the last block.
     end: u32,
     first_line: u32,
@@ -36,7 +41,7 @@ struct Shared {
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Program")]
 struct Plain {
-    text: Arc<str>,
+    text: String,
     #[serde(default = "one", skip_serializing_if = "is_one")]
     first_line: u32,
 }
@@ -57,21 +62,16 @@ const fn is_one(line: &u32) -> bool {
 const MAX_BYTES: usize = u32::MAX as usize - 16;
 
 impl Program {
-    /// Indexes a text.
-    pub fn new(text: impl Into<Arc<str>>) -> Self {
+    /// Indexes a text; one that is handed over is not copied.
+    pub fn new(text: impl Into<String>) -> Self {
         Self::from_line(text.into(), 1)
     }
 
     /// A program that begins at a later line of its file.
-    fn from_line(text: Arc<str>, first_line: u32) -> Self {
-        let text = if text.len() <= MAX_BYTES {
-            text
-        } else {
-            Arc::from(
-                text.get(..text.floor_char_boundary(MAX_BYTES))
-                    .unwrap_or(""),
-            )
-        };
+    fn from_line(mut text: String, first_line: u32) -> Self {
+        if text.len() > MAX_BYTES {
+            text.truncate(text.floor_char_boundary(MAX_BYTES));
+        }
         let mut index = Index::default();
         index.read(&text, first_line);
         let characters = text.chars().count();
@@ -90,6 +90,22 @@ impl Program {
         Self {
             shared: Arc::new(shared),
         }
+    }
+
+    /// Which program this is.
+    pub(super) fn identity(&self) -> Identity {
+        Identity(Arc::downgrade(&self.shared))
+    }
+
+    /// Whether this is it.
+    pub(super) fn is(&self, identity: &Identity) -> bool {
+        core::ptr::eq(Arc::as_ptr(&self.shared), identity.0.as_ptr())
+    }
+
+    /// How many hold its text.
+    #[cfg(test)]
+    pub(super) fn holders(&self) -> usize {
+        Arc::strong_count(&self.shared)
     }
 
     /// The whole text.
@@ -137,20 +153,17 @@ impl Program {
     /// an index beyond it.
     pub fn block_line(&self, index: u32) -> u32 {
         let blocks = &self.shared.blocks;
-        match blocks.get(index as usize) {
-            Some(place) => place.line,
-            None => blocks
-                .last()
-                .map_or(self.shared.first_line, |place| place.line + 1),
-        }
+        let behind = || {
+            let last = blocks.last();
+            last.map_or(self.shared.first_line, |place| place.line + 1)
+        };
+        blocks.line(index as usize).unwrap_or_else(behind)
     }
 
     /// The first block in this line of the file or after it; [`Self::block_count`]
     /// behind the last one.
     pub fn block_from_line(&self, line: u32) -> u32 {
-        self.shared
-            .blocks
-            .partition_point(|place| place.line < line) as u32
+        self.shared.blocks.first_at(line) as u32
     }
 
     /// Reads a block without variables, except in G65, whose words are kept as
@@ -185,18 +198,27 @@ impl Program {
         Ok(block)
     }
 
-    /// The same into an empty block, in its place: blocks are large to be moved.
+    /// The same into a block, whatever it held: blocks are large to be moved.
     ///
     /// # Errors
     /// As `parse_block`.
+    #[inline]
     pub(crate) fn read(
         &self,
         index: u32,
         syntax: Syntax,
         block: &mut Block,
     ) -> Result<(), BlockError> {
-        block.line = self.block_line(index);
-        read_block(self.block(index), syntax, block)
+        block.clear();
+        let shared = &self.shared;
+        let Some(place) = shared.blocks.get(index as usize) else {
+            block.line = self.block_line(index);
+            return Ok(());
+        };
+        block.line = place.line;
+        // It ends by itself where the next one begins.
+        let text = shared.text.get(place.byte as usize..shared.end as usize);
+        read_block(text.unwrap_or(""), syntax, block)
     }
 
     /// The line of the first block with this sequence number, in `from_line` or
@@ -257,7 +279,7 @@ impl Program {
             whole.push_str(newline);
         }
         whole.push_str(after);
-        Self::from_line(Arc::from(whole), shared.first_line)
+        Self::from_line(whole, shared.first_line)
     }
 
     /// The text from a line of the file on, with more text behind it; lines keep their
@@ -266,7 +288,7 @@ impl Program {
         let first = first.max(self.shared.first_line);
         let kept = self.shared.text.get(self.shared.line_byte(first)..);
         let whole = [kept.unwrap_or(""), more].concat();
-        Self::from_line(Arc::from(whole), first)
+        Self::from_line(whole, first)
     }
 
     /// The same program under another number: its O word is replaced, or put in
@@ -274,15 +296,11 @@ impl Program {
     #[must_use]
     pub fn renumbered(&self, number: u16) -> Self {
         let shared = &self.shared;
-        let name = shared
-            .blocks
-            .iter()
-            .take(NAME_WITHIN)
-            .enumerate()
-            .find_map(|(index, place)| {
-                let (start, end) = Head::read(shared.block(index)).o_span?;
-                Some((place.byte as usize + start, place.byte as usize + end))
-            });
+        let name = (0..shared.blocks.len().min(NAME_WITHIN)).find_map(|index| {
+            let (start, end) = Head::read(shared.block(index)).o_span?;
+            let byte = shared.blocks.get(index)?.byte as usize;
+            Some((byte + start, byte + end))
+        });
         let text = &shared.text;
         let text = match name {
             Some((start, end)) => format!(
@@ -291,7 +309,7 @@ impl Program {
                 text.get(end..).unwrap_or("")
             ),
             None => {
-                let first = shared.blocks.first().map_or(0, |place| place.byte as usize);
+                let first = shared.blocks.get(0).map_or(0, |place| place.byte as usize);
                 let (before, after) = text.split_at_checked(first).unwrap_or(("", text));
                 format!("{before}O{number:04};\n{after}")
             }
@@ -313,6 +331,12 @@ impl PartialEq for Program {
 
 impl Eq for Program {}
 
+impl core::fmt::Debug for Identity {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_tuple("Identity").finish()
+    }
+}
+
 impl core::fmt::Debug for Program {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.debug_struct("Program")
@@ -331,7 +355,7 @@ impl From<Plain> for Program {
 impl From<Program> for Plain {
     fn from(program: Program) -> Self {
         Self {
-            text: program.shared.text.clone(),
+            text: program.text().to_owned(),
             first_line: program.shared.first_line,
         }
     }
@@ -368,15 +392,15 @@ impl Shared {
     }
 
     /// The last block in this line or before it.
-    fn last_block_up_to(&self, line: u32) -> Option<&Place> {
-        let known = self.blocks.partition_point(|place| place.line <= line);
+    fn last_block_up_to(&self, line: u32) -> Option<Place> {
+        let known = self.blocks.first_at(line.saturating_add(1));
         self.blocks.get(known.checked_sub(1)?)
     }
 
     /// Where a line begins; the length of the text for one beyond the end. A line may
     /// hold the whole program: no more of it is read than one of its blocks.
     fn line_byte(&self, line: u32) -> usize {
-        let first = self.blocks.partition_point(|place| place.line < line);
+        let first = self.blocks.first_at(line);
         if let Some(place) = self.blocks.get(first)
             && place.line == line
         {
@@ -396,13 +420,13 @@ impl Shared {
 }
 
 /// Cuts a file that holds several programs, each beginning with an O word at the
-/// start of a block, into programs. Lines keep the numbers of the file.
-pub fn split(text: &str) -> Vec<Program> {
+/// start of a block, into programs. Lines keep the numbers of the file. A text of one
+/// program that is handed over is not copied.
+pub fn split(text: impl Into<String>) -> Vec<Program> {
     let whole = Program::new(text);
-    let starts: Vec<Place> = (0..whole.shared.blocks.len())
-        .filter(|&index| Head::names_program(whole.shared.block(index)))
-        .filter_map(|index| whole.shared.blocks.get(index).copied())
-        .collect();
+    let text = whole.text().get(..whole.shared.end as usize).unwrap_or("");
+    let begins = |place: &Place| Head::names_program(text.get(place.byte as usize..).unwrap_or(""));
+    let starts: Vec<Place> = whole.shared.blocks.iter().filter(begins).collect();
     if starts.len() < 2 {
         return vec![whole];
     }
@@ -417,7 +441,7 @@ pub fn split(text: &str) -> Vec<Program> {
         };
         let next = starts.get(index + 1).map_or(end, |next| next.byte as usize);
         let part = text.get(byte..next).unwrap_or("");
-        programs.push(Program::from_line(Arc::from(part), line));
+        programs.push(Program::from_line(part.to_owned(), line));
     }
     programs
 }

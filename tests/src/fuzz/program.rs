@@ -33,7 +33,7 @@ pub(super) fn run(input: &[u8]) {
     }
     let pointed = watch::unit(|| with_points(&text));
     assert_eq!(pointed.lines().count(), text.lines().count());
-    let parts = watch::unit(|| split(&text));
+    let parts = watch::unit(|| split(&*text));
     watch::seen("parts", parts.len());
 }
 

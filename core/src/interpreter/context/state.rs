@@ -10,8 +10,7 @@ use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::words::{AxisWords, Target};
 use crate::units::{Axis, PerAxis};
 
-/// Small and `Copy`: a block is evaluated on a copy, which replaces the
-/// original only when the block raises no alarm.
+/// Small and `Copy`: it is put back as it was when a block raises an alarm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
     pub(crate) modal: Modal,

@@ -82,6 +82,13 @@ impl Words {
     /// Sorts the words of a block; alarms 010 and 024.
     pub(crate) fn of(block: &Block) -> Result<Self, Alarm> {
         let mut words = Self::default();
+        words.take(block)?;
+        Ok(words)
+    }
+
+    /// The same into empty ones, in their place: they are large to be moved.
+    pub(crate) fn take(&mut self, block: &Block) -> Result<(), Alarm> {
+        let words = self;
         for word in block.words() {
             words.count = words.count.saturating_add(1);
             let value = word.value;
@@ -117,7 +124,7 @@ impl Words {
         if words.one_shot.is_some() && words.motion.is_some() {
             return Err(Alarm::new(number::G_CONFLICT).because(say::codes_of_two_groups()));
         }
-        Ok(words)
+        Ok(())
     }
 
     fn take_g(&mut self, code: i64) -> Result<(), Alarm> {

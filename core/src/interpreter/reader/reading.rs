@@ -23,7 +23,7 @@ use crate::interpreter::macros::macro_block::Outcome;
 use crate::interpreter::macros::variable;
 use crate::interpreter::macros::variable::NotNow;
 use crate::interpreter::plan::Plan;
-use crate::program::{Block, Syntax};
+use crate::program::{Block, Recent, Syntax};
 
 use super::{Advance, Interpreter};
 
@@ -90,6 +90,14 @@ impl Interpreter {
     }
 
     fn read<H: Host>(&mut self, host: &mut H) -> Result<Read, Alarm> {
+        // Beside the interpreter, which changes while a block is looked at.
+        let mut recent = core::mem::take(&mut self.recent);
+        let read = self.read_block(&mut recent, host);
+        self.recent = recent;
+        read
+    }
+
+    fn read_block<H: Host>(&mut self, recent: &mut Recent, host: &mut H) -> Result<Read, Alarm> {
         let mdi = self.mdi.as_ref();
         let run = mdi.map_or(&self.main, |mdi| &mdi.run);
         let place = run.place;
@@ -125,15 +133,17 @@ impl Interpreter {
             sequence: run.sequence,
         };
         let skipping = host.block_skip() && mdi.is_none();
-        let mut block = Block::default();
-        if let Err(error) = program.read(place.block, syntax, &mut block) {
-            source.sequence = program.sequence(place.block).or(source.sequence);
-            if !(skipping && program.has_skip_mark(place.block)) {
-                return Err(Alarm::from(error).at(source));
+        let mut block = match recent.read(program, place.block, syntax) {
+            Ok(block) => block,
+            Err(error) => {
+                source.sequence = program.sequence(place.block).or(source.sequence);
+                if !(skipping && program.has_skip_mark(place.block)) {
+                    return Err(Alarm::from(error).at(source));
+                }
+                self.note(source);
+                return Ok(Read::Skipped);
             }
-            self.note(source);
-            return Ok(Read::Skipped);
-        }
+        };
         source.sequence = block.n.or(source.sequence);
         let skipped = skipping && block.skip;
         if skipped || (block.is_empty() && block.o.is_some()) {
@@ -141,19 +151,24 @@ impl Interpreter {
             return Ok(Read::Skipped);
         }
         if block.has_g(65) {
-            return self.operate(&block, source, place, host);
+            return self.operate(block, source, place, host);
         }
+        let (resolved, mut metric);
         if block.has_variables() {
-            block = match variable::resolve(block, syntax, host) {
+            resolved = match variable::resolve(block.clone(), syntax, host) {
                 Ok(block) => block,
                 Err(NotNow::Wait) => return Ok(Read::Wait),
                 Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
             };
+            block = &resolved;
         }
         if syntax.inch {
-            inch::to_metric(&mut block, self.state.modal.motion);
+            metric = block.clone();
+            inch::to_metric(&mut metric, self.state.modal.motion);
+            block = &metric;
         }
-        let words = Words::of(&block).map_err(|alarm| alarm.at(source))?;
+        let mut words = Words::default();
+        words.take(block).map_err(|alarm| alarm.at(source))?;
         if words.waits() && !host.settled() && !self.reads_early(&words) {
             return Ok(Read::Wait);
         }
@@ -189,15 +204,15 @@ impl Interpreter {
             next: next.as_ref(),
             ..context(&*host, source, place, &run.calls, mdi.is_some(), &read)
         };
-        let mut state = self.state;
-        let mut plan = Plan::new(source, state.modal);
-        block::evaluate(&mut state, &context, &words, &mut plan)
-            .map_err(|alarm| alarm.at(source))?;
-        plan.writes
-            .apply(host.parameters_mut())
-            .map_err(|error| Alarm::from(error).at(source))?;
-        self.stand_before(&state);
-        self.state = state;
+        let before = self.state;
+        let mut plan = Plan::new(source, before.modal);
+        let outcome = block::evaluate(&mut self.state, &context, &words, &mut plan)
+            .and_then(|()| Ok(plan.writes.apply(host.parameters_mut())?));
+        if let Err(alarm) = outcome {
+            self.state = before;
+            return Err(alarm.at(source));
+        }
+        self.stand_as(&before);
         self.note(source);
         Ok(self.planned(plan))
     }

@@ -1,0 +1,114 @@
+//! Blocks read lately. Those of a loop and of a subprogram come again and again: their
+//! text is read once.
+
+use super::block::Block;
+use super::syntax::{BlockError, Syntax};
+use super::text::{Identity, Program};
+
+/// How many blocks are kept: more than a loop or a short subprogram has.
+const KEPT: u32 = 64;
+/// Programs begin so many places apart.
+const APART: u32 = 29;
+
+/// Blocks as they were read, each at a place that its program and its index give. Copies
+/// keep nothing: they read anew.
+#[derive(Debug, Default)]
+pub(crate) struct Recent {
+    kept: Vec<Kept>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Kept {
+    program: Identity,
+    /// Which of its blocks; none when that was wrong.
+    index: Option<u32>,
+    syntax: Syntax,
+    block: Block,
+}
+
+impl Recent {
+    /// A block, with variables where they stand in it.
+    ///
+    /// # Errors
+    /// As [`Program::parse`].
+    pub(crate) fn read(
+        &mut self,
+        program: &Program,
+        index: u32,
+        syntax: Syntax,
+    ) -> Result<&Block, BlockError> {
+        if self.kept.is_empty() {
+            self.kept.resize(KEPT as usize, Kept::default());
+        }
+        let begin = u32::from(program.number().unwrap_or(0)).wrapping_mul(APART);
+        let place = index.wrapping_add(begin) % KEPT;
+        let kept = &mut self.kept[place as usize];
+        let same = program.is(&kept.program);
+        if same && kept.index == Some(index) && kept.syntax == syntax {
+            return Ok(&kept.block);
+        }
+        kept.index = None;
+        program.read(index, syntax, &mut kept.block)?;
+        if !same {
+            kept.program = program.identity();
+        }
+        (kept.index, kept.syntax) = (Some(index), syntax);
+        Ok(&kept.block)
+    }
+}
+
+impl Clone for Recent {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+/// What is kept makes no difference.
+impl PartialEq for Recent {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_are_those_of_their_program_and_syntax() {
+        let first = Program::new("O1;\nG01 X1.2345 Z2;\nX;\n");
+        let second = Program::new("O1;\nG01 X7.5;\nM30;\n");
+        let metric = Syntax::default();
+        let inch = Syntax {
+            inch: true,
+            ..metric
+        };
+        let mut recent = Recent::default();
+        for _ in 0..2 {
+            for program in [&first, &second] {
+                for syntax in [metric, inch] {
+                    for index in 0..4 {
+                        let expected = program.parse(index, syntax);
+                        for _ in 0..2 {
+                            let read = recent.read(program, index, syntax).cloned();
+                            assert_eq!(read, expected, "{index}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_program_is_not_kept_alive() {
+        let mut recent = Recent::default();
+        let syntax = Syntax::default();
+        for number in 0..300 {
+            // A new text may come to stand where the last one stood.
+            let program = Program::new(format!("G01 X{number};\n"));
+            let read = recent.read(&program, 0, syntax).expect("a block");
+            assert_eq!(read, &program.parse(0, syntax).expect("a block"));
+            assert_eq!(program.holders(), 1);
+        }
+    }
+}
