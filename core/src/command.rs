@@ -131,7 +131,7 @@ impl ProgrammedX {
 }
 
 /// What a command does. Positions are machine coordinates.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Action {
     /// Both axes to the target at their own rapid rates; not a straight line.
     Rapid {

@@ -30,6 +30,9 @@ pub(super) struct Curve {
     from: Point,
     to: Point,
     arc: Option<Arc>,
+    /// The corners of a box about it, or about more than that.
+    low: Point,
+    high: Point,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,7 +43,9 @@ struct Arc {
     /// From the start to the end.
     growth: f64,
     turn: f64,
-    sweep: f64,
+    /// From the centre to the start and to the end; the same for a full turn.
+    first: Point,
+    last: Point,
 }
 
 impl Curve {
@@ -49,86 +54,108 @@ impl Curve {
             from,
             to,
             arc: None,
+            low: Point::new(from.x.min(to.x), from.z.min(to.z)),
+            high: Point::new(from.x.max(to.x), from.z.max(to.z)),
         }
     }
 
-    /// The arc about the centre of `circle`, beside a programmed one that is a
-    /// full turn or `whole` round.
-    pub(super) fn arc(from: Point, to: Point, circle: &Circle, whole: f64) -> Self {
-        let arm = from - circle.center;
-        if (to - from).length() < SHORT && whole <= PI {
-            return Self::line(from, to);
-        }
-        let last_arm = to - circle.center;
-        let way = sweep(arm, last_arm, circle.turn);
-        let (first, last) = (arm.length(), last_arm.length());
+    fn of_arc(from: Point, to: Point, arc: Arc) -> Self {
+        let reach = arc.radius + arc.loose();
+        let corner = Point::new(reach, reach);
         Self {
             from,
             to,
-            arc: Some(Arc {
-                center: circle.center,
-                radius: (first + last) / 2.0,
-                growth: last - first,
-                turn: circle.turn,
-                sweep: if way <= 0.0 { TAU } else { way },
-            }),
+            arc: Some(arc),
+            low: arc.center - corner,
+            high: arc.center + corner,
         }
+    }
+
+    /// The arc about the centre of `circle`, beside the one of a move.
+    pub(super) fn arc(from: Point, to: Point, circle: &Circle, piece: &Piece) -> Self {
+        let arm = from - circle.center;
+        if (to - from).length() < SHORT && piece.sweep() <= PI {
+            return Self::line(from, to);
+        }
+        let last_arm = to - circle.center;
+        let (first, last) = (arm.length(), last_arm.length());
+        let arc = Arc {
+            center: circle.center,
+            radius: (first + last) / 2.0,
+            growth: last - first,
+            turn: circle.turn,
+            first: arm,
+            last: last_arm,
+        };
+        Self::of_arc(from, to, arc)
     }
 
     /// The programmed surface of a move.
     pub(super) fn surface(piece: &Piece) -> Self {
         match &piece.circle {
             None => Self::line(piece.start, piece.end),
-            Some(circle) => Self::arc(piece.start, piece.end, circle, piece.sweep()),
-        }
-    }
-
-    /// The corners of a box about the curve, or more than that.
-    fn bounds(&self) -> (Point, Point) {
-        let (a, b) = (self.from, self.to);
-        match &self.arc {
-            None => (
-                Point::new(a.x.min(b.x), a.z.min(b.z)),
-                Point::new(a.x.max(b.x), a.z.max(b.z)),
-            ),
-            Some(arc) => {
-                let reach = arc.radius + self.loose();
-                let corner = Point::new(reach, reach);
-                (arc.center - corner, arc.center + corner)
-            }
+            Some(circle) => Self::arc(piece.start, piece.end, circle, piece),
         }
     }
 
     /// What its points may lie off the arc with the radius of its middle.
     pub(super) fn loose(&self) -> f64 {
-        self.arc.map_or(0.0, |arc| arc.growth.abs() / 2.0)
+        self.arc.as_ref().map_or(0.0, Arc::loose)
     }
 
     /// The two halves of an arc.
     fn halves(&self, arc: &Arc) -> [Self; 2] {
-        let arm = self.from - arc.center;
-        let (sine, cosine) = libm::sincos(arc.sweep / 2.0 * arc.turn);
+        let arm = arc.first;
+        let whole = match sweep(arm, arc.last, arc.turn) {
+            way if way <= 0.0 => TAU,
+            way => way,
+        };
+        let (sine, cosine) = libm::sincos(whole / 2.0 * arc.turn);
         let turned = Point::new(arm.x * cosine + arm.z * sine, arm.z * cosine - arm.x * sine);
         // From the centre itself every direction is as good.
-        let middle = arc.center + turned.unit().unwrap_or_default() * arc.radius;
-        let half = |from: Point, to: Point, quarter: f64| Self {
-            from,
-            to,
-            arc: Some(Arc {
+        let arm = turned.unit().unwrap_or_default() * arc.radius;
+        let middle = arc.center + arm;
+        let half = |(from, first), (to, last), quarter: f64| {
+            let half = Arc {
                 radius: arc.radius + arc.growth * quarter,
                 growth: arc.growth / 2.0,
-                sweep: arc.sweep / 2.0,
+                first,
+                last,
                 ..*arc
-            }),
+            };
+            Self::of_arc(from, to, half)
         };
-        [half(self.from, middle, -0.25), half(middle, self.to, 0.25)]
+        let (start, end) = ((self.from, arc.first), (self.to, arc.last));
+        [
+            half(start, (middle, arm), -0.25),
+            half((middle, arm), end, 0.25),
+        ]
     }
 }
 
 impl Arc {
+    /// What its points may lie off the arc with the radius of its middle.
+    const fn loose(&self) -> f64 {
+        self.growth.abs() / 2.0
+    }
+
     /// Whether the direction from the centre lies within the arc.
-    fn spans(&self, from: Point, direction: Point) -> bool {
-        sweep(from - self.center, direction, self.turn) <= self.sweep
+    ///
+    /// ```text
+    ///     last .    direction       up to half a turn: after the first arm and before
+    ///           `. .                the last one; of more than that the other arc is
+    ///     turn ^  +------ first     after the last arm and before the first one
+    /// ```
+    fn spans(&self, direction: Point) -> bool {
+        let after = |one: Point, other: Point| one.cross(other) * self.turn;
+        let (first, last) = (after(self.first, direction), after(direction, self.last));
+        let turned = after(self.first, self.last);
+        // The same direction again is a full turn.
+        let wide = turned < 0.0 || turned == 0.0 && self.first.dot(self.last) > 0.0;
+        match wide {
+            true => first >= 0.0 || last >= 0.0,
+            false => first >= 0.0 && last >= 0.0,
+        }
     }
 }
 
@@ -155,10 +182,9 @@ fn nearer(a: &Curve, b: &Curve, least: f64) -> bool {
 
 /// Whether the boxes about two curves are this far from each other already.
 fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
-    let ((low_a, high_a), (low_b, high_b)) = (a.bounds(), b.bounds());
-    let gap = |low: f64, high: f64| low.max(high).max(0.0);
-    let x = gap(low_a.x - high_b.x, low_b.x - high_a.x);
-    let z = gap(low_a.z - high_b.z, low_b.z - high_a.z);
+    let gap = |one: f64, other: f64| one.max(other).max(0.0);
+    let x = gap(a.low.x - b.high.x, b.low.x - a.high.x);
+    let z = gap(a.low.z - b.high.z, b.low.z - a.high.z);
     x * x + z * z >= least * least && least > 0.0
 }
 
@@ -166,9 +192,9 @@ fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
 pub(super) fn distance(a: &Curve, b: &Curve) -> f64 {
     let between = match (&a.arc, &b.arc) {
         (None, None) => return lines(a, b),
-        (None, Some(arc)) => line_and_arc(a, b, arc),
-        (Some(arc), None) => line_and_arc(b, a, arc),
-        (Some(first), Some(second)) => arcs(a, first, b, second),
+        (None, Some(arc)) => line_and_arc(a, arc),
+        (Some(arc), None) => line_and_arc(b, arc),
+        (Some(first), Some(second)) => arcs(first, second),
     };
     let ends = to_point(a, b.from)
         .min(to_point(a, b.to))
@@ -185,7 +211,7 @@ fn to_point(curve: &Curve, point: Point) -> f64 {
         None => foot(curve, point).map_or(ends, |foot| (point - foot).length().min(ends)),
         Some(arc) => {
             let arm = point - arc.center;
-            if !arc.spans(curve.from, arm) {
+            if !arc.spans(arm) {
                 return ends;
             }
             (arm.length() - arc.radius).abs().min(ends)
@@ -238,7 +264,7 @@ fn cross(a: &Curve, b: &Curve) -> bool {
     (0.0..=1.0).contains(&on_a) && (0.0..=1.0).contains(&on_b)
 }
 
-fn line_and_arc(line: &Curve, curve: &Curve, arc: &Arc) -> f64 {
+fn line_and_arc(line: &Curve, arc: &Arc) -> f64 {
     let Some(along) = (line.to - line.from).unit() else {
         return f64::INFINITY;
     };
@@ -249,27 +275,26 @@ fn line_and_arc(line: &Curve, curve: &Curve, arc: &Arc) -> f64 {
         for direction in [to_line + along * half, to_line - along * half] {
             let on_line = (arc.center + direction - line.from).dot(along);
             let within = (0.0..=(line.to - line.from).length()).contains(&on_line);
-            if within && arc.spans(curve.from, direction) {
+            if within && arc.spans(direction) {
                 return 0.0;
             }
         }
         return f64::INFINITY;
     }
     match foot(line, arc.center) {
-        Some(foot) if arc.spans(curve.from, foot - arc.center) => way - arc.radius,
+        Some(foot) if arc.spans(foot - arc.center) => way - arc.radius,
         _ => f64::INFINITY,
     }
 }
 
-fn arcs(a: &Curve, first: &Arc, b: &Curve, second: &Arc) -> f64 {
+fn arcs(first: &Arc, second: &Arc) -> f64 {
     let between = second.center - first.center;
     let d = between.length();
     let Some(e) = between.unit() else {
         return f64::INFINITY;
     };
-    let both = |point: Point| {
-        first.spans(a.from, point - first.center) && second.spans(b.from, point - second.center)
-    };
+    let both =
+        |point: Point| first.spans(point - first.center) && second.spans(point - second.center);
     let along = (first.radius * first.radius - second.radius * second.radius + d * d) / (2.0 * d);
     let square = first.radius * first.radius - along * along;
     if square >= 0.0 {
@@ -283,8 +308,7 @@ fn arcs(a: &Curve, first: &Arc, b: &Curve, second: &Arc) -> f64 {
         for side_b in [1.0, -1.0] {
             let on_a = first.center + e * (side_a * first.radius);
             let on_b = second.center + e * (side_b * second.radius);
-            let seen = first.spans(a.from, on_a - first.center)
-                && second.spans(b.from, on_b - second.center);
+            let seen = first.spans(on_a - first.center) && second.spans(on_b - second.center);
             if seen {
                 least = least.min((on_b - on_a).length());
             }

@@ -41,6 +41,17 @@ pub(super) struct Way {
     pub(super) straight: bool,
 }
 
+impl Way {
+    /// With all vectors, and as an arc if it is one.
+    pub(super) const fn whole(start: Vectors, end: Vectors) -> Self {
+        Self {
+            start,
+            end,
+            straight: false,
+        }
+    }
+}
+
 /// A move that was run: its surface and the path of the nose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trail {
@@ -59,7 +70,7 @@ impl Trail {
         let (p, q) = (piece.start + way.start.last(), piece.end + way.end.first());
         let path = match &piece.circle {
             Some(circle) if !way.straight && !too_short(piece, circle, p, q) => {
-                Curve::arc(p, q, circle, piece.sweep())
+                Curve::arc(p, q, circle, piece)
             }
             _ => Curve::line(p, q),
         };
@@ -121,11 +132,7 @@ pub(super) fn cuts_into<'a>(
 
 /// Checks a move between the vectors at its start and at its end.
 pub(super) fn check(piece: &Piece, start: Vectors, end: Vectors) -> Result<Way, Fault> {
-    let mut way = Way {
-        start,
-        end,
-        straight: false,
-    };
+    let mut way = Way::whole(start, end);
     while interferes(piece, &way) {
         match (way.start.single(), way.end.single()) {
             (true, true) => return Err(Fault::Interference),
@@ -154,8 +161,13 @@ fn interferes(piece: &Piece, way: &Way) -> bool {
 
 /// Whether the sweep of the nose path differs by more than half a turn.
 fn turns_over(piece: &Piece, circle: &Circle, p: Point, q: Point) -> bool {
-    let programmed = piece.sweep();
     let (first, last) = (p - circle.center, q - circle.center);
+    let (start, end) = (piece.start - circle.center, piece.end - circle.center);
+    let within_half = |one: Point, other: Point| one.cross(other) * circle.turn > 0.0;
+    if within_half(start, end) && within_half(first, last) {
+        return false;
+    }
+    let programmed = piece.sweep();
     // An arc shrunk to its centre has no sweep to compare.
     if first.length() <= BACKWARDS || last.length() <= BACKWARDS {
         return false;

@@ -21,6 +21,8 @@ pub(super) const SAME: f64 = 1e-7;
 const ON_POINT: f64 = 0.0005;
 /// Greatest distance of an end point from the circle of its arc, mm.
 pub(crate) const OFF_CIRCLE: f64 = 0.010;
+/// An end so little beside its circle is on it, mm.
+const EVEN: f64 = 1e-10;
 /// The nose may be larger than an inner arc by what ends and a centre rounded to
 /// 0.001 mm take from it, mm.
 const ROUNDED: f64 = 0.0013;
@@ -111,6 +113,9 @@ impl Piece {
     /// The radius of an arc in a direction from its centre; beyond its ends that
     /// of the end.
     pub(super) fn radius_toward(&self, circle: &Circle, direction: Point) -> f64 {
+        if (circle.last_radius - circle.radius).abs() < EVEN {
+            return circle.radius;
+        }
         let whole = self.sweep();
         let way = sweep(self.start - circle.center, direction, circle.turn);
         let part = if way <= whole {

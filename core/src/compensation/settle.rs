@@ -144,16 +144,15 @@ impl Compensation {
         let inside = !moving.starts && !moving.from_point;
         let way = match end {
             End::Vectors(end) if inside => self.check(&moving, start, end, next),
-            End::Vectors(end) => Ok(Way {
-                start,
-                end,
-                straight: false,
-            }),
-            End::Cancelled => Ok(Way {
-                start,
-                end: Vectors::of(&[corner::square_to_end(&moving.piece, moving.rho())]),
-                straight: false,
-            }),
+            End::Vectors(end) => {
+                self.before.clear();
+                Ok(Way::whole(start, end))
+            }
+            End::Cancelled => {
+                self.before.clear();
+                let square = corner::square_to_end(&moving.piece, moving.rho());
+                Ok(Way::whole(start, Vectors::of(&[square])))
+            }
         };
         let way = match way {
             Ok(way) => way,
@@ -166,8 +165,6 @@ impl Compensation {
         };
         self.corner_moves(&moving, way.start);
         self.main_move(&moving, &way, end == End::Cancelled);
-        let regular = next.is_some() && inside && self.stand.radius == moving.nose.radius;
-        self.remember(end, regular, &moving, &way);
         self.stand = match end {
             End::Vectors(_) => Stand {
                 base: moving.base(),
@@ -180,29 +177,10 @@ impl Compensation {
         self.release();
     }
 
-    /// Keeps a move for the interference check of those that follow. After an end
-    /// square to it, or on the point, the next one may cut in.
-    fn remember(&mut self, end: End, regular: bool, moving: &Moving, way: &Way) {
-        let goes_on = self
-            .before
-            .back()
-            .is_none_or(|before| (before.end - moving.piece.start).length() <= SAME);
-        if !goes_on {
-            self.before.clear();
-        }
-        if end == End::Cancelled || !regular {
-            return self.before.clear();
-        }
-        if self.before.len() >= MOVES_BEFORE {
-            self.before.pop_front();
-        }
-        let trail = Trail::of(&moving.piece, way, moving.rho());
-        self.before.push_back(trail);
-    }
-
-    /// The interference check of a move within offset mode.
+    /// The interference check of a move within offset mode: what is left of its vectors.
+    /// Its trail is kept for those that follow.
     fn check(
-        &self,
+        &mut self,
         moving: &Moving,
         start: Vectors,
         end: Vectors,
@@ -211,25 +189,35 @@ impl Compensation {
         let way = interference::check(&moving.piece, start, end)?;
         let rho = moving.rho();
         let trail = Trail::of(&moving.piece, &way, rho);
-        // Neither a vector of another nose nor one of another corner keeps clear.
-        if moving.square_start || self.stand.radius != moving.nose.radius {
-            return Ok(way);
-        }
         let goes_on = self
             .before
             .back()
-            .is_some_and(|before| (before.end - moving.piece.start).length() <= SAME);
-        let before = self
-            .before
-            .iter()
-            .filter(|before| goes_on && before.rho == rho);
-        let surface = next
-            .and_then(|next| next.surface)
-            .filter(|(piece, by)| *by == rho && (piece.start - moving.piece.end).length() <= SAME);
-        let next = surface.as_ref().map(|(piece, _)| piece);
-        if interference::cuts_into(&before, moving.piece.start, &way, &trail, next) {
-            return Err(Fault::Interference);
+            .is_none_or(|before| (before.end - moving.piece.start).length() <= SAME);
+        if !goes_on {
+            self.before.clear();
         }
+        let same_nose = self.stand.radius == moving.nose.radius;
+        // Neither a vector of another nose nor one of another corner keeps clear.
+        if same_nose && !moving.square_start {
+            let before = self.before.iter().filter(|before| before.rho == rho);
+            let surface = next.as_ref().and_then(|next| next.surface.as_ref());
+            let surface = surface.filter(|(piece, by)| {
+                *by == rho && (piece.start - moving.piece.end).length() <= SAME
+            });
+            let next = surface.map(|(piece, _)| piece);
+            if interference::cuts_into(&before, moving.piece.start, &way, &trail, next) {
+                return Err(Fault::Interference);
+            }
+        }
+        // After an end square to it the next one may cut in.
+        if next.is_none() || !same_nose {
+            self.before.clear();
+            return Ok(way);
+        }
+        if self.before.len() >= MOVES_BEFORE {
+            self.before.pop_front();
+        }
+        self.before.push_back(trail);
         Ok(way)
     }
 

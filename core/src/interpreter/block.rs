@@ -255,7 +255,7 @@ fn motion(
         }
         Kind::OneShot(OneShot::Reference) => {
             let reference = Reference::plan(state, context, axes, base)?;
-            Ok(reference.map_or(Motion::None, Motion::Reference))
+            Ok(reference.map_or(Motion::None, |it| Motion::Reference(Box::new(it))))
         }
         // G70 to G76 have plans of their own.
         Kind::Nothing | Kind::OneShot(_) => Ok(Motion::None),
@@ -349,7 +349,7 @@ fn follow(
             }
             plan.flow = subprogram::back(context, p)?;
             plan.stops = !words.bare_call();
-            if subprogram::repeats(context, plan.flow) {
+            if subprogram::repeats(context, &plan.flow) {
                 plan.after = Some(Action::Repeat);
             }
         }

@@ -29,7 +29,7 @@ pub(crate) enum Motion {
     /// G90, G94.
     Box(Box<BoxCycle>),
     /// G28.
-    Reference(Reference),
+    Reference(Box<Reference>),
     /// A cut with a chamfer, corner arc or run-out.
     Two(Box<Two>),
     /// G33 with several starts, G71 to G76, G92.
@@ -65,13 +65,15 @@ impl Motion {
         Ok(Self::Cycle(Box::new(Cycle::begin(state, maker)?)))
     }
 
+    #[inline]
     pub(crate) fn next(&mut self) -> Option<Emission> {
         match self {
             Self::None => None,
-            Self::One(_) => match core::mem::take(self) {
-                Self::One(action) => Some(Emission::passing(action)),
-                _ => None,
-            },
+            Self::One(action) => {
+                let action = *action;
+                *self = Self::None;
+                Some(Emission::passing(action))
+            }
             Self::Box(cycle) => cycle.next(),
             Self::Reference(reference) => reference.next(),
             Self::Two(two) => two.next(),
@@ -180,6 +182,7 @@ impl Plan {
     }
 
     /// The next command.
+    #[inline]
     pub(crate) fn take(&mut self) -> Option<Command> {
         let emission = match self.before.pop_front() {
             Some(action) => Emission::passing(action),

@@ -63,12 +63,13 @@ impl Run {
 
     /// The next command of the block read last; at its end, turns to the
     /// block that follows.
+    #[inline]
     pub(crate) fn take(&mut self) -> Option<Command> {
         let plan = self.plan.as_mut()?;
         self.contour = plan.motion.is_contour() && !plan.apart;
         let command = plan.take();
         if plan.is_done() {
-            let flow = plan.flow;
+            let flow = core::mem::take(&mut plan.flow);
             self.note = plan.note();
             self.plan = None;
             self.follow(flow);
@@ -82,7 +83,7 @@ impl Run {
             Flow::Jump(place) => self.place = place,
             Flow::Finish(finishing) => {
                 self.place = finishing.first;
-                self.finishing = Some(finishing);
+                self.finishing = Some(*finishing);
             }
             Flow::Call(call) => {
                 self.place = Place {

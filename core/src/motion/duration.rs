@@ -111,19 +111,12 @@ impl Sequel {
 
 /// Seconds that a move takes from rest to rest at overrides of 100 %. `feed` in
 /// mm/min is used by cuts only; a dwell takes no time here, and a cut without
-/// feed never ends.
-pub fn duration(
-    kind: MoveKind,
-    from: Point,
-    to: Point,
-    center: Option<Point>,
-    feed: f64,
-    limits: &MotionLimits,
-) -> f64 {
+/// feed never ends. The way leads from the start to the end, the length is that of the
+/// path, mm.
+pub fn duration(kind: MoveKind, way: Point, length: f64, feed: f64, limits: &MotionLimits) -> f64 {
     match kind {
         MoveKind::Dwell => 0.0,
         MoveKind::Rapid => {
-            let way = to - from;
             let time = |axis| {
                 limits
                     .rapid_law(axis)
@@ -133,9 +126,7 @@ pub fn duration(
         }
         _ => {
             let rate = (feed / 60.0).min(limits.cutting());
-            limits
-                .cutting_law()
-                .duration(path_length(kind, from, to, center), rate)
+            limits.cutting_law().duration(length, rate)
         }
     }
 }

@@ -132,14 +132,9 @@ fn begin(interpolator: &mut Interpolator, block: Block) -> Begun {
 }
 
 fn time_of(begun: &Begun, limits: &MotionLimits) -> f64 {
-    duration(
-        begun.kind,
-        begun.from,
-        begun.to,
-        begun.center,
-        begun.feed,
-        limits,
-    )
+    let (way, kind) = (begun.to - begun.from, begun.kind);
+    let length = path_length(kind, begun.from, begun.to, begun.center);
+    duration(kind, way, length, begun.feed, limits)
 }
 
 /// Speeds of a tick against the limits that hold for the block.
@@ -323,7 +318,7 @@ fn a_rapid_takes_way_over_rate_plus_time_constant() {
     // Z 100 mm at 7600 mm/min with 300 ms.
     let limits = limits();
     let way = Point::new(0.0, 100.0);
-    let time = duration(MoveKind::Rapid, Point::default(), way, None, 0.0, &limits);
+    let time = duration(MoveKind::Rapid, way, way.length(), 0.0, &limits);
     assert!((time - (100.0 / (7600.0 / 60.0) + 0.3)).abs() < 1e-12);
 }
 

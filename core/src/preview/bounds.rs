@@ -52,7 +52,7 @@ pub(super) fn include(bounds: &mut Option<Bounds>, executed: &ExecutedMove) {
         Point::new(0.0, -radius),
     ] {
         let (from, to) = (turn(first - center), turn(side));
-        if (to - from).rem_euclid(FULL_TURN) <= sweep {
+        if wrapped(to - from) <= sweep {
             bounds.take(center + side);
         }
     }
@@ -63,8 +63,17 @@ const FULL_TURN: f64 = 4.0;
 /// How far it is counter-clockwise from one direction to the other; a full
 /// turn for the same one.
 fn sweep(from: Point, to: Point) -> f64 {
-    let way = (turn(to) - turn(from)).rem_euclid(FULL_TURN);
+    let way = wrapped(turn(to) - turn(from));
     if way == 0.0 { FULL_TURN } else { way }
+}
+
+/// A difference of directions as a part of one full turn.
+fn wrapped(way: f64) -> f64 {
+    match way {
+        _ if way < 0.0 => way + FULL_TURN,
+        _ if way >= FULL_TURN => way - FULL_TURN,
+        _ => way,
+    }
 }
 
 /// A direction as a number that grows with the angle from +Z, one for each

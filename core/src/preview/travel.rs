@@ -47,13 +47,13 @@ impl Walk<'_> {
         self.settle(true);
         self.motionless = 0;
         let over = kind != MoveKind::Rapid && !self.limits.exact_corners();
+        let length = path_length(kind, from, to, center);
         let took = if over {
             self.sequel
                 .cut(kind, from, to, center, per_minute, &self.limits)
         } else {
-            duration(kind, from, to, center, per_minute, &self.limits)
+            duration(kind, to - from, length, per_minute, &self.limits)
         };
-        let length = path_length(kind, from, to, center);
         let lengths = &mut self.so_far.lengths;
         match kind {
             MoveKind::Rapid => lengths.rapid += length,

@@ -107,7 +107,7 @@ fn restart(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
 
 /// Whether a jump begins the main program anew: it counts a part. A jump
 /// forward (M99 P) does not.
-pub(crate) fn repeats(context: &Context<'_>, flow: Flow) -> bool {
+pub(crate) fn repeats(context: &Context<'_>, flow: &Flow) -> bool {
     match flow {
         Flow::Jump(place) => place.block <= context.place.block,
         _ => false,

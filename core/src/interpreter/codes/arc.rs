@@ -66,13 +66,13 @@ fn by_vector(start: Exact, end: Exact, i: i64, k: i64) -> Result<Point, Alarm> {
         return Err(fault(say::arc_vector_zero()));
     }
     let (center_x, center_z) = (i128::from(start.x) + x, 2 * i128::from(start.z) + z);
-    let programmed = Point::new(center_x as f64 / HALF_UNITS, center_z as f64 / HALF_UNITS);
+    let programmed = Point::new(float(center_x) / HALF_UNITS, float(center_z) / HALF_UNITS);
     let (to_x, to_z) = (
         i128::from(end.x) - center_x,
         2 * i128::from(end.z) - center_z,
     );
-    let radius = (square as f64).sqrt();
-    let at_end = ((to_x * to_x + to_z * to_z) as f64).sqrt();
+    let radius = float(square).sqrt();
+    let at_end = float(to_x * to_x + to_z * to_z).sqrt();
     if (at_end - radius).abs() <= FIT {
         return Ok(programmed);
     }
@@ -118,22 +118,27 @@ impl Chord {
         if rest < 0 || self.square == 0 {
             return None;
         }
-        Some((rest as f64 / (4 * self.square) as f64).sqrt())
+        Some((float(rest) / float(4 * self.square)).sqrt())
     }
 
     /// The point beside the middle, `ratio` chord lengths to the right.
     fn beside(&self, ratio: f64) -> Point {
-        let middle_x = (2 * self.start_x + self.dx) as f64 / 2.0;
-        let middle_z = (2 * self.start_z + self.dz) as f64 / 2.0;
+        let middle_x = float(2 * self.start_x + self.dx) / 2.0;
+        let middle_z = float(2 * self.start_z + self.dz) / 2.0;
         Point::new(
-            (middle_x - self.dz as f64 * ratio) / HALF_UNITS,
-            (middle_z + self.dx as f64 * ratio) / HALF_UNITS,
+            (middle_x - float(self.dz) * ratio) / HALF_UNITS,
+            (middle_z + float(self.dx) * ratio) / HALF_UNITS,
         )
     }
 }
 
+/// The nearest number; those of 64 bits, and most are, are quick.
+fn float(value: i128) -> f64 {
+    i64::try_from(value).map_or(value as f64, |value| value as f64)
+}
+
 fn too_far(chord: &Chord, radius: f64) -> Alarm {
-    let length = (chord.square as f64).sqrt() / HALF_UNITS;
+    let length = float(chord.square).sqrt() / HALF_UNITS;
     fault(say::arc_ends_too_far_apart(length, radius / HALF_UNITS))
 }
 

@@ -7,7 +7,7 @@ use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::place::{Call, Place};
 
 /// What follows a block.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Flow {
     /// The next line.
     #[default]
@@ -15,7 +15,7 @@ pub(crate) enum Flow {
     /// Another place; calls stay as they are.
     Jump(Place),
     /// G70: the blocks of its profile, and back.
-    Finish(Finishing),
+    Finish(Box<Finishing>),
     /// The next run of the innermost call.
     Again,
     /// M98.

@@ -28,7 +28,11 @@ impl Writes {
     }
 
     /// Carries the writes out.
+    #[inline]
     pub(crate) fn apply(&mut self, parameters: &mut Parameters) -> Result<(), ParameterError> {
+        if self.0.is_empty() {
+            return Ok(());
+        }
         for (number, value) in core::mem::take(&mut self.0) {
             parameters.set(number, value)?;
         }

@@ -23,7 +23,7 @@ pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Resul
     let range: Range = profile::locate(context, words)?;
     profile::check(state, context, range)?;
     let program = profile::program(context)?;
-    Ok(Flow::Finish(Finishing {
+    Ok(Flow::Finish(Box::new(Finishing {
         first: Place {
             block: range.first,
             ..context.place
@@ -39,7 +39,7 @@ pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Resul
             program.block_line(range.first),
             program.block_line(range.last),
         ),
-    }))
+    })))
 }
 
 impl Finishing {

@@ -180,7 +180,7 @@ impl ThreadCycle {
                 (None, None) => return None,
             }),
             2 => match &self.tail {
-                Some(tail) => Some(Move::of(tail.clone(), note)),
+                Some(tail) => Some(Move::of(*tail, note)),
                 None => self.make(),
             },
             3 => Some(Move::rapid(self.d, note)),
@@ -195,7 +195,7 @@ impl ThreadCycle {
 
 /// The same thread begun at another angle.
 pub(crate) fn started(thread: &Action, degrees: f64) -> Action {
-    let mut action = thread.clone();
+    let mut action = *thread;
     if let Action::Thread { start, .. } = &mut action {
         *start = ThreadStart::AtIndex { degrees };
     }
