@@ -267,7 +267,7 @@ pub struct LookArgs {
 /// `check`.
 #[derive(Args, Debug)]
 pub struct CheckArgs {
-    /// The programs
+    /// The programs; of a folder those in it and below it
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Options of control and lathe.

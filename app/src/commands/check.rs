@@ -16,28 +16,30 @@ use gsk_runner::report::{self, PartReport, Report};
 use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
 use crate::apart::{Read, keep_apart, results};
 use crate::cli::{CheckArgs, Language};
+use crate::files::folders;
 use crate::job::{self, write_section};
 use crate::loading;
 
 /// Checks programs.
 pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
-    if args.moves.is_some() && args.files.len() > 1 {
+    let files = folders::programs(&args.files)?;
+    if args.moves.is_some() && files.len() > 1 {
         return Err(CommandError::OneProgram);
     }
-    if args.part.section.is_some() && args.files.len() > 1 {
+    if args.part.section.is_some() && files.len() > 1 {
         return Err(CommandError::OneSection);
     }
     let setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
     let read = Read {
-        files: (args.files.iter().map(PathBuf::as_path))
+        files: (files.iter().map(PathBuf::as_path))
             .chain(args.setup.read_files())
             .collect(),
-        main: args.files.first().map(PathBuf::as_path),
+        main: files.first().map(PathBuf::as_path),
         data: args.setup.data.as_deref(),
     };
     let written = results(&[&args.moves, &args.part.section]);
     keep_apart(&read, &written)?;
-    if let (Some(path), [file]) = (&args.moves, &args.files[..]) {
+    if let (Some(path), [file]) = (&args.moves, &files[..]) {
         let mut out = output::open(path)?;
         let mut failed = None;
         let report = check_file(&setup, file, args, true, &mut |executed| {
@@ -53,13 +55,12 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
         let aside = output::is_standard(Some(path));
         return print(&[Ok(report)], args.json, aside, args.look.lang);
     }
-    let results = all(&setup, args);
+    let results = all(&setup, &files, args);
     print(&results, args.json, false, args.look.lang)
 }
 
 /// Checks files on all cores; the results keep the order of the files.
-fn all(setup: &Setup, args: &CheckArgs) -> Vec<Result<Report, CommandError>> {
-    let files = &args.files;
+fn all(setup: &Setup, files: &[PathBuf], args: &CheckArgs) -> Vec<Result<Report, CommandError>> {
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<Report, CommandError>>>> =
         files.iter().map(|_| Mutex::new(None)).collect();

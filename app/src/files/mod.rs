@@ -3,6 +3,7 @@
 pub mod atomic;
 pub mod data_dir;
 pub mod decode;
+pub mod folders;
 pub mod kept;
 mod manifest;
 pub mod program_file;

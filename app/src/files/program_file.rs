@@ -40,6 +40,11 @@ pub enum FileError {
         /// The folder.
         path: PathBuf,
     },
+    /// A folder without part programs.
+    NoProgram {
+        /// The folder.
+        path: PathBuf,
+    },
     /// Nothing in it.
     Empty {
         /// The file.
@@ -67,6 +72,7 @@ impl FileError {
                 say::subject_reason(path.display(), plain_reason(source))
             }
             Self::Folder { path } => say::file_is_folder(path.display()),
+            Self::NoProgram { path } => say::file_folder_without_programs(path.display()),
             Self::Empty { path } => say::file_is_empty(path.display()),
             Self::TooLarge { path } => say::file_too_large(path.display()),
             Self::NotText { path, source } => say::subject_reason(path.display(), source.message()),

@@ -24,6 +24,11 @@ pub fn is_taken(path: &Path) -> bool {
     path.symlink_metadata().is_ok()
 }
 
+/// Whether it is a link to what stands elsewhere.
+pub fn is_link(path: &Path) -> bool {
+    path.symlink_metadata().is_ok_and(|it| it.is_symlink())
+}
+
 /// The first bytes of a file, this many at most: what it has more is not read.
 ///
 /// # Errors

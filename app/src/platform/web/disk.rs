@@ -143,6 +143,11 @@ pub fn is_taken(path: &Path) -> bool {
     facts(path).is_ok()
 }
 
+/// There are no links.
+pub const fn is_link(_path: &Path) -> bool {
+    false
+}
+
 /// The first bytes of a file, this many at most.
 ///
 /// # Errors

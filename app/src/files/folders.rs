@@ -1,0 +1,96 @@
+//! The part programs of folders.
+
+use std::path::{Path, PathBuf};
+
+use super::program_file::FileError;
+use super::subprograms::{number_in_head, program_ending};
+use crate::platform;
+
+/// Files of other kinds have these endings as often as programs do: they count when they
+/// begin with an O word.
+const COMMON_ENDINGS: [&str; 2] = ["", "txt"];
+
+/// Files as they are, and in the place of each folder the programs in it and below it, by
+/// name. Hidden ones and links to folders are left out.
+///
+/// # Errors
+/// A folder that cannot be read, or has no program.
+pub fn programs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, FileError> {
+    let mut programs = Vec::new();
+    for path in paths {
+        if !platform::facts(path).is_ok_and(|facts| facts.is_folder) {
+            programs.push(path.clone());
+            continue;
+        }
+        let before = programs.len();
+        collect(path, &mut programs)?;
+        if programs.len() == before {
+            return Err(FileError::NoProgram { path: path.clone() });
+        }
+    }
+    Ok(programs)
+}
+
+fn collect(folder: &Path, programs: &mut Vec<PathBuf>) -> Result<(), FileError> {
+    let mut paths = platform::list(folder).map_err(|source| FileError::System {
+        path: folder.to_owned(),
+        source,
+    })?;
+    paths.retain(|path| !is_hidden(path));
+    paths.sort();
+    for path in paths {
+        match platform::facts(&path) {
+            Ok(facts) if facts.is_folder && !platform::is_link(&path) => collect(&path, programs)?,
+            Ok(facts) if facts.is_file && is_program(&path) => programs.push(path),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn is_hidden(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().starts_with('.')
+}
+
+fn is_program(path: &Path) -> bool {
+    program_ending(path)
+        .is_some_and(|ending| !COMMON_ENDINGS.contains(&ending) || number_in_head(path).is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use crate::files::test_folder;
+
+    #[test]
+    fn programs_of_folders_come_by_name_and_nothing_else() {
+        let folder = test_folder("folders");
+        let below = folder.join("b");
+        fs::create_dir_all(folder.join(".git")).expect("folder");
+        fs::create_dir_all(folder.join("empty")).expect("folder");
+        fs::create_dir_all(&below).expect("folder");
+        for (name, text) in [
+            ("c.CNC", "O1;\nM30;\n"),
+            ("a.nc", "G00 X1;\n"),
+            ("b/d.tap", "O2;\n"),
+            ("b/notes.txt", "ask about the chuck\n"),
+            ("b/O0003", "O0003;\nM30;\n"),
+            ("b/job.ron", "()"),
+            (".git/e.nc", "O4;\n"),
+            (".f.nc", "O5;\n"),
+        ] {
+            fs::write(folder.join(name), text).expect("written");
+        }
+        let single = folder.join("b/job.ron");
+        let found = programs(&[single.clone(), folder.clone()]).expect("programs");
+        let expected = ["a.nc", "b/O0003", "b/d.tap", "c.CNC"].map(|name| folder.join(name));
+        assert_eq!(found[0], single);
+        assert_eq!(found[1..], expected);
+        let none = programs(&[folder.join("empty")]).expect_err("no program");
+        assert!(none.to_string().contains("empty"), "{none}");
+        fs::remove_dir_all(folder).expect("clean");
+    }
+}
