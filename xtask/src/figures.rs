@@ -7,6 +7,7 @@ use std::process::{Command, Output};
 use std::time::Instant;
 
 use super::{root, run};
+use crate::dist::target;
 use crate::error::TaskError;
 use crate::shapes;
 
@@ -32,7 +33,8 @@ const LINUXCNC: [(&str, f64); 6] = [
 pub fn figures() -> Result<(), TaskError> {
     run("cargo", &["bench", "--workspace", "--locked"], &[])?;
     run("cargo", &["build", "--release", "--locked"], &[])?;
-    let program = root().join("target/release/gsk980td");
+    let target = target(&root());
+    let program = target.join("release/gsk980td");
     for sample in SAMPLES {
         let file = format!("assets/programs/{sample}.CNC");
         for command in ["check", "run"] {
@@ -44,7 +46,7 @@ pub fn figures() -> Result<(), TaskError> {
             );
         }
     }
-    let folder = root().join("target/figures");
+    let folder = target.join("figures");
     let written = |error| TaskError::Write {
         path: folder.clone(),
         error,
@@ -55,7 +57,59 @@ pub fn figures() -> Result<(), TaskError> {
         fs::write(&file, text).map_err(written)?;
         println!("{}", cost(&program, name, &file)?);
     }
+    growth(&program, &folder.join("long.CNC"))
+}
+
+/// Time and memory of long programs: `check` of ten thousand to ten million blocks, `plot`
+/// of a million moves.
+fn growth(program: &Path, file: &Path) -> Result<(), TaskError> {
+    let write = |text: String| {
+        fs::write(file, text).map_err(|error| TaskError::Write {
+            path: file.to_owned(),
+            error,
+        })
+    };
+    let (program, name) = (program.to_string_lossy(), file.to_string_lossy());
+    for blocks in [10_000, 100_000, 1_000_000, 10_000_000] {
+        write(shapes::short_lines(blocks))?;
+        let took = taken(&[&program, "check", "--give-up=1h", &name])?;
+        println!("check of {blocks} blocks: {took}");
+    }
+    let picture = file.with_extension("png");
+    let picture = picture.to_string_lossy();
+    for (shape, text) in shapes::long(1_000_000) {
+        write(text)?;
+        let took = taken(&[
+            &program,
+            "plot",
+            "--param=2.1=1",
+            "--offset=01=0,0,0.4,3",
+            &name,
+            "-o",
+            &picture,
+        ])?;
+        println!("plot of a million moves, {shape}: {took}");
+    }
     Ok(())
+}
+
+/// The time that a command takes and its memory at most, in words.
+fn taken(command: &[&str]) -> Result<String, TaskError> {
+    /// GNU time; the `time` of shells does not tell the memory.
+    const GNU_TIME: &str = "/usr/bin/time";
+    let begun = Instant::now();
+    if !Path::new(GNU_TIME).exists() {
+        output(command)?;
+        let seconds = begun.elapsed().as_secs_f64();
+        return Ok(format!(
+            "{seconds:.2} s, memory not measured without GNU time"
+        ));
+    }
+    let timed = [&[GNU_TIME, "-f", "peak %M"], command].concat();
+    let done = output(&timed)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let peak = number_behind(&text(&done.stderr), "peak ").unwrap_or_default();
+    Ok(format!("{seconds:.2} s, {:.0} MiB", peak / 1024.0))
 }
 
 /// What `check` of a file costs, in words.

@@ -63,13 +63,24 @@ impl Writer {
 
 /// Every shape with its name.
 pub fn all() -> [(&'static str, String); 6] {
+    let [lines, arcs, calls, contour] = long(100_000);
     [
-        ("short lines", short_lines(100_000)),
-        ("mixed arcs", mixed_arcs(100_000)),
-        ("subprogram calls", subprogram_calls(5000)),
+        lines,
+        arcs,
+        calls,
         ("G71 roughing", roughing(90)),
-        ("compensated contour", compensated_contour(100_000)),
+        contour,
         ("macro loop", macro_loop(8000)),
+    ]
+}
+
+/// The shapes that can be of any length, with so many moves.
+pub fn long(moves: u32) -> [(&'static str, String); 4] {
+    [
+        ("short lines", short_lines(moves)),
+        ("mixed arcs", mixed_arcs(moves)),
+        ("subprogram calls", subprogram_calls(moves / 20)),
+        ("compensated contour", compensated_contour(moves)),
     ]
 }
 

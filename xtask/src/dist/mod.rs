@@ -35,7 +35,7 @@ const BESIDE: [&str; 8] = [
 const NEXT: &str = "\u{1f}";
 
 /// Where cargo builds.
-fn target(root: &Path) -> PathBuf {
+pub fn target(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
 }
 
