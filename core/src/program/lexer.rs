@@ -154,10 +154,11 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// A byte is a character of a word wherever it stands outside comments; a blank; anything
-/// else.
+/// Kinds of bytes outside comments: a character of a word wherever it stands.
 const PLAIN: u8 = 1;
+/// A blank.
 const BLANK: u8 = 2;
+/// Anything else.
 const OTHER: u8 = 0;
 static KINDS: [u8; 256] = {
     let mut kinds = [OTHER; 256];

@@ -225,7 +225,7 @@ struct Digits {
     places: u8,
 }
 
-/// Digits as most are written: ASCII, and no more than count. Anything else is left to
+/// Digits as most are written: ASCII, and not very many. Anything else is left to
 /// [`any_digits`].
 #[inline]
 fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
@@ -235,10 +235,10 @@ fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
     let (whole, mut rest) = leading(lexer.rest());
     let count = lexer.rest().len() - rest.len();
     let (mut point, mut fraction, mut places) = (None, 0, 0);
-    if let [b'.', behind @ ..] = rest {
+    if let [b'.', after @ ..] = rest {
         point = Some(at + count);
-        (fraction, rest) = leading(behind);
-        places = behind.len() - rest.len();
+        (fraction, rest) = leading(after);
+        places = after.len() - rest.len();
     }
     let others = matches!(rest, [b'.' | 0x80.., ..]);
     if count > MOST || others {
@@ -314,7 +314,7 @@ fn any_digits(lexer: &mut Lexer<'_>) -> Result<Digits, BlockError> {
 /// Numbers this large are out of every range; reading stops to grow there.
 const HUGE: i64 = 1_000_000_000_000;
 
-/// Decimal places of a millionth; what is written behind them is dropped.
+/// Decimal places of a millionth; what is written after them is dropped.
 const PLACES: u8 = 6;
 
 /// What one in the last of so many places is worth, in millionths.

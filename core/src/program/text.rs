@@ -153,15 +153,15 @@ impl Program {
     /// an index beyond it.
     pub fn block_line(&self, index: u32) -> u32 {
         let blocks = &self.shared.blocks;
-        let behind = || {
+        let after_all = || {
             let last = blocks.last();
             last.map_or(self.shared.first_line, |place| place.line + 1)
         };
-        blocks.line(index as usize).unwrap_or_else(behind)
+        blocks.line(index as usize).unwrap_or_else(after_all)
     }
 
     /// The first block in this line of the file or after it; [`Self::block_count`]
-    /// behind the last one.
+    /// after the last one.
     pub fn block_from_line(&self, line: u32) -> u32 {
         self.shared.blocks.first_at(line) as u32
     }
@@ -282,7 +282,7 @@ impl Program {
         Self::from_line(whole, shared.first_line)
     }
 
-    /// The text from a line of the file on, with more text behind it; lines keep their
+    /// The text from a line of the file on, with more text after it; lines keep their
     /// numbers.
     pub(super) fn moved_on(&self, first: u32, more: &str) -> Self {
         let first = first.max(self.shared.first_line);
