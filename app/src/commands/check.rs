@@ -22,12 +22,18 @@ use crate::loading;
 
 /// Checks programs.
 pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
-    let files = folders::programs(&args.files)?;
+    let (files, mut wrong) = folders::programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
         return Err(CommandError::OneProgram);
     }
     if args.part.section.is_some() && files.len() > 1 {
         return Err(CommandError::OneSection);
+    }
+    // What is written is of one program: nothing is done by halves then.
+    if (args.moves.is_some() || args.part.section.is_some())
+        && let Some(error) = wrong.pop()
+    {
+        return Err(error.into());
     }
     let setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
     let read = Read {
@@ -55,7 +61,8 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
         let aside = output::is_standard(Some(path));
         return print(&[Ok(report)], args.json, aside, args.look.lang);
     }
-    let results = all(&setup, &files, args);
+    let mut results = all(&setup, &files, args);
+    results.extend(wrong.into_iter().map(|error| Err(error.into())));
     print(&results, args.json, false, args.look.lang)
 }
 

@@ -11,41 +11,43 @@ use crate::platform;
 const COMMON_ENDINGS: [&str; 2] = ["", "txt"];
 
 /// Files as they are, and in the place of each folder the programs in it and below it, by
-/// name. Hidden ones and links to folders are left out.
-///
-/// # Errors
-/// A folder that cannot be read, or has no program.
-pub fn programs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, FileError> {
-    let mut programs = Vec::new();
+/// name. Hidden ones and links to folders are left out. Beside them what is wrong: folders
+/// that cannot be read, or have no program.
+pub fn programs(paths: &[PathBuf]) -> (Vec<PathBuf>, Vec<FileError>) {
+    let (mut programs, mut wrong) = (Vec::new(), Vec::new());
     for path in paths {
         if !platform::facts(path).is_ok_and(|facts| facts.is_folder) {
             programs.push(path.clone());
             continue;
         }
-        let before = programs.len();
-        collect(path, &mut programs)?;
-        if programs.len() == before {
-            return Err(FileError::NoProgram { path: path.clone() });
+        let before = (programs.len(), wrong.len());
+        collect(path, &mut programs, &mut wrong);
+        if (programs.len(), wrong.len()) == before {
+            wrong.push(FileError::NoProgram { path: path.clone() });
         }
     }
-    Ok(programs)
+    (programs, wrong)
 }
 
-fn collect(folder: &Path, programs: &mut Vec<PathBuf>) -> Result<(), FileError> {
-    let mut paths = platform::list(folder).map_err(|source| FileError::System {
-        path: folder.to_owned(),
-        source,
-    })?;
+fn collect(folder: &Path, programs: &mut Vec<PathBuf>, wrong: &mut Vec<FileError>) {
+    let mut paths = match platform::list(folder) {
+        Ok(paths) => paths,
+        Err(source) => {
+            let path = folder.to_owned();
+            return wrong.push(FileError::System { path, source });
+        }
+    };
     paths.retain(|path| !is_hidden(path));
     paths.sort();
     for path in paths {
         match platform::facts(&path) {
-            Ok(facts) if facts.is_folder && !platform::is_link(&path) => collect(&path, programs)?,
+            Ok(facts) if facts.is_folder && !platform::is_link(&path) => {
+                collect(&path, programs, wrong);
+            }
             Ok(facts) if facts.is_file && is_program(&path) => programs.push(path),
             _ => {}
         }
     }
-    Ok(())
 }
 
 fn is_hidden(path: &Path) -> bool {
@@ -85,12 +87,13 @@ mod tests {
             fs::write(folder.join(name), text).expect("written");
         }
         let single = folder.join("b/job.ron");
-        let found = programs(&[single.clone(), folder.clone()]).expect("programs");
+        let paths = [single.clone(), folder.join("empty"), folder.clone()];
+        let (found, wrong) = programs(&paths);
         let expected = ["a.nc", "b/O0003", "b/d.tap", "c.CNC"].map(|name| folder.join(name));
         assert_eq!(found[0], single);
         assert_eq!(found[1..], expected);
-        let none = programs(&[folder.join("empty")]).expect_err("no program");
-        assert!(none.to_string().contains("empty"), "{none}");
+        let said = wrong.iter().map(ToString::to_string).collect::<Vec<_>>();
+        assert!(said.len() == 1 && said[0].contains("empty"), "{said:?}");
         fs::remove_dir_all(folder).expect("clean");
     }
 }

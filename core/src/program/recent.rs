@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn blocks_are_those_of_their_program_and_syntax() {
         let first = Program::new("O1;\nG01 X1.2345 Z2;\nX;\n");
-        let second = Program::new("O1;\nG01 X7.5;\nM30;\n");
+        let second = Program::new("O1;\nG01 X7.5;\nG01 XX;\n");
         let metric = Syntax::default();
         let inch = Syntax {
             inch: true,

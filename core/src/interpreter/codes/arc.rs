@@ -134,7 +134,7 @@ impl Chord {
 
 /// The nearest number; those of 64 bits, and most are, are quick.
 fn float(value: i128) -> f64 {
-    i64::try_from(value).map_or(value as f64, |value| value as f64)
+    i64::try_from(value).map_or_else(|_| value as f64, |value| value as f64)
 }
 
 fn too_far(chord: &Chord, radius: f64) -> Alarm {
