@@ -73,6 +73,10 @@ pub struct WindowArgs {
     /// The simulated lathe (travel, turret, dogs …) from a RON file
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
+    /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs; the data
+    /// folder keeps it [default: as it was, off at first]
+    #[arg(long, value_name = "on|off", value_parser = crate::setup_args::switch)]
+    pub macro_b: Option<bool>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,

@@ -192,6 +192,9 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
     if let (Some(start), Some(zero)) = (setup.start, zero) {
         setup.absolute = Some(start - zero);
     }
+    if let Some(on) = args.macro_b {
+        setup.memory.settings.macro_b = on;
+    }
     if let Some(rpm) = args.spindle {
         setup.spindle_rpm = Some(rpm);
     }

@@ -32,6 +32,10 @@ pub struct SetupArgs {
     /// The machine's ladder instead of the standard one (instruction list)
     #[arg(long, value_name = "FILE")]
     pub ladder: Option<PathBuf>,
+    /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs
+    /// [default: as the data directory says, else off]
+    #[arg(long, value_name = "on|off", value_parser = switch)]
+    pub macro_b: Option<bool>,
     /// Take parameters, offsets and programs from this data directory, and write them back
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
@@ -220,6 +224,15 @@ fn spindle_speed(word: &str) -> Result<f64, WordError> {
         Err(WordError::NegativeSpeed)
     } else {
         Ok(value)
+    }
+}
+
+/// Reads on and off.
+pub fn switch(word: &str) -> Result<bool, WordError> {
+    match word.trim() {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(WordError::Form("on or off")),
     }
 }
 

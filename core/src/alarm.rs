@@ -127,7 +127,12 @@ fn parse_advice(fields: &mut core::str::Split<'static, char>) -> Option<Advice> 
 }
 
 const fn is_user_alarm(number: u16) -> bool {
-    matches!(number, number::USER_ALARM..=number::USER_ALARM_LAST)
+    matches!(number, number::USER_ALARM..=number::USER_ALARM_LAST) || is_named_by_program(number)
+}
+
+/// Whether its text comes from the program that raised it (`#3000`).
+const fn is_named_by_program(number: u16) -> bool {
+    matches!(number, number::MACRO_ALARM..=number::MACRO_ALARM_LAST)
 }
 
 /// An alarm that was raised.
@@ -227,12 +232,24 @@ impl Alarm {
 
     /// The line of the alarm page: `P/S 011: …`, `207: …`, `P/S 515`.
     pub fn line_text(&self) -> String {
-        self.line_of(self.text())
+        match self.text_of_program() {
+            Some(text) => self.line_of(&text),
+            None => self.line_of(self.text()),
+        }
     }
 
     /// The same line in English.
     pub fn line_text_en(&self) -> String {
-        self.line_of(self.row().map_or("", |row| row.meaning_en))
+        match self.text_of_program() {
+            Some(text) => self.line_of(&text),
+            None => self.line_of(self.row().map_or("", |row| row.meaning_en)),
+        }
+    }
+
+    /// The text that its program gave it.
+    fn text_of_program(&self) -> Option<String> {
+        let detail = self.detail.as_ref()?;
+        is_named_by_program(self.number).then(|| detail.to_string())
     }
 
     fn line_of(&self, text: &str) -> String {
@@ -250,7 +267,11 @@ impl Alarm {
 impl fmt::Display for Alarm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.line_text())?;
-        if let Some(detail) = &self.detail {
+        if let Some(detail) = self
+            .detail
+            .as_ref()
+            .filter(|_| !is_named_by_program(self.number))
+        {
             write!(f, " ({detail})")?;
         }
         let Some(row) = self.row().filter(|_| f.alternate()) else {

@@ -36,6 +36,7 @@ impl Memory {
     /// falls back.
     pub fn power_on(&mut self) {
         self.parameters.power_on();
+        self.variables.power_on();
         self.authority.power_on();
     }
 }

@@ -229,6 +229,7 @@ fn interpret(
     };
     let mut interpreter = Interpreter::new(&host.parameters);
     interpreter.set_inch_input(setup.memory.settings.inch);
+    interpreter.set_macro_b(setup.memory.settings.macro_b);
     interpreter.set_tool(setup.tool_in_position());
     interpreter.set_machine_codes(MachineCodes::of(&setup.ladder));
     interpreter.set_frame(frame, &host);

@@ -43,6 +43,8 @@ pub struct SetupWords {
     pub referenced: Option<bool>,
     /// Whether programs are in inches.
     pub inch: bool,
+    /// Whether the control has the option of macro B.
+    pub macro_b: bool,
     /// The part counter.
     pub parts: u32,
     /// The cutting time: `"05:28:08"`.
@@ -95,6 +97,7 @@ impl SetupWords {
         setup.spindle_rpm = self.spindle;
         setup.referenced = self.referenced.unwrap_or(setup.referenced);
         setup.memory.settings.inch = self.inch;
+        setup.memory.settings.macro_b = self.macro_b;
         if self.as_built {
             setup.wired = Some(setup.memory.parameters.clone());
         }

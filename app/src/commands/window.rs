@@ -56,6 +56,7 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     let machine = SetupArgs {
         ladder: args.ladder,
         machine: args.machine,
+        macro_b: args.macro_b,
         ..SetupArgs::default()
     };
     loading::apply(&mut setup, &machine)?;

@@ -1,6 +1,6 @@
 //! Finding the subprograms of a program in the folder it lies in.
 //!
-//! `M98 P…` is looked for in the text, and the codes that call by themselves when
+//! `M98 P…`, `G65 P…` and `G66 P…` are looked for in the text, and the codes that call by themselves when
 //! 006.5 is set: `M61` O9061, `S21` O9121, `T15` O9215. A number that no loaded
 //! program has is searched beside the file, by name first (`O1002.CNC`, `1002.nc`),
 //! then by the O word that a small file starts with. What stays missing is reported by
@@ -67,13 +67,13 @@ const MACHINE_CODES: [u16; 20] = [
     0, 2, 3, 4, 5, 8, 9, 10, 11, 12, 13, 30, 32, 33, 41, 42, 43, 44, 98, 99,
 ];
 
-/// The program numbers that a text calls outside comments: by `M98 P…` the last
-/// four digits of P, by an M, S or T code its own.
+/// The program numbers that a text calls outside comments: by `M98 P…`, `G65 P…` and
+/// `G66 P…` the last four digits of P, by an M, S or T code its own.
 pub fn calls(text: &str) -> BTreeSet<u16> {
     let mut numbers = BTreeSet::new();
     for line in lines_that_may_call(text) {
         let upper = code_of(line);
-        if upper.contains("M98")
+        if (upper.contains("M98") || calls_macro(&upper))
             && let Some(at) = upper.find('P')
             && let Some(number) = last_four(leading_digits(&upper[at + 1..]))
         {
@@ -82,6 +82,11 @@ pub fn calls(text: &str) -> BTreeSet<u16> {
         numbers.extend(special_calls(&upper));
     }
     numbers
+}
+
+/// Whether a block calls a macro: G66, or G65 that is no operation of macro A.
+fn calls_macro(block: &str) -> bool {
+    block.contains("G66") || block.contains("G65") && !block.contains("G65H")
 }
 
 /// The lines that have a letter of a call. Most lines of a long program have none: no
@@ -98,11 +103,11 @@ fn lines_that_may_call(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// The first byte that may be one of M, S and T, or of their full-width forms.
+/// The first byte that may be one of M, P, S and T, or of their full-width forms.
 fn first_that_may_call(bytes: &[u8]) -> Option<usize> {
     let may_call = |byte: &u8| {
         let small = byte | 0x20;
-        small == b'm' || small == b's' || small == b't' || *byte >= 0x80
+        small == b'm' || small == b'p' || small == b's' || small == b't' || *byte >= 0x80
     };
     // Many at once first: this is what the processor does best.
     let mut from = 0;
@@ -249,6 +254,15 @@ mod tests {
         assert_eq!(
             calls(text).into_iter().collect::<Vec<_>>(),
             [3, 7, 1002, 5678]
+        );
+    }
+
+    #[test]
+    fn macros_are_called_by_g65_and_g66() {
+        let text = "N10 G65 P9010 A1.0\nG65 A1 P9011\nG66 P9012 Z1\nG65 H80 P10\nG04 P500\n";
+        assert_eq!(
+            calls(text).into_iter().collect::<Vec<_>>(),
+            [9010, 9011, 9012]
         );
     }
 

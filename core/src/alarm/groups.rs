@@ -46,8 +46,9 @@ pub(crate) const fn leads_elsewhere(number: u16) -> bool {
             | number::PROGRAM_MISSING
             | number::PROFILE_WORDS..=number::PROFILE_IN_MDI
             | number::CALL_WITHOUT_P..=number::TARGET_MISSING
-            | number::MACRO_RANGE..=number::BAD_JUMP
+            | number::MACRO_RANGE..=number::BAD_ARGUMENT
             | number::USER_ALARM..=number::USER_ALARM_LAST
+            | number::MACRO_ALARM..=number::MACRO_ALARM_LAST
     )
 }
 

@@ -38,6 +38,7 @@ impl Cnc {
         }
         let mut interpreter = Interpreter::new(parameters);
         interpreter.set_inch_input(memory.settings.inch);
+        interpreter.set_macro_b(memory.settings.macro_b);
         interpreter.set_tool(tool);
         interpreter.set_machine_codes(MachineCodes::of(plc.ladder()));
         let start = setup.start.unwrap_or_default();

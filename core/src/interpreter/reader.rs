@@ -16,7 +16,7 @@ use crate::interpreter::context::place::Place;
 use crate::interpreter::context::state::State;
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
-use crate::program::{Program, Recent};
+use crate::program::{Program, Recent, Syntax};
 use crate::units::{Axis, Point};
 
 mod reading;
@@ -39,6 +39,9 @@ pub struct Interpreter {
     pub(super) aside: Option<Exact>,
     jumps: Jumps,
     machine_codes: MachineCodes,
+    /// Whether the control has the option of macro B.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    macro_b: bool,
     #[serde(skip)]
     recent: Recent,
 }
@@ -78,6 +81,7 @@ impl Interpreter {
             aside: None,
             jumps: Jumps::default(),
             machine_codes: MachineCodes::default(),
+            macro_b: false,
             recent: Recent::default(),
         }
     }
@@ -85,6 +89,26 @@ impl Interpreter {
     /// Whether programs are in inches, from the next block on.
     pub(crate) const fn set_inch_input(&mut self, inch: bool) {
         self.state.modal.inch = inch;
+    }
+
+    /// The option of macro B, from the next block on.
+    pub(crate) const fn set_macro_b(&mut self, on: bool) {
+        self.macro_b = on;
+    }
+
+    /// How blocks of a program are read now.
+    pub(crate) fn syntax(
+        &self,
+        program: ProgramId,
+        text: &Program,
+        parameters: &Parameters,
+    ) -> Syntax {
+        Syntax {
+            inch: self.state.modal.inch,
+            // What comes in through the line has no place to jump to.
+            macro_b: self.macro_b && program != ProgramId::Dnc && text.uses_macro_b(),
+            ..Syntax::from(parameters)
+        }
     }
 
     /// The modal state after the block read last.

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::command::{Command, ProgramId, Source};
 use crate::interpreter::context::explanation::Note;
-use crate::interpreter::context::flow::Finishing;
-use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::place::{Call, Place};
+use crate::interpreter::context::flow::{Finishing, Flow, MacroEntry};
+use crate::interpreter::context::place::{Call, CallKind, Place};
+use crate::interpreter::macros::levels::Levels;
 use crate::interpreter::plan::Plan;
 
 /// One run over programs.
@@ -17,6 +17,9 @@ pub(crate) struct Run {
     pub(crate) place: Place,
     /// Calls under way, the innermost last.
     pub(crate) calls: Vec<Call>,
+    /// Variables, loops and the modal call of macros.
+    #[serde(default, skip_serializing_if = "Levels::is_empty")]
+    pub(crate) levels: Levels,
     /// The last N met.
     pub(crate) sequence: Option<u16>,
     /// The block read last.
@@ -40,6 +43,7 @@ impl Run {
         Self {
             place,
             calls: Vec::new(),
+            levels: Levels::new(),
             sequence: None,
             source: None,
             plan: None,
@@ -77,10 +81,31 @@ impl Run {
         command
     }
 
+    /// What a move leads to: the call of the last G66, or the next block.
+    pub(crate) fn modal_call(&self, place: Place) -> Flow {
+        let Some((index, modal)) = self.levels.modal(&self.calls) else {
+            return Flow::Next;
+        };
+        let call = Call {
+            program: modal.program,
+            runs: modal.runs,
+            back: Place {
+                block: place.block.saturating_add(1),
+                ..place
+            },
+            kind: CallKind::Modal(index),
+        };
+        let arguments = modal.arguments.clone();
+        Flow::MacroCall(Box::new(MacroEntry { call, arguments }))
+    }
+
     fn follow(&mut self, flow: Flow) {
         match flow {
             Flow::Next => self.place.block = self.place.block.saturating_add(1),
-            Flow::Jump(place) => self.place = place,
+            Flow::Jump(place) => {
+                self.levels.jump(self.calls.len(), place.block);
+                self.place = place;
+            }
             Flow::Finish(finishing) => {
                 self.place = finishing.first;
                 self.finishing = Some(*finishing);
@@ -92,8 +117,19 @@ impl Run {
                 };
                 self.calls.push(call);
             }
+            Flow::MacroCall(entry) => {
+                let MacroEntry { call, arguments } = *entry;
+                self.place = Place {
+                    program: call.program,
+                    block: 0,
+                };
+                self.calls.push(call);
+                self.levels.enter(arguments);
+            }
             Flow::Again => {
+                let depth = self.calls.len();
                 if let Some(call) = self.calls.last_mut() {
+                    self.levels.run_again(call, depth);
                     call.runs = call.runs.saturating_sub(1);
                     self.place = Place {
                         program: call.program,
@@ -102,11 +138,16 @@ impl Run {
                 }
             }
             Flow::Return(place) => {
-                self.calls.pop();
+                if let Some(call) = self.calls.pop() {
+                    self.levels.leave(&call, self.calls.len());
+                }
+                // M99 P may lead out of a loop.
+                self.levels.jump(self.calls.len(), place.block);
                 self.place = place;
             }
             Flow::End => {
                 self.calls.clear();
+                self.levels = Levels::new();
                 self.ended = true;
             }
         }

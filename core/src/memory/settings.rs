@@ -27,6 +27,18 @@ pub struct Settings {
     pub inch: bool,
     /// 自动序号.
     pub numbering: bool,
+    /// The option of macro B, which no row of the page shows: programs may use formulas,
+    /// jumps, loops and calls with arguments.
+    #[serde(skip_serializing_if = "is_off")]
+    pub macro_b: bool,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the form that serde asks for"
+)]
+const fn is_off(option: &bool) -> bool {
+    !*option
 }
 
 impl Default for Settings {
@@ -36,6 +48,7 @@ impl Default for Settings {
             iso: true,
             inch: false,
             numbering: false,
+            macro_b: false,
         }
     }
 }

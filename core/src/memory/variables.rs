@@ -1,4 +1,6 @@
-//! Macro variables #200–#231 and #500–#515 (manual I-3.7.2).
+//! Macro variables: the whole numbers #200–#231 and #500–#515 (manual I-3.7.2), and the
+//! real ones #100–#199 and #500–#999 of macro B. What both have is one variable: macro A
+//! reads it without its fraction.
 
 use std::collections::BTreeMap;
 
@@ -11,17 +13,35 @@ use crate::alarm::{Alarm, number};
 const GROUPS: [(u16, usize); 2] = [(200, 32), (500, 16)];
 const COUNT: usize = 48;
 
-/// The common variables. All programs share them and they are kept over
-/// power-off; one that was never given a value is zero.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(into = "BTreeMap<u16, i64>", try_from = "BTreeMap<u16, i64>")]
+/// Real variables that outlast power-off, and those that do not.
+const REAL: core::ops::RangeInclusive<u16> = 500..=999;
+const PASSING: core::ops::RangeInclusive<u16> = 100..=199;
+
+/// The common variables. All programs share them and they are kept over power-off, but
+/// for #100 to #199. One that was never given a value is zero, and null if only macro B
+/// has it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "BTreeMap<u16, Stored>", try_from = "BTreeMap<u16, Stored>")]
 pub struct Variables {
     values: [i64; COUNT],
+    /// Values with a fraction, and those of variables that only macro B has.
+    reals: BTreeMap<u16, f64>,
+}
+
+/// A value as it is stored.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[serde(untagged)]
+enum Stored {
+    Whole(i64),
+    Real(f64),
 }
 
 impl Default for Variables {
     fn default() -> Self {
-        Self { values: [0; COUNT] }
+        Self {
+            values: [0; COUNT],
+            reals: BTreeMap::new(),
+        }
     }
 }
 
@@ -62,7 +82,48 @@ impl Variables {
             return Err(Alarm::new(number::MACRO_RANGE).because(detail));
         }
         *slot = value;
+        self.reals.remove(&number);
         Ok(())
+    }
+
+    /// Whether macro B has a common variable of this number.
+    pub(crate) fn has_real(number: u16) -> bool {
+        REAL.contains(&number) || PASSING.contains(&number) || Self::has(number)
+    }
+
+    /// The value that macro B reads; `None`: null.
+    pub(crate) fn real(&self, number: u16) -> Option<f64> {
+        let real = self.reals.get(&number).copied();
+        real.or_else(|| self.get(number).map(|whole| whole as f64))
+    }
+
+    /// Gives a variable the value of a formula; null makes one that macro A has 0.
+    ///
+    /// # Errors
+    /// 115 for a number that is none, 111 for a value that macro A could not read.
+    pub(crate) fn set_real(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
+        if Self::has(number) {
+            let value = value.unwrap_or(0.0);
+            self.set(number, libm::trunc(value) as i64)?;
+            if libm::trunc(value) != value {
+                self.reals.insert(number, value);
+            }
+            return Ok(());
+        }
+        if !Self::has_real(number) {
+            let detail = say::variable_not_common(number);
+            return Err(Alarm::new(number::BAD_VARIABLE).because(detail));
+        }
+        match value {
+            Some(value) => self.reals.insert(number, value),
+            None => self.reals.remove(&number),
+        };
+        Ok(())
+    }
+
+    /// What does not outlast power-off goes.
+    pub(crate) fn power_on(&mut self) {
+        self.reals.retain(|number, _| !PASSING.contains(number));
     }
 }
 
@@ -78,21 +139,29 @@ fn index(number: u16) -> Option<usize> {
     None
 }
 
-impl From<Variables> for BTreeMap<u16, i64> {
+impl From<Variables> for BTreeMap<u16, Stored> {
     fn from(variables: Variables) -> Self {
         let valued = |number| Some((number, variables.get(number)?));
         let all = Variables::numbers().filter_map(valued);
-        all.filter(|(_, value)| *value != 0).collect()
+        let whole = all.filter(|(_, value)| *value != 0);
+        let whole = whole.map(|(number, value)| (number, Stored::Whole(value)));
+        let reals = variables.reals.iter();
+        let reals = reals.map(|(number, value)| (*number, Stored::Real(*value)));
+        whole.chain(reals).collect()
     }
 }
 
-impl TryFrom<BTreeMap<u16, i64>> for Variables {
+impl TryFrom<BTreeMap<u16, Stored>> for Variables {
     type Error = Alarm;
 
-    fn try_from(values: BTreeMap<u16, i64>) -> Result<Self, Alarm> {
+    fn try_from(values: BTreeMap<u16, Stored>) -> Result<Self, Alarm> {
         let mut variables = Self::default();
         for (number, value) in values {
-            variables.set(number, value)?;
+            match value {
+                Stored::Whole(value) if Self::has(number) => variables.set(number, value)?,
+                Stored::Whole(value) => variables.set_real(number, Some(value as f64))?,
+                Stored::Real(value) => variables.set_real(number, Some(value))?,
+            }
         }
         Ok(variables)
     }

@@ -100,10 +100,10 @@ impl Walk<'_> {
     ) -> bool {
         let line = self.line_of(source);
         let words = written::words(line);
-        let syntax = Syntax {
-            inch: interpreter.modal().inch,
-            ..Syntax::from(parameters)
-        };
+        let syntax = self.programs.get(source.program).map_or_else(
+            || Syntax::from(parameters),
+            |program| interpreter.syntax(source.program, program, parameters),
+        );
         let modal = *interpreter.modal();
         let by_itself = written::is_one_block(line) && parse_block(line, syntax).is_err();
         let Some(behind) = &mut self.behind else {

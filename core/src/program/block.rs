@@ -5,7 +5,8 @@ use core::fmt;
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use super::number::{Number, Variable};
+use super::macro_b::Statement;
+use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm;
 
@@ -43,6 +44,8 @@ pub struct Block {
     pub skip: bool,
     /// Line of the file it stands in, from 1; 0 without a file.
     pub line: u32,
+    /// What it says in macro B; none in a block of words and numbers.
+    pub(crate) statement: Option<Box<Statement>>,
     variables: bool,
     len: u8,
     addresses: u32,
@@ -67,6 +70,7 @@ impl Default for Block {
             o: None,
             skip: false,
             line: 0,
+            statement: None,
             variables: false,
             len: 0,
             addresses: 0,
@@ -86,7 +90,8 @@ const fn address_bit(address: u8) -> u32 {
 
 impl Block {
     /// Empties it. What is left in the places of words is none of them.
-    pub(super) const fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
+        self.statement = None;
         (self.n, self.o, self.skip, self.line) = (None, None, false, 0);
         self.variables = false;
         (self.len, self.addresses, self.codes) = (0, 0, 0);
@@ -177,6 +182,41 @@ impl Block {
         Ok(self)
     }
 
+    /// Puts numbers in the place of formulas, in their order: lengths in millionths of
+    /// their unit, everything else a number of its own. A word whose formula gives
+    /// nothing is left out.
+    ///
+    /// # Errors
+    /// 043 for a value beyond the range of its address.
+    pub(crate) fn with_values(
+        &self,
+        values: &[Option<f64>],
+        syntax: Syntax,
+    ) -> Result<Self, BlockError> {
+        let mut block = Self {
+            n: self.n,
+            o: self.o,
+            skip: self.skip,
+            line: self.line,
+            ..Self::default()
+        };
+        let dwell = self.has_g(4);
+        for word in self.words() {
+            let mut word = *word;
+            if let Some(formula) = word.value.variable() {
+                let value = values.get(usize::from(formula.number)).copied().flatten();
+                let Some(value) = value else { continue };
+                let value = if formula.negative { -value } else { value };
+                let seconds = dwell && matches!(word.address, b'X' | b'U');
+                let increment = if seconds { 1000 } else { syntax.increment() };
+                word.value = Number::from_value(value, word.address, increment);
+            }
+            block.push(word);
+        }
+        check_values(&block)?;
+        Ok(block)
+    }
+
     /// Changes the numbers of words; their ranges are not checked again.
     pub(crate) fn change(&mut self, mut change: impl FnMut(u8, Number) -> Number) {
         for word in &mut self.words[..usize::from(self.len)] {
@@ -214,14 +254,6 @@ impl Block {
         }
         check_values(self)
     }
-}
-
-/// Addresses whose numbers are lengths in mm.
-pub(super) const fn is_length(address: u8) -> bool {
-    matches!(
-        address,
-        b'X' | b'Z' | b'U' | b'W' | b'R' | b'I' | b'J' | b'K'
-    )
 }
 
 impl PartialEq for Block {

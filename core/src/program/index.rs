@@ -86,6 +86,7 @@ impl Index {
     #[inline]
     fn scan(&mut self, lexer: &mut Lexer<'_>, line: u32) -> Scan {
         let mut scan = Scan::default();
+        let start = *lexer;
         loop {
             scan.words |= lexer.skip_plain();
             let (byte, len) = lexer.peek();
@@ -103,6 +104,7 @@ impl Index {
                     continue;
                 }
                 b'\n' => scan.end = End::Line,
+                b'*' if is_formula(start, lexer.at) => scan.words = true,
                 b';' | b'*' => scan.end = End::Mark,
                 b'%' => scan.end = End::Percent,
                 b' ' | b'\t' => {}
@@ -115,6 +117,21 @@ impl Index {
             }
         }
     }
+}
+
+/// Whether a `*` multiplies: what stands before it in its block is a formula of macro B,
+/// and no block without one has `=` or `[`.
+#[cold]
+fn is_formula(mut lexer: Lexer<'_>, end: usize) -> bool {
+    while lexer.at < end {
+        let (byte, len) = lexer.peek();
+        match byte {
+            b'=' | b'[' => return true,
+            b'(' if lexer.skip_comment().is_ok() => {}
+            _ => lexer.at += len.max(1),
+        }
+    }
+    false
 }
 
 /// Lines that begin after this byte.

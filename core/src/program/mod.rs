@@ -28,6 +28,7 @@ mod index;
 mod inflow;
 mod lexer;
 mod listing;
+mod macro_b;
 mod mdi;
 mod number;
 mod parse;
@@ -44,6 +45,10 @@ pub use block::{Block, Word};
 pub use edit::{Completion, Editing};
 pub use inflow::{Inflow, LineTooLong};
 pub use listing::without_end;
+pub(crate) use macro_b::{
+    Assignment, Condition, Expression, Function, MacroCall, Operator, Relation, Statement, Step,
+    Then,
+};
 pub use mdi::MdiBlock;
 pub use number::{Number, Variable};
 pub(crate) use parse::parse_block;

@@ -67,6 +67,18 @@ impl Number {
         }
     }
 
+    /// What a formula gives for a word: a length to the least `increment`, a feed as it is,
+    /// anything else a whole number; halves away from zero.
+    pub(super) fn from_value(value: f64, address: u8, increment: i64) -> Self {
+        if address == b'F' {
+            return Self::from_millionths(rounded(value, 1));
+        }
+        if is_length(address) {
+            return Self::from_millionths(rounded(value, increment));
+        }
+        Self::from_integer(rounded(value, ONE) / ONE, 0)
+    }
+
     pub(super) const fn from_variable(variable: Variable) -> Self {
         Self {
             millionths: variable.number as i64,
@@ -143,6 +155,25 @@ impl Number {
         let millionths = (self.millionths + half) / increment * increment;
         Self { millionths, ..self }
     }
+}
+
+/// Addresses whose numbers are lengths in mm.
+pub(super) const fn is_length(address: u8) -> bool {
+    matches!(
+        address,
+        b'X' | b'Z' | b'U' | b'W' | b'R' | b'I' | b'J' | b'K'
+    )
+}
+
+/// A value in millionths, to a multiple of so many of them. The half counts away from
+/// zero, and what binary fractions fall short of it does, too: 1.2345 gives 1.235.
+fn rounded(value: f64, unit: i64) -> i64 {
+    /// What a value may fall short of the half.
+    const SHORT: f64 = 1e-7;
+    let size = value.abs() * (ONE as f64) / unit as f64;
+    let units = libm::floor(size + 0.5 + SHORT) as i64;
+    let size = units.saturating_mul(unit);
+    if value < 0.0 { -size } else { size }
 }
 
 impl fmt::Display for Number {

@@ -3,9 +3,10 @@
 
 use gsk_messages::say;
 
-use super::block::{Block, Word, check_values, is_length};
+use super::block::{Block, Word, check_values};
 use super::lexer::{FOREIGN, Lexer};
-use super::number::{Number, Variable};
+use super::macro_b::{self, Statement};
+use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 use crate::dialect::{self, advised};
@@ -14,7 +15,8 @@ use crate::dialect::{self, advised};
 /// comments. Does not allocate unless it fails.
 ///
 /// # Errors
-/// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 043, 125.
+/// The alarm of the syntax: 002, 005, 006, 007, 009, 012, 018, 043, 125; of macro B 114,
+/// 118, 126, 127, 129.
 pub(crate) fn parse_block(text: &str, syntax: Syntax) -> Result<Block, BlockError> {
     let mut block = Block::default();
     read_block(text, syntax, &mut block)?;
@@ -41,9 +43,18 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
         skip_blanks(&mut lexer)?;
         let start = lexer.at;
         let (byte, len) = lexer.peek();
+        if syntax.macro_b && macro_b::begins(&lexer) {
+            if !block.is_empty() {
+                return Err(shares_block(start));
+            }
+            block.statement = Some(Box::new(Statement::read(&mut lexer)?));
+            return nothing_more(&mut lexer);
+        }
         let address = match byte {
             b'A'..=b'Z' => byte,
             b'a'..=b'z' => byte.to_ascii_uppercase(),
+            // Where there are formulas it multiplies, and ends nothing.
+            b'*' if block.statement.is_some() => return nothing_more(&mut lexer),
             b'\n' | b';' | b'*' | b'%' => return Ok(()),
             _ => return Err(misplaced(text, start, byte)),
         };
@@ -64,7 +75,14 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
         seen |= bit;
 
         lexer.at += len;
-        let value = read_number(&mut lexer, address, start, g65, syntax)?;
+        let formula = match syntax.macro_b && !g65 {
+            true => formula(&mut lexer, address, block)?,
+            false => None,
+        };
+        let value = match formula {
+            Some(value) => value,
+            None => read_number(&mut lexer, address, start, g65, syntax)?,
+        };
         if matches!(address, b'N' | b'O') {
             let number = program_number(address, value, start)?;
             *(if address == b'N' {
@@ -73,6 +91,16 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
                 &mut block.o
             }) = Some(number);
             continue;
+        }
+        if syntax.macro_b
+            && address == b'G'
+            && let Some(statement) = call(&mut lexer, value)?
+        {
+            if !block.is_empty() {
+                return Err(shares_block(start));
+            }
+            block.statement = Some(Box::new(statement));
+            return nothing_more(&mut lexer);
         }
         if address == b'G' && value.integer() == 65 && value.variable().is_none() {
             if !block.is_empty() {
@@ -95,6 +123,78 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
                 ..BlockError::too_many_words()
             });
         }
+    }
+}
+
+/// The call that a G code of macro B makes: G66, G67, and G65 without H.
+#[cold]
+fn call(lexer: &mut Lexer<'_>, code: Number) -> Result<Option<Statement>, BlockError> {
+    if code.variable().is_some() {
+        return Ok(None);
+    }
+    skip_blanks(lexer)?;
+    let macro_a = matches!(lexer.peek().0, b'H' | b'h');
+    Ok(match code.integer() {
+        65 if !macro_a => Some(Statement::Call(macro_b::arguments(lexer)?)),
+        66 => Some(Statement::ModalCall(macro_b::arguments(lexer)?)),
+        67 => Some(Statement::CancelModalCall),
+        _ => None,
+    })
+}
+
+/// The variable or the formula that stands for the number of a word.
+#[cold]
+fn formula(
+    lexer: &mut Lexer<'_>,
+    address: u8,
+    block: &mut Block,
+) -> Result<Option<Number>, BlockError> {
+    let mut ahead = *lexer;
+    skip_blanks(&mut ahead)?;
+    let (sign, len) = ahead.peek();
+    let negative = sign == b'-';
+    if matches!(sign, b'+' | b'-') {
+        ahead.at += len;
+        skip_blanks(&mut ahead)?;
+    }
+    if !matches!(ahead.peek().0, b'#' | b'[') {
+        return Ok(None);
+    }
+    if matches!(address, b'N' | b'O') {
+        let rule = say::variable_not_allowed(char::from(address));
+        return Err(BlockError::at(number::BAD_OPERATION, ahead.at, rule));
+    }
+    let expression = macro_b::in_word(&mut ahead)?;
+    *lexer = ahead;
+    let statement = block
+        .statement
+        .get_or_insert_with(|| Box::new(Statement::Words(Vec::new())));
+    let Statement::Words(formulas) = &mut **statement else {
+        return Err(shares_block(lexer.at));
+    };
+    let number = narrow(formulas.len());
+    formulas.push(expression);
+    Ok(Some(Number::from_variable(Variable { number, negative })))
+}
+
+/// A macro statement stands alone in its block, behind N.
+#[cold]
+fn shares_block(at: usize) -> BlockError {
+    BlockError::at(number::MIXED_BLOCK, at, say::macro_statement_not_alone())
+}
+
+/// Nothing but comments follows a macro statement.
+#[cold]
+fn nothing_more(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
+    skip_blanks(lexer)?;
+    match lexer.peek().0 {
+        b'\n' | b';' | b'%' => Ok(()),
+        byte if byte.is_ascii_alphabetic() => Err(shares_block(lexer.at)),
+        _ => Err(BlockError::at(
+            number::BAD_OPERATION,
+            lexer.at,
+            say::formula_end_wrong(),
+        )),
     }
 }
 

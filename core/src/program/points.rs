@@ -1,6 +1,6 @@
 //! 013.3 PODI: decimal points that the control appends while a block is keyed in.
 
-use super::block::is_length;
+use super::number::is_length;
 use super::parse::parse_block;
 use super::syntax::Syntax;
 

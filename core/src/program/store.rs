@@ -205,6 +205,16 @@ impl ProgramMemory {
         }
     }
 
+    /// The program that a call names: a stored one, or the external one when it has the
+    /// number.
+    pub(crate) fn find(&self, number: u16) -> Option<ProgramId> {
+        if self.stored.contains_key(&number) {
+            return Some(ProgramId::Stored(number));
+        }
+        let external = self.external.as_ref()?;
+        (external.number() == Some(number)).then_some(ProgramId::External)
+    }
+
     /// A stored program.
     pub fn stored(&self, number: u16) -> Option<&Program> {
         self.stored.get(&number)

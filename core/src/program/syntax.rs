@@ -4,6 +4,7 @@ use core::fmt;
 
 use gsk_messages::{Message, say};
 
+use super::number::is_length;
 use crate::alarm::{Alarm, number};
 use crate::memory::Parameters;
 
@@ -14,12 +15,23 @@ pub struct Syntax {
     pub point_required: bool,
     /// Lengths are inches, to 0.0001.
     pub inch: bool,
+    /// The program is written in macro B, and the control reads it.
+    pub macro_b: bool,
 }
 
 impl Syntax {
     /// The least input increment of a length, in millionths of its unit.
     pub(super) const fn increment(self) -> i64 {
         if self.inch { 100 } else { 1000 }
+    }
+
+    /// What `ROUND` rounds to in a word: the least increment of its address.
+    pub(crate) const fn unit(self, address: u8) -> f64 {
+        match address {
+            b'F' => 0.0001,
+            address if is_length(address) => self.increment() as f64 / 1e6,
+            _ => 1.0,
+        }
     }
 
     /// Decimal places of the least input increment.
@@ -33,6 +45,7 @@ impl From<&Parameters> for Syntax {
         Self {
             point_required: parameters.point_required(),
             inch: false,
+            macro_b: false,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A program: its text and where its blocks begin.
 
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, OnceLock, Weak};
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::block::Block;
 use super::head::Head;
 use super::index::{Index, line_end, line_start};
+use super::macro_b::uses_macro_b;
 use super::parse::read_block;
 use super::places::{Place, Places};
 use super::syntax::{BlockError, Syntax};
@@ -36,6 +37,8 @@ struct Shared {
     characters: u32,
     number: Option<u16>,
     full_width: Option<u32>,
+    /// Whether it is written in macro B, once that was asked.
+    macro_b: OnceLock<bool>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -83,6 +86,7 @@ impl Program {
             characters: characters as u32,
             number: None,
             full_width: index.full_width,
+            macro_b: OnceLock::new(),
             text,
         };
         shared.number = (0..shared.blocks.len().min(NAME_WITHIN))
@@ -127,6 +131,12 @@ impl Program {
     /// are read as ASCII.
     pub fn full_width_line(&self) -> Option<u32> {
         self.shared.full_width
+    }
+
+    /// Whether it has statements, formulas or variables that only macro B has.
+    pub(crate) fn uses_macro_b(&self) -> bool {
+        let shared = &self.shared;
+        *shared.macro_b.get_or_init(|| uses_macro_b(&shared.text))
     }
 
     /// Lines of the text.

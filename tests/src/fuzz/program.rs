@@ -38,9 +38,10 @@ pub(super) fn run(input: &[u8]) {
 }
 
 fn syntaxes() -> impl Iterator<Item = Syntax> {
-    (0..4).map(|bits| Syntax {
+    (0..8).map(|bits| Syntax {
         point_required: bits & 1 != 0,
         inch: bits & 2 != 0,
+        macro_b: bits & 4 != 0,
     })
 }
 

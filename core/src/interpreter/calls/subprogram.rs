@@ -14,7 +14,7 @@ use crate::command::ProgramId;
 use crate::interpreter::calls::special_call::SpecialCall;
 use crate::interpreter::context::Context;
 use crate::interpreter::context::flow::Flow;
-use crate::interpreter::context::place::{Call, Place};
+use crate::interpreter::context::place::{Call, CallKind, Place};
 
 /// Levels of calls.
 const LEVELS: usize = 4;
@@ -46,12 +46,14 @@ fn enter(
     runs: u16,
     name: &core::fmt::Arguments<'_>,
 ) -> Result<Flow, Alarm> {
-    if context.calls.len() >= LEVELS {
+    let nested = context.calls.iter().filter(|it| it.kind.is_subprogram());
+    if nested.count() >= LEVELS {
         return Err(
             Alarm::new(number::CALL_TOO_DEEP).because(say::call_too_deep(name, LEVELS + 1, LEVELS)),
         );
     }
-    let Some(program) = find_program(context, number) else {
+    let program = u16::try_from(number).ok();
+    let Some(program) = program.and_then(|it| context.programs.find(it)) else {
         return Err(
             Alarm::new(number::TARGET_MISSING).because(say::call_program_missing(name, number))
         );
@@ -60,18 +62,8 @@ fn enter(
         program,
         runs,
         back: after(context),
+        kind: CallKind::Subprogram,
     }))
-}
-
-/// A stored program, or the external one when it has the number.
-fn find_program(context: &Context<'_>, number: i64) -> Option<ProgramId> {
-    let number = u16::try_from(number).ok()?;
-    let stored = ProgramId::Stored(number);
-    if context.programs.get(stored).is_some() {
-        return Some(stored);
-    }
-    let external = context.programs.get(ProgramId::External)?;
-    (external.number() == Some(number)).then_some(ProgramId::External)
 }
 
 /// M99, or the end of a subprogram's text.

@@ -61,5 +61,10 @@ pub(crate) fn check_call(state: &State, context: &Context<'_>, contour: bool) ->
         Compensated::Off => contour && state.compensates(),
         Compensated::On => !(contour && state.modal.nose_compensation == 40),
     };
-    if on { Err(Fault::Call.alarm()) } else { Ok(()) }
+    if on { Err(call_fault()) } else { Ok(()) }
+}
+
+/// The alarm of a call in compensation.
+pub(crate) fn call_fault() -> Alarm {
+    Fault::Call.alarm()
 }

@@ -1,5 +1,7 @@
 //! Where reading goes on after a block.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::command::Source;
@@ -7,7 +9,7 @@ use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::place::{Call, Place};
 
 /// What follows a block.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Flow {
     /// The next line.
     #[default]
@@ -20,10 +22,20 @@ pub(crate) enum Flow {
     Again,
     /// M98.
     Call(Call),
+    /// G65, and a move under G66.
+    MacroCall(Box<MacroEntry>),
     /// The end of the innermost call, going on here.
     Return(Place),
     /// The end of the run.
     End,
+}
+
+/// A macro being called.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct MacroEntry {
+    pub(crate) call: Call,
+    /// Its local variables, by number.
+    pub(crate) arguments: BTreeMap<u8, f64>,
 }
 
 /// A profile being finished.

@@ -21,4 +21,26 @@ pub(crate) struct Call {
     pub(crate) runs: u16,
     /// The block after the call.
     pub(crate) back: Place,
+    /// What it has of its own.
+    #[serde(default, skip_serializing_if = "CallKind::is_subprogram")]
+    pub(crate) kind: CallKind,
+}
+
+/// How a program was called.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) enum CallKind {
+    /// M98: the variables of its caller.
+    #[default]
+    Subprogram,
+    /// G65: variables of its own.
+    Macro,
+    /// After a move, by the G66 of this index: variables that it keeps.
+    Modal(u8),
+}
+
+impl CallKind {
+    /// Whether it is an M98.
+    pub(crate) const fn is_subprogram(&self) -> bool {
+        matches!(self, Self::Subprogram)
+    }
 }

@@ -7,8 +7,9 @@ use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::inch;
 use crate::interpreter::context::host::Host;
 use crate::interpreter::context::words::Words;
+use crate::interpreter::macros::system::Known;
 use crate::interpreter::macros::variable::{self, NotNow};
-use crate::program::{Block, Program, Syntax};
+use crate::program::{Block, Program, Statement, Syntax};
 
 /// Blocks that are looked through for one that is not skipped.
 const REACH: u32 = 16;
@@ -20,6 +21,8 @@ pub(crate) struct Reading<'a, H> {
     /// Whether blocks marked `/` are skipped.
     pub(crate) skipping: bool,
     pub(crate) host: &'a H,
+    /// What formulas of macro B are worked out from.
+    pub(crate) known: Option<&'a Known<'a>>,
 }
 
 /// What a block read ahead of its turn raises. Cycles are planned when everything
@@ -45,6 +48,13 @@ impl<H: Host> Reading<'_, H> {
         let skipped = self.skipping && block.skip;
         if skipped || (block.is_empty() && block.o.is_some()) {
             return Ok(None);
+        }
+        if let (Some(statement), Some(known)) = (block.statement.as_deref(), self.known) {
+            let Statement::Words(formulas) = statement else {
+                let rule = say::profile_macro_statement();
+                return Err(Alarm::new(number::PROFILE_CODE).because(rule).into());
+            };
+            block = known.words(&block, formulas, self.syntax, self.host)?;
         }
         if block.has_g(65) {
             return Err(NotNow::Fault(

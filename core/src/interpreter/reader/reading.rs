@@ -9,8 +9,8 @@ use crate::interpreter::block;
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::codes::corner;
 use crate::interpreter::codes::inch;
-use crate::interpreter::codes::nose_radius::check_call;
-use crate::interpreter::context::flow::Flow;
+use crate::interpreter::codes::nose_radius::{self, check_call};
+use crate::interpreter::context::flow::{Flow, MacroEntry};
 use crate::interpreter::context::host::Host;
 use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::{Call, Place};
@@ -19,11 +19,12 @@ use crate::interpreter::context::{Compensated, Context};
 use crate::interpreter::macros::lookahead;
 use crate::interpreter::macros::lookahead::Reading;
 use crate::interpreter::macros::macro_block;
-use crate::interpreter::macros::macro_block::Outcome;
+use crate::interpreter::macros::statement::{self, Here, MACRO_LEVELS, Outcome};
+use crate::interpreter::macros::system::{self, Known};
 use crate::interpreter::macros::variable;
 use crate::interpreter::macros::variable::NotNow;
 use crate::interpreter::plan::Plan;
-use crate::program::{Block, Recent, Syntax};
+use crate::program::{Block, Recent, Statement};
 
 use super::{Advance, Interpreter};
 
@@ -123,10 +124,7 @@ impl Interpreter {
             }
             return self.end_of_text(program.line_count(), host);
         }
-        let syntax = Syntax {
-            inch: self.state.modal.inch,
-            ..Syntax::from(host.parameters())
-        };
+        let syntax = self.syntax(place.program, program, host.parameters());
         let mut source = Source {
             program: place.program,
             line: program.block_line(place.block),
@@ -153,8 +151,37 @@ impl Interpreter {
         if block.has_g(65) {
             return self.operate(block, source, place, host);
         }
+        // The state is large: it is copied for formulas only.
+        let known = match syntax.macro_b {
+            true => Some(Known {
+                levels: &run.levels,
+                state: self.state,
+                source,
+            }),
+            false => None,
+        };
         let (resolved, mut metric);
-        if block.has_variables() {
+        if let (Some(statement), Some(known)) = (block.statement.as_deref(), &known) {
+            let Statement::Words(formulas) = statement else {
+                let here = Here {
+                    program,
+                    programs: host.programs(),
+                    place,
+                    calls: &run.calls,
+                    syntax,
+                    within: run.levels.innermost(run.calls.len()),
+                };
+                let read = |number| known.read(number, &*host);
+                let outcome = statement::carry_out(statement, &here, &read);
+                return self.follow_statement(outcome, source, place, host);
+            };
+            resolved = match known.words(block, formulas, syntax, &*host) {
+                Ok(block) => block,
+                Err(NotNow::Wait) => return Ok(Read::Wait),
+                Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
+            };
+            block = &resolved;
+        } else if block.has_variables() {
             resolved = match variable::resolve(block.clone(), syntax, host) {
                 Ok(block) => block,
                 Err(NotNow::Wait) => return Ok(Read::Wait),
@@ -177,6 +204,7 @@ impl Interpreter {
             syntax,
             skipping,
             host: &*host,
+            known: known.as_ref(),
         };
         let corner = corner::is_possible(&words, &self.state.modal);
         // How a corner or a thread ends depends on the block behind it, and not on
@@ -212,12 +240,91 @@ impl Interpreter {
             self.state = before;
             return Err(alarm.at(source));
         }
+        if plan.flow == Flow::Next && plan.motion.moves() {
+            plan.flow = run.modal_call(place);
+        }
         self.stand_as(&before);
         self.note(source);
         Ok(self.planned(plan))
     }
 
-    /// G65: acts while it is read; as a code of group 00 it clears the stored
+    /// A statement of macro B: it acts while it is read.
+    fn follow_statement<H: Host>(
+        &mut self,
+        outcome: Result<Outcome, NotNow>,
+        source: Source,
+        place: Place,
+        host: &mut H,
+    ) -> Result<Read, Alarm> {
+        let outcome = outcome.and_then(|outcome| self.take_up(outcome, place, host));
+        let flow = match outcome {
+            Ok(flow) => flow,
+            Err(NotNow::Wait) => return Ok(Read::Wait),
+            Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
+        };
+        let mut plan = Plan::new(source, self.state.modal);
+        plan.after = Some(Action::Macro);
+        plan.stops = host.parameters().macro_blocks_stop();
+        plan.flow = flow;
+        self.note(source);
+        Ok(self.planned(plan))
+    }
+
+    /// Puts into force what a statement leads to; where reading goes on.
+    fn take_up<H: Host>(
+        &mut self,
+        outcome: Outcome,
+        place: Place,
+        host: &mut H,
+    ) -> Result<Flow, NotNow> {
+        let to = |block| Flow::Jump(Place { block, ..place });
+        let levels = &mut self.run_mut().levels;
+        match outcome {
+            Outcome::Nothing => {}
+            Outcome::Assign(number, value) => system::write(number, value, levels, host)?,
+            Outcome::Enter(entered) => levels.enter_loop(entered),
+            Outcome::Repeat(first) => return Ok(to(first)),
+            Outcome::Leave(last) => return Ok(to(last.saturating_add(1))),
+            Outcome::Goto(number) => return Ok(to(self.jump_target(place, number, host)?)),
+            Outcome::Call(call, arguments) => {
+                self.check_macro_call()?;
+                return Ok(Flow::MacroCall(Box::new(MacroEntry { call, arguments })));
+            }
+            Outcome::Modal(modal) => {
+                if !levels.add_modal(modal, MACRO_LEVELS) {
+                    let detail = say::modal_calls_too_many(MACRO_LEVELS);
+                    return Err(Alarm::new(number::MODAL_CALLS).because(detail).into());
+                }
+            }
+            Outcome::CancelModal => levels.cancel_modal(),
+        }
+        Ok(Flow::Next)
+    }
+
+    /// Nothing is called while the nose radius is compensated.
+    fn check_macro_call(&self) -> Result<(), Alarm> {
+        match self.compensated() {
+            Compensated::On => Err(nose_radius::call_fault()),
+            Compensated::Off | Compensated::Never => Ok(()),
+        }
+    }
+
+    /// The block that a jump by its sequence number leads to.
+    fn jump_target<H: Host>(&mut self, place: Place, p: i64, host: &H) -> Result<u32, Alarm> {
+        let program = match &self.mdi {
+            Some(mdi) => &mdi.program,
+            None => host
+                .programs()
+                .get(place.program)
+                .ok_or_else(|| missing(place.program))?,
+        };
+        match place.program {
+            ProgramId::Dnc => Err(Alarm::new(number::BAD_JUMP).because(say::jump_in_dnc())),
+            _ => self.jumps.target(program, place, p),
+        }
+    }
+
+    /// G65 H: acts while it is read; as a code of group 00 it clears the stored
     /// words of G90, G92 and G94 (manual I-3.2.5.3).
     fn operate<H: Host>(
         &mut self,
@@ -235,22 +342,12 @@ impl Interpreter {
         plan.after = Some(Action::Macro);
         plan.stops = host.parameters().macro_blocks_stop();
         match outcome {
-            Outcome::Nothing => {}
-            Outcome::Value(slot, value) => {
+            macro_block::Outcome::Nothing => {}
+            macro_block::Outcome::Value(slot, value) => {
                 slot.write(value, host).map_err(|alarm| alarm.at(source))?;
             }
-            Outcome::Jump(p) => {
-                let program = match &self.mdi {
-                    Some(mdi) => &mdi.program,
-                    None => host
-                        .programs()
-                        .get(place.program)
-                        .ok_or_else(|| missing(place.program))?,
-                };
-                let target = match place.program {
-                    ProgramId::Dnc => Err(Alarm::new(number::BAD_JUMP).because(say::jump_in_dnc())),
-                    _ => self.jumps.target(program, place, p),
-                };
+            macro_block::Outcome::Jump(p) => {
+                let target = self.jump_target(place, p, host);
                 let block = target.map_err(|alarm| alarm.at(source))?;
                 plan.flow = Flow::Jump(Place { block, ..place });
             }

@@ -7,6 +7,7 @@ mod corners;
 mod cycles;
 mod dialect;
 mod explanations;
+mod macro_b;
 mod macros;
 mod motion;
 mod nose_compensation;

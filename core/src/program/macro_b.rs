@@ -1,0 +1,22 @@
+//! Macro statements of custom macro B: variables, formulas, jumps, loops, calls with
+//! arguments.
+//!
+//! ```text
+//!   #1=#2+SIN[#3*2]        IF [#1 GT 5] GOTO 10      G65 P9010 A1.0 B#2
+//!   GOTO 10                IF [#1 EQ #0] THEN #2=1   G66 P9110 Z-20.0
+//!   X[#1/2] Z-#3           WHILE [#1 LE 10] DO 1     G67
+//!                          END 1
+//! ```
+//!
+//! The control has this language as an option. Nothing is worked out here: a statement
+//! holds its formulas as postfix code.
+
+mod expression;
+mod statement;
+mod usage;
+
+pub(super) use expression::in_word;
+pub(crate) use expression::{Expression, Function, Operator, Step};
+pub(crate) use statement::{Assignment, Condition, MacroCall, Relation, Statement, Then};
+pub(super) use statement::{arguments, begins};
+pub(super) use usage::uses_macro_b;

@@ -1,0 +1,53 @@
+//! Whether a program is written in macro B, or in the macro language of G65 H.
+
+use super::super::lexer::Lexer;
+use super::expression::word_variable;
+
+/// Variables that both languages have, and the references of macro A through another one.
+const fn of_both(number: u32) -> bool {
+    matches!(number, 200..=231 | 500..=515 | 1000..=1032 | 1100..=1133 | 9200..=9231 | 9500..=9515)
+}
+
+/// Whether a text has a statement, a formula or a variable that only macro B has. In a
+/// program without any of them a variable in a word counts in increments, as G65 H leaves
+/// it.
+pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
+    let mut lexer = Lexer::new(text);
+    let mut before = 0_u8;
+    while !lexer.is_at_end() {
+        let (byte, len) = lexer.peek();
+        let letter = byte.is_ascii_alphabetic();
+        match byte {
+            b'(' if lexer.skip_comment().is_ok() => {
+                before = b' ';
+                continue;
+            }
+            b'[' | b']' | b'=' => return true,
+            b'#' => {
+                let after = lexer.moved_to(lexer.at + len);
+                if word_variable(after.rest()).is_none_or(|number| !of_both(number)) {
+                    return true;
+                }
+            }
+            b'G' | b'g' if calls(lexer.moved_to(lexer.at + len)) => return true,
+            _ if letter && before.is_ascii_alphabetic() => return true,
+            _ => {}
+        }
+        before = byte;
+        lexer.at += len.max(1);
+    }
+    false
+}
+
+/// Whether a G code is G66, G67, or G65 without H.
+fn calls(mut lexer: Lexer<'_>) -> bool {
+    let mut code = 0_u32;
+    while let Some(digit) = lexer.digit() {
+        code = code.saturating_mul(10).saturating_add(digit.into());
+    }
+    match code {
+        66 | 67 => true,
+        65 => lexer.skip_blanks().is_ok() && !matches!(lexer.peek().0, b'H' | b'h'),
+        _ => false,
+    }
+}
