@@ -160,7 +160,7 @@ impl Alarm {
     /// the detail of an alarm without a row.
     pub fn message(number: u16, text: &str) -> Self {
         let message = Self::new(number);
-        if message.text() == text {
+        if message.text(Language::Zh) == text {
             message
         } else {
             message.because(say::as_written(text))
@@ -220,9 +220,27 @@ impl Alarm {
         }
     }
 
-    /// The Chinese text of the screen; empty where the manual has none.
-    pub fn text(&self) -> &'static str {
-        self.row().map_or("", |row| row.text_zh)
+    /// Its text: that of the screen, that of its program, or in English what it means;
+    /// empty where there is none.
+    pub fn text(&self, language: Language) -> String {
+        if let Some(detail) = self
+            .detail
+            .as_ref()
+            .filter(|_| is_named_by_program(self.number))
+        {
+            return detail.text(language);
+        }
+        let text = self.row().map_or("", |row| match language {
+            Language::Zh => row.text_zh,
+            Language::En => row.meaning_en,
+        });
+        text.to_owned()
+    }
+
+    /// Why it was raised, besides its text.
+    pub fn told_besides(&self) -> Option<&Message> {
+        let detail = self.detail.as_ref();
+        detail.filter(|_| !is_named_by_program(self.number))
     }
 
     /// How it comes about and what helps.
@@ -232,24 +250,12 @@ impl Alarm {
 
     /// The line of the alarm page: `P/S 011: …`, `207: …`, `P/S 515`.
     pub fn line_text(&self) -> String {
-        match self.text_of_program() {
-            Some(text) => self.line_of(&text),
-            None => self.line_of(self.text()),
-        }
+        self.line_of(&self.text(Language::Zh))
     }
 
     /// The same line in English.
     pub fn line_text_en(&self) -> String {
-        match self.text_of_program() {
-            Some(text) => self.line_of(&text),
-            None => self.line_of(self.row().map_or("", |row| row.meaning_en)),
-        }
-    }
-
-    /// The text that its program gave it.
-    fn text_of_program(&self) -> Option<String> {
-        let detail = self.detail.as_ref()?;
-        is_named_by_program(self.number).then(|| detail.to_string())
+        self.line_of(&self.text(Language::En))
     }
 
     fn line_of(&self, text: &str) -> String {
@@ -267,11 +273,7 @@ impl Alarm {
 impl fmt::Display for Alarm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.line_text())?;
-        if let Some(detail) = self
-            .detail
-            .as_ref()
-            .filter(|_| !is_named_by_program(self.number))
-        {
+        if let Some(detail) = self.told_besides() {
             write!(f, " ({detail})")?;
         }
         let Some(row) = self.row().filter(|_| f.alternate()) else {

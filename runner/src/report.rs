@@ -186,16 +186,12 @@ impl AlarmReport {
         Self {
             class: class_name(alarm.class()),
             number: alarm.number,
-            text: match language {
-                Some(Language::En) => alarm.row().map_or("", |row| row.meaning_en),
-                Some(Language::Zh) | None => alarm.text(),
-            }
-            .to_owned(),
+            text: alarm.text(language.unwrap_or(Language::Zh)),
             line: alarm.source.map(|source| source.line),
             sequence: alarm.source.and_then(|source| source.sequence),
             program: alarm.source.map(|source| source.program),
             block,
-            detail: (alarm.detail.as_ref())
+            detail: (alarm.told_besides())
                 .map(|detail| detail.text(language.unwrap_or(Language::En))),
             cause: match language {
                 Some(Language::Zh) => alarm.advice().map(|advice| advice.cause_zh),

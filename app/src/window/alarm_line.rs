@@ -10,15 +10,12 @@ use gsk_messages::{Language, say};
 pub fn short(alarm: &Alarm, language: Language) -> String {
     let mut line = match language {
         Language::Zh => alarm.line_text(),
-        Language::En => {
-            let meaning = alarm.row().map_or("", |row| row.meaning_en);
-            format!("{:03}: {meaning}", alarm.number)
-        }
+        Language::En => format!("{:03}: {}", alarm.number, alarm.text(language)),
     };
     if let Some(place) = place(alarm, language) {
         line.push_str(&format!("  {place}"));
     }
-    if let Some(detail) = &alarm.detail {
+    if let Some(detail) = alarm.told_besides() {
         line.push_str(&format!("  ({})", detail.text(language)));
     }
     line

@@ -1,5 +1,6 @@
 //! A report in words.
 
+use gsk_core::command::ProgramId;
 use gsk_messages::{Language, Message, say};
 
 use super::{AlarmReport, Bounds, End, PathReport, Report};
@@ -15,6 +16,10 @@ impl AlarmReport {
             self.class
         };
         let mut out = format!("{class} {:03} {}", self.number, self.text);
+        // The block of a subprogram stands in a program of its own.
+        if let Some(ProgramId::Stored(number)) = self.program {
+            out.push_str(&format!(", O{number:04}"));
+        }
         if let Some(line) = self.line {
             out.push_str(&say::report_line(line).text(words));
         }

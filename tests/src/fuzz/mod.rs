@@ -7,14 +7,15 @@
 //! tells with [`watch::seen`], so that a driver keeps inputs that are new.
 //!
 //! Targets that take a program read settings from a comment in its first line:
-//! `(SET 13=1 1.4=0 T1=0.4/3)` sets a parameter, one of its bits, and the nose
-//! radius and tip of an offset.
+//! `(SET 13=1 1.4=0 T1=0.4/3 B=1)` sets a parameter, one of its bits, the nose
+//! radius and tip of an offset, and the option of macro B.
 
 mod cycles;
 mod dry_run;
 mod interpreter;
 mod ladder;
 mod link;
+mod macros;
 mod minimize;
 pub mod mutate;
 mod program;
@@ -40,7 +41,7 @@ pub struct Target {
 const PROGRAM_WORDS: &str = include_str!("words-program.txt");
 
 /// Every target.
-pub const TARGETS: [Target; 8] = [
+pub const TARGETS: [Target; 9] = [
     Target {
         name: "program",
         run: program::run,
@@ -50,6 +51,11 @@ pub const TARGETS: [Target; 8] = [
         name: "interpreter",
         run: interpreter::run,
         words: PROGRAM_WORDS,
+    },
+    Target {
+        name: "macros",
+        run: macros::run,
+        words: include_str!("words-macros.txt"),
     },
     Target {
         name: "cycles",

@@ -58,6 +58,10 @@ fn apply(setup: &mut Setup, setting: &str) -> Option<()> {
                 .set_bit(number, bit, value == "1")
                 .ok()
         }
+        None if what == "B" => {
+            setup.memory.settings.macro_b = value == "1";
+            Some(())
+        }
         None => {
             let number = what.parse().ok()?;
             setup
