@@ -5,7 +5,7 @@ use core::fmt;
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use super::macro_b::Statement;
+use super::macro_b::{Expression, Statement};
 use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm;
@@ -45,7 +45,7 @@ pub struct Block {
     /// Line of the file it stands in, from 1; 0 without a file.
     pub line: u32,
     /// What it says in macro B; none in a block of words and numbers.
-    pub(crate) statement: Option<Box<Statement>>,
+    pub(super) statement: Option<Box<Statement>>,
     variables: bool,
     len: u8,
     addresses: u32,
@@ -105,6 +105,25 @@ impl Block {
     /// Whether nothing stands in it besides N: it repeats a cycle of group 01.
     pub const fn is_empty(&self) -> bool {
         self.len == 0
+    }
+
+    /// Whether nothing but the name of a program stands in it.
+    pub(crate) fn is_name(&self) -> bool {
+        self.is_empty() && self.o.is_some() && self.statement.is_none()
+    }
+
+    /// The statement of macro B that it is.
+    pub(crate) fn macro_statement(&self) -> Option<&Statement> {
+        let statement = self.statement.as_deref();
+        statement.filter(|it| !matches!(it, Statement::Words(_)))
+    }
+
+    /// The formulas of its words.
+    pub(crate) fn formulas(&self) -> Option<&[Expression]> {
+        match self.statement.as_deref() {
+            Some(Statement::Words(formulas)) => Some(formulas),
+            _ => None,
+        }
     }
 
     /// Whether an address occurs.

@@ -9,7 +9,7 @@ use crate::interpreter::context::host::Host;
 use crate::interpreter::context::words::Words;
 use crate::interpreter::macros::system::Known;
 use crate::interpreter::macros::variable::{self, NotNow};
-use crate::program::{Block, Program, Statement, Syntax};
+use crate::program::{Block, Program, Syntax};
 
 /// Blocks that are looked through for one that is not skipped.
 const REACH: u32 = 16;
@@ -46,14 +46,14 @@ impl<H: Host> Reading<'_, H> {
             return Err(NotNow::Fault(error.into()));
         }
         let skipped = self.skipping && block.skip;
-        if skipped || (block.is_empty() && block.o.is_some()) {
+        if skipped || block.is_name() {
             return Ok(None);
         }
-        if let (Some(statement), Some(known)) = (block.statement.as_deref(), self.known) {
-            let Statement::Words(formulas) = statement else {
-                let rule = say::profile_macro_statement();
-                return Err(Alarm::new(number::PROFILE_CODE).because(rule).into());
-            };
+        if block.macro_statement().is_some() {
+            let rule = say::profile_macro_statement();
+            return Err(Alarm::new(number::PROFILE_CODE).because(rule).into());
+        }
+        if let (Some(formulas), Some(known)) = (block.formulas(), self.known) {
             block = known.words(&block, formulas, self.syntax, self.host)?;
         }
         if block.has_g(65) {

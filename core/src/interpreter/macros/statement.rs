@@ -235,7 +235,7 @@ impl Here<'_> {
             if self.program.read(index, self.syntax, &mut block).is_err() {
                 continue;
             }
-            match block.statement.as_deref() {
+            match block.macro_statement() {
                 Some(Statement::Do(_, inner)) if open.contains(inner) => {
                     return Err(loops_wrong(say::loop_twice(*inner)));
                 }

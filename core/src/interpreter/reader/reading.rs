@@ -14,6 +14,7 @@ use crate::interpreter::context::flow::{Flow, MacroEntry};
 use crate::interpreter::context::host::Host;
 use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::{Call, Place};
+use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::Words;
 use crate::interpreter::context::{Compensated, Context};
 use crate::interpreter::macros::lookahead;
@@ -24,7 +25,8 @@ use crate::interpreter::macros::system::{self, Known};
 use crate::interpreter::macros::variable;
 use crate::interpreter::macros::variable::NotNow;
 use crate::interpreter::plan::Plan;
-use crate::program::{Block, Recent, Statement};
+use crate::interpreter::run::Run;
+use crate::program::{Block, Recent, Syntax};
 
 use super::{Advance, Interpreter};
 
@@ -144,7 +146,7 @@ impl Interpreter {
         };
         source.sequence = block.n.or(source.sequence);
         let skipped = skipping && block.skip;
-        if skipped || (block.is_empty() && block.o.is_some()) {
+        if skipped || block.is_name() {
             self.note(source);
             return Ok(Read::Skipped);
         }
@@ -160,35 +162,25 @@ impl Interpreter {
             }),
             false => None,
         };
-        let (resolved, mut metric);
-        if let (Some(statement), Some(known)) = (block.statement.as_deref(), &known) {
-            let Statement::Words(formulas) = statement else {
-                let here = Here {
-                    program,
-                    programs: host.programs(),
-                    place,
-                    calls: &run.calls,
-                    syntax,
-                    within: run.levels.innermost(run.calls.len()),
-                };
-                let read = |number| known.read(number, &*host);
-                let outcome = statement::carry_out(statement, &here, &read);
-                return self.follow_statement(outcome, source, place, host);
+        if let (Some(statement), Some(known)) = (block.macro_statement(), &known) {
+            let here = Here {
+                program,
+                programs: host.programs(),
+                place,
+                calls: &run.calls,
+                syntax,
+                within: run.levels.innermost(run.calls.len()),
             };
-            resolved = match known.words(block, formulas, syntax, &*host) {
-                Ok(block) => block,
-                Err(NotNow::Wait) => return Ok(Read::Wait),
-                Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
-            };
-            block = &resolved;
-        } else if block.has_variables() {
-            resolved = match variable::resolve(block.clone(), syntax, host) {
-                Ok(block) => block,
-                Err(NotNow::Wait) => return Ok(Read::Wait),
-                Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
-            };
-            block = &resolved;
+            let outcome = statement::carry_out(statement, &here, &|it| known.read(it, &*host));
+            return self.follow_statement(outcome, source, place, host);
         }
+        let resolved = match resolve(block, known.as_ref(), syntax, &*host) {
+            Ok(resolved) => resolved,
+            Err(NotNow::Wait) => return Ok(Read::Wait),
+            Err(NotNow::Fault(alarm)) => return Err(alarm.at(source)),
+        };
+        block = resolved.as_ref().unwrap_or(block);
+        let mut metric;
         if syntax.inch {
             metric = block.clone();
             inch::to_metric(&mut metric, self.state.modal.motion);
@@ -235,13 +227,11 @@ impl Interpreter {
         let before = self.state;
         let mut plan = Plan::new(source, before.modal);
         let outcome = block::evaluate(&mut self.state, &context, &words, &mut plan)
+            .and_then(|()| call_after_move(run, &self.state, &context, &mut plan))
             .and_then(|()| Ok(plan.writes.apply(host.parameters_mut())?));
         if let Err(alarm) = outcome {
             self.state = before;
             return Err(alarm.at(source));
-        }
-        if plan.flow == Flow::Next && plan.motion.moves() {
-            plan.flow = run.modal_call(place);
         }
         self.stand_as(&before);
         self.note(source);
@@ -408,6 +398,37 @@ impl Interpreter {
         let run = self.run_mut();
         run.source = Some(source);
         run.sequence = source.sequence;
+    }
+}
+
+/// A block with numbers in the place of its variables and formulas; none where it has
+/// numbers only.
+fn resolve<H: Host>(
+    block: &Block,
+    known: Option<&Known<'_>>,
+    syntax: Syntax,
+    host: &H,
+) -> Result<Option<Block>, NotNow> {
+    match (block.formulas(), known) {
+        (Some(formulas), Some(known)) => known.words(block, formulas, syntax, host).map(Some),
+        _ if block.has_variables() => variable::resolve(block.clone(), syntax, host).map(Some),
+        _ => Ok(None),
+    }
+}
+
+/// Under G66 a move calls its macro: not in the profile of a cycle.
+fn call_after_move(
+    run: &Run,
+    state: &State,
+    context: &Context<'_>,
+    plan: &mut Plan,
+) -> Result<(), Alarm> {
+    if plan.flow == Flow::Next && plan.motion.moves() && run.finishing.is_none() {
+        plan.flow = run.modal_call(context.place);
+    }
+    match plan.flow {
+        Flow::MacroCall(_) => check_call(state, context, plan.motion.is_contour()),
+        _ => Ok(()),
     }
 }
 

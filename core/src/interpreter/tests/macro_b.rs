@@ -1,6 +1,7 @@
 //! Macro B: formulas, variables, jumps, loops, calls with arguments.
 
 use super::Bench;
+use crate::memory::ToolOffset;
 use crate::program::Program;
 
 fn bench() -> Bench {
@@ -273,6 +274,11 @@ fn arguments_of_both_kinds() {
 }
 
 #[test]
+fn a_name_may_stand_before_a_statement() {
+    assert_eq!(result("O0001 #100=5;\nM30;\n"), Some(5.0));
+}
+
+#[test]
 fn calls_end_where_they_must() {
     let called =
         "O9010;\nWHILE[#1LT9]DO1;\n#1=#1+1;\nIF[#1EQ5]GOTO9;\nEND1;\nN9 #100=#100+#1;\nM99;\n";
@@ -307,6 +313,27 @@ fn moves_call_the_modal_macro() {
     assert_eq!(bench.rest().1, None);
     assert_eq!(bench.variables.real(101), Some(3.0));
     assert_eq!(bench.variables.real(102), Some(1.0));
+    // None in compensation, where M98 is none either.
+    let compensated =
+        "G66 P9111;\nT0101;\nG42 G00 X10 Z10;\nG01 Z0 F100;\nG01 Z-5;\nG40 G00 X20;\n";
+    let mut bench = with(&[outer]).with_bit(2, 1, true);
+    let alarm = ToolOffset {
+        r: 0.4,
+        t: 3,
+        ..ToolOffset::default()
+    };
+    bench.offsets.set(1, alarm).unwrap();
+    let called = bench.fault(compensated);
+    let mut bench = with(&[outer]).with_bit(2, 1, true);
+    bench.offsets.set(1, alarm).unwrap();
+    assert_eq!(
+        called,
+        bench.fault(
+            &compensated
+                .replace("G66 P9111;\n", ";\n")
+                .replace("Z10;", "Z10 M98 P9111;")
+        )
+    );
     let five = "G66 P9111;\n".repeat(5);
     assert_eq!(with(&[outer]).fault(&five), (122, 5));
 }
