@@ -32,6 +32,12 @@ def nearest(value):
     return -whole if value < 0 else whole
 
 
+def beside_half(value):
+    """Whether a value is a half but for the last digits of floating point."""
+    off = abs(abs(value) % 1 - Fraction(1, 2))
+    return off < Fraction(1, 10**9) * max(1, abs(value))
+
+
 def number(draw):
     kind = draw.random()
     if kind < 0.4:
@@ -54,6 +60,9 @@ def of_two(name, a, b):
         if b == 0:
             raise Refused
         return a / b
+    if beside_half(a) or beside_half(b):
+        # The last digits of floating point decide.
+        raise Refused
     x, y = nearest(a), nearest(b)
     if name == "MOD":
         if y == 0:
@@ -69,6 +78,16 @@ def turned(degrees):
     return degrees + 360 if degrees < 0 else degrees
 
 
+def sine(degrees):
+    """Exact where the sine is."""
+    turn = degrees % 360
+    exact = {0: 0, 30: Fraction(1, 2), 90: 1, 150: Fraction(1, 2), 180: 0, 210: Fraction(-1, 2), 270: -1, 330: Fraction(-1, 2)}
+    near = nearest(turn)
+    if abs(turn - near) < Fraction(1, 10**12) and near in exact:
+        return Fraction(exact[near])
+    return Fraction(math.sin(math.radians(turn)))
+
+
 def of_one(name, a):
     value = float(a)
     if name == "ABS":
@@ -82,9 +101,9 @@ def of_one(name, a):
         up = math.ceil(abs(a))
         return Fraction(-up if a < 0 else up)
     if name == "SIN":
-        return Fraction(str(round(math.sin(math.radians(value)), 14)))
+        return sine(a)
     if name == "COS":
-        return Fraction(str(round(math.cos(math.radians(value)), 14)))
+        return sine(a + 90)
     if name == "SQRT":
         if a < 0:
             raise Refused
