@@ -238,7 +238,7 @@ impl Alarm {
     }
 
     /// Why it was raised, besides its text.
-    pub fn told_besides(&self) -> Option<&Message> {
+    pub fn further_detail(&self) -> Option<&Message> {
         let detail = self.detail.as_ref();
         detail.filter(|_| !is_named_by_program(self.number))
     }
@@ -273,7 +273,7 @@ impl Alarm {
 impl fmt::Display for Alarm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.line_text())?;
-        if let Some(detail) = self.told_besides() {
+        if let Some(detail) = self.further_detail() {
             write!(f, " ({detail})")?;
         }
         let Some(row) = self.row().filter(|_| f.alternate()) else {

@@ -191,7 +191,7 @@ impl AlarmReport {
             sequence: alarm.source.and_then(|source| source.sequence),
             program: alarm.source.map(|source| source.program),
             block,
-            detail: (alarm.told_besides())
+            detail: (alarm.further_detail())
                 .map(|detail| detail.text(language.unwrap_or(Language::En))),
             cause: match language {
                 Some(Language::Zh) => alarm.advice().map(|advice| advice.cause_zh),

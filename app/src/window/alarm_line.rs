@@ -15,7 +15,7 @@ pub fn short(alarm: &Alarm, language: Language) -> String {
     if let Some(place) = place(alarm, language) {
         line.push_str(&format!("  {place}"));
     }
-    if let Some(detail) = alarm.told_besides() {
+    if let Some(detail) = alarm.further_detail() {
         line.push_str(&format!("  ({})", detail.text(language)));
     }
     line

@@ -33,7 +33,7 @@ impl Interpreter {
         if self.main.finishing.is_some() {
             return PassedOver::Nothing;
         }
-        self.main.place.block = self.main.place.block.saturating_add(1);
+        self.main.place = self.main.place.after();
         PassedOver::Block
     }
 }

@@ -89,10 +89,7 @@ impl Run {
         let call = Call {
             program: modal.program,
             runs: modal.runs,
-            back: Place {
-                block: place.block.saturating_add(1),
-                ..place
-            },
+            back: place.after(),
             kind: CallKind::Modal(index),
         };
         let arguments = modal.arguments.clone();
@@ -101,7 +98,7 @@ impl Run {
 
     fn follow(&mut self, flow: Flow) {
         match flow {
-            Flow::Next => self.place.block = self.place.block.saturating_add(1),
+            Flow::Next => self.place = self.place.after(),
             Flow::Jump(place) => {
                 self.levels.jump(self.calls.len(), place.block);
                 self.place = place;

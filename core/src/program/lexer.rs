@@ -1,6 +1,11 @@
 //! Bytes of a program text: full-width characters read as ASCII, blanks,
 //! comments, ends of blocks.
 
+use gsk_messages::say;
+
+use super::syntax::BlockError;
+use crate::alarm::number;
+
 /// What [`Lexer::peek`] gives for a character that is none of the language.
 pub(super) const FOREIGN: u8 = 0xFF;
 
@@ -152,6 +157,13 @@ impl<'a> Lexer<'a> {
             }
         }
     }
+}
+
+/// Passes blanks and comments.
+pub(super) fn skip_blanks(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
+    lexer
+        .skip_blanks()
+        .map_err(|open| BlockError::at(number::BAD_CHARACTER, open, say::comment_not_closed()))
 }
 
 /// Kinds of bytes outside comments: a character of a word wherever it stands.

@@ -4,7 +4,7 @@
 use gsk_messages::say;
 
 use super::block::{Block, Word, check_values};
-use super::lexer::{FOREIGN, Lexer};
+use super::lexer::{FOREIGN, Lexer, skip_blanks};
 use super::macro_b::{self, Statement};
 use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
@@ -200,12 +200,6 @@ fn nothing_more(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
 
 fn narrow(at: usize) -> u16 {
     u16::try_from(at).unwrap_or(u16::MAX)
-}
-
-fn skip_blanks(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
-    lexer
-        .skip_blanks()
-        .map_err(|open| BlockError::at(number::BAD_CHARACTER, open, say::comment_not_closed()))
 }
 
 /// Table 2-1, with J and L, which the thread codes use.

@@ -1,15 +1,30 @@
 //! Any text through the interpreter, step by step, and through the preview.
 
+use gsk_core::setup::Setup;
+
 use super::{dry_run, settings};
 
 /// Steps of the interpreter; programs that need more are not previewed, for
 /// they may never end.
 const STEPS: u32 = 20_000;
+/// The same for programs of macro B, which loop more.
+const STEPS_MACRO_B: u32 = 5_000;
 
 pub(super) fn run(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
-    let setup = settings::setup(&text);
-    if dry_run::step_through(&setup, STEPS) {
-        dry_run::preview_all(&setup);
+    step_and_preview(&settings::setup(&text), STEPS);
+}
+
+/// The same with the option of macro B.
+pub(super) fn run_macro_b(input: &[u8]) {
+    let text = String::from_utf8_lossy(input);
+    let mut setup = settings::setup(&text);
+    setup.memory.settings.macro_b = true;
+    step_and_preview(&setup, STEPS_MACRO_B);
+}
+
+fn step_and_preview(setup: &Setup, steps: u32) {
+    if dry_run::step_through(setup, steps) {
+        dry_run::preview_all(setup);
     }
 }

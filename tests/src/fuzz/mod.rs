@@ -15,7 +15,6 @@ mod dry_run;
 mod interpreter;
 mod ladder;
 mod link;
-mod macros;
 mod minimize;
 pub mod mutate;
 mod program;
@@ -54,7 +53,7 @@ pub const TARGETS: [Target; 9] = [
     },
     Target {
         name: "macros",
-        run: macros::run,
+        run: interpreter::run_macro_b,
         words: include_str!("words-macros.txt"),
     },
     Target {

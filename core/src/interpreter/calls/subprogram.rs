@@ -61,7 +61,7 @@ fn enter(
     Ok(Flow::Call(Call {
         program,
         runs,
-        back: after(context),
+        back: context.place.after(),
         kind: CallKind::Subprogram,
     }))
 }
@@ -115,11 +115,4 @@ fn find_block(context: &Context<'_>, program: ProgramId, n: i64) -> Result<u32, 
         text.find_sequence_block(n, 0..text.block_count())
     });
     block.ok_or_else(|| Alarm::new(number::TARGET_MISSING).because(say::return_target_missing(n)))
-}
-
-fn after(context: &Context<'_>) -> Place {
-    Place {
-        program: context.place.program,
-        block: context.place.block.saturating_add(1),
-    }
 }

@@ -12,6 +12,16 @@ pub(crate) struct Place {
     pub(crate) block: u32,
 }
 
+impl Place {
+    /// The block that follows.
+    pub(crate) const fn after(self) -> Self {
+        Self {
+            block: self.block.saturating_add(1),
+            ..self
+        }
+    }
+}
+
 /// A call under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Call {

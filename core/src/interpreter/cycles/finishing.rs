@@ -29,10 +29,7 @@ pub(crate) fn plan(state: &State, context: &Context<'_>, words: &Words) -> Resul
             ..context.place
         },
         last: range.last,
-        back: Place {
-            block: context.place.block.saturating_add(1),
-            ..context.place
-        },
+        back: context.place.after(),
         start: state.position,
         source: context.source,
         lines: (

@@ -178,8 +178,6 @@ fn bits(name: &'static str, value: f64) -> Result<u32, NotNow> {
 fn apply(function: Function, value: f64, unit: f64) -> Result<f64, NotNow> {
     /// Most that decimal code holds.
     const CODED: f64 = 99_999_999.0;
-    /// What a value may fall short of a half that is meant.
-    const SHORT: f64 = 1e-7;
     Ok(match function {
         Function::Sine => sine(value),
         Function::Cosine => sine(value + 90.0),
@@ -191,11 +189,8 @@ fn apply(function: Function, value: f64, unit: f64) -> Result<f64, NotNow> {
         Function::Root if value < 0.0 => return Err(refused("SQRT", value)),
         Function::Root => libm::sqrt(value),
         Function::Absolute => value.abs(),
-        Function::Round => {
-            let units = libm::floor(value.abs() / unit + 0.5 + SHORT);
-            // Divided by a whole number: 1.235 and not 1.2350000000000001.
-            (units / rounded(1.0 / unit)).copysign(value)
-        }
+        // Divided by a whole number: 1.235 and not 1.2350000000000001.
+        Function::Round => rounded(value / unit) / rounded(1.0 / unit),
         Function::Fix => libm::trunc(without_noise(value)),
         Function::Up => libm::ceil(without_noise(value).abs()).copysign(value),
         Function::Logarithm if value <= 0.0 => return Err(refused("LN", value)),

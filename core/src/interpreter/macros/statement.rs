@@ -103,10 +103,7 @@ pub(crate) fn carry_out(
             let call_of = Call {
                 program,
                 runs: runs(call, 99, read)?,
-                back: Place {
-                    block: here.place.block.saturating_add(1),
-                    ..here.place
-                },
+                back: here.place.after(),
                 kind: CallKind::Macro,
             };
             Ok(Outcome::Call(call_of, arguments(call, read)?))

@@ -8,7 +8,7 @@
 
 use gsk_messages::say;
 
-use super::super::lexer::Lexer;
+use super::super::lexer::{Lexer, skip_blanks};
 use super::super::syntax::BlockError;
 use crate::alarm::number;
 
@@ -185,13 +185,6 @@ fn leading<'n, T: Copy>(letters: &str, of: &'n [(&'n str, T)]) -> Option<(T, usi
 
 fn is_function(letters: &str) -> bool {
     names(letters, "ATAN") || FUNCTIONS.iter().any(|(name, _)| names(letters, name))
-}
-
-/// Passes blanks and comments.
-pub(super) fn skip_blanks(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
-    lexer
-        .skip_blanks()
-        .map_err(|open| BlockError::at(number::BAD_CHARACTER, open, say::comment_not_closed()))
 }
 
 /// A formula that is not one.

@@ -2,9 +2,9 @@
 
 use gsk_messages::say;
 
-use super::super::lexer::Lexer;
+use super::super::lexer::{Lexer, skip_blanks};
 use super::super::syntax::BlockError;
-use super::expression::{self, Expression, letters, names, skip_blanks, wrong};
+use super::expression::{self, Expression, letters, names, wrong};
 use crate::alarm::number;
 
 /// What a block says in the language of macros.

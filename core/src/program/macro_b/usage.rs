@@ -2,10 +2,18 @@
 
 use super::super::lexer::Lexer;
 use super::expression::word_variable;
+use crate::memory::Variables;
 
-/// Variables that both languages have, and the references of macro A through another one.
-const fn of_both(number: u32) -> bool {
-    matches!(number, 200..=231 | 500..=515 | 1000..=1032 | 1100..=1133 | 9200..=9231 | 9500..=9515)
+/// Whether both languages have a variable: what macro A has, directly or through another
+/// one, and the signals of the ladder.
+fn is_of_both(number: u32) -> bool {
+    let Ok(number) = u16::try_from(number) else {
+        return false;
+    };
+    let through = number.checked_sub(9000);
+    Variables::has(number)
+        || through.is_some_and(Variables::has)
+        || matches!(number, 1000..=1015 | 1032 | 1100..=1115 | 1132 | 1133)
 }
 
 /// Whether a text has a statement, a formula or a variable that only macro B has. In a
@@ -25,7 +33,7 @@ pub(in crate::program) fn uses_macro_b(text: &str) -> bool {
             b'[' | b']' | b'=' => return true,
             b'#' => {
                 let after = lexer.moved_to(lexer.at + len);
-                if word_variable(after.rest()).is_none_or(|number| !of_both(number)) {
+                if word_variable(after.rest()).is_none_or(|number| !is_of_both(number)) {
                     return true;
                 }
             }
