@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use gsk_core::model::ModelId;
 use gsk_panel::script::FORMS;
 pub use gsk_runner::Language;
 use gsk_runner::picture::{Look, Size};
@@ -77,6 +78,10 @@ pub struct WindowArgs {
     /// folder keeps it [default: as it was, off at first]
     #[arg(long, value_name = "on|off", value_parser = crate::setup_args::switch)]
     pub macro_b: Option<bool>,
+    /// The control model; each has a memory of its own in the data folder, which keeps the choice
+    /// [default: as it was, gsk980td at first]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
@@ -114,6 +119,12 @@ pub enum Command {
     /// Z to the right, X as a diameter upwards; a colour for each tool with its
     /// cutting time, rapids grey and dashed.
     Plot(PlotArgs),
+    /// List what means something else when another control model reads a program
+    ///
+    /// Block by block: codes that the other model does not have, that mean something else
+    /// there, or that have another number. With -o the program is written with the numbers of
+    /// the other model where they say the same; all else stands as it is, and is listed.
+    Dialect(DialectArgs),
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
     Operate(OperateArgs),
@@ -315,6 +326,26 @@ pub struct PlotArgs {
     /// How it is drawn.
     #[command(flatten)]
     pub picture: PictureArgs,
+}
+
+/// `dialect`.
+#[derive(Args, Debug)]
+pub struct DialectArgs {
+    /// The program
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The model that it was written for
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
+    pub from: ModelId,
+    /// The model that is to read it
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
+    pub to: ModelId,
+    /// Write the program for the other model into this file
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Language of what is listed [default: English]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
 }
 
 /// How a toolpath is drawn.

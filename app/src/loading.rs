@@ -9,6 +9,7 @@ use gsk_core::alarm::Alarm;
 use gsk_core::command::ProgramId;
 use gsk_core::machine::{ConfigError, LatheConfig};
 use gsk_core::memory::ParameterError;
+use gsk_core::model::ControlModel;
 use gsk_core::plc::address::{AddressError, Area, BitAddress};
 use gsk_core::plc::{CompileErrors, Ladder};
 use gsk_core::program::{self, Program, ProgramMemory};
@@ -48,6 +49,8 @@ pub enum LoadError {
     },
     /// `--param`.
     Parameter(#[from] ParameterError),
+    /// `--model-param`.
+    ModelParameter(Message),
     /// `--offset`.
     Offset(Box<Alarm>),
     /// An address of the PLC.
@@ -107,6 +110,7 @@ impl LoadError {
                 plus,
             } => say::start_beyond_ends(name, minus, plus, section),
             Self::Parameter(error) => say::subject_reason("--param", error.message()),
+            Self::ModelParameter(said) => say::subject_reason("--model-param", said.clone()),
             Self::Offset(alarm) => say::subject_reason("--offset", alarm.reason()),
             Self::Address { text, error } => say::ladder_address_of_plc(text, error.message()),
             Self::Ladder { path, errors } => {
@@ -157,7 +161,7 @@ pub fn setup(
     language: Option<Language>,
 ) -> Result<Setup, LoadError> {
     let mut setup = fitted(Setup::default(), args.machine.as_ref());
-    if let Some(path) = &args.data {
+    if let Some(path) = &args.data_folder() {
         let data = DataDir::read_only(path)?;
         Notices(retained::load(&data, &mut setup).complaints).print(language);
     }
@@ -191,6 +195,14 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
     }
     if let (Some(start), Some(zero)) = (setup.start, zero) {
         setup.absolute = Some(start - zero);
+    }
+    let model = &mut setup.memory.model;
+    if model.id() != args.model() {
+        *model = ControlModel::new(args.model());
+    }
+    for (number, value) in &args.model_parameters {
+        let set = model.set_parameter(*number, *value);
+        set.map_err(LoadError::ModelParameter)?;
     }
     if let Some(on) = args.macro_b {
         setup.memory.settings.macro_b = on;

@@ -4,7 +4,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
+
+use crate::files::models;
 
 /// Options of control and lathe.
 #[derive(Args, Clone, Debug, Default)]
@@ -36,12 +40,31 @@ pub struct SetupArgs {
     /// [default: as the data directory says, else off]
     #[arg(long, value_name = "on|off", value_parser = switch)]
     pub macro_b: Option<bool>,
+    /// The control model whose programs are read; each has a memory of its own in the data
+    /// directory [default: as the data directory says, else gsk980td]
+    #[arg(long, value_name = "MODEL", value_parser = model())]
+    pub model: Option<ModelId>,
+    /// A parameter that only this model has, for instance 17=6000 (may be repeated)
+    #[arg(long = "model-param", value_name = "N=V", allow_hyphen_values = true, value_parser = model_parameter)]
+    pub model_parameters: Vec<(u16, i32)>,
     /// Take parameters, offsets and programs from this data directory, and write them back
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
 }
 
 impl SetupArgs {
+    /// The model that is asked for: of the data directory where nobody says.
+    pub fn model(&self) -> ModelId {
+        let chosen = || self.data.as_deref().map(models::chosen);
+        self.model.or_else(chosen).unwrap_or_default()
+    }
+
+    /// Where that model keeps its memory.
+    pub fn data_folder(&self) -> Option<PathBuf> {
+        let data = self.data.as_deref()?;
+        Some(models::folder(data, self.model()))
+    }
+
     /// The files that these options read.
     pub fn read_files(&self) -> impl Iterator<Item = &Path> {
         [&self.machine, &self.ladder]
@@ -190,6 +213,29 @@ fn number(word: &str) -> Result<f64, WordError> {
         return Err(WordError::Outside(word.to_owned()));
     }
     Ok(value)
+}
+
+/// The words of the models whose programs are carried out.
+pub fn model() -> impl TypedValueParser<Value = ModelId> {
+    models(|id| id.record().executes)
+}
+
+/// The words of all models.
+pub fn any_model() -> impl TypedValueParser<Value = ModelId> {
+    models(|_| true)
+}
+
+fn models(taken: fn(&ModelId) -> bool) -> impl TypedValueParser<Value = ModelId> {
+    let words = ModelId::ALL.into_iter().filter(taken);
+    let words = words.map(|id| PossibleValue::new(id.word()).help(&*id.record().name));
+    PossibleValuesParser::new(words).map(|word| ModelId::from_word(&word).unwrap_or_default())
+}
+
+fn model_parameter(word: &str) -> Result<(u16, i32), WordError> {
+    match parameter(word)? {
+        ParameterWord::Value { number, value } => Ok((number, value)),
+        ParameterWord::Bit { .. } => Err(WordError::Form("N=V, for instance 17=6000")),
+    }
 }
 
 /// Reads X,Z.

@@ -12,6 +12,7 @@ use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 
 use crate::command::Source;
+use crate::model::Record;
 
 /// Numbers by name, from the `id` column of the table.
 pub use gsk_units::alarm as number;
@@ -144,6 +145,9 @@ pub struct Alarm {
     pub source: Option<Source>,
     /// One line naming the place and the rule that was broken.
     pub detail: Option<Message>,
+    /// The letter that the control model writes in front of its number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub letter: Option<char>,
 }
 
 impl Alarm {
@@ -153,6 +157,7 @@ impl Alarm {
             number,
             source: None,
             detail: None,
+            letter: None,
         }
     }
 
@@ -172,6 +177,19 @@ impl Alarm {
     pub fn at(mut self, source: Source) -> Self {
         self.source.get_or_insert(source);
         self
+    }
+
+    /// The same alarm as its control model writes it.
+    #[must_use]
+    pub(crate) fn of_model(mut self, record: &Record) -> Self {
+        self.letter = record.alarm_letter;
+        self
+    }
+
+    /// Its number as the control writes it: `010`, on the NC-B08 `E010`.
+    pub fn number_text(&self) -> String {
+        let letter = self.letter.map_or_else(String::new, String::from);
+        format!("{letter}{:03}", self.number)
     }
 
     /// The same alarm with its reason.
@@ -260,11 +278,11 @@ impl Alarm {
 
     fn line_of(&self, text: &str) -> String {
         let prefix = match self.class() {
-            AlarmClass::Ps | AlarmClass::System => "P/S ",
+            AlarmClass::Ps | AlarmClass::System if self.letter.is_none() => "P/S ",
             _ => "",
         };
         let colon = if text.is_empty() { "" } else { ": " };
-        format!("{prefix}{:03}{colon}{text}", self.number)
+        format!("{prefix}{}{colon}{text}", self.number_text())
     }
 }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
 };
+use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 
 /// The battery-backed memory (manual III-11); the PLC keeps its own.
@@ -29,6 +30,9 @@ pub struct Memory {
     pub programs: ProgramMemory,
     /// Part counter and cutting time.
     pub counters: Counters,
+    /// Which control it is, with the parameters that only this one has.
+    #[serde(default, skip_serializing_if = "ControlModel::is_main")]
+    pub model: ControlModel,
 }
 
 impl Memory {

@@ -128,6 +128,7 @@ impl Cnc {
         self.watch_reset(closed || masked, inputs);
         self.watch_drives(inputs);
         self.dnc_tick();
+        self.output_tick();
         self.automatic_tick();
         self.manual_tick(inputs);
         self.return_tick(inputs);

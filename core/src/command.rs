@@ -226,6 +226,23 @@ pub enum Action {
         /// When it runs against the motion of its block.
         timing: Timing,
     },
+    /// Outputs that a program switches by itself (NC-B08: M10, M11, M21 and on): Y0 in
+    /// bit 0, which is F54.0 for the ladder.
+    Outputs {
+        /// Those that go on.
+        on: u16,
+        /// Those that go off.
+        off: u16,
+        /// After so many milliseconds those that went on go off again; 0 = never.
+        ms: u32,
+    },
+    /// The program waits for an input (M01 of the NC-B08): X0 is X0.0, X8 is X1.0.
+    InputWait {
+        /// Its number, 0–23.
+        input: u8,
+        /// The level that it must have for 30 ms.
+        high: bool,
+    },
     /// S function: spindle speed.
     Spindle(SpindleCommand),
     /// T function: tool change and offset number.

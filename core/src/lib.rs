@@ -15,6 +15,7 @@ pub mod linked;
 pub mod machine;
 pub mod memory;
 pub mod mode;
+pub mod model;
 pub mod motion;
 pub mod operation;
 pub mod preview;

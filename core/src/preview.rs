@@ -230,6 +230,7 @@ fn interpret(
     let mut interpreter = Interpreter::new(&host.parameters);
     interpreter.set_inch_input(setup.memory.settings.inch);
     interpreter.set_macro_b(setup.memory.settings.macro_b);
+    interpreter.set_model(&setup.memory.model);
     interpreter.set_tool(setup.tool_in_position());
     interpreter.set_machine_codes(MachineCodes::of(&setup.ladder));
     interpreter.set_frame(frame, &host);
@@ -258,6 +259,11 @@ fn interpret(
     if let (Some(met), true) = (met, wanted.beyond_alarms) {
         preview.further = walk.look_on(met, &mut interpreter, &mut host, go_on);
         preview.cautions = walk.so_far.cautions;
+    }
+    let record = setup.memory.model.record();
+    preview.alarm = preview.alarm.map(|alarm| alarm.of_model(record));
+    for alarm in &mut preview.further.alarms {
+        *alarm = alarm.clone().of_model(record);
     }
     preview
 }
@@ -327,7 +333,7 @@ impl<'a> Walk<'a> {
     ) -> Self {
         let start = setup.start.unwrap_or_default();
         Self {
-            limits: MotionLimits::from(&setup.memory.parameters),
+            limits: MotionLimits::of(&setup.memory.parameters, &setup.memory.model),
             clock: Clock::new(setup),
             spindle: Spindle::new(setup),
             messages: Messages::new(setup),

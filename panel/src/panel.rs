@@ -235,7 +235,7 @@ impl Panel {
             return Screen::new();
         }
         if self.in_self_test() {
-            return pages::power_on(pages::language(cnc));
+            return pages::power_on(pages::language(cnc), cnc.model().record());
         }
         pages::draw(self.page, &self.view, cnc)
     }

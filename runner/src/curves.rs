@@ -1,6 +1,6 @@
 //! The shape of moves: where a rapid bends, and arcs as chords.
 
-use gsk_core::memory::Parameters;
+use gsk_core::battery::Memory;
 use gsk_core::units::{Axis, Point};
 use gsk_workpiece::curve::Arc;
 
@@ -11,14 +11,17 @@ pub struct RapidRates {
     pub x: f64,
     /// mm/min.
     pub z: f64,
+    /// Both axes arrive together: there is no bend.
+    pub straight: bool,
 }
 
 impl RapidRates {
     /// Of a control.
-    pub fn of(parameters: &Parameters) -> Self {
+    pub fn of(memory: &Memory) -> Self {
         Self {
-            x: parameters.rapid_rate(Axis::X),
-            z: parameters.rapid_rate(Axis::Z),
+            x: memory.parameters.rapid_rate(Axis::X),
+            z: memory.parameters.rapid_rate(Axis::Z),
+            straight: memory.model.record().rapids_are_straight(),
         }
     }
 }
@@ -29,7 +32,7 @@ pub fn rapid_bend(from: Point, to: Point, rates: RapidRates) -> Option<Point> {
     let distance = to - from;
     let time_x = distance.x.abs() / rates.x.max(1.0);
     let time_z = distance.z.abs() / rates.z.max(1.0);
-    if time_x == 0.0 || time_z == 0.0 {
+    if rates.straight || time_x == 0.0 || time_z == 0.0 {
         return None;
     }
     let both = time_x.min(time_z);
@@ -63,6 +66,7 @@ mod tests {
     const RATES: RapidRates = RapidRates {
         x: 3800.0,
         z: 7600.0,
+        straight: false,
     };
 
     #[test]
@@ -90,5 +94,11 @@ mod tests {
             rapid_bend(Point::default(), Point::new(0.0, 5.0), RATES),
             None
         );
+        let straight = RapidRates {
+            straight: true,
+            ..RATES
+        };
+        let to = Point::new(10.0, 100.0);
+        assert_eq!(rapid_bend(Point::default(), to, straight), None);
     }
 }

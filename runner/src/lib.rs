@@ -5,6 +5,7 @@
 pub mod board;
 pub mod curves;
 mod decimal;
+pub mod dialect;
 pub mod execution;
 pub mod first_look;
 pub mod machining;

@@ -137,7 +137,11 @@ mod tests {
     use gsk_core::command::{Conditions, ExecutedMove, MoveKind, ProgramId, Source};
     use gsk_core::units::Point;
 
-    const RATES: RapidRates = RapidRates { x: 1.0, z: 1.0 };
+    const RATES: RapidRates = RapidRates {
+        x: 1.0,
+        z: 1.0,
+        straight: false,
+    };
 
     fn executed(kind: MoveKind, from: Point, to: Point) -> ExecutedMove {
         ExecutedMove {

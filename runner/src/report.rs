@@ -34,6 +34,10 @@ pub struct AlarmReport {
     pub class: &'static str,
     /// Number.
     pub number: u16,
+    /// Class and number as the control writes them: `P/S 010`, on the NC-B08 `E010`; not
+    /// part of the JSON.
+    #[serde(skip)]
+    pub shown: String,
     /// The text of the screen, or its meaning in English.
     pub text: String,
     /// Line of the block, from 1.
@@ -186,6 +190,11 @@ impl AlarmReport {
         Self {
             class: class_name(alarm.class()),
             number: alarm.number,
+            shown: match (alarm.letter, class_name(alarm.class())) {
+                (Some(_), "PS" | "SYS") => alarm.number_text(),
+                (_, "PS") => format!("P/S {}", alarm.number_text()),
+                (_, class) => format!("{class} {}", alarm.number_text()),
+            },
             text: alarm.text(language.unwrap_or(Language::Zh)),
             line: alarm.source.map(|source| source.line),
             sequence: alarm.source.and_then(|source| source.sequence),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use gsk_core::command::ProgramId;
 use gsk_core::machine::LatheConfig;
 use gsk_core::memory::ToolOffset;
+use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::plc::Ladder;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
@@ -45,6 +46,10 @@ pub struct SetupWords {
     pub inch: bool,
     /// Whether the control has the option of macro B.
     pub macro_b: bool,
+    /// The control model: `"ncb08"`.
+    pub model: Option<String>,
+    /// Parameters that only this model has: `"17=6000"`.
+    pub model_params: Vec<String>,
     /// The part counter.
     pub parts: u32,
     /// The cutting time: `"05:28:08"`.
@@ -98,6 +103,17 @@ impl SetupWords {
         setup.referenced = self.referenced.unwrap_or(setup.referenced);
         setup.memory.settings.inch = self.inch;
         setup.memory.settings.macro_b = self.macro_b;
+        if let Some(word) = &self.model {
+            let id = ModelId::from_word(word).ok_or_else(|| format!("no model {word}"))?;
+            setup.memory.model = ControlModel::new(id);
+        }
+        for word in &self.model_params {
+            let (number, value) = parts(word)?;
+            let number = number.parse().map_err(|_| format!("{word}: number"))?;
+            let value = value.parse().map_err(|_| format!("{word}: value"))?;
+            let set = setup.memory.model.set_parameter(number, value);
+            set.map_err(|said| said.to_string())?;
+        }
         if self.as_built {
             setup.wired = Some(setup.memory.parameters.clone());
         }

@@ -77,7 +77,7 @@ fn findings(job: Job, head: &str, text: &str) -> Vec<Finding> {
     setup.memory.parameters.set(84, 8).unwrap();
     job.check().unwrap();
     let mut machining = Machining::new(job);
-    let rates = RapidRates::of(&setup.memory.parameters);
+    let rates = RapidRates::of(&setup.memory);
     let result = preview(&setup, &setup.memory.programs, &mut |executed| {
         machining.moved(executed, rates);
     });

@@ -21,6 +21,7 @@ mod fault_coverage;
 mod fuzz_corpus;
 mod hostile_input;
 mod machine_files;
+mod models;
 mod numbers;
 mod pages;
 mod parameter_coverage;

@@ -113,7 +113,7 @@ fn check_file(
     }
     let chosen = job::choose(&args.part.job, Some(file), &setup)?;
     let mut machining = chosen.machining();
-    let rates = RapidRates::of(&setup.memory.parameters);
+    let rates = RapidRates::of(&setup.memory);
     let mut take = |executed: &ExecutedMove| {
         machining.moved(executed, rates);
         on_move(executed);

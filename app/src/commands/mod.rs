@@ -1,6 +1,7 @@
 //! The commands, one file each; each returns the exit code.
 
 mod check;
+mod dialect;
 mod error;
 mod ladder;
 mod link;
@@ -63,6 +64,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         None => cli.window.lang,
         Some(Command::Check(args)) => args.look.lang,
         Some(Command::Plot(args)) => args.look.lang,
+        Some(Command::Dialect(args)) => args.lang,
         Some(_) => None,
     };
     let result = match cli.command {
@@ -70,6 +72,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Run(args)) => run::run(&args),
         Some(Command::Check(args)) => check::check(&args),
         Some(Command::Plot(args)) => plot::plot(&args),
+        Some(Command::Dialect(args)) => dialect::dialect(&args),
         Some(Command::Operate(args)) => operate::operate(&args),
         Some(Command::Screen(args)) => screen::screen(&args),
         Some(Command::Keys(args)) => tables::keys(&args),

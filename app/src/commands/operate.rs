@@ -38,7 +38,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
     })?;
 
     let mut setup = loading::fitted(Setup::at_the_panel(), args.setup.machine.as_ref());
-    let data = match &args.setup.data {
+    let data = match &args.setup.data_folder() {
         Some(folder) => Some(DataDir::open(folder)?),
         None => None,
     };

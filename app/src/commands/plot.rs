@@ -33,7 +33,7 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     let mut setup = loading::setup(&args.setup, args.look.work_zero, args.look.lang)?;
     loading::open(&mut setup, std::slice::from_ref(&args.file))?.print(language);
     let target = output::reserve(&args.output)?;
-    let rates = RapidRates::of(&setup.memory.parameters);
+    let rates = RapidRates::of(&setup.memory);
     let mut drawing = Drawing::new(title(&args.file), args.picture.look());
     let mut machining = match args.part.wanted() || args.solid || args.picture.needs_part() {
         true => Some(job::choose(&args.part, Some(main), &setup)?.machining()),

@@ -59,7 +59,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
         None => Setup::default(),
     };
     let mut setup = loading::fitted(bare, args.setup.machine.as_ref());
-    let data = match &args.setup.data {
+    let data = match &args.setup.data_folder() {
         Some(path) => Some(DataDir::open(path)?),
         None => None,
     };
@@ -99,7 +99,7 @@ pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
             let title = main.map(|path| title(path)).unwrap_or_default();
             Drawing::new(title, args.picture.look())
         }),
-        rates: RapidRates::of(&setup.memory.parameters),
+        rates: RapidRates::of(&setup.memory),
         explain: args.explain,
         progress: output::progress(u64::from(lines)),
         line: 0,

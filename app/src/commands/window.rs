@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
@@ -13,6 +14,7 @@ use super::{CommandError, FINE, USAGE};
 use crate::cli::WindowArgs;
 use crate::dnc::{self, Source};
 use crate::files::data_dir::{self, DataDir, DataError};
+use crate::files::models;
 use crate::kernel::{Connection, Kernel};
 use crate::setup_args::SetupArgs;
 use crate::window::app::{self, Start};
@@ -34,65 +36,37 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
         return Ok(USAGE);
     }
     platform::leave_console();
-    let path: PathBuf = match args.data {
-        Some(path) => path,
+    let path: PathBuf = match &args.data {
+        Some(path) => path.clone(),
         None => match data_dir::default_path() {
             Ok(path) => path,
             Err(error) => return Ok(refused(&error, language)),
         },
     };
-    let data = match DataDir::open(&path) {
+    let asked = args.model;
+    let model = asked.unwrap_or_else(|| models::chosen(&path));
+    let folder = models::folder(&path, model);
+    let data = match DataDir::open(&folder) {
         Ok(data) => data,
         Err(error) => return Ok(refused(&error, language)),
     };
     // A log that cannot be written is no reason not to work.
-    let _log = log::in_data(&path, level.unwrap_or(LevelFilter::INFO)).unwrap_or_else(|error| {
+    let _log = log::in_data(&folder, level.unwrap_or(LevelFilter::INFO)).unwrap_or_else(|error| {
         complain!("gsk980td: {error}");
         None
     });
-    let mut setup = loading::fitted(Setup::delivered(), args.machine.as_ref());
-    let restored = retained::load(&data, &mut setup);
-    restored.place(&mut setup);
-    let machine = SetupArgs {
-        ladder: args.ladder,
-        machine: args.machine,
-        macro_b: args.macro_b,
-        ..SetupArgs::default()
-    };
-    loading::apply(&mut setup, &machine)?;
-    let source = match &args.dnc {
-        Some(name) => {
-            loading::with_keys_for_dnc(&mut setup);
-            Source::of(name)
-        }
-        None => Source::File(path.join(transfer::FOLDER).join(dnc::IN_FOLDER)),
-    };
-    let settings = match data.load::<Settings>("window") {
-        data_dir::Loaded::Value(settings) => settings,
-        // What the window remembers is not worth a complaint.
-        _ => Settings::default(),
-    };
-    let settings = Settings {
-        language: language.unwrap_or(settings.language),
-        ..settings
-    };
-    let link = connection(args.link, &setup, Some(&path))?;
-    let mut emulator = Emulator::new(setup);
-    emulator.panel.connect(true);
-    restored.restore_panel(&mut emulator);
-    let (mut kernel, console) = Kernel::new(emulator);
-    kernel.take_programs_from(source);
-    if let Some(link) = link {
-        kernel.connect(link);
+    if let Some(model) = asked {
+        keep_choice(&path, model);
     }
+    let opener = Opener { args, path };
     let start = Start {
-        kernel,
-        console,
-        settings,
-        data,
-        restored,
-        program: args.program,
-        figures: args.figures.then_some(begun),
+        program: opener.args.program.clone(),
+        figures: opener.args.figures.then_some(begun),
+        ..opener.turn_on(data, model)?
+    };
+    let start = Start {
+        another: Some(Box::new(move |model| opener.another(model))),
+        ..start
     };
     match app::run(start) {
         Ok(()) => Ok(FINE),
@@ -100,6 +74,84 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
             complain!("gsk980td: {said}");
             Ok(USAGE)
         }
+    }
+}
+
+/// What every model is turned on with.
+struct Opener {
+    args: WindowArgs,
+    /// The data directory.
+    path: PathBuf,
+}
+
+impl Opener {
+    /// A control as its directory has kept it.
+    fn turn_on(&self, data: DataDir, model: ModelId) -> Result<Start, CommandError> {
+        let (args, path) = (&self.args, data.path().to_owned());
+        let mut setup = loading::fitted(Setup::delivered(), args.machine.as_ref());
+        let restored = retained::load(&data, &mut setup);
+        restored.place(&mut setup);
+        let machine = SetupArgs {
+            ladder: args.ladder.clone(),
+            machine: args.machine.clone(),
+            macro_b: args.macro_b,
+            model: Some(model),
+            ..SetupArgs::default()
+        };
+        loading::apply(&mut setup, &machine)?;
+        let source = match &args.dnc {
+            Some(name) => {
+                loading::with_keys_for_dnc(&mut setup);
+                Source::of(name)
+            }
+            None => Source::File(path.join(transfer::FOLDER).join(dnc::IN_FOLDER)),
+        };
+        let settings = match data.load::<Settings>("window") {
+            data_dir::Loaded::Value(settings) => settings,
+            // What the window remembers is not worth a complaint.
+            _ => Settings::default(),
+        };
+        let settings = Settings {
+            language: args.lang.unwrap_or(settings.language),
+            ..settings
+        };
+        let link = connection(args.link.clone(), &setup, Some(&path))?;
+        let mut emulator = Emulator::new(setup);
+        emulator.panel.connect(true);
+        restored.restore_panel(&mut emulator);
+        let (mut kernel, console) = Kernel::new(emulator);
+        kernel.take_programs_from(source);
+        if let Some(link) = link {
+            kernel.connect(link);
+        }
+        Ok(Start {
+            kernel,
+            console,
+            settings,
+            data,
+            restored,
+            program: None,
+            figures: None,
+            model,
+            another: None,
+        })
+    }
+
+    /// Another model, which the window opens with from now on.
+    fn another(&self, model: ModelId) -> Result<Start, Message> {
+        let folder = models::folder(&self.path, model);
+        let data = DataDir::open(&folder).map_err(|error| error.message())?;
+        let start = self.turn_on(data, model).map_err(|error| error.message())?;
+        keep_choice(&self.path, model);
+        Ok(start)
+    }
+}
+
+/// The choice of a model is kept; without it the window opens with the one before.
+fn keep_choice(path: &Path, model: ModelId) {
+    if let Err(error) = models::choose(path, model) {
+        complain!("gsk980td: {}", path.display());
+        complain!("gsk980td: {error}");
     }
 }
 

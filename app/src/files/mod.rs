@@ -6,6 +6,7 @@ pub mod decode;
 pub mod folders;
 pub mod kept;
 mod manifest;
+pub mod models;
 pub mod program_file;
 pub mod subprograms;
 pub mod time;

@@ -90,7 +90,7 @@ impl<T: Serialize + DeserializeOwned> Part for T {
 
 /// The parts of the control's memory, each with the name of its file; programs have a
 /// file each.
-pub(super) fn parts(memory: &mut Memory) -> [(&'static str, &mut dyn Part); 8] {
+pub(super) fn parts(memory: &mut Memory) -> [(&'static str, &mut dyn Part); 9] {
     [
         ("parameters", &mut memory.parameters),
         ("offsets", &mut memory.offsets),
@@ -100,5 +100,6 @@ pub(super) fn parts(memory: &mut Memory) -> [(&'static str, &mut dyn Part); 8] {
         ("settings", &mut memory.settings),
         ("authority", &mut memory.authority),
         ("disks", &mut memory.disks),
+        ("model", &mut memory.model),
     ]
 }

@@ -175,7 +175,7 @@ fn every_damage_of_every_file_is_noticed_and_mended() {
                     .then_some(path)
             }),
     );
-    assert_eq!(files.len(), 14, "{files:?}");
+    assert_eq!(files.len(), 15, "{files:?}");
     for path in files {
         let good = std::fs::read(&path).expect("read");
         let name = path

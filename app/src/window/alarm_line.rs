@@ -10,7 +10,7 @@ use gsk_messages::{Language, say};
 pub fn short(alarm: &Alarm, language: Language) -> String {
     let mut line = match language {
         Language::Zh => alarm.line_text(),
-        Language::En => format!("{:03}: {}", alarm.number, alarm.text(language)),
+        Language::En => format!("{}: {}", alarm.number_text(), alarm.text(language)),
     };
     if let Some(place) = place(alarm, language) {
         line.push_str(&format!("  {place}"));

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crossbeam::channel::{RecvTimeoutError, bounded};
 use eframe::egui::{self, ViewportCommand};
+use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
 use web_time::{Duration, Instant};
 
@@ -41,7 +42,14 @@ pub struct Start {
     pub program: Option<PathBuf>,
     /// When the program began, if figures are wanted.
     pub figures: Option<Instant>,
+    /// The control model.
+    pub model: ModelId,
+    /// How another model is turned on, if it can be.
+    pub another: Option<Another>,
 }
+
+/// Turns another model on, beside the one that runs.
+pub type Another = Box<dyn Fn(ModelId) -> Result<Start, Message>>;
 
 /// Opens the window and returns when it is closed.
 pub fn run(start: Start) -> Result<(), Message> {
@@ -56,7 +64,8 @@ pub fn run(start: Start) -> Result<(), Message> {
         viewport,
         Box::new(move |creation| {
             fonts::set_up(&creation.egui_ctx);
-            Ok(Box::new(App::new(start, &creation.egui_ctx)?))
+            let ending = Ending::heard().map_err(std::io::Error::other)?;
+            Ok(Box::new(App::new(start, ending, &creation.egui_ctx)?))
         }),
     )
 }
@@ -72,6 +81,7 @@ struct App {
     sized: bool,
     title: String,
     figures: Option<Figures>,
+    another: Option<Another>,
 }
 
 /// What the kernel rings when there is something new to be seen. The window is locked
@@ -93,7 +103,7 @@ fn bell(context: egui::Context) -> std::io::Result<Box<dyn Fn() + Send>> {
 }
 
 impl App {
-    fn new(start: Start, context: &egui::Context) -> std::io::Result<Self> {
+    fn new(start: Start, ending: Ending, context: &egui::Context) -> std::io::Result<Self> {
         let Start {
             kernel,
             console,
@@ -102,10 +112,11 @@ impl App {
             restored,
             program,
             figures,
+            model,
+            another,
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
-        let ending = Ending::heard().map_err(std::io::Error::other)?;
         let outside = Outside {
             wake: bell(context.clone())?,
             keeper: Some(keeper),
@@ -115,6 +126,7 @@ impl App {
         let thread = kernel::start(kernel, &console, outside)?;
         let mut window = Window::new(console, settings.clone());
         window.paint_panel();
+        window.set_model(model, another.is_some());
         surroundings::set(context, settings.light);
         let complaints = restored.complaints;
         if let Some(said) = platform::first_word() {
@@ -136,7 +148,40 @@ impl App {
             sized: false,
             title: TITLE.to_owned(),
             figures: figures.map(Figures::new),
+            another,
         })
+    }
+
+    /// Turns the control off and another model on, with the memory that this one has.
+    fn change_model(&mut self, model: ModelId, context: &egui::Context) {
+        let Some(another) = self.another.take() else {
+            return;
+        };
+        let started = another(model).map(|start| Start {
+            settings: self.window.settings().clone(),
+            ..start
+        });
+        self.another = Some(another);
+        let ending = self.ending.clone();
+        let app =
+            started.and_then(|start| App::new(start, ending, context).map_err(say::as_written));
+        match app {
+            Ok(app) => {
+                let mut before = core::mem::replace(self, app);
+                self.another = before.another.take();
+                self.sized = true;
+                self.window.set_model(model, true);
+                self.window.say(say::model_is_on(&model.record().name));
+                before.turn_off();
+            }
+            Err(said) => self.window.say(said),
+        }
+    }
+
+    fn turn_off(&mut self) {
+        self.window.let_go();
+        self.kernel.stop();
+        self.save_settings();
     }
 
     /// Makes the window as large as it was last, or as the monitor allows.
@@ -215,6 +260,9 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         self.size_once(ui.ctx());
         self.window.ui(ui);
+        if let Some(model) = self.window.take_model() {
+            self.change_model(model, ui.ctx());
+        }
         self.follow_title(ui.ctx());
         if let Some(figures) = &mut self.figures {
             figures.frame(frame.info().cpu_usage);
@@ -227,8 +275,6 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self, _gl: Option<&eframe::glow::Context>) {
-        self.window.let_go();
-        self.kernel.stop();
-        self.save_settings();
+        self.turn_off();
     }
 }

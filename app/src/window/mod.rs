@@ -30,6 +30,8 @@ mod views;
 use std::path::PathBuf;
 
 use egui::{Event, Frame, Margin, Panel, Ui, UiBuilder};
+use gsk_core::model::ModelId;
+use gsk_core::operation::RunState;
 use gsk_link::LinkState;
 use gsk_panel::keys::Key;
 
@@ -72,6 +74,16 @@ pub struct Window {
     views: Views,
     lcd: lcd::Lcd,
     face: face::Face,
+    models: Models,
+}
+
+/// The control model, and the one that was asked for.
+#[derive(Clone, Copy, Debug, Default)]
+struct Models {
+    shown: ModelId,
+    asked: Option<ModelId>,
+    /// Whether it can be changed.
+    changeable: bool,
 }
 
 impl Window {
@@ -94,6 +106,40 @@ impl Window {
             views,
             lcd: lcd::Lcd::default(),
             face: face::Face::default(),
+            models: Models::default(),
+        }
+    }
+
+    /// Says which control model this is, and whether another one may be asked for.
+    pub const fn set_model(&mut self, shown: ModelId, changeable: bool) {
+        self.models = Models {
+            shown,
+            asked: None,
+            changeable,
+        };
+    }
+
+    /// The model that was asked for.
+    pub const fn take_model(&mut self) -> Option<ModelId> {
+        self.models.asked.take()
+    }
+
+    /// The models to choose from, and why not now.
+    fn model_choice(&self) -> top_bar::ModelChoice {
+        let run = self.picture.as_ref().map(|picture| picture.run);
+        let why_not = if self.board().is_some() {
+            Some(say::model_not_with_board())
+        } else if !matches!(run, Some(RunState::Reset | RunState::Stop)) {
+            Some(say::model_not_while_running())
+        } else if self.views.unsaved().is_some() {
+            Some(say::model_not_unsaved())
+        } else {
+            None
+        };
+        top_bar::ModelChoice {
+            shown: self.models.shown,
+            offered: self.models.changeable,
+            why_not,
         }
     }
 
@@ -137,7 +183,7 @@ impl Window {
 
     /// The window's title.
     pub fn title(&self) -> String {
-        badge::title(TITLE, self.board())
+        badge::title(&self.models.shown.record().name, self.board())
     }
 
     /// State of the board that moves real slides, if there is one.
@@ -175,7 +221,8 @@ impl Window {
             .show(ui, |ui| {
                 let opened = self.opened.as_ref();
                 let picture = self.picture.as_ref();
-                top_bar::show(ui, &self.settings, opened, picture)
+                let models = self.model_choice();
+                top_bar::show(ui, &self.settings, opened, picture, &models)
             })
             .inner;
         let line = Panel::bottom("status")
@@ -336,6 +383,7 @@ impl Window {
                 self.settings.light = !self.settings.light;
                 surroundings::set(ui.ctx(), self.settings.light);
             }
+            top_bar::Asked::Model(model) => self.models.asked = Some(model),
             top_bar::Asked::Keys => self.help = !self.help,
             top_bar::Asked::Language => {
                 self.settings.language = match self.settings.language {

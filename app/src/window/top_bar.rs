@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use egui::{Align2, Area, Color32, Frame, Order, Rect, RichText, Tooltip, Ui};
 
 use gsk_core::alarm::Alarm;
+use gsk_core::model::ModelId;
 
 use super::Settings;
 use super::alarm_line;
@@ -14,7 +15,7 @@ use super::samples::{SAMPLES, Sample};
 use super::view::{VIEWS, View, key_name};
 use crate::kernel::{Imposed, Snapshot, Times};
 use crate::pace::Speed;
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 
 /// Ground of the sign that something is imposed.
 const IMPOSED: Color32 = Color32::from_rgb(255, 196, 90);
@@ -43,10 +44,23 @@ pub enum Asked {
     FreeBits,
     /// Mend every fault and let every held input go.
     Mend,
+    /// Turn another control model on.
+    Model(ModelId),
     /// Show the key map.
     Keys,
     /// The other language.
     Language,
+}
+
+/// The control models to choose from.
+#[derive(Clone, Debug)]
+pub struct ModelChoice {
+    /// The one that is turned on.
+    pub shown: ModelId,
+    /// Whether there is a choice at all.
+    pub offered: bool,
+    /// Why another one cannot be turned on now.
+    pub why_not: Option<Message>,
 }
 
 /// Draws the bar.
@@ -55,6 +69,7 @@ pub fn show(
     settings: &Settings,
     opened: Option<&PathBuf>,
     picture: Option<&Snapshot>,
+    models: &ModelChoice,
 ) -> Option<Asked> {
     let (language, layouts) = (settings.language, &settings.layouts);
     let imposed = picture.map(|picture| picture.imposed).unwrap_or_default();
@@ -114,6 +129,10 @@ pub fn show(
                 asked = Some(Asked::Light);
                 ui.close();
             }
+            if models.offered {
+                ui.separator();
+                asked = models_of(ui, language, models).or(asked.take());
+            }
         });
         ui.menu_button(say::window_views().text(language), |ui| {
             for row in &VIEWS {
@@ -126,6 +145,11 @@ pub fn show(
                 }
             }
         });
+        if !models.shown.is_main() {
+            let name = RichText::new(&models.shown.record().name).color(IMPOSED);
+            ui.label(name)
+                .on_hover_text(say::model_is_on(&models.shown.record().name).text(language));
+        }
         if let Some(opened) = opened {
             let name = opened.file_name().unwrap_or_default().to_string_lossy();
             ui.label(RichText::new(name.as_ref()).color(Color32::from_gray(170)))
@@ -149,6 +173,25 @@ pub fn show(
             }
         });
     });
+    asked
+}
+
+/// The control models; another one is turned on while nothing runs.
+fn models_of(ui: &mut Ui, language: Language, models: &ModelChoice) -> Option<Asked> {
+    let mut asked = None;
+    for id in ModelId::ALL.into_iter().filter(|id| id.record().executes) {
+        let chosen = id == models.shown;
+        let name = say::window_model(&id.record().name).text(language);
+        let enabled = chosen || models.why_not.is_none();
+        let mut entry = ui.add_enabled(enabled, egui::Button::selectable(chosen, name));
+        if let Some(why_not) = &models.why_not {
+            entry = entry.on_disabled_hover_text(why_not.text(language));
+        }
+        if entry.clicked() {
+            asked = (!chosen).then_some(Asked::Model(id));
+            ui.close();
+        }
+    }
     asked
 }
 

@@ -14,7 +14,7 @@ fn all_alarms_of_a_program_are_listed() {
         "\n  P/S 010 ",
         "\n  also P/S 009 ",
         "\n  also P/S 078 ",
-        "\n  what comes behind line 4 was not checked\n",
+        "\n  what comes after line 4 was not checked\n",
     ] {
         assert_eq!(out.matches(line).count(), 1, "{line} {out}");
     }

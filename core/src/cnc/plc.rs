@@ -9,7 +9,43 @@ use crate::operation::{FromPlc, InputFilter, Mode, RunState, ToPlc};
 use crate::program::Inflow;
 use crate::units::{Axis, PerAxis};
 
+/// F54 and F55: outputs that a program switches by itself.
+const PROGRAM_OUTPUTS: u16 = 54;
+
 impl Cnc {
+    /// Outputs that a program switches by itself; after `ms` those that went on go off.
+    pub(super) fn switch_outputs(&mut self, on: u16, off: u16, ms: u32) {
+        let now = self.program_outputs();
+        let then = self.plc.output_timers.switch(now, on, off, ms);
+        self.set_program_outputs(then);
+    }
+
+    /// Outputs whose time is over go off.
+    pub(super) fn output_tick(&mut self) {
+        let over = self.plc.output_timers.tick();
+        if over != 0 {
+            self.set_program_outputs(self.program_outputs() & !over);
+        }
+    }
+
+    fn program_outputs(&self) -> u16 {
+        let memory = self.plc.engine.memory();
+        u16::from_le_bytes([memory.f(PROGRAM_OUTPUTS), memory.f(PROGRAM_OUTPUTS + 1)])
+    }
+
+    fn set_program_outputs(&mut self, outputs: u16) {
+        let memory = self.plc.engine.memory_mut();
+        let [low, high] = outputs.to_le_bytes();
+        memory.set_f(PROGRAM_OUTPUTS, low);
+        memory.set_f(PROGRAM_OUTPUTS + 1, high);
+    }
+
+    /// Whether a machine input has a level: 0 is X0.0, 8 is X1.0.
+    pub(super) fn input_is(&self, input: u8, high: bool) -> bool {
+        let byte = self.plc.engine.memory().x(u16::from(input / 8));
+        (byte >> (input % 8) & 1 == 1) == high
+    }
+
     pub(super) fn sample_contacts(&mut self, inputs: &Inputs) {
         let mut contacts = inputs.x;
         for (contact, key) in contacts.iter_mut().zip(self.plc.panel_keys) {
@@ -43,6 +79,10 @@ impl Cnc {
         self.plc.signals = FromPlc::read(self.plc.engine.memory());
         if self.memory.parameters.override_code_is_inverted() {
             self.plc.signals.feed_override = 150 - self.plc.signals.feed_override;
+        }
+        if let Some(least) = self.memory.model.record().least_rapid_override {
+            let percent = &mut self.plc.signals.rapid_override;
+            *percent = least.max(*percent);
         }
         self.plc.message = self.plc.engine.active_messages().next().is_some();
         if let Some(fault) = self.plc.engine.fault() {

@@ -39,6 +39,7 @@ impl Cnc {
         let mut interpreter = Interpreter::new(parameters);
         interpreter.set_inch_input(memory.settings.inch);
         interpreter.set_macro_b(memory.settings.macro_b);
+        interpreter.set_model(&memory.model);
         interpreter.set_tool(tool);
         interpreter.set_machine_codes(MachineCodes::of(plc.ladder()));
         let start = setup.start.unwrap_or_default();
@@ -55,7 +56,7 @@ impl Cnc {
             serial_port: SerialPort::Idle,
             dnc: DncLine::default(),
             run: Run::new(interpreter, tool),
-            drives: Drives::new(parameters, &memory.pitch, start),
+            drives: Drives::new(&memory, start),
             hand: HandMotion::default(),
             spindle,
             coordinates: Coordinates {

@@ -23,6 +23,7 @@ impl Cnc {
     /// Raises an alarm. A running program stops: the axes decelerate and the rest
     /// of the block is dropped.
     pub(crate) fn raise(&mut self, alarm: Alarm) {
+        let alarm = alarm.of_model(self.memory.model.record());
         if !self.alarms.raise(alarm.clone()) {
             return;
         }

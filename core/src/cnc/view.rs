@@ -13,6 +13,7 @@ use crate::machine::pins;
 use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
 };
+use crate::model::ControlModel;
 use crate::motion::JogRate;
 use crate::operation::{Mode, Return, RunState, Sensors, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
@@ -213,6 +214,11 @@ impl Cnc {
     /// Parameters.
     pub const fn parameters(&self) -> &Parameters {
         &self.memory.parameters
+    }
+
+    /// Which control it is.
+    pub const fn model(&self) -> &ControlModel {
+        &self.memory.model
     }
 
     /// Pitch error table.

@@ -65,9 +65,12 @@ pub(crate) fn evaluate(
         }
         None => words,
     };
-    let function = match words.m {
-        Some(code) => Some(miscellaneous::function(code, context)?),
-        None => None,
+    let (function, interface) = match words.m {
+        Some(code) => (
+            Some(miscellaneous::function(code, context)?),
+            miscellaneous::interface(code, words, context)?,
+        ),
+        None => (None, None),
     };
     check_option(words, context.parameters)?;
     set_modal(state, words)?;
@@ -88,6 +91,7 @@ pub(crate) fn evaluate(
     if let Some(command) = spindle(state, context, words, kind)? {
         plan.before.push_back(Action::Spindle(command));
     }
+    plan.before.extend(interface);
     let output = match function {
         Some(Function::Output(code)) => {
             state.modal.m = Some(code);
@@ -247,14 +251,16 @@ fn motion(
             Some(tapping) => Motion::cycle(state, Maker::Tapping(tapping)),
             None => Ok(Motion::None),
         },
-        Kind::OneShot(OneShot::Dwell) => Ok(Motion::One(dwell::dwell(words)?)),
+        Kind::OneShot(OneShot::Dwell) => {
+            Ok(Motion::One(dwell::dwell(words, context.model.record())?))
+        }
         Kind::OneShot(OneShot::Coordinates) => {
             let relative_follows = context.parameters.g50_sets_relative();
             let action = coordinates::set(state, words, axes, relative_follows)?;
             Ok(action.map_or(Motion::None, Motion::One))
         }
-        Kind::OneShot(OneShot::Reference) => {
-            let reference = Reference::plan(state, context, axes, base)?;
+        Kind::OneShot(OneShot::Reference(way)) => {
+            let reference = Reference::plan(state, context, way, axes, base)?;
             Ok(reference.map_or(Motion::None, |it| Motion::Reference(Box::new(it))))
         }
         // G70 to G76 have plans of their own.
@@ -278,7 +284,13 @@ fn motion(
             let end = end_point(state, axes, base, context.x_factor)?;
             check_arc_block(state, context, end, words)?;
             let clockwise = state.modal.motion == 2;
-            let Some(center) = arc::center(state.position, end, words, clockwise)? else {
+            let Some(center) = arc::center(
+                state.position,
+                end,
+                words,
+                arc::Turn::of(context, clockwise),
+            )?
+            else {
                 return Ok(Motion::None);
             };
             let action = Action::Arc {
@@ -353,7 +365,7 @@ fn follow(
                 plan.after = Some(Action::Repeat);
             }
         }
-        Some(Function::Output(_)) | None => return Ok(()),
+        Some(Function::Output(_) | Function::Interface) | None => return Ok(()),
     }
     if plan.stops && plan.is_done() {
         plan.after = Some(Action::Nothing);

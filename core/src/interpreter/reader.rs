@@ -16,6 +16,7 @@ use crate::interpreter::context::place::Place;
 use crate::interpreter::context::state::State;
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
+use crate::model::{ControlModel, Record};
 use crate::program::{Program, Recent, Syntax};
 use crate::units::{Axis, Point};
 
@@ -42,6 +43,9 @@ pub struct Interpreter {
     /// Whether the control has the option of macro B.
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
+    /// Whose programs are read.
+    #[serde(default, skip_serializing_if = "ControlModel::is_main")]
+    model: ControlModel,
     #[serde(skip)]
     recent: Recent,
 }
@@ -82,6 +86,7 @@ impl Interpreter {
             jumps: Jumps::default(),
             machine_codes: MachineCodes::default(),
             macro_b: false,
+            model: ControlModel::default(),
             recent: Recent::default(),
         }
     }
@@ -96,6 +101,16 @@ impl Interpreter {
         self.macro_b = on;
     }
 
+    /// Whose programs are read, from the next block on.
+    pub(crate) fn set_model(&mut self, model: &ControlModel) {
+        self.model.clone_from(model);
+    }
+
+    /// What the model is whose programs are read.
+    pub(crate) fn record(&self) -> &'static Record {
+        self.model.record()
+    }
+
     /// How blocks of a program are read now.
     pub(crate) fn syntax(
         &self,
@@ -107,6 +122,7 @@ impl Interpreter {
             inch: self.state.modal.inch,
             // What comes in through the line has no place to jump to.
             macro_b: self.macro_b && program != ProgramId::Dnc && text.uses_macro_b(),
+            model: self.model.id(),
             ..Syntax::from(parameters)
         }
     }

@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use super::lag::Lag;
 use super::limits::MotionLimits;
 use super::path::Path;
+use super::straight_rapid;
 use crate::command::MoveKind;
 use crate::units::{Axis, Point, TICK_S};
 
@@ -116,6 +117,7 @@ impl Sequel {
 pub fn duration(kind: MoveKind, way: Point, length: f64, feed: f64, limits: &MotionLimits) -> f64 {
     match kind {
         MoveKind::Dwell => 0.0,
+        MoveKind::Rapid if limits.rapids_are_straight() => straight_rapid::duration(limits, way),
         MoveKind::Rapid => {
             let time = |axis| {
                 limits
@@ -134,6 +136,9 @@ pub fn duration(kind: MoveKind, way: Point, length: f64, feed: f64, limits: &Mot
 /// Speed of each axis at its fastest in a rapid or a cut, mm/min (of an arc that of
 /// its path); `feed` as for [`duration`].
 pub fn top_speed(kind: MoveKind, way: Point, feed: f64, limits: &MotionLimits) -> Point {
+    if kind == MoveKind::Rapid && limits.rapids_are_straight() {
+        return straight_rapid::top_speed(limits, way) * 60.0;
+    }
     let rate = feed.min(limits.cutting_rate());
     let axis_speed = |axis| match kind {
         MoveKind::Rapid => {

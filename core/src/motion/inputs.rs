@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::limits::MotionLimits;
 use crate::spindle::SpindleTurn;
-use crate::units::{Axis, Feed};
+use crate::units::{Axis, Feed, PerAxis};
 
 /// Rapid override.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -81,7 +81,22 @@ pub(super) fn rapid_rate(limits: &MotionLimits, rapid_override: RapidOverride, a
     }
 }
 
-pub(super) fn rapid_target(limits: &MotionLimits, inputs: &MotionInputs, axis: Axis) -> f64 {
+/// Speeds that a rapid goes for, mm/s; none while it is to stop.
+pub(super) fn rapid_targets(
+    limits: &MotionLimits,
+    inputs: &MotionInputs,
+    stop: bool,
+) -> PerAxis<f64> {
+    if stop {
+        return PerAxis::new(0.0, 0.0);
+    }
+    PerAxis::new(
+        rapid_target(limits, inputs, Axis::X),
+        rapid_target(limits, inputs, Axis::Z),
+    )
+}
+
+fn rapid_target(limits: &MotionLimits, inputs: &MotionInputs, axis: Axis) -> f64 {
     match inputs.dry_run {
         Some(DryRun {
             rapid: Some(rate), ..

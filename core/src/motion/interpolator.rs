@@ -4,13 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use super::driven::Driven;
 use super::follower::{Handover, SpindleTick};
-use super::inputs::{MotionInputs, cutting_target, rapid_rate, rapid_target};
+use super::inputs::{MotionInputs, cutting_target, rapid_rate, rapid_targets};
 use super::jog::{JogRate, ManualAxis};
 use super::lag::Lag;
 use super::limits::MotionLimits;
 use super::path::Path;
 use super::ramp::Ramp;
 use super::rapid::Rapid;
+use super::straight_rapid::StraightRapid;
 use super::tap::Tap;
 use super::thread::{Thread, ThreadMove};
 use crate::units::{Axis, Feed, PerAxis, Point, TICK_S};
@@ -20,6 +21,7 @@ use crate::units::{Axis, Feed, PerAxis, Point, TICK_S};
 enum Motion {
     None,
     Rapid(Rapid),
+    StraightRapid(StraightRapid),
     Cut {
         path: Path,
         ramp: Ramp,
@@ -102,6 +104,7 @@ impl Interpolator {
         let programmed = match &self.motion {
             Motion::None => !self.lag.is_none(),
             Motion::Rapid(rapid) => rapid.is_moving(),
+            Motion::StraightRapid(rapid) => rapid.is_moving(),
             Motion::Led { .. } => !self.lag.is_none() || self.position != self.tick_start,
             Motion::Cut { ramp, .. } => ramp.speed > 0.0,
             Motion::Thread(thread) => thread.is_moving(),
@@ -121,6 +124,7 @@ impl Interpolator {
         match &self.motion {
             Motion::None => Point::default(),
             Motion::Rapid(rapid) => rapid.to() - self.position,
+            Motion::StraightRapid(rapid) => rapid.to() - self.position,
             Motion::Cut { path, .. } | Motion::Led { path, .. } => path.to() - self.position,
             Motion::Thread(thread) => thread.to() - self.position,
             Motion::Tap(tap) => tap.to() - self.position,
@@ -138,6 +142,7 @@ impl Interpolator {
             Motion::Led { .. } => self.commanded(),
             Motion::Driven(cut) => cut.to(),
             Motion::Rapid(rapid) => rapid.stopping_point(limits),
+            Motion::StraightRapid(rapid) => rapid.stopping_point(limits),
             Motion::Cut { path, ramp, .. } => {
                 path.at(ramp.remaining - limits.cutting_law().braking_distance(ramp.speed))
             }
@@ -154,8 +159,11 @@ impl Interpolator {
     }
 
     /// Begins a rapid.
-    pub(crate) fn start_rapid(&mut self, to: Point) {
-        self.begin(Motion::Rapid(Rapid::new(self.position, to)));
+    pub(crate) fn start_rapid(&mut self, to: Point, limits: &MotionLimits) {
+        self.begin(match limits.rapids_are_straight() {
+            true => Motion::StraightRapid(StraightRapid::new(self.position, to)),
+            false => Motion::Rapid(Rapid::new(self.position, to)),
+        });
     }
 
     /// Begins a straight cut.
@@ -341,6 +349,7 @@ impl Interpolator {
         self.motion = match self.motion {
             Motion::None => Motion::None,
             Motion::Rapid(rapid) => Motion::Rapid(rapid.translated(by)),
+            Motion::StraightRapid(rapid) => Motion::StraightRapid(rapid.translated(by)),
             Motion::Cut { path, ramp, feed } => Motion::Cut {
                 path: path.translated(by),
                 ramp,
@@ -463,15 +472,12 @@ impl Interpolator {
         let used = match &mut self.motion {
             Motion::None => return,
             Motion::Rapid(rapid) => {
-                let target = |axis| {
-                    if stop {
-                        0.0
-                    } else {
-                        rapid_target(limits, inputs, axis)
-                    }
-                };
-                let target = PerAxis::new(target(Axis::X), target(Axis::Z));
-                let used = rapid.advance(limits, target, time);
+                let used = rapid.advance(limits, rapid_targets(limits, inputs, stop), time);
+                self.position = rapid.position();
+                rapid.finished().then_some(used)
+            }
+            Motion::StraightRapid(rapid) => {
+                let used = rapid.advance(limits, rapid_targets(limits, inputs, stop), time);
                 self.position = rapid.position();
                 rapid.finished().then_some(used)
             }

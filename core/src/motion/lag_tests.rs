@@ -213,7 +213,7 @@ fn the_feed_override_acts_within_a_tick() {
 fn the_rapid_override_acts_within_a_tick() {
     let limits = limits(true, 100, 10);
     let mut interpolator = Interpolator::new(Point::default());
-    interpolator.start_rapid(Point::new(0.0, 900.0));
+    interpolator.start_rapid(Point::new(0.0, 900.0), &limits);
     let mut inputs = MotionInputs::default();
     for _ in 0..1000 {
         interpolator.tick(&limits, &inputs);

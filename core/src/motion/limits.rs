@@ -6,6 +6,7 @@ use super::gear::{GearLaw, gear_law};
 use super::ramp::Law;
 use crate::axis::gear_speed_limit;
 use crate::memory::Parameters;
+use crate::model::{ControlModel, ncb08};
 use crate::units::{Axis, PerAxis, Point};
 
 /// The lowest start and end speed of the exponential law, mm/min: with 030 or
@@ -18,6 +19,9 @@ pub struct MotionLimits {
     rapid: PerAxis<f64>,
     rapid_law: PerAxis<Law>,
     lowest_rapid: f64,
+    /// Rapids are straight lines with an S of speed, and no faster than this, mm/s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    straight_rapid: Option<f64>,
     cutting: f64,
     cutting_law: Law,
     exact_corners: bool,
@@ -39,6 +43,7 @@ impl From<&Parameters> for MotionLimits {
             rapid: PerAxis::new(rapid(Axis::X), rapid(Axis::Z)),
             rapid_law: PerAxis::new(law(Axis::X), law(Axis::Z)),
             lowest_rapid: per_second(parameters.rapid_lowest()),
+            straight_rapid: None,
             cutting: per_second(parameters.feed_limit()),
             cutting_law: Law::exponential(time, lowest(parameters.feed_floor())),
             exact_corners: parameters.exact_corners(),
@@ -55,6 +60,29 @@ impl From<&Parameters> for MotionLimits {
 }
 
 impl MotionLimits {
+    /// The limits of a model.
+    pub fn of(parameters: &Parameters, model: &ControlModel) -> Self {
+        let limits = Self::from(parameters);
+        if !model.record().rapids_are_straight() {
+            return limits;
+        }
+        let most = f64::from(model.parameter(ncb08::RAPID_LIMIT)) / 60.0;
+        Self {
+            straight_rapid: Some(most),
+            ..limits
+        }
+    }
+
+    /// Whether both axes of a rapid arrive together.
+    pub(super) const fn rapids_are_straight(&self) -> bool {
+        self.straight_rapid.is_some()
+    }
+
+    /// Speed along the way of a straight rapid at most, mm/s.
+    pub(super) fn straight_rapid(&self) -> f64 {
+        self.straight_rapid.unwrap_or(f64::INFINITY)
+    }
+
     /// Rapid rate of an axis at 100 % (022, 023; X in radius), mm/min.
     pub const fn rapid_rate(&self, axis: Axis) -> f64 {
         *self.rapid.get(axis) * 60.0

@@ -65,6 +65,7 @@ mod limits;
 mod path;
 mod ramp;
 mod rapid;
+mod straight_rapid;
 mod tap;
 mod thread;
 

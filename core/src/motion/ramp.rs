@@ -31,6 +31,14 @@ impl Law {
         }
     }
 
+    /// The constant acceleration, mm/s²; none has the exponential law.
+    pub(super) const fn acceleration(&self) -> f64 {
+        match *self {
+            Self::Linear { acceleration } => acceleration,
+            Self::Exponential { .. } => f64::INFINITY,
+        }
+    }
+
     /// Exponential law; a time constant of zero means steps of speed.
     pub(crate) fn exponential(time: f64, lowest: f64) -> Self {
         let tick_decay = if time > 0.0 {

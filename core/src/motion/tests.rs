@@ -91,7 +91,7 @@ fn begin(interpolator: &mut Interpolator, block: Block) -> Begun {
     let from = interpolator.position();
     match block {
         Block::Rapid(to) => {
-            interpolator.start_rapid(to);
+            interpolator.start_rapid(to, &limits());
             Begun {
                 kind: MoveKind::Rapid,
                 from,
@@ -325,7 +325,7 @@ fn a_rapid_takes_way_over_rate_plus_time_constant() {
 #[test]
 fn the_axes_of_a_rapid_do_not_wait_for_each_other() {
     let mut interpolator = Interpolator::new(Point::default());
-    interpolator.start_rapid(Point::new(10.0, 100.0));
+    interpolator.start_rapid(Point::new(10.0, 100.0), &limits());
     ticks(&mut interpolator, &MotionInputs::default(), 500);
     assert_eq!(interpolator.position().x, 10.0);
     assert!(interpolator.position().z < 90.0 && !interpolator.finished());
@@ -400,7 +400,7 @@ fn dry_run_goes_through_standstill() {
 #[test]
 fn reset_decelerates_and_drops_the_rest() {
     let mut interpolator = Interpolator::new(Point::default());
-    interpolator.start_rapid(Point::new(0.0, -500.0));
+    interpolator.start_rapid(Point::new(0.0, -500.0), &limits());
     let inputs = MotionInputs::default();
     ticks(&mut interpolator, &inputs, 1000);
     let stop = interpolator.stopping_point(&limits());
@@ -416,7 +416,7 @@ fn reset_decelerates_and_drops_the_rest() {
 #[test]
 fn emergency_stop_stops_at_once() {
     let mut interpolator = Interpolator::new(Point::default());
-    interpolator.start_rapid(Point::new(0.0, -500.0));
+    interpolator.start_rapid(Point::new(0.0, -500.0), &limits());
     ticks(&mut interpolator, &MotionInputs::default(), 1000);
     let position = interpolator.position();
     interpolator.stop_now();
@@ -490,7 +490,7 @@ fn start_and_end_in_one_point_make_a_full_circle() {
 fn blocks_without_way_take_no_time() {
     let inputs = MotionInputs::default();
     let mut interpolator = Interpolator::new(Point::default());
-    interpolator.start_rapid(Point::default());
+    interpolator.start_rapid(Point::default(), &limits());
     interpolator.tick(&limits(), &inputs);
     assert!(interpolator.finished());
     interpolator.start_line(Point::new(0.0, 1.0), Feed::PerMinute(100.0));

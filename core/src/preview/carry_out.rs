@@ -111,7 +111,8 @@ impl Walk<'_> {
             Action::ZeroReturn { .. } | Action::Referenced { .. } => {
                 self.look_at_return(command.source);
             }
-            Action::Nothing => {}
+            // When an input comes is not known before it does.
+            Action::Outputs { .. } | Action::InputWait { .. } | Action::Nothing => {}
         }
         if command.block_end {
             self.so_far.blocks += 1;

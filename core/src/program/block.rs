@@ -374,8 +374,10 @@ fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
         b'R' if block.has_g(76) && !word.value.has_point() => (-9_999_999 * ONE, 9_999_999 * ONE),
         // Vector of an arc, or threads per inch.
         b'I' => (-LENGTH, 25_400 * ONE),
-        b'F' => (0, 9_999_999 * ONE),
+        b'F' | b'D' => (0, 9_999_999 * ONE),
         b'G' | b'M' | b'H' => (0, 99 * ONE),
+        // The input that the M01 of an NC-B08 waits for.
+        b'L' if block.word(b'M').is_some_and(|it| it.value.integer() == 1) => (0, 99 * ONE),
         b'L' => (ONE, 99 * ONE),
         b'S' | b'T' => (0, 9999 * ONE),
         b'P' => (-99_999_999 * ONE, 99_999_999 * ONE),

@@ -58,7 +58,7 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
             b'\n' | b';' | b'*' | b'%' => return Ok(()),
             _ => return Err(misplaced(text, start, byte)),
         };
-        if !is_address(address) {
+        if !is_address(address) && !syntax.model.record().has_address(address) {
             let rule = say::address_unknown(char::from(address));
             let detail = advised(rule, dialect::instead_of_address(address));
             return Err(BlockError::at(number::BAD_ADDRESS, start, detail));

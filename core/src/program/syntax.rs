@@ -7,6 +7,7 @@ use gsk_messages::{Message, say};
 use super::number::is_length;
 use crate::alarm::{Alarm, number};
 use crate::memory::Parameters;
+use crate::model::ModelId;
 
 /// What parameters change in the syntax.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,6 +18,8 @@ pub struct Syntax {
     pub inch: bool,
     /// The program is written in macro B, and the control reads it.
     pub macro_b: bool,
+    /// Whose programs are read.
+    pub model: ModelId,
 }
 
 impl Syntax {
@@ -46,6 +49,7 @@ impl From<&Parameters> for Syntax {
             point_required: parameters.point_required(),
             inch: false,
             macro_b: false,
+            model: ModelId::default(),
         }
     }
 }

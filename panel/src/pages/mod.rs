@@ -93,6 +93,7 @@ pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gsk_core::model::ModelId;
     use gsk_core::setup::Setup;
     use gsk_messages::{Id, texts};
 
@@ -137,6 +138,10 @@ mod tests {
                 assert!(line.is_ascii() || own, "{}: {line}", row.name);
             }
         }
-        assert!(power_on(Language::En).text().is_ascii());
+        assert!(
+            power_on(Language::En, ModelId::default().record())
+                .text()
+                .is_ascii()
+        );
     }
 }

@@ -97,7 +97,7 @@ pub fn of_program(setup: &Setup, go_on: &mut dyn FnMut(&Progress) -> bool) -> Op
         }
     };
     preview_while(setup, &setup.memory.programs, take, go_on);
-    let rates = RapidRates::of(&setup.memory.parameters);
+    let rates = RapidRates::of(&setup.memory);
     guess(&moves, &setup.memory.offsets, rates)
 }
 

@@ -186,7 +186,7 @@ mod tests {
         setup.memory.parameters.set_bit(2, 1, true).unwrap();
         let mut job = Job::new(Stock::bar(42.0, 0.0, 60.0));
         job.tools.insert(1, Tool::turning());
-        let rates = RapidRates::of(&setup.memory.parameters);
+        let rates = RapidRates::of(&setup.memory);
         compare(&setup, &job, rates, &mut |_| true).unwrap()
     }
 
@@ -232,7 +232,7 @@ mod tests {
         setup.memory.programs.open_external(Program::new(&*text));
         setup.memory.programs.select(ProgramId::External);
         let job = Job::new(Stock::bar(50.0, 0.0, 60.0));
-        let rates = RapidRates::of(&setup.memory.parameters);
+        let rates = RapidRates::of(&setup.memory);
         assert_eq!(compare(&setup, &job, rates, &mut |_| false), None);
     }
 }

@@ -44,7 +44,7 @@ fn moves(setup: &Setup) -> Vec<ExecutedMove> {
 }
 
 fn rates(setup: &Setup) -> RapidRates {
-    RapidRates::of(&setup.memory.parameters)
+    RapidRates::of(&setup.memory)
 }
 
 fn carried_out(setup: &Setup, job: Job) -> Machining {

@@ -230,6 +230,7 @@ mod tests {
     const RATES: RapidRates = RapidRates {
         x: 3800.0,
         z: 7600.0,
+        straight: false,
     };
 
     fn executed(kind: MoveKind, from: Point, to: Point) -> ExecutedMove {

@@ -10,12 +10,7 @@ impl AlarmReport {
     /// One line: `P/S 011 … in line 3: N30 G01 X50;`.
     pub fn sentence(&self, language: Option<Language>) -> String {
         let words = language.unwrap_or(Language::En);
-        let class = if self.class == "PS" {
-            "P/S"
-        } else {
-            self.class
-        };
-        let mut out = format!("{class} {:03} {}", self.number, self.text);
+        let mut out = format!("{} {}", self.shown, self.text);
         // The block of a subprogram stands in a program of its own.
         if let Some(ProgramId::Stored(number)) = self.program {
             out.push_str(&format!(", O{number:04}"));

@@ -1,5 +1,6 @@
 //! Any text as a program: index, words, search.
 
+use gsk_core::model::ModelId;
 use gsk_core::program::{Program, Syntax, split, with_points};
 
 use super::watch;
@@ -38,10 +39,14 @@ pub(super) fn run(input: &[u8]) {
 }
 
 fn syntaxes() -> impl Iterator<Item = Syntax> {
-    (0..8).map(|bits| Syntax {
+    (0..16).map(|bits| Syntax {
         point_required: bits & 1 != 0,
         inch: bits & 2 != 0,
         macro_b: bits & 4 != 0,
+        model: match bits & 8 {
+            0 => ModelId::Gsk980td,
+            _ => ModelId::Ncb08,
+        },
     })
 }
 

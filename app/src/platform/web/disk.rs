@@ -258,6 +258,8 @@ impl Lock {
             let lost = say::page_open_elsewhere().to_string();
             return Err(io::Error::new(ErrorKind::WouldBlock, lost));
         }
+        // A page has one memory at a time.
+        let_lock_go();
         hold(path);
         LOCKED.set(Some((path.to_owned(), Instant::now())));
         Ok(Self)

@@ -13,6 +13,8 @@ use crate::operation::{
     AfterThread, Current, Protection, RunState, Stage, Strobe, TapStage, is_cut,
 };
 use crate::units::{Axis, Feed, Point, TICK_MS};
+
+use super::LEVEL_MS;
 use gsk_messages::say;
 
 impl Cnc {
@@ -61,7 +63,9 @@ impl Cnc {
         match &command.action {
             Action::Rapid { to } => {
                 self.check_gear_before(MoveKind::Rapid, *to, Feed::PerMinute(0.0))?;
-                self.drives.interpolator.start_rapid(*to);
+                self.drives
+                    .interpolator
+                    .start_rapid(*to, &self.drives.limits);
                 Ok(Stage::Acting)
             }
             Action::Line { to, feed } => {
@@ -145,6 +149,16 @@ impl Cnc {
                     Timing::WithMotion => Stage::Acting,
                     Timing::BeforeMotion => Stage::Handshake,
                 })
+            }
+            Action::Outputs { on, off, ms } => {
+                if !self.plc.signals.auxiliary_lock {
+                    self.switch_outputs(*on, *off, *ms);
+                }
+                Ok(Stage::Acting)
+            }
+            Action::InputWait { .. } => {
+                self.run.automatic.dwell_left = LEVEL_MS;
+                Ok(Stage::Acting)
             }
             Action::Spindle(spindle) => {
                 self.output_s(*spindle);

@@ -11,7 +11,7 @@ mod wait;
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, OffsetEntry, Request, World};
-use crate::command::{Command, ProgramId};
+use crate::command::{Action, Command, ProgramId};
 use crate::interpreter::Step;
 use crate::mode::Mode;
 use crate::operation::{Aside, Current, Protection, RunState};
@@ -20,6 +20,9 @@ use gsk_messages::say;
 
 /// X1.2, *STEN: byte and mask.
 const START_ENABLE: (usize, u8) = (1, 1 << 2);
+
+/// For so long an input has its level before a program goes on, ms.
+const LEVEL_MS: u32 = 30;
 
 /// Commands without duration carried out in one tick at most, so that no loop
 /// stalls a tick.
@@ -239,7 +242,7 @@ impl Cnc {
         if !self.run.automatic.operating() {
             return;
         }
-        self.run.automatic.dwell_left = self.run.automatic.dwell_left.saturating_sub(1);
+        self.dwell_tick();
         self.run
             .automatic
             .arrival
@@ -262,6 +265,15 @@ impl Cnc {
             self.run.automatic.stop();
         }
         self.read_ahead();
+    }
+
+    /// A dwell goes on; the wait for an input begins anew while that has another level.
+    fn dwell_tick(&mut self) {
+        let left = self.run.automatic.dwell_left.saturating_sub(1);
+        self.run.automatic.dwell_left = match self.run.automatic.action() {
+            Some(Action::InputWait { input, high }) if !self.input_is(*input, *high) => LEVEL_MS,
+            _ => left,
+        };
     }
 
     /// Ends what is finished and begins what follows, until something takes time.

@@ -92,6 +92,12 @@ impl Cnc {
                 _ => {}
             }
         }
+        if let Some(Action::InputWait { input, high }) = self.run.automatic.action() {
+            return Some(match high {
+                true => say::wait_for_input_high(*input),
+                false => say::wait_for_input_low(*input),
+            });
+        }
         if self.drives.interpolator.finished() || self.is_moving() {
             return None;
         }

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::alarm::Alarm;
 use crate::axis::{AxisChain, SoftLimits};
+use crate::battery::Memory;
 use crate::board::BoardDrives;
-use crate::memory::{Parameters, PitchTable};
 use crate::motion::{Interpolator, MotionLimits};
 use crate::operation::{DriveWatch, Sensors};
 use crate::units::{Axis, Point};
@@ -47,13 +47,14 @@ pub(crate) struct BoardAlarms {
 
 impl Drives {
     /// At power-on: slides that stand at `start`.
-    pub(crate) fn new(parameters: &Parameters, pitch: &PitchTable, start: Point) -> Self {
+    pub(crate) fn new(memory: &Memory, start: Point) -> Self {
+        let (parameters, pitch) = (&memory.parameters, &memory.pitch);
         let mut chain = AxisChain::new(parameters, pitch);
         chain.preset(Axis::X, start.x);
         chain.preset(Axis::Z, start.z);
         Self {
             interpolator: Interpolator::new(start),
-            limits: MotionLimits::from(parameters),
+            limits: MotionLimits::of(parameters, &memory.model),
             chain,
             soft_limits: SoftLimits::new(parameters),
             sensors: Sensors::default(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use gsk_plc::{Ladder, Plc};
 use serde::{Deserialize, Serialize};
 
-use crate::operation::{FromPlc, InputFilter, Turning, X_BYTES};
+use crate::operation::{FromPlc, InputFilter, OutputTimers, Turning, X_BYTES};
 use crate::units::PerAxis;
 
 /// Bytes of outputs.
@@ -36,6 +36,9 @@ pub(crate) struct PlcPort {
     pub message: bool,
     /// Outputs, as last refreshed.
     pub y: Vec<u8>,
+    /// Outputs that a program has switched for a time.
+    #[serde(default, skip_serializing_if = "OutputTimers::is_idle")]
+    pub output_timers: OutputTimers,
     /// Axes whose last motion went minus.
     pub negative: PerAxis<bool>,
     /// The last motion was a rapid.
@@ -57,6 +60,7 @@ impl PlcPort {
             next_ladder: None,
             message: false,
             y: vec![0; Y_BYTES],
+            output_timers: OutputTimers::default(),
             negative: PerAxis::default(),
             last_rapid: false,
         }

@@ -135,7 +135,7 @@ impl Cnc {
             .any(|&number| changed.value(number) != self.memory.parameters.value(number));
         self.memory.parameters = changed;
         let in_force = self.memory.parameters.in_force(&self.at_power_on);
-        self.drives.limits = MotionLimits::from(&in_force);
+        self.drives.limits = MotionLimits::of(&in_force, &self.memory.model);
         self.drives.soft_limits = SoftLimits::new(&in_force);
         self.drives.chain.reconfigure(&in_force, &self.memory.pitch);
         self.spindle.control.reconfigure(&in_force);

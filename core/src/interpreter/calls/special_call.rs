@@ -45,7 +45,7 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
     }
     let m = words
         .m
-        .filter(|code| !miscellaneous::has_function(*code, context.machine_codes))
+        .filter(|code| !miscellaneous::has_function(*code, context))
         .map(i64::from);
     // The S of G50 is a limit.
     let steps = !context.parameters.analog_spindle()

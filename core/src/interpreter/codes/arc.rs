@@ -11,12 +11,17 @@
 //!              |  E
 //!     ---------+-----------------> Z
 //! ```
+//!
+//! On the NC-B08 a negative R is that of an arc of 180° and more: the centre lies on the
+//! other side. A full circle needs I and K there.
 
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
+use crate::interpreter::context::Context;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::words::Words;
+use crate::model::GCode;
 use crate::units::Point;
 
 /// Greatest distance of the end point from the circle about the programmed
@@ -26,16 +31,32 @@ const FIT: f64 = 4000.0;
 /// Half units in a millimetre: X radii are whole numbers in them.
 const HALF_UNITS: f64 = 2_000_000.0;
 
+/// How the tool turns, and how far it may by R.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn {
+    clockwise: bool,
+    /// A negative R is an arc of 180° and more.
+    long: bool,
+}
+
+impl Turn {
+    /// The turn of a block.
+    pub(crate) fn of(context: &Context<'_>, clockwise: bool) -> Self {
+        let long = context.model.record().g_code(2) == Some(GCode::LongArcClockwise);
+        Self { clockwise, long }
+    }
+}
+
 /// The centre of the arc, in programmed coordinates; `None` when there is
 /// nothing to cut (R without a distance).
 pub(crate) fn center(
     start: Exact,
     end: Exact,
     words: &Words,
-    clockwise: bool,
+    turn: Turn,
 ) -> Result<Option<Point>, Alarm> {
     if let Some(r) = words.r {
-        return by_radius(start, end, r, clockwise);
+        return by_radius(start, end, r, turn);
     }
     if words.i.is_none() && words.k.is_none() {
         return Err(fault(say::arc_radius_or_center_missing()));
@@ -43,19 +64,24 @@ pub(crate) fn center(
     by_vector(start, end, words.i.unwrap_or(0), words.k.unwrap_or(0)).map(Some)
 }
 
-fn by_radius(start: Exact, end: Exact, r: i64, clockwise: bool) -> Result<Option<Point>, Alarm> {
-    if r < 0 {
+fn by_radius(start: Exact, end: Exact, r: i64, turn: Turn) -> Result<Option<Point>, Alarm> {
+    if r < 0 && !turn.long {
         return Err(Alarm::new(number::NEGATIVE_RADIUS).because(say::arc_radius_negative()));
     }
     let chord = Chord::new(start, end);
     if chord.square == 0 {
+        if turn.long {
+            let rule = say::arc_full_circle_by_radius();
+            return Err(Alarm::new(number::CIRCLE_BY_RADIUS).because(rule));
+        }
         return Ok(None);
     }
     let diameter = 4 * i128::from(r);
     let Some(ratio) = chord.height_ratio(diameter * diameter) else {
         return Err(too_far(&chord, diameter as f64 / 2.0));
     };
-    let side = if clockwise { ratio } else { -ratio };
+    let right = turn.clockwise == (r >= 0);
+    let side = if right { ratio } else { -ratio };
     Ok(Some(chord.beside(side)))
 }
 

@@ -4,6 +4,8 @@
 //!   G04 P1500   1500 ms      P before X before U; none of them: exact stop,
 //!   G04 X1.5    1.5 s        the next block begins when the axes stand
 //!   G04 U1.5    1.5 s
+//!
+//!   On the NC-B08 X comes before P.
 //! ```
 
 use gsk_messages::say;
@@ -12,9 +14,10 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::context::exact::{PER_MM, mm};
 use crate::interpreter::context::words::Words;
+use crate::model::{GCode, Record};
 
 /// The wait of a G04 block; alarm 043 for a time below zero (manual I-2.2, table 2-1).
-pub(crate) fn dwell(words: &Words) -> Result<Action, Alarm> {
+pub(crate) fn dwell(words: &Words, record: &Record) -> Result<Action, Alarm> {
     let written = [('P', words.p), ('X', words.x), ('U', words.u)];
     for (letter, value) in written {
         if let Some(value) = value.filter(|value| *value < 0) {
@@ -25,9 +28,11 @@ pub(crate) fn dwell(words: &Words) -> Result<Action, Alarm> {
             return Err(Alarm::new(number::OUT_OF_RANGE).because(say::dwell_negative(time)));
         }
     }
+    let seconds_first = record.g_code(4) == Some(GCode::DwellSecondsFirst);
     let ms = match (words.p, words.x.or(words.u)) {
-        (Some(p), _) => p,
-        (None, Some(seconds)) => (seconds.saturating_mul(1000) + PER_MM / 2) / PER_MM,
+        (Some(p), None) => p,
+        (Some(p), Some(_)) if !seconds_first => p,
+        (_, Some(seconds)) => (seconds.saturating_mul(1000) + PER_MM / 2) / PER_MM,
         (None, None) => 0,
     };
     Ok(Action::Dwell {

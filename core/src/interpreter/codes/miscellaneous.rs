@@ -1,11 +1,13 @@
-//! M functions (manual I-3.3).
+//! M functions (manual I-3.3), and those of other models.
 
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
+use crate::command::Action;
 use crate::dialect;
 use crate::interpreter::context::Context;
-use crate::interpreter::context::machine_codes::MachineCodes;
+use crate::interpreter::context::words::Words;
+use crate::model::{MCode, MFunction, ncb08};
 
 /// What an M code is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,30 +22,101 @@ pub(crate) enum Function {
     Return,
     /// Given to the PLC.
     Output(u8),
+    /// Outputs or an input of the control itself.
+    Interface,
 }
 
 /// Whether an M code has a function of its own, in the control or in the ladder.
-pub(crate) const fn has_function(code: u8, machine: MachineCodes) -> bool {
-    machine.has(code) || matches!(code, 0 | 3..=5 | 8..=13 | 30 | 32 | 33 | 41..=44 | 98 | 99)
+pub(crate) fn has_function(code: u8, context: &Context<'_>) -> bool {
+    context.machine_codes.has(code) || context.model.record().m_function(code).is_some()
 }
 
 /// Sorts an M code; alarm 019 for one that the control does not have.
 pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alarm> {
-    match code {
-        0 => Ok(Function::Stop),
-        30 => Ok(Function::End),
-        98 | 99 if context.mdi => Err(fault(say::m_call_in_mdi(code))),
-        98 => Ok(Function::Call),
-        99 => Ok(Function::Return),
-        3..=5 | 8..=13 | 32 | 33 => Ok(Function::Output(code)),
-        41..=44 if context.parameters.automatic_gears() => Ok(Function::Output(code)),
-        41..=44 => Err(fault(say::m_needs_gear_change(code))),
-        _ if context.machine_codes.has(code) => Ok(Function::Output(code)),
-        _ => Err(fault(dialect::advised(
-            say::m_unknown(code),
-            dialect::instead_of_m(code),
-        ))),
+    let Some(function) = context.model.record().m_function(code) else {
+        if context.machine_codes.has(code) {
+            return Ok(Function::Output(code));
+        }
+        let advice = dialect::instead_of_m(code);
+        return Err(fault(dialect::advised(say::m_unknown(code), advice)));
+    };
+    match function.does {
+        MCode::Stop => Ok(Function::Stop),
+        MCode::End => Ok(Function::End),
+        MCode::Call | MCode::Return if context.mdi => Err(fault(say::m_call_in_mdi(code))),
+        MCode::Call => Ok(Function::Call),
+        MCode::Return => Ok(Function::Return),
+        MCode::Gear1 | MCode::Gear2 | MCode::Gear3 | MCode::Gear4
+            if !context.parameters.automatic_gears() =>
+        {
+            Err(fault(say::m_needs_gear_change(code)))
+        }
+        MCode::InputWait
+        | MCode::OutputOn
+        | MCode::OutputOff
+        | MCode::Clamp
+        | MCode::ClampOff
+        | MCode::OutputPair
+        | MCode::TailstockOut
+        | MCode::TailstockIn => Ok(Function::Interface),
+        _ => Ok(Function::Output(code)),
     }
+}
+
+/// What an M code does to the outputs and inputs that it names itself; none where it
+/// names none.
+pub(crate) fn interface(
+    code: u8,
+    words: &Words,
+    context: &Context<'_>,
+) -> Result<Option<Action>, Alarm> {
+    let Some(MFunction { does, on, off }) = context.model.record().m_function(code) else {
+        return Ok(None);
+    };
+    let bits = |numbers: &[u8]| numbers.iter().fold(0_u16, |bits, it| bits | 1 << it);
+    let switched = |on, off, ms| Ok(Some(Action::Outputs { on, off, ms }));
+    match does {
+        MCode::InputWait => input_wait(words).map(Some),
+        MCode::OutputOn => switched(1 << output(words)?, 0, time(words)?),
+        MCode::OutputOff => switched(0, 1 << output(words)?, 0),
+        MCode::Clamp => {
+            let ms = context.model.parameter(ncb08::CLAMP_TIME);
+            switched(bits(on), bits(off), ms.unsigned_abs())
+        }
+        _ if on.is_empty() && off.is_empty() => Ok(None),
+        _ => switched(bits(on), bits(off), 0),
+    }
+}
+
+/// P: outputs 0 to 15.
+fn output(words: &Words) -> Result<u8, Alarm> {
+    match words.p.map(u8::try_from) {
+        Some(Ok(number @ 0..=15)) => Ok(number),
+        Some(_) => Err(out_of_range(say::output_number_wrong())),
+        None => Err(out_of_range(say::output_number_missing())),
+    }
+}
+
+/// D: milliseconds, 0 for as long as nothing else is said.
+fn time(words: &Words) -> Result<u32, Alarm> {
+    u32::try_from(words.d.unwrap_or(0)).map_err(|_| out_of_range(say::output_time_negative()))
+}
+
+/// H or L: inputs 0 to 23, and the level that is waited for.
+fn input_wait(words: &Words) -> Result<Action, Alarm> {
+    let (number, high) = match (words.h, words.l) {
+        (Some(_), Some(_)) | (None, None) => return Err(out_of_range(say::input_level_unclear())),
+        (Some(number), None) => (number, true),
+        (None, Some(number)) => (number, false),
+    };
+    match u8::try_from(number) {
+        Ok(input @ 0..=23) => Ok(Action::InputWait { input, high }),
+        _ => Err(out_of_range(say::input_number_wrong())),
+    }
+}
+
+fn out_of_range(detail: Message) -> Alarm {
+    Alarm::new(number::OUT_OF_RANGE).because(detail)
 }
 
 fn fault(detail: Message) -> Alarm {

@@ -9,6 +9,9 @@
 //! An axis that has no reference point yet seeks it from I on as by hand (switch
 //! and zero signal); where it is, and with it the coordinates, is known only then:
 //! nothing is read until the return is finished.
+//!
+//! On the NC-B08 R is the reference point of its parameters P108 and P109, G27 goes
+//! there without I, and an axis without a reference is not sought.
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
@@ -20,9 +23,19 @@ use crate::interpreter::context::Context;
 use crate::interpreter::context::emission::Emission;
 use crate::interpreter::context::exact::{Exact, PER_MM};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Target};
+use crate::interpreter::context::words::{AxisWords, Return, Target};
 use crate::memory::parameter;
+use crate::model::{ControlModel, ncb08};
 use crate::units::{Axis, PerAxis, Point};
+
+/// Where the reference point of a model with parameters for it lies, machine coordinates.
+fn reference_point(model: &ControlModel, axis: Axis) -> i64 {
+    let number = match axis {
+        Axis::X => ncb08::REFERENCE_X,
+        Axis::Z => ncb08::REFERENCE_Z,
+    };
+    i64::from(model.parameter(number)) * (PER_MM / 1000)
+}
 
 /// A return under way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,20 +54,31 @@ impl Reference {
     pub(crate) fn plan(
         state: &mut State,
         context: &Context<'_>,
+        way: Return,
         axes: &AxisWords,
         base: Exact,
     ) -> Result<Option<Self>, Alarm> {
-        if !axes.any() {
+        let direct = way == Return::Direct;
+        if direct && axes.any() {
+            let rule = say::return_with_axis_words();
+            return Err(Alarm::new(number::TOO_MANY_WORDS).because(rule));
+        }
+        if !direct && !axes.any() {
             return Ok(None);
         }
-        let moved = PerAxis::new(axes.x != Target::None, axes.z != Target::None);
+        let takes = |target| direct || target != Target::None;
+        let moved = PerAxis::new(takes(axes.x), takes(axes.z));
         let referenced = context.referenced;
         let sought = PerAxis::new(moved.x && !referenced.x, moved.z && !referenced.z);
         for (axis, name) in [(Axis::X, "X"), (Axis::Z, "Z")] {
-            if *sought.get(axis) && !context.parameters.has_zero_switch(axis) {
-                return Err(
-                    Alarm::new(number::ZERO_UNDEFINED).because(say::zero_undefined_of_axis(name))
-                );
+            let cannot_seek =
+                way != Return::MachineZero || !context.parameters.has_zero_switch(axis);
+            if *sought.get(axis) && cannot_seek {
+                let number = match way {
+                    Return::MachineZero => number::ZERO_UNDEFINED,
+                    Return::Parameters | Return::Direct => number::ZERO_RETURN,
+                };
+                return Err(Alarm::new(number).because(say::zero_undefined_of_axis(name)));
             }
         }
         let through =
@@ -70,11 +94,15 @@ impl Reference {
                 continue;
             }
             if !*sought.get(axis) {
-                reference.set(axis, 0);
+                let at = match way {
+                    Return::MachineZero => 0,
+                    Return::Parameters | Return::Direct => reference_point(context.model, axis),
+                };
+                reference.set(axis, at);
             }
             state.offset.set(axis, 0);
             *state.untravelled.get_mut(axis) = false;
-            if context.parameters.reference_sets_coordinates() {
+            if way == Return::MachineZero && context.parameters.reference_sets_coordinates() {
                 // In 0.001 mm, or 0.0001 inch (004.0 SCW).
                 let increment = if context.parameters.inch_machine() {
                     PER_MM * 254 / 100_000
@@ -96,7 +124,8 @@ impl Reference {
         let frame = changes.then(|| Action::Frame {
             frame: state.frame(),
             program_zero: None,
-            relative: context.parameters.reference_sets_coordinates()
+            relative: way == Return::MachineZero
+                && context.parameters.reference_sets_coordinates()
                 && context.parameters.g50_sets_relative(),
         });
         Ok(Some(Self {
@@ -105,7 +134,7 @@ impl Reference {
             axes: moved,
             seeks,
             frame,
-            step: 0,
+            step: u8::from(direct),
         }))
     }
 

@@ -19,12 +19,15 @@ use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::{Call, Place};
 use crate::interpreter::context::words::Words;
 use crate::memory::{Offsets, Parameters};
+use crate::model::ControlModel;
 use crate::program::ProgramMemory;
 use crate::units::PerAxis;
 
 /// What a block may look at.
 pub(crate) struct Context<'a> {
     pub(crate) parameters: &'a Parameters,
+    /// Whose program it is.
+    pub(crate) model: &'a ControlModel,
     pub(crate) offsets: &'a Offsets,
     pub(crate) programs: &'a ProgramMemory,
     pub(crate) referenced: PerAxis<bool>,

@@ -5,6 +5,7 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::dialect;
 use crate::interpreter::context::exact::Exact;
+use crate::model::{GCode, Record};
 use crate::program::Block;
 use crate::units::Axis;
 
@@ -13,8 +14,8 @@ use crate::units::Axis;
 pub(crate) enum OneShot {
     /// G04.
     Dwell,
-    /// G28.
-    Reference,
+    /// G28, and the G27 of the NC-B08.
+    Reference(Return),
     /// G50.
     Coordinates,
     /// G70.
@@ -36,8 +37,19 @@ pub(crate) enum OneShot {
 impl OneShot {
     /// Whether it is one of G70 to G76.
     pub(crate) const fn is_compound(self) -> bool {
-        !matches!(self, Self::Dwell | Self::Reference | Self::Coordinates)
+        !matches!(self, Self::Dwell | Self::Reference(_) | Self::Coordinates)
     }
+}
+
+/// Which way back to the reference point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Return {
+    /// Through a point to machine zero.
+    MachineZero,
+    /// Through a point to the reference point of the model's parameters.
+    Parameters,
+    /// Straight there.
+    Direct,
 }
 
 /// A block's words. Lengths are millionths of a millimetre, `x` and `u` as
@@ -72,6 +84,8 @@ pub(crate) struct Words {
     pub(crate) j: Option<i64>,
     pub(crate) q: Option<i64>,
     pub(crate) l: Option<i64>,
+    pub(crate) h: Option<i64>,
+    pub(crate) d: Option<i64>,
     /// Whether R was written with a decimal point (G76 R(d)).
     pub(crate) r_has_point: bool,
     /// How many words besides O and N there are.
@@ -80,20 +94,20 @@ pub(crate) struct Words {
 
 impl Words {
     /// Sorts the words of a block; alarms 010 and 024.
-    pub(crate) fn of(block: &Block) -> Result<Self, Alarm> {
+    pub(crate) fn of(block: &Block, record: &Record) -> Result<Self, Alarm> {
         let mut words = Self::default();
-        words.take(block)?;
+        words.take(block, record)?;
         Ok(words)
     }
 
     /// The same into empty ones, in their place: they are large to be moved.
-    pub(crate) fn take(&mut self, block: &Block) -> Result<(), Alarm> {
+    pub(crate) fn take(&mut self, block: &Block, record: &Record) -> Result<(), Alarm> {
         let words = self;
         for word in block.words() {
             words.count = words.count.saturating_add(1);
             let value = word.value;
             match word.address {
-                b'G' => words.take_g(value.integer())?,
+                b'G' => words.take_g(value.integer(), record)?,
                 b'M' => words.m = u8::try_from(value.integer()).ok(),
                 b'S' => {
                     words.s = Some(value.integer());
@@ -111,6 +125,8 @@ impl Words {
                 b'W' => words.w = Some(value.millionths()),
                 b'Q' => words.q = Some(value.integer()),
                 b'L' => words.l = Some(value.integer()),
+                b'H' => words.h = Some(value.integer()),
+                b'D' => words.d = Some(value.integer()),
                 b'R' => {
                     words.r = Some(value.millionths());
                     words.r_has_point = value.has_point();
@@ -127,29 +143,45 @@ impl Words {
         Ok(())
     }
 
-    fn take_g(&mut self, code: i64) -> Result<(), Alarm> {
-        match code {
-            0..=3 | 32..=34 | 90 | 92 | 94 => self.motion = u8::try_from(code).ok(),
-            4 => self.one_shot = Some(OneShot::Dwell),
-            28 => self.one_shot = Some(OneShot::Reference),
-            50 => self.one_shot = Some(OneShot::Coordinates),
-            70 => self.one_shot = Some(OneShot::Finishing),
-            71 => self.one_shot = Some(OneShot::TurningRough),
-            72 => self.one_shot = Some(OneShot::FacingRough),
-            73 => self.one_shot = Some(OneShot::Pattern),
-            74 => self.one_shot = Some(OneShot::FacePecking),
-            75 => self.one_shot = Some(OneShot::Grooving),
-            76 => self.one_shot = Some(OneShot::CompoundThread),
-            40..=42 => self.nose = u8::try_from(code).ok(),
-            96 => self.surface = Some(true),
-            97 => self.surface = Some(false),
-            98 => self.per_revolution = Some(false),
-            99 => self.per_revolution = Some(true),
-            _ => {
-                let rule = say::g_unknown(code);
-                let detail = dialect::advised(rule, dialect::instead_of_g(code));
-                return Err(Alarm::new(number::BAD_G).because(detail));
+    fn take_g(&mut self, code: i64, record: &Record) -> Result<(), Alarm> {
+        let Some(meaning) = record.g_code(code) else {
+            return Err(unknown(code));
+        };
+        match meaning {
+            GCode::Rapid | GCode::StraightRapid => self.motion = Some(0),
+            GCode::Line => self.motion = Some(1),
+            GCode::ArcClockwise | GCode::LongArcClockwise => self.motion = Some(2),
+            GCode::ArcCounterclockwise | GCode::LongArcCounterclockwise => self.motion = Some(3),
+            GCode::Thread => self.motion = Some(32),
+            GCode::Tapping => self.motion = Some(33),
+            GCode::VariableThread => self.motion = Some(34),
+            GCode::TurningCycle => self.motion = Some(90),
+            GCode::ThreadCycle => self.motion = Some(92),
+            GCode::FacingCycle => self.motion = Some(94),
+            GCode::Dwell | GCode::DwellSecondsFirst => self.one_shot = Some(OneShot::Dwell),
+            GCode::Reference => self.one_shot = Some(OneShot::Reference(Return::MachineZero)),
+            GCode::ReferenceByParameter => {
+                self.one_shot = Some(OneShot::Reference(Return::Parameters));
             }
+            GCode::ReferenceDirect => self.one_shot = Some(OneShot::Reference(Return::Direct)),
+            GCode::Coordinates => self.one_shot = Some(OneShot::Coordinates),
+            GCode::Finishing => self.one_shot = Some(OneShot::Finishing),
+            GCode::TurningRough => self.one_shot = Some(OneShot::TurningRough),
+            GCode::FacingRough => self.one_shot = Some(OneShot::FacingRough),
+            GCode::Pattern => self.one_shot = Some(OneShot::Pattern),
+            GCode::FacePecking => self.one_shot = Some(OneShot::FacePecking),
+            GCode::Grooving => self.one_shot = Some(OneShot::Grooving),
+            GCode::CompoundThread => self.one_shot = Some(OneShot::CompoundThread),
+            GCode::NoseOff => self.nose = Some(40),
+            GCode::NoseLeft => self.nose = Some(41),
+            GCode::NoseRight => self.nose = Some(42),
+            GCode::SurfaceSpeed => self.surface = Some(true),
+            GCode::SpindleSpeed => self.surface = Some(false),
+            GCode::FeedPerMinute => self.per_revolution = Some(false),
+            GCode::FeedPerRevolution => self.per_revolution = Some(true),
+            // Of models whose programs are not carried out, and G65, which has a way of
+            // its own.
+            _ => return Err(unknown(code)),
         }
         Ok(())
     }
@@ -201,6 +233,13 @@ impl Words {
             z: Target::of(self.z, self.w, 1),
         }
     }
+}
+
+#[cold]
+fn unknown(code: i64) -> Alarm {
+    let rule = say::g_unknown(code);
+    let detail = dialect::advised(rule, dialect::instead_of_g(code));
+    Alarm::new(number::BAD_G).because(detail)
 }
 
 /// What a block says about one axis.

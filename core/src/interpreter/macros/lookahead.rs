@@ -67,7 +67,9 @@ impl<H: Host> Reading<'_, H> {
         if self.syntax.inch {
             inch::to_metric(&mut block, motion);
         }
-        Words::of(&block).map(Some).map_err(NotNow::Fault)
+        Words::of(&block, self.syntax.model.record())
+            .map(Some)
+            .map_err(NotNow::Fault)
     }
 
     /// Whether a block that is not skipped stands behind this one, good or bad.

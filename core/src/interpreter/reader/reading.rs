@@ -26,6 +26,7 @@ use crate::interpreter::macros::variable;
 use crate::interpreter::macros::variable::NotNow;
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
+use crate::model::ControlModel;
 use crate::program::{Block, Recent, Syntax};
 
 use super::{Advance, Interpreter};
@@ -187,7 +188,9 @@ impl Interpreter {
             block = &metric;
         }
         let mut words = Words::default();
-        words.take(block).map_err(|alarm| alarm.at(source))?;
+        words
+            .take(block, self.record())
+            .map_err(|alarm| alarm.at(source))?;
         if words.waits() && !host.settled() && !self.reads_early(&words) {
             return Ok(Read::Wait);
         }
@@ -222,7 +225,15 @@ impl Interpreter {
             compensated: self.compensated(),
             machine_codes: self.machine_codes,
             next: next.as_ref(),
-            ..context(&*host, source, place, &run.calls, mdi.is_some(), &read)
+            ..context(
+                &*host,
+                &self.model,
+                source,
+                place,
+                &run.calls,
+                mdi.is_some(),
+                &read,
+            )
         };
         let before = self.state;
         let mut plan = Plan::new(source, before.modal);
@@ -364,7 +375,15 @@ impl Interpreter {
             let context = Context {
                 compensated: self.compensated(),
                 machine_codes: self.machine_codes,
-                ..context(host, source, run.place, &run.calls, false, &|_, _| Ok(None))
+                ..context(
+                    host,
+                    &self.model,
+                    source,
+                    run.place,
+                    &run.calls,
+                    false,
+                    &|_, _| Ok(None),
+                )
             };
             check_call(&self.state, &context, plan.motion.is_contour())
                 .map_err(|alarm| alarm.at(source))?;
@@ -440,6 +459,7 @@ fn is_thread(words: &Words, modal: &Modal) -> bool {
 
 fn context<'a, H: Host>(
     host: &'a H,
+    model: &'a ControlModel,
     source: Source,
     place: Place,
     calls: &'a [Call],
@@ -449,6 +469,7 @@ fn context<'a, H: Host>(
     let parameters = host.parameters();
     Context {
         parameters,
+        model,
         offsets: host.offsets(),
         programs: host.programs(),
         referenced: host.referenced(),

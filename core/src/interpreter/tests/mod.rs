@@ -10,6 +10,7 @@ mod explanations;
 mod macro_b;
 mod macros;
 mod motion;
+mod ncb08;
 mod nose_compensation;
 mod pecking;
 mod preview;
@@ -257,6 +258,8 @@ impl Bench {
         };
         let text = match &command.action {
             Action::Rapid { to } => format!("rapid {}", xz(*to)),
+            Action::Outputs { on, off, ms } => format!("outputs on {on:b} off {off:b} {ms}ms"),
+            Action::InputWait { input, high } => format!("wait for X{input} {high}"),
             Action::Line { to, feed } => format!("line {} {}", xz(*to), per(*feed)),
             Action::Arc {
                 to,

@@ -305,7 +305,7 @@ pub(super) mod tests {
         let mut setup = Setup::default();
         setup.memory.programs.open_external(Program::new(text));
         setup.memory.programs.select(ProgramId::External);
-        let rates = RapidRates::of(&setup.memory.parameters);
+        let rates = RapidRates::of(&setup.memory);
         let mut builder = Builder::default();
         let programs = setup.memory.programs.clone();
         let on_move = &mut |executed: &ExecutedMove, why: Option<&Explanation>| {

@@ -274,7 +274,7 @@ impl Work {
         if another && let Some(chosen) = &chosen {
             self.send(Some(chosen.clone()));
         }
-        let rates = RapidRates::of(&setup.memory.parameters);
+        let rates = RapidRates::of(&setup.memory);
         let patience = Patience::new(PATIENCE.0, PATIENCE.1);
         let (mut news, mut pause) = (Instant::now(), FIRST_NEWS);
         let tried = basis.tried.as_ref().is_some_and(|(id, tried)| {
@@ -376,7 +376,7 @@ impl Work {
         self.put_in(&mut setup);
         let begun = self.shared.newer.load(Ordering::Relaxed);
         let patience = Patience::new(PATIENCE.0, PATIENCE.1);
-        let rates = RapidRates::of(&setup.memory.parameters);
+        let rates = RapidRates::of(&setup.memory);
         let compared = ideal::compare(&setup, job, rates, &mut |progress| {
             patience.lasts(progress) && self.shared.newer.load(Ordering::Relaxed) == begun
         });

@@ -1,0 +1,44 @@
+//! `dialect`: a program as another control model reads it.
+
+use gsk_messages::{Message, say};
+use gsk_runner::{dialect, report};
+
+use super::{ALARM, CommandError, FINE, output};
+use crate::apart::{Read, keep_apart};
+use crate::cli::DialectArgs;
+use crate::files::{decode, program_file};
+
+/// Lists what means something else, or writes the program for the other model and lists
+/// what is left. Exit code 1 if anything is.
+pub fn dialect(args: &DialectArgs) -> Result<u8, CommandError> {
+    let file = program_file::read(&args.file)?;
+    let (from, to) = (args.from.record(), args.to.record());
+    let mut findings = dialect::compare(&file.text, from, to);
+    if let Some(path) = &args.output {
+        let read = Read {
+            files: vec![&args.file],
+            ..Read::default()
+        };
+        keep_apart(&read, &[path])?;
+        let rewritten = dialect::rewrite(&file.text, from, to);
+        let place = output::reserve(path)?;
+        place.write(&decode::encode(&rewritten, file.encoding))?;
+        findings.retain(|finding| !finding.is_rewritten());
+    }
+    let said = |message: &Message| report::said(message, args.lang);
+    let mut out = String::new();
+    for finding in &findings {
+        let text = said(&finding.text(from, to));
+        let name = args.file.display().to_string();
+        out.push_str(&format!("{name}:{}: {text}\n", finding.line));
+    }
+    if from.program_name != to.program_name {
+        let names = say::dialect_names(&from.name, &from.program_name, &to.name, &to.program_name);
+        out.push_str(&format!("{}\n", said(&names)));
+    }
+    if findings.is_empty() {
+        out.push_str(&format!("{}\n", said(&say::dialect_same(&to.name))));
+    }
+    output::print(&out);
+    Ok(if findings.is_empty() { FINE } else { ALARM })
+}

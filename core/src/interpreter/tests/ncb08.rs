@@ -1,0 +1,158 @@
+//! The NC-B08: codes that mean something else there, and those that only it has.
+
+use super::Bench;
+use crate::model::{ControlModel, ModelId};
+use crate::units::PerAxis;
+
+fn bench() -> Bench {
+    let mut bench = Bench::at(10.0, 20.0);
+    bench
+        .interpreter
+        .set_model(&ControlModel::new(ModelId::Ncb08));
+    bench
+}
+
+fn trace(text: &str) -> Vec<String> {
+    trace_of(bench(), text)
+}
+
+/// Without the lines' numbers and the stops of single block.
+fn trace_of(mut bench: Bench, text: &str) -> Vec<String> {
+    let lines = bench.trace(text);
+    let bare = |line: &String| {
+        let after = line.split_once(": ").map_or("", |(_, after)| after);
+        after.trim_end_matches(" |").to_owned()
+    };
+    lines.iter().map(bare).collect()
+}
+
+/// C46: I and K are radius values from the start to the centre: R = 8.000.
+#[test]
+fn a_full_circle_has_its_centre_by_i_and_k() {
+    assert_eq!(
+        trace("G02 X10 Z20 I3.873 K-7 F100;\nM2;"),
+        [
+            "cw X10 Z20 about X17.746 Z13 F100",
+            "end counts true m30 true"
+        ]
+    );
+}
+
+/// C47: by R there is no centre.
+#[test]
+fn a_full_circle_by_r_is_e433() {
+    assert_eq!(bench().fault("G02 X10 Z20 R8 F100;"), (433, 1));
+}
+
+#[test]
+fn a_negative_radius_is_the_longer_arc() {
+    // From X10 Z20 to X10 Z14: the chord is 6, the radius 5: centres 4 beside it.
+    let near = trace("G02 X10 Z14 R5 F100;\nM2;");
+    let far = trace("G02 X10 Z14 R-5 F100;\nM2;");
+    assert_eq!(near[0], "cw X10 Z14 about X18 Z17 F100");
+    assert_eq!(far[0], "cw X10 Z14 about X2 Z17 F100");
+    let other = trace("G03 X10 Z14 R-5 F100;\nM2;");
+    assert_eq!(other[0], "ccw X10 Z14 about X18 Z17 F100");
+}
+
+/// C48: X in seconds comes before P in milliseconds.
+#[test]
+fn a_dwell_in_seconds_comes_first() {
+    let lines = trace("G04 X2;\nG04 P1000;\nG04 X1 P5000;\nM2;");
+    assert_eq!(
+        lines,
+        [
+            "dwell 2000",
+            "dwell 1000",
+            "dwell 1000",
+            "end counts true m30 true"
+        ]
+    );
+}
+
+/// C49, and outputs by their codes.
+#[test]
+fn outputs_are_switched_by_the_program() {
+    for (block, expected) in [
+        ("M10 P3 D500", "outputs on 1000 off 0 500ms"),
+        ("M10 P15", "outputs on 1000000000000000 off 0 0ms"),
+        ("M11 P3", "outputs on 0 off 1000 0ms"),
+        ("M21", "outputs on 10000 off 0 0ms"),
+        ("M22", "outputs on 0 off 10000 0ms"),
+        ("M40", "outputs on 1000 off 1000000 0ms"),
+        ("M81", "outputs on 10000000000 off 100000000000 0ms"),
+    ] {
+        assert_eq!(trace(&format!("{block};\nM2;"))[0], expected, "{block}");
+    }
+    for wrong in ["M10", "M10 P16", "M10 P-1", "M11 P99"] {
+        assert_eq!(bench().fault(&format!("{wrong};")), (43, 1), "{wrong}");
+    }
+}
+
+#[test]
+fn the_time_of_the_clamp_is_a_parameter() {
+    let mut bench = bench();
+    let mut model = ControlModel::new(ModelId::Ncb08);
+    model.set_parameter(41, 800).unwrap();
+    bench.interpreter.set_model(&model);
+    assert_eq!(
+        trace_of(bench, "M21;\nM2;")[0],
+        "outputs on 10000 off 0 800ms"
+    );
+}
+
+#[test]
+fn the_spindle_has_its_output_and_its_ladder() {
+    assert_eq!(
+        trace("M03;\nM2;"),
+        [
+            "outputs on 1000000000000 off 110000000000000 0ms",
+            "M03 BeforeMotion",
+            "end counts true m30 true"
+        ]
+    );
+}
+
+#[test]
+fn a_program_waits_for_an_input() {
+    assert_eq!(trace("M01 H8;\nM2;")[0], "wait for X8 true");
+    assert_eq!(trace("M01 L0;\nM2;")[0], "wait for X0 false");
+    for wrong in ["M01", "M01 H24", "M01 L24", "M01 H1 L2"] {
+        assert_eq!(bench().fault(&format!("{wrong};")), (43, 1), "{wrong}");
+    }
+}
+
+#[test]
+fn the_reference_point_is_that_of_its_parameters() {
+    let mut model = ControlModel::new(ModelId::Ncb08);
+    model.set_parameter(108, 200_000).unwrap();
+    model.set_parameter(109, 150_500).unwrap();
+    let with = || {
+        let mut bench = bench();
+        bench.interpreter.set_model(&model);
+        bench
+    };
+    let direct = trace_of(with(), "G27;\nM2;");
+    assert_eq!(direct[0], "rapid X200 Z150.5");
+    let through = trace_of(with(), "G28 X50 Z60;\nM2;");
+    assert_eq!(through[..2], ["rapid X50 Z60", "rapid X200 Z150.5"]);
+    assert_eq!(with().fault("G27 X0;"), (12, 1));
+    let mut lost = with();
+    lost.referenced = PerAxis::new(true, false);
+    assert_eq!(lost.fault("G27;"), (90, 1));
+    let mut lost = with();
+    lost.referenced = PerAxis::new(false, true);
+    assert_eq!(lost.fault("G28 X50;"), (90, 1));
+}
+
+#[test]
+fn what_it_does_not_have_is_alarm_010() {
+    for code in ["G40", "G41", "G20", "G54", "G09", "G91"] {
+        assert_eq!(bench().fault(&format!("{code};")), (10, 1), "{code}");
+    }
+    assert_eq!(bench().fault("M12;"), (19, 1));
+    // And those of others on the GSK980TD.
+    assert_eq!(Bench::new().fault("G27;"), (10, 1));
+    assert_eq!(Bench::new().fault("M21;"), (19, 1));
+    assert_eq!(Bench::new().fault("M10 P3 D500;"), (9, 1));
+}

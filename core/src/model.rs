@@ -1,0 +1,178 @@
+//! Control models: the GSK980TD and the systems that are related to it or stand beside
+//! it in a shop. What a model is stands in its record (`assets/models/`): which number
+//! means which code, and the parameters that only it has. What a code does is written
+//! once, for all models that have it.
+
+mod meaning;
+mod record;
+
+use std::collections::BTreeMap;
+
+use gsk_messages::{Message, say};
+use serde::{Deserialize, Serialize};
+
+pub use meaning::{GCode, MCode};
+pub(crate) use record::MFunction;
+pub use record::{ModelParameter, Record};
+
+/// A control model.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+pub enum ModelId {
+    /// GSK980TD: the lathe control this program is.
+    #[default]
+    Gsk980td,
+    /// GSK980MDi, a mill.
+    Gsk980mdi,
+    /// Huaxing 31 and 32 series, a lathe.
+    Hx31,
+    /// SYSViV NC-B08, a lathe.
+    Ncb08,
+}
+
+impl ModelId {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Gsk980td, Self::Gsk980mdi, Self::Hx31, Self::Ncb08];
+
+    /// Its word on the command line and the name of its folder.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Gsk980td => "gsk980td",
+            Self::Gsk980mdi => "gsk980mdi",
+            Self::Hx31 => "hx31",
+            Self::Ncb08 => "ncb08",
+        }
+    }
+
+    /// The model of a word.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|it| it.word() == word)
+    }
+
+    /// What it is.
+    pub fn record(self) -> &'static Record {
+        Record::of(self)
+    }
+
+    /// Whether it is the GSK980TD.
+    pub const fn is_main(&self) -> bool {
+        matches!(self, Self::Gsk980td)
+    }
+}
+
+/// The model that a control is, with the values of the parameters that only it has.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ControlModel {
+    id: ModelId,
+    /// Those that were changed.
+    parameters: BTreeMap<u16, i32>,
+}
+
+impl ControlModel {
+    /// A model as delivered.
+    pub const fn new(id: ModelId) -> Self {
+        Self {
+            id,
+            parameters: BTreeMap::new(),
+        }
+    }
+
+    /// Which one.
+    pub const fn id(&self) -> ModelId {
+        self.id
+    }
+
+    /// What it is.
+    pub fn record(&self) -> &'static Record {
+        self.id.record()
+    }
+
+    /// Whether it is the GSK980TD.
+    pub const fn is_main(&self) -> bool {
+        self.id.is_main()
+    }
+
+    /// The value of one of its own parameters; 0 of one that it does not have.
+    pub fn parameter(&self, number: u16) -> i32 {
+        let delivered = || self.record().parameters.get(&number).map(|it| it.delivered);
+        self.parameters
+            .get(&number)
+            .copied()
+            .or_else(delivered)
+            .unwrap_or(0)
+    }
+
+    /// Changes one of its own parameters.
+    ///
+    /// # Errors
+    /// A number that it does not have, a value outside its range.
+    pub fn set_parameter(&mut self, number: u16, value: i32) -> Result<(), Message> {
+        let record = self.record();
+        let Some(parameter) = record.parameters.get(&number) else {
+            return Err(say::model_parameter_unknown(&record.name, number));
+        };
+        let (low, high) = parameter.range;
+        if !(low..=high).contains(&value) {
+            return Err(say::model_parameter_range(number, value, low, high));
+        }
+        self.parameters.insert(number, value);
+        Ok(())
+    }
+}
+
+/// Numbers of the parameters that only the NC-B08 has.
+pub(crate) mod ncb08 {
+    /// Rapid rate at most, mm/min.
+    pub(crate) const RAPID_LIMIT: u16 = 17;
+    /// Time of M21, ms.
+    pub(crate) const CLAMP_TIME: u16 = 41;
+    /// Reference point, 0.001 mm, X a diameter.
+    pub(crate) const REFERENCE_X: u16 = 108;
+    /// Reference point, 0.001 mm.
+    pub(crate) const REFERENCE_Z: u16 = 109;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_record_can_be_read() {
+        for id in ModelId::ALL {
+            let record = id.record();
+            assert!(record.g_code(0).is_some(), "{} has no G00", record.name);
+            assert!(
+                record.m_function(30).is_some(),
+                "{} has no M30",
+                record.name
+            );
+            assert_eq!(ModelId::from_word(id.word()), Some(id));
+        }
+    }
+
+    #[test]
+    fn what_is_decided_is_a_code_of_the_model() {
+        for id in ModelId::ALL {
+            let record = id.record();
+            for code in &record.g_decided {
+                assert!(record.g_code((*code).into()).is_some(), "{id:?} G{code:02}");
+            }
+            for code in &record.m_decided {
+                assert!(record.m_function(*code).is_some(), "{id:?} M{code:02}");
+            }
+        }
+    }
+
+    #[test]
+    fn parameters_keep_to_their_ranges() {
+        let mut model = ControlModel::new(ModelId::Ncb08);
+        assert_eq!(model.parameter(ncb08::RAPID_LIMIT), 15000);
+        assert_eq!(model.set_parameter(17, 6000), Ok(()));
+        assert_eq!(model.parameter(17), 6000);
+        assert!(model.set_parameter(17, 15001).is_err());
+        assert!(model.set_parameter(18, 1).is_err());
+        assert!(ControlModel::default().set_parameter(17, 1).is_err());
+    }
+}

@@ -1,0 +1,144 @@
+//! The records of the models, as `assets/models/` holds them.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use gsk_messages::Language;
+use serde::Deserialize;
+
+use super::{GCode, MCode, ModelId};
+
+/// G codes have two digits.
+const G_CODES: usize = 100;
+
+/// What a model is.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Record {
+    /// Its name.
+    pub name: String,
+    /// Whether its programs are carried out; else its codes are only known.
+    pub executes: bool,
+    /// How its programs are named.
+    #[serde(default = "four_digits")]
+    pub program_name: String,
+    /// The letter in front of the numbers of its alarms.
+    #[serde(default)]
+    pub alarm_letter: Option<char>,
+    /// The least step of the rapid override, %; without it F0.
+    #[serde(default)]
+    pub(crate) least_rapid_override: Option<u8>,
+    /// Letters that are addresses besides those of the GSK980TD.
+    #[serde(default)]
+    addresses: String,
+    /// What its G codes mean.
+    pub g: BTreeMap<u8, GCode>,
+    /// Those of them whose action its manual does not give.
+    #[serde(default)]
+    pub g_decided: Vec<u8>,
+    /// What its M codes mean.
+    pub m: BTreeMap<u8, MFunction>,
+    /// Those of them whose action its manual does not give.
+    #[serde(default)]
+    pub m_decided: Vec<u8>,
+    /// Parameters that only it has.
+    #[serde(default)]
+    pub parameters: BTreeMap<u16, ModelParameter>,
+    /// The G codes once more, to be found at once.
+    #[serde(skip)]
+    g_table: Vec<Option<GCode>>,
+}
+
+/// What an M code does.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+pub struct MFunction {
+    /// Its meaning.
+    pub does: MCode,
+    /// Outputs that it switches on.
+    #[serde(default)]
+    pub on: Vec<u8>,
+    /// Outputs that it switches off.
+    #[serde(default)]
+    pub off: Vec<u8>,
+}
+
+/// A parameter that only one model has.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ModelParameter {
+    /// What it is.
+    name: Name,
+    /// Its unit.
+    pub unit: String,
+    /// Lowest and highest value.
+    pub range: (i32, i32),
+    /// Its value as delivered.
+    pub delivered: i32,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Name {
+    en: String,
+    zh: String,
+}
+
+fn four_digits() -> String {
+    "O0001".to_owned()
+}
+
+impl ModelParameter {
+    /// What it is, in words.
+    pub fn name(&self, language: Language) -> &str {
+        match language {
+            Language::Zh => &self.name.zh,
+            Language::En => &self.name.en,
+        }
+    }
+}
+
+impl Record {
+    /// The record of a model.
+    pub(super) fn of(id: ModelId) -> &'static Self {
+        static RECORDS: LazyLock<[Record; 4]> = LazyLock::new(|| ModelId::ALL.map(read));
+        &RECORDS[id as usize]
+    }
+
+    /// What a G code means.
+    #[inline]
+    pub fn g_code(&self, number: i64) -> Option<GCode> {
+        let index = usize::try_from(number).ok()?;
+        self.g_table.get(index).copied().flatten()
+    }
+
+    /// What an M code does.
+    pub fn m_function(&self, number: u8) -> Option<&MFunction> {
+        self.m.get(&number)
+    }
+
+    /// Whether a letter is an address that the GSK980TD does not have.
+    pub(crate) fn has_address(&self, letter: u8) -> bool {
+        self.addresses.bytes().any(|it| it == letter)
+    }
+
+    /// Whether both axes arrive together in G00.
+    pub fn rapids_are_straight(&self) -> bool {
+        self.g_code(0) == Some(GCode::StraightRapid)
+    }
+}
+
+fn read(id: ModelId) -> Record {
+    let text = match id {
+        ModelId::Gsk980td => include_str!("../../../assets/models/gsk980td.ron"),
+        ModelId::Gsk980mdi => include_str!("../../../assets/models/gsk980mdi.ron"),
+        ModelId::Hx31 => include_str!("../../../assets/models/hx31.ron"),
+        ModelId::Ncb08 => include_str!("../../../assets/models/ncb08.ron"),
+    };
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let mut record: Record = match options.from_str(text) {
+        Ok(record) => record,
+        Err(error) => unreachable!("the record of {id:?} is part of the program: {error}"),
+    };
+    record.g_table = (0..G_CODES)
+        .map(|code| record.g.get(&(code as u8)).copied())
+        .collect();
+    record
+}

@@ -1,0 +1,419 @@
+//! A program read with the eyes of another control model: which of its codes mean
+//! something else there, and the same program in the numbers of the other one, as far
+//! as those codes mean the same.
+
+use gsk_core::model::{GCode, MCode, Record};
+use gsk_messages::{Message, say};
+
+/// A code of one model as another one reads it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// Line of the text, from 1.
+    pub line: u32,
+    /// The code as it stands there.
+    pub code: String,
+    /// What becomes of it.
+    pub outcome: Outcome,
+}
+
+/// What becomes of a code in another model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The model that the program was written for does not have it.
+    Foreign,
+    /// It has another number there.
+    Renumbered {
+        /// What it is.
+        here: Meaning,
+        /// Its number there.
+        number: u8,
+    },
+    /// There is no such code.
+    Missing {
+        /// What it is.
+        here: Meaning,
+    },
+    /// It means something else; what it is here may have another number there.
+    Differs {
+        /// What it is here.
+        here: Meaning,
+        /// What it is there.
+        there: Meaning,
+        /// The number that it has there, if any.
+        number: Option<u8>,
+    },
+}
+
+/// What a code means, of either kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// Of a G code; whether its manual says so, or it was decided.
+    G(GCode, Known),
+    /// Of an M code.
+    M(MCode, Known),
+}
+
+/// Where the action of a code is known from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Known {
+    /// From the manual of its model.
+    FromManual,
+    /// The manual is silent: it was decided.
+    Decided,
+}
+
+impl Meaning {
+    /// In words.
+    pub fn text(self) -> Message {
+        let (text, known) = match self {
+            Self::G(code, known) => (code.text(), known),
+            Self::M(code, known) => (code.text(), known),
+        };
+        match known {
+            Known::FromManual => text,
+            Known::Decided => say::dialect_decided(text),
+        }
+    }
+}
+
+impl Finding {
+    /// In words, without the line.
+    pub fn text(&self, from: &Record, to: &Record) -> Message {
+        let code = &self.code;
+        let letter = code.get(..1).unwrap_or_default();
+        let written = |number: u8| format!("{letter}{number:02}");
+        match &self.outcome {
+            Outcome::Foreign => say::dialect_foreign(code, &from.name),
+            Outcome::Renumbered { here, number } => {
+                say::dialect_renumbered(code, here.text(), written(*number), &to.name)
+            }
+            Outcome::Missing { here } => say::dialect_missing(code, here.text(), &to.name),
+            Outcome::Differs {
+                here,
+                there,
+                number: None,
+            } => say::dialect_differs(code, here.text(), &to.name, there.text()),
+            Outcome::Differs {
+                here,
+                there,
+                number: Some(number),
+            } => say::dialect_differs_renumbered(
+                code,
+                here.text(),
+                &to.name,
+                there.text(),
+                written(*number),
+            ),
+        }
+    }
+
+    /// Whether [`rewrite`] writes what says the same.
+    pub const fn is_rewritten(&self) -> bool {
+        self.number().is_some()
+    }
+
+    /// The number that says the same in the other model.
+    const fn number(&self) -> Option<u8> {
+        match self.outcome {
+            Outcome::Renumbered { number, .. } => Some(number),
+            Outcome::Differs { number, .. } => number,
+            Outcome::Foreign | Outcome::Missing { .. } => None,
+        }
+    }
+}
+
+/// What a program for one model says in another one, in the order of the text.
+pub fn compare(text: &str, from: &Record, to: &Record) -> Vec<Finding> {
+    let found = |block: &Block<'_>| {
+        let codes = block
+            .words
+            .iter()
+            .filter_map(|word| look(word, block, from, to));
+        codes.collect::<Vec<_>>()
+    };
+    blocks(text).iter().flat_map(found).collect()
+}
+
+/// The program in the numbers of the other model, where they say the same; all else
+/// stands as it is.
+pub fn rewrite(text: &str, from: &Record, to: &Record) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut copied = 0;
+    for block in blocks(text) {
+        for word in &block.words {
+            let Some(number) = look(word, &block, from, to).and_then(|it| it.number()) else {
+                continue;
+            };
+            out.push_str(&text[copied..word.number.0]);
+            out.push_str(&format!("{number:02}"));
+            copied = word.number.1;
+        }
+    }
+    out.push_str(&text[copied..]);
+    out
+}
+
+/// A word: its letter and where its number stands in the text.
+#[derive(Clone, Copy, Debug)]
+struct Word<'a> {
+    letter: u8,
+    number: (usize, usize),
+    value: &'a str,
+}
+
+/// A block: its line and its words.
+#[derive(Debug)]
+struct Block<'a> {
+    line: u32,
+    words: Vec<Word<'a>>,
+}
+
+impl Block<'_> {
+    fn has(&self, letter: u8) -> bool {
+        self.words.iter().any(|word| word.letter == letter)
+    }
+
+    fn has_negative(&self, letter: u8) -> bool {
+        let mut words = self.words.iter();
+        words.any(|word| word.letter == letter && word.value.starts_with('-'))
+    }
+}
+
+/// The blocks of a text with a word in them; comments are passed over.
+fn blocks(text: &str) -> Vec<Block<'_>> {
+    let bytes = text.as_bytes();
+    let mut blocks = Vec::new();
+    let mut block = Block {
+        line: 1,
+        words: Vec::new(),
+    };
+    let mut line = 1;
+    let (mut at, mut comment) = (0, false);
+    while let Some(&byte) = bytes.get(at) {
+        let ends = byte == b'\n' || (byte == b';' && !comment);
+        if ends {
+            line += u32::from(byte == b'\n');
+            comment = false;
+            let next = Block {
+                line,
+                words: Vec::new(),
+            };
+            let done = core::mem::replace(&mut block, next);
+            blocks.extend(Some(done).filter(|it| !it.words.is_empty()));
+        }
+        match byte {
+            b'(' => comment = true,
+            b')' => comment = false,
+            _ if !comment && byte.is_ascii_alphabetic() => {
+                let word = word(text, at);
+                at = word.number.1.max(at + 1);
+                if !word.value.is_empty() {
+                    block.words.push(word);
+                }
+                continue;
+            }
+            _ => {}
+        }
+        at += 1;
+    }
+    blocks.extend(Some(block).filter(|it| !it.words.is_empty()));
+    blocks
+}
+
+/// The word whose letter stands at a place; its value is empty where no number follows,
+/// as in the words of macros.
+fn word(text: &str, at: usize) -> Word<'_> {
+    let bytes = text.as_bytes();
+    let is = |at: usize, what: fn(u8) -> bool| bytes.get(at).copied().is_some_and(what);
+    let mut begin = at + 1;
+    while is(begin, |byte| byte == b' ' || byte == b'\t') {
+        begin += 1;
+    }
+    let mut end = begin;
+    if is(end, |byte| matches!(byte, b'+' | b'-')) {
+        end += 1;
+    }
+    while is(end, |byte| byte.is_ascii_digit() || byte == b'.') {
+        end += 1;
+    }
+    let digits = &text[begin..end];
+    let value = match digits.bytes().any(|byte| byte.is_ascii_digit()) {
+        true => digits,
+        false => "",
+    };
+    Word {
+        letter: bytes[at].to_ascii_uppercase(),
+        number: (begin, begin + value.len()),
+        value,
+    }
+}
+
+/// What becomes of one word; nothing where it says the same.
+fn look(word: &Word<'_>, block: &Block<'_>, from: &Record, to: &Record) -> Option<Finding> {
+    if !matches!(word.letter, b'G' | b'M') {
+        return None;
+    }
+    let found = |outcome| {
+        Some(Finding {
+            line: block.line,
+            code: format!("{}{}", char::from(word.letter), word.value),
+            outcome,
+        })
+    };
+    let Ok(number) = word.value.parse::<u8>() else {
+        return found(Outcome::Foreign);
+    };
+    let means = match word.letter {
+        b'G' => meaning_of_g,
+        _ => meaning_of_m,
+    };
+    let Some(here) = means(from, number) else {
+        return found(Outcome::Foreign);
+    };
+    let there = means(to, number);
+    if there.is_some_and(|there| same(here, there, block)) {
+        return None;
+    }
+    let other = (0..=u8::MAX)
+        .find(|number| means(to, *number).is_some_and(|there| same(here, there, block)));
+    found(match (there, other) {
+        (None, None) => Outcome::Missing { here },
+        (None, Some(number)) => Outcome::Renumbered { here, number },
+        (Some(there), number) => Outcome::Differs {
+            here,
+            there,
+            number,
+        },
+    })
+}
+
+fn meaning_of_g(record: &Record, number: u8) -> Option<Meaning> {
+    let code = record.g_code(number.into())?;
+    Some(Meaning::G(code, known(&record.g_decided, number)))
+}
+
+fn meaning_of_m(record: &Record, number: u8) -> Option<Meaning> {
+    let function = record.m_function(number)?;
+    Some(Meaning::M(function.does, known(&record.m_decided, number)))
+}
+
+fn known(decided: &[u8], number: u8) -> Known {
+    match decided.contains(&number) {
+        true => Known::Decided,
+        false => Known::FromManual,
+    }
+}
+
+/// Whether two codes do the same in a block with these words. The path of a rapid is
+/// not that of the other one, its end is.
+fn same(here: Meaning, there: Meaning, block: &Block<'_>) -> bool {
+    let (here, there) = match (here, there) {
+        (Meaning::G(here, _), Meaning::G(there, _)) => (here, there),
+        (Meaning::M(here, _), Meaning::M(there, _)) => return here == there,
+        _ => return false,
+    };
+    let both = |one: GCode, other: GCode| {
+        (here == one || here == other) && (there == one || there == other)
+    };
+    let arc = |short: GCode, long: GCode, diameter: GCode| {
+        both(short, long) && !block.has_negative(b'R')
+            || (both(short, diameter) || both(long, diameter))
+                && !block.has(b'I')
+                && !block.has_negative(b'R')
+    };
+    here == there
+        || both(GCode::Rapid, GCode::StraightRapid)
+        || both(GCode::Dwell, GCode::DwellSecondsFirst)
+            && !(block.has(b'P') && (block.has(b'X') || block.has(b'U')))
+        || arc(
+            GCode::ArcClockwise,
+            GCode::LongArcClockwise,
+            GCode::DiameterArcClockwise,
+        )
+        || arc(
+            GCode::ArcCounterclockwise,
+            GCode::LongArcCounterclockwise,
+            GCode::DiameterArcCounterclockwise,
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::model::ModelId;
+
+    fn list(text: &str, from: ModelId, to: ModelId) -> Vec<String> {
+        let (from, to) = (from.record(), to.record());
+        let findings = compare(text, from, to);
+        let lines = findings.iter().map(|it| {
+            let text = it.text(from, to).text(gsk_messages::Language::En);
+            format!("{}: {text}", it.line)
+        });
+        lines.collect()
+    }
+
+    const TURNED: &str = "O0001;\nG50 X100 Z50 (SET; G92);\nG00 X20 Z2;\nG92 X19 Z-20 F1.5;\nG98 G01 Z-5 F100;\nM30;\n";
+
+    #[test]
+    fn what_means_something_else_is_listed_with_its_line() {
+        assert_eq!(
+            list(TURNED, ModelId::Gsk980td, ModelId::Hx31),
+            [
+                "2: G50, coordinate system set, no motion, is G92 in 华兴 31/32",
+                "4: G92 is thread cycle here, in 华兴 31/32 coordinate system set, no motion (decided, not in its manual)",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_code_is_rewritten_where_another_number_says_the_same() {
+        let (td, mdi) = (ModelId::Gsk980td.record(), ModelId::Gsk980mdi.record());
+        let text = "G50 X1 Z2;\nG98G01X5F100 (G50 STAYS);\nG90 X3;\n";
+        assert_eq!(
+            rewrite(text, td, mdi),
+            "G92 X1 Z2;\nG94G01X5F100 (G50 STAYS);\nG90 X3;\n"
+        );
+    }
+
+    #[test]
+    fn the_same_program_for_the_same_model_is_the_same() {
+        for id in ModelId::ALL {
+            let every: String = (0..100)
+                .map(|code| format!("G{code:02} M{code:02};\n"))
+                .collect();
+            let record = id.record();
+            let findings = compare(&every, record, record);
+            assert!(findings.iter().all(|it| it.outcome == Outcome::Foreign));
+            assert_eq!(rewrite(&every, record, record), every);
+        }
+    }
+
+    #[test]
+    fn arcs_differ_where_their_words_do() {
+        let (td, nc, hx) = (ModelId::Gsk980td, ModelId::Ncb08, ModelId::Hx31);
+        assert!(list("G02 X1 Z2 R5;", nc, td).is_empty());
+        assert_eq!(list("G02 X1 Z2 R-5;", nc, td).len(), 1);
+        assert!(list("G02 X1 Z2 K5;", td, hx).is_empty());
+        assert_eq!(list("G02 X1 Z2 I1 K5;", td, hx).len(), 1);
+        assert!(list("G04 X1;", td, nc).is_empty());
+        assert_eq!(list("G04 X1 P5000;", td, nc).len(), 1);
+    }
+
+    #[test]
+    fn strange_text_is_read_to_its_end() {
+        for text in [
+            "",
+            "(",
+            "G",
+            "G-",
+            "G99999999999 M",
+            "中文 G92 (车",
+            "G92.5",
+            "#1=GT[2]",
+        ] {
+            let (td, hx) = (ModelId::Gsk980td.record(), ModelId::Hx31.record());
+            compare(text, td, hx);
+            rewrite(text, td, hx);
+        }
+    }
+}
