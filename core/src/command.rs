@@ -227,12 +227,12 @@ pub enum Action {
         timing: Timing,
     },
     /// Outputs that a program switches by itself (NC-B08: M10, M11, M21 and on): Y0 in
-    /// bit 0, which is F54.0 for the ladder.
+    /// bit 0, which is F54.0 for the ladder; there are 24.
     Outputs {
         /// Those that go on.
-        on: u16,
+        on: u32,
         /// Those that go off.
-        off: u16,
+        off: u32,
         /// After so many milliseconds those that went on go off again; 0 = never.
         ms: u32,
     },

@@ -122,6 +122,14 @@ impl ControlModel {
     }
 }
 
+/// Numbers of the Huaxing lathes.
+pub(crate) mod hx31 {
+    /// Parameter: how long M71 to M85 switch their output on, ms.
+    pub(crate) const PULSE_TIME: u16 = 71;
+    /// M71 switches the first output.
+    pub(crate) const FIRST_PULSE: u8 = 71;
+}
+
 /// Numbers of the parameters that only the NC-B08 has.
 pub(crate) mod ncb08 {
     /// Rapid rate at most, mm/min.

@@ -7,7 +7,7 @@ use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 
 /// G codes as chapter and table give them, those taken over from the GSK980TD among them.
-const LATHES: [(ModelId, &[i64]); 2] = [
+const LATHES: [(ModelId, &[i64]); 3] = [
     (
         ModelId::Gsk980td,
         &[
@@ -20,6 +20,14 @@ const LATHES: [(ModelId, &[i64]); 2] = [
         &[
             0, 1, 2, 3, 4, 27, 28, 32, 33, 34, 50, 65, 70, 71, 72, 73, 74, 75, 76, 90, 92, 94, 96,
             97, 98, 99,
+        ],
+    ),
+    // Without G30, G31, G33, G34, G74 to G76 and G81 to G87, which are not carried out.
+    (
+        ModelId::Hx31,
+        &[
+            0, 1, 2, 3, 4, 9, 20, 22, 24, 25, 26, 27, 40, 41, 42, 54, 55, 56, 57, 71, 72, 73, 90,
+            91, 92, 96, 97, 98, 99,
         ],
     ),
 ];
@@ -76,5 +84,7 @@ fn the_same_contour_is_the_same_path() {
         assert_eq!(end.alarm, None);
         moves
     };
-    assert_eq!(moves(ModelId::Gsk980td), moves(ModelId::Ncb08));
+    for other in [ModelId::Ncb08, ModelId::Hx31] {
+        assert_eq!(moves(ModelId::Gsk980td), moves(other), "{other:?}");
+    }
 }

@@ -9,12 +9,12 @@ use crate::operation::{FromPlc, InputFilter, Mode, RunState, ToPlc};
 use crate::program::Inflow;
 use crate::units::{Axis, PerAxis};
 
-/// F54 and F55: outputs that a program switches by itself.
+/// F54 to F56: outputs that a program switches by itself.
 const PROGRAM_OUTPUTS: u16 = 54;
 
 impl Cnc {
     /// Outputs that a program switches by itself; after `ms` those that went on go off.
-    pub(super) fn switch_outputs(&mut self, on: u16, off: u16, ms: u32) {
+    pub(super) fn switch_outputs(&mut self, on: u32, off: u32, ms: u32) {
         let now = self.program_outputs();
         let then = self.plc.output_timers.switch(now, on, off, ms);
         self.set_program_outputs(then);
@@ -28,16 +28,17 @@ impl Cnc {
         }
     }
 
-    fn program_outputs(&self) -> u16 {
-        let memory = self.plc.engine.memory();
-        u16::from_le_bytes([memory.f(PROGRAM_OUTPUTS), memory.f(PROGRAM_OUTPUTS + 1)])
+    fn program_outputs(&self) -> u32 {
+        let f = |byte| self.plc.engine.memory().f(PROGRAM_OUTPUTS + byte);
+        u32::from_le_bytes([f(0), f(1), f(2), 0])
     }
 
-    fn set_program_outputs(&mut self, outputs: u16) {
+    fn set_program_outputs(&mut self, outputs: u32) {
         let memory = self.plc.engine.memory_mut();
-        let [low, high] = outputs.to_le_bytes();
+        let [low, middle, high, _] = outputs.to_le_bytes();
         memory.set_f(PROGRAM_OUTPUTS, low);
-        memory.set_f(PROGRAM_OUTPUTS + 1, high);
+        memory.set_f(PROGRAM_OUTPUTS + 1, middle);
+        memory.set_f(PROGRAM_OUTPUTS + 2, high);
     }
 
     /// Whether a machine input has a level: 0 is X0.0, 8 is X1.0.

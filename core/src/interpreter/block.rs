@@ -7,6 +7,7 @@
 use crate::alarm::Alarm;
 use crate::command::{Action, SpindleCommand, Timing};
 use crate::interpreter::Modal;
+use crate::interpreter::calls::block_call;
 use crate::interpreter::calls::special_call;
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::canned_cycle::Maker;
@@ -21,6 +22,7 @@ use crate::interpreter::codes::positioning::within_stroke;
 use crate::interpreter::codes::reference::Reference;
 use crate::interpreter::codes::spindle_speed;
 use crate::interpreter::codes::tool::{self, Execution, ToolWord};
+use crate::interpreter::codes::zero_offset;
 use crate::interpreter::compound;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::flow::Flow;
@@ -33,6 +35,7 @@ use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::threads::tapping;
 use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
+use crate::model::ModelId;
 
 /// What the motion words of a block amount to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,15 +77,19 @@ pub(crate) fn evaluate(
     };
     check_option(words, context.parameters)?;
     set_modal(state, words)?;
-    let axes = words.axes(context.x_factor);
+    let axes = words.axes(context.x_factor).under(state.incremental);
     let kind = kind(state, words, &axes);
 
     // Increments count from the position shown before a T of the same block.
     let base = state.position + state.ahead;
     plan.modal = state.modal;
     let mut travels = false;
-    if let Some(t) = words.t {
-        let word = ToolWord::read(t, context.parameters.stations().into())?;
+    let word = match words.t {
+        Some(t) => Some(ToolWord::of_block(t, context)?),
+        None if words.m.is_some() => miscellaneous::offset(words, context)?,
+        None => None,
+    };
+    if let Some(word) = word {
         let execution = tool_execution(context, kind);
         let before = state.offset;
         tool::select(state, context, word, execution, &mut plan.before);
@@ -114,8 +121,8 @@ pub(crate) fn evaluate(
             beyond: cycle.beyond_pass(),
         });
     }
-    state.threading = kind == Kind::Thread && plan.motion.moves();
-    if travels && kind == Kind::Nothing {
+    state.threading = matches!(kind, Kind::Thread) && plan.motion.moves();
+    if travels && matches!(kind, Kind::Nothing) {
         plan.motion = Motion::One(positioning::rapid(state, state.position));
     }
     if let Some(code) = output {
@@ -128,6 +135,12 @@ pub(crate) fn evaluate(
             .push_back(Action::Miscellaneous { code, timing });
     }
     follow(state, context, words, function, plan)?;
+    if let Kind::OneShot(code) = kind {
+        follow_call(code, state, context, words, plan)?;
+    }
+    if words.exact_stop && plan.motion.moves() && plan.after.is_none() {
+        plan.after = Some(Action::Dwell { ms: 0 });
+    }
     if let Some(call) = special {
         check_call(state, context, plan.motion.is_contour())?;
         plan.flow = subprogram::call_special(context, call)?;
@@ -138,7 +151,7 @@ pub(crate) fn evaluate(
         }
     }
     plan.modal = state.modal;
-    if plan.is_done() && plan.flow == Flow::Next {
+    if plan.is_done() && matches!(plan.flow, Flow::Next) {
         plan.after = Some(Action::Nothing);
     }
     Ok(())
@@ -154,6 +167,9 @@ fn set_modal(state: &mut State, words: &Words) -> Result<(), Alarm> {
     }
     if words.one_shot.is_some_and(|code| code != OneShot::Dwell) {
         state.cycle.clear_end();
+    }
+    if let Some(incremental) = words.incremental {
+        state.incremental = incremental;
     }
     if let Some(code) = words.nose {
         state.modal.nose_compensation = code;
@@ -214,6 +230,8 @@ fn tool_execution(context: &Context<'_>, kind: Kind) -> Execution {
         Kind::OneShot(OneShot::Dwell) | Kind::Arc => Execution::Not,
         Kind::OneShot(_) => Execution::Shift,
         _ if context.parameters.offset_by_shift() => Execution::Shift,
+        // The tool changes coordinates, not where the slides stand.
+        _ if context.model.id() == ModelId::Hx31 => Execution::Shift,
         _ => Execution::Travel,
     }
 }
@@ -225,7 +243,7 @@ fn spindle(
     words: &Words,
     kind: Kind,
 ) -> Result<Option<SpindleCommand>, Alarm> {
-    if kind != Kind::OneShot(OneShot::Coordinates) {
+    if !matches!(kind, Kind::OneShot(OneShot::Coordinates)) {
         return spindle_speed::evaluate(state, context, words);
     }
     let command = spindle_speed::evaluate(state, context, &Words { s: None, ..*words })?;
@@ -237,6 +255,11 @@ fn spindle(
 }
 
 /// The motion of a block; leaves the position at its end.
+#[expect(
+    clippy::inline_always,
+    reason = "a twentieth of the time of a block, as measured"
+)]
+#[inline(always)]
 fn motion(
     state: &mut State,
     context: &Context<'_>,
@@ -251,20 +274,8 @@ fn motion(
             Some(tapping) => Motion::cycle(state, Maker::Tapping(tapping)),
             None => Ok(Motion::None),
         },
-        Kind::OneShot(OneShot::Dwell) => {
-            Ok(Motion::One(dwell::dwell(words, context.model.record())?))
-        }
-        Kind::OneShot(OneShot::Coordinates) => {
-            let relative_follows = context.parameters.g50_sets_relative();
-            let action = coordinates::set(state, words, axes, relative_follows)?;
-            Ok(action.map_or(Motion::None, Motion::One))
-        }
-        Kind::OneShot(OneShot::Reference(way)) => {
-            let reference = Reference::plan(state, context, way, axes, base)?;
-            Ok(reference.map_or(Motion::None, |it| Motion::Reference(Box::new(it))))
-        }
-        // G70 to G76 have plans of their own.
-        Kind::Nothing | Kind::OneShot(_) => Ok(Motion::None),
+        Kind::OneShot(code) => one_shot(code, state, context, words, axes, base),
+        Kind::Nothing => Ok(Motion::None),
         Kind::Rapid => {
             let end = end_point(state, axes, base, context.x_factor)?;
             let action = positioning::rapid(state, end);
@@ -325,8 +336,57 @@ fn motion(
     }
 }
 
+/// The motion of a code of group 00: G70 to G76 have plans of their own, calls none.
+fn one_shot(
+    code: OneShot,
+    state: &mut State,
+    context: &Context<'_>,
+    words: &Words,
+    axes: &AxisWords,
+    base: Exact,
+) -> Result<Motion, Alarm> {
+    match code {
+        OneShot::Dwell => Ok(Motion::One(dwell::dwell(words, context.model.record())?)),
+        OneShot::Coordinates => {
+            let relative_follows = context.parameters.g50_sets_relative();
+            zero_offset::forget(state);
+            let action = coordinates::set(state, words, axes, relative_follows)?;
+            Ok(action.map_or(Motion::None, Motion::One))
+        }
+        OneShot::Reference(way) => {
+            let reference = Reference::plan(state, context, way, axes, base)?;
+            Ok(reference.map_or(Motion::None, |it| Motion::Reference(Box::new(it))))
+        }
+        OneShot::ZeroOffset(code) => Ok(Motion::One(zero_offset::set(state, code, axes))),
+        _ => Ok(Motion::None),
+    }
+}
+
 fn end_point(state: &State, axes: &AxisWords, base: Exact, x_factor: i64) -> Result<Exact, Alarm> {
     within_stroke(axes.target(base, state.position), x_factor)
+}
+
+/// Calls of the Huaxing lathes by G codes.
+fn follow_call(
+    code: OneShot,
+    state: &State,
+    context: &Context<'_>,
+    words: &Words,
+    plan: &mut Plan,
+) -> Result<(), Alarm> {
+    plan.flow = match code {
+        OneShot::BlockCall => block_call::call(context, words)?,
+        OneShot::Repeat { comes_back } => block_call::repeat(context, words, comes_back)?,
+        OneShot::EndlessLoop => block_call::endless(context, words)?,
+        OneShot::SubprogramEnd => subprogram::back(context, None)?,
+        _ => return Ok(()),
+    };
+    check_call(state, context, plan.motion.is_contour())?;
+    plan.stops = false;
+    if subprogram::repeats(context, &plan.flow) {
+        plan.after = Some(Action::Repeat);
+    }
+    Ok(())
 }
 
 /// M00, M30, M98, M99: after the motion.
@@ -338,7 +398,7 @@ fn follow(
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
     // The P of a G04 without X, U is its time.
-    let dwells = words.one_shot == Some(OneShot::Dwell) && words.x.or(words.u).is_none();
+    let dwells = matches!(words.one_shot, Some(OneShot::Dwell)) && words.x.or(words.u).is_none();
     let p = words.p.filter(|_| !dwells);
     match function {
         Some(Function::Stop) => plan.after = Some(Action::ProgramStop),

@@ -6,6 +6,9 @@
 //!   G71 P10 Q50 U0.5     with them: the cycle; the run goes on behind nf
 //!   N10 …                when the profile follows, else behind the cycle
 //!   N50 …
+//!
+//!   G71 I4 K1 N3 X0.4    Huaxing: the next three blocks are the contour, and run
+//!   …                    as they stand after the cycle
 //! ```
 
 use crate::alarm::Alarm;
@@ -15,7 +18,7 @@ use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::place::Place;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, OneShot, Words};
+use crate::interpreter::context::words::{AxisWords, Contour, OneShot, Words};
 use crate::interpreter::cycles::contour::View;
 use crate::interpreter::cycles::finishing;
 use crate::interpreter::cycles::pattern;
@@ -42,12 +45,26 @@ pub(crate) fn plan(
             plan.flow = finishing::plan(state, context, words)?;
             return Ok(());
         }
-        OneShot::TurningRough | OneShot::FacingRough | OneShot::Pattern => {
+        OneShot::TurningRough(Contour::Counted) => {
+            let passes = roughing::counted(View::Turning, state, context, words)?;
+            Motion::cycle(state, Maker::Roughing(passes))?
+        }
+        OneShot::FacingRough(Contour::Counted) => {
+            let passes = roughing::counted(View::Facing, state, context, words)?;
+            Motion::cycle(state, Maker::Roughing(passes))?
+        }
+        OneShot::Pattern(Contour::Counted) => {
+            let passes = pattern::counted(state, context, words)?;
+            Motion::cycle(state, Maker::Pattern(passes))?
+        }
+        OneShot::TurningRough(Contour::Named)
+        | OneShot::FacingRough(Contour::Named)
+        | OneShot::Pattern(Contour::Named) => {
             let view = match code {
-                OneShot::FacingRough => View::Facing,
+                OneShot::FacingRough(_) => View::Facing,
                 _ => View::Turning,
             };
-            let pattern = code == OneShot::Pattern;
+            let pattern = matches!(code, OneShot::Pattern(_));
             if words.p.or(words.q).is_none() {
                 return if pattern {
                     pattern::store(words, writes)

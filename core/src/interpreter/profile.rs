@@ -112,6 +112,35 @@ pub(crate) fn locate(context: &Context<'_>, words: &Words) -> Result<Range, Alar
     Ok(Range { first, last })
 }
 
+/// The next N blocks after the cycle (Huaxing).
+pub(crate) fn following(context: &Context<'_>, words: &Words) -> Result<Range, Alarm> {
+    if context.mdi {
+        return Err(Alarm::new(number::PROFILE_IN_MDI).because(say::profile_in_mdi()));
+    }
+    if context.place.program == ProgramId::Dnc {
+        return Err(Alarm::new(number::PROFILE_MISSING).because(say::profile_in_dnc()));
+    }
+    let count = words.n.map(u32::from);
+    let Some(count @ 2..) = count else {
+        return Err(Alarm::new(number::PROFILE_WORDS).because(say::cycle_count_wrong()));
+    };
+    let first = context.place.block.saturating_add(1);
+    let last = context.place.block.saturating_add(count);
+    if last >= program(context)?.block_count() {
+        let rule = say::cycle_count_too_great(count);
+        return Err(Alarm::new(number::PROFILE_MISSING).because(rule));
+    }
+    if count > MOST_BLOCKS {
+        return Err(out_of_order(say::profile_too_long(
+            count,
+            i64::from(first),
+            i64::from(last),
+            MOST_BLOCKS,
+        )));
+    }
+    Ok(Range { first, last })
+}
+
 /// The program the cycle stands in.
 pub(crate) fn program<'a>(context: &Context<'a>) -> Result<&'a Program, Alarm> {
     context

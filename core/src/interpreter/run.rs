@@ -91,6 +91,8 @@ impl Run {
             runs: modal.runs,
             back: place.after(),
             kind: CallKind::Modal(index),
+            first: 0,
+            blocks: None,
         };
         let arguments = modal.arguments.clone();
         Flow::MacroCall(Box::new(MacroEntry { call, arguments }))
@@ -108,18 +110,12 @@ impl Run {
                 self.finishing = Some(*finishing);
             }
             Flow::Call(call) => {
-                self.place = Place {
-                    program: call.program,
-                    block: 0,
-                };
+                self.place = call.begin();
                 self.calls.push(call);
             }
             Flow::MacroCall(entry) => {
                 let MacroEntry { call, arguments } = *entry;
-                self.place = Place {
-                    program: call.program,
-                    block: 0,
-                };
+                self.place = call.begin();
                 self.calls.push(call);
                 self.levels.enter(arguments);
             }
@@ -128,10 +124,7 @@ impl Run {
                 if let Some(call) = self.calls.last_mut() {
                     self.levels.run_again(call, depth);
                     call.runs = call.runs.saturating_sub(1);
-                    self.place = Place {
-                        program: call.program,
-                        block: 0,
-                    };
+                    self.place = call.begin();
                 }
             }
             Flow::Return(place) => {

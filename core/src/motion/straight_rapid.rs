@@ -192,7 +192,10 @@ impl StraightRapid {
         self.speed = change.speed(part);
         self.remaining -= change.way(part) - before;
         self.change = (!over).then_some(change);
-        // The last bit of the S is shorter than anything, and takes its time.
+        // The last bit of the S is shorter than a rounding, and takes its time.
+        if change.last && !over {
+            self.remaining = self.remaining.max(f64::MIN_POSITIVE);
+        }
         if (over || !change.last) && (change.last || self.remaining <= NOTHING) {
             self.arrive();
         }

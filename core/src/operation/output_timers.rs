@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::units::TICK_MS;
 
 /// How many there are.
-const OUTPUTS: usize = 16;
+const OUTPUTS: usize = 24;
 
 /// What is left of each output's time, ms; 0: it stays as it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -14,7 +14,7 @@ pub(crate) struct OutputTimers([u32; OUTPUTS]);
 impl OutputTimers {
     /// Switches outputs; the command that comes last wins over a time that runs. `now`
     /// and the answer: all outputs, Y0 in bit 0.
-    pub(crate) fn switch(&mut self, now: u16, on: u16, off: u16, ms: u32) -> u16 {
+    pub(crate) fn switch(&mut self, now: u32, on: u32, off: u32, ms: u32) -> u32 {
         for (output, left) in self.0.iter_mut().enumerate() {
             if (on | off) >> output & 1 == 1 {
                 *left = if on >> output & 1 == 1 { ms } else { 0 };
@@ -24,12 +24,12 @@ impl OutputTimers {
     }
 
     /// A tick goes by: the outputs whose time is over.
-    pub(crate) fn tick(&mut self) -> u16 {
+    pub(crate) fn tick(&mut self) -> u32 {
         let mut over = 0;
         for (output, left) in self.0.iter_mut().enumerate() {
             if *left > 0 {
                 *left = left.saturating_sub(TICK_MS);
-                over |= u16::from(*left == 0) << output;
+                over |= u32::from(*left == 0) << output;
             }
         }
         over
@@ -49,7 +49,7 @@ mod tests {
     fn an_output_goes_off_after_its_time() {
         let mut timers = OutputTimers::default();
         assert_eq!(timers.switch(0b0001, 0b1000, 0, 3), 0b1001);
-        let over: Vec<u16> = (0..4).map(|_| timers.tick()).collect();
+        let over: Vec<u32> = (0..4).map(|_| timers.tick()).collect();
         assert_eq!(over, [0, 0, 0b1000, 0]);
     }
 

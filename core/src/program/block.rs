@@ -379,7 +379,7 @@ fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
         // The input that the M01 of an NC-B08 waits for.
         b'L' if block.word(b'M').is_some_and(|it| it.value.integer() == 1) => (0, 99 * ONE),
         b'L' => (ONE, 99 * ONE),
-        b'S' | b'T' => (0, 9999 * ONE),
+        b'N' | b'S' | b'T' => (0, 9999 * ONE),
         b'P' => (-99_999_999 * ONE, 99_999_999 * ONE),
         b'Q' => (-9_999_999 * ONE, 9_999_999 * ONE),
         _ => (-LENGTH, LENGTH),

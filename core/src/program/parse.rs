@@ -10,6 +10,7 @@ use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 use crate::dialect::{self, advised};
+use crate::model::ModelId;
 
 /// Reads one block: up to the first `;`, `*`, `%` or end of line outside
 /// comments. Does not allocate unless it fails.
@@ -68,13 +69,17 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
             return Err(BlockError::at(number::BAD_IN_MACRO, start, detail));
         }
         let bit = 1 << (address - b'A');
-        if seen & bit != 0 && address != b'G' {
+        if seen & bit != 0 && address != b'G' && !is_count(address, syntax, block) {
             let detail = say::address_twice(char::from(address));
             return Err(BlockError::at(number::ADDRESS_TWICE, start, detail));
         }
         seen |= bit;
 
         lexer.at += len;
+        if is_count(address, syntax, block) {
+            count_words(&mut lexer, block, start)?;
+            continue;
+        }
         let formula = match syntax.macro_b && !g65 {
             true => formula(&mut lexer, address, block)?,
             false => None,
@@ -124,6 +129,56 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
             });
         }
     }
+}
+
+/// Whether an N stands after a G code (Huaxing): it is no sequence number there.
+#[inline]
+fn is_count(address: u8, syntax: Syntax, block: &Block) -> bool {
+    address == b'N' && syntax.model == ModelId::Hx31 && block.has(b'G')
+}
+
+/// N after a code of the Huaxing lathes: a block, a subprogram or a count, with up to
+/// two more numbers after points, which are those of P and L: `G25 N100.140.3` is
+/// `N100 P140 L3`, `G20 N05.3` is `N05 L3`.
+#[cold]
+fn count_words(lexer: &mut Lexer<'_>, block: &mut Block, start: usize) -> Result<(), BlockError> {
+    let mut numbers = Vec::new();
+    loop {
+        skip_blanks(lexer)?;
+        let begin = lexer.at;
+        let mut value = 0_i64;
+        while let Some(digit) = lexer.digit() {
+            value = (value * 10 + i64::from(digit)).min(HUGE);
+        }
+        if lexer.at == begin || numbers.len() == 3 {
+            let rule = say::number_missing('N');
+            return Err(BlockError::at(number::NO_VALUE, start, rule));
+        }
+        numbers.push(value);
+        match lexer.peek() {
+            (b'.', len) => lexer.at += len,
+            _ => break,
+        }
+    }
+    let addresses: &[u8] = match (numbers.len(), block.has_g(20)) {
+        (2, true) => b"NL",
+        _ => b"NPL",
+    };
+    for (address, value) in addresses.iter().zip(numbers) {
+        if block.has(*address) {
+            let rule = say::address_twice(char::from(*address));
+            return Err(BlockError::at(number::ADDRESS_TWICE, start, rule));
+        }
+        let word = Word {
+            address: *address,
+            value: Number::from_integer(value, 0),
+            span: (narrow(start), narrow(lexer.at)),
+        };
+        if !block.push(word) {
+            return Err(BlockError::too_many_words());
+        }
+    }
+    Ok(())
 }
 
 /// The call that a G code of macro B makes: G66, G67, and G65 without H.

@@ -90,7 +90,8 @@ impl Program {
             text,
         };
         shared.number = (0..shared.blocks.len().min(NAME_WITHIN))
-            .find_map(|block| Head::read(shared.block(block)).o);
+            .find_map(|block| Head::read(shared.block(block)).o)
+            .or_else(|| percent_name(&shared.text).map(|(number, _)| number));
         Self {
             shared: Arc::new(shared),
         }
@@ -122,7 +123,8 @@ impl Program {
         self.shared.characters as usize
     }
 
-    /// The program number: the first O word, among the first blocks.
+    /// The program number: the first O word, among the first blocks, or `%P01` at the
+    /// very start.
     pub fn number(&self) -> Option<u16> {
         self.shared.number
     }
@@ -312,6 +314,12 @@ impl Program {
             Some((byte + start, byte + end))
         });
         let text = &shared.text;
+        let percent = percent_name(text).filter(|_| name.is_none());
+        if let Some((_, (start, end))) = percent {
+            let (before, after) = (text.get(..start), text.get(end..));
+            let (before, after) = (before.unwrap_or(""), after.unwrap_or(""));
+            return Self::new(format!("{before}{number:02}{after}"));
+        }
         let text = match name {
             Some((start, end)) => format!(
                 "{}O{number:04}{}",
@@ -326,6 +334,19 @@ impl Program {
         };
         Self::new(text)
     }
+}
+
+/// The number of `%P01` at the start of a text (Huaxing), and where its digits stand.
+fn percent_name(text: &str) -> Option<(u16, (usize, usize))> {
+    let line = text.lines().next()?;
+    let after = line.trim_start().strip_prefix('%')?.trim_start();
+    let digits = after.strip_prefix(['P', 'p'])?;
+    let count = digits.bytes().take_while(u8::is_ascii_digit).count();
+    let number = digits
+        .get(..count)
+        .filter(|it| (1..=4).contains(&it.len()))?;
+    let start = line.len() - digits.len();
+    Some((number.parse().ok()?, (start, start + count)))
 }
 
 /// The O word of a program is looked for in so many blocks.

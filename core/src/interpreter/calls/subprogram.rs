@@ -63,6 +63,8 @@ fn enter(
         runs,
         back: context.place.after(),
         kind: CallKind::Subprogram,
+        first: 0,
+        blocks: None,
     }))
 }
 

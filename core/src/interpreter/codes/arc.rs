@@ -37,13 +37,20 @@ pub(crate) struct Turn {
     clockwise: bool,
     /// A negative R is an arc of 180° and more.
     long: bool,
+    /// I is a difference of diameters.
+    diameters: bool,
 }
 
 impl Turn {
     /// The turn of a block.
     pub(crate) fn of(context: &Context<'_>, clockwise: bool) -> Self {
-        let long = context.model.record().g_code(2) == Some(GCode::LongArcClockwise);
-        Self { clockwise, long }
+        let code = context.model.record().g_code(2);
+        let diameters = code == Some(GCode::DiameterArcClockwise);
+        Self {
+            clockwise,
+            long: diameters || code == Some(GCode::LongArcClockwise),
+            diameters,
+        }
     }
 }
 
@@ -61,7 +68,10 @@ pub(crate) fn center(
     if words.i.is_none() && words.k.is_none() {
         return Err(fault(say::arc_radius_or_center_missing()));
     }
-    by_vector(start, end, words.i.unwrap_or(0), words.k.unwrap_or(0)).map(Some)
+    let (i, k) = (words.i.unwrap_or(0), words.k.unwrap_or(0));
+    // Twice the vector: the half of a diameter need not be a whole number.
+    let double_i = i128::from(i) * if turn.diameters { 1 } else { 2 };
+    by_vector(start, end, double_i, 2 * i128::from(k)).map(Some)
 }
 
 fn by_radius(start: Exact, end: Exact, r: i64, turn: Turn) -> Result<Option<Point>, Alarm> {
@@ -85,8 +95,7 @@ fn by_radius(start: Exact, end: Exact, r: i64, turn: Turn) -> Result<Option<Poin
     Ok(Some(chord.beside(side)))
 }
 
-fn by_vector(start: Exact, end: Exact, i: i64, k: i64) -> Result<Point, Alarm> {
-    let (x, z) = (2 * i128::from(i), 2 * i128::from(k));
+fn by_vector(start: Exact, end: Exact, x: i128, z: i128) -> Result<Point, Alarm> {
     let square = x * x + z * z;
     if square == 0 {
         return Err(fault(say::arc_vector_zero()));

@@ -5,7 +5,8 @@
 //!   G04 X1.5    1.5 s        the next block begins when the axes stand
 //!   G04 U1.5    1.5 s
 //!
-//!   On the NC-B08 X comes before P.
+//!   On the NC-B08 X comes before P, on the Huaxing lathes K (in seconds) before X
+//!   and P.
 //! ```
 
 use gsk_messages::say;
@@ -18,7 +19,9 @@ use crate::model::{GCode, Record};
 
 /// The wait of a G04 block; alarm 043 for a time below zero (manual I-2.2, table 2-1).
 pub(crate) fn dwell(words: &Words, record: &Record) -> Result<Action, Alarm> {
-    let written = [('P', words.p), ('X', words.x), ('U', words.u)];
+    let by_k = record.g_code(4) == Some(GCode::DwellByK);
+    let k = words.k.filter(|_| by_k);
+    let written = [('P', words.p), ('X', words.x), ('U', words.u), ('K', k)];
     for (letter, value) in written {
         if let Some(value) = value.filter(|value| *value < 0) {
             let time = match letter {
@@ -28,8 +31,8 @@ pub(crate) fn dwell(words: &Words, record: &Record) -> Result<Action, Alarm> {
             return Err(Alarm::new(number::OUT_OF_RANGE).because(say::dwell_negative(time)));
         }
     }
-    let seconds_first = record.g_code(4) == Some(GCode::DwellSecondsFirst);
-    let ms = match (words.p, words.x.or(words.u)) {
+    let seconds_first = by_k || record.g_code(4) == Some(GCode::DwellSecondsFirst);
+    let ms = match (words.p, k.or(words.x).or(words.u)) {
         (Some(p), None) => p,
         (Some(p), Some(_)) if !seconds_first => p,
         (_, Some(seconds)) => (seconds.saturating_mul(1000) + PER_MM / 2) / PER_MM,

@@ -5,9 +5,11 @@ use gsk_messages::{Message, say};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::dialect;
+use crate::interpreter::codes::tool::ToolWord;
 use crate::interpreter::context::Context;
+use crate::interpreter::context::exact::PER_MM;
 use crate::interpreter::context::words::Words;
-use crate::model::{MCode, MFunction, ncb08};
+use crate::model::{MCode, MFunction, hx31, ncb08};
 
 /// What an M code is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,7 +53,19 @@ pub(crate) fn function(code: u8, context: &Context<'_>) -> Result<Function, Alar
         {
             Err(fault(say::m_needs_gear_change(code)))
         }
-        MCode::InputWait
+        // Their relays have nothing on this lathe; the stop has no switch on its panel.
+        MCode::OptionalStop
+        | MCode::SpindleClamp
+        | MCode::SpindleRelease
+        | MCode::HighGearOn
+        | MCode::HighGearOff
+        | MCode::SpeedMode
+        | MCode::PositionMode
+        | MCode::OffsetNumber
+        | MCode::RelayOn
+        | MCode::RelayOff
+        | MCode::PulseOutput
+        | MCode::InputWait
         | MCode::OutputOn
         | MCode::OutputOff
         | MCode::Clamp
@@ -73,12 +87,20 @@ pub(crate) fn interface(
     let Some(MFunction { does, on, off }) = context.model.record().m_function(code) else {
         return Ok(None);
     };
-    let bits = |numbers: &[u8]| numbers.iter().fold(0_u16, |bits, it| bits | 1 << it);
+    let bits = |numbers: &[u8]| numbers.iter().fold(0_u32, |bits, it| bits | 1 << it);
     let switched = |on, off, ms| Ok(Some(Action::Outputs { on, off, ms }));
     match does {
         MCode::InputWait => input_wait(words).map(Some),
-        MCode::OutputOn => switched(1 << output(words)?, 0, time(words)?),
+        // D: milliseconds, 0 for as long as nothing else is said.
+        MCode::OutputOn => switched(1 << output(words)?, 0, words.d.unwrap_or(0)),
         MCode::OutputOff => switched(0, 1 << output(words)?, 0),
+        MCode::RelayOn => switched(1 << relay(words)?, 0, 0),
+        MCode::RelayOff => switched(0, 1 << relay(words)?, 0),
+        MCode::PulseOutput => {
+            let ms = context.model.parameter(hx31::PULSE_TIME);
+            let output = u32::from(code.saturating_sub(hx31::FIRST_PULSE));
+            switched(1 << output.min(23), 0, ms.unsigned_abs())
+        }
         MCode::Clamp => {
             let ms = context.model.parameter(ncb08::CLAMP_TIME);
             switched(bits(on), bits(off), ms.unsigned_abs())
@@ -97,16 +119,39 @@ fn output(words: &Words) -> Result<u8, Alarm> {
     }
 }
 
-/// D: milliseconds, 0 for as long as nothing else is said.
-fn time(words: &Words) -> Result<u32, Alarm> {
-    u32::try_from(words.d.unwrap_or(0)).map_err(|_| out_of_range(say::output_time_negative()))
+/// K: relays 1 to 17, the outputs from 0 on.
+fn relay(words: &Words) -> Result<u8, Alarm> {
+    match words.k.map(whole).map(u8::try_from) {
+        Some(Ok(number @ 1..=17)) => Ok(number - 1),
+        Some(_) => Err(out_of_range(say::relay_number_wrong())),
+        None => Err(out_of_range(say::relay_number_missing())),
+    }
+}
+
+/// M24 K: the offset number in force from now on.
+pub(crate) fn offset(words: &Words, context: &Context<'_>) -> Result<Option<ToolWord>, Alarm> {
+    let function = words
+        .m
+        .and_then(|code| context.model.record().m_function(code));
+    if function.is_none_or(|it| it.does != MCode::OffsetNumber) {
+        return Ok(None);
+    }
+    match words.k.map(whole).map(u8::try_from) {
+        Some(Ok(offset @ 0..=8)) => Ok(Some(ToolWord { tool: None, offset })),
+        _ => Err(out_of_range(say::offset_number_wrong())),
+    }
+}
+
+/// The number of a word that is written like a length.
+const fn whole(millionths: i64) -> i64 {
+    millionths / PER_MM
 }
 
 /// H or L: inputs 0 to 23, and the level that is waited for.
 fn input_wait(words: &Words) -> Result<Action, Alarm> {
     let (number, high) = match (words.h, words.l) {
         (Some(_), Some(_)) | (None, None) => return Err(out_of_range(say::input_level_unclear())),
-        (Some(number), None) => (number, true),
+        (Some(number), None) => (number.into(), true),
         (None, Some(number)) => (number, false),
     };
     match u8::try_from(number) {

@@ -11,3 +11,4 @@ pub(super) mod positioning;
 pub(super) mod reference;
 pub(super) mod spindle_speed;
 pub(super) mod tool;
+pub(super) mod zero_offset;

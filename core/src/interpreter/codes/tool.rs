@@ -15,6 +15,7 @@ use crate::compensation::Nose;
 use crate::interpreter::context::Context;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::state::State;
+use crate::model::ModelId;
 use crate::units::PerAxis;
 
 /// Greatest offset number.
@@ -42,6 +43,20 @@ pub(crate) struct ToolWord {
 }
 
 impl ToolWord {
+    /// The T word of a block. On the Huaxing lathes it has one digit, tool and offset
+    /// of the same number, or one for each.
+    pub(crate) fn of_block(value: i64, context: &Context<'_>) -> Result<Self, Alarm> {
+        let stations = context.parameters.stations().into();
+        if context.model.id() != ModelId::Hx31 {
+            return Self::read(value, stations);
+        }
+        match (value / 10, value % 10) {
+            (0, tool @ 1..=8) => Self::read(tool * 100 + tool, stations),
+            (tool @ 1..=8, offset @ 0..=8) => Self::read(tool * 100 + offset, stations),
+            _ => Err(Alarm::new(number::BAD_TOOL).because(say::tool_of_two_digits(value))),
+        }
+    }
+
     /// Splits and checks a T word.
     pub(crate) fn read(value: i64, stations: i32) -> Result<Self, Alarm> {
         let (tool, offset) = (value / 100, value % 100);

@@ -1,5 +1,7 @@
 //! Places in programs, and the calls that lead back to one.
 
+use core::num::NonZeroU32;
+
 use serde::{Deserialize, Serialize};
 
 use crate::command::ProgramId;
@@ -34,6 +36,29 @@ pub(crate) struct Call {
     /// What it has of its own.
     #[serde(default, skip_serializing_if = "CallKind::is_subprogram")]
     pub(crate) kind: CallKind,
+    /// The block that each run begins with.
+    #[serde(default)]
+    pub(crate) first: u32,
+    /// How many blocks each run has; none: up to the one that ends it.
+    #[serde(default)]
+    pub(crate) blocks: Option<NonZeroU32>,
+}
+
+impl Call {
+    /// Where a run begins.
+    pub(crate) const fn begin(&self) -> Place {
+        Place {
+            program: self.program,
+            block: self.first,
+        }
+    }
+
+    /// Whether a block is beyond the last one of a run.
+    pub(crate) fn is_over(&self, place: Place) -> bool {
+        self.blocks.is_some_and(|count| {
+            place.program == self.program && place.block >= self.first.saturating_add(count.get())
+        })
+    }
 }
 
 /// How a program was called.

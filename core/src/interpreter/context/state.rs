@@ -37,6 +37,12 @@ pub(crate) struct State {
     pub(crate) surface: f64,
     /// Highest speed under G96 (G50 S), r/min.
     pub(crate) spindle_limit: Option<f64>,
+    /// G91: words are increments.
+    #[serde(default)]
+    pub(crate) incremental: bool,
+    /// How far G55 to G57 have moved the zero; a part of `zero`.
+    #[serde(default)]
+    pub(crate) zero_offset: Exact,
 }
 
 impl State {
@@ -55,6 +61,8 @@ impl State {
             threading: false,
             surface: 0.0,
             spindle_limit: None,
+            incremental: false,
+            zero_offset: Exact::default(),
         }
     }
 

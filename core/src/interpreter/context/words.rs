@@ -16,16 +16,31 @@ pub(crate) enum OneShot {
     Dwell,
     /// G28, and the G27 of the NC-B08.
     Reference(Return),
-    /// G50.
+    /// G50, and G92 of others.
     Coordinates,
+    /// G54 to G57 of the Huaxing lathes.
+    ZeroOffset(ZeroOffset),
+    /// G20 of the Huaxing lathes.
+    BlockCall,
+    /// G22.
+    SubprogramBegin,
+    /// G24.
+    SubprogramEnd,
+    /// G25, and G26, which comes back.
+    Repeat {
+        /// The run goes on after its own block.
+        comes_back: bool,
+    },
+    /// G27 of the Huaxing lathes.
+    EndlessLoop,
     /// G70.
     Finishing,
-    /// G71.
-    TurningRough,
-    /// G72.
-    FacingRough,
-    /// G73.
-    Pattern,
+    /// G71 of blocks by P and Q, or of the next N.
+    TurningRough(Contour),
+    /// G72, likewise.
+    FacingRough(Contour),
+    /// G73, likewise.
+    Pattern(Contour),
     /// G74.
     FacePecking,
     /// G75.
@@ -37,8 +52,39 @@ pub(crate) enum OneShot {
 impl OneShot {
     /// Whether it is one of G70 to G76.
     pub(crate) const fn is_compound(self) -> bool {
-        !matches!(self, Self::Dwell | Self::Reference(_) | Self::Coordinates)
+        matches!(
+            self,
+            Self::Finishing
+                | Self::TurningRough(_)
+                | Self::FacingRough(_)
+                | Self::Pattern(_)
+                | Self::FacePecking
+                | Self::Grooving
+                | Self::CompoundThread
+        )
     }
+}
+
+/// Which blocks a cycle cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Contour {
+    /// Those from P to Q.
+    Named,
+    /// The next N.
+    Counted,
+}
+
+/// What becomes of the zero offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ZeroOffset {
+    /// G54.
+    Off,
+    /// G55.
+    Absolute,
+    /// G56.
+    Added,
+    /// G57.
+    Here,
 }
 
 /// Which way back to the reference point.
@@ -84,8 +130,14 @@ pub(crate) struct Words {
     pub(crate) j: Option<i64>,
     pub(crate) q: Option<i64>,
     pub(crate) l: Option<i64>,
-    pub(crate) h: Option<i64>,
-    pub(crate) d: Option<i64>,
+    pub(crate) h: Option<u8>,
+    pub(crate) d: Option<u32>,
+    /// N after a code of calls or cycles (Huaxing).
+    pub(crate) n: Option<u16>,
+    /// G90 or G91 where they say so.
+    pub(crate) incremental: Option<bool>,
+    /// G09.
+    pub(crate) exact_stop: bool,
     /// Whether R was written with a decimal point (G76 R(d)).
     pub(crate) r_has_point: bool,
     /// How many words besides O and N there are.
@@ -125,8 +177,9 @@ impl Words {
                 b'W' => words.w = Some(value.millionths()),
                 b'Q' => words.q = Some(value.integer()),
                 b'L' => words.l = Some(value.integer()),
-                b'H' => words.h = Some(value.integer()),
-                b'D' => words.d = Some(value.integer()),
+                b'N' => words.n = u16::try_from(value.integer()).ok(),
+                b'H' => words.h = u8::try_from(value.integer()).ok(),
+                b'D' => words.d = u32::try_from(value.integer()).ok(),
                 b'R' => {
                     words.r = Some(value.millionths());
                     words.r_has_point = value.has_point();
@@ -150,15 +203,47 @@ impl Words {
         match meaning {
             GCode::Rapid | GCode::StraightRapid => self.motion = Some(0),
             GCode::Line => self.motion = Some(1),
-            GCode::ArcClockwise | GCode::LongArcClockwise => self.motion = Some(2),
-            GCode::ArcCounterclockwise | GCode::LongArcCounterclockwise => self.motion = Some(3),
+            GCode::ArcClockwise | GCode::LongArcClockwise | GCode::DiameterArcClockwise => {
+                self.motion = Some(2);
+            }
+            GCode::ArcCounterclockwise
+            | GCode::LongArcCounterclockwise
+            | GCode::DiameterArcCounterclockwise => self.motion = Some(3),
             GCode::Thread => self.motion = Some(32),
             GCode::Tapping => self.motion = Some(33),
             GCode::VariableThread => self.motion = Some(34),
             GCode::TurningCycle => self.motion = Some(90),
             GCode::ThreadCycle => self.motion = Some(92),
             GCode::FacingCycle => self.motion = Some(94),
-            GCode::Dwell | GCode::DwellSecondsFirst => self.one_shot = Some(OneShot::Dwell),
+            GCode::ExactStop => self.exact_stop = true,
+            GCode::Absolute => self.incremental = Some(false),
+            GCode::Incremental => self.incremental = Some(true),
+            GCode::ZeroOffsetOff => self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Off)),
+            GCode::ZeroOffsetAbsolute => {
+                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Absolute));
+            }
+            GCode::ZeroOffsetIncremental => {
+                self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Added));
+            }
+            GCode::ZeroOffsetHere => self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Here)),
+            GCode::SubprogramCall => self.one_shot = Some(OneShot::BlockCall),
+            GCode::SubprogramBegin => self.one_shot = Some(OneShot::SubprogramBegin),
+            GCode::SubprogramEnd => self.one_shot = Some(OneShot::SubprogramEnd),
+            GCode::RepeatAndGoOnThere => {
+                self.one_shot = Some(OneShot::Repeat { comes_back: false });
+            }
+            GCode::RepeatAndComeBack => self.one_shot = Some(OneShot::Repeat { comes_back: true }),
+            GCode::EndlessLoop => self.one_shot = Some(OneShot::EndlessLoop),
+            GCode::CountedTurningRough => {
+                self.one_shot = Some(OneShot::TurningRough(Contour::Counted));
+            }
+            GCode::CountedFacingRough => {
+                self.one_shot = Some(OneShot::FacingRough(Contour::Counted));
+            }
+            GCode::CountedPattern => self.one_shot = Some(OneShot::Pattern(Contour::Counted)),
+            GCode::Dwell | GCode::DwellSecondsFirst | GCode::DwellByK => {
+                self.one_shot = Some(OneShot::Dwell);
+            }
             GCode::Reference => self.one_shot = Some(OneShot::Reference(Return::MachineZero)),
             GCode::ReferenceByParameter => {
                 self.one_shot = Some(OneShot::Reference(Return::Parameters));
@@ -166,9 +251,9 @@ impl Words {
             GCode::ReferenceDirect => self.one_shot = Some(OneShot::Reference(Return::Direct)),
             GCode::Coordinates => self.one_shot = Some(OneShot::Coordinates),
             GCode::Finishing => self.one_shot = Some(OneShot::Finishing),
-            GCode::TurningRough => self.one_shot = Some(OneShot::TurningRough),
-            GCode::FacingRough => self.one_shot = Some(OneShot::FacingRough),
-            GCode::Pattern => self.one_shot = Some(OneShot::Pattern),
+            GCode::TurningRough => self.one_shot = Some(OneShot::TurningRough(Contour::Named)),
+            GCode::FacingRough => self.one_shot = Some(OneShot::FacingRough(Contour::Named)),
+            GCode::Pattern => self.one_shot = Some(OneShot::Pattern(Contour::Named)),
             GCode::FacePecking => self.one_shot = Some(OneShot::FacePecking),
             GCode::Grooving => self.one_shot = Some(OneShot::Grooving),
             GCode::CompoundThread => self.one_shot = Some(OneShot::CompoundThread),
@@ -181,7 +266,7 @@ impl Words {
             GCode::FeedPerRevolution => self.per_revolution = Some(true),
             // Of models whose programs are not carried out, and G65, which has a way of
             // its own.
-            _ => return Err(unknown(code)),
+            _ => return Err(not_carried_out(code)),
         }
         Ok(())
     }
@@ -236,6 +321,11 @@ impl Words {
 }
 
 #[cold]
+fn not_carried_out(code: i64) -> Alarm {
+    Alarm::new(number::BAD_G).because(say::g_not_carried_out(code))
+}
+
+#[cold]
 fn unknown(code: i64) -> Alarm {
     let rule = say::g_unknown(code);
     let detail = dialect::advised(rule, dialect::instead_of_g(code));
@@ -260,6 +350,13 @@ impl Target {
             (Some(value), _) => Self::Absolute(value * factor),
             (None, Some(value)) => Self::Increment(value * factor),
             (None, None) => Self::None,
+        }
+    }
+
+    const fn as_increment(self) -> Self {
+        match self {
+            Self::Absolute(value) => Self::Increment(value),
+            other => other,
         }
     }
 
@@ -290,6 +387,17 @@ impl AxisWords {
         match axis {
             Axis::X => self.x,
             Axis::Z => self.z,
+        }
+    }
+
+    /// Under G91 all words are increments.
+    pub(crate) const fn under(self, incremental: bool) -> Self {
+        match incremental {
+            true => Self {
+                x: self.x.as_increment(),
+                z: self.z.as_increment(),
+            },
+            false => self,
         }
     }
 

@@ -41,6 +41,8 @@ pub(crate) struct Pattern {
     feed: Feed,
     pass: i64,
     passes: i64,
+    /// Into how many parts the relief is divided.
+    gaps: i64,
     /// 0 the way to A_n, 1 the entry, then the steps.
     step: usize,
 }
@@ -81,13 +83,9 @@ pub(crate) fn plan(
     if passes <= 0 {
         return Err(fault(say::cycle_passes_missing()));
     }
-    let feed = feed(&state.modal)?;
-    let profile = profile::evaluate(state, context, range)?;
-    let pattern = Pattern {
-        start: profile.start,
-        entry: profile.entry,
-        steps: profile.steps,
-        home: Shift::of(state),
+    // One pass is carried out as two.
+    let passes = passes.max(2);
+    let repetition = Repetition {
         allowance: Exact::new(
             words.u.unwrap_or(0).saturating_mul(context.x_factor),
             words.w.unwrap_or(0),
@@ -96,10 +94,62 @@ pub(crate) fn plan(
             2 * parameter(parameter::PATTERN_RELIEF_X) * PER_MICRON,
             parameter(parameter::PATTERN_RELIEF_Z) * PER_MICRON,
         ),
+        passes,
+        gaps: passes - 1,
+    };
+    over(state, context, range, &repetition)
+}
+
+/// The cycle of the Huaxing lathes: cut p of L is moved by I·(1 - p/L), I a diameter.
+pub(crate) fn counted(
+    state: &State,
+    context: &Context<'_>,
+    words: &Words,
+) -> Result<Pattern, Alarm> {
+    let range = profile::following(context, words)?;
+    let passes = words.l.unwrap_or(1).max(1);
+    let repetition = Repetition {
+        allowance: Exact::new(words.x.unwrap_or(0), words.z.unwrap_or(0)),
+        relief: Exact::new(words.i.unwrap_or(0), words.k.unwrap_or(0)),
+        passes,
+        gaps: passes,
+    };
+    over(state, context, range, &repetition)
+}
+
+/// How often a contour is cut, and how far from itself.
+struct Repetition {
+    allowance: Exact,
+    relief: Exact,
+    passes: i64,
+    gaps: i64,
+}
+
+fn over(
+    state: &State,
+    context: &Context<'_>,
+    range: Range,
+    repetition: &Repetition,
+) -> Result<Pattern, Alarm> {
+    let Repetition {
+        allowance,
+        relief,
+        passes,
+        gaps,
+    } = *repetition;
+    let feed = feed(&state.modal)?;
+    let profile = profile::evaluate(state, context, range)?;
+    let pattern = Pattern {
+        start: profile.start,
+        entry: profile.entry,
+        steps: profile.steps,
+        home: Shift::of(state),
+        allowance,
+        relief,
         feed,
         pass: 1,
-        // One pass is carried out as two.
-        passes: passes.max(2),
+        passes,
+        gaps,
         step: 0,
     };
     for shift in [pattern.allowance, pattern.allowance + pattern.relief] {
@@ -117,7 +167,7 @@ pub(crate) fn plan(
 impl Pattern {
     /// How far the pass under way is moved.
     fn shift(&self) -> Exact {
-        let (left, gaps) = (self.passes - self.pass, self.passes - 1);
+        let (left, gaps) = (self.passes - self.pass, self.gaps);
         self.allowance
             + Exact::new(
                 scaled(self.relief.x, left, gaps),

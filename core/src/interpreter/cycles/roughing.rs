@@ -52,6 +52,8 @@ pub(crate) struct Roughing {
     /// A and B.
     start: Exact,
     begin: Exact,
+    /// Where the tool goes back to, without the allowances.
+    rest: Exact,
     /// From B to C.
     steps: Vec<Step>,
     /// Frame for A, and the same with the allowances.
@@ -111,6 +113,67 @@ pub(crate) fn plan(
         parameter(parameter::ROUGHING_DEPTH) * PER_MICRON,
         parameter(parameter::ROUGHING_RETRACT) * PER_MICRON,
     );
+    let allowance = Exact::new(
+        words.u.unwrap_or(0).saturating_mul(context.x_factor),
+        words.w.unwrap_or(0),
+    );
+    let levels = Levels {
+        cut,
+        escape,
+        allowance,
+        from: Exact::default(),
+    };
+    over(view, state, context, range, &levels)
+}
+
+/// The cycle of the Huaxing lathes: its levels count from where the tool stands, not
+/// from there and the allowances. I is a diameter in G71, K a retract of the slide.
+pub(crate) fn counted(
+    view: View,
+    state: &State,
+    context: &Context<'_>,
+    words: &Words,
+) -> Result<Roughing, Alarm> {
+    let range = profile::following(context, words)?;
+    let cut = match (words.i.map(i64::abs), view) {
+        (None | Some(0), _) => return Err(fault(say::cycle_depth_missing())),
+        (Some(depth), View::Turning) => depth,
+        (Some(depth), View::Facing) => depth.saturating_mul(2),
+    };
+    let allowance = Exact::new(words.x.unwrap_or(0), words.z.unwrap_or(0));
+    let levels = Levels {
+        cut,
+        escape: words.k.unwrap_or(0).abs().saturating_mul(2),
+        allowance,
+        from: Exact::default() - allowance,
+    };
+    over(view, state, context, range, &levels)
+}
+
+/// How a contour is roughed.
+struct Levels {
+    /// Δd and e, half units.
+    cut: i64,
+    escape: i64,
+    allowance: Exact,
+    /// The level 0, as seen from A, without the allowances.
+    from: Exact,
+}
+
+/// The passes over a profile.
+fn over(
+    view: View,
+    state: &State,
+    context: &Context<'_>,
+    range: Range,
+    levels: &Levels,
+) -> Result<Roughing, Alarm> {
+    let Levels {
+        cut,
+        escape,
+        allowance,
+        from,
+    } = *levels;
     if cut <= 0 {
         return Err(fault(say::cycle_depth_missing()));
     }
@@ -118,10 +181,11 @@ pub(crate) fn plan(
     let profile = profile::evaluate(state, context, range)?;
     check_entry(view, &profile)?;
     let signs = Signs::of(view, &profile)?;
-    let allowance = Exact::new(
-        words.u.unwrap_or(0).saturating_mul(context.x_factor),
-        words.w.unwrap_or(0),
-    );
+    let rest = profile.start;
+    let profile = Profile {
+        start: profile.start + from,
+        ..profile
+    };
     let (a, b) = (view.flat(profile.start), view.flat(profile.begin()));
     let distance = (b.depth - a.depth).abs();
     let home = Shift::of(state);
@@ -129,6 +193,7 @@ pub(crate) fn plan(
         view,
         signs,
         start: profile.start,
+        rest,
         begin: profile.begin(),
         home,
         shift: home.moved(allowance),
@@ -261,10 +326,7 @@ impl Roughing {
                     follow(found, self.shift, self.feed, note),
                     Phase::Contour { step: step + 1 },
                 ),
-                None => (
-                    Move::rapid(self.home.machine(self.start), note),
-                    Phase::Done,
-                ),
+                None => (Move::rapid(self.home.machine(self.rest), note), Phase::Done),
             },
             Phase::Done => return None,
         };

@@ -162,6 +162,11 @@ impl Levels {
             .find(|(index, _)| !under_way(*index))
     }
 
+    /// Whether a move may call a program.
+    pub(crate) const fn has_modal_call(&self) -> bool {
+        !self.modal.is_empty()
+    }
+
     /// Nothing is kept.
     pub(crate) fn is_empty(&self) -> bool {
         *self == Self::default()

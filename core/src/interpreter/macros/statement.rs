@@ -105,6 +105,8 @@ pub(crate) fn carry_out(
                 runs: runs(call, 99, read)?,
                 back: here.place.after(),
                 kind: CallKind::Macro,
+                first: 0,
+                blocks: None,
             };
             Ok(Outcome::Call(call_of, arguments(call, read)?))
         }

@@ -121,6 +121,9 @@ impl Interpreter {
             self.note(plan.source);
             return Ok(self.planned(plan));
         }
+        if run.calls.last().is_some_and(|call| call.is_over(place)) {
+            return self.end_of_text(program.block_line(place.block.saturating_sub(1)), host);
+        }
         if place.block >= program.block_count() {
             if mdi.is_none() && host.programs().goes_on(place.program) {
                 return Ok(Read::Starved);
@@ -152,6 +155,10 @@ impl Interpreter {
             return Ok(Read::Skipped);
         }
         if block.has_g(65) {
+            if self.record().g_code(65).is_none() {
+                let rule = say::g_unknown(65);
+                return Err(Alarm::new(number::BAD_G).because(rule).at(source));
+            }
             return self.operate(block, source, place, host);
         }
         // The state is large: it is copied for formulas only.
@@ -436,15 +443,18 @@ fn resolve<H: Host>(
 }
 
 /// Under G66 a move calls its macro: not in the profile of a cycle.
+#[inline]
 fn call_after_move(
     run: &Run,
     state: &State,
     context: &Context<'_>,
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
-    if plan.flow == Flow::Next && plan.motion.moves() && run.finishing.is_none() {
-        plan.flow = run.modal_call(context.place);
+    let calls = run.levels.has_modal_call() && plan.motion.moves() && run.finishing.is_none();
+    if !calls || !matches!(plan.flow, Flow::Next) {
+        return Ok(());
     }
+    plan.flow = run.modal_call(context.place);
     match plan.flow {
         Flow::MacroCall(_) => check_call(state, context, plan.motion.is_contour()),
         _ => Ok(()),

@@ -7,6 +7,7 @@ mod corners;
 mod cycles;
 mod dialect;
 mod explanations;
+mod hx31;
 mod macro_b;
 mod macros;
 mod motion;

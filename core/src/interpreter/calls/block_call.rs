@@ -1,0 +1,139 @@
+//! Calls of the Huaxing lathes: subprograms in the same file, and blocks that run again.
+//!
+//! ```text
+//!   G20 N05 L3        the subprogram 05 three times: the blocks from G22 N05 to G24,
+//!   G20 N05.3         here or, where there is none, the program %P05
+//!   G25 N100.140.3    N100 to N140 three times, and on after N140
+//!   G26 N100.140.3    the same, and on after its own block
+//!   G27 N100          on at N100, endlessly
+//! ```
+
+use core::num::NonZeroU32;
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::ProgramId;
+use crate::interpreter::context::Context;
+use crate::interpreter::context::flow::Flow;
+use crate::interpreter::context::place::{Call, CallKind, Place};
+use crate::interpreter::context::words::Words;
+use crate::program::{Number, Program, Syntax};
+
+/// Levels of calls.
+const LEVELS: usize = 4;
+
+/// G20.
+pub(crate) fn call(context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> {
+    let Some(name) = words.n else {
+        return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::block_call_without_n()));
+    };
+    let runs = words.l.or(words.p).unwrap_or(1);
+    let here = program(context)?;
+    let (program, first) = match definition(here, name, context) {
+        Some(block) => (context.place.program, block + 1),
+        None => (own_program(context, name)?, 0),
+    };
+    enter(context, program, (first, 0), runs, context.place.after())
+}
+
+/// G25 and G26.
+pub(crate) fn repeat(
+    context: &Context<'_>,
+    words: &Words,
+    comes_back: bool,
+) -> Result<Flow, Alarm> {
+    let (Some(from), Some(to)) = (words.n.map(i64::from), words.p.or(words.n.map(i64::from)))
+    else {
+        return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::block_call_without_n()));
+    };
+    let (first, last) = (block(context, from)?, block(context, to)?);
+    if last < first {
+        let rule = say::block_call_backwards(from, to);
+        return Err(Alarm::new(number::TARGET_MISSING).because(rule));
+    }
+    let program = context.place.program;
+    let back = match comes_back {
+        true => context.place.after(),
+        false => Place {
+            program,
+            block: last + 1,
+        },
+    };
+    let runs = words.l.unwrap_or(1);
+    enter(context, program, (first, last - first + 1), runs, back)
+}
+
+/// G27.
+pub(crate) fn endless(context: &Context<'_>, words: &Words) -> Result<Flow, Alarm> {
+    let Some(n) = words.n else {
+        return Err(Alarm::new(number::CALL_WITHOUT_P).because(say::block_call_without_n()));
+    };
+    Ok(Flow::Jump(Place {
+        program: context.place.program,
+        block: block(context, n.into())?,
+    }))
+}
+
+fn enter(
+    context: &Context<'_>,
+    program: ProgramId,
+    (first, count): (u32, u32),
+    runs: i64,
+    back: Place,
+) -> Result<Flow, Alarm> {
+    if context.calls.len() >= LEVELS {
+        let rule = say::call_too_deep("G20", LEVELS + 1, LEVELS);
+        return Err(Alarm::new(number::CALL_TOO_DEEP).because(rule));
+    }
+    Ok(Flow::Call(Call {
+        program,
+        runs: u16::try_from(runs).unwrap_or(1).max(1),
+        back,
+        kind: CallKind::Subprogram,
+        first,
+        blocks: NonZeroU32::new(count),
+    }))
+}
+
+fn program<'a>(context: &Context<'a>) -> Result<&'a Program, Alarm> {
+    if context.mdi {
+        return Err(Alarm::new(number::BAD_G).because(say::block_call_in_mdi()));
+    }
+    if context.place.program == ProgramId::Dnc {
+        return Err(Alarm::new(number::TARGET_MISSING).because(say::jump_in_dnc()));
+    }
+    let program = context.programs.get(context.place.program);
+    program.ok_or_else(|| Alarm::new(number::PROGRAM_MISSING).because(say::program_gone()))
+}
+
+fn block(context: &Context<'_>, n: i64) -> Result<u32, Alarm> {
+    let program = program(context)?;
+    let found = u16::try_from(n)
+        .ok()
+        .and_then(|n| program.find_sequence_block(n, 0..program.block_count()));
+    found.ok_or_else(|| Alarm::new(number::TARGET_MISSING).because(say::block_call_missing(n)))
+}
+
+/// The block `G22 Nnn`.
+fn definition(program: &Program, name: u16, context: &Context<'_>) -> Option<u32> {
+    let syntax = Syntax {
+        model: context.model.id(),
+        ..Syntax::default()
+    };
+    (0..program.block_count()).find(|index| {
+        // Most blocks need not be read.
+        let text = program.block(*index);
+        text.contains("22")
+            && program.parse(*index, syntax).is_ok_and(|block| {
+                let n = block.number(b'N').map(Number::integer);
+                block.has_g(22) && n == Some(name.into())
+            })
+    })
+}
+
+fn own_program(context: &Context<'_>, name: u16) -> Result<ProgramId, Alarm> {
+    context.programs.find(name).ok_or_else(|| {
+        Alarm::new(number::TARGET_MISSING).because(say::subprogram_not_defined(name))
+    })
+}

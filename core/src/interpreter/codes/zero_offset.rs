@@ -1,0 +1,50 @@
+//! Zero offsets of the Huaxing lathes, G54 to G57.
+//!
+//! ```text
+//!   G92 X100 Z50   the tip reads (100, 50): the G92 system
+//!   G55 X20 Z10    its zero is moved by (20, 10): (80, 40)
+//!   G56 X5 Z5      and by (5, 5) more: (75, 35)
+//!   G57            the tip is the zero: (0, 0); with X, Z it gets these values
+//!   G54            the G92 system again: (100, 50)
+//! ```
+
+use crate::command::Action;
+use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::words::{AxisWords, Target, ZeroOffset};
+use crate::units::Axis;
+
+/// Moves the zero of programs; nothing else moves.
+pub(crate) fn set(state: &mut State, code: ZeroOffset, axes: &AxisWords) -> Action {
+    for axis in [Axis::X, Axis::Z] {
+        let (before, here) = (state.zero_offset.get(axis), state.position.get(axis));
+        let word = match axes.get(axis) {
+            Target::Absolute(value) | Target::Increment(value) => Some(value),
+            Target::None => None,
+        };
+        let offset = match code {
+            ZeroOffset::Off => 0,
+            ZeroOffset::Absolute => word.unwrap_or(before),
+            ZeroOffset::Added => before.saturating_add(word.unwrap_or(0)),
+            ZeroOffset::Here => before
+                .saturating_add(here)
+                .saturating_sub(word.unwrap_or(0)),
+        };
+        let by = offset.saturating_sub(before);
+        state.zero_offset.set(axis, offset);
+        state
+            .zero
+            .set(axis, state.zero.get(axis).saturating_add(by));
+        state.position.set(axis, here.saturating_sub(by));
+    }
+    Action::Frame {
+        frame: state.frame(),
+        program_zero: None,
+        relative: false,
+    }
+}
+
+/// G92 names the point where the tool stands: no offset is left.
+pub(crate) fn forget(state: &mut State) {
+    state.zero_offset = Exact::default();
+}
