@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use gsk_messages::{Message, say};
 
-use crate::files::subprograms;
+use crate::files::{models, subprograms};
 use crate::output;
 use crate::platform::same_file;
 
@@ -66,9 +66,15 @@ impl ApartError {
 }
 
 /// Folders of the data directory that are the memory's own.
-const MEMORY_FOLDERS: [&str; 4] = ["programs", "copies", "boards", crate::log::FOLDER];
+const MEMORY_FOLDERS: [&str; 5] = [
+    "programs",
+    "copies",
+    "boards",
+    models::FOLDER,
+    crate::log::FOLDER,
+];
 /// Files of the data directory that are, besides those that end in `.ron`.
-const MEMORY_FILES: [&str; 3] = ["ladder.il", "link.log", "lock"];
+const MEMORY_FILES: [&str; 4] = ["ladder.il", "link.log", "lock", models::CHOICE];
 
 /// Refuses results that would overwrite what the command reads, or each other.
 ///
@@ -225,7 +231,13 @@ mod tests {
             ..Read::default()
         };
         let is_free = |name: &str| keep_apart(&read, &[&data.join(name)]).is_ok();
-        for own in ["offsets.ron", "ladder.il", "programs/O0001.CNC"] {
+        for own in [
+            "offsets.ron",
+            "ladder.il",
+            "control",
+            "programs/O0001.CNC",
+            "models/ncb08/offsets.ron",
+        ] {
             assert!(!is_free(own), "{own}");
         }
         assert!(is_free("path.ndjson") && is_free("../offsets.ron"));

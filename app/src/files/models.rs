@@ -14,8 +14,10 @@ use gsk_core::model::ModelId;
 use super::atomic;
 use crate::platform;
 
-const CHOICE: &str = "control";
-const FOLDER: &str = "models";
+/// The file that names it.
+pub const CHOICE: &str = "control";
+/// The folder of the memories of other models.
+pub const FOLDER: &str = "models";
 /// No word of a model is longer.
 const LONGEST: u64 = 64;
 

@@ -97,12 +97,12 @@ impl Interpreter {
     }
 
     /// The option of macro B, from the next block on.
-    pub(crate) const fn set_macro_b(&mut self, on: bool) {
+    pub const fn set_macro_b(&mut self, on: bool) {
         self.macro_b = on;
     }
 
     /// Whose programs are read, from the next block on.
-    pub(crate) fn set_model(&mut self, model: &ControlModel) {
+    pub fn set_model(&mut self, model: &ControlModel) {
         self.model.clone_from(model);
     }
 
@@ -257,7 +257,12 @@ impl Interpreter {
     /// Puts another coordinate frame into force: at power-on, or after a
     /// manual reference return sets coordinates.
     pub(crate) fn set_frame(&mut self, frame: Frame, host: &impl Host) {
-        self.state.zero = Exact::from_point(frame.zero);
+        let zero = Exact::from_point(frame.zero);
+        if zero != self.state.zero {
+            // What G55 to G57 had moved it by is not in the new one.
+            self.state.zero_offset = Exact::default();
+        }
+        self.state.zero = zero;
         self.state.offset = Exact::from_point(frame.offset);
         self.resync(host);
     }

@@ -30,6 +30,8 @@ pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
         block_skip: true,
     };
     let mut interpreter = Interpreter::new(&host.parameters);
+    interpreter.set_macro_b(setup.memory.settings.macro_b);
+    interpreter.set_model(&setup.memory.model);
     interpreter.start(program, 1, &host);
     for taken in 0..limit {
         match watch::unit(|| interpreter.next(&mut host)) {

@@ -2,6 +2,7 @@
 
 use gsk_core::command::ProgramId;
 use gsk_core::memory::ToolOffset;
+use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::program::split;
 use gsk_core::setup::Setup;
 
@@ -57,6 +58,11 @@ fn apply(setup: &mut Setup, setting: &str) -> Option<()> {
                 .parameters
                 .set_bit(number, bit, value == "1")
                 .ok()
+        }
+        None if what == "M" => {
+            let id = ModelId::from_word(value).filter(|id| id.record().executes)?;
+            setup.memory.model = ControlModel::new(id);
+            Some(())
         }
         None if what == "B" => {
             setup.memory.settings.macro_b = value == "1";
