@@ -1,0 +1,28 @@
+//! Options of `dialect`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use gsk_core::model::ModelId;
+
+use super::{Language, language};
+
+/// `dialect`.
+#[derive(Args, Debug)]
+pub struct DialectArgs {
+    /// The program
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// The model that it was written for
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
+    pub from: ModelId,
+    /// The model that is to read it
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
+    pub to: ModelId,
+    /// Write the program for the other model into this file
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Language of what is listed [default: English]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}

@@ -1,0 +1,108 @@
+//! Options of `link`.
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use crate::setup_args::SetupArgs;
+
+/// `link`.
+#[derive(Debug, Subcommand)]
+pub enum LinkCommand {
+    /// List the serial ports
+    List,
+    /// Identify a board, check its settings, measure its answers
+    ///
+    /// Nothing moves unless --travel is given. The settings come from the machine
+    /// file (--machine, section `link`) and the parameters (--data, --param).
+    Test(LinkTestArgs),
+    /// Open a board and print everything said, with the time in seconds
+    Monitor(LinkMonitorArgs),
+    /// Play a board behind a pseudo terminal or a network address; its name is printed first
+    Twin(LinkTwinArgs),
+}
+
+/// Which board.
+#[derive(Args, Debug)]
+pub struct LinkBoardArgs {
+    /// The port [default: the one of the machine file]
+    #[arg(value_name = "PORT")]
+    pub port: Option<String>,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+}
+
+/// `link test`.
+#[derive(Args, Debug)]
+pub struct LinkTestArgs {
+    /// Which board.
+    #[command(flatten)]
+    pub board: LinkBoardArgs,
+    /// Write settings that differ into the board
+    #[arg(long)]
+    pub write_settings: bool,
+    /// MOVES Z there and back by so many mm, with ten holds; drives unpowered, or the way clear
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = crate::setup_args::travel)]
+    pub travel: Option<f64>,
+    /// Feed of that move, mm/min
+    #[arg(long, default_value = "600", value_name = "F", requires = "travel", allow_hyphen_values = true, value_parser = crate::setup_args::feed)]
+    pub feed: f64,
+}
+
+/// `link monitor`.
+#[derive(Args, Debug)]
+pub struct LinkMonitorArgs {
+    /// Which board.
+    #[command(flatten)]
+    pub board: LinkBoardArgs,
+    /// Stop after so many seconds
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<u64>,
+}
+
+/// `link twin`.
+#[derive(Args, Debug)]
+pub struct LinkTwinArgs {
+    /// Firmware of the board
+    #[arg(long, value_enum, default_value_t = TwinBoard::Grbl)]
+    pub firmware: TwinBoard,
+    /// Offer it at this address as the port `tcp:HOST:PORT`; port 0 lets the system choose [default: a pseudo terminal; on Windows 127.0.0.1:0]
+    #[arg(long, value_name = "HOST:PORT")]
+    pub tcp: Option<String>,
+    /// Print a machine file with the wiring of this board, and end
+    #[arg(long)]
+    pub print_machine: bool,
+    /// Lose every Nth byte from the PC to the board
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub lose_every: Option<u64>,
+    /// Hold all bytes to the board up by so many ms
+    #[arg(long, default_value_t = 0, value_name = "MS")]
+    pub delay_ms: u64,
+    /// Speed of its spindle at full output, turns a minute
+    #[arg(long, default_value_t = 9999.0, value_name = "RPM")]
+    pub spindle_top: f64,
+    /// Klipper: the speed of its spindle goes up and down by so many per cent
+    #[arg(long, default_value_t = 0.0, value_name = "PERCENT")]
+    pub ripple: f64,
+    /// Klipper: so often a second
+    #[arg(long, default_value_t = 0.5, value_name = "HZ")]
+    pub ripple_hz: f64,
+    /// Klipper: the index of its spindle stays away after so many seconds
+    #[arg(long, value_name = "S")]
+    pub lose_index: Option<u64>,
+    /// Stop after so many seconds
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<u64>,
+}
+
+/// Firmware of a twin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TwinBoard {
+    /// Grbl 1.1h
+    Grbl,
+    /// grblHAL
+    Grblhal,
+    /// FluidNC
+    Fluidnc,
+    /// Klipper, 250000 bits a second
+    Klipper,
+}

@@ -1,0 +1,96 @@
+//! Options of `check` and `plot`, which look at a program without a machine.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+
+use super::{Language, PictureArgs, language};
+use crate::job::{JobArgs, PartArgs};
+use crate::patience::Patience;
+use crate::setup_args::SetupArgs;
+
+/// When `check` and `plot` give a program up.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct PatienceArgs {
+    /// Give a program up after so much time of this computer, for instance 90s, 10m
+    #[arg(long, default_value = "60s", value_name = "TIME", value_parser = crate::setup_args::duration_ms)]
+    pub give_up: u64,
+    /// Give a program up after so many moves
+    #[arg(long, default_value_t = 200_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub most_moves: u64,
+}
+
+impl PatienceArgs {
+    /// Begins now.
+    pub fn begin(self) -> Patience {
+        Patience::new(Duration::from_millis(self.give_up), self.most_moves)
+    }
+}
+
+/// How `check` and `plot` look at a program.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct LookArgs {
+    /// Where the work zero lies in machine coordinates: X (diameter), Z in mm; --start is then counted from it [default: at the machine zero]
+    ///
+    /// G28 goes to the machine zero: with this option it is drawn, and the program
+    /// goes on, where it truly lies. A program that begins with G50 needs --start as
+    /// well: where its tool stands there.
+    #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = crate::setup_args::pair)]
+    pub work_zero: Option<(f64, f64)>,
+    /// Language of alarms, warnings and report [default: English, with the Chinese texts of the screen]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+    /// When to give up.
+    #[command(flatten)]
+    pub patience: PatienceArgs,
+}
+
+/// `check`.
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// The programs; of a folder those in it and below it
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+    /// How to look at them.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// The part.
+    #[command(flatten)]
+    pub part: PartArgs,
+    /// Write every move as one JSON object a line (`-`: standard output); one program only
+    #[arg(long, value_name = "FILE")]
+    pub moves: Option<PathBuf>,
+    /// Print one JSON object for each file; `times` are its seconds by kind (rapid, feed, thread, dwell, other), `tool_times` the same for each tool
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `plot`.
+#[derive(Args, Debug)]
+pub struct PlotArgs {
+    /// The program
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+    /// How to look at it.
+    #[command(flatten)]
+    pub look: LookArgs,
+    /// The part behind the path.
+    #[command(flatten)]
+    pub part: JobArgs,
+    /// Draw the part as a lit solid with a quarter cut out, not the path (.png only)
+    #[arg(long, conflicts_with_all = ["whole", "labels", "dimensions", "tools"])]
+    pub solid: bool,
+    /// The picture (name ends in .png or .svg)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// How it is drawn.
+    #[command(flatten)]
+    pub picture: PictureArgs,
+}

@@ -1,0 +1,276 @@
+//! The command line: what `gsk980td --help` says, and nothing else. The window and the
+//! short commands stand here, each longer one in a file of its own.
+
+mod dialect;
+mod ladder;
+mod link;
+mod looks;
+mod packages;
+mod picture;
+mod run;
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use gsk_core::model::ModelId;
+use gsk_panel::script::FORMS;
+pub use gsk_runner::Language;
+use tracing::level_filters::LevelFilter;
+
+pub use dialect::DialectArgs;
+pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
+pub use link::{
+    LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
+};
+pub use looks::{CheckArgs, LookArgs, PatienceArgs, PlotArgs};
+pub use packages::{CompletionsArgs, ManArgs};
+pub use picture::PictureArgs;
+pub use run::RunArgs;
+
+use crate::setup_args::SetupArgs;
+
+const EXAMPLES: &str = "\
+Examples:
+  gsk980td                                  the panel in a window
+  gsk980td --program shaft.CNC              the panel with a program opened
+  gsk980td check shaft.CNC                  is the program right? how long does it take?
+  gsk980td run shaft.CNC --spindle 800      execute it on the simulated lathe, headless
+  gsk980td plot shaft.CNC -o shaft.png      its toolpath as a picture
+  gsk980td operate lesson.txt               press keys from a script
+
+Exit codes: 0 all right, 1 the control raised an alarm (or a script failed, or a run did not come \
+to its end), 2 wrong call or file, 3 a tool hit something (--part), 130 ended by Ctrl-C or a signal at a real machine.";
+
+/// The control of a GSK980TD lathe on a PC: panel, control and simulated lathe.
+///
+/// Without a command the operator panel opens in a window. Every command does
+/// its job without a window and without a display.
+#[derive(Debug, Parser)]
+#[command(name = "gsk980td", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// What to do instead of opening the window.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// How much is written into the log: off, error, warn, info, debug or trace [default: info
+    /// in the window, into `log` of the data folder; off for commands, else on standard error]
+    #[arg(long, global = true, value_name = "LEVEL", value_parser = crate::log::level)]
+    pub log: Option<LevelFilter>,
+    /// Options of the window.
+    #[command(flatten)]
+    pub window: WindowArgs,
+}
+
+/// Options of the window.
+#[derive(Args, Clone, Debug, Default)]
+pub struct WindowArgs {
+    /// Folder of the control's memory (programs, parameters, offsets, counters)
+    #[arg(long, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Program to open at the start
+    #[arg(long, value_name = "FILE")]
+    pub program: Option<PathBuf>,
+    /// Print the time to the first frame and frames a second on standard error
+    #[arg(long)]
+    pub figures: bool,
+    /// Language of menus and messages; the panel itself is always as printed
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+    /// The machine's ladder instead of the standard one (instruction list)
+    #[arg(long, value_name = "FILE")]
+    pub ladder: Option<PathBuf>,
+    /// What sends programs in DNC mode: a file, a serial port, or `-` for standard input [default: transfer/DNC.CNC in the data folder]
+    ///
+    /// Unless there is a ladder of its own, the one with keys for DNC and teach-in
+    /// runs: 自动 pressed twice is DNC.
+    #[arg(long, value_name = "SOURCE")]
+    pub dnc: Option<PathBuf>,
+    /// The simulated lathe (travel, turret, dogs …) from a RON file
+    #[arg(long, value_name = "FILE")]
+    pub machine: Option<PathBuf>,
+    /// Macro B: formulas, IF, WHILE, GOTO and calls with arguments (G65 P) in programs; the data
+    /// folder keeps it [default: as it was, off at first]
+    #[arg(long, value_name = "on|off", value_parser = crate::setup_args::switch)]
+    pub macro_b: Option<bool>,
+    /// The control model; each has a memory of its own in the data folder, which keeps the choice
+    /// [default: as it was, gsk980td at first]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    pub model: Option<ModelId>,
+    /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
+    #[arg(long, value_name = "PORT")]
+    pub link: Option<String>,
+}
+
+/// The word of a language.
+fn language() -> impl TypedValueParser<Value = Language> {
+    let words = [("zh", "Chinese"), ("en", "English")];
+    PossibleValuesParser::new(words.map(|(word, help)| PossibleValue::new(word).help(help))).map(
+        |word| match word.as_str() {
+            "en" => Language::En,
+            _ => Language::Zh,
+        },
+    )
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Execute a program on the simulated lathe, as fast as the PC can
+    ///
+    /// The first file is executed to its end in the complete control: ladder,
+    /// acceleration, spindle, turret. Subprograms come from the other files and
+    /// from the folder of the first one. M00 is answered with cycle start. With
+    /// --link a real machine executes it, and nothing is answered by itself.
+    Run(RunArgs),
+    /// Check programs without executing them: alarms, path, tools, time
+    ///
+    /// Interprets every block as the control does, without running the machine. Behind
+    /// the alarm that the control would stop with further ones are listed, as far as
+    /// the program can be followed. Each file is checked for itself; subprograms are found in its folder.
+    Check(CheckArgs),
+    /// Draw the toolpath of a program as a picture (PNG or SVG)
+    ///
+    /// Z to the right, X as a diameter upwards; a colour for each tool with its
+    /// cutting time, rapids grey and dashed.
+    Plot(PlotArgs),
+    /// List what means something else when another control model reads a program
+    ///
+    /// Block by block: codes that the other model does not have, that mean something else
+    /// there, or that have another number. With -o the program is written with the numbers of
+    /// the other model where they say the same; all else stands as it is, and is listed.
+    Dialect(DialectArgs),
+    /// Operate the panel by a script of key presses and expectations
+    #[command(after_help = script_help())]
+    Operate(OperateArgs),
+    /// Print or draw one LCD page as it looks after power-on
+    Screen(ScreenArgs),
+    /// Print the keys of the panel: script name, label, PC key, address
+    Keys(TableArgs),
+    /// Print the parameter table
+    Parameters(TableArgs),
+    /// Print the alarm table: number, text, meaning, cause, cure
+    Alarms(TableArgs),
+    /// Print the PLC signal table
+    Signals(TableArgs),
+    /// Print the faults of the simulated lathe: name for `fault NAME on`, what it does
+    Faults(TableArgs),
+    /// Check, print or scan a ladder (instruction list)
+    #[command(subcommand)]
+    Ladder(LadderCommand),
+    /// Find, try, watch or play a pulse board
+    #[command(subcommand)]
+    Link(LinkCommand),
+    /// Print the licences of this program and of the packages it contains
+    Notices,
+    /// Print what a shell needs to complete this command line
+    ///
+    /// For bash: `gsk980td completions bash > ~/.local/share/bash-completion/completions/gsk980td`;
+    /// the packages for Linux bring it along.
+    Completions(CompletionsArgs),
+    /// Print the manual page, for `man -l`
+    Man(ManArgs),
+    /// Hold the port of a board for the program at standard input
+    #[command(name = crate::guard::COMMAND, hide = true)]
+    HoldPort(HoldPortArgs),
+}
+
+/// `hold-port`, which the program starts by itself.
+#[derive(Args, Debug)]
+pub struct HoldPortArgs {
+    /// The port
+    pub port: String,
+    /// Its speed, bits a second
+    #[arg(long)]
+    pub baud: u32,
+}
+
+/// The actions of scripts, for `operate --help`.
+fn script_help() -> String {
+    let forms: Vec<String> = FORMS.iter().map(|(_, form)| format!("  {form}")).collect();
+    format!(
+        "A script has one action a line; # begins a comment, @12345 before an action is the \
+         millisecond at which it happens. `gsk980td keys` lists the keys.\n\nActions:\n{}\n\n\
+         Example:\n  load part.CNC        # beside the script, or in the current folder\n  \
+         press AUTO\n  press CS\n  wait idle 10m\n  expect alarm none\n  show",
+        forms.join("\n")
+    )
+}
+
+/// `operate`.
+#[derive(Args, Debug)]
+pub struct OperateArgs {
+    /// The script
+    #[arg(value_name = "SCRIPT")]
+    pub script: PathBuf,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+    /// Program to open before the script starts
+    #[arg(long, value_name = "FILE")]
+    pub program: Option<PathBuf>,
+    /// A pulse board at this port moves the slides: REAL MOTION. Press RESET and make the machine zero return in the script [default: the simulated lathe, also where the machine file names a port]
+    #[arg(long, value_name = "PORT")]
+    pub link: Option<String>,
+    /// Write what happened as a script with the time of every key
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
+/// `screen`.
+#[derive(Args, Debug)]
+pub struct ScreenArgs {
+    /// Page id, see --list
+    #[arg(required_unless_present = "list", value_name = "PAGE")]
+    pub page: Option<String>,
+    /// List the pages
+    #[arg(long, conflicts_with_all = ["page", "output"])]
+    pub list: bool,
+    /// Draw the page into a PNG instead of printing it
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: Option<PathBuf>,
+}
+
+/// A table.
+#[derive(Args, Debug)]
+pub struct TableArgs {
+    /// Only lines that contain this text (capital or small letters alike)
+    #[arg(value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Print as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn the_window_is_the_default() {
+        let cli = Cli::try_parse_from(["gsk980td", "--lang", "en"]).expect("window");
+        assert!(cli.command.is_none());
+        assert_eq!(cli.window.lang, Some(Language::En));
+    }
+
+    #[test]
+    fn options_of_control_and_lathe_are_shared() {
+        for command in [
+            "run a.nc",
+            "check a.nc",
+            "plot a.nc -o a.png",
+            "operate a.txt",
+        ] {
+            let words = format!(
+                "gsk980td {command} --start 100,50 --spindle 800 --param 22=3800 --param 1.4=0 \
+                 --offset 1=0,0,0.4,3 --input X0.4=1"
+            );
+            Cli::try_parse_from(words.split_whitespace()).expect(command);
+        }
+    }
+}

@@ -1,0 +1,42 @@
+//! Options of drawings.
+
+use clap::Args;
+use gsk_runner::picture::{Look, Size};
+
+/// How a toolpath is drawn.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct PictureArgs {
+    /// Size of the picture, pixels [default: 1280x800]
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    pub size: Option<Size>,
+    /// Fit the picture to the whole path; without it the cuts fill it and rapids end at its frame
+    #[arg(long)]
+    pub whole: bool,
+    /// Write the number of each block where it ends: its N word, or its line where it has none; numbers that would cover others are left out
+    #[arg(long)]
+    pub labels: bool,
+    /// Write the dimensions of the part: diameters, radii, angles, pitches, and where its shoulders lie; with the part behind the path
+    #[arg(long)]
+    pub dimensions: bool,
+    /// Draw each tool where it cut last; with the part behind the path
+    #[arg(long)]
+    pub tools: bool,
+}
+
+impl PictureArgs {
+    /// As the drawing takes it.
+    pub fn look(self) -> Look {
+        Look {
+            size: self.size.unwrap_or_default(),
+            whole: self.whole,
+            labels: self.labels,
+            dimensions: self.dimensions,
+            tools: self.tools,
+        }
+    }
+
+    /// Whether the part is drawn, too.
+    pub const fn needs_part(self) -> bool {
+        self.dimensions || self.tools
+    }
+}

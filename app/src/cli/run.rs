@@ -1,0 +1,66 @@
+//! Options of `run`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::PictureArgs;
+use crate::job::PartArgs;
+use crate::setup_args::SetupArgs;
+
+/// `run`.
+#[derive(Args, Debug)]
+#[command(
+    mut_arg("size", |arg| arg.requires("plot")),
+    mut_arg("whole", |arg| arg.requires("plot")),
+    mut_arg("labels", |arg| arg.requires("plot")),
+    mut_arg("dimensions", |arg| arg.requires("plot")),
+    mut_arg("tools", |arg| arg.requires("plot"))
+)]
+pub struct RunArgs {
+    /// The program, then files of subprograms
+    #[arg(required_unless_present = "dnc", value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Execute what comes in through the serial line instead (DNC): a file, a serial port, or `-` for standard input; files are then subprograms
+    #[arg(long, value_name = "SOURCE")]
+    pub dnc: Option<PathBuf>,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+    /// A pulse board at this port moves the slides: REAL MOTION. M00 and the next part wait for Enter at the terminal; without one M00 ends the run [default: the simulated lathe, also where the machine file names a port]
+    #[arg(long, value_name = "PORT")]
+    pub link: Option<String>,
+    /// Both axes of the real machine make their machine zero return first, X then Z: they MOVE
+    #[arg(long, requires = "link")]
+    pub home: bool,
+    /// Stop after so many parts (M30, or M99 in the main program)
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub parts: u32,
+    /// Stop after so much machine time, for instance 90s, 30m, 2h
+    #[arg(long, default_value = "24h", value_name = "TIME", value_parser = crate::setup_args::duration_ms)]
+    pub limit: u64,
+    /// Say what each block leaves in force, what each move does, and why each pass of a cycle is where it is
+    #[arg(long)]
+    pub explain: bool,
+    /// Write every move as one JSON object a line (`-`: standard output)
+    #[arg(long, value_name = "FILE")]
+    pub moves: Option<PathBuf>,
+    /// Write time, X (diameter), Z and spindle angle of every millisecond as CSV
+    #[arg(long, value_name = "FILE")]
+    pub positions: Option<PathBuf>,
+    /// The part.
+    #[command(flatten)]
+    pub part: PartArgs,
+    /// Stop at the first collision of the simulated lathe (exit code 3)
+    #[arg(long, conflicts_with = "link")]
+    pub stop_on_collision: bool,
+    /// Draw the executed toolpath (name ends in .png or .svg)
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// How it is drawn.
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    /// Print the result as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
