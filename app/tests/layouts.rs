@@ -5,6 +5,7 @@ use egui::{Event, Modifiers, PointerButton, Pos2, Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable};
 use gsk_app::window::layout::{Layout, Layouts};
 use gsk_app::window::view::View;
+use gsk_core::model::ModelId;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::KEYS;
 
@@ -176,4 +177,20 @@ fn light_surroundings_are_chosen_in_the_menu_and_kept() {
     }
     assert!(bar(&bench) > 220);
     assert!(bench.harness.state().settings().light);
+}
+
+#[test]
+fn another_control_model_is_asked_for_in_the_menu() {
+    let mut bench = Bench::new();
+    bench.click("Layout");
+    assert!(bench.harness.query_by_label("Control NC-B08").is_none());
+    bench.click("Layout");
+    bench.harness.state_mut().set_model(ModelId::Gsk980td, true);
+    bench.click("Layout");
+    bench.click("Control NC-B08");
+    assert_eq!(bench.harness.state_mut().take_model(), Some(ModelId::Ncb08));
+    assert_eq!(bench.harness.state_mut().take_model(), None);
+    bench.harness.state_mut().set_model(ModelId::Ncb08, true);
+    bench.run(50);
+    assert_eq!(bench.harness.state().title(), "NC-B08");
 }

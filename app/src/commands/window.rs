@@ -56,7 +56,7 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
         None
     });
     if let Some(model) = asked {
-        keep_choice(&path, model);
+        keep_choice(&path, model, language);
     }
     let opener = Opener { args, path };
     let start = Start {
@@ -142,16 +142,17 @@ impl Opener {
         let folder = models::folder(&self.path, model);
         let data = DataDir::open(&folder).map_err(|error| error.message())?;
         let start = self.turn_on(data, model).map_err(|error| error.message())?;
-        keep_choice(&self.path, model);
+        keep_choice(&self.path, model, self.args.lang);
         Ok(start)
     }
 }
 
 /// The choice of a model is kept; without it the window opens with the one before.
-fn keep_choice(path: &Path, model: ModelId) {
+fn keep_choice(path: &Path, model: ModelId, language: Option<Language>) {
     if let Err(error) = models::choose(path, model) {
-        complain!("gsk980td: {}", path.display());
-        complain!("gsk980td: {error}");
+        let file = path.join(models::CHOICE);
+        let said = say::file_not_written(file.display(), error);
+        complain!("gsk980td: {}", report::said(&said, language));
     }
 }
 
