@@ -35,7 +35,6 @@ use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::threads::tapping;
 use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
-use crate::model::ModelId;
 
 /// What the motion words of a block amount to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,11 +76,11 @@ pub(crate) fn evaluate(
     };
     check_option(words, context.parameters)?;
     set_modal(state, words)?;
-    let axes = words.axes(context.x_factor).under(state.incremental);
-    let kind = kind(state, words, &axes);
-
     // Increments count from the position shown before a T of the same block.
     let base = state.position + state.ahead;
+    let axes = words.axes(context.x_factor, base).under(state.incremental);
+    let kind = kind(state, words, &axes);
+
     plan.modal = state.modal;
     let mut travels = false;
     let word = match words.t {
@@ -108,9 +107,9 @@ pub(crate) fn evaluate(
     };
     match kind {
         Kind::OneShot(code) if code.is_compound() => {
-            compound::plan(code, state, context, words, &axes, base, plan)?;
+            compound::plan(code, state, context, words, &axes, plan)?;
         }
-        _ => plan.motion = motion(state, context, words, kind, &axes, base)?,
+        _ => plan.motion = motion(state, context, words, kind, &axes)?,
     }
     if let Motion::Cycle(cycle) = &plan.motion
         && let Some(per_revolution) =
@@ -231,7 +230,7 @@ fn tool_execution(context: &Context<'_>, kind: Kind) -> Execution {
         Kind::OneShot(_) => Execution::Shift,
         _ if context.parameters.offset_by_shift() => Execution::Shift,
         // The tool changes coordinates, not where the slides stand.
-        _ if context.model.id() == ModelId::Hx31 => Execution::Shift,
+        _ if context.model.record().offsets_by_shift => Execution::Shift,
         _ => Execution::Travel,
     }
 }
@@ -257,7 +256,7 @@ fn spindle(
 /// The motion of a block; leaves the position at its end.
 #[expect(
     clippy::inline_always,
-    reason = "a twentieth of the time of a block, as measured"
+    reason = "called, it costs a twentieth of the time of a block"
 )]
 #[inline(always)]
 fn motion(
@@ -266,24 +265,23 @@ fn motion(
     words: &Words,
     kind: Kind,
     axes: &AxisWords,
-    base: Exact,
 ) -> Result<Motion, Alarm> {
     match kind {
-        Kind::Thread => Ok(thread::plan(state, words, axes, base, context.x_factor)?.into()),
-        Kind::Tap => match tapping::plan(state, words, axes, base, context.x_factor)? {
+        Kind::Thread => Ok(thread::plan(state, words, axes, context.x_factor)?.into()),
+        Kind::Tap => match tapping::plan(state, words, axes, context.x_factor)? {
             Some(tapping) => Motion::cycle(state, Maker::Tapping(tapping)),
             None => Ok(Motion::None),
         },
-        Kind::OneShot(code) => one_shot(code, state, context, words, axes, base),
+        Kind::OneShot(code) => one_shot(code, state, context, words, axes),
         Kind::Nothing => Ok(Motion::None),
         Kind::Rapid => {
-            let end = end_point(state, axes, base, context.x_factor)?;
+            let end = end_point(state, axes, context.x_factor)?;
             let action = positioning::rapid(state, end);
             state.arrive(axes, end);
             Ok(Motion::One(action))
         }
         Kind::Line => {
-            let end = end_point(state, axes, base, context.x_factor)?;
+            let end = end_point(state, axes, context.x_factor)?;
             if corner::is_asked(words) {
                 return Ok(corner::plan(state, context, words, axes, end)?.into());
             }
@@ -292,7 +290,7 @@ fn motion(
             Ok(Motion::One(action))
         }
         Kind::Arc => {
-            let end = end_point(state, axes, base, context.x_factor)?;
+            let end = end_point(state, axes, context.x_factor)?;
             check_arc_block(state, context, end, words)?;
             let clockwise = state.modal.motion == 2;
             let Some(center) = arc::center(
@@ -314,14 +312,14 @@ fn motion(
             Ok(Motion::One(action))
         }
         Kind::ThreadCycle => {
-            let data = state.cycle.take(words, axes, base, state.position);
+            let data = state.cycle.take(words, axes, state.position);
             let cycle = thread_cycle::plan(state, context.parameters, data, context.x_factor)?;
             let motion = Motion::cycle(state, Maker::Thread(cycle));
             state.return_here();
             motion
         }
         Kind::TurningCycle | Kind::FacingCycle => {
-            let data = state.cycle.take(words, axes, base, state.position);
+            let data = state.cycle.take(words, axes, state.position);
             let mut cycle = match kind {
                 Kind::TurningCycle => turning_cycle::plan(state, data, context.x_factor)?,
                 _ => facing_cycle::plan(state, data, context.x_factor)?,
@@ -343,7 +341,6 @@ fn one_shot(
     context: &Context<'_>,
     words: &Words,
     axes: &AxisWords,
-    base: Exact,
 ) -> Result<Motion, Alarm> {
     match code {
         OneShot::Dwell => Ok(Motion::One(dwell::dwell(words, context.model.record())?)),
@@ -354,7 +351,7 @@ fn one_shot(
             Ok(action.map_or(Motion::None, Motion::One))
         }
         OneShot::Reference(way) => {
-            let reference = Reference::plan(state, context, way, axes, base)?;
+            let reference = Reference::plan(state, context, way, axes)?;
             Ok(reference.map_or(Motion::None, |it| Motion::Reference(Box::new(it))))
         }
         OneShot::ZeroOffset(code) => Ok(Motion::One(zero_offset::set(state, code, axes))),
@@ -362,8 +359,8 @@ fn one_shot(
     }
 }
 
-fn end_point(state: &State, axes: &AxisWords, base: Exact, x_factor: i64) -> Result<Exact, Alarm> {
-    within_stroke(axes.target(base, state.position), x_factor)
+fn end_point(state: &State, axes: &AxisWords, x_factor: i64) -> Result<Exact, Alarm> {
+    within_stroke(axes.target(state.position), x_factor)
 }
 
 /// Calls of the Huaxing lathes by G codes.

@@ -14,7 +14,6 @@
 use crate::alarm::Alarm;
 use crate::interpreter::canned_cycle::Maker;
 use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::place::Place;
 use crate::interpreter::context::state::State;
@@ -36,7 +35,6 @@ pub(crate) fn plan(
     context: &Context<'_>,
     words: &Words,
     axes: &AxisWords,
-    base: Exact,
     plan: &mut Plan,
 ) -> Result<(), Alarm> {
     let writes = &mut plan.writes;
@@ -86,11 +84,11 @@ pub(crate) fn plan(
                 OneShot::FacePecking => Axis::Z,
                 _ => Axis::X,
             };
-            let pecking = pecking::plan(axis, state, context, words, axes, base, writes)?;
+            let pecking = pecking::plan(axis, state, context, words, axes, writes)?;
             begin(state, pecking.map(Maker::Pecking))?
         }
         OneShot::CompoundThread => {
-            let cycle = compound_thread::plan(state, context, words, axes, base, writes)?;
+            let cycle = compound_thread::plan(state, context, words, axes, writes)?;
             begin(state, cycle.map(Maker::CompoundThread))?
         }
         _ => return Ok(()),

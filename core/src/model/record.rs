@@ -27,6 +27,15 @@ pub struct Record {
     /// The least step of the rapid override, %; without it F0.
     #[serde(default)]
     pub(crate) least_rapid_override: Option<u8>,
+    /// Digits of a T word: tool and offset have half of them each.
+    #[serde(default = "four")]
+    pub(crate) tool_digits: u8,
+    /// A tool's offset moves the coordinates, whatever the block is; the slides stay.
+    #[serde(default)]
+    pub(crate) offsets_by_shift: bool,
+    /// N after a G code is a block, a subprogram or a count, no sequence number.
+    #[serde(default)]
+    pub(crate) n_after_g: bool,
     /// Letters that are addresses besides those of the GSK980TD.
     #[serde(default)]
     addresses: String,
@@ -78,6 +87,10 @@ pub struct ModelParameter {
 struct Name {
     en: String,
     zh: String,
+}
+
+const fn four() -> u8 {
+    4
 }
 
 fn four_digits() -> String {

@@ -10,7 +10,6 @@ use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 use crate::dialect::{self, advised};
-use crate::model::ModelId;
 
 /// Reads one block: up to the first `;`, `*`, `%` or end of line outside
 /// comments. Does not allocate unless it fails.
@@ -134,7 +133,7 @@ fn read_words(text: &str, syntax: Syntax, block: &mut Block) -> Result<(), Block
 /// Whether an N stands after a G code (Huaxing): it is no sequence number there.
 #[inline]
 fn is_count(address: u8, syntax: Syntax, block: &Block) -> bool {
-    address == b'N' && syntax.model == ModelId::Hx31 && block.has(b'G')
+    address == b'N' && block.has(b'G') && syntax.model.record().n_after_g
 }
 
 /// N after a code of the Huaxing lathes: a block, a subprogram or a count, with up to

@@ -88,7 +88,7 @@ fn enter(
     }
     Ok(Flow::Call(Call {
         program,
-        runs: u16::try_from(runs).unwrap_or(1).max(1),
+        runs: u16::try_from(runs).map_or(1, |runs| runs.max(1)),
         back,
         kind: CallKind::Subprogram,
         first,

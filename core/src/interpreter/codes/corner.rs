@@ -66,7 +66,7 @@ pub(crate) fn plan(
     let (join, size) = size(words, axis)?;
     let next_axis = axis.other();
     let length = corner.get(axis) - state.position.get(axis);
-    let next_end = next_end(context, state.modal.motion, join, next_axis, corner)?;
+    let next_end = next_end(context, state, join, next_axis, corner)?;
     let next_length = next_end - corner.get(next_axis);
     let (before, after) = (along(axis, size.abs()), along(next_axis, size.abs()));
     if next_length.signum() != size.signum() {
@@ -122,7 +122,7 @@ fn size(words: &Words, axis: Axis) -> Result<(Join, i64), Alarm> {
 /// Where the next block ends on its axis.
 fn next_end(
     context: &Context<'_>,
-    motion: u8,
+    state: &State,
     join: Join,
     axis: Axis,
     corner: Exact,
@@ -130,9 +130,11 @@ fn next_end(
     let Some(next) = context.next else {
         return Err(fault(say::corner_without_next_block()));
     };
-    let motion = next.motion.unwrap_or(motion);
+    let motion = next.motion.unwrap_or(state.modal.motion);
     let thread = matches!(motion, 32 | 34);
-    let axes = next.axes(context.x_factor);
+    let axes = next
+        .axes(context.x_factor, corner)
+        .under(next.incremental.unwrap_or(state.incremental));
     let target = axes.get(axis).target(corner.get(axis));
     let alone = axes.get(axis.other()) == Target::None;
     match target {

@@ -56,7 +56,6 @@ impl Reference {
         context: &Context<'_>,
         way: Return,
         axes: &AxisWords,
-        base: Exact,
     ) -> Result<Option<Self>, Alarm> {
         let direct = way == Return::Direct;
         if direct && axes.any() {
@@ -81,8 +80,7 @@ impl Reference {
                 return Err(Alarm::new(number).because(say::zero_undefined_of_axis(name)));
             }
         }
-        let through =
-            positioning::within_stroke(axes.target(base, state.position), context.x_factor)?;
+        let through = positioning::within_stroke(axes.target(state.position), context.x_factor)?;
         let intermediate = state.machine(through);
         let mut reference = intermediate;
         let before = (state.zero, state.offset);

@@ -15,7 +15,6 @@ use crate::compensation::Nose;
 use crate::interpreter::context::Context;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::state::State;
-use crate::model::ModelId;
 use crate::units::PerAxis;
 
 /// Greatest offset number.
@@ -47,7 +46,7 @@ impl ToolWord {
     /// of the same number, or one for each.
     pub(crate) fn of_block(value: i64, context: &Context<'_>) -> Result<Self, Alarm> {
         let stations = context.parameters.stations().into();
-        if context.model.id() != ModelId::Hx31 {
+        if context.model.record().tool_digits == 4 {
             return Self::read(value, stations);
         }
         match (value / 10, value % 10) {

@@ -55,19 +55,13 @@ impl CycleWords {
         self.x.is_some() || self.z.is_some()
     }
 
-    /// Takes over the words of a block. Increments count from `base`; an axis
+    /// Takes over the words of a block. An axis
     /// never given ends where the tool stands.
-    pub(crate) fn take(
-        &mut self,
-        words: &Words,
-        axes: &AxisWords,
-        base: Exact,
-        at: Exact,
-    ) -> CycleData {
-        if let Some(x) = axes.x.target(base.x) {
+    pub(crate) fn take(&mut self, words: &Words, axes: &AxisWords, at: Exact) -> CycleData {
+        if let Some(x) = axes.x.target(axes.base.x) {
             self.x = Some(x);
         }
-        if let Some(z) = axes.z.target(base.z) {
+        if let Some(z) = axes.z.target(axes.base.z) {
             self.z = Some(z);
         }
         if let Some(r) = words.r {

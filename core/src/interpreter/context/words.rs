@@ -311,11 +311,12 @@ impl Words {
     }
 
     /// The axis words: X before U, Z before W. X values are multiplied by
-    /// `x_factor`, 2 under radius programming.
-    pub(crate) fn axes(&self, x_factor: i64) -> AxisWords {
+    /// `x_factor`, 2 under radius programming. Increments count from `base`.
+    pub(crate) fn axes(&self, x_factor: i64, base: Exact) -> AxisWords {
         AxisWords {
             x: Target::of(self.x, self.u, x_factor),
             z: Target::of(self.z, self.w, 1),
+            base,
         }
     }
 }
@@ -375,6 +376,8 @@ impl Target {
 pub(crate) struct AxisWords {
     pub(crate) x: Target,
     pub(crate) z: Target,
+    /// What increments count from.
+    pub(crate) base: Exact,
 }
 
 impl AxisWords {
@@ -396,17 +399,17 @@ impl AxisWords {
             true => Self {
                 x: self.x.as_increment(),
                 z: self.z.as_increment(),
+                ..self
             },
             false => self,
         }
     }
 
-    /// The end point: increments count from `base`, an axis that is not
-    /// programmed stays at `rest`.
-    pub(crate) fn target(&self, base: Exact, rest: Exact) -> Exact {
+    /// The end point: an axis that is not programmed stays at `rest`.
+    pub(crate) fn target(&self, rest: Exact) -> Exact {
         Exact::new(
-            self.x.target(base.x).unwrap_or(rest.x),
-            self.z.target(base.z).unwrap_or(rest.z),
+            self.x.target(self.base.x).unwrap_or(rest.x),
+            self.z.target(self.base.z).unwrap_or(rest.z),
         )
     }
 }

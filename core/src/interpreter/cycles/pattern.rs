@@ -131,12 +131,6 @@ fn over(
     range: Range,
     repetition: &Repetition,
 ) -> Result<Pattern, Alarm> {
-    let Repetition {
-        allowance,
-        relief,
-        passes,
-        gaps,
-    } = *repetition;
     let feed = feed(&state.modal)?;
     let profile = profile::evaluate(state, context, range)?;
     let pattern = Pattern {
@@ -144,12 +138,12 @@ fn over(
         entry: profile.entry,
         steps: profile.steps,
         home: Shift::of(state),
-        allowance,
-        relief,
+        allowance: repetition.allowance,
+        relief: repetition.relief,
         feed,
         pass: 1,
-        passes,
-        gaps,
+        passes: repetition.passes,
+        gaps: repetition.gaps,
         step: 0,
     };
     for shift in [pattern.allowance, pattern.allowance + pattern.relief] {

@@ -73,7 +73,6 @@ pub(crate) fn plan(
     context: &Context<'_>,
     words: &Words,
     axes: &AxisWords,
-    base: Exact,
     writes: &mut Writes,
 ) -> Result<Option<Pecking>, Alarm> {
     if !axes.any() && words.p.or(words.q).is_none() {
@@ -85,7 +84,7 @@ pub(crate) fn plan(
         }
         return Ok(None);
     }
-    let end = within_stroke(axes.target(base, state.position), context.x_factor)?;
+    let end = within_stroke(axes.target(state.position), context.x_factor)?;
     Pecking::new(axis, state, context.parameters, words, axes, end).map(Some)
 }
 

@@ -168,12 +168,7 @@ fn over(
     range: Range,
     levels: &Levels,
 ) -> Result<Roughing, Alarm> {
-    let Levels {
-        cut,
-        escape,
-        allowance,
-        from,
-    } = *levels;
+    let cut = levels.cut;
     if cut <= 0 {
         return Err(fault(say::cycle_depth_missing()));
     }
@@ -183,7 +178,7 @@ fn over(
     let signs = Signs::of(view, &profile)?;
     let rest = profile.start;
     let profile = Profile {
-        start: profile.start + from,
+        start: profile.start + levels.from,
         ..profile
     };
     let (a, b) = (view.flat(profile.start), view.flat(profile.begin()));
@@ -196,12 +191,12 @@ fn over(
         rest,
         begin: profile.begin(),
         home,
-        shift: home.moved(allowance),
-        allowance,
+        shift: home.moved(levels.allowance),
+        allowance: levels.allowance,
         rapid: matches!(profile.entry.shape, Shape::Straight { rapid: true }),
         feed,
         cut,
-        escape,
+        escape: levels.escape,
         level: 1,
         levels: (distance + cut - 1) / cut,
         phase: Phase::Approach,

@@ -3,14 +3,10 @@
 
 use super::Bench;
 use crate::command::Action;
-use crate::model::{ControlModel, ModelId};
+use crate::model::ModelId;
 
 fn bench() -> Bench {
-    let mut bench = Bench::at(100.0, 50.0);
-    bench
-        .interpreter
-        .set_model(&ControlModel::new(ModelId::Hx31));
-    bench
+    Bench::at(100.0, 50.0).of_model(ModelId::Hx31)
 }
 
 /// Lines of the text and ends of the moves, X as a diameter, in machine coordinates.
@@ -34,6 +30,18 @@ fn round(value: f64) -> f64 {
 
 fn lines(text: &str) -> Vec<u32> {
     moves(text).iter().map(|it| it.0).collect()
+}
+
+/// Also the block after a corner is read under G91.
+#[test]
+fn corners_under_increments() {
+    let absolute = moves("G01 Z40 R2 F100\nX120\nM02\n");
+    let increments = moves("G91 G01 Z-10 R2 F100\nX20\nM02\n");
+    assert_eq!(
+        absolute,
+        [(1, 100.0, 42.0), (1, 104.0, 40.0), (2, 120.0, 40.0)]
+    );
+    assert_eq!(increments, absolute);
 }
 
 /// C54.

@@ -29,6 +29,7 @@ use crate::interpreter::Host;
 use crate::interpreter::Interpreter;
 use crate::interpreter::Step;
 use crate::memory::{Offsets, Parameters, ToolOffset, Variables};
+use crate::model::{ControlModel, ModelId};
 use crate::program::{Program, ProgramMemory};
 use crate::units::{Feed, PerAxis, Point};
 
@@ -150,6 +151,11 @@ impl Bench {
             machine: Point::new(x / 2.0, z),
             ..Self::new()
         }
+    }
+
+    pub(super) fn of_model(mut self, id: ModelId) -> Self {
+        self.interpreter.set_model(&ControlModel::new(id));
+        self
     }
 
     pub(super) fn with_bit(mut self, number: u16, bit: u8, value: bool) -> Self {

@@ -5,11 +5,7 @@ use crate::model::{ControlModel, ModelId};
 use crate::units::PerAxis;
 
 fn bench() -> Bench {
-    let mut bench = Bench::at(10.0, 20.0);
-    bench
-        .interpreter
-        .set_model(&ControlModel::new(ModelId::Ncb08));
-    bench
+    Bench::at(10.0, 20.0).of_model(ModelId::Ncb08)
 }
 
 fn trace(text: &str) -> Vec<String> {

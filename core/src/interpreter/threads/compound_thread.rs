@@ -92,14 +92,13 @@ pub(crate) fn plan(
     context: &Context<'_>,
     words: &Words,
     axes: &AxisWords,
-    base: Exact,
     writes: &mut Writes,
 ) -> Result<Option<CompoundThread>, Alarm> {
     if !axes.any() {
         store(context.parameters, words, writes)?;
         return Ok(None);
     }
-    let end = within_stroke(axes.target(base, state.position), context.x_factor)?;
+    let end = within_stroke(axes.target(state.position), context.x_factor)?;
     CompoundThread::new(state, context, words, end).map(Some)
 }
 

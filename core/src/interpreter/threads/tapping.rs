@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning::within_stroke;
-use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::moves::{Move, Shift};
 use crate::interpreter::context::state::State;
@@ -36,10 +35,9 @@ pub(crate) fn plan(
     state: &mut State,
     words: &Words,
     axes: &AxisWords,
-    base: Exact,
     x_factor: i64,
 ) -> Result<Option<Tapping>, Alarm> {
-    let to = within_stroke(axes.target(base, state.position), x_factor)?;
+    let to = within_stroke(axes.target(state.position), x_factor)?;
     if to.x != state.position.x {
         return Err(Alarm::new(number::BAD_ADDRESS).because(say::tap_moves_x()));
     }

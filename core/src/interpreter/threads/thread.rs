@@ -186,7 +186,6 @@ pub(crate) fn plan(
     state: &mut State,
     words: &Words,
     axes: &AxisWords,
-    base: Exact,
     x_factor: i64,
 ) -> Result<Two, Alarm> {
     let variable = state.modal.motion == 34;
@@ -195,7 +194,7 @@ pub(crate) fn plan(
     }
     let (from, to) = (
         state.position,
-        within_stroke(axes.target(base, state.position), x_factor)?,
+        within_stroke(axes.target(state.position), x_factor)?,
     );
     let lead = lead(state)?;
     if from == to {
