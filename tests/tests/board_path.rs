@@ -2,9 +2,9 @@
 //! not drawn.
 
 #[allow(dead_code, reason = "the whole bench of the link")]
-#[path = "../../core/tests/bench/board.rs"]
+#[path = "control/bench/board.rs"]
 mod board;
-#[path = "../../core/tests/bench/keys.rs"]
+#[path = "control/bench/keys.rs"]
 mod keys;
 
 use std::time::Duration;

@@ -7,9 +7,9 @@ use gsk_link::LinkState;
 use super::machine::Machine;
 use crate::bench::keys::CYCLE_START;
 
-const SHAFT: &str = include_str!("../../../assets/programs/01-stepped-shaft.CNC");
-const PIN: &str = include_str!("../../../assets/programs/03-grooved-pin.CNC");
-const GROOVE: &str = include_str!("../../../assets/programs/O1031.CNC");
+const SHAFT: &str = include_str!("../../../../assets/programs/01-stepped-shaft.CNC");
+const PIN: &str = include_str!("../../../../assets/programs/03-grooved-pin.CNC");
+const GROOVE: &str = include_str!("../../../../assets/programs/O1031.CNC");
 
 #[test]
 fn reference_return_and_the_samples_end_on_the_pulse_of_the_kernel() {

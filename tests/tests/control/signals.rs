@@ -17,7 +17,7 @@ use gsk_core::plc::{Memory, Subject};
 use gsk_core::setup::standard_ladder;
 use gsk_core::units::PerAxis;
 
-const TABLE: &str = include_str!("../../assets/tables/plc-signals.tsv");
+const TABLE: &str = include_str!("../../../assets/tables/plc-signals.tsv");
 
 /// Signals that the control reads and writes elsewhere than in the F and G
 /// exchange; each has its case.

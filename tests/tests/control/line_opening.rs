@@ -136,8 +136,8 @@ fn the_example_of_a_config_yaml_fits_its_machine_file() {
         parameters.set(number, value).unwrap();
     }
     for text in [
-        include_str!("../../docs/real-lathe.md"),
-        include_str!("../../docs/real-lathe.zh-CN.md"),
+        include_str!("../../../docs/real-lathe.md"),
+        include_str!("../../../docs/real-lathe.zh-CN.md"),
     ] {
         let (_, yaml) = text.split_once("```yaml\n").unwrap();
         let (yaml, _) = yaml.split_once("```").unwrap();

@@ -6,7 +6,7 @@ use super::bench::config;
 use super::lathe::turning;
 use super::machine::Machine;
 
-const BUSHING: &str = include_str!("../../../assets/programs/02-bushing.CNC");
+const BUSHING: &str = include_str!("../../../../assets/programs/02-bushing.CNC");
 
 /// With an analog spindle.
 fn analog(pwm: bool) -> Machine {

@@ -23,10 +23,10 @@ use gsk_twins::grbl::Variant;
 /// The firmwares that read lines.
 const LINES: [Variant; 3] = [Variant::Grbl, Variant::GrblHal, Variant::FluidNc];
 
-const SHAFT: &str = include_str!("../../../assets/programs/01-stepped-shaft.CNC");
-const BUSHING: &str = include_str!("../../../assets/programs/02-bushing.CNC");
-const PIN: &str = include_str!("../../../assets/programs/03-grooved-pin.CNC");
-const GROOVE: &str = include_str!("../../../assets/programs/O1031.CNC");
+const SHAFT: &str = include_str!("../../../../assets/programs/01-stepped-shaft.CNC");
+const BUSHING: &str = include_str!("../../../../assets/programs/02-bushing.CNC");
+const PIN: &str = include_str!("../../../../assets/programs/03-grooved-pin.CNC");
+const GROOVE: &str = include_str!("../../../../assets/programs/O1031.CNC");
 
 /// A short part: rapids, a cut, an arc, spindle and coolant.
 const SHORT: &str = "O9\nN10 G50 X60 Z20\nN20 G98 G97 S500 M03\nN30 G00 X40 Z5 M08\n\
