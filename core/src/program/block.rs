@@ -343,6 +343,18 @@ impl TryFrom<Plain> for Block {
 /// Checks every number of a block against table 2-1; references to variables are
 /// left out.
 pub(super) fn check_values(block: &Block) -> Result<(), BlockError> {
+    let all_usual = block.words().iter().all(|word| {
+        let (low, high) = usual_range(word.address);
+        word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
+    });
+    match all_usual {
+        true => Ok(()),
+        false => check_each(block),
+    }
+}
+
+/// The same, each word against what its block allows.
+fn check_each(block: &Block) -> Result<(), BlockError> {
     let g65 = block.has_g(65);
     for word in block.words() {
         if word.value.variable().is_some() {
@@ -365,7 +377,32 @@ const DWELL: i64 = 99_999_999_000;
 /// What a macro operation can hold, ±2³².
 const MACRO: i64 = (1 << 32) * ONE;
 
-/// Lowest and highest value of a word, in millionths.
+/// Lowest and highest value of the words A to Z in most blocks, in millionths.
+const USUAL: [(i64, i64); 26] = {
+    let mut usual = [(-LENGTH, LENGTH); 26];
+    let mut letter = 0;
+    while letter < usual.len() {
+        match b'A' + letter as u8 {
+            b'F' | b'D' => usual[letter] = (0, 9_999_999 * ONE),
+            b'G' | b'M' | b'H' => usual[letter] = (0, 99 * ONE),
+            b'L' => usual[letter] = (ONE, 99 * ONE),
+            b'N' | b'S' | b'T' => usual[letter] = (0, 9999 * ONE),
+            b'P' => usual[letter] = (-99_999_999 * ONE, 99_999_999 * ONE),
+            b'Q' => usual[letter] = (-9_999_999 * ONE, 9_999_999 * ONE),
+            _ => {}
+        }
+        letter += 1;
+    }
+    usual
+};
+
+fn usual_range(address: u8) -> (i64, i64) {
+    let letter = usize::from(address.wrapping_sub(b'A'));
+    USUAL.get(letter).copied().unwrap_or((-LENGTH, LENGTH))
+}
+
+/// Lowest and highest value of a word in its block, in millionths: the usual ones, or
+/// farther apart.
 fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
     match word.address {
         b'H' | b'P' | b'Q' | b'R' if g65 => (-MACRO, MACRO),
@@ -374,15 +411,9 @@ fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
         b'R' if block.has_g(76) && !word.value.has_point() => (-9_999_999 * ONE, 9_999_999 * ONE),
         // Vector of an arc, or threads per inch.
         b'I' => (-LENGTH, 25_400 * ONE),
-        b'F' | b'D' => (0, 9_999_999 * ONE),
-        b'G' | b'M' | b'H' => (0, 99 * ONE),
         // The input that the M01 of an NC-B08 waits for.
         b'L' if block.word(b'M').is_some_and(|it| it.value.integer() == 1) => (0, 99 * ONE),
-        b'L' => (ONE, 99 * ONE),
-        b'N' | b'S' | b'T' => (0, 9999 * ONE),
-        b'P' => (-99_999_999 * ONE, 99_999_999 * ONE),
-        b'Q' => (-9_999_999 * ONE, 9_999_999 * ONE),
-        _ => (-LENGTH, LENGTH),
+        address => usual_range(address),
     }
 }
 

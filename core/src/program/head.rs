@@ -14,9 +14,10 @@ pub(super) struct Head {
 }
 
 impl Head {
-    /// Whether a block names a program. The first byte of most says that they do not.
+    /// Whether a block names a program. The first byte of most says that they do not: a
+    /// number of the block stands before no name.
     pub(super) fn names_program(text: &str) -> bool {
-        let other_word = matches!(text.as_bytes().first(), Some(b'A'..=b'M' | b'P'..=b'Z'));
+        let other_word = matches!(text.as_bytes().first(), Some(b'A'..=b'N' | b'P'..=b'Z'));
         !other_word && Self::read(text).o.is_some()
     }
 

@@ -337,7 +337,11 @@ fn read_number(
         let detail = say::point_missing(name);
         return Err(BlockError::at(number::BAD_POINT, start, detail));
     }
-    if address == b'F' && significant_digits(lexer, digits.at) > 7 {
+    let written = usize::from(digits.count) + usize::from(places);
+    if address == b'F'
+        && written > FEED_DIGITS
+        && significant_digits(lexer, digits.at) > FEED_DIGITS
+    {
         return Err(BlockError::at(
             number::OUT_OF_RANGE,
             start,
@@ -468,13 +472,16 @@ const PLACES: u8 = 6;
 /// What one in the last of so many places is worth, in millionths.
 const LAST_PLACE: [i64; PLACES as usize + 1] = [1_000_000, 100_000, 10_000, 1000, 100, 10, 1];
 
+/// So many digits the number of a feed may have, but for zeros that say nothing.
+const FEED_DIGITS: usize = 7;
+
 /// Digits of the number that was read last, from here on, without the zeros in front and
 /// those at the end of a fraction.
-fn significant_digits(lexer: &Lexer<'_>, at: usize) -> u32 {
+fn significant_digits(lexer: &Lexer<'_>, at: usize) -> usize {
     let mut lexer = lexer.moved_to(at);
-    let mut significant = 0_u32;
+    let mut significant = 0_usize;
     while let Some(digit) = lexer.digit() {
-        significant += u32::from(significant > 0 || digit != 0);
+        significant += usize::from(significant > 0 || digit != 0);
     }
     let (mark, len) = lexer.peek();
     if mark != b'.' {
@@ -484,7 +491,7 @@ fn significant_digits(lexer: &Lexer<'_>, at: usize) -> u32 {
     let mut zeros = 0;
     while let Some(digit) = lexer.digit() {
         if digit == 0 {
-            zeros += u32::from(significant > 0);
+            zeros += usize::from(significant > 0);
         } else {
             significant += zeros + 1;
             zeros = 0;
