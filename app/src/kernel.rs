@@ -246,6 +246,7 @@ impl Kernel {
         let panel = &self.emulator.panel;
         Snapshot {
             screen: self.emulator.screen(),
+            page: panel.page(),
             brightness: panel.view().brightness,
             y: self.emulator.lamps(),
             pressed: panel.pressed(),

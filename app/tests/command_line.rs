@@ -384,6 +384,29 @@ fn tables_and_pages_are_printed() {
     }
 }
 
+#[test]
+fn help_knows_commands_and_symbols() {
+    for (question, answer) in [
+        (&["help", "022"][..], "Range: 6..15000 mm/min"),
+        (
+            &["help", "alarm", "31"],
+            "Way out: select or load the program first",
+        ),
+        (&["help", "g71", "--lang", "zh"], "粗车循环"),
+        (&["help", "key", "cs"], "Contact: X25.0"),
+        (&["help", "coolant"], "X23.4"),
+        (&["help", "check"], "Usage: gsk980td check"),
+        (&["help"], "Usage: gsk980td"),
+    ] {
+        let (code, out, error) = said(question);
+        assert_eq!(code, 0, "{question:?}: {error}");
+        assert!(out.contains(answer), "{question:?}: {out}");
+    }
+    let (code, _, error) = said(&["help", "xyzzy"]);
+    assert_eq!(code, 2);
+    assert!(error.contains("no help about \"xyzzy\""), "{error}");
+}
+
 /// A data directory with a parameter and a program in it.
 fn data_directory(name: &str) -> Scratch {
     let script = "press EDIT\npress PRG\ntype O7\npress EOB\ntype G0X17\npress EOB\n";

@@ -173,13 +173,50 @@ fn pc_keys_press_panel_keys() {
     bench.harness.key_press(egui::Key::F5);
     bench.run(300);
     bench.lcd_shows("外部信息");
+    bench.harness.get_by_label("Keys").click();
+    bench.run(10);
+    let map = bench.harness.query_by_label("PC keyboard and panel keys");
+    assert!(map.is_some());
+}
+
+#[test]
+fn f1_explains_what_the_mouse_points_at() {
+    let mut bench = Bench::new();
+    let start = bench.harness.get_by_label("Cycle start").rect().center();
+    bench.harness.hover_at(start);
+    bench.run(10);
     bench.harness.key_press(egui::Key::F1);
     bench.run(10);
+    let shown = |bench: &Bench, text: &str| bench.harness.query_by_label_contains(text).is_some();
+    assert!(shown(&bench, "key CS  Cycle start"));
+    assert!(shown(&bench, "Contact: X25.0"));
+    // Once more closes it.
+    bench.harness.key_press(egui::Key::F1);
+    bench.run(10);
+    assert!(!shown(&bench, "key CS  Cycle start"));
+}
+
+#[test]
+fn a_key_that_is_to_be_explained_does_nothing_unless_it_stops() {
+    let mut bench = Bench::new();
+    bench.harness.get_by_label("Help F1").click();
+    bench.run(10);
+    bench.harness.get_by_label("Explain").click();
+    bench.run(10);
+    bench.click("Automatic mode");
+    bench.run(300);
+    let shown = |bench: &Bench, text: &str| bench.harness.query_by_label_contains(text).is_some();
+    assert!(shown(&bench, "key AUTO  Automatic mode"));
+    bench.lcd_shows("录入方式");
+    bench.click("Emergency stop");
+    bench.run(300);
+    assert!(shown(&bench, "key ESTOP  Emergency stop"));
     assert!(
         bench
-            .harness
-            .query_by_label("PC keyboard and panel keys")
-            .is_some()
+            .kernel
+            .snapshot()
+            .pressed
+            .contains(&Key::EmergencyStop)
     );
 }
 

@@ -1,7 +1,7 @@
 //! The size of the LCD, in cells and in dots.
 
 /// Columns of cells.
-pub(crate) const COLUMNS: usize = 40;
+pub const COLUMNS: usize = 40;
 /// Rows of cells.
 pub const ROWS: usize = 15;
 /// Dots from left to right.

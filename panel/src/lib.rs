@@ -14,4 +14,5 @@ pub mod raster;
 pub mod refusal;
 pub mod screen;
 pub mod script;
+pub mod signals;
 pub mod trace;

@@ -7,8 +7,7 @@ use gsk_messages::{Language, Message};
 use crate::bitmap::Bitmap;
 use crate::glyphs;
 
-pub(crate) use crate::lcd::COLUMNS;
-pub use crate::lcd::{HEIGHT, ROWS, WIDTH};
+pub use crate::lcd::{COLUMNS, HEIGHT, ROWS, WIDTH};
 
 /// The right half of a full-width character.
 const TAIL: char = '\0';

@@ -19,6 +19,7 @@ mod documents;
 mod edit_keys;
 mod fault_coverage;
 mod fuzz_corpus;
+mod help;
 mod hostile_input;
 mod machine_files;
 mod models;

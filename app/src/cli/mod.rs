@@ -2,6 +2,7 @@
 //! short commands stand here, each longer one in a file of its own.
 
 mod dialect;
+mod help;
 mod ladder;
 mod link;
 mod looks;
@@ -19,6 +20,7 @@ pub use gsk_runner::Language;
 use tracing::level_filters::LevelFilter;
 
 pub use dialect::DialectArgs;
+pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
 pub use link::{
     LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
@@ -47,7 +49,7 @@ to its end), 2 wrong call or file, 3 a tool hit something (--part), 130 ended by
 /// Without a command the operator panel opens in a window. Every command does
 /// its job without a window and without a display.
 #[derive(Debug, Parser)]
-#[command(name = "gsk980td", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true)]
+#[command(name = "gsk980td", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true, disable_help_subcommand = true)]
 pub struct Cli {
     /// What to do instead of opening the window.
     #[command(subcommand)]
@@ -160,6 +162,12 @@ pub enum Command {
     /// Find, try, watch or play a pulse board
     #[command(subcommand)]
     Link(LinkCommand),
+    /// Explain a symbol of the control, or a command
+    ///
+    /// Alarms, parameters and their bits, G and M codes, keys, lamps, pages and their fields,
+    /// PLC signals, diagnosis numbers: what each is for, its range, cause and way out, an
+    /// example. Words are looked for in all of them.
+    Help(HelpArgs),
     /// Print the licences of this program and of the packages it contains
     Notices,
     /// Print what a shell needs to complete this command line

@@ -76,6 +76,8 @@ pub enum CommandError {
         /// Its lines.
         errors: Vec<ScriptError>,
     },
+    /// Help that there is none for.
+    NoTopic(String),
     /// A page that is not there.
     NoPage {
         /// What was asked for.
@@ -147,6 +149,7 @@ impl CommandError {
                 let errors = errors.iter().map(ScriptError::message);
                 lines(errors.map(|error| say::subject_reason(&name, error)))
             }
+            Self::NoTopic(question) => say::help_nothing(question),
             Self::NoPage { name, pages } => say::command_no_page(name, pages),
             Self::Unattended(parts) => say::command_parts_unattended(parts),
             Self::OneProgram => say::command_one_program(),

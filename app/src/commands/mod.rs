@@ -3,6 +3,7 @@
 mod check;
 mod dialect;
 mod error;
+mod help;
 mod ladder;
 mod link;
 mod manual;
@@ -65,6 +66,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Check(args)) => args.look.lang,
         Some(Command::Plot(args)) => args.look.lang,
         Some(Command::Dialect(args)) => args.lang,
+        Some(Command::Help(args)) => args.lang,
         Some(_) => None,
     };
     let result = match cli.command {
@@ -82,6 +84,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
+        Some(Command::Help(args)) => help::help(&args),
         Some(Command::Notices) => Ok(notices()),
         Some(Command::Completions(args)) => Ok(manual::completions(&args)),
         Some(Command::Man(args)) => manual::man(&args),

@@ -4,14 +4,13 @@ use gsk_core::machine::FAULTS;
 use gsk_core::{alarm, memory};
 use gsk_messages::Language;
 use gsk_panel::keys::{Bit, KEYS, Role, STRIP};
+use gsk_panel::signals;
 use gsk_runner::report::class_name;
 use serde_json::{Value, json};
 
 use super::{CommandError, FINE, output};
 use crate::cli::TableArgs;
 use crate::window::pc_name;
-
-const SIGNALS: &str = include_str!("../../../assets/tables/plc-signals.tsv");
 
 /// A table: its heading, its rows, and the same as JSON.
 struct Table {
@@ -201,17 +200,20 @@ pub fn signals(args: &TableArgs) -> Result<u8, CommandError> {
         "中文",
         "ENGLISH",
     ]);
-    for line in SIGNALS.lines().skip(1) {
-        let cells: Vec<&str> = line.split('\t').collect();
-        let [address, symbol, direction, zh, en, manual, acts] = cells[..] else {
-            continue;
-        };
+    for row in signals::rows() {
         let json = json!({
-            "address": address, "symbol": symbol, "direction": direction, "zh": zh, "en": en,
-            "manual": manual, "acts": acts,
+            "address": row.address, "symbol": row.symbol, "direction": row.direction,
+            "zh": row.text_zh, "en": row.text_en, "manual": row.manual, "acts": row.acts,
         });
-        let row = [address, symbol, direction, acts, zh, en];
-        table.push(row.map(str::to_owned).to_vec(), json);
+        let cells = [
+            row.address,
+            row.symbol,
+            row.direction,
+            row.acts,
+            row.text_zh,
+            row.text_en,
+        ];
+        table.push(cells.map(str::to_owned).to_vec(), json);
     }
     table.print(args)
 }

@@ -19,6 +19,7 @@ use gsk_core::units::Point;
 use gsk_link::LinkState;
 use gsk_messages::Message;
 use gsk_panel::keys::Key;
+use gsk_panel::pages::PageId;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
 use gsk_runner::first_look::FirstLook;
@@ -191,6 +192,8 @@ pub enum Notice {
 pub struct Snapshot {
     /// The LCD.
     pub screen: Screen,
+    /// The page on it.
+    pub page: PageId,
     /// Brightness of the LCD.
     pub brightness: u8,
     /// Lamps: the Y memory.

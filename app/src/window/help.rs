@@ -1,89 +1,179 @@
-//! The map of PC keys, over the panel.
+//! Help: what is pointed at, or asked for in words, beside the panel (WINDOW-12).
 
-use egui::{Color32, Context, RichText};
-use gsk_panel::keys::{KEYS, KeyRow, Role};
-
-use super::layout::LAYOUTS;
-use super::view::{VIEWS, key_name};
+use egui::{Color32, Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
+use gsk_help::{Subject, Topic, article, ask, topic};
 use gsk_messages::{Language, say};
 
-/// Draws the map; returns whether it stays open.
-pub fn show(context: &Context, language: Language) -> bool {
-    let mut open = true;
-    let screen = context.content_rect();
-    let width = (screen.width() - 40.0).clamp(240.0, 980.0);
-    let window = egui::Window::new(say::window_keys_title().text(language))
-        .id(egui::Id::unique("key map"))
-        .collapsible(false)
-        .resizable(false)
-        .fixed_size([width, (screen.height() - 120.0).clamp(120.0, 620.0)])
-        .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
-        .open(&mut open);
-    window.show(context, |ui| {
-        for text in [
-            say::window_keys_characters(),
-            say::window_keys_latch(),
-            say::window_keys_wheel(),
-            say::window_keys_close(),
-        ] {
-            ui.label(RichText::new(text.text(language)).color(Color32::from_gray(150)));
+/// Size of the window, points.
+const SIZE: [f32; 2] = [440.0, 420.0];
+/// So many topics are listed for a question.
+const LISTED: usize = 60;
+
+/// The help window.
+#[derive(Debug, Default)]
+pub struct Help {
+    open: bool,
+    question: String,
+    /// Topics that were read, the last one is shown.
+    read: Vec<&'static Topic>,
+    /// What is pressed on the panel is explained.
+    explains: bool,
+}
+
+impl Help {
+    /// Opens it at a topic, or where one asks for one; closes it when it shows that
+    /// already.
+    pub fn ask(&mut self, about: Option<&'static Topic>) {
+        let shown = self.read.last().copied();
+        if self.open && (about.is_none() || about == shown) {
+            self.open = false;
+            return;
         }
-        let views = VIEWS.iter().map(|row| (row.key, row.name));
-        let layouts = LAYOUTS.iter().map(|row| (row.key, row.name));
-        let views = views
-            .chain(layouts)
-            .map(|(key, name)| format!("{}  {}", key_name(key), name().text(language)));
-        let views = views.collect::<Vec<_>>().join("     ");
-        ui.label(RichText::new(views).color(Color32::from_gray(190)));
-        egui::ScrollArea::vertical()
-            .auto_shrink([false, false])
-            .show(ui, |ui| {
-                let columns = ((ui.available_width() / 300.0).floor() as usize).clamp(1, 3);
-                let rows: Vec<&KeyRow> = listed().collect();
-                let length = rows.len().div_ceil(columns);
-                ui.columns(columns, |columns| {
-                    for (ui, rows) in columns.iter_mut().zip(rows.chunks(length.max(1))) {
-                        table(ui, rows, language);
-                    }
-                });
-            });
-    });
-    open
-}
+        self.open = true;
+        self.question.clear();
+        if let Some(about) = about {
+            self.turn_to(about);
+        }
+    }
 
-/// Letters, digits and signs press what is printed on them: one line for all.
-fn listed() -> impl Iterator<Item = &'static KeyRow> {
-    KEYS.iter()
-        .filter(|row| !matches!(row.role, Role::Character(..)) && !row.pc.is_empty())
-}
+    /// Whether what is pressed on the panel is explained instead.
+    pub const fn explains(&self) -> bool {
+        self.open && self.explains
+    }
 
-fn table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {
-    let id = rows.first().map_or("", |row| row.id);
-    egui::Grid::new(("keys", id))
-        .num_columns(2)
-        .striped(true)
-        .spacing([12.0, 2.0])
-        .show(ui, |ui| {
-            ui.strong(say::window_pc_key().text(language));
-            ui.strong(say::window_panel_key().text(language));
-            ui.end_row();
-            for row in rows {
-                ui.label(RichText::new(pc_name(row.pc)).monospace());
-                let name = match language {
-                    Language::Zh => row.name_zh,
-                    Language::En => row.name_en,
-                };
-                ui.label(name);
-                ui.end_row();
+    /// Shows what is said of something that was pressed to be explained.
+    pub fn explain(&mut self, about: &'static Topic) {
+        self.question.clear();
+        self.turn_to(about);
+    }
+
+    fn turn_to(&mut self, about: &'static Topic) {
+        if self.read.last() != Some(&about) {
+            self.read.push(about);
+        }
+    }
+
+    /// Draws it, if it is open.
+    pub fn show(&mut self, context: &Context, language: Language) {
+        if !self.open {
+            return;
+        }
+        let screen = context.content_rect();
+        let size = [
+            SIZE[0].min(screen.width() - 20.0),
+            SIZE[1].min(screen.height() - 60.0),
+        ];
+        let mut open = true;
+        egui::Window::new(say::window_help_title().text(language))
+            .id(egui::Id::unique("help"))
+            .collapsible(false)
+            .default_size(size)
+            // Beside what is pointed at, as a rule.
+            .default_pos(screen.right_top() + egui::vec2(-size[0] - 20.0, 50.0))
+            .open(&mut open)
+            .show(context, |ui| self.inside(ui, language));
+        self.open &= open;
+        self.explains &= self.open;
+    }
+
+    fn inside(&mut self, ui: &mut Ui, language: Language) {
+        ui.horizontal(|ui| {
+            let back = egui::Button::new("⬅");
+            let back = ui.add_enabled(self.read.len() > 1 && self.question.is_empty(), back);
+            let back = back.on_hover_text(say::window_help_back().text(language));
+            if back.clicked() {
+                self.read.pop();
+            }
+            let explain = say::window_help_explain().text(language);
+            ui.toggle_value(&mut self.explains, explain)
+                .on_hover_text(say::window_help_explain_hint().text(language));
+            let hint = say::window_help_hint().text(language);
+            let field = TextEdit::singleline(&mut self.question).hint_text(hint);
+            let field = ui.add(field.desired_width(f32::INFINITY));
+            if field.has_focus() && ui.input(|input| input.key_pressed(Key::Escape)) {
+                self.question.clear();
             }
         });
+        ui.separator();
+        ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| self.text(ui, language));
+    }
+
+    fn text(&mut self, ui: &mut Ui, language: Language) {
+        if !self.question.trim().is_empty() {
+            let found = ask(&self.question);
+            if found.is_empty() {
+                ui.label(say::window_help_nothing().text(language));
+            }
+            if let Some(chosen) = list(ui, &found, language) {
+                self.question.clear();
+                self.turn_to(chosen);
+            }
+            return;
+        }
+        let Some(shown) = self.read.last() else {
+            ui.label(say::window_help_begin().text(language));
+            return;
+        };
+        show_article(ui, shown, language);
+        if let Some(chosen) = list(ui, &related(shown.subject), language) {
+            self.turn_to(chosen);
+        }
+    }
 }
 
-/// A PC key as it is printed on keyboards.
-pub fn pc_name(name: &str) -> String {
-    name.replace("ArrowUp", "↑")
-        .replace("ArrowDown", "↓")
-        .replace("ArrowLeft", "←")
-        .replace("ArrowRight", "→")
-        .replace("Escape", "Esc")
+/// Topics by their headings; the one that was clicked.
+fn list(ui: &mut Ui, topics: &[&'static Topic], language: Language) -> Option<&'static Topic> {
+    let mut chosen = None;
+    for topic in topics.iter().take(LISTED) {
+        if ui.link(article(topic, language).heading).clicked() {
+            chosen = Some(*topic);
+        }
+    }
+    if topics.len() > LISTED {
+        ui.weak(say::help_more(topics.len() - LISTED).text(language));
+    }
+    chosen
+}
+
+/// What belongs to a subject: the bits of a state parameter, the parameter of a bit, the
+/// page of a field.
+fn related(subject: Subject<'_>) -> Vec<&'static Topic> {
+    match subject {
+        Subject::Parameter(number) => (0..8)
+            .rev()
+            .filter_map(|bit| topic(Subject::Bit(number, bit)))
+            .collect(),
+        Subject::Bit(number, _) => topic(Subject::Parameter(number)).into_iter().collect(),
+        Subject::Field(page, _) => topic(Subject::Page(page)).into_iter().collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn show_article(ui: &mut Ui, topic: &Topic, language: Language) {
+    let article = article(topic, language);
+    ui.heading(article.heading);
+    ui.add_space(4.0);
+    if !article.rule.is_empty() {
+        ui.label(article.rule);
+        ui.add_space(4.0);
+    }
+    for fact in article.facts {
+        ui.label(RichText::new(fact).color(Color32::from_gray(170)));
+    }
+    if !article.example.is_empty() {
+        ui.add_space(4.0);
+        Frame::new()
+            .fill(ui.visuals().faint_bg_color)
+            .inner_margin(Margin::same(6))
+            .show(ui, |ui| {
+                ui.label(RichText::new(say::window_help_example().text(language)).strong());
+                ui.label(article.example);
+            });
+    }
+    if !article.source.is_empty() {
+        ui.weak(article.source);
+    }
+    ui.add_space(6.0);
 }

@@ -10,6 +10,7 @@ mod files;
 pub mod fonts;
 mod held;
 mod help;
+mod key_map;
 mod keyboard;
 pub mod layout;
 mod lcd;
@@ -29,9 +30,10 @@ mod views;
 
 use std::path::PathBuf;
 
-use egui::{Event, Frame, Margin, Panel, Ui, UiBuilder};
+use egui::{Event, Frame, Margin, Panel, Pos2, Ui, UiBuilder};
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
+use gsk_help::{Subject, Topic, topic};
 use gsk_link::LinkState;
 use gsk_panel::keys::Key;
 
@@ -40,6 +42,7 @@ use crate::platform;
 use files::Browser;
 use gsk_messages::{Language, say};
 use held::{Change, Held};
+use help::Help;
 use keyboard::PcAction;
 use layout::Pane;
 use message::Message;
@@ -49,7 +52,7 @@ use questions::Questions;
 pub use settings::Settings;
 use views::{Views, header};
 
-pub use help::pc_name;
+pub use key_map::pc_name;
 
 /// Title of the window.
 pub const TITLE: &str = "GSK980TD";
@@ -68,7 +71,11 @@ pub struct Window {
     held: Held<Key>,
     pointing: Pointing,
     opener: Opener,
-    help: bool,
+    key_map: bool,
+    help: Help,
+    /// Where the panel lies, by its areas, and the pointer, where nothing covers it.
+    placed: Vec<placing::View>,
+    pointer: Option<Pos2>,
     questions: Questions,
     browser: Browser,
     views: Views,
@@ -100,7 +107,10 @@ impl Window {
             held: Held::default(),
             pointing: Pointing::default(),
             opener,
-            help: false,
+            key_map: false,
+            help: Help::default(),
+            placed: Vec::new(),
+            pointer: None,
             questions: Questions::default(),
             browser: Browser::default(),
             views,
@@ -238,9 +248,10 @@ impl Window {
         if let Some(asked) = asked {
             self.answer(asked, ui);
         }
-        if self.help {
-            self.help = help::show(ui.ctx(), language);
+        if self.key_map {
+            self.key_map = key_map::show(ui.ctx(), language);
         }
+        self.help.show(ui.ctx(), language);
         let picture = self.picture.as_ref();
         let unsaved = self.views.unsaved();
         self.questions
@@ -384,7 +395,8 @@ impl Window {
                 surroundings::set(ui.ctx(), self.settings.light);
             }
             top_bar::Asked::Model(model) => self.models.asked = Some(model),
-            top_bar::Asked::Keys => self.help = !self.help,
+            top_bar::Asked::Keys => self.key_map = !self.key_map,
+            top_bar::Asked::Help => self.help.ask(None),
             top_bar::Asked::Language => {
                 self.settings.language = match self.settings.language {
                     Language::Zh => Language::En,
@@ -456,10 +468,19 @@ impl Window {
         self.typed(&events);
     }
 
+    /// What help says of the alarm that stands.
+    fn standing(&self) -> Option<&'static Topic> {
+        let alarm = self.picture.as_ref()?.alarm.as_ref()?;
+        topic(Subject::Alarm(alarm.row()?.number))
+    }
+
     fn typed(&mut self, events: &[Event]) {
         for event in events {
             match keyboard::action(event) {
-                Some(PcAction::Help) => self.help = !self.help,
+                Some(PcAction::Help) => {
+                    let about = self.pointer.and_then(|at| self.pointed_at(at));
+                    self.help.ask(about.or_else(|| self.standing()));
+                }
                 Some(PcAction::Turn(graduations)) => self.console.send(Command::Turn(graduations)),
                 Some(PcAction::Type(character)) => {
                     self.held.forget_kept();

@@ -1,10 +1,14 @@
 //! The panel inside the window: parts, LCD, accessible names, pointer.
 
-use egui::{Color32, Painter, Pos2, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo};
+use egui::{
+    Color32, Event, Painter, Pos2, Role, Sense, Stroke, StrokeKind, TouchPhase, Ui, WidgetInfo,
+};
+use gsk_help::{Subject, Topic, on_screen, topic};
 use gsk_panel::faceplate::{self, FaceState, Outline, Part, What};
 use gsk_panel::keys::{Key, STRIP};
+use gsk_panel::screen::{COLUMNS, ROWS};
 
-use super::help::pc_name;
+use super::key_map::pc_name;
 use super::placing::{self, View};
 use super::{Command, Message, Window};
 use gsk_messages::{Language, say};
@@ -26,6 +30,26 @@ fn ring(painter: &Painter, view: View, part: &Part) {
             painter.rect_stroke(rect, radius, stroke, StrokeKind::Outside);
         }
     }
+}
+
+/// Where a mouse button or a finger goes down.
+fn pressed_at(event: &Event) -> Option<Pos2> {
+    match event {
+        Event::PointerButton {
+            pos, pressed: true, ..
+        }
+        | Event::Touch {
+            pos,
+            phase: TouchPhase::Start,
+            ..
+        } => Some(*pos),
+        _ => None,
+    }
+}
+
+/// Whether a key only ever stops the machine: it acts also while keys are explained.
+const fn stops(key: Key) -> bool {
+    matches!(key, Key::EmergencyStop | Key::Reset | Key::FeedHold)
 }
 
 impl Window {
@@ -155,6 +179,25 @@ impl Window {
         }
     }
 
+    /// The topic about what lies at a place of the window: a key, a lamp, what the LCD
+    /// shows there.
+    pub(super) fn pointed_at(&self, at: Pos2) -> Option<&'static Topic> {
+        let (x, y) = placing::units(&self.placed, at)?;
+        let lcd = faceplate::lcd();
+        if lcd.contains(x, y) {
+            let picture = self.picture.as_ref()?;
+            let cell = |from: f32, size: f32, count: usize| (from / size * count as f32) as usize;
+            let row = cell(y - lcd.y, lcd.h, ROWS);
+            let column = cell(x - lcd.x, lcd.w, COLUMNS);
+            return on_screen(picture.page, &picture.screen, row, column);
+        }
+        match faceplate::part_at(x, y)?.what {
+            What::Key(key) => topic(Subject::Key(key.id())),
+            What::Strip(index) => topic(Subject::Lamp(STRIP.get(index)?.id)),
+            _ => None,
+        }
+    }
+
     fn point(&mut self, ui: &Ui, views: &[View]) {
         let own = ui.layer_id();
         let context = ui.ctx().clone();
@@ -162,7 +205,23 @@ impl Window {
         let free = |at: Pos2| {
             room.contains(at) && context.layer_id_at(at).is_none_or(|layer| layer == own)
         };
-        let events = ui.input(|input| input.events.clone());
+        let mut events = ui.input(|input| input.events.clone());
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        self.pointer = pointer.filter(|at| free(*at));
+        self.placed = views.to_vec();
+        if self.help.explains() {
+            events.retain(|event| {
+                let Some(at) = pressed_at(event).filter(|at| free(*at)) else {
+                    return true;
+                };
+                if let Some(about) = self.pointed_at(at) {
+                    self.help.explain(about);
+                }
+                placing::units(views, at)
+                    .and_then(|(x, y)| faceplate::part_at(x, y)?.key())
+                    .is_some_and(stops)
+            });
+        }
         let done = self.pointing.follow(&events, views, &mut self.held, &free);
         self.send(&done.changes);
         if let Some(key) = done.not_kept {

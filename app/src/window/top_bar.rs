@@ -48,6 +48,8 @@ pub enum Asked {
     Model(ModelId),
     /// Show the key map.
     Keys,
+    /// Open the help.
+    Help,
     /// The other language.
     Language,
 }
@@ -164,6 +166,9 @@ pub fn show(
             }
             if ui.button(say::window_keys().text(language)).clicked() {
                 asked = Some(Asked::Keys);
+            }
+            if ui.button(say::window_help().text(language)).clicked() {
+                asked = Some(Asked::Help);
             }
             if let Some(picture) = picture {
                 asked = speeds(ui, language, picture).or(asked.take());

@@ -6,41 +6,19 @@ use gsk_core::plc::address::BitAddress;
 use gsk_core::plc::{Ladder, Subject};
 use gsk_messages::Language;
 
-/// One named bit.
-struct Row {
-    address: BitAddress,
-    symbol: &'static str,
-    text_zh: &'static str,
-    text_en: &'static str,
-}
+use crate::signals::{self, Signal};
 
-static TABLE: &str = include_str!("../../../assets/tables/plc-signals.tsv");
-
-static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| {
-    let mut rows: Vec<Row> = TABLE.lines().skip(1).filter_map(parse).collect();
-    rows.sort_by_key(|row| row.address);
+/// The signals of one bit, by address.
+static ROWS: LazyLock<Vec<(BitAddress, &'static Signal)>> = LazyLock::new(|| {
+    let bit = |row: &'static Signal| Some((row.address.parse().ok()?, row));
+    let mut rows: Vec<_> = signals::rows().iter().filter_map(bit).collect();
+    rows.sort_by_key(|(address, _)| *address);
     rows
 });
 
-fn parse(line: &'static str) -> Option<Row> {
-    let mut fields = line.split('\t');
-    let address = fields.next()?.parse().ok()?;
-    let symbol = fields.next()?;
-    let text_zh = fields.nth(1)?;
-    let text_en = fields.next()?;
-    Some(Row {
-        address,
-        symbol: if symbol == "-" { "" } else { symbol },
-        text_zh,
-        text_en,
-    })
-}
-
-fn row(address: BitAddress) -> Option<&'static Row> {
-    let at = ROWS
-        .binary_search_by_key(&address, |row| row.address)
-        .ok()?;
-    ROWS.get(at)
+fn row(address: BitAddress) -> Option<&'static Signal> {
+    let at = ROWS.binary_search_by_key(&address, |(bit, _)| *bit).ok()?;
+    ROWS.get(at).map(|(_, row)| *row)
 }
 
 /// The name in the row of eight names: the first of several; a dash without one.

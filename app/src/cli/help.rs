@@ -1,0 +1,20 @@
+//! Options of `help`.
+
+use clap::Args;
+use gsk_messages::Language;
+
+use super::language;
+
+/// `help`.
+#[derive(Args, Debug)]
+pub struct HelpArgs {
+    /// A command, or what is to be explained: `alarm 31`, `022`, `004.3`, `G71`, `key CS`, `page oft`, `X0.5`, or words
+    #[arg(value_name = "TOPIC")]
+    pub topic: Vec<String>,
+    /// List the topics
+    #[arg(long, conflicts_with = "topic")]
+    pub list: bool,
+    /// Language of the texts [default: en]
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}

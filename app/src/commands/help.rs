@@ -1,0 +1,67 @@
+//! `help`: what a command does, and what a symbol of the control means.
+
+use clap::CommandFactory;
+use gsk_help::{Topic, article, ask, topics};
+use gsk_messages::{Language, say};
+
+use super::{CommandError, FINE, output};
+use crate::cli::{Cli, HelpArgs};
+
+/// So many articles are printed whole; of more there is a list.
+const WHOLE: usize = 4;
+/// Lines of the list.
+const LISTED: usize = 40;
+
+/// `help`.
+///
+/// # Errors
+/// Nothing is known of it.
+pub fn help(args: &HelpArgs) -> Result<u8, CommandError> {
+    let language = args.lang.unwrap_or(Language::En);
+    if args.list {
+        output::print(&headings(&topics().iter().collect::<Vec<_>>(), language));
+        return Ok(FINE);
+    }
+    let mut program = Cli::command();
+    program.build();
+    let Some(first) = args.topic.first() else {
+        output::print(&program.render_long_help().to_string());
+        return Ok(FINE);
+    };
+    let mut command = program.find_subcommand(first);
+    for below in args.topic.iter().skip(1) {
+        command = command.and_then(|command| command.find_subcommand(below));
+    }
+    if let Some(command) = command.filter(|it| !it.is_hide_set()) {
+        output::print(&command.clone().render_long_help().to_string());
+        return Ok(FINE);
+    }
+    let question = args.topic.join(" ");
+    let found = ask(&question);
+    if found.is_empty() {
+        return Err(CommandError::NoTopic(question));
+    }
+    if found.len() <= WHOLE {
+        let articles = found
+            .iter()
+            .map(|topic| article(topic, language).to_string());
+        output::print(&articles.collect::<Vec<_>>().join("\n"));
+        return Ok(FINE);
+    }
+    output::print(&headings(&found[..found.len().min(LISTED)], language));
+    if found.len() > LISTED {
+        let more = say::help_more(found.len() - LISTED);
+        output::print(&format!("{}\n", more.text(language)));
+    }
+    Ok(FINE)
+}
+
+/// How each is asked for, and its name, a line each.
+fn headings(topics: &[&Topic], language: Language) -> String {
+    let line = |topic: &&Topic| {
+        let name = gsk_help::name(topic.subject, language);
+        let line = format!("{:<24} {name}", topic.subject.to_string());
+        format!("{}\n", line.trim_end())
+    };
+    topics.iter().map(line).collect()
+}

@@ -1,0 +1,88 @@
+//! The map of PC keys, over the panel.
+
+use egui::{Color32, Context, RichText};
+use gsk_panel::keys::{KEYS, KeyRow, Role};
+
+use super::layout::LAYOUTS;
+use super::view::{VIEWS, key_name};
+use gsk_messages::{Language, say};
+
+/// Draws the map; returns whether it stays open.
+pub fn show(context: &Context, language: Language) -> bool {
+    let mut open = true;
+    let screen = context.content_rect();
+    let width = (screen.width() - 40.0).clamp(240.0, 980.0);
+    let window = egui::Window::new(say::window_keys_title().text(language))
+        .id(egui::Id::unique("key map"))
+        .collapsible(false)
+        .resizable(false)
+        .fixed_size([width, (screen.height() - 120.0).clamp(120.0, 620.0)])
+        .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+        .open(&mut open);
+    window.show(context, |ui| {
+        for text in [
+            say::window_keys_characters(),
+            say::window_keys_latch(),
+            say::window_keys_wheel(),
+        ] {
+            ui.label(RichText::new(text.text(language)).color(Color32::from_gray(150)));
+        }
+        let views = VIEWS.iter().map(|row| (row.key, row.name));
+        let layouts = LAYOUTS.iter().map(|row| (row.key, row.name));
+        let views = views
+            .chain(layouts)
+            .map(|(key, name)| format!("{}  {}", key_name(key), name().text(language)));
+        let views = views.collect::<Vec<_>>().join("     ");
+        ui.label(RichText::new(views).color(Color32::from_gray(190)));
+        egui::ScrollArea::vertical()
+            .auto_shrink([false, false])
+            .show(ui, |ui| {
+                let columns = ((ui.available_width() / 300.0).floor() as usize).clamp(1, 3);
+                let rows: Vec<&KeyRow> = listed().collect();
+                let length = rows.len().div_ceil(columns);
+                ui.columns(columns, |columns| {
+                    for (ui, rows) in columns.iter_mut().zip(rows.chunks(length.max(1))) {
+                        table(ui, rows, language);
+                    }
+                });
+            });
+    });
+    open
+}
+
+/// Letters, digits and signs press what is printed on them: one line for all.
+fn listed() -> impl Iterator<Item = &'static KeyRow> {
+    KEYS.iter()
+        .filter(|row| !matches!(row.role, Role::Character(..)) && !row.pc.is_empty())
+}
+
+fn table(ui: &mut egui::Ui, rows: &[&KeyRow], language: Language) {
+    let id = rows.first().map_or("", |row| row.id);
+    egui::Grid::new(("keys", id))
+        .num_columns(2)
+        .striped(true)
+        .spacing([12.0, 2.0])
+        .show(ui, |ui| {
+            ui.strong(say::window_pc_key().text(language));
+            ui.strong(say::window_panel_key().text(language));
+            ui.end_row();
+            for row in rows {
+                ui.label(RichText::new(pc_name(row.pc)).monospace());
+                let name = match language {
+                    Language::Zh => row.name_zh,
+                    Language::En => row.name_en,
+                };
+                ui.label(name);
+                ui.end_row();
+            }
+        });
+}
+
+/// A PC key as it is printed on keyboards.
+pub fn pc_name(name: &str) -> String {
+    name.replace("ArrowUp", "↑")
+        .replace("ArrowDown", "↓")
+        .replace("ArrowLeft", "←")
+        .replace("ArrowRight", "→")
+        .replace("Escape", "Esc")
+}

@@ -1,0 +1,80 @@
+//! A topic as it is read: heading, rule, what the tables know, example, source.
+
+use core::fmt;
+
+use gsk_messages::{Language, say};
+
+use crate::facts::{facts, name};
+use crate::subject::Subject;
+use crate::table::Topic;
+
+/// A topic in one language.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Article {
+    /// How it is asked for, and its name: `No. 022  Rapid speed, X axis`.
+    pub heading: String,
+    /// What it is for and what it does.
+    pub rule: &'static str,
+    /// What the tables of the control say of it, a sentence each.
+    pub facts: Vec<String>,
+    /// A worked example; empty where none makes sense.
+    pub example: &'static str,
+    /// The section of the manual, as a sentence; empty for what only this program has.
+    pub source: String,
+}
+
+/// A topic in a language.
+pub fn article(topic: &Topic, language: Language) -> Article {
+    let name = name(topic.subject, language);
+    let called = called(topic.subject, language);
+    Article {
+        heading: match name.is_empty() {
+            true => called,
+            false => format!("{called}  {name}"),
+        },
+        rule: topic.rule(language),
+        facts: facts(topic.subject, language),
+        example: topic.example(language),
+        source: match topic.source {
+            "" => String::new(),
+            section => say::help_source(section).text(language),
+        },
+    }
+}
+
+/// A subject as a heading calls it.
+fn called(subject: Subject<'_>, language: Language) -> String {
+    let said = match subject {
+        Subject::Alarm(number) => say::help_alarm(format!("{number:03}")),
+        Subject::Parameter(number) => say::help_parameter(format!("{number:03}")),
+        Subject::Bit(number, bit) => say::help_parameter(format!("{number:03}.{bit}")),
+        Subject::Key(id) => say::help_key(id),
+        Subject::Lamp(id) => say::help_lamp(id),
+        Subject::Page(id) => say::help_page(id),
+        Subject::Field(page, label) => say::help_field(label, page),
+        Subject::Diagnosis(number) => say::help_diagnosis(format!("{number:03}")),
+        Subject::Code(name) | Subject::Signal(name) | Subject::Notion(name) => {
+            return name.to_owned();
+        }
+    };
+    said.text(language)
+}
+
+/// As text, a paragraph a part.
+impl fmt::Display for Article {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.heading)?;
+        if !self.rule.is_empty() {
+            writeln!(f, "{}", self.rule)?;
+        }
+        for fact in &self.facts {
+            writeln!(f, "{fact}")?;
+        }
+        for text in [self.example, &self.source] {
+            if !text.is_empty() {
+                writeln!(f, "{text}")?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,141 @@
+//! What the tables of the control know of a subject.
+
+use gsk_core::memory::{self, Disk, Effective, ParameterRow};
+use gsk_core::{alarm, alarm::AlarmRow};
+use gsk_messages::{Language, say};
+use gsk_panel::keys::{Bit, KEYS, KeyRow, Role, STRIP, StripLamp};
+use gsk_panel::pages::PAGES;
+use gsk_panel::signals::{self, Signal};
+
+use crate::subject::Subject;
+
+/// The name of a subject in its table; empty where it has no other than how it is asked
+/// for.
+pub fn name(subject: Subject<'_>, language: Language) -> String {
+    let text = |zh: &str, en: &str| by(language, zh, en).to_owned();
+    match subject {
+        Subject::Alarm(number) => alarm::row(number).map(|row| text(row.text_zh, row.meaning_en)),
+        Subject::Parameter(number) => {
+            parameter(number, None).map(|row| text(row.meaning_zh, row.meaning_en))
+        }
+        Subject::Bit(number, bit) => {
+            parameter(number, Some(bit)).map(|row| text(row.meaning_zh, row.meaning_en))
+        }
+        Subject::Key(id) => key(id).map(|row| text(row.name_zh, row.name_en)),
+        Subject::Lamp(id) => lamp(id).map(|row| text(row.name_zh, row.name_en)),
+        Subject::Page(id) => {
+            let page = PAGES.iter().find(|row| row.name == id);
+            page.map(|row| row.page.title().text(language))
+        }
+        Subject::Signal(address) => {
+            signals::find(address).map(|row| text(row.text_zh, row.text_en))
+        }
+        Subject::Code(_) | Subject::Field(..) | Subject::Diagnosis(_) | Subject::Notion(_) => None,
+    }
+    .unwrap_or_default()
+}
+
+/// What its table says of a subject besides its name, a sentence each.
+pub fn facts(subject: Subject<'_>, language: Language) -> Vec<String> {
+    match subject {
+        Subject::Alarm(number) => alarm::row(number).map(|row| of_alarm(row, language)),
+        Subject::Parameter(number) => {
+            parameter(number, None).map(|row| of_parameter(row, language))
+        }
+        Subject::Bit(number, bit) => {
+            parameter(number, Some(bit)).map(|row| of_parameter(row, language))
+        }
+        Subject::Key(id) => key(id).map(|row| of_key(row, language)),
+        Subject::Lamp(id) => lamp(id).map(|row| vec![lit_by(row.lamp, language)]),
+        Subject::Signal(address) => signals::find(address).map(|row| of_signal(row, language)),
+        _ => None,
+    }
+    .unwrap_or_default()
+}
+
+fn by<'a>(language: Language, zh: &'a str, en: &'a str) -> &'a str {
+    match language {
+        Language::Zh => zh,
+        Language::En => en,
+    }
+}
+
+fn parameter(number: u16, bit: Option<u8>) -> Option<&'static ParameterRow> {
+    memory::rows()
+        .iter()
+        .find(|row| row.number == number && row.bit == bit)
+}
+
+fn key(id: &str) -> Option<&'static KeyRow> {
+    KEYS.iter().find(|row| row.id == id)
+}
+
+fn lamp(id: &str) -> Option<&'static StripLamp> {
+    STRIP.iter().find(|row| row.id == id)
+}
+
+fn of_alarm(row: &AlarmRow, language: Language) -> Vec<String> {
+    let (cause, way_out) = match (&row.advice, language) {
+        (Some(advice), Language::Zh) => (advice.cause_zh, Some(advice.way_out_zh)),
+        (Some(advice), Language::En) => (row.cause_en, Some(advice.way_out_en)),
+        (None, _) => (row.cause_en, None),
+    };
+    let mut facts = vec![say::window_alarm_cause(cause).text(language)];
+    facts.extend(way_out.map(|it| say::window_alarm_way_out(it).text(language)));
+    if language == Language::En {
+        facts.push(say::window_alarm_cleared_by(row.cleared_by_en).text(language));
+    }
+    facts
+}
+
+fn of_parameter(row: &ParameterRow, language: Language) -> Vec<String> {
+    let mut facts = Vec::new();
+    if !row.symbol.is_empty() {
+        facts.push(say::help_on_the_screen(row.symbol).text(language));
+    }
+    if row.state {
+        let bits = format!("{:08b}", row.factory(Disk::N0));
+        facts.push(say::help_as_delivered(bits).text(language));
+        return facts;
+    }
+    let unit = match row.unit {
+        "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    facts.push(say::help_range(format!("{}{unit}", row.range)).text(language));
+    facts.push(say::help_as_delivered(format!("{}{unit}", row.factory(Disk::N0))).text(language));
+    if let Effective::AtPowerOn { alarm } = row.effective {
+        let said = match alarm {
+            true => say::help_at_power_on_alarm(),
+            false => say::help_at_power_on(),
+        };
+        facts.push(said.text(language));
+    }
+    facts
+}
+
+fn of_key(row: &KeyRow, language: Language) -> Vec<String> {
+    let mut facts = vec![say::help_printed_on_it(row.legend.join(" ")).text(language)];
+    if let Role::Machine(contact) = row.role {
+        facts.push(say::help_contact(address('X', contact)).text(language));
+    }
+    facts.extend(row.lamp.map(|lamp| lit_by(lamp, language)));
+    facts
+}
+
+fn of_signal(row: &Signal, language: Language) -> Vec<String> {
+    let mut facts = Vec::new();
+    if !row.symbol.is_empty() {
+        facts.push(say::help_symbol(row.symbol).text(language));
+    }
+    facts.push(say::help_direction(row.direction.replace('>', " → ")).text(language));
+    facts
+}
+
+fn lit_by(lamp: Bit, language: Language) -> String {
+    say::help_lit_by(address('Y', lamp)).text(language)
+}
+
+fn address(area: char, bit: Bit) -> String {
+    format!("{area}{}.{}", bit.byte, bit.bit)
+}

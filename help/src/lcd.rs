@@ -1,0 +1,167 @@
+//! What somebody points at on the LCD.
+
+use gsk_panel::lcd::COLUMNS;
+use gsk_panel::pages::PageId;
+use gsk_panel::screen::Screen;
+
+use crate::subject::Subject;
+use crate::table::{Topic, topic, topics};
+
+/// Bits of a byte, and digits of a state parameter.
+const BITS: usize = 8;
+
+/// The topic about what a page shows in a row and column; of the page itself where it
+/// shows nothing that has one of its own.
+pub fn on_screen(
+    page: PageId,
+    screen: &Screen,
+    row: usize,
+    column: usize,
+) -> Option<&'static Topic> {
+    let pointed = match page {
+        PageId::ParBit | PageId::ParData => parameter(screen, row, column),
+        PageId::Dgn => diagnosis(screen, row, column),
+        PageId::PlcBits => signal(screen, row, column),
+        PageId::Alm | PageId::Msg => alarm(screen, row),
+        _ => None,
+    };
+    pointed
+        .or_else(|| field(page, screen, row, column))
+        .or_else(|| topic(Subject::Page(page.name())))
+}
+
+/// A word of the screen: where it begins, and its text.
+struct Word {
+    at: usize,
+    text: String,
+}
+
+/// The words in some columns of a row; a wide character takes two of them.
+fn words(screen: &Screen, row: usize, columns: core::ops::Range<usize>) -> Vec<Word> {
+    let mut words: Vec<Word> = Vec::new();
+    let mut inside = false;
+    for column in columns {
+        match screen.cell(row, column).character {
+            // The second half of a wide character.
+            '\0' => {}
+            ' ' | '_' => inside = false,
+            character if inside => {
+                if let Some(word) = words.last_mut() {
+                    word.text.push(character);
+                }
+            }
+            character => {
+                inside = true;
+                words.push(Word {
+                    at: column,
+                    text: character.to_string(),
+                });
+            }
+        }
+    }
+    words
+}
+
+/// The half of a list that a column lies in: lists have two.
+fn half(column: usize) -> core::ops::Range<usize> {
+    let middle = COLUMNS / 2;
+    match column < middle {
+        true => 0..middle,
+        false => middle..COLUMNS,
+    }
+}
+
+/// The first word of the entry that is pointed at, and the bit, where one of its eight
+/// digits is.
+fn entry(screen: &Screen, row: usize, column: usize) -> Option<(String, Option<u8>)> {
+    let mut words = words(screen, row, half(column)).into_iter();
+    let name = words.next()?;
+    let bit = words.next().and_then(|digits| {
+        let of_bits =
+            digits.text.len() == BITS && digits.text.bytes().all(|it| b"01".contains(&it));
+        let from_left = column.checked_sub(digits.at)?;
+        (of_bits && from_left < BITS).then(|| (BITS - 1 - from_left) as u8)
+    });
+    Some((name.text, bit))
+}
+
+/// The bit whose name of the eight in a row is pointed at, with what the line of the
+/// chosen number says that it belongs to.
+fn named_bit(screen: &Screen, row: usize, column: usize) -> Option<(String, u8)> {
+    let names = words(screen, row, 0..COLUMNS);
+    if names.len() != BITS {
+        return None;
+    }
+    let from_left = names.iter().rposition(|word| word.at <= column)?;
+    // 序号 004
+    let mut chosen = words(screen, CHOSEN_ROW, 0..COLUMNS / 2).into_iter();
+    let number = chosen.nth(1)?.text;
+    Some((number, (BITS - 1 - from_left) as u8))
+}
+
+/// Where the number stands that is chosen in a list.
+const CHOSEN_ROW: usize = 13;
+
+fn parameter(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
+    let (number, bit) = match named_bit(screen, row, column) {
+        Some((number, bit)) => (number, Some(bit)),
+        None => entry(screen, row, column)?,
+    };
+    let number = number.parse().ok()?;
+    bit.and_then(|bit| topic(Subject::Bit(number, bit)))
+        .or_else(|| topic(Subject::Parameter(number)))
+}
+
+fn diagnosis(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
+    let (number, _) = entry(screen, row, column)?;
+    topic(Subject::Diagnosis(number.parse().ok()?))
+}
+
+fn signal(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
+    let (byte, bit) = match named_bit(screen, row, column) {
+        Some((byte, bit)) => (byte, bit),
+        None => {
+            let (byte, bit) = entry(screen, row, column)?;
+            (byte, bit?)
+        }
+    };
+    let (area, number) = byte.split_at_checked(1)?;
+    let number: u16 = number.parse().ok()?;
+    topic(Subject::Signal(&format!("{area}{number}.{bit}")))
+}
+
+/// The alarm in a row: `P/S 013: …`, `207: …`, `1016 …`.
+fn alarm(screen: &Screen, row: usize) -> Option<&'static Topic> {
+    let words = words(screen, row, 0..COLUMNS);
+    let number = words.iter().take(2).find_map(|word| {
+        let digits = word.text.split(':').next()?;
+        digits.parse().ok()
+    })?;
+    let row = gsk_core::alarm::row(number)?;
+    topic(Subject::Alarm(row.number))
+}
+
+/// The field whose label stands in the half of the row, or in the row.
+fn field(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
+    let text = |columns| -> String {
+        (words(screen, row, columns).into_iter())
+            .map(|word| word.text)
+            .collect()
+    };
+    [text(half(column)), text(0..COLUMNS)]
+        .iter()
+        .find_map(|text| {
+            let labelled = topics().iter().filter(|topic| match topic.subject {
+                Subject::Field(of, label) => {
+                    let label: String = label.split_whitespace().collect();
+                    of == page.name() && text.contains(&label)
+                }
+                _ => false,
+            });
+            // 主轴转速 before 转速.
+            labelled.max_by_key(|topic| match topic.subject {
+                Subject::Field(_, label) => label.len(),
+                _ => 0,
+            })
+        })
+}

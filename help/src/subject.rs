@@ -1,0 +1,83 @@
+//! What a topic is about, and how it is written.
+
+use core::fmt;
+
+/// What a topic is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Subject<'a> {
+    /// An alarm by its number; the first one of a range.
+    Alarm(u16),
+    /// A parameter as a whole.
+    Parameter(u16),
+    /// A bit of a state parameter.
+    Bit(u16, u8),
+    /// A G or M code, an operation of G65, a statement or function of macros: `G71`,
+    /// `M30`, `G65 H01`, `ATAN`; the words S, T and F.
+    Code(&'a str),
+    /// A key by its name in scripts.
+    Key(&'a str),
+    /// A lamp of the strip by its name in scripts.
+    Lamp(&'a str),
+    /// A page by its name in scripts.
+    Page(&'a str),
+    /// A field of a page: the page, and the label on its screen.
+    Field(&'a str, &'a str),
+    /// A signal of the PLC by its address, `X0.5`.
+    Signal(&'a str),
+    /// A number of the diagnosis page.
+    Diagnosis(u16),
+    /// Anything else that has a name: `dry run`, `mode AUTO`, `address X`.
+    Notion(&'a str),
+}
+
+impl<'a> Subject<'a> {
+    /// A subject of the panel, as its table writes it: `key RESET`, `page pos-abs`.
+    pub(crate) fn of_panel(written: &'a str) -> Option<Self> {
+        let (family, rest) = written.split_once(' ').unwrap_or((written, ""));
+        Some(match family {
+            "key" => Self::Key(rest),
+            "lamp" => Self::Lamp(rest),
+            "page" => Self::Page(rest),
+            "field" => {
+                let (page, label) = rest.split_once(' ')?;
+                Self::Field(page, label)
+            }
+            "DGN" => Self::Diagnosis(rest.parse().ok()?),
+            _ => Self::Notion(written),
+        })
+    }
+
+    /// A code or word of programs: what begins with a capital letter is one, an address
+    /// and all else a notion.
+    pub(crate) fn of_program(written: &'a str) -> Self {
+        match written.starts_with(|it: char| it.is_ascii_uppercase() || it == '#') {
+            true => Self::Code(written),
+            false => Self::Notion(written),
+        }
+    }
+
+    /// The number that the subject has, where it has one.
+    pub const fn number(&self) -> Option<u16> {
+        match *self {
+            Self::Alarm(number) | Self::Parameter(number) | Self::Diagnosis(number) => Some(number),
+            _ => None,
+        }
+    }
+}
+
+/// As it is asked for: `alarm 031`, `No. 004.3`, `G71`, `key RESET`, `page pos-abs`.
+impl fmt::Display for Subject<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Alarm(number) => write!(f, "alarm {number:03}"),
+            Self::Parameter(number) => write!(f, "No. {number:03}"),
+            Self::Bit(number, bit) => write!(f, "No. {number:03}.{bit}"),
+            Self::Key(id) => write!(f, "key {id}"),
+            Self::Lamp(id) => write!(f, "lamp {id}"),
+            Self::Page(id) => write!(f, "page {id}"),
+            Self::Field(page, label) => write!(f, "field {page} {label}"),
+            Self::Diagnosis(number) => write!(f, "DGN {number:03}"),
+            Self::Code(name) | Self::Signal(name) | Self::Notion(name) => f.write_str(name),
+        }
+    }
+}

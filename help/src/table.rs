@@ -1,0 +1,129 @@
+//! The topics: what the tables of the control hold, and the texts about it.
+
+use std::sync::LazyLock;
+
+use gsk_core::{alarm, memory};
+use gsk_messages::Language;
+use gsk_panel::keys::{KEYS, STRIP};
+use gsk_panel::pages::PAGES;
+use gsk_panel::signals;
+
+use crate::subject::Subject;
+
+/// What can be said of a subject in this many fields of a line.
+const FIELDS: usize = 6;
+
+/// Topics by ascending subject: those that have a text, then all of the tables.
+static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
+    let codes = texts(include_str!("../../assets/help/codes.tsv"), |written| {
+        Some(Subject::of_program(written))
+    });
+    let panel = texts(
+        include_str!("../../assets/help/panel.tsv"),
+        Subject::of_panel,
+    );
+    let mut topics: Vec<Topic> = codes.chain(panel).collect();
+    topics.extend(of_tables().map(Topic::without_text));
+    // What has a text stands before what has none.
+    topics.sort_by_key(|topic| topic.subject);
+    topics.dedup_by_key(|topic| topic.subject);
+    topics
+});
+
+/// All that stands in a table of the control.
+fn of_tables() -> impl Iterator<Item = Subject<'static>> {
+    let alarms = alarm::rows().iter().map(|row| Subject::Alarm(row.number));
+    let parameters = memory::rows().iter().map(|row| match row.bit {
+        Some(bit) => Subject::Bit(row.number, bit),
+        None => Subject::Parameter(row.number),
+    });
+    let keys = KEYS.iter().map(|row| Subject::Key(row.id));
+    let fitted = STRIP.iter().filter(|row| row.fitted);
+    let lamps = fitted.map(|row| Subject::Lamp(row.id));
+    let pages = PAGES.iter().map(|row| Subject::Page(row.name));
+    let signals = signals::rows()
+        .iter()
+        .map(|row| Subject::Signal(row.address));
+    (alarms.chain(parameters).chain(keys))
+        .chain(lamps)
+        .chain(pages)
+        .chain(signals)
+}
+
+/// The lines of a table of texts.
+fn texts(
+    table: &'static str,
+    read: fn(&'static str) -> Option<Subject<'static>>,
+) -> impl Iterator<Item = Topic> {
+    let lines = table.lines().skip(1);
+    lines.filter_map(move |line| Topic::read(line, read))
+}
+
+/// One topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Topic {
+    /// What it is about.
+    pub subject: Subject<'static>,
+    rule: [&'static str; 2],
+    example: [&'static str; 2],
+    /// The section of the manual; empty where no text gives one.
+    pub source: &'static str,
+}
+
+impl Topic {
+    const fn without_text(subject: Subject<'static>) -> Self {
+        Self {
+            subject,
+            rule: [""; 2],
+            example: [""; 2],
+            source: "",
+        }
+    }
+
+    fn read(
+        line: &'static str,
+        read: fn(&'static str) -> Option<Subject<'static>>,
+    ) -> Option<Self> {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let fields: [&str; FIELDS] = fields.try_into().ok()?;
+        let present = |text: &'static str| if text == "-" { "" } else { text };
+        let [written, rule_en, rule_zh, example_en, example_zh, source] = fields;
+        Some(Self {
+            subject: read(written)?,
+            rule: [rule_zh, rule_en],
+            example: [example_zh, example_en].map(present),
+            source: present(source),
+        })
+    }
+
+    /// What it is for, what it does, what surprises people; empty where the tables say
+    /// all there is.
+    pub const fn rule(&self, language: Language) -> &'static str {
+        self.rule[column(language)]
+    }
+
+    /// A worked example; empty where there is none.
+    pub const fn example(&self, language: Language) -> &'static str {
+        self.example[column(language)]
+    }
+}
+
+const fn column(language: Language) -> usize {
+    match language {
+        Language::Zh => 0,
+        Language::En => 1,
+    }
+}
+
+/// All topics by ascending subject.
+pub fn topics() -> &'static [Topic] {
+    &TOPICS
+}
+
+/// The topic about a subject.
+pub fn topic(subject: Subject<'_>) -> Option<&'static Topic> {
+    let at = TOPICS
+        .binary_search_by(|topic| topic.subject.cmp(&subject))
+        .ok()?;
+    TOPICS.get(at)
+}

@@ -1,0 +1,164 @@
+//! Help: every symbol of the control has a topic with a text of its own in both languages.
+
+use gsk_core::alarm;
+use gsk_core::memory;
+use gsk_core::model::ModelId;
+use gsk_help::{Subject, article, ask, name, on_screen, topic, topics};
+use gsk_messages::Language;
+use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::keys::{KEYS, STRIP};
+use gsk_panel::pages::{PAGES, PageId};
+use gsk_panel::signals;
+
+const LANGUAGES: [Language; 2] = [Language::Zh, Language::En];
+
+#[test]
+fn every_key_lamp_page_and_code_has_a_text_of_its_own() {
+    let keys = KEYS.iter().map(|row| Subject::Key(row.id));
+    let fitted = STRIP.iter().filter(|row| row.fitted);
+    let lamps = fitted.map(|row| Subject::Lamp(row.id));
+    let pages = PAGES.iter().map(|row| Subject::Page(row.name));
+    let record = ModelId::Gsk980td.record();
+    let g = (0..100).filter(|code| record.g_code(*code).is_some());
+    let m = (0..100).filter(|code| record.m_function(*code).is_some());
+    let g = g.map(|code| format!("G{code:02}"));
+    let codes: Vec<String> = g.chain(m.map(|code| format!("M{code:02}"))).collect();
+    let codes = codes.iter().map(|code| Subject::Code(code));
+    for subject in keys.chain(lamps).chain(pages).chain(codes) {
+        let text = topic(subject).map(|topic| topic.rule(Language::En));
+        assert!(
+            text.is_some_and(|it| !it.is_empty()),
+            "no text about {subject}"
+        );
+    }
+}
+
+#[test]
+fn whatever_has_no_text_is_told_by_its_table() {
+    for row in memory::rows() {
+        let subject = match row.bit {
+            Some(bit) => Subject::Bit(row.number, bit),
+            None => Subject::Parameter(row.number),
+        };
+        for language in LANGUAGES {
+            let said = article(topic(subject).expect("a topic"), language).to_string();
+            assert!(row.state || said.contains(&row.range.to_string()), "{said}");
+        }
+    }
+    for row in alarm::rows() {
+        let topic = topic(Subject::Alarm(row.number)).expect("a topic");
+        let said = article(topic, Language::En).to_string();
+        assert!(said.contains(row.cause_en), "{said}");
+    }
+    for row in signals::rows() {
+        let topic = topic(Subject::Signal(row.address)).expect("a topic");
+        let said = article(topic, Language::Zh).to_string();
+        assert!(said.contains(row.text_zh), "{said}");
+    }
+}
+
+#[test]
+fn every_text_says_more_than_the_name_in_its_own_language() {
+    let chinese = |text: &str| {
+        let written = |it: &char| ('\u{4e00}'..'\u{a000}').contains(it);
+        text.chars().filter(written).count()
+    };
+    let latin = |text: &str| text.bytes().filter(u8::is_ascii_lowercase).count();
+    for topic in topics()
+        .iter()
+        .filter(|topic| !topic.rule(Language::En).is_empty())
+    {
+        for language in LANGUAGES {
+            let rule = topic.rule(language);
+            let name = name(topic.subject, language);
+            assert_ne!(
+                rule.trim_end_matches(['.', '。']),
+                name,
+                "{}",
+                topic.subject
+            );
+            let written = match language {
+                Language::Zh => chinese(rule),
+                Language::En => latin(rule),
+            };
+            assert!(written >= 3, "{}: {rule}", topic.subject);
+        }
+    }
+}
+
+/// The tables of texts hold six fields a line, and nothing is left out of them.
+#[test]
+fn every_line_of_a_text_is_a_topic() {
+    for file in ["codes.tsv", "panel.tsv"] {
+        let path = gsk_tests::repository().join("assets/help").join(file);
+        let table = std::fs::read_to_string(path).expect("a table");
+        for line in table.lines() {
+            let fields: Vec<&str> = line.split('\t').collect();
+            assert_eq!(fields.len(), 6, "{line}");
+            assert!(
+                fields.iter().all(|field| !field.trim().is_empty()),
+                "{line}"
+            );
+        }
+        let texts = table
+            .lines()
+            .skip(1)
+            .filter_map(|line| line.split('\t').nth(1));
+        for text in texts {
+            let known = topics()
+                .iter()
+                .any(|topic| topic.rule(Language::En) == text);
+            assert!(known, "{text}");
+        }
+    }
+}
+
+#[test]
+fn no_topic_is_there_twice() {
+    for pair in topics().windows(2) {
+        assert_ne!(pair[0].subject, pair[1].subject);
+    }
+}
+
+#[test]
+fn questions_find_what_they_mean() {
+    let first = |question: &str| ask(question).first().map(|it| it.subject.to_string());
+    for (question, subject) in [
+        ("G71", "G71"),
+        ("g1", "G01"),
+        ("004.3", "No. 004.3"),
+        ("alarm 7", "alarm 007"),
+        ("key cs", "key CS"),
+        ("x0.5", "X0.5"),
+        ("page oft", "page oft"),
+    ] {
+        assert_eq!(first(question).as_deref(), Some(subject), "{question}");
+    }
+    let both: Vec<String> = ask("31").iter().map(|it| it.subject.to_string()).collect();
+    assert!(both.contains(&"alarm 031".to_owned()) && both.contains(&"No. 031".to_owned()));
+    assert!(ask("").is_empty() && ask("xyzzy plugh").is_empty());
+}
+
+#[test]
+fn what_is_pointed_at_on_the_lcd_is_found() {
+    let mut emulator = Emulator::new(gsk_core::setup::Setup::default());
+    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    for (page, row, column, subject) in [
+        (PageId::ParBit, 5, 3, "No. 004"),
+        (PageId::ParBit, 5, 11, "No. 004.3"),
+        (PageId::ParData, 9, 12, "No. 022"),
+        (PageId::PlcBits, 2, 10, "X0.5"),
+        (PageId::Dgn, 2, 3, "page dgn"),
+        (PageId::Oft, 5, 3, "page oft"),
+    ] {
+        emulator.panel.show(page);
+        let screen = emulator.screen();
+        let found = on_screen(page, &screen, row, column).map(|it| it.subject.to_string());
+        assert_eq!(
+            found.as_deref(),
+            Some(subject),
+            "{page:?} {}",
+            screen.row(row)
+        );
+    }
+}
