@@ -211,6 +211,14 @@ fn a_key_that_is_to_be_explained_does_nothing_unless_it_stops() {
     bench.click("Emergency stop");
     bench.run(300);
     assert!(shown(&bench, "key ESTOP  Emergency stop"));
+    // Closed and opened again it explains nothing by itself.
+    for _ in 0..2 {
+        bench.harness.get_by_label("Help F1").click();
+        bench.run(10);
+    }
+    bench.click("Automatic mode");
+    bench.run(300);
+    bench.lcd_shows("自动方式");
     assert!(
         bench
             .kernel

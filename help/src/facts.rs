@@ -75,17 +75,23 @@ fn lamp(id: &str) -> Option<&'static StripLamp> {
 }
 
 fn of_alarm(row: &AlarmRow, language: Language) -> Vec<String> {
-    let (cause, way_out) = match (&row.advice, language) {
-        (Some(advice), Language::Zh) => (advice.cause_zh, Some(advice.way_out_zh)),
-        (Some(advice), Language::En) => (row.cause_en, Some(advice.way_out_en)),
-        (None, _) => (row.cause_en, None),
+    let advice = row.advice.as_ref();
+    let said = match language {
+        Language::Zh => [
+            advice.map(|it| say::window_alarm_cause(it.cause_zh)),
+            advice.map(|it| say::window_alarm_way_out(it.way_out_zh)),
+            None,
+        ],
+        Language::En => [
+            Some(say::window_alarm_cause(row.cause_en)),
+            advice.map(|it| say::window_alarm_way_out(it.way_out_en)),
+            Some(say::window_alarm_cleared_by(row.cleared_by_en)),
+        ],
     };
-    let mut facts = vec![say::window_alarm_cause(cause).text(language)];
-    facts.extend(way_out.map(|it| say::window_alarm_way_out(it).text(language)));
-    if language == Language::En {
-        facts.push(say::window_alarm_cleared_by(row.cleared_by_en).text(language));
-    }
-    facts
+    said.into_iter()
+        .flatten()
+        .map(|it| it.text(language))
+        .collect()
 }
 
 fn of_parameter(row: &ParameterRow, language: Language) -> Vec<String> {

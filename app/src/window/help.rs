@@ -27,6 +27,7 @@ impl Help {
         let shown = self.read.last().copied();
         if self.open && (about.is_none() || about == shown) {
             self.open = false;
+            self.explains = false;
             return;
         }
         self.open = true;
