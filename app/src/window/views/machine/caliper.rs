@@ -3,22 +3,22 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
+use egui::{Align2, Color32, Context, FontId, Painter, Pos2, Shape, Stroke, Vec2, pos2, vec2};
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
 use gsk_runner::report::in_words;
 use gsk_workpiece::measure::{Feature, Measured, Side, measured};
 use gsk_workpiece::region::Region;
-use web_time::{Duration, Instant};
 
 use super::camera::Camera;
 use super::path::nearest_on;
 use super::place;
+use super::rest::Rest;
 
 /// How near the pointer must be to an edge, points.
 const REACH: f32 = 14.0;
-/// A part that is being cut is measured that often.
-const PAUSE: Duration = Duration::from_millis(250);
+/// A part that is being cut is measured that often, s.
+const PAUSE: f64 = 0.25;
 const MEANT: Color32 = Color32::from_rgb(255, 240, 120);
 const KEPT: Color32 = Color32::from_rgb(255, 150, 220);
 const JAW: Color32 = Color32::from_rgb(190, 220, 255);
@@ -30,7 +30,7 @@ const JAW_LENGTH: f32 = 26.0;
 #[derive(Default)]
 pub struct Caliper {
     section: Arc<Region>,
-    taken: Option<Instant>,
+    rest: Rest,
     features: Vec<Measured>,
     /// The feature under the pointer, and the pointer as the part has it.
     meant: Option<(usize, Pos2)>,
@@ -40,13 +40,11 @@ pub struct Caliper {
 
 impl Caliper {
     /// Measures the part anew when it has changed.
-    pub fn take(&mut self, section: &Arc<Region>) {
-        let rested = self.taken.is_none_or(|taken| taken.elapsed() >= PAUSE);
-        if Arc::ptr_eq(&self.section, section) || !rested {
+    pub fn take(&mut self, section: &Arc<Region>, context: &Context) {
+        if Arc::ptr_eq(&self.section, section) || !self.rest.is_over(context, PAUSE) {
             return;
         }
         self.section = Arc::clone(section);
-        self.taken = Some(Instant::now());
         self.meant = None;
         let sides = [Side::Outside, Side::Inside].into_iter();
         self.features = sides.flat_map(|side| measured(section, side)).collect();
@@ -232,7 +230,7 @@ mod tests {
     #[test]
     fn pointing_at_a_diameter_measures_it_on_either_side_of_the_axis() {
         let mut caliper = Caliper::default();
-        caliper.take(&stepped());
+        caliper.take(&stepped(), &Context::default());
         for x in [10.1, -10.1] {
             caliper.point(Some(pos2(-5.0, x)), &camera());
             assert!(said(&caliper).contains("⌀20.000"), "{}", said(&caliper));
@@ -244,7 +242,7 @@ mod tests {
     #[test]
     fn two_faces_have_a_length_between_them_and_two_cylinders_a_step() {
         let mut caliper = Caliper::default();
-        caliper.take(&stepped());
+        caliper.take(&stepped(), &Context::default());
         caliper.point(Some(pos2(0.0, 5.0)), &camera());
         caliper.click();
         caliper.point(Some(pos2(-15.0, 12.0)), &camera());

@@ -3,20 +3,20 @@
 
 use std::sync::Arc;
 
-use egui::{Color32, Painter, Pos2, Shape, Stroke, Ui, pos2};
+use egui::{Color32, Context, Painter, Pos2, Shape, Stroke, Ui, pos2};
 use gsk_messages::{Language, Message, say};
 use gsk_runner::machining::ideal::{Compared, Piece};
 use gsk_workpiece::compare::{Deviation, deviations};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::region::Region;
-use web_time::{Duration, Instant};
 
 use super::camera::Camera;
 use super::path::{Path, nearest_on};
+use super::rest::Rest;
 use super::{lines, place};
 
-/// A part that is being cut is compared that often.
-const PAUSE: Duration = Duration::from_millis(300);
+/// A part that is being cut is compared that often, s.
+const PAUSE: f64 = 0.3;
 /// How near the pointer must be to a line, points.
 const REACH: f32 = 24.0;
 const RIGHT: Color32 = Color32::from_rgb(90, 215, 110);
@@ -63,7 +63,7 @@ pub struct Microscope {
     /// The surface and its deviations, and what they were made of.
     found: Vec<Vec<Deviation>>,
     made_of: Option<(Arc<Compared>, Surface, Arc<Region>)>,
-    taken: Option<Instant>,
+    rest: Rest,
     pointer: Option<Pos2>,
     /// How near a line must be to it, mm.
     reach: f32,
@@ -78,7 +78,7 @@ impl Default for Microscope {
             tolerance: 0.005,
             found: Vec::new(),
             made_of: None,
-            taken: None,
+            rest: Rest::default(),
             pointer: None,
             reach: 0.0,
         }
@@ -111,7 +111,7 @@ impl Microscope {
     }
 
     /// Finds the deviations of the surface that is looked at.
-    pub fn take(&mut self, section: &Arc<Region>, clamped: f64) {
+    pub fn take(&mut self, section: &Arc<Region>, clamped: f64, context: &Context) {
         let Some(compared) = &self.compared else {
             return;
         };
@@ -120,8 +120,8 @@ impl Microscope {
                 && *surface == self.surface
                 && (*surface != Surface::Now || Arc::ptr_eq(part, section))
         });
-        let rested = self.taken.is_none_or(|taken| taken.elapsed() >= PAUSE);
-        if same || (self.surface == Surface::Now && !rested) {
+        let now = self.surface == Surface::Now;
+        if same || (now && !self.rest.is_over(context, PAUSE)) {
             return;
         }
         let surface = match self.surface {
@@ -131,7 +131,6 @@ impl Microscope {
         };
         self.found = deviations(surface, &compared.wanted, clamped);
         self.made_of = Some((Arc::clone(compared), self.surface, Arc::clone(section)));
-        self.taken = Some(Instant::now());
     }
 
     /// The pointer is there.

@@ -13,6 +13,7 @@ mod lines;
 mod microscope;
 mod overlay;
 mod path;
+mod rest;
 mod solids;
 mod space;
 mod trail;
@@ -299,7 +300,7 @@ impl LatheView {
         if let Some(part) = &self.part {
             match self.instruments.in_hand {
                 Instrument::Path | Instrument::Job => {}
-                Instrument::Caliper => self.instruments.caliper.take(&part.section),
+                Instrument::Caliper => self.instruments.caliper.take(&part.section, ui.ctx()),
                 Instrument::Microscope => {
                     // A path that still grows is compared when it has come to its end.
                     let ready = !running && !self.made.path.partial;
@@ -307,7 +308,9 @@ impl LatheView {
                         worker.compare(Arc::clone(&part.job));
                     }
                     let clamped = part.job.stock.clamped();
-                    self.instruments.microscope.take(&part.section, clamped);
+                    self.instruments
+                        .microscope
+                        .take(&part.section, clamped, ui.ctx());
                 }
             }
         }
