@@ -173,12 +173,17 @@ pub fn report(
     } else {
         report.words(language)
     };
+    print_or_aside(&text, aside);
+    Ok(())
+}
+
+/// Writes to standard output, or to standard error, where it does not mix with moves.
+pub fn print_or_aside(text: &str, aside: bool) {
     if aside {
         complain!("{}", text.trim_end());
     } else {
-        print(&text);
+        print(text);
     }
-    Ok(())
 }
 
 /// Watches a look through a program: a progress line while it takes long, and its end

@@ -16,6 +16,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod article;
+mod document;
 mod facts;
 mod lcd;
 mod search;
@@ -23,6 +24,7 @@ mod subject;
 mod table;
 
 pub use article::{Article, article};
+pub use document::document;
 pub use facts::{facts, name};
 pub use lcd::on_screen;
 pub use search::ask;

@@ -47,6 +47,19 @@ impl<'a> Subject<'a> {
         })
     }
 
+    /// An alarm by its number.
+    pub(crate) fn of_alarm(written: &'a str) -> Option<Self> {
+        written.parse().ok().map(Self::Alarm)
+    }
+
+    /// A parameter or a bit of one: `022`, `004.3`.
+    pub(crate) fn of_parameter(written: &'a str) -> Option<Self> {
+        let Some((number, bit)) = written.split_once('.') else {
+            return written.parse().ok().map(Self::Parameter);
+        };
+        Some(Self::Bit(number.parse().ok()?, bit.parse().ok()?))
+    }
+
     /// A code or word of programs: what begins with a capital letter is one, an address
     /// and all else a notion.
     pub(crate) fn of_program(written: &'a str) -> Self {

@@ -13,16 +13,37 @@ use crate::subject::Subject;
 /// What can be said of a subject in this many fields of a line.
 const FIELDS: usize = 6;
 
-/// Topics by ascending subject: those that have a text, then all of the tables.
-static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
-    let codes = texts(include_str!("../../assets/help/codes.tsv"), |written| {
+/// How a table of texts writes its subjects.
+type Read = fn(&'static str) -> Option<Subject<'static>>;
+
+/// The tables of texts.
+const TEXTS: [(&str, Read); 5] = [
+    (
+        include_str!("../../assets/help/alarms.tsv"),
+        Subject::of_alarm,
+    ),
+    (include_str!("../../assets/help/codes.tsv"), |written| {
         Some(Subject::of_program(written))
-    });
-    let panel = texts(
+    }),
+    (
         include_str!("../../assets/help/panel.tsv"),
         Subject::of_panel,
-    );
-    let mut topics: Vec<Topic> = codes.chain(panel).collect();
+    ),
+    (
+        include_str!("../../assets/help/parameters.tsv"),
+        Subject::of_parameter,
+    ),
+    (include_str!("../../assets/help/signals.tsv"), |written| {
+        Some(Subject::Signal(written))
+    }),
+];
+
+/// Topics by ascending subject: those that have a text, then all of the tables.
+static TOPICS: LazyLock<Vec<Topic>> = LazyLock::new(|| {
+    let mut topics: Vec<Topic> = TEXTS
+        .iter()
+        .flat_map(|(table, read)| texts(table, *read))
+        .collect();
     topics.extend(of_tables().map(Topic::without_text));
     // What has a text stands before what has none.
     topics.sort_by_key(|topic| topic.subject);
@@ -51,10 +72,7 @@ fn of_tables() -> impl Iterator<Item = Subject<'static>> {
 }
 
 /// The lines of a table of texts.
-fn texts(
-    table: &'static str,
-    read: fn(&'static str) -> Option<Subject<'static>>,
-) -> impl Iterator<Item = Topic> {
+fn texts(table: &'static str, read: Read) -> impl Iterator<Item = Topic> {
     let lines = table.lines().skip(1);
     lines.filter_map(move |line| Topic::read(line, read))
 }
@@ -80,10 +98,7 @@ impl Topic {
         }
     }
 
-    fn read(
-        line: &'static str,
-        read: fn(&'static str) -> Option<Subject<'static>>,
-    ) -> Option<Self> {
+    fn read(line: &'static str, read: Read) -> Option<Self> {
         let fields: Vec<&str> = line.split('\t').collect();
         let fields: [&str; FIELDS] = fields.try_into().ok()?;
         let present = |text: &'static str| if text == "-" { "" } else { text };

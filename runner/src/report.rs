@@ -3,6 +3,7 @@
 //! With a language all texts are in it. Without one the words are English, and the
 //! texts of alarms those of the screen, which are Chinese.
 
+pub mod annotations;
 mod checked;
 mod end;
 mod part;
@@ -15,10 +16,11 @@ use gsk_core::alarm::{Alarm, AlarmClass};
 use gsk_core::command::ProgramId;
 use gsk_core::interpreter::Modal;
 use gsk_core::memory::Parameters;
+use gsk_core::preview::Caution;
 use gsk_core::program::ProgramMemory;
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 pub use checked::check;
 pub use end::End;
@@ -56,6 +58,39 @@ pub struct AlarmReport {
     pub cause: Option<&'static str>,
     /// What helps: the parameter, the word or the key.
     pub way_out: Option<&'static str>,
+}
+
+/// What is no alarm and yet likely a slip; in JSON its sentence.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WarningReport {
+    /// Its name: `spindle-stands`.
+    pub rule: &'static str,
+    /// The program it stands in.
+    pub program: ProgramId,
+    /// Line of its block, from 1.
+    pub line: u32,
+    /// In words.
+    pub text: String,
+    /// In words, with the line.
+    pub sentence: String,
+}
+
+impl WarningReport {
+    fn new(caution: &Caution, language: Option<Language>) -> Self {
+        Self {
+            rule: caution.slip.id(),
+            program: caution.source.program,
+            line: caution.source.line,
+            text: said(&caution.slip.message(), language),
+            sentence: said(&caution.sentence(), language),
+        }
+    }
+}
+
+impl Serialize for WarningReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.sentence)
+    }
 }
 
 /// Positions at the end: X as a diameter.
@@ -123,7 +158,7 @@ pub struct Report {
     pub parameters_changed: BTreeMap<String, i32>,
     /// What is no alarm and yet likely a slip, with its line.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub warnings: Vec<String>,
+    pub warnings: Vec<WarningReport>,
     /// What `check` knows besides.
     #[serde(flatten)]
     pub path: Option<PathReport>,

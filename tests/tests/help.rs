@@ -13,28 +13,36 @@ use gsk_panel::signals;
 const LANGUAGES: [Language; 2] = [Language::Zh, Language::En];
 
 #[test]
-fn every_key_lamp_page_and_code_has_a_text_of_its_own() {
-    let keys = KEYS.iter().map(|row| Subject::Key(row.id));
-    let fitted = STRIP.iter().filter(|row| row.fitted);
-    let lamps = fitted.map(|row| Subject::Lamp(row.id));
-    let pages = PAGES.iter().map(|row| Subject::Page(row.name));
+fn every_symbol_has_a_text_of_its_own() {
     let record = ModelId::Gsk980td.record();
     let g = (0..100).filter(|code| record.g_code(*code).is_some());
     let m = (0..100).filter(|code| record.m_function(*code).is_some());
     let g = g.map(|code| format!("G{code:02}"));
     let codes: Vec<String> = g.chain(m.map(|code| format!("M{code:02}"))).collect();
-    let codes = codes.iter().map(|code| Subject::Code(code));
-    for subject in keys.chain(lamps).chain(pages).chain(codes) {
-        let text = topic(subject).map(|topic| topic.rule(Language::En));
-        assert!(
-            text.is_some_and(|it| !it.is_empty()),
-            "no text about {subject}"
-        );
-    }
+    let mut subjects: Vec<Subject<'_>> = codes.iter().map(|code| Subject::Code(code)).collect();
+    subjects.extend(KEYS.iter().map(|row| Subject::Key(row.id)));
+    let fitted = STRIP.iter().filter(|row| row.fitted);
+    subjects.extend(fitted.map(|row| Subject::Lamp(row.id)));
+    subjects.extend(PAGES.iter().map(|row| Subject::Page(row.name)));
+    subjects.extend(memory::rows().iter().map(|row| match row.bit {
+        Some(bit) => Subject::Bit(row.number, bit),
+        None => Subject::Parameter(row.number),
+    }));
+    subjects.extend(alarm::rows().iter().map(|row| Subject::Alarm(row.number)));
+    let signals = signals::rows().iter();
+    subjects.extend(signals.map(|row| Subject::Signal(row.address)));
+    assert!(subjects.len() > 1000);
+    let silent = |subject: &&Subject<'_>| {
+        topic(**subject).is_none_or(|topic| topic.rule(Language::En).is_empty())
+    };
+    let missing: Vec<String> = (subjects.iter().filter(silent))
+        .map(ToString::to_string)
+        .collect();
+    assert!(missing.is_empty(), "no text about {}", missing.join(", "));
 }
 
 #[test]
-fn whatever_has_no_text_is_told_by_its_table() {
+fn what_the_tables_know_stands_beside_the_text() {
     for row in memory::rows() {
         let subject = match row.bit {
             Some(bit) => Subject::Bit(row.number, bit),
@@ -89,7 +97,13 @@ fn every_text_says_more_than_the_name_in_its_own_language() {
 /// The tables of texts hold six fields a line, and nothing is left out of them.
 #[test]
 fn every_line_of_a_text_is_a_topic() {
-    for file in ["codes.tsv", "panel.tsv"] {
+    for file in [
+        "alarms.tsv",
+        "codes.tsv",
+        "panel.tsv",
+        "parameters.tsv",
+        "signals.tsv",
+    ] {
         let path = gsk_tests::repository().join("assets/help").join(file);
         let table = std::fs::read_to_string(path).expect("a table");
         for line in table.lines() {

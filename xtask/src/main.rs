@@ -34,7 +34,7 @@ enum Task {
         #[command(subcommand)]
         one: Option<DistTask>,
     },
-    /// The documentation of all packages; a warning is an error
+    /// The documentation of all packages, a warning is an error; and the help as one page to be printed
     Docs {
         /// Open it in the browser
         #[arg(long)]
@@ -126,5 +126,6 @@ fn docs(open: bool) -> Result<(), TaskError> {
     if open {
         arguments.push("--open");
     }
-    run("cargo", &arguments, &[("RUSTDOCFLAGS", "-D warnings")])
+    run("cargo", &arguments, &[("RUSTDOCFLAGS", "-D warnings")])?;
+    dist::manuals(&root())
 }

@@ -14,6 +14,9 @@ pub struct HelpArgs {
     /// List the topics
     #[arg(long, conflicts_with = "topic")]
     pub list: bool,
+    /// Print everything as one HTML page, to be read or printed
+    #[arg(long, conflicts_with_all = ["topic", "list"])]
+    pub document: bool,
     /// Language of the texts [default: en]
     #[arg(long, value_parser = language(), value_name = "LANG")]
     pub lang: Option<Language>,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::{Language, PictureArgs, language};
 use crate::job::{JobArgs, PartArgs};
@@ -67,6 +67,39 @@ pub struct CheckArgs {
     /// Print one JSON object for each file; `times` are its seconds by kind (rapid, feed, thread, dwell, other), `tool_times` the same for each tool
     #[arg(long)]
     pub json: bool,
+    /// How the results are written
+    #[arg(
+        long,
+        value_enum,
+        default_value_t,
+        conflicts_with = "json",
+        value_name = "FORMAT"
+    )]
+    pub format: Format,
+}
+
+impl CheckArgs {
+    /// How the results are written.
+    pub const fn format(&self) -> Format {
+        match self.json {
+            true => Format::Json,
+            false => self.format,
+        }
+    }
+}
+
+/// How `check` writes its results.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For people; of several programs with a summary at the end
+    #[default]
+    Human,
+    /// One JSON object for each file
+    Json,
+    /// A line for each alarm, collision and warning, that a GitHub workflow shows beside the block
+    Github,
+    /// One SARIF 2.1.0 log, for editors and code scanning
+    Sarif,
 }
 
 /// `plot`.

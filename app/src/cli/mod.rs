@@ -25,7 +25,7 @@ pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
 pub use link::{
     LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
 };
-pub use looks::{CheckArgs, LookArgs, PatienceArgs, PlotArgs};
+pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use run::RunArgs;

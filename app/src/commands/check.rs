@@ -9,13 +9,15 @@ use std::thread;
 use gsk_core::command::ExecutedMove;
 use gsk_core::preview::Progress;
 use gsk_core::setup::Setup;
+use gsk_messages::say;
 use gsk_runner::curves::RapidRates;
 use gsk_runner::moves;
+use gsk_runner::report::annotations::{annotations, github, sarif};
 use gsk_runner::report::{self, PartReport, Report};
 
 use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
 use crate::apart::{Read, keep_apart, results};
-use crate::cli::{CheckArgs, Language};
+use crate::cli::{CheckArgs, Format, Language};
 use crate::files::folders;
 use crate::job::{self, write_section};
 use crate::loading;
@@ -59,11 +61,11 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
         }
         drop(out);
         let aside = output::is_standard(Some(path));
-        return print(&[Ok(report)], args.json, aside, args.look.lang);
+        return print(&[Ok(report)], args.format(), aside, args.look.lang);
     }
     let mut results = all(&setup, &files, args);
     results.extend(wrong.into_iter().map(|error| Err(error.into())));
-    print(&results, args.json, false, args.look.lang)
+    print(&results, args.format(), false, args.look.lang)
 }
 
 /// Checks files on all cores; the results keep the order of the files.
@@ -134,27 +136,45 @@ fn check_file(
 /// `aside`: on standard error, as the moves are on standard output.
 fn print(
     results: &[Result<Report, CommandError>],
-    json: bool,
+    format: Format,
     aside: bool,
     language: Option<Language>,
 ) -> Result<u8, CommandError> {
-    let mut code = FINE;
-    for result in results {
-        match result {
-            Ok(report) => {
-                let own = match (report.collided(), report.failed()) {
-                    (true, _) => COLLISION,
-                    (false, true) => ALARM,
-                    (false, false) => FINE,
-                };
-                code = code.max(own);
-                output::report(report, json, aside, language)?;
-            }
-            Err(error) => {
-                code = code.max(USAGE);
-                complain!("gsk980td: {}", report::said(&error.message(), language));
+    let reports = results.iter().flatten();
+    match format {
+        Format::Human | Format::Json => {
+            for report in reports {
+                output::report(report, format == Format::Json, aside, language)?;
             }
         }
+        Format::Github | Format::Sarif => {
+            let all: Vec<_> = reports.flat_map(|it| annotations(it, language)).collect();
+            let text = match format {
+                Format::Github => github(&all),
+                _ => sarif(&all, env!("CARGO_PKG_VERSION")),
+            };
+            output::print_or_aside(&text, aside);
+        }
     }
-    Ok(code)
+    for error in results.iter().filter_map(|result| result.as_ref().err()) {
+        complain!("gsk980td: {}", report::said(&error.message(), language));
+    }
+    let codes: Vec<u8> = results.iter().map(code).collect();
+    if format == Format::Human && results.len() > 1 {
+        let of = |code| codes.iter().filter(|it| **it == code).count();
+        let summary =
+            say::check_summary(codes.len(), of(FINE), of(ALARM), of(COLLISION), of(USAGE));
+        output::print_or_aside(&(report::said(&summary, language) + "\n"), aside);
+    }
+    Ok(codes.into_iter().max().unwrap_or(FINE))
+}
+
+/// The exit code of one program alone.
+fn code(result: &Result<Report, CommandError>) -> u8 {
+    match result {
+        Ok(report) if report.collided() => COLLISION,
+        Ok(report) if report.failed() => ALARM,
+        Ok(_) => FINE,
+        Err(_) => USAGE,
+    }
 }

@@ -1,7 +1,7 @@
 //! `help`: what a command does, and what a symbol of the control means.
 
 use clap::CommandFactory;
-use gsk_help::{Topic, article, ask, topics};
+use gsk_help::{Topic, article, ask, document, topics};
 use gsk_messages::{Language, say};
 
 use super::{CommandError, FINE, output};
@@ -20,6 +20,10 @@ pub fn help(args: &HelpArgs) -> Result<u8, CommandError> {
     let language = args.lang.unwrap_or(Language::En);
     if args.list {
         output::print(&headings(&topics().iter().collect::<Vec<_>>(), language));
+        return Ok(FINE);
+    }
+    if args.document {
+        output::print(&document(language));
         return Ok(FINE);
     }
     let mut program = Cli::command();

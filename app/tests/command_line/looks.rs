@@ -308,3 +308,58 @@ fn how_a_picture_looks_needs_a_picture() {
     assert_eq!(code, 2);
     assert!(err.contains("--plot"), "{err}");
 }
+
+/// Alarms, warnings and a block of a subprogram beside their files, for other programs.
+#[test]
+fn what_is_wrong_is_written_for_editors_and_workflows() {
+    let text = b"M98 P0002\nM03 S500\nG54\nG00 X50 Z2\nM05\nG01 Z-5 F100\nM77\nM30\n";
+    let program = Scratch::new("main.nc", text);
+    let sub = Path::new(program.path()).with_file_name("O0002.CNC");
+    std::fs::write(&sub, "O0002\nG01 X10\nM99\n").unwrap();
+    let formatted = |format| {
+        let (code, out, _) = said(&["check", program.path(), "--lang", "en", "--format", format]);
+        assert_eq!(code, 1, "{out}");
+        out
+    };
+    let lines = formatted("github");
+    let file = program.path();
+    for start in [
+        format!("::error file={file},title=PS011::P/S 011 "),
+        format!("::error file={file},line=3,title=PS010::P/S 010 "),
+        format!("::error file={file},line=7,title=PS019::P/S 019 "),
+        format!("::warning file={file},line=6,title=spindle-stands::a cut while"),
+    ] {
+        let found = lines.lines().filter(|line| line.starts_with(&start));
+        assert_eq!(found.count(), 1, "{start}\n{lines}");
+    }
+    // Its line is one of the subprogram's file.
+    assert!(lines.contains("O0002, line 2: G01 X10"), "{lines}");
+
+    let log: serde_json::Value = serde_json::from_str(&formatted("sarif")).unwrap();
+    assert_eq!(log["version"], "2.1.0");
+    let results = log["runs"][0]["results"].as_array().unwrap();
+    assert_eq!(results.len(), lines.lines().count());
+    let of_rule = |rule: &str| results.iter().find(|it| it["ruleId"] == rule).unwrap();
+    let place = |rule: &str| of_rule(rule)["locations"][0]["physicalLocation"].clone();
+    assert_eq!(place("PS010")["region"]["startLine"], 3);
+    assert_eq!(of_rule("spindle-stands")["level"], "warning");
+    assert!(place("PS011")["region"].is_null());
+    let uri = place("PS010")["artifactLocation"]["uri"].clone();
+    assert!(uri.as_str().unwrap().starts_with("file:///"), "{uri}");
+}
+
+#[test]
+fn several_programs_end_with_a_summary() {
+    let summary = |more: &[&str]| said(&[&["check", "."], more].concat()).1;
+    let last = |out: &str| out.lines().last().unwrap_or_default().to_owned();
+    let english = last(&summary(&[]));
+    assert!(
+        english.contains(", 3 with an alarm, 0 with a collision, 0 not read"),
+        "{english}"
+    );
+    let chinese = last(&summary(&["--lang", "zh"]));
+    assert!(chinese.contains("3 个有报警, 0 个有碰撞"), "{chinese}");
+    let json = summary(&["--format", "json"]);
+    assert!(json.lines().all(|line| line.starts_with('{')), "{json}");
+    assert_eq!(json, summary(&["--json"]));
+}

@@ -45,16 +45,33 @@ pub struct Caution {
 impl Caution {
     /// In words, with the line.
     pub fn sentence(&self) -> Message {
-        let what = match self.slip {
-            Slip::SlowFeed => say::caution_feed_slow(),
-            Slip::SpindleStands => say::caution_spindle_stands(),
-            Slip::NoOffset => say::caution_no_offset(),
-            Slip::MachineZero => say::caution_machine_zero(),
-            Slip::EndElsewhere { set, end } => {
+        say::in_line(self.source.line, self.slip.message())
+    }
+}
+
+impl Slip {
+    /// Its name, for tools that sort what is found.
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::SlowFeed => "slow-feed",
+            Self::SpindleStands => "spindle-stands",
+            Self::NoOffset => "no-offset",
+            Self::MachineZero => "machine-zero",
+            Self::EndElsewhere { .. } => "end-elsewhere",
+        }
+    }
+
+    /// In words.
+    pub fn message(self) -> Message {
+        match self {
+            Self::SlowFeed => say::caution_feed_slow(),
+            Self::SpindleStands => say::caution_spindle_stands(),
+            Self::NoOffset => say::caution_no_offset(),
+            Self::MachineZero => say::caution_machine_zero(),
+            Self::EndElsewhere { set, end } => {
                 say::caution_end_elsewhere(set.0, set.1, end.0, end.1)
             }
-        };
-        say::in_line(self.source.line, what)
+        }
     }
 }
 

@@ -8,8 +8,8 @@ use gsk_core::setup::Setup;
 use gsk_messages::Language;
 
 use super::{
-    AlarmReport, Bounds, Final, PathReport, Report, Seconds, ToolSeconds, changed, modal_codes,
-    said, tool_word,
+    AlarmReport, Bounds, Final, PathReport, Report, Seconds, ToolSeconds, WarningReport, changed,
+    modal_codes, tool_word,
 };
 use crate::moves::{diameter_z, rounded};
 use crate::times::Times;
@@ -67,7 +67,7 @@ fn of(
         warnings: preview
             .cautions
             .iter()
-            .map(|caution| said(&caution.sentence(), language))
+            .map(|caution| WarningReport::new(caution, language))
             .collect(),
         path: Some(PathReport {
             more_alarms: preview.further.alarms.iter().map(told).collect(),

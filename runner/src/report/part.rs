@@ -1,5 +1,6 @@
 //! What became of the part.
 
+use gsk_core::command::ProgramId;
 use gsk_core::units::Diameter;
 use gsk_messages::{Language, Message, say};
 use gsk_workpiece::measure::{self, Feature, Side};
@@ -34,6 +35,9 @@ pub struct CollisionReport {
     pub line: Option<u32>,
     /// Sequence number of its block.
     pub n: Option<u16>,
+    /// The program of its block; not part of the JSON.
+    #[serde(skip)]
+    pub program: Option<ProgramId>,
     /// The tool.
     pub tool: u8,
     /// What touched what.
@@ -174,6 +178,7 @@ impl CollisionReport {
         Self {
             line: finding.source.map(|source| source.line),
             n: finding.source.and_then(|source| source.sequence),
+            program: finding.source.map(|source| source.program),
             tool: finding.tool,
             text: said(&collision.message(), language),
             tip: diameter_z(collision.tip),
@@ -182,7 +187,7 @@ impl CollisionReport {
         }
     }
 
-    fn message(&self) -> Message {
+    pub(super) fn message(&self) -> Message {
         let ((x, z), depth) = (self.tip, self.depth);
         match self.line {
             Some(line) => say::report_collision(line, self.tool, &self.text, x, z, depth),

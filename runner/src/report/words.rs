@@ -58,7 +58,7 @@ impl Report {
         }
         lines.push(self.counts(words));
         for warning in &self.warnings {
-            lines.push(say::report_warning(warning).text(words));
+            lines.push(say::report_warning(&warning.sentence).text(words));
         }
         if let Some(path) = &self.path {
             lines.extend(path.words(words));
@@ -72,7 +72,7 @@ impl Report {
         lines.join("\n  ") + "\n"
     }
 
-    fn how_it_ended(&self) -> Message {
+    pub(super) fn how_it_ended(&self) -> Message {
         match self.end {
             End::Alarm => say::report_alarm(),
             End::Refused => say::report_refused(),

@@ -130,6 +130,29 @@ fn sum(folder: &Path, name: &str, files: &[String]) -> Result<String, TaskError>
     Ok(text)
 }
 
+/// The help of the program as one page a language, beside the documentation.
+///
+/// # Errors
+/// The program cannot be built, or a page not written.
+pub fn manuals(root: &Path) -> Result<(), TaskError> {
+    for language in ["en", "zh"] {
+        let arguments = [
+            "run",
+            "--locked",
+            "--",
+            "help",
+            "--document",
+            "--lang",
+            language,
+        ];
+        let page = told(Command::new("cargo").args(arguments).current_dir(root))?;
+        let path = target(root).join(format!("doc/help-{language}.html"));
+        on(&path, fs::write(&path, page))?;
+        println!("{}", path.display());
+    }
+    Ok(())
+}
+
 /// What a command writes to standard output.
 fn told(command: &mut Command) -> Result<String, TaskError> {
     let line = format!("{command:?}");

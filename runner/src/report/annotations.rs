@@ -1,0 +1,241 @@
+//! What is wrong in programs, for the tools that show it beside the text: lines that
+//! GitHub makes annotations of, and one SARIF 2.1.0 log.
+
+use core::fmt::Write as _;
+
+use gsk_core::command::ProgramId;
+use gsk_messages::Language;
+use serde_json::{Value, json};
+
+use super::{AlarmReport, Report, said};
+
+/// The version of SARIF, and its schema.
+const SARIF: &str = "2.1.0";
+const SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// The program does not run: an alarm, a collision, no end.
+    Error,
+    /// It runs, and is likely not what was meant.
+    Warning,
+}
+
+impl Level {
+    /// As GitHub and SARIF both call it.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+        }
+    }
+}
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Annotation {
+    /// The file.
+    pub file: String,
+    /// How bad it is.
+    pub level: Level,
+    /// Which rule: `PS010`, `collision`, `spindle-stands`.
+    pub rule: String,
+    /// Line of the file, from 1; none where it has no line there.
+    pub line: Option<u32>,
+    /// In words.
+    pub text: String,
+}
+
+/// What is wrong in a program, in the order of its report: alarms, collisions, what
+/// keeps it from its end, likely slips.
+pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotation> {
+    let annotation = |level, rule: &str, line, text| Annotation {
+        file: report.file.clone(),
+        level,
+        rule: rule.to_owned(),
+        line,
+        text,
+    };
+    let more = report.path.iter().flat_map(|path| &path.more_alarms);
+    let alarms = report.alarm.iter().chain(more).map(|alarm| {
+        let rule = format!("{}{:03}", alarm.class, alarm.number);
+        let line = own_line(alarm.program, alarm.line);
+        annotation(Level::Error, &rule, line, text(alarm, language))
+    });
+    let mut all: Vec<Annotation> = alarms.collect();
+    let collisions = report.part.iter().flat_map(|part| &part.collisions);
+    all.extend(collisions.map(|it| {
+        let line = own_line(it.program, it.line);
+        annotation(
+            Level::Error,
+            "collision",
+            line,
+            said(&it.message(), language),
+        )
+    }));
+    // What ended it has been said, but for what no block is to blame for.
+    if report.failed() && all.is_empty() {
+        let ended = said(&report.how_it_ended(), language);
+        all.push(annotation(Level::Error, report.end.name(), None, ended));
+    }
+    all.extend(report.warnings.iter().map(|it| {
+        let line = own_line(Some(it.program), Some(it.line));
+        let text = if line.is_some() {
+            &it.text
+        } else {
+            &it.sentence
+        };
+        annotation(Level::Warning, it.rule, line, text.clone())
+    }));
+    all
+}
+
+/// A line in the file that is checked; a subprogram's block stands in another one.
+const fn own_line(program: Option<ProgramId>, line: Option<u32>) -> Option<u32> {
+    match program {
+        Some(ProgramId::Stored(_)) => None,
+        _ => line,
+    }
+}
+
+/// What an alarm says; its place only where the annotation has none, what helps where
+/// the tables know it.
+fn text(alarm: &AlarmReport, language: Option<Language>) -> String {
+    let mut said = match own_line(alarm.program, alarm.line) {
+        None => alarm.sentence(language),
+        Some(_) => {
+            let detail = alarm.detail.iter().map(|detail| format!("\n{detail}"));
+            format!("{} {}", alarm.shown, alarm.text) + &detail.collect::<String>()
+        }
+    };
+    if let Some(way_out) = alarm.way_out
+        && !said.contains(way_out)
+    {
+        let _ = write!(said, "\n{way_out}");
+    }
+    said
+}
+
+/// A line for each that GitHub shows at its line of the change: `::error
+/// file=…,line=…,title=…::…`.
+pub fn github(annotations: &[Annotation]) -> String {
+    let mut out = String::new();
+    for it in annotations {
+        let file = property(&it.file);
+        let line = it
+            .line
+            .map_or(String::new(), |line| format!(",line={line}"));
+        let (level, rule, said) = (it.level.name(), property(&it.rule), data(&it.text));
+        let _ = writeln!(out, "::{level} file={file}{line},title={rule}::{said}");
+    }
+    out
+}
+
+/// The text of a workflow command: one line, `%` and line breaks in code.
+fn data(text: &str) -> String {
+    text.replace('%', "%25")
+        .replace('\r', "%0D")
+        .replace('\n', "%0A")
+}
+
+/// A property of a workflow command, where `:` and `,` end it.
+fn property(text: &str) -> String {
+    data(text).replace(':', "%3A").replace(',', "%2C")
+}
+
+/// One SARIF log of all that is wrong.
+pub fn sarif(annotations: &[Annotation], version: &str) -> String {
+    let mut rules: Vec<&str> = annotations.iter().map(|it| it.rule.as_str()).collect();
+    rules.sort_unstable();
+    rules.dedup();
+    let results: Vec<Value> = annotations.iter().map(result).collect();
+    let rules: Vec<Value> = rules.iter().map(|id| json!({ "id": id })).collect();
+    let driver = json!({ "name": "gsk980td", "version": version, "rules": rules });
+    let run = json!({ "tool": { "driver": driver }, "results": results });
+    let log = json!({ "$schema": SCHEMA, "version": SARIF, "runs": [run] });
+    format!("{log:#}\n")
+}
+
+fn result(it: &Annotation) -> Value {
+    let mut place = json!({ "artifactLocation": { "uri": uri(&it.file) } });
+    if let Some(line) = it.line {
+        place["region"] = json!({ "startLine": line });
+    }
+    json!({
+        "ruleId": it.rule,
+        "level": it.level.name(),
+        "message": { "text": it.text },
+        "locations": [{ "physicalLocation": place }],
+    })
+}
+
+/// A path as the reference of a URI: slashes, and every byte that has no place there in
+/// code (RFC 3986). An absolute one is a `file:` URI.
+fn uri(path: &str) -> String {
+    let path = path.replace('\\', "/");
+    let mut out = String::new();
+    let drive = path.as_bytes().get(1) == Some(&b':');
+    match (path.starts_with('/'), drive) {
+        (true, _) => out.push_str("file://"),
+        (false, true) => out.push_str("file:///"),
+        (false, false) => {}
+    }
+    for (at, byte) in path.bytes().enumerate() {
+        let plain = byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
+        match plain || (drive && at == 1) {
+            true => out.push(char::from(byte)),
+            false => {
+                let _ = write!(out, "%{byte:02X}");
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(file: &str, line: Option<u32>, text: &str) -> Annotation {
+        Annotation {
+            file: file.to_owned(),
+            level: Level::Error,
+            rule: "PS010".to_owned(),
+            line,
+            text: text.to_owned(),
+        }
+    }
+
+    #[test]
+    fn github_reads_every_part_of_a_line() {
+        let said = github(&[one("a,b:c.nc", Some(3), "100 %\nG97")]);
+        let wanted = "::error file=a%2Cb%3Ac.nc,line=3,title=PS010::100 %25%0AG97\n";
+        assert_eq!(said, wanted);
+        let said = github(&[one("a.nc", None, "no end")]);
+        assert_eq!(said, "::error file=a.nc,title=PS010::no end\n");
+    }
+
+    #[test]
+    fn a_path_is_a_uri() {
+        assert_eq!(uri("parts/轴 1.CNC"), "parts/%E8%BD%B4%201.CNC");
+        assert_eq!(uri("/home/a#b.nc"), "file:///home/a%23b.nc");
+        assert_eq!(uri("C:\\parts\\a.nc"), "file:///C:/parts/a.nc");
+    }
+
+    #[test]
+    fn a_log_names_each_rule_once() {
+        let two = [one("a.nc", Some(1), "x"), one("b.nc", None, "y")];
+        let log: Value = serde_json::from_str(&sarif(&two, "1")).expect("JSON");
+        let run = &log["runs"][0];
+        assert_eq!(run["tool"]["driver"]["rules"], json!([{ "id": "PS010" }]));
+        let results = run["results"].as_array().expect("results");
+        assert_eq!(results.len(), 2);
+        let place = &results[0]["locations"][0]["physicalLocation"];
+        assert_eq!(place["region"]["startLine"], 1);
+        assert_eq!(
+            results[1]["locations"][0]["physicalLocation"]["region"],
+            Value::Null
+        );
+    }
+}
