@@ -31,7 +31,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SIZE = {"width": 1280, "height": 800}
 # Where things are on a page of this size in English.
 SAMPLES, FIRST_SAMPLE = (227, 14), (280, 44)
-SPEED, FASTEST = (1120, 14), (1145, 272)
+SPEED, FASTEST = (1069, 14), (1094, 272)
 OPEN = (55, 14)
 AUTO, START, POSITION, PROGRAM = (56, 701), (448, 756), (181, 645), (227, 645)
 PAGE_DOWN = "\ue00f"

@@ -3,6 +3,9 @@
 
 use unifont::Glyph;
 
+// `RUNS`, first and last character of each run without a gap, and `GLYPHS` of all runs.
+include!(concat!(env!("OUT_DIR"), "/glyphs.rs"));
+
 /// Dot rows of a character.
 pub(crate) const GLYPH_HEIGHT: usize = 16;
 
@@ -19,10 +22,22 @@ pub struct Dots {
     pub columns: usize,
 }
 
+/// The glyph of a character, for those that the program has.
+pub fn glyph(character: char) -> Option<&'static Glyph> {
+    let character = u32::from(character);
+    let mut before = 0;
+    for (first, last) in &RUNS {
+        if (*first..=*last).contains(&character) {
+            return GLYPHS.get((before + character - first) as usize);
+        }
+        before += last - first + 1;
+    }
+    None
+}
+
 /// The dots of a character; a question mark when there are none.
 pub fn dots(character: char) -> Dots {
-    let glyph = unifont::get_glyph(character).or_else(|| unifont::get_glyph(REPLACEMENT));
-    match glyph {
+    match glyph(character).or_else(|| glyph(REPLACEMENT)) {
         Some(Glyph::Halfwidth(rows)) => Dots {
             rows: rows.map(|row| u16::from(row) << 8),
             columns: 1,
@@ -43,7 +58,7 @@ pub fn columns(character: char) -> usize {
     if character.is_ascii() {
         return 1;
     }
-    let wide = unifont::get_glyph(character).is_some_and(Glyph::is_fullwidth);
+    let wide = glyph(character).is_some_and(Glyph::is_fullwidth);
     1 + usize::from(wide)
 }
 
@@ -70,6 +85,18 @@ mod tests {
         assert_eq!(dots.columns, 1);
         assert!(dots.rows.iter().all(|row| row & 0x00ff == 0));
         assert!(dots.rows.iter().any(|row| *row != 0));
+    }
+
+    #[test]
+    fn every_glyph_is_that_of_its_character() {
+        for (character, of_unifont) in unifont::enumerate_glyphs() {
+            if let Some(kept) = glyph(character) {
+                assert_eq!(kept, of_unifont, "{character}");
+            }
+        }
+        let kept = |text: &str| text.chars().all(|it| glyph(it).is_some());
+        assert!(kept("~°±µαΩЖ…→⌀□●、。《》【】ァ一龥齿車轴한글(A)"));
+        assert_eq!(glyph('\u{3400}'), None);
     }
 
     #[test]

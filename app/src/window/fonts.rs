@@ -35,7 +35,7 @@ fn rasterize(request: &GlyphRasterizerRequest<'_>) -> Option<RasterizedGlyph> {
     if characters.next().is_some() {
         return None;
     }
-    let glyph = unifont::get_glyph(character)?;
+    let glyph = gsk_panel::glyphs::glyph(character)?;
     let scale = drawn_size(request.font_size_px) / DOTS;
     let width = glyph.get_width() as f32 * scale;
     let size = [

@@ -227,7 +227,7 @@ impl Canvas {
         }
         .round() as i32;
         let top = y.round() as i32;
-        for glyph in text.chars().filter_map(unifont::get_glyph) {
+        for glyph in text.chars().filter_map(gsk_panel::glyphs::glyph) {
             for down in 0..16 {
                 for right in 0..glyph.get_width() {
                     if glyph.get_pixel(right, down) {

@@ -104,7 +104,7 @@ fn flowed(entries: Vec<(Pen, String)>, wide: f64) -> (Vec<Entry>, u32) {
 
 /// Width of a text, units: that of the dots it is written in.
 pub(super) fn width(text: &str) -> f64 {
-    let glyphs = text.chars().filter_map(unifont::get_glyph);
+    let glyphs = text.chars().filter_map(gsk_panel::glyphs::glyph);
     glyphs.map(|glyph| glyph.get_width() as f64).sum()
 }
 

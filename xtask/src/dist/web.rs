@@ -16,18 +16,7 @@ const TRIPLE: &str = "wasm32-unknown-unknown";
 const SYSTEM: &str = "browsers";
 /// Linker of the usual tool chain, below its own folder.
 const LINKER: &str = "lib/rustlib/x86_64-unknown-linux-gnu/bin/rust-lld";
-/// Makes a program for browsers smaller.
-const OPTIMIZER: &str = "/usr/bin/wasm-opt";
-/// What the compiler may have used; Debian's optimizer asks to be told.
-const FEATURES: [&str; 6] = [
-    "--enable-bulk-memory",
-    "--enable-multivalue",
-    "--enable-mutable-globals",
-    "--enable-nontrapping-float-to-int",
-    "--enable-reference-types",
-    "--enable-sign-ext",
-];
-const CURE: &str = "on Debian: apt-get install rustc-web cargo-web rust-web-src binaryen";
+const CURE: &str = "on Debian: apt-get install rustc-web cargo-web rust-web-src";
 const LINKER_CURE: &str = "it is part of the Rust tool chain that rustup installs";
 /// What the page is made of, besides the program.
 const BESIDE: [(&str, &str); 2] = [
@@ -42,7 +31,7 @@ const LARGEST: u64 = 4_000_000;
 /// # Errors
 /// A tool is missing, or what it says; the page is too large.
 pub fn make(root: &Path) -> Result<(), TaskError> {
-    debian::is_there(SYSTEM, CURE, &[OPTIMIZER])?;
+    debian::is_there(SYSTEM, CURE, &[])?;
     let linker = debian::sysroot("rustc").map(|sysroot| sysroot.join(LINKER));
     let linker = linker.filter(|linker| linker.exists());
     let linker = linker.ok_or_else(|| TaskError::Tools {
@@ -101,7 +90,7 @@ fn build(root: &Path, linker: &Path) -> Result<(), TaskError> {
     run(CARGO, &arguments, &environment)
 }
 
-/// Makes of a program what a page can load, as small as it gets.
+/// Makes of a program what a page can load.
 fn bind(
     root: &Path,
     bindgen: &Path,
@@ -123,11 +112,7 @@ fn bind(
         &into,
         &built,
     ];
-    run(&bindgen.to_string_lossy(), &arguments, &[])?;
-    let bound = Path::new(into.as_ref()).join(format!("{name}_bg.wasm"));
-    let bound = bound.to_string_lossy();
-    let arguments = [&FEATURES[..], &["-Oz", &bound, "-o", &bound]].concat();
-    run(OPTIMIZER, &arguments, &[])
+    run(&bindgen.to_string_lossy(), &arguments, &[])
 }
 
 /// `wasm-bindgen` of the version that the program is built with, installed below
