@@ -14,6 +14,9 @@ const LISTED: usize = 60;
 pub struct Help {
     open: bool,
     question: String,
+    /// The question that was looked up last, and its topics: all texts are searched, too
+    /// much for every picture.
+    found: (String, Vec<&'static Topic>),
     /// Topics that were read, the last one is shown.
     read: Vec<&'static Topic>,
     /// What is pressed on the panel is explained.
@@ -103,13 +106,20 @@ impl Help {
 
     fn text(&mut self, ui: &mut Ui, language: Language) {
         if !self.question.trim().is_empty() {
-            let found = ask(&self.question);
-            if found.is_empty() {
-                ui.label(say::window_help_nothing().text(language));
+            if self.found.0 != self.question {
+                self.found = (self.question.clone(), ask(&self.question));
             }
-            if let Some(chosen) = list(ui, &found, language) {
-                self.question.clear();
-                self.turn_to(chosen);
+            match &self.found.1[..] {
+                [] => {
+                    ui.label(say::window_help_nothing().text(language));
+                }
+                [only] => show_article(ui, only, language),
+                several => {
+                    if let Some(chosen) = list(ui, several, language) {
+                        self.question.clear();
+                        self.turn_to(chosen);
+                    }
+                }
             }
             return;
         }
