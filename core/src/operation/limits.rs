@@ -1,4 +1,4 @@
-//! Alarms of the travel limits, 045-048 (manual III-3.5.2).
+//! Alarms of the travel limits of 045 to 048 (manual III-3.5.2).
 
 use super::manual::Direction;
 use crate::alarm::number;

@@ -67,12 +67,8 @@ pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotatio
     let collisions = report.part.iter().flat_map(|part| &part.collisions);
     all.extend(collisions.map(|it| {
         let line = own_line(it.program, it.line);
-        annotation(
-            Level::Error,
-            "collision",
-            line,
-            said(&it.message(), language),
-        )
+        let text = in_program(it.program, said(&it.message(), language));
+        annotation(Level::Error, "collision", line, text)
     }));
     // What ended it has been said, but for what no block is to blame for.
     if report.failed() && all.is_empty() {
@@ -81,12 +77,11 @@ pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotatio
     }
     all.extend(report.warnings.iter().map(|it| {
         let line = own_line(Some(it.program), Some(it.line));
-        let text = if line.is_some() {
-            &it.text
-        } else {
-            &it.sentence
+        let text = match line {
+            Some(_) => it.text.clone(),
+            None => in_program(Some(it.program), it.sentence.clone()),
         };
-        annotation(Level::Warning, it.rule, line, text.clone())
+        annotation(Level::Warning, it.rule, line, text)
     }));
     all
 }
@@ -96,6 +91,14 @@ const fn own_line(program: Option<ProgramId>, line: Option<u32>) -> Option<u32> 
     match program {
         Some(ProgramId::Stored(_)) => None,
         _ => line,
+    }
+}
+
+/// A sentence that names a line, with the program if it is another one.
+fn in_program(program: Option<ProgramId>, sentence: String) -> String {
+    match program {
+        Some(ProgramId::Stored(number)) => format!("O{number:04}, {sentence}"),
+        _ => sentence,
     }
 }
 
