@@ -1,6 +1,7 @@
 //! The characters that the program can show, out of GNU Unifont: all but rare Chinese ones
-//! (CJK extension A) and scripts that no lathe is programmed in, a tenth of the page for
-//! browsers (decision WINDOW-13). The rest of the table of the crate is then nobody's and is not linked.
+//! (CJK extension A) and scripts that no lathe is programmed in, a twentieth of the page
+//! for browsers (decision WINDOW-13). Nobody asks for the table of the crate then, and it
+//! is not linked.
 
 use std::fmt::Write as _;
 use std::path::Path;

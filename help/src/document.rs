@@ -10,9 +10,9 @@ use crate::table::topics;
 
 /// Readable on a screen and on A4; a topic is not torn apart between two sheets.
 const STYLE: &str = "body{font:11pt/1.4 sans-serif;max-width:48em;margin:auto;padding:1em}\
-h2{border-bottom:2px solid;margin-top:2em}h3{margin:1em 0 .2em}p{margin:.2em 0}\
+h2{border-bottom:2px solid;margin-top:2em;break-before:page}h3{margin:1em 0 .2em}p{margin:.2em 0}\
 section{break-inside:avoid}.example{border-left:3px solid #888;padding-left:.6em}\
-.source,.fact{color:#555;font-size:90%}h2{break-before:page}";
+.source,.fact{color:#555;font-size:90%}";
 
 /// The chapters in their order: what belongs into each, and its heading.
 type Chapter = (fn(Subject<'_>) -> bool, fn() -> Message);

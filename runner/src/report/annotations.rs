@@ -70,8 +70,8 @@ pub fn annotations(report: &Report, language: Option<Language>) -> Vec<Annotatio
         let text = in_program(it.program, said(&it.message(), language));
         annotation(Level::Error, "collision", line, text)
     }));
-    // What ended it has been said, but for what no block is to blame for.
-    if report.failed() && all.is_empty() {
+    // An alarm has said what ended it; else no block is to blame for it.
+    if report.failed() && report.alarm.is_none() {
         let ended = said(&report.how_it_ended(), language);
         all.push(annotation(Level::Error, report.end.name(), None, ended));
     }
