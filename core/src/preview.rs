@@ -43,6 +43,7 @@ use messages::Messages;
 use preset::SetPlace;
 use spindle::Spindle;
 pub use spindle::Turning;
+use travel::Shown;
 
 /// Blocks without motion after which [`preview`] gives up.
 const MOTIONLESS_BLOCKS: u64 = 1_500_000;
@@ -315,6 +316,7 @@ struct Walk<'a> {
     /// time is known when the next command is.
     sequel: Sequel,
     unsettled: Option<(ExecutedMove, Option<Explanation>)>,
+    shown: Option<Shown>,
     /// Time the spindle needs for a new speed, s.
     settle_s: f64,
     so_far: Preview,
@@ -347,6 +349,7 @@ impl<'a> Walk<'a> {
             owed: 0.0,
             sequel: Sequel::default(),
             unsettled: None,
+            shown: None,
             settle_s: f64::from(setup.lathe.spindle.settle_ms) / 1000.0,
             so_far: Preview {
                 end: End::Limit,

@@ -28,7 +28,7 @@ const ROUND: f64 = 0.0001;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Curve {
     from: Point,
-    to: Point,
+    pub(super) to: Point,
     arc: Option<Arc>,
     /// The corners of a box about it, or about more than that.
     low: Point,
@@ -43,9 +43,6 @@ struct Arc {
     /// From the start to the end.
     growth: f64,
     turn: f64,
-    /// From the centre to the start and to the end; the same for a full turn.
-    first: Point,
-    last: Point,
 }
 
 impl Curve {
@@ -60,32 +57,30 @@ impl Curve {
     }
 
     fn of_arc(from: Point, to: Point, arc: Arc) -> Self {
-        let reach = arc.radius + arc.loose();
-        let corner = Point::new(reach, reach);
-        Self {
-            from,
-            to,
+        let mut curve = Self {
             arc: Some(arc),
-            low: arc.center - corner,
-            high: arc.center + corner,
-        }
+            ..Self::line(from, to)
+        };
+        let x = curve.reaches(Point::new(1.0, 0.0), |point| point.x);
+        let z = curve.reaches(Point::new(0.0, 1.0), |point| point.z);
+        (curve.low, curve.high) = (Point::new(x.0, z.0), Point::new(x.1, z.1));
+        curve
     }
 
     /// The arc about the centre of `circle`, beside the one of a move.
     pub(super) fn arc(from: Point, to: Point, circle: &Circle, piece: &Piece) -> Self {
-        let arm = from - circle.center;
         if (to - from).length() < SHORT && piece.sweep() <= PI {
             return Self::line(from, to);
         }
-        let last_arm = to - circle.center;
-        let (first, last) = (arm.length(), last_arm.length());
+        let (first, last) = (
+            (from - circle.center).length(),
+            (to - circle.center).length(),
+        );
         let arc = Arc {
             center: circle.center,
             radius: (first + last) / 2.0,
             growth: last - first,
             turn: circle.turn,
-            first: arm,
-            last: last_arm,
         };
         Self::of_arc(from, to, arc)
     }
@@ -103,10 +98,53 @@ impl Curve {
         self.arc.as_ref().map_or(0.0, Arc::loose)
     }
 
+    /// Whether a direction from the centre of its arc lies within that.
+    ///
+    /// ```text
+    ///     last .    direction       up to half a turn: after the first arm and before
+    ///           `. .                the last one; of more than that the other arc is
+    ///     turn ^  +------ first     after the last arm and before the first one
+    /// ```
+    fn spans(&self, arc: &Arc, direction: Point) -> bool {
+        let after = |one: Point, other: Point| one.cross(other) * arc.turn;
+        let (first, last) = (self.from - arc.center, self.to - arc.center);
+        let turned = after(first, last);
+        let (behind, before) = (after(first, direction), after(direction, last));
+        // The same direction again is a full turn.
+        let wide = turned < 0.0 || turned == 0.0 && first.dot(last) > 0.0;
+        match wide {
+            true => behind >= 0.0 || before >= 0.0,
+            false => behind >= 0.0 && before >= 0.0,
+        }
+    }
+
+    /// The least and the greatest coordinate in a direction, in which `along` is what a
+    /// point has.
+    fn reaches(&self, direction: Point, along: impl Fn(Point) -> f64) -> (f64, f64) {
+        let (from, to) = (along(self.from), along(self.to));
+        let (mut least, mut most) = (from.min(to), from.max(to));
+        if let Some(arc) = &self.arc {
+            let (center, length) = (along(arc.center), direction.length());
+            let (reach, loose) = ((arc.radius + arc.loose()) * length, arc.loose() * length);
+            let spans = |direction| self.spans(arc, direction);
+            least = if spans(-direction) {
+                center - reach
+            } else {
+                least - loose
+            };
+            most = if spans(direction) {
+                center + reach
+            } else {
+                most + loose
+            };
+        }
+        (least, most)
+    }
+
     /// The two halves of an arc.
     fn halves(&self, arc: &Arc) -> [Self; 2] {
-        let arm = arc.first;
-        let whole = match sweep(arm, arc.last, arc.turn) {
+        let arm = self.from - arc.center;
+        let whole = match sweep(arm, self.to - arc.center, arc.turn) {
             way if way <= 0.0 => TAU,
             way => way,
         };
@@ -115,21 +153,15 @@ impl Curve {
         // From the centre itself every direction is as good.
         let arm = turned.unit().unwrap_or_default() * arc.radius;
         let middle = arc.center + arm;
-        let half = |(from, first), (to, last), quarter: f64| {
+        let half = |from, to, quarter: f64| {
             let half = Arc {
                 radius: arc.radius + arc.growth * quarter,
                 growth: arc.growth / 2.0,
-                first,
-                last,
                 ..*arc
             };
             Self::of_arc(from, to, half)
         };
-        let (start, end) = ((self.from, arc.first), (self.to, arc.last));
-        [
-            half(start, (middle, arm), -0.25),
-            half((middle, arm), end, 0.25),
-        ]
+        [half(self.from, middle, -0.25), half(middle, self.to, 0.25)]
     }
 }
 
@@ -138,30 +170,15 @@ impl Arc {
     const fn loose(&self) -> f64 {
         self.growth.abs() / 2.0
     }
-
-    /// Whether the direction from the centre lies within the arc.
-    ///
-    /// ```text
-    ///     last .    direction       up to half a turn: after the first arm and before
-    ///           `. .                the last one; of more than that the other arc is
-    ///     turn ^  +------ first     after the last arm and before the first one
-    /// ```
-    fn spans(&self, direction: Point) -> bool {
-        let after = |one: Point, other: Point| one.cross(other) * self.turn;
-        let (first, last) = (after(self.first, direction), after(direction, self.last));
-        let turned = after(self.first, self.last);
-        // The same direction again is a full turn.
-        let wide = turned < 0.0 || turned == 0.0 && self.first.dot(self.last) > 0.0;
-        match wide {
-            true => first >= 0.0 || last >= 0.0,
-            false => first >= 0.0 && last >= 0.0,
-        }
-    }
 }
 
 /// Whether a path comes nearer to a surface than this.
 pub(super) fn cuts(path: &Curve, surface: &Curve, least: f64) -> bool {
-    !far_apart(path, surface, least) && nearer(path, surface, least)
+    least > 0.0
+        && !far_apart(path, surface, least)
+        && !beside(path, surface, least)
+        && !beside(surface, path, least)
+        && nearer(path, surface, least)
 }
 
 /// Whether two curves come nearer to each other than this. Where the change of a
@@ -185,16 +202,35 @@ fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
     let gap = |one: f64, other: f64| one.max(other).max(0.0);
     let x = gap(a.low.x - b.high.x, b.low.x - a.high.x);
     let z = gap(a.low.z - b.high.z, b.low.z - a.high.z);
-    x * x + z * z >= least * least && least > 0.0
+    x * x + z * z >= least * least
+}
+
+/// Whether the whole of a curve is this far on one side of a line already. A path and the
+/// surface before it or after it nearly always are: of a corner between two lines, the
+/// path is beside the one surface, or the other surface is beside the path.
+///
+/// ```text
+///    . . . . . . path           ---. path            the surface ends under
+///    ------------ surface           `.               the line of the path
+///                 \\             --.    `.
+/// ```
+fn beside(line: &Curve, other: &Curve, least: f64) -> bool {
+    if line.arc.is_some() {
+        return false;
+    }
+    let along = line.to - line.from;
+    let length = along.length();
+    let (right, left) = other.reaches(along.left(), |point| along.cross(point - line.from));
+    right >= least * length || left <= -least * length
 }
 
 /// The least distance of two curves, arcs with the radius of their middle.
 pub(super) fn distance(a: &Curve, b: &Curve) -> f64 {
     let between = match (&a.arc, &b.arc) {
         (None, None) => return lines(a, b),
-        (None, Some(arc)) => line_and_arc(a, arc),
-        (Some(arc), None) => line_and_arc(b, arc),
-        (Some(first), Some(second)) => arcs(first, second),
+        (None, Some(arc)) => line_and_arc(a, (b, arc)),
+        (Some(arc), None) => line_and_arc(b, (a, arc)),
+        (Some(first), Some(second)) => arcs((a, first), (b, second)),
     };
     let ends = to_point(a, b.from)
         .min(to_point(a, b.to))
@@ -211,7 +247,7 @@ fn to_point(curve: &Curve, point: Point) -> f64 {
         None => foot(curve, point).map_or(ends, |foot| (point - foot).length().min(ends)),
         Some(arc) => {
             let arm = point - arc.center;
-            if !arc.spans(arm) {
+            if !curve.spans(arc, arm) {
                 return ends;
             }
             (arm.length() - arc.radius).abs().min(ends)
@@ -264,7 +300,7 @@ fn cross(a: &Curve, b: &Curve) -> bool {
     (0.0..=1.0).contains(&on_a) && (0.0..=1.0).contains(&on_b)
 }
 
-fn line_and_arc(line: &Curve, arc: &Arc) -> f64 {
+fn line_and_arc(line: &Curve, (curve, arc): (&Curve, &Arc)) -> f64 {
     let Some(along) = (line.to - line.from).unit() else {
         return f64::INFINITY;
     };
@@ -275,26 +311,27 @@ fn line_and_arc(line: &Curve, arc: &Arc) -> f64 {
         for direction in [to_line + along * half, to_line - along * half] {
             let on_line = (arc.center + direction - line.from).dot(along);
             let within = (0.0..=(line.to - line.from).length()).contains(&on_line);
-            if within && arc.spans(direction) {
+            if within && curve.spans(arc, direction) {
                 return 0.0;
             }
         }
         return f64::INFINITY;
     }
     match foot(line, arc.center) {
-        Some(foot) if arc.spans(foot - arc.center) => way - arc.radius,
+        Some(foot) if curve.spans(arc, foot - arc.center) => way - arc.radius,
         _ => f64::INFINITY,
     }
 }
 
-fn arcs(first: &Arc, second: &Arc) -> f64 {
+fn arcs((a, first): (&Curve, &Arc), (b, second): (&Curve, &Arc)) -> f64 {
     let between = second.center - first.center;
     let d = between.length();
     let Some(e) = between.unit() else {
         return f64::INFINITY;
     };
-    let both =
-        |point: Point| first.spans(point - first.center) && second.spans(point - second.center);
+    let both = |point: Point| {
+        a.spans(first, point - first.center) && b.spans(second, point - second.center)
+    };
     let along = (first.radius * first.radius - second.radius * second.radius + d * d) / (2.0 * d);
     let square = first.radius * first.radius - along * along;
     if square >= 0.0 {
@@ -308,7 +345,7 @@ fn arcs(first: &Arc, second: &Arc) -> f64 {
         for side_b in [1.0, -1.0] {
             let on_a = first.center + e * (side_a * first.radius);
             let on_b = second.center + e * (side_b * second.radius);
-            let seen = first.spans(on_a - first.center) && second.spans(on_b - second.center);
+            let seen = a.spans(first, on_a - first.center) && b.spans(second, on_b - second.center);
             if seen {
                 least = least.min((on_b - on_a).length());
             }

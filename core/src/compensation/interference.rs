@@ -55,8 +55,6 @@ impl Way {
 /// A move that was run: its surface and the path of the nose.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trail {
-    /// Programmed end.
-    pub(super) end: Point,
     surface: Curve,
     path: Curve,
     /// The path keeps the nose clear of its own surface.
@@ -75,12 +73,54 @@ impl Trail {
             _ => Curve::line(p, q),
         };
         Self {
-            end: piece.end,
             surface: Curve::surface(piece),
             path,
             parallel: !way.straight,
             rho,
         }
+    }
+
+    /// Programmed end.
+    pub(super) const fn end(&self) -> Point {
+        self.surface.to
+    }
+}
+
+/// Moves that the check looks back on.
+const MOVES_BEFORE: usize = 3;
+
+/// The last moves that were run, as long as the corners between them were regular.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Trails {
+    kept: Vec<Trail>,
+    /// Where the next one goes: once there are enough, that is the oldest.
+    next: usize,
+}
+
+impl Trails {
+    /// Forgets them.
+    pub(super) fn clear(&mut self) {
+        self.kept.clear();
+        self.next = 0;
+    }
+
+    /// All of them, in no order.
+    pub(super) fn all(&self) -> &[Trail] {
+        &self.kept
+    }
+
+    /// The last one.
+    pub(super) fn last(&self) -> Option<&Trail> {
+        let last = (self.next + MOVES_BEFORE - 1) % MOVES_BEFORE;
+        self.kept.get(last)
+    }
+
+    pub(super) fn push(&mut self, trail: Trail) {
+        match self.kept.get_mut(self.next) {
+            Some(oldest) => *oldest = trail,
+            None => self.kept.push(trail),
+        }
+        self.next = (self.next + 1) % MOVES_BEFORE;
     }
 }
 

@@ -74,21 +74,23 @@ impl Moving {
     /// Its command with another action: straight, or an arc about the centre of
     /// its own.
     pub(super) fn command(&self, action: Action) -> Command {
-        let to = self.piece.end.x + self.offset.x;
-        let from = self.piece.start.x + self.offset.x;
-        let programmed_x = match (&action, &self.piece.circle) {
-            (
-                Action::Arc {
-                    to: tip, center, ..
+        let programmed_x = || {
+            let to = self.piece.end.x + self.offset.x;
+            let from = self.piece.start.x + self.offset.x;
+            match (&action, &self.piece.circle) {
+                (
+                    Action::Arc {
+                        to: tip, center, ..
+                    },
+                    Some(circle),
+                ) => ProgrammedX::Round {
+                    tip_center: center.x,
+                    center: circle.center.x + self.offset.x,
+                    ratio: circle.radius / (*tip - *center).length(),
+                    to,
                 },
-                Some(circle),
-            ) => ProgrammedX::Round {
-                tip_center: center.x,
-                center: circle.center.x + self.offset.x,
-                ratio: circle.radius / (*tip - *center).length(),
-                to,
-            },
-            _ => ProgrammedX::Even { from, to },
+                _ => ProgrammedX::Even { from, to },
+            }
         };
         with_programmed_x(
             Command {
@@ -108,10 +110,10 @@ impl Moving {
 
 /// The move that gives an open one its end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Next {
+pub(super) struct Next<'a> {
     pub(super) source: Source,
     /// A compensated move, and how far on its left the nose runs.
-    pub(super) surface: Option<(Piece, f64)>,
+    pub(super) surface: Option<(&'a Piece, f64)>,
 }
 
 /// How an open move ends.
@@ -201,7 +203,7 @@ pub(super) fn corner_move(command: &Command, to: Point, stands: f64) -> Command 
             stop_point: false,
             ..command.clone()
         },
-        ProgrammedX::Even {
+        || ProgrammedX::Even {
             from: stands,
             to: stands,
         },
@@ -209,8 +211,8 @@ pub(super) fn corner_move(command: &Command, to: Point, stands: f64) -> Command 
 }
 
 /// Under G96 a command tells the programmed X, which the speed follows.
-pub(super) fn with_programmed_x(mut command: Command, x: ProgrammedX) -> Command {
-    command.programmed_x = command.modal.surface_speed.then(|| Box::new(x));
+pub(super) fn with_programmed_x(mut command: Command, x: impl FnOnce() -> ProgrammedX) -> Command {
+    command.programmed_x = command.modal.surface_speed.then(|| Box::new(x()));
     command
 }
 

@@ -10,17 +10,15 @@ use super::moves::{
 use super::piece::{Piece, SAME};
 use super::rounded;
 use super::stream::Compensation;
+use crate::alarm::Alarm;
 use crate::command::{Command, ProgrammedX, Source};
 use crate::units::Point;
-
-/// Moves that the interference check looks back on.
-const MOVES_BEFORE: usize = 3;
 
 impl Compensation {
     /// The open move gets its end from the next one, which becomes the open one.
     pub(super) fn next_move(&mut self, mut next: Moving) {
         let source = next.command.source;
-        if let Some(moving) = &self.moving {
+        if let Some(moving) = self.moving.take() {
             // The side cannot change right after the start-up.
             if moving.starts {
                 next.side = moving.side;
@@ -33,10 +31,16 @@ impl Compensation {
             let (rho, next_rho) = (moving.rho(), next.side * moving.nose.radius);
             match corner::vectors(&moving.piece, rho, &next.piece, next_rho, role) {
                 Ok(vectors) => {
-                    let surface = Some((next.piece, next_rho));
-                    self.end_move(End::Vectors(vectors), Some(Next { source, surface }));
+                    let surface = Some((&next.piece, next_rho));
+                    self.end_move(
+                        &moving,
+                        &End::Vectors(vectors),
+                        Some(Next { source, surface }),
+                    );
                 }
-                Err(fault) => self.stop_at_corner(fault, source),
+                Err(fault) => {
+                    self.refuse_move(&moving, fault.at_corner(moving.command.source, source));
+                }
             }
         } else {
             self.begin_from_stand(&mut next);
@@ -80,7 +84,8 @@ impl Compensation {
     /// The move that cancels: from one X to its programmed end; with `None` it has
     /// no direction.
     pub(super) fn cancel(&mut self, command: Command, from_x: f64, piece: Option<&Piece>) {
-        let corner = match (&self.moving, piece) {
+        let moving = self.moving.take();
+        match (&moving, piece) {
             (Some(moving), Some(piece)) => {
                 let role = if moving.starts {
                     Role::StartUp
@@ -88,20 +93,22 @@ impl Compensation {
                     Role::Cancel
                 };
                 let rho = moving.rho();
-                Some(corner::vectors(&moving.piece, rho, piece, rho, role))
+                match corner::vectors(&moving.piece, rho, piece, rho, role) {
+                    Ok(vectors) => {
+                        let next = Next {
+                            source: command.source,
+                            surface: None,
+                        };
+                        self.end_move(moving, &End::Vectors(vectors), Some(next));
+                    }
+                    Err(fault) => {
+                        let alarm = fault.at_corner(moving.command.source, command.source);
+                        self.refuse_move(moving, alarm);
+                    }
+                }
             }
-            _ => None,
-        };
-        match corner {
-            Some(Ok(vectors)) => {
-                let next = Next {
-                    source: command.source,
-                    surface: None,
-                };
-                self.end_move(End::Vectors(vectors), Some(next));
-            }
-            Some(Err(fault)) => self.stop_at_corner(fault, command.source),
-            None => self.flush(),
+            (Some(moving), None) => self.end_square(moving),
+            (None, _) => {}
         }
         if self.fault.is_some() {
             return;
@@ -112,10 +119,8 @@ impl Compensation {
         }
         self.on = false;
         self.before.clear();
-        let way = ProgrammedX::Even {
-            from: from_x,
-            to: self.machine.x,
-        };
+        let to = self.machine.x;
+        let way = || ProgrammedX::Even { from: from_x, to };
         self.ready.push_back(with_programmed_x(command, way));
     }
 
@@ -135,36 +140,45 @@ impl Compensation {
         self.ready.push_back(command);
     }
 
-    /// Gives the open move out, with this end, and what was held after it.
-    pub(super) fn end_move(&mut self, end: End, next: Option<Next>) {
-        let Some(moving) = self.moving.take() else {
-            return;
-        };
+    /// Gives a move out, ended square to itself.
+    pub(super) fn end_square(&mut self, moving: &Moving) {
+        let square = corner::square_to_end(&moving.piece, moving.rho());
+        self.end_move(moving, &End::Vectors(Vectors::of(&[square])), None);
+    }
+
+    /// Gives the open move out, ended on its programmed point.
+    pub(super) fn end_on_point(&mut self) {
+        if let Some(moving) = self.moving.take() {
+            self.end_move(&moving, &End::Cancelled, None);
+        }
+    }
+
+    /// Gives the move that was the open one out, with this end, and what was held after
+    /// it.
+    fn end_move(&mut self, moving: &Moving, end: &End, next: Option<Next<'_>>) {
         let start = self.stand.vectors;
         let inside = !moving.starts && !moving.from_point;
         let way = match end {
-            End::Vectors(end) if inside => self.check(&moving, start, end, next),
+            End::Vectors(end) if inside => match self.check(moving, start, *end, next) {
+                Ok(way) => way,
+                Err(fault) => {
+                    let source = moving.command.source;
+                    let alarm = fault.at_corner(source, next.map_or(source, |next| next.source));
+                    return self.refuse_move(moving, alarm);
+                }
+            },
             End::Vectors(end) => {
                 self.before.clear();
-                Ok(Way::whole(start, end))
+                Way::whole(start, *end)
             }
             End::Cancelled => {
                 self.before.clear();
                 let square = corner::square_to_end(&moving.piece, moving.rho());
-                Ok(Way::whole(start, Vectors::of(&[square])))
+                Way::whole(start, Vectors::of(&[square]))
             }
         };
-        let way = match way {
-            Ok(way) => way,
-            Err(fault) => {
-                let source = moving.command.source;
-                self.moving = Some(moving);
-                let alarm = fault.at_corner(source, next.map_or(source, |next| next.source));
-                return self.refuse(alarm);
-            }
-        };
-        self.corner_moves(&moving, way.start);
-        self.main_move(&moving, &way, end == End::Cancelled);
+        self.corner_moves(moving, &way.start);
+        self.main_move(moving, &way, *end == End::Cancelled);
         self.stand = match end {
             End::Vectors(_) => Stand {
                 base: moving.base(),
@@ -184,27 +198,27 @@ impl Compensation {
         moving: &Moving,
         start: Vectors,
         end: Vectors,
-        next: Option<Next>,
+        next: Option<Next<'_>>,
     ) -> Result<Way, Fault> {
         let way = interference::check(&moving.piece, start, end)?;
         let rho = moving.rho();
         let trail = Trail::of(&moving.piece, &way, rho);
         let goes_on = self
             .before
-            .back()
-            .is_none_or(|before| (before.end - moving.piece.start).length() <= SAME);
+            .last()
+            .is_none_or(|before| (before.end() - moving.piece.start).length() <= SAME);
         if !goes_on {
             self.before.clear();
         }
         let same_nose = self.stand.radius == moving.nose.radius;
         // Neither a vector of another nose nor one of another corner keeps clear.
         if same_nose && !moving.square_start {
-            let before = self.before.iter().filter(|before| before.rho == rho);
+            let before = self.before.all().iter().filter(|before| before.rho == rho);
             let surface = next.as_ref().and_then(|next| next.surface.as_ref());
             let surface = surface.filter(|(piece, by)| {
                 *by == rho && (piece.start - moving.piece.end).length() <= SAME
             });
-            let next = surface.map(|(piece, _)| piece);
+            let next = surface.map(|(piece, _)| *piece);
             if interference::cuts_into(&before, moving.piece.start, &way, &trail, next) {
                 return Err(Fault::Interference);
             }
@@ -214,15 +228,12 @@ impl Compensation {
             self.before.clear();
             return Ok(way);
         }
-        if self.before.len() >= MOVES_BEFORE {
-            self.before.pop_front();
-        }
-        self.before.push_back(trail);
+        self.before.push(trail);
         Ok(way)
     }
 
     /// Round the corner at the start of a move, at its head.
-    pub(super) fn corner_moves(&mut self, moving: &Moving, vectors: Vectors) {
+    pub(super) fn corner_moves(&mut self, moving: &Moving, vectors: &Vectors) {
         for vector in vectors.all().iter().skip(1) {
             let to = rounded(self.stand.base + *vector);
             self.ready.push_back(moving.corner_command(to));
@@ -272,10 +283,19 @@ impl Compensation {
 
     /// Alarm between the open move and the next: the open one is not begun.
     pub(super) fn stop_at_corner(&mut self, fault: Fault, next: Source) {
-        let first = self
-            .moving
-            .as_ref()
-            .map_or(next, |moving| moving.command.source);
-        self.refuse(fault.at_corner(first, next));
+        match self.moving.take() {
+            Some(moving) => {
+                self.refuse_move(&moving, fault.at_corner(moving.command.source, next));
+            }
+            None => self.refuse(fault.at_corner(next, next)),
+        }
+    }
+
+    /// The move that was the open one is not begun, but for what leads round the corner
+    /// before it.
+    pub(super) fn refuse_move(&mut self, moving: &Moving, alarm: Alarm) {
+        let vectors = self.stand.vectors;
+        self.corner_moves(moving, &vectors);
+        self.refuse(alarm);
     }
 }

@@ -4,10 +4,9 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::corner::{self, Vectors};
 use super::fault::Fault;
-use super::interference::Trail;
-use super::moves::{End, Held, Moving, Stand, cuts, destination, piece, side};
+use super::interference::Trails;
+use super::moves::{Held, Moving, Stand, cuts, destination, piece, side};
 use super::nose::Nose;
 use super::piece::SAME;
 use crate::alarm::Alarm;
@@ -42,7 +41,7 @@ pub(crate) struct Compensation {
     pub(super) moving: Option<Moving>,
     /// The compensated moves before it, the last one at the end, while the
     /// corners between them were regular.
-    pub(super) before: VecDeque<Trail>,
+    pub(super) before: Trails,
     pub(super) held: VecDeque<Held>,
     pub(super) ready: VecDeque<Command>,
     pub(super) fault: Option<Alarm>,
@@ -109,16 +108,16 @@ impl Compensation {
     /// Nothing more can be read before everything is carried out: the open move
     /// ends square to itself.
     pub(crate) fn flush(&mut self) {
-        if let Some(moving) = &self.moving {
-            let square = corner::square_to_end(&moving.piece, moving.rho());
-            self.end_move(End::Vectors(Vectors::of(&[square])), None);
+        if let Some(moving) = self.moving.take() {
+            self.end_square(&moving);
         }
     }
 
     /// The block after the open move has wrong data: that move is not begun.
     pub(crate) fn refuse(&mut self, alarm: Alarm) {
         if let Some(moving) = self.moving.take() {
-            self.corner_moves(&moving, self.stand.vectors);
+            let vectors = self.stand.vectors;
+            self.corner_moves(&moving, &vectors);
         }
         self.held.clear();
         self.fault = Some(alarm);
@@ -176,7 +175,7 @@ impl Compensation {
     /// Motion that is not compensated: the vector is cancelled before it and
     /// comes back with the next move along the contour.
     fn foreign(&mut self, command: Command, to: Point) {
-        self.end_move(End::Cancelled, None);
+        self.end_on_point();
         self.moved = true;
         self.machine = to;
         self.at = to - self.offset;
@@ -199,7 +198,7 @@ impl Compensation {
             self.at = self.machine - frame.offset;
         }
         if program_zero.is_some() {
-            self.end_move(End::Cancelled, None);
+            self.end_on_point();
         }
         self.queue(command);
     }

@@ -21,6 +21,7 @@ mod immediate;
 mod macros;
 mod nose_compensation;
 mod pass_over;
+mod plain_move;
 mod plan;
 mod profile;
 mod reader;

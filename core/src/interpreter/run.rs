@@ -81,6 +81,14 @@ impl Run {
         command
     }
 
+    /// The block read last was a move along the contour and nothing else: it is taken,
+    /// and the next block follows.
+    pub(crate) const fn move_alone(&mut self) {
+        self.contour = true;
+        self.note = None;
+        self.place = self.place.after();
+    }
+
     /// What a move leads to: the call of the last G66, or the next block.
     pub(crate) fn modal_call(&self, place: Place) -> Flow {
         let Some((index, modal)) = self.levels.modal(&self.calls) else {

@@ -25,6 +25,11 @@ impl Bounds {
         include(bounds, executed);
     }
 
+    fn contains(&self, point: Point) -> bool {
+        (self.least.x..=self.greatest.x).contains(&point.x)
+            && (self.least.z..=self.greatest.z).contains(&point.z)
+    }
+
     fn take(&mut self, point: Point) {
         self.least = Point::new(self.least.x.min(point.x), self.least.z.min(point.z));
         self.greatest = Point::new(self.greatest.x.max(point.x), self.greatest.z.max(point.z));
@@ -44,15 +49,17 @@ pub(super) fn include(bounds: &mut Option<Bounds>, executed: &ExecutedMove) {
         _ => (executed.from, executed.to),
     };
     let radius = (executed.from - center).length();
-    let sweep = sweep(first - center, last - center);
     for side in [
         Point::new(radius, 0.0),
         Point::new(0.0, radius),
         Point::new(-radius, 0.0),
         Point::new(0.0, -radius),
     ] {
+        if bounds.contains(center + side) {
+            continue;
+        }
         let (from, to) = (turn(first - center), turn(side));
-        if wrapped(to - from) <= sweep {
+        if wrapped(to - from) <= sweep(first - center, last - center) {
             bounds.take(center + side);
         }
     }

@@ -2,10 +2,18 @@
 
 use super::{Walk, bounds, snapped};
 use crate::alarm::Alarm;
-use crate::command::{Command, Conditions, ExecutedMove, MoveKind};
+use crate::command::{Command, Conditions, ExecutedMove, Frame, MoveKind};
 use crate::motion::{duration, path_length, top_speed};
 use crate::operation::{check_encoder, check_gear_speed};
 use crate::units::{Feed, Point};
+
+/// Where the last move ended, as it was shown: the next one begins there.
+#[derive(Clone, Copy)]
+pub(super) struct Shown {
+    machine: Point,
+    frame: Frame,
+    program: Point,
+}
 
 impl Walk<'_> {
     /// A rapid, or a cut.
@@ -64,11 +72,21 @@ impl Walk<'_> {
         if kind != MoveKind::Rapid {
             self.so_far.cutting_s += took;
         }
+        let begin = match self.shown {
+            Some(shown) if (shown.machine, shown.frame) == (from, frame) => shown.program,
+            _ => snapped(frame.program(from)),
+        };
+        let end = snapped(frame.program(to));
+        self.shown = Some(Shown {
+            machine: to,
+            frame,
+            program: end,
+        });
         let executed = ExecutedMove {
             source: command.source,
             kind,
-            from: snapped(frame.program(from)),
-            to: snapped(frame.program(to)),
+            from: begin,
+            to: end,
             center: center.map(|center| snapped(frame.program(center))),
             feed,
             start_s: self.clock.now(),

@@ -88,6 +88,16 @@ const fn address_bit(address: u8) -> u32 {
     }
 }
 
+#[inline]
+const fn bits(addresses: &[u8]) -> u32 {
+    let (mut bits, mut at) = (0, 0);
+    while at < addresses.len() {
+        bits |= address_bit(addresses[at]);
+        at += 1;
+    }
+    bits
+}
+
 impl Block {
     /// Empties it. What is left in the places of words is none of them.
     pub(super) fn clear(&mut self) {
@@ -129,6 +139,16 @@ impl Block {
     /// Whether an address occurs.
     pub const fn has(&self, address: u8) -> bool {
         self.addresses & address_bit(address) != 0
+    }
+
+    /// Whether any of these addresses occurs.
+    pub(crate) const fn has_any(&self, addresses: &[u8]) -> bool {
+        self.addresses & bits(addresses) != 0
+    }
+
+    /// Whether no other address occurs, and nothing of macro B.
+    pub(crate) const fn has_only(&self, addresses: &[u8]) -> bool {
+        self.addresses & !bits(addresses) == 0 && self.statement.is_none()
     }
 
     /// The word of an address; of several G the first.

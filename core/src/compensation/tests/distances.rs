@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::compensation::clearance::{Curve, distance};
+use crate::compensation::clearance::{Curve, cuts, distance};
 use crate::compensation::piece::Piece;
 use crate::units::Point;
 
@@ -55,7 +55,7 @@ fn points(piece: &Piece) -> Vec<Point> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_nearest_points(a in piece(), b in piece()) {
@@ -68,5 +68,17 @@ proptest! {
         prop_assert!(exact <= counted + 1e-9, "{} {}", exact, counted);
         // Half the distance of neighbouring points on either curve.
         prop_assert!(counted - exact <= 0.08, "{} {}", exact, counted);
+    }
+
+    /// What is told apart by boxes and sides is as far apart as that.
+    #[test]
+    fn nearer_is_what_the_distance_says(a in piece(), b in piece(), least in 0.01_f64..3.0) {
+        let (a, b) = (Curve::surface(&a), Curve::surface(&b));
+        let between = distance(&a, &b);
+        prop_assume!((between - least).abs() > 1e-9);
+        prop_assert_eq!(cuts(&a, &b, least), between < least, "{}", between);
+        let near = cuts(&a, &b, between + 1e-9);
+        let far = cuts(&a, &b, between - 1e-9);
+        prop_assert!(near && !far, "{} {} {}", between, near, far);
     }
 }

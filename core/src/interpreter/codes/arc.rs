@@ -169,7 +169,13 @@ impl Chord {
 
 /// The nearest number; those of 64 bits, and most are, are quick.
 fn float(value: i128) -> f64 {
-    i64::try_from(value).map_or_else(|_| value as f64, |value| value as f64)
+    // On its own, lest the compiler takes it for all of them.
+    #[cold]
+    #[inline(never)]
+    const fn wide(value: i128) -> f64 {
+        value as f64
+    }
+    i64::try_from(value).map_or_else(|_| wide(value), |value| value as f64)
 }
 
 fn too_far(chord: &Chord, radius: f64) -> Alarm {

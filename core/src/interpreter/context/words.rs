@@ -346,7 +346,8 @@ pub(crate) enum Target {
 }
 
 impl Target {
-    fn of(absolute: Option<i64>, increment: Option<i64>, factor: i64) -> Self {
+    /// From its words, as they are written.
+    pub(crate) fn of(absolute: Option<i64>, increment: Option<i64>, factor: i64) -> Self {
         match (absolute, increment) {
             (Some(value), _) => Self::Absolute(value * factor),
             (None, Some(value)) => Self::Increment(value * factor),

@@ -24,8 +24,10 @@ use crate::interpreter::macros::statement::{self, Here, MACRO_LEVELS, Outcome};
 use crate::interpreter::macros::system::{self, Known};
 use crate::interpreter::macros::variable;
 use crate::interpreter::macros::variable::NotNow;
+use crate::interpreter::plain_move::PlainMove;
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
+use crate::memory::Parameters;
 use crate::model::ControlModel;
 use crate::program::{Block, Recent, Syntax};
 
@@ -38,6 +40,8 @@ const SILENT_BLOCKS: u32 = 16;
 enum Read {
     /// Its plan stands in the run.
     Planned,
+    /// It is this command, and nothing else.
+    Moves(Command),
     /// It must not be read yet.
     Wait,
     /// It has not come through the line yet.
@@ -68,6 +72,7 @@ impl Interpreter {
             }
             match self.read(host)? {
                 Read::Planned => {}
+                Read::Moves(command) => return Ok(Advance::Command(command)),
                 Read::Skipped => self.run_mut().place.block += 1,
                 Read::Wait => return Ok(Advance::Wait),
                 Read::Starved => return Ok(Advance::Starved),
@@ -133,13 +138,14 @@ impl Interpreter {
         let syntax = self.syntax(place.program, program, host.parameters());
         let mut source = Source {
             program: place.program,
-            line: program.block_line(place.block),
+            line: 0,
             sequence: run.sequence,
         };
         let skipping = host.block_skip() && mdi.is_none();
         let mut block = match recent.read(program, place.block, syntax) {
             Ok(block) => block,
             Err(error) => {
+                source.line = program.block_line(place.block);
                 source.sequence = program.sequence(place.block).or(source.sequence);
                 if !(skipping && program.has_skip_mark(place.block)) {
                     return Err(Alarm::from(error).at(source));
@@ -148,6 +154,7 @@ impl Interpreter {
                 return Ok(Read::Skipped);
             }
         };
+        source.line = block.line;
         source.sequence = block.n.or(source.sequence);
         let skipped = skipping && block.skip;
         if skipped || block.is_name() {
@@ -160,6 +167,13 @@ impl Interpreter {
                 return Err(Alarm::new(number::BAD_G).because(rule).at(source));
             }
             return self.operate(block, source, place, host);
+        }
+        let plain = match mdi.is_some() || syntax.inch || run.levels.has_modal_call() {
+            true => None,
+            false => PlainMove::of(block, self.state.modal.motion, self.record()),
+        };
+        if let Some(plain) = plain {
+            return self.plain_move(&plain, source, host);
         }
         // The state is large: it is copied for formulas only.
         let known = match syntax.macro_b {
@@ -254,6 +268,34 @@ impl Interpreter {
         self.stand_as(&before);
         self.note(source);
         Ok(self.planned(plan))
+    }
+
+    /// A straight move that is all of its block: it needs no plan.
+    #[inline]
+    fn plain_move<H: Host>(
+        &mut self,
+        plain: &PlainMove,
+        source: Source,
+        host: &H,
+    ) -> Result<Read, Alarm> {
+        let stands = self.state.machine(self.state.position);
+        let action = plain.action(&mut self.state, x_factor(host.parameters()));
+        let action = action.map_err(|alarm| alarm.at(source))?;
+        if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
+            let frame = self.state.frame();
+            self.compensation.stand_at(stands.point(), frame);
+        }
+        self.note(source);
+        self.main.move_alone();
+        Ok(Read::Moves(Command {
+            source,
+            action,
+            modal: self.state.modal,
+            block_end: true,
+            stop_point: true,
+            whole: self.main.finishing.is_some(),
+            programmed_x: None,
+        }))
     }
 
     /// A statement of macro B: it acts while it is read.
@@ -488,14 +530,18 @@ fn context<'a, H: Host>(
         place,
         mdi,
         machine_codes: MachineCodes::default(),
-        x_factor: if parameters.radius_programming() {
-            2
-        } else {
-            1
-        },
+        x_factor: x_factor(parameters),
         compensated: Compensated::Never,
         read,
         next: None,
+    }
+}
+
+/// Units of a diameter in one of X as it is programmed.
+fn x_factor(parameters: &Parameters) -> i64 {
+    match parameters.radius_programming() {
+        true => 2,
+        false => 1,
     }
 }
 

@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::{Bench, target};
 use crate::command::Action;
+use crate::memory::ToolOffset;
 
 /// Thousandths as a program writes them.
 fn mm(thousandths: i64) -> String {
@@ -18,7 +19,80 @@ fn steps() -> impl Strategy<Value = Vec<(i64, i64, u8)>> {
     prop::collection::vec((-90_000_i64..90_000, -90_000_i64..90_000, 0_u8..4), 1..60)
 }
 
+/// A block of a turning program: mostly straight moves, now and then something that the
+/// moves after it depend on.
+fn block() -> impl Strategy<Value = String> {
+    let number = || (-40_000_i64..40_000).prop_map(mm);
+    let axis = move |absolute: char, increment: char| {
+        prop_oneof![
+            2 => Just(String::new()),
+            3 => number().prop_map(move |size| format!("{absolute}{size}")),
+            2 => number().prop_map(move |size| format!("{increment}{size}")),
+            1 => (number(), number())
+                .prop_map(move |(one, other)| format!("{absolute}{one}{increment}{other}")),
+        ]
+    };
+    let code = prop::sample::select(vec!["", "", "", "G0", "G01", "G1"]);
+    let feed = prop::sample::select(vec!["", "", "", "F80", "F0.25", "F12.5"]);
+    let head = prop::sample::select(vec!["", "", "N20", "/"]);
+    let moves = (head, code, axis('X', 'U'), axis('Z', 'W'), feed)
+        .prop_map(|(head, code, x, z, feed)| format!("{head}{code}{x}{z}{feed}"))
+        // An empty block repeats a cycle, a word in it does not.
+        .prop_filter("no word", |text| !matches!(text.as_str(), "" | "N20" | "/"));
+    let other = prop::sample::select(vec![
+        "G01 X10. Z10. R1.5",
+        "G01 U12. I2.",
+        "G90 X10. Z-5. R0.5",
+        "X8.",
+        "G42",
+        "G41",
+        "G40",
+        "T0101",
+        "T0100",
+        "G50 X40. Z20.",
+        "G02 U4. W-4. R8.",
+        "G03 U4. W-4. I1. K-6.",
+        "G04 P100",
+        "G92 X20. Z-9. F2.",
+        "G32 W-8. F1.5",
+        "M08",
+    ]);
+    prop_oneof![6 => moves, 1 => other.prop_map(str::to_owned)]
+}
+
 proptest! {
+    /// A word that changes nothing keeps a block from being read as a plain move.
+    #[test]
+    fn a_plain_move_is_what_its_block_is(
+        blocks in prop::collection::vec(block(), 1..40),
+        radii in any::<bool>(),
+        skip in any::<bool>(),
+        feed in any::<bool>(),
+    ) {
+        let begin = format!("G98{}\n", if feed { " F100" } else { "" });
+        let run = |word: &str| {
+            let mut bench = Bench::at(0.0, 0.0);
+            bench.parameters.set_bit(1, 2, radii).unwrap();
+            bench.parameters.set_bit(2, 1, true).unwrap();
+            let tool = ToolOffset { x: 1.0, z: -0.5, r: 0.4, t: 3 };
+            bench.offsets.set(1, tool).unwrap();
+            bench.block_skip = skip;
+            let mut text = begin.clone();
+            for block in &blocks {
+                writeln!(text, "{block}{word}").unwrap();
+            }
+            bench.open(&text);
+            let (commands, alarm) = bench.rest();
+            (commands, alarm, bench.interpreter.modal().to_owned(), bench.interpreter.position(), bench.shown())
+        };
+        let (plain, whole) = (run(""), run(" G98"));
+        prop_assert_eq!(plain.0.len(), whole.0.len());
+        for (plain, whole) in plain.0.iter().zip(&whole.0) {
+            prop_assert_eq!(plain, whole);
+        }
+        prop_assert_eq!((plain.1, plain.2, plain.3, plain.4), (whole.1, whole.2, whole.3, whole.4));
+    }
+
     #[test]
     fn an_incremental_program_equals_its_absolute_twin(steps in steps()) {
         let (mut absolute, mut incremental) = (String::from("F100\n"), String::from("F100\n"));

@@ -87,6 +87,36 @@ fn file_lines(text: &str) -> Vec<String> {
 }
 
 proptest! {
+    /// A comment in front keeps a block from being read as plain words.
+    #[test]
+    fn plain_words_are_read_as_all_others(
+        text in prop_oneof![
+            block_text(),
+            "[GXZUWRF/N]{0,2}[A-Z0-9.+#;/ -]{0,24}",
+            "(N?[0-9]{0,5} ?)(G[0-9]{1,3} ?){0,2}([XZUWFRIKMST]-?[0-9]{0,5}\\.?[0-9]{0,4} ?){0,5}[;*（.#]?\r?\n?",
+        ],
+        point_required in any::<bool>(),
+        inch in any::<bool>(),
+    ) {
+        let syntax = Syntax { point_required, inch, ..Syntax::default() };
+        // A block that begins with a variable has a message of its own.
+        prop_assume!(!text.trim_start().starts_with('#'));
+        let behind = format!("(){text}");
+        match (parse_block(&text, syntax), parse_block(&behind, syntax)) {
+            (Ok(plain), Ok(whole)) => {
+                prop_assert_eq!(without_spans(&plain), without_spans(&whole));
+                for (plain, whole) in plain.words().iter().zip(whole.words()) {
+                    prop_assert_eq!((plain.span.0 + 2, plain.span.1 + 2), whole.span);
+                }
+            }
+            (Err(plain), Err(whole)) => {
+                prop_assert_eq!((plain.alarm, plain.column + 2), (whole.alarm, whole.column));
+                prop_assert_eq!(plain.detail, whole.detail);
+            }
+            (plain, whole) => prop_assert!(false, "{:?} {:?}", plain, whole),
+        }
+    }
+
     #[test]
     fn parse_print_parse(text in block_text()) {
         let block = parse_block(&text, Syntax::default())
