@@ -27,7 +27,7 @@ use crate::interpreter::compound;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, OneShot, Words};
+use crate::interpreter::context::words::{ArcWords, AxisWords, OneShot, Words};
 use crate::interpreter::context::{Compensated, Context};
 use crate::interpreter::cycles::facing_cycle;
 use crate::interpreter::cycles::turning_cycle;
@@ -35,6 +35,7 @@ use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::threads::tapping;
 use crate::interpreter::threads::thread;
 use crate::interpreter::threads::thread_cycle;
+use crate::model::Record;
 
 /// What the motion words of a block amount to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -291,22 +292,9 @@ fn motion(
         }
         Kind::Arc => {
             let end = end_point(state, axes, context.x_factor)?;
-            check_arc_block(state, context, end, words)?;
-            let clockwise = state.modal.motion == 2;
-            let Some(center) = arc::center(
-                state.position,
-                end,
-                words,
-                arc::Turn::of(context, clockwise),
-            )?
-            else {
+            let record = context.model.record();
+            let Some(action) = arc(state, context.compensated, record, words.arc(), end)? else {
                 return Ok(Motion::None);
-            };
-            let action = Action::Arc {
-                to: state.machine(end).point(),
-                center: state.frame().machine(center),
-                clockwise,
-                feed: positioning::feed(&state.modal)?,
             };
             state.arrive(axes, end);
             Ok(Motion::One(action))
@@ -332,6 +320,28 @@ fn motion(
             Ok(Motion::Box(Box::new(cycle)))
         }
     }
+}
+
+/// The arc to a programmed point; `None` when there is nothing to cut.
+pub(super) fn arc(
+    state: &State,
+    compensated: Compensated,
+    record: &Record,
+    words: ArcWords,
+    end: Exact,
+) -> Result<Option<Action>, Alarm> {
+    check_arc_block(state, compensated, end, words)?;
+    let clockwise = state.modal.motion == 2;
+    let turn = arc::Turn::of(record, clockwise);
+    let Some(center) = arc::center(state.position, end, words, turn)? else {
+        return Ok(None);
+    };
+    Ok(Some(Action::Arc {
+        to: state.machine(end).point(),
+        center: state.frame().machine(center),
+        clockwise,
+        feed: positioning::feed(&state.modal)?,
+    }))
 }
 
 /// The motion of a code of group 00: G70 to G76 have plans of their own, calls none.

@@ -18,10 +18,9 @@
 use gsk_messages::{Message, say};
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::context::Context;
 use crate::interpreter::context::exact::Exact;
-use crate::interpreter::context::words::Words;
-use crate::model::GCode;
+use crate::interpreter::context::words::ArcWords;
+use crate::model::{GCode, Record};
 use crate::units::Point;
 
 /// Greatest distance of the end point from the circle about the programmed
@@ -42,9 +41,9 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
-    /// The turn of a block.
-    pub(crate) fn of(context: &Context<'_>, clockwise: bool) -> Self {
-        let code = context.model.record().g_code(2);
+    /// The turn of a block in the programs of a model.
+    pub(crate) fn of(record: &Record, clockwise: bool) -> Self {
+        let code = record.g_code(2);
         let diameters = code == Some(GCode::DiameterArcClockwise);
         Self {
             clockwise,
@@ -59,7 +58,7 @@ impl Turn {
 pub(crate) fn center(
     start: Exact,
     end: Exact,
-    words: &Words,
+    words: ArcWords,
     turn: Turn,
 ) -> Result<Option<Point>, Alarm> {
     if let Some(r) = words.r {

@@ -7,7 +7,7 @@ use crate::alarm::{Alarm, number};
 use crate::compensation::{Fault, check_arc};
 use crate::interpreter::context::exact::{Exact, PER_MM};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::Words;
+use crate::interpreter::context::words::{ArcWords, Words};
 use crate::interpreter::context::{Compensated, Context};
 use crate::memory::Parameters;
 use crate::units::Point;
@@ -26,13 +26,13 @@ pub(crate) fn check_option(words: &Words, parameters: &Parameters) -> Result<(),
 /// 051, 052).
 pub(crate) fn check_arc_block(
     state: &State,
-    context: &Context<'_>,
+    compensated: Compensated,
     end: Exact,
-    words: &Words,
+    words: ArcWords,
 ) -> Result<(), Alarm> {
     let start = state.position;
     let stands = words.r.is_some() && start == end;
-    let fault = match context.compensated {
+    let fault = match compensated {
         _ if stands => None,
         Compensated::Never => None,
         Compensated::Off => state.compensates().then_some(Fault::StartOnArc),
@@ -42,7 +42,7 @@ pub(crate) fn check_arc_block(
     fault.map_or(Ok(()), |fault| Err(fault.alarm()))
 }
 
-fn check_center(start: Exact, end: Exact, words: &Words) -> Result<(), Fault> {
+fn check_center(start: Exact, end: Exact, words: ArcWords) -> Result<(), Fault> {
     if words.r.is_some() || (words.i.is_none() && words.k.is_none()) {
         return Ok(());
     }

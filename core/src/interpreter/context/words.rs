@@ -310,6 +310,15 @@ impl Words {
         matches!(self.m, Some(98 | 99)) && self.count == 1 + u8::from(self.p.is_some())
     }
 
+    /// What they say about an arc.
+    pub(crate) const fn arc(&self) -> ArcWords {
+        ArcWords {
+            r: self.r,
+            i: self.i,
+            k: self.k,
+        }
+    }
+
     /// The axis words: X before U, Z before W. X values are multiplied by
     /// `x_factor`, 2 under radius programming. Increments count from `base`.
     pub(crate) fn axes(&self, x_factor: i64, base: Exact) -> AxisWords {
@@ -319,6 +328,16 @@ impl Words {
             base,
         }
     }
+}
+
+/// What a block says about an arc, millionths of a millimetre.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ArcWords {
+    /// R: the radius.
+    pub(crate) r: Option<i64>,
+    /// I and K: from the start to the centre, I as a radius.
+    pub(crate) i: Option<i64>,
+    pub(crate) k: Option<i64>,
 }
 
 #[cold]

@@ -10,6 +10,7 @@ use crate::interpreter::calls::subprogram;
 use crate::interpreter::codes::corner;
 use crate::interpreter::codes::inch;
 use crate::interpreter::codes::nose_radius::{self, check_call};
+use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::flow::{Flow, MacroEntry};
 use crate::interpreter::context::host::Host;
 use crate::interpreter::context::machine_codes::MachineCodes;
@@ -24,7 +25,7 @@ use crate::interpreter::macros::statement::{self, Here, MACRO_LEVELS, Outcome};
 use crate::interpreter::macros::system::{self, Known};
 use crate::interpreter::macros::variable;
 use crate::interpreter::macros::variable::NotNow;
-use crate::interpreter::plain_move::PlainMove;
+use crate::interpreter::plain_move::{PlainMove, Under};
 use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
@@ -173,7 +174,17 @@ impl Interpreter {
             false => PlainMove::of(block, self.state.modal.motion, self.record()),
         };
         if let Some(plain) = plain {
-            return self.plain_move(&plain, source, host);
+            let under = Under {
+                record: self.record(),
+                compensated: self.compensated(),
+                x_factor: x_factor(host.parameters()),
+            };
+            let from = self.state.machine(self.state.position);
+            let action = plain.action(&mut self.state, under);
+            // An arc of no length is a block without motion.
+            if let Some(action) = action.map_err(|alarm| alarm.at(source))? {
+                return Ok(self.plain_move(action, from, source));
+            }
         }
         // The state is large: it is copied for formulas only.
         let known = match syntax.macro_b {
@@ -270,24 +281,16 @@ impl Interpreter {
         Ok(self.planned(plan))
     }
 
-    /// A straight move that is all of its block: it needs no plan.
+    /// A move from a machine position that is all of its block: it needs no plan.
     #[inline]
-    fn plain_move<H: Host>(
-        &mut self,
-        plain: &PlainMove,
-        source: Source,
-        host: &H,
-    ) -> Result<Read, Alarm> {
-        let stands = self.state.machine(self.state.position);
-        let action = plain.action(&mut self.state, x_factor(host.parameters()));
-        let action = action.map_err(|alarm| alarm.at(source))?;
+    fn plain_move(&mut self, action: Action, from: Exact, source: Source) -> Read {
         if self.state.modal.nose_compensation != 40 && !self.compensation.is_on() {
             let frame = self.state.frame();
-            self.compensation.stand_at(stands.point(), frame);
+            self.compensation.stand_at(from.point(), frame);
         }
         self.note(source);
         self.main.move_alone();
-        Ok(Read::Moves(Command {
+        Read::Moves(Command {
             source,
             action,
             modal: self.state.modal,
@@ -295,7 +298,7 @@ impl Interpreter {
             stop_point: true,
             whole: self.main.finishing.is_some(),
             programmed_x: None,
-        }))
+        })
     }
 
     /// A statement of macro B: it acts while it is read.

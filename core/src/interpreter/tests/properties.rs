@@ -32,11 +32,17 @@ fn block() -> impl Strategy<Value = String> {
                 .prop_map(move |(one, other)| format!("{absolute}{one}{increment}{other}")),
         ]
     };
-    let code = prop::sample::select(vec!["", "", "", "G0", "G01", "G1"]);
+    let code = prop::sample::select(vec!["", "", "", "G0", "G01", "G1", "G02", "G3"]);
     let feed = prop::sample::select(vec!["", "", "", "F80", "F0.25", "F12.5"]);
     let head = prop::sample::select(vec!["", "", "N20", "/"]);
-    let moves = (head, code, axis('X', 'U'), axis('Z', 'W'), feed)
-        .prop_map(|(head, code, x, z, feed)| format!("{head}{code}{x}{z}{feed}"))
+    let arc = prop_oneof![
+        6 => Just(String::new()),
+        1 => (20_000_i64..60_000).prop_map(|r| format!("R{}", mm(r))),
+        1 => (number(), number()).prop_map(|(i, k)| format!("I{i}K{k}")),
+        1 => number().prop_map(|k| format!("K{k}")),
+    ];
+    let moves = (head, code, axis('X', 'U'), axis('Z', 'W'), arc, feed)
+        .prop_map(|(head, code, x, z, arc, feed)| format!("{head}{code}{x}{z}{arc}{feed}"))
         // An empty block repeats a cycle, a word in it does not.
         .prop_filter("no word", |text| !matches!(text.as_str(), "" | "N20" | "/"));
     let other = prop::sample::select(vec![
