@@ -67,6 +67,14 @@ pub fn remove(path: &Path) -> io::Result<()> {
     fs::remove_file(path)
 }
 
+/// Removes a folder with all that is in it; a link to one goes alone.
+///
+/// # Errors
+/// There is none, or what the system says.
+pub fn remove_folder(path: &Path) -> io::Result<()> {
+    fs::remove_dir_all(path)
+}
+
 /// Gives a file another name; one that had it is gone.
 ///
 /// # Errors

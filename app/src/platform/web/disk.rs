@@ -195,6 +195,22 @@ pub fn remove(path: &Path) -> io::Result<()> {
     keep(path, None)
 }
 
+/// Removes a folder with all that is in it.
+///
+/// # Errors
+/// There is none, or the storage does not let it go.
+pub fn remove_folder(path: &Path) -> io::Result<()> {
+    let files = with(|disk| {
+        if !disk.folders.contains(path) {
+            return Err(ErrorKind::NotFound);
+        }
+        disk.folders.retain(|folder| !folder.starts_with(path));
+        let inside = disk.files.keys().filter(|file| file.starts_with(path));
+        Ok(inside.cloned().collect::<Vec<_>>())
+    })?;
+    files.iter().try_for_each(|file| remove(file))
+}
+
 /// Gives a file another name; one that had it is gone.
 ///
 /// # Errors
