@@ -35,6 +35,9 @@ const FOLDERS: [&str; 3] = ["programs", "ladder", "disks"];
 /// In the data directory: what was there before something was taken over.
 const BACKUPS: &str = "backups";
 
+/// The largest file that is read but for programs, bytes: a hundred times what is written.
+const LARGEST_TABLE: u64 = 4 * 1024 * 1024;
+
 /// How the programs of a folder are written down.
 pub type Encodings = BTreeMap<u16, Encoding>;
 
@@ -163,11 +166,12 @@ pub fn read(folder: &Path) -> Result<(State, Encodings), ProjectError> {
             line,
             rule,
         };
-        let bytes = platform::read(&path, program_file::LARGEST_BYTES).map_err(system(&path))?;
-        let decoded = match decode::decode(bytes) {
+        let text = plain(&path, largest(&name));
+        let text = text.and_then(|it| decode::decode(it).map_err(|error| error.message()));
+        let decoded = match text {
             Ok(decoded) => decoded,
-            Err(error) => {
-                problems.push(wrong(None, error.message()));
+            Err(rule) => {
+                problems.push(wrong(None, rule));
                 continue;
             }
         };
@@ -188,6 +192,28 @@ pub fn read(folder: &Path) -> Result<(State, Encodings), ProjectError> {
             Err(ProjectError::Problems(folder.to_owned(), problems))
         }
     }
+}
+
+/// The largest file that is read, bytes.
+fn largest(name: &str) -> u64 {
+    match program_of(name) {
+        Some(_) => program_file::LARGEST_BYTES,
+        None => LARGEST_TABLE,
+    }
+}
+
+/// Reads a plain file.
+fn plain(path: &Path, largest: u64) -> Result<Vec<u8>, Message> {
+    let facts = platform::facts(path).map_err(say::as_written)?;
+    // A pipe would be waited for.
+    if !facts.is_file {
+        return Err(say::file_not_plain());
+    }
+    let bytes = platform::read(path, largest + 1).map_err(say::as_written)?;
+    if bytes.len() as u64 > largest {
+        return Err(say::file_larger_than(largest));
+    }
+    Ok(bytes)
 }
 
 fn program_of(name: &str) -> Option<u16> {

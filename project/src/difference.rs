@@ -28,13 +28,19 @@ impl Difference {
 }
 
 /// What differs, in the order of the files. Machine file and jobs are compared where both
-/// have such files: a control has none.
+/// have such files: a control has none. Where `new` says nothing of the panel, nothing of it
+/// differs.
 pub fn diff(old: &State, new: &State) -> Vec<Difference> {
     let with_texts = old.texts().is_some() && new.texts().is_some();
+    let with_panel = new.panel().is_some();
     let [mut before, mut after] = [old, new].map(State::entries);
     let keys: BTreeSet<Key> = before.keys().chain(after.keys()).copied().collect();
     keys.into_iter()
-        .filter(|key| with_texts || Section::of(*key).is_in_control())
+        .filter(|key| match Section::of(*key) {
+            Section::Machine | Section::Jobs => with_texts,
+            Section::Panel => with_panel,
+            _ => true,
+        })
         .map(|key| Difference {
             key,
             old: before.remove(&key),

@@ -1,6 +1,4 @@
-//! What a value is called, and what has changed in a text.
-
-use std::sync::Arc;
+//! What a value is called.
 
 use gsk_core::memory::{self, ParameterRow, Refusal};
 use gsk_core::model::ModelId;
@@ -8,11 +6,8 @@ use gsk_core::plc::{Ladder, Subject};
 use gsk_core::units::Axis;
 use gsk_messages::{Language, Message, say};
 
-use crate::difference::Difference;
 use crate::key::{Count, Key, OffsetWord, PanelWord, Set, Switch, Table, name_of};
-use crate::ladder;
 use crate::state::State;
-use crate::value::Value;
 
 const fn by(language: Language, zh: &'static str, en: &'static str) -> &'static str {
     match language {
@@ -176,54 +171,4 @@ pub fn refused(refusal: Refusal) -> Message {
         Refusal::Level => say::level_too_low(),
         Refusal::Locked => say::request_locked(),
     }
-}
-
-/// What has changed in a text: of a program its lines, of a ladder its messages, comments,
-/// start values and rungs. Empty for a number.
-pub fn details(difference: &Difference) -> Vec<Message> {
-    let text = |value: &Option<Value>| match value {
-        Some(Value::Text(text)) => Some(Arc::clone(text)),
-        _ => None,
-    };
-    match (text(&difference.old), text(&difference.new)) {
-        (None, Some(new)) => vec![say::project_added(new.lines().count())],
-        (Some(old), None) => vec![say::project_removed(old.lines().count())],
-        (Some(old), Some(new)) if difference.key == Key::Ladder => ladder::changes(&old, &new),
-        (Some(old), Some(new)) => vec![lines(&old, &new)],
-        (None, None) => Vec::new(),
-    }
-}
-
-/// Where two texts differ: what is the same at their head and at their end is left out.
-fn lines(old: &str, new: &str) -> Message {
-    let [old, new] = [old, new].map(|text| text.lines().collect::<Vec<_>>());
-    let (first, old_count, new_count) = between(&old, &new);
-    if old_count == 0 && new_count == 0 {
-        return say::project_line_ends();
-    }
-    say::project_lines(
-        first + 1,
-        old_count,
-        new_count,
-        old.get(first).copied().unwrap_or_default().trim(),
-        new.get(first).copied().unwrap_or_default().trim(),
-    )
-}
-
-/// Where two lists begin to differ, and how many each has from there to where they are the
-/// same again up to their end.
-pub(crate) fn between<T: PartialEq>(old: &[T], new: &[T]) -> (usize, usize, usize) {
-    let same = |pairs: &mut dyn Iterator<Item = (&T, &T)>| {
-        let mut count = 0;
-        for (one, other) in pairs {
-            if one != other {
-                break;
-            }
-            count += 1;
-        }
-        count
-    };
-    let first = same(&mut old.iter().zip(new));
-    let last = same(&mut old[first..].iter().rev().zip(new[first..].iter().rev()));
-    (first, old.len() - first - last, new.len() - first - last)
 }

@@ -5,8 +5,6 @@ use std::collections::BTreeMap;
 use gsk_core::plc::{Ladder, Mnemonic, Operand, Rung};
 use gsk_messages::{Message, say};
 
-use crate::label::between;
-
 /// What a rung does, without where its text stands.
 #[derive(PartialEq)]
 struct Does {
@@ -99,4 +97,22 @@ fn compare(
     for (name, after) in new {
         found.push(say::project_named_added(name, after));
     }
+}
+
+/// Where two lists begin to differ, and how many each has from there to where they are the
+/// same again up to their end.
+pub(crate) fn between<T: PartialEq>(old: &[T], new: &[T]) -> (usize, usize, usize) {
+    let same = |pairs: &mut dyn Iterator<Item = (&T, &T)>| {
+        let mut count = 0;
+        for (one, other) in pairs {
+            if one != other {
+                break;
+            }
+            count += 1;
+        }
+        count
+    };
+    let first = same(&mut old.iter().zip(new));
+    let last = same(&mut old[first..].iter().rev().zip(new[first..].iter().rev()));
+    (first, old.len() - first - last, new.len() - first - last)
 }

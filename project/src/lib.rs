@@ -27,6 +27,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod build;
+mod details;
 mod difference;
 mod key;
 mod label;
@@ -37,9 +38,10 @@ mod text;
 mod value;
 
 pub use build::{Fault, build};
+pub use details::details;
 pub use difference::{Difference, apply, diff};
 pub use key::{Count, Key, OffsetWord, PanelWord, Section, Set, Switch, Table};
-pub use label::{details, label, refused, unit};
+pub use label::{label, refused, unit};
 pub use rights::{Denied, denied};
 pub use state::State;
 pub use text::{Files, MOST_PROBLEMS, Problem, export, import, is_own};

@@ -57,7 +57,7 @@ fn machine_of(
 fn tell_written(written: Written, folder: &Path, language: Option<Language>) {
     let folder = folder.display();
     say(
-        &say::project_exported(written.files, folder, written.removed),
+        &say::project_exported(folder, written.files, written.removed),
         language,
     );
 }
@@ -134,12 +134,12 @@ fn take_over(args: &ProjectImportArgs) -> Result<u8, CommandError> {
     list(&differences, &held.state, &now, args.lang);
     let (count, shown) = (differences.len(), folder.display());
     if args.dry_run {
-        say(&say::project_would_apply(count, shown), args.lang);
+        say(&say::project_would_apply(shown, count), args.lang);
         return Ok(FINE);
     }
     let backup = project::back_up(&folder, &held)?;
     held.replace(data, &now, &encodings)?;
-    say(&say::project_applied(count, shown), args.lang);
+    say(&say::project_applied(shown, count), args.lang);
     say(&say::project_backup(backup.display()), args.lang);
     Ok(FINE)
 }
