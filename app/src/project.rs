@@ -4,6 +4,8 @@
 //! A new folder is made beside its place and renamed. In one that is a project already a
 //! mark stands while its files are replaced one by one; a folder with the mark is refused.
 
+mod take_over;
+
 use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -21,11 +23,13 @@ use crate::files::program_file;
 use crate::job::{self, JobError};
 use crate::loading::{self, LoadError};
 use crate::platform;
+use crate::retained::NotSaved;
 use crate::retained::project::{Held, held};
 use crate::saying::lines;
+pub use take_over::{Taken, Taking, Who, take_over};
 
 /// The file that makes a folder a project.
-const HEAD: &str = "project.gpr";
+pub const HEAD: &str = "project.gpr";
 /// Stands in a project while its files are replaced.
 const MARK: &str = ".gsk980td-unfinished";
 /// Ending of the hidden folder in which a new project is made.
@@ -59,8 +63,12 @@ pub enum ProjectError {
     Problems(PathBuf, Vec<Problem>),
     /// What the whole would break.
     Faults(Vec<gsk_project::Fault>),
+    /// A project of another control model.
+    OtherModel(PathBuf, ModelId),
     /// A password that opens nothing.
     WrongPassword,
+    /// What could not be written.
+    NotSaved(#[from] NotSaved),
 }
 
 impl ProjectError {
@@ -83,7 +91,11 @@ impl ProjectError {
                 let name = format!("{} {}", fault.key.path(), fault.key.name());
                 say::subject_reason(name, fault.rule.clone())
             })),
+            Self::OtherModel(path, model) => {
+                say::project_other_model(path.display(), &model.record().name)
+            }
             Self::WrongPassword => say::project_wrong_password(),
+            Self::NotSaved(error) => error.message(),
         }
     }
 }
@@ -262,8 +274,15 @@ pub struct Written {
     pub removed: usize,
 }
 
+/// How a program is written down in a folder already.
+fn encoding_of(path: &Path) -> Option<Encoding> {
+    let bytes = plain(path, program_file::LARGEST_BYTES).ok()?;
+    decode::decode(bytes).ok().map(|decoded| decoded.encoding)
+}
+
 /// Writes a project into a folder: a new one, an empty one, or one that is a project. Of a
-/// state without machine file and jobs those of the folder stay.
+/// state without machine file and jobs those of the folder stay; a program of which nobody
+/// says how it is written down is written as the folder has it.
 ///
 /// # Errors
 /// The folder holds something else; what could not be written.
@@ -274,8 +293,11 @@ pub fn write(
     encodings: &Encodings,
 ) -> Result<Written, ProjectError> {
     let bytes = files.iter().map(|(name, text)| {
-        let encoding = program_of(name).and_then(|number| encodings.get(&number));
-        let bytes = decode::encode(text, encoding.copied().unwrap_or_default());
+        let encoding = program_of(name).and_then(|number| {
+            let said = encodings.get(&number).copied();
+            said.or_else(|| encoding_of(&folder.join(name)))
+        });
+        let bytes = decode::encode(text, encoding.unwrap_or_default());
         (name.clone(), bytes)
     });
     let bytes: BTreeMap<String, Vec<u8>> = bytes.collect();

@@ -4,11 +4,16 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use gsk_app::files::data_dir::DataDir;
+use gsk_app::project::{self, Taking, Who};
 use gsk_app::retained;
 use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
+
+use crate::common::Bench;
 
 struct Folder(PathBuf);
 
@@ -356,4 +361,82 @@ fn what_was_damaged_in_the_memory_is_said() {
     let (code, out, error) = folder.project("export out --data data");
     assert_eq!(code, 1, "{out}{error}");
     assert!(error.contains("offsets.ron"), "{error}");
+}
+
+/// The list beside the panel: what differs from the control that is on, with ticks.
+#[test]
+fn the_window_lists_what_differs_and_takes_what_is_ticked() {
+    let folder = Folder::new("window");
+    folder.does("new part");
+    folder.edit("part/parameters.txt", "022 = 3800", "022 = 4000");
+    folder.edit("part/offsets.txt", "001.Z = 0", "001.Z = 5");
+    let mut setup = Setup::delivered().with_chuck();
+    setup.memory.authority.leave();
+    assert!(
+        setup.memory.authority.enter("1234"),
+        "an operator is logged on"
+    );
+    let mut bench = Bench::with(setup);
+    let context = bench.harness.ctx.clone();
+    let part = folder.0.join("part");
+    bench.harness.state_mut().compare(&context, part.clone());
+    let listed = (0..1000).any(|_| {
+        std::thread::sleep(Duration::from_millis(10));
+        bench.run(1);
+        let row = bench
+            .harness
+            .query_by_label_contains("No.022 X rapid speed");
+        row.is_some()
+    });
+    assert!(listed, "nothing is listed");
+    let row = bench
+        .harness
+        .get_by_label("No.022 X rapid speed: 3800 → 4000 mm/min");
+    assert!(
+        row.accesskit_node().is_disabled(),
+        "the level is too low for it"
+    );
+    bench.harness.get_by_label("none").click();
+    bench.run(20);
+    assert!(bench.harness.state_mut().take_chosen().is_none());
+    bench.harness.get_by_label("offset 001 Z: 0 → 5 mm").click();
+    bench.run(20);
+    bench
+        .harness
+        .get_by_label("Switch off, take over 1, switch on")
+        .click();
+    bench.run(20);
+    let chosen = bench.harness.state_mut().take_chosen().expect("chosen");
+    assert_eq!(chosen.folder, part);
+    let labels: Vec<String> = chosen.differences.iter().map(|it| it.key.name()).collect();
+    assert_eq!(labels, ["001.Z"]);
+    // As it is carried out while the control is off.
+    let data = folder.control("data", |setup| {
+        *setup = core::mem::take(setup).with_chuck();
+        setup.memory.authority.leave();
+        assert!(setup.memory.authority.enter("1234"));
+    });
+    let taking = Taking {
+        project: &part,
+        directory: &data,
+        model: Some(gsk_core::model::ModelId::Gsk980td),
+        who: Who::LoggedOn,
+        dry_run: false,
+    };
+    let taken = project::take_over(&taking, &|it| chosen.has(it)).expect("taken over");
+    assert_eq!(taken.differences.len(), 1, "{taken:?}");
+    assert!(taken.backup.is_some());
+    let (_, said, _) = folder.project("diff data part --only offsets");
+    assert_eq!(said, "nothing differs\n");
+    let (_, said, _) = folder.project("diff data part --only parameters");
+    assert!(said.contains("No.022"), "{said}");
+    let other = Taking {
+        model: Some(gsk_core::model::ModelId::Ncb08),
+        ..taking
+    };
+    let refused = project::take_over(&other, &|_| true).expect_err("another model");
+    assert!(
+        refused.to_string().contains("turn this model on first"),
+        "{refused}"
+    );
 }

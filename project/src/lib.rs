@@ -38,7 +38,7 @@ mod text;
 mod value;
 
 pub use build::{Fault, build};
-pub use details::details;
+pub use details::{details, sentence, whole_disk};
 pub use difference::{Difference, apply, diff};
 pub use key::{Count, Key, OffsetWord, PanelWord, Section, Set, Switch, Table};
 pub use label::{label, refused, unit};

@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use gsk_core::memory::Level;
 use gsk_messages::{Language, Message, say};
 use gsk_project::{
-    Difference, Section, Set, State, Table, Value, apply, denied, details, diff, export, label,
-    refused, unit,
+    Difference, Section, Set, State, Value, details, diff, export, label, refused, sentence, unit,
+    whole_disk,
 };
 use gsk_runner::report::said;
 use serde_json::{Value as Json, json};
@@ -16,10 +15,9 @@ use crate::cli::{
     DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
     ProjectNewArgs,
 };
-use crate::files::data_dir::{self, DataDir, DataError};
-use crate::files::models;
-use crate::project::{self, ProjectError, Written};
-use crate::retained::project::{Held, held};
+use crate::files::data_dir::{self, DataError};
+use crate::project::{self, ProjectError, Taking, Who, Written};
+use crate::retained::project::Held;
 
 /// Carries out a command about projects.
 pub fn project(command: &ProjectCommand) -> Result<u8, CommandError> {
@@ -100,60 +98,48 @@ fn wanted(differences: Vec<Difference>, only: &[Section]) -> Vec<Difference> {
 }
 
 fn take_over(args: &ProjectImportArgs) -> Result<u8, CommandError> {
-    let (state, encodings) = project::read(&args.folder)?;
     let directory = directory(args.data.as_ref())?;
-    let model = state.memory().model.id();
-    let folder = models::folder(&directory, model);
-    let data = match args.dry_run {
-        true => DataDir::read_only(&folder)?,
-        false => DataDir::open(&folder)?,
+    let only = &args.only;
+    let taking = Taking {
+        project: &args.folder,
+        directory: &directory,
+        model: None,
+        who: match &args.password {
+            Some(password) => Who::Password(password),
+            None => Who::AtPowerOn,
+        },
+        dry_run: args.dry_run,
     };
-    let held = held(&data, project::delivered(model, None));
-    complain_of(&held, args.lang);
-    let differences = wanted(diff(&held.state, &state.without_texts()), &args.only);
-    if differences.is_empty() {
-        say(
-            &say::project_apply_nothing(args.folder.display()),
-            args.lang,
-        );
-        return Ok(FINE);
+    let wanted = |it: &Difference| only.is_empty() || only.contains(&it.section());
+    let taken = project::take_over(&taking, &wanted)?;
+    for complaint in &taken.complaints {
+        complain!("gsk980td: {}", said(complaint, args.lang));
     }
-    let level = level(&held, args.password.as_deref())?;
-    let denied = denied(&differences, &held.memory.parameters, level);
-    if !denied.is_empty() {
-        for it in &denied {
-            let name = label(it.key, &held.state, args.lang.unwrap_or(Language::En));
+    let spoken = args.lang.unwrap_or(Language::En);
+    if !taken.denied.is_empty() {
+        for it in &taken.denied {
+            let name = label(it.key, &taken.old, spoken);
             let said = said(&say::subject_reason(name, refused(it.refusal)), args.lang);
             complain!("gsk980td: {said}");
         }
-        let count = said(&say::project_not_applied(denied.len()), args.lang);
+        let count = said(&say::project_not_applied(taken.denied.len()), args.lang);
         complain!("gsk980td: {count}");
         return Ok(ALARM);
     }
-    let now = apply(&held.state, &differences).map_err(ProjectError::Faults)?;
-    list(&differences, &held.state, &now, args.lang);
-    let (count, shown) = (differences.len(), folder.display());
-    if args.dry_run {
-        say(&say::project_would_apply(shown, count), args.lang);
-        return Ok(FINE);
+    list(&taken.differences, &taken.old, &taken.new, args.lang);
+    let (count, shown) = (taken.differences.len(), taken.folder.display());
+    match &taken.backup {
+        Some(backup) => {
+            say(&say::project_applied(shown, count), args.lang);
+            say(&say::project_backup(backup.display()), args.lang);
+        }
+        None if count > 0 => say(&say::project_would_apply(shown, count), args.lang),
+        None => say(
+            &say::project_apply_nothing(args.folder.display()),
+            args.lang,
+        ),
     }
-    let backup = project::back_up(&folder, &held)?;
-    held.replace(data, &now, &encodings)?;
-    say(&say::project_applied(shown, count), args.lang);
-    say(&say::project_backup(backup.display()), args.lang);
     Ok(FINE)
-}
-
-/// The operation level of a control that is switched on, or that of a password.
-fn level(held: &Held, password: Option<&str>) -> Result<Level, ProjectError> {
-    let mut authority = held.memory.authority.clone();
-    authority.power_on();
-    match password {
-        None => Ok(authority.level()),
-        Some(password) => authority
-            .level_of(password)
-            .ok_or(ProjectError::WrongPassword),
-    }
 }
 
 /// A project, or what a data directory holds.
@@ -202,7 +188,7 @@ fn list(differences: &[Difference], old: &State, new: &State, language: Option<L
     let mut out = String::new();
     let mut whole: Vec<Set> = Vec::new();
     for difference in differences {
-        if let Some(set) = comes_or_goes(difference) {
+        if let Some(set) = whole_disk(difference) {
             if !whole.contains(&set) {
                 whole.push(set);
                 let name = set.disk().unwrap_or_default();
@@ -214,39 +200,11 @@ fn list(differences: &[Difference], old: &State, new: &State, language: Option<L
             }
             continue;
         }
-        let state = known(difference, old, new);
-        let name = label(difference.key, state, spoken);
-        let details = details(difference);
-        if !details.is_empty() {
-            let texts = details.iter().map(|it| it.text(spoken));
-            let texts: Vec<String> = texts.collect();
-            out.push_str(&format!("{name}: {}\n", texts.join("; ")));
-            continue;
-        }
-        let shown = |value: &Option<Value>| {
-            let value = value.as_ref();
-            value.map_or_else(|| "–".to_owned(), ToString::to_string)
-        };
-        let unit = unit(difference.key, state.memory().model.id());
-        let line = format!(
-            "{name}: {} → {} {unit}",
-            shown(&difference.old),
-            shown(&difference.new)
-        );
-        out.push_str(&format!("{}\n", line.trim_end()));
+        let text = sentence(difference, old, new, spoken);
+        out.push_str(&format!("{text}\n"));
     }
-    output::print(&out);
-}
-
-/// The disk whose value has nothing on one side.
-fn comes_or_goes(difference: &Difference) -> Option<Set> {
-    let (Table::Parameters(set) | Table::Offsets(set) | Table::Pitch(set)) =
-        difference.key.table()?
-    else {
-        return None;
-    };
-    let one_sided = difference.old.is_none() || difference.new.is_none();
-    (set != Set::Control && one_sided).then_some(set)
+    // A program may have anything in its lines.
+    output::print(&output::shown(&out));
 }
 
 fn as_json(difference: &Difference, old: &State, new: &State) -> Json {

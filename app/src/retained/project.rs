@@ -6,6 +6,7 @@ use std::sync::Arc;
 use gsk_core::battery::Memory;
 use gsk_core::setup::Setup;
 use gsk_messages::Message;
+use gsk_panel::emulator::Emulator;
 use gsk_project::State;
 
 use super::snapshot::Snapshot;
@@ -32,6 +33,12 @@ pub fn held(data: &DataDir, mut setup: Setup) -> Held {
         memory: setup.memory,
         restored,
     }
+}
+
+/// What a control that is on holds, with a text that is being typed.
+pub fn of_emulator(emulator: &Emulator) -> State {
+    let now = Snapshot::of_emulator(emulator);
+    State::new(&now.memory, Some(&now.plc), now.ladder, now.panel)
 }
 
 impl Held {

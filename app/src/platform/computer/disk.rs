@@ -113,6 +113,11 @@ pub fn sync_folder(folder: &Path) {
     }
 }
 
+/// Whether its user has folders that a program may write and read.
+pub const fn has_folders() -> bool {
+    true
+}
+
 /// Whether a file is there at the next start, too, for all that the program knows.
 pub const fn lasts(_path: &Path) -> bool {
     true

@@ -46,6 +46,11 @@ fn storage() -> Option<Storage> {
     web_sys::window()?.local_storage().ok()?
 }
 
+/// Its user hands single files over.
+pub const fn has_folders() -> bool {
+    false
+}
+
 /// Whether the browser keeps files beyond the page.
 pub fn is_kept() -> bool {
     storage().is_some()
