@@ -317,7 +317,9 @@ impl eframe::App for App {
         if let Some(model) = self.window.take_model() {
             self.change_model(model, ui.ctx());
         }
-        if let Some(chosen) = self.window.take_chosen() {
+        if platform::has_folders()
+            && let Some(chosen) = self.window.take_chosen()
+        {
             self.take_over(&chosen, ui.ctx());
         }
         self.follow_title(ui.ctx());

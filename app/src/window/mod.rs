@@ -406,6 +406,8 @@ impl Window {
             }
             top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
             top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
+            // A page has no folders, and need not have what reads them.
+            top_bar::Asked::Project(_) if !platform::has_folders() => {}
             top_bar::Asked::Project(ProjectCommand::Compare) => {
                 let language = self.settings.language;
                 self.projects.choose(&self.console, language, ui.ctx());
