@@ -33,6 +33,7 @@ use gsk_runner::partner::{Partner as _, Patience};
 
 use crate::dnc::{Partner, Source};
 use crate::pace::Speed;
+use crate::retained;
 pub use console::{
     Command, Console, Imposed, LinkOrder, NotStored, Notice, Opened, Place, Snapshot, Storing,
     Times,
@@ -330,6 +331,12 @@ impl Kernel {
             Command::HandOut(to) => {
                 // Who asked may have gone.
                 let _ = to.try_send(Box::new(standing::setup(&self.emulator)));
+            }
+            Command::HandOutState(to) => {
+                let level = self.emulator.simulation.cnc.battery().authority.level();
+                let state = retained::project::of_emulator(&self.emulator);
+                // Who asked may have gone.
+                let _ = to.try_send(Box::new((state, level)));
             }
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}

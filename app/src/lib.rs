@@ -25,6 +25,7 @@ pub mod person;
 pub mod picture;
 pub mod platform;
 pub mod ports;
+pub mod project;
 pub mod retained;
 mod saying;
 pub mod setup_args;

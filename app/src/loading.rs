@@ -289,16 +289,18 @@ pub fn ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
 
 /// Reads a machine file (`docs/machine-file.md`) and checks its rules.
 pub fn machine(path: &Path) -> Result<LatheConfig, LoadError> {
-    let file = program_file::read(path)?;
+    machine_of(path, &program_file::read(path)?.text)
+}
+
+/// The lathe of a text that is read from this file.
+pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let config: LatheConfig = options
-        .from_str(&file.text)
-        .map_err(|error| LoadError::Machine {
-            path: path.to_owned(),
-            line: error.span.start.line,
-            error: Box::new(error.code),
-        })?;
+    let config: LatheConfig = options.from_str(text).map_err(|error| LoadError::Machine {
+        path: path.to_owned(),
+        line: error.span.start.line,
+        error: Box::new(error.code),
+    })?;
     config.check().map_err(|errors| {
         let rules = errors.iter().map(ConfigError::message);
         LoadError::NoLathe {

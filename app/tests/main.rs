@@ -18,6 +18,7 @@ mod notices;
 mod overwriting;
 mod part;
 mod program_view;
+mod project;
 mod speed;
 mod streams;
 mod transfer;

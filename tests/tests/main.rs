@@ -26,6 +26,7 @@ mod models;
 mod numbers;
 mod pages;
 mod parameter_coverage;
+mod project;
 mod properties;
 mod protections;
 mod runner;

@@ -8,6 +8,7 @@ mod link;
 mod looks;
 mod packages;
 mod picture;
+mod project;
 mod run;
 
 use std::path::PathBuf;
@@ -28,6 +29,10 @@ pub use link::{
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
+pub use project::{
+    DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
+    ProjectNewArgs,
+};
 pub use run::RunArgs;
 
 use crate::setup_args::SetupArgs;
@@ -159,6 +164,13 @@ pub enum Command {
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
+    /// All that the control holds as one folder of readable text
+    ///
+    /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a
+    /// line, for a version control system or another machine; what differs is listed by
+    /// meaning. docs/project.md describes the folder.
+    #[command(subcommand)]
+    Project(ProjectCommand),
     /// Find, try, watch or play a pulse board
     #[command(subcommand)]
     Link(LinkCommand),

@@ -20,6 +20,7 @@ use crate::loading::LoadError;
 use crate::output::WriteError;
 use crate::picture::NameError;
 use crate::ports::PortError;
+use crate::project::ProjectError;
 use crate::retained::NotSaved;
 use crate::saying::lines;
 use crate::setup_args::SetByTheMachine;
@@ -57,6 +58,8 @@ pub enum CommandError {
     Picture(#[from] PictureError),
     /// A port.
     Port(#[from] PortError),
+    /// A project.
+    Project(#[from] ProjectError),
     /// An open port that has gone.
     Gone(io::Error),
     /// An option that a real machine does not take.
@@ -138,6 +141,7 @@ impl CommandError {
             Self::NoProgram(error) => error.message(),
             Self::Picture(error) => error.message(),
             Self::Port(error) => error.message(),
+            Self::Project(error) => error.message(),
             Self::Gone(error) => say::as_written(error),
             Self::SetByTheMachine(option) => option.message(),
             Self::Signals(error) => error.message(),

@@ -9,6 +9,7 @@ mod link;
 mod manual;
 mod operate;
 mod plot;
+mod project;
 mod run;
 mod screen;
 mod tables;
@@ -67,6 +68,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Plot(args)) => args.look.lang,
         Some(Command::Dialect(args)) => args.lang,
         Some(Command::Help(args)) => args.lang,
+        Some(Command::Project(command)) => command.lang(),
         Some(_) => None,
     };
     let result = match cli.command {
@@ -84,6 +86,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
+        Some(Command::Project(command)) => project::project(&command),
         Some(Command::Help(args)) => help::help(&args),
         Some(Command::Notices) => Ok(notices()),
         Some(Command::Completions(args)) => Ok(manual::completions(&args)),
