@@ -184,10 +184,8 @@ fn renumbered(
                     place.line == index && from <= at && at < to
                 };
                 let own = blocks.next_if(|it| here(&it.digits));
-                let named = block.iter().any(|it| {
-                    it.kind == Kind::Name
-                        && matches!(line.as_bytes().get(it.range.start), Some(b'O' | b'o'))
-                });
+                // An N elsewhere in its block is its number, too, and O names a program.
+                let named = block.iter().any(|it| it.kind == Kind::Name);
                 match own {
                     Some(own) => {
                         anew.insert(&own.digits, next);

@@ -13,7 +13,7 @@ use paths::{Source, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 13] = [
+const PACKAGES: [&str; 14] = [
     "messages",
     "units",
     "plc",
@@ -24,6 +24,7 @@ const PACKAGES: [&str; 13] = [
     "panel",
     "runner",
     "help",
+    "language",
     "app",
     "web",
     "tests",

@@ -11,6 +11,7 @@
 
 mod answers;
 mod convert;
+mod desk;
 mod documents;
 mod folder;
 mod looker;

@@ -25,9 +25,9 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::convert::{Encoding, uri_of};
+use super::desk::Desk;
 use super::documents::Document;
 use super::folder;
-use super::server::Server;
 
 /// An answer, and what is shown beside it.
 type Answer = Result<(Value, Option<Message>), Refusal>;
@@ -45,18 +45,18 @@ enum Refusal {
 }
 
 /// The document of a request, where it names an open one.
-pub fn document_of<'a>(server: &'a mut Server<'_>, request: &Request) -> Option<&'a mut Document> {
+pub fn document_of<'a>(desk: &'a mut Desk, request: &Request) -> Option<&'a mut Document> {
     let uri = request.params.get("textDocument")?.get("uri")?.as_str()?;
-    server.open.get_mut(uri)
+    desk.open.get_mut(uri)
 }
 
 /// Answers a request; what comes beside the answer is shown to the user.
-pub fn answer(server: &mut Server<'_>, request: Request) -> (Response, Option<Message>) {
+pub fn answer(desk: &mut Desk, request: Request) -> (Response, Option<Message>) {
     let id = request.id.clone();
-    match answered(server, request) {
+    match answered(desk, request) {
         Ok((value, notice)) => (Response::new_ok(id, value), notice),
         Err(refusal) => {
-            let language = server.editor.reader.language;
+            let language = desk.editor.reader.language;
             let (code, text) = match refusal {
                 Refusal::Params(text) => (ErrorCode::InvalidParams, text),
                 Refusal::NotOpen => (ErrorCode::InvalidParams, say::lsp_not_open().text(language)),
@@ -71,58 +71,58 @@ pub fn answer(server: &mut Server<'_>, request: Request) -> (Response, Option<Me
     }
 }
 
-fn answered(server: &mut Server<'_>, request: Request) -> Answer {
+fn answered(desk: &mut Desk, request: Request) -> Answer {
     match request.method.as_str() {
         HoverRequest::METHOD => on_hover(
-            server,
+            desk,
             &read::<HoverRequest>(request)?.text_document_position_params,
         ),
         Completion::METHOD => {
-            on_completion(server, &read::<Completion>(request)?.text_document_position)
+            on_completion(desk, &read::<Completion>(request)?.text_document_position)
         }
         GotoDefinition::METHOD => {
             let params = read::<GotoDefinition>(request)?;
-            on_definition(server, &params.text_document_position_params)
+            on_definition(desk, &params.text_document_position_params)
         }
         References::METHOD => {
             let params = read::<References>(request)?;
             let itself = params.context.include_declaration;
-            on_references(server, &params.text_document_position, itself)
+            on_references(desk, &params.text_document_position, itself)
         }
         DocumentHighlightRequest::METHOD => {
             let params = read::<DocumentHighlightRequest>(request)?;
-            on_highlight(server, &params.text_document_position_params)
+            on_highlight(desk, &params.text_document_position_params)
         }
         DocumentSymbolRequest::METHOD => {
             let params = read::<DocumentSymbolRequest>(request)?;
-            on_symbols(server, &params.text_document.uri)
+            on_symbols(desk, &params.text_document.uri)
         }
         FoldingRangeRequest::METHOD => {
             let params = read::<FoldingRangeRequest>(request)?;
-            on_folds(server, &params.text_document.uri)
+            on_folds(desk, &params.text_document.uri)
         }
         Formatting::METHOD => {
             let params = read::<Formatting>(request)?;
-            on_format(server, &params.text_document.uri, None)
+            on_format(desk, &params.text_document.uri, None)
         }
         RangeFormatting::METHOD => {
             let params = read::<RangeFormatting>(request)?;
-            on_format(server, &params.text_document.uri, Some(params.range))
+            on_format(desk, &params.text_document.uri, Some(params.range))
         }
         PrepareRenameRequest::METHOD => {
-            on_prepare_rename(server, &read::<PrepareRenameRequest>(request)?)
+            on_prepare_rename(desk, &read::<PrepareRenameRequest>(request)?)
         }
         Rename::METHOD => {
             let params = read::<Rename>(request)?;
-            on_rename(server, &params.text_document_position, &params.new_name)
+            on_rename(desk, &params.text_document_position, &params.new_name)
         }
         CodeLensRequest::METHOD => {
             let params = read::<CodeLensRequest>(request)?;
-            let document = document(server, &params.text_document.uri)?;
+            let document = document(desk, &params.text_document.uri)?;
             value(&lenses_of(
                 document,
-                server.editor.encoding,
-                server.editor.reader,
+                desk.editor.encoding,
+                desk.editor.reader,
             ))
         }
         _ => Err(Refusal::Method(request.method)),
@@ -144,17 +144,17 @@ fn value(answer: &impl Serialize) -> Answer {
     Ok((value, None))
 }
 
-fn document<'a>(server: &'a Server<'_>, uri: &Uri) -> Result<&'a Document, Refusal> {
-    server.open.get(uri.as_str()).ok_or(Refusal::NotOpen)
+fn document<'a>(desk: &'a Desk, uri: &Uri) -> Result<&'a Document, Refusal> {
+    desk.open.get(uri.as_str()).ok_or(Refusal::NotOpen)
 }
 
 /// The document and the position in its text that a request names.
 fn at<'a>(
-    server: &'a Server<'_>,
+    desk: &'a Desk,
     params: &TextDocumentPositionParams,
 ) -> Result<(&'a Document, Position), Refusal> {
-    let document = document(server, &params.text_document.uri)?;
-    let position = server
+    let document = document(desk, &params.text_document.uri)?;
+    let position = desk
         .editor
         .encoding
         .to_text(&document.text, params.position);
@@ -162,10 +162,10 @@ fn at<'a>(
 }
 
 /// The programs beside a document, by number.
-fn beside(server: &mut Server<'_>, uri: &Uri) -> Result<BTreeMap<u16, PathBuf>, Refusal> {
-    let document = server.open.get(uri.as_str()).ok_or(Refusal::NotOpen)?;
+fn beside(desk: &mut Desk, uri: &Uri) -> Result<BTreeMap<u16, PathBuf>, Refusal> {
+    let document = desk.open.get(uri.as_str()).ok_or(Refusal::NotOpen)?;
     Ok(match &document.path {
-        Some(path) => server.folders.beside(path, server.open.values()),
+        Some(path) => desk.folders.beside(path, desk.open.values()),
         None => BTreeMap::new(),
     })
 }
@@ -177,26 +177,26 @@ fn markdown(value: String) -> MarkupContent {
     }
 }
 
-fn on_hover(server: &mut Server<'_>, params: &TextDocumentPositionParams) -> Answer {
-    let index = beside(server, &params.text_document.uri)?;
-    let (document, position) = at(server, params)?;
+fn on_hover(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer {
+    let index = beside(desk, &params.text_document.uri)?;
+    let (document, position) = at(desk, params)?;
     let program = |number| {
         let path = index.get(&number)?;
-        folder::text_of(path, server.open.values())
+        folder::text_of(path, desk.open.values())
     };
-    let (text, reader) = (&document.text, server.editor.reader);
+    let (text, reader) = (&document.text, desk.editor.reader);
     let found = hover(text, document.structure(), position, reader, &program);
     let found = found.map(|it| lsp_types::Hover {
         contents: lsp_types::HoverContents::Markup(markdown(it.markdown)),
-        range: Some(server.editor.encoding.range(text, &it.place)),
+        range: Some(desk.editor.encoding.range(text, &it.place)),
     });
     value(&found)
 }
 
-fn on_completion(server: &mut Server<'_>, params: &TextDocumentPositionParams) -> Answer {
-    let index = beside(server, &params.text_document.uri)?;
-    let (document, position) = at(server, params)?;
-    let editor = server.editor;
+fn on_completion(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer {
+    let index = beside(desk, &params.text_document.uri)?;
+    let (document, position) = at(desk, params)?;
+    let editor = desk.editor;
     let programs: BTreeSet<u16> = index.into_keys().collect();
     let (text, structure) = (&document.text, document.structure());
     let found = complete(text, structure, position, editor.reader, &programs);
@@ -231,42 +231,38 @@ fn on_completion(server: &mut Server<'_>, params: &TextDocumentPositionParams) -
     value(&items.collect::<Vec<_>>())
 }
 
-fn on_definition(server: &mut Server<'_>, params: &TextDocumentPositionParams) -> Answer {
-    let index = beside(server, &params.text_document.uri)?;
-    let (document, position) = at(server, params)?;
-    let encoding = server.editor.encoding;
+fn on_definition(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer {
+    let index = beside(desk, &params.text_document.uri)?;
+    let (document, position) = at(desk, params)?;
+    let encoding = desk.editor.encoding;
     let led = definition(document.structure(), position);
     let here = |place| Location::new(document.uri.clone(), encoding.range(&document.text, place));
     let mut found: Vec<Location> = led.blocks.iter().map(here).collect();
     let other = led.program.and_then(|number| {
         let path = index.get(&number)?;
-        let text = Text::new(folder::text_of(path, server.open.values())?);
+        let text = Text::new(folder::text_of(path, desk.open.values())?);
         let structure = Structure::read(&text);
         let mut parts = structure.parts.iter();
         let name = parts.find(|it| it.number == Some(number))?.name.clone();
         let range = name.map_or_else(Range::default, |it| encoding.range(&text, &it));
-        Some(Location::new(uri_in(server, path)?, range))
+        Some(Location::new(uri_in(desk, path)?, range))
     });
     found.extend(other);
     value(&found)
 }
 
 /// The URI of a file, as the editor writes it where the file is open.
-fn uri_in(server: &Server<'_>, path: &std::path::Path) -> Option<Uri> {
-    let mut open = server.open.values();
+fn uri_in(desk: &Desk, path: &std::path::Path) -> Option<Uri> {
+    let mut open = desk.open.values();
     let open = open.find(|document| document.path.as_deref() == Some(path));
     open.map(|document| document.uri.clone())
         .or_else(|| uri_of(path))
 }
 
-fn on_references(
-    server: &mut Server<'_>,
-    params: &TextDocumentPositionParams,
-    itself: bool,
-) -> Answer {
-    let index = beside(server, &params.text_document.uri)?;
-    let (document, position) = at(server, params)?;
-    let encoding = server.editor.encoding;
+fn on_references(desk: &mut Desk, params: &TextDocumentPositionParams, itself: bool) -> Answer {
+    let index = beside(desk, &params.text_document.uri)?;
+    let (document, position) = at(desk, params)?;
+    let encoding = desk.editor.encoding;
     let (here, program) = references(document.structure(), position, itself);
     let own = document.uri.clone();
     let location = |place| Location::new(own.clone(), encoding.range(&document.text, place));
@@ -274,7 +270,7 @@ fn on_references(
     let others = program.into_iter().flat_map(|_| index.values());
     for path in others.collect::<BTreeSet<_>>() {
         let Some(number) = program else { break };
-        let read = folder::text_of(path, server.open.values());
+        let read = folder::text_of(path, desk.open.values());
         let Some(text) = read.filter(|text| folder::is_small(text)) else {
             continue;
         };
@@ -290,7 +286,7 @@ fn on_references(
             .iter()
             .filter(|it| it.number == Some(number));
         places.extend(named.filter_map(|it| it.name.clone()).filter(|_| itself));
-        if let Some(uri) = uri_in(server, path) {
+        if let Some(uri) = uri_in(desk, path) {
             let there = |place| Location::new(uri.clone(), encoding.range(&text, place));
             found.extend(places.iter().map(there));
         }
@@ -298,20 +294,20 @@ fn on_references(
     value(&found)
 }
 
-fn on_highlight(server: &Server<'_>, params: &TextDocumentPositionParams) -> Answer {
-    let (document, position) = at(server, params)?;
+fn on_highlight(desk: &Desk, params: &TextDocumentPositionParams) -> Answer {
+    let (document, position) = at(desk, params)?;
     let (places, _) = references(document.structure(), position, true);
     let highlights = places.iter().map(|place| DocumentHighlight {
-        range: server.editor.encoding.range(&document.text, place),
+        range: desk.editor.encoding.range(&document.text, place),
         kind: None,
     });
     value(&highlights.collect::<Vec<_>>())
 }
 
-fn on_symbols(server: &Server<'_>, uri: &Uri) -> Answer {
-    let document = document(server, uri)?;
+fn on_symbols(desk: &Desk, uri: &Uri) -> Answer {
+    let document = document(desk, uri)?;
     let found = symbols(&document.text, document.structure());
-    let encoding = server.editor.encoding;
+    let encoding = desk.editor.encoding;
     let all = found
         .into_iter()
         .map(|it| symbol(&document.text, it, encoding));
@@ -354,8 +350,8 @@ fn symbol(text: &Text, it: Symbol, encoding: Encoding) -> DocumentSymbol {
     }
 }
 
-fn on_folds(server: &Server<'_>, uri: &Uri) -> Answer {
-    let document = document(server, uri)?;
+fn on_folds(desk: &Desk, uri: &Uri) -> Answer {
+    let document = document(desk, uri)?;
     let found = folds(&document.text, document.structure());
     let all = found
         .into_iter()
@@ -367,17 +363,17 @@ fn on_folds(server: &Server<'_>, uri: &Uri) -> Answer {
     value(&all.collect::<Vec<_>>())
 }
 
-fn on_format(server: &Server<'_>, uri: &Uri, range: Option<Range>) -> Answer {
-    let document = document(server, uri)?;
+fn on_format(desk: &Desk, uri: &Uri, range: Option<Range>) -> Answer {
+    let document = document(desk, uri)?;
     let text = &document.text;
     let lines = match range {
         None => 0..text.line_count(),
         Some(range) => range.start.line..range.end.line.saturating_add(1),
     };
     let outside = document.led_from_outside();
-    let site = (&outside[..], server.editor.reader.model);
-    let done = format(text, document.structure(), server.style, lines, site);
-    let encoding = server.editor.encoding;
+    let site = (&outside[..], desk.editor.reader.model);
+    let done = format(text, document.structure(), desk.style, lines, site);
+    let encoding = desk.editor.encoding;
     let edits: Vec<TextEdit> = done
         .edits
         .iter()
@@ -387,11 +383,11 @@ fn on_format(server: &Server<'_>, uri: &Uri, range: Option<Range>) -> Answer {
     Ok((value, done.refused))
 }
 
-fn on_prepare_rename(server: &Server<'_>, params: &TextDocumentPositionParams) -> Answer {
-    let (document, position) = at(server, params)?;
+fn on_prepare_rename(desk: &Desk, params: &TextDocumentPositionParams) -> Answer {
+    let (document, position) = at(desk, params)?;
     let place = renamable(document.structure(), position);
     let place = place.ok_or_else(|| Refusal::Failed(say::rename_nothing()))?;
-    let range = server.editor.encoding.range(&document.text, &place);
+    let range = desk.editor.encoding.range(&document.text, &place);
     value(&PrepareRenameResponse::Range(range))
 }
 
@@ -399,13 +395,13 @@ fn on_prepare_rename(server: &Server<'_>, params: &TextDocumentPositionParams) -
     clippy::mutable_key_type,
     reason = "the map of the protocol; its keys are not changed"
 )]
-fn on_rename(server: &Server<'_>, params: &TextDocumentPositionParams, name: &str) -> Answer {
-    let (document, position) = at(server, params)?;
+fn on_rename(desk: &Desk, params: &TextDocumentPositionParams, name: &str) -> Answer {
+    let (document, position) = at(desk, params)?;
     let outside = document.led_from_outside();
-    let site = (&outside[..], server.editor.reader.model);
+    let site = (&outside[..], desk.editor.reader.model);
     let edits = rename(&document.text, document.structure(), position, name, site);
     let edits = edits.map_err(Refusal::Failed)?;
-    let encoding = server.editor.encoding;
+    let encoding = desk.editor.encoding;
     let edits = edits
         .iter()
         .map(|it| encoding.edit(&document.text, it))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crossbeam::channel::{Receiver, SendError, Sender};
 use crossbeam::select;
 use gsk_core::setup::Setup;
-use gsk_language::{Reader, Style};
+use gsk_language::Reader;
 use gsk_messages::{Language, say};
 use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
 use lsp_types::notification::{
@@ -26,6 +26,7 @@ use serde::de::DeserializeOwned;
 
 use super::answers;
 use super::convert::{Encoding, path_of};
+use super::desk::{Desk, Editor};
 use super::documents::Document;
 use super::folder::{self, Folders};
 use super::looker::{self, Job, Looked};
@@ -57,28 +58,10 @@ impl<T> From<SendError<T>> for ServeError {
     }
 }
 
-/// What the editor can do and wants.
-#[derive(Clone, Copy, Debug)]
-pub struct Editor {
-    /// How it counts columns.
-    pub encoding: Encoding,
-    /// Whether it takes proposals with places to be filled in.
-    pub snippets: bool,
-    /// Whose programs are read, in which language.
-    pub reader: Reader,
-}
-
 /// The server between two messages.
-pub struct Server<'a> {
+struct Server<'a> {
     connection: &'a Connection,
-    /// What the editor can do.
-    pub editor: Editor,
-    /// How programs are written.
-    pub style: Style,
-    /// Open documents by their URI.
-    pub open: BTreeMap<String, Document>,
-    /// The programs beside them.
-    pub folders: Folders,
+    desk: Desk,
     jobs: Sender<Job>,
     looked: Receiver<Looked>,
     shut_down: bool,
@@ -127,10 +110,12 @@ pub fn serve(
     let (jobs, looked) = looker::start(setup, editor.reader.language);
     let server = Server {
         connection,
-        editor,
-        style: style.unwrap_or_default(),
-        open: BTreeMap::new(),
-        folders: Folders::default(),
+        desk: Desk {
+            editor,
+            style: style.unwrap_or_default(),
+            open: BTreeMap::new(),
+            folders: Folders::default(),
+        },
         jobs,
         looked,
         shut_down: false,
@@ -222,7 +207,7 @@ impl Server<'_> {
                 }
             };
             if let Next::End(ended) = next {
-                for document in self.open.values() {
+                for document in self.desk.open.values() {
                     document.give_up_look();
                 }
                 return Ok(ended);
@@ -254,7 +239,7 @@ impl Server<'_> {
 
     fn request(&mut self, request: Request) -> Result<(), ServeError> {
         if self.shut_down {
-            let said = say::lsp_shut_down().text(self.editor.reader.language);
+            let said = say::lsp_shut_down().text(self.desk.editor.reader.language);
             let code = ErrorCode::InvalidRequest as i32;
             return self.send(Response::new_err(request.id, code, said));
         }
@@ -263,18 +248,18 @@ impl Server<'_> {
             return self.send(Response::new_ok(request.id, ()));
         }
         if request.method == CodeLensRequest::METHOD
-            && let Some(document) = answers::document_of(self, &request)
+            && let Some(document) = answers::document_of(&mut self.desk, &request)
             && document.analysis.is_none()
         {
             // The look that was begun with the last change answers it.
             document.waiting.push(request.id);
             return Ok(());
         }
-        let (response, notice) = answers::answer(self, request);
+        let (response, notice) = answers::answer(&mut self.desk, request);
         if let Some(message) = notice {
             let params = ShowMessageParams {
                 typ: MessageType::WARNING,
-                message: message.text(self.editor.reader.language),
+                message: message.text(self.desk.editor.reader.language),
             };
             self.send(Notification::new(ShowMessage::METHOD.to_owned(), params))?;
         }
@@ -288,10 +273,10 @@ impl Server<'_> {
                     let document = params.text_document;
                     let (uri, path) = (document.uri.clone(), path_of(&document.uri));
                     let opened = Document::new(document.uri, path, document.version, document.text);
-                    if let Some(before) = self.open.insert(uri.as_str().to_owned(), opened) {
+                    if let Some(before) = self.desk.open.insert(uri.as_str().to_owned(), opened) {
                         before.give_up_look();
                     }
-                    self.folders.forget();
+                    self.desk.folders.forget();
                     self.look_with_callers(&uri)?;
                 }
             }
@@ -300,15 +285,15 @@ impl Server<'_> {
                     return Ok(());
                 };
                 let uri = params.text_document.uri;
-                let encoding = self.editor.encoding;
-                if let Some(document) = self.open.get_mut(uri.as_str()) {
+                let encoding = self.desk.editor.encoding;
+                if let Some(document) = self.desk.open.get_mut(uri.as_str()) {
                     let version = params.text_document.version;
                     document.change(version, params.content_changes, encoding);
                     self.look_with_callers(&uri)?;
                 }
             }
             DidSaveTextDocument::METHOD | DidChangeWatchedFiles::METHOD => {
-                self.folders.forget();
+                self.desk.folders.forget();
                 for uri in self.uris() {
                     self.look(&uri)?;
                 }
@@ -321,7 +306,7 @@ impl Server<'_> {
             DidChangeConfiguration::METHOD => {
                 let params = params::<DidChangeConfiguration>(notification);
                 if let Some(style) = params.and_then(|it| settings::style(&it.settings)) {
-                    self.style = style;
+                    self.desk.style = style;
                 }
             }
             "$/cancelRequest" => self.cancel(&notification)?,
@@ -331,7 +316,8 @@ impl Server<'_> {
     }
 
     fn uris(&self) -> Vec<Uri> {
-        self.open
+        self.desk
+            .open
             .values()
             .map(|document| document.uri.clone())
             .collect()
@@ -343,7 +329,7 @@ impl Server<'_> {
         let Some(id) = id.and_then(|id| serde_json::from_value(id.clone()).ok()) else {
             return Ok(());
         };
-        for document in self.open.values_mut() {
+        for document in self.desk.open.values_mut() {
             let waits = document.waiting.iter().position(|waiting| *waiting == id);
             if let Some(at) = waits {
                 document.waiting.remove(at);
@@ -355,12 +341,12 @@ impl Server<'_> {
     }
 
     fn close(&mut self, uri: &Uri) -> Result<(), ServeError> {
-        let Some(document) = self.open.remove(uri.as_str()) else {
+        let Some(document) = self.desk.open.remove(uri.as_str()) else {
             return Ok(());
         };
         document.give_up_look();
         self.refuse(document.waiting)?;
-        self.folders.forget();
+        self.desk.folders.forget();
         self.publish(uri.clone(), None, Vec::new())
     }
 
@@ -375,7 +361,11 @@ impl Server<'_> {
 
     /// Looks a document through that has changed, and those that call it.
     fn look_with_callers(&mut self, uri: &Uri) -> Result<(), ServeError> {
-        let path = self.open.get(uri.as_str()).and_then(|it| it.path.clone());
+        let path = self
+            .desk
+            .open
+            .get(uri.as_str())
+            .and_then(|it| it.path.clone());
         let calls = |document: &&Document| {
             document.uri != *uri
                 && document
@@ -383,7 +373,7 @@ impl Server<'_> {
                     .iter()
                     .any(|found| Some(&found.path) == path.as_ref())
         };
-        let callers: Vec<Uri> = (self.open.values().filter(calls))
+        let callers: Vec<Uri> = (self.desk.open.values().filter(calls))
             .map(|document| document.uri.clone())
             .collect();
         self.look(uri)?;
@@ -395,18 +385,18 @@ impl Server<'_> {
 
     /// Has a document looked through.
     fn look(&mut self, uri: &Uri) -> Result<(), ServeError> {
-        let Some(document) = self.open.get(uri.as_str()) else {
+        let Some(document) = self.desk.open.get(uri.as_str()) else {
             return Ok(());
         };
         let found = match &document.path {
             None => Vec::new(),
             Some(path) => {
-                let index = self.folders.beside(path, self.open.values());
-                let read = |path: &std::path::Path| folder::text_of(path, self.open.values());
+                let index = self.desk.folders.beside(path, self.desk.open.values());
+                let read = |path: &std::path::Path| folder::text_of(path, self.desk.open.values());
                 folder::called(&document.text, &index, &read)
             }
         };
-        let Some(document) = self.open.get_mut(uri.as_str()) else {
+        let Some(document) = self.desk.open.get_mut(uri.as_str()) else {
             return Ok(());
         };
         document.found = Arc::new(found);
@@ -427,8 +417,8 @@ impl Server<'_> {
     fn show(&mut self, looked: Looked) -> Result<(), ServeError> {
         let Editor {
             encoding, reader, ..
-        } = self.editor;
-        let Some(document) = self.open.get_mut(looked.uri.as_str()) else {
+        } = self.desk.editor;
+        let Some(document) = self.desk.open.get_mut(looked.uri.as_str()) else {
             return Ok(());
         };
         if document.version != looked.version {
