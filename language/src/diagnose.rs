@@ -221,6 +221,11 @@ mod tests {
              N2 G02 X40 Z-45 R2\nM30\n",
         );
         assert_eq!(seen.findings[0].at.as_ref().map(|at| at.line), Some(7));
+        let seen = self::seen(
+            "T0101 M03 S500\nG00 X62 Z2\nG71 U2 R1\nG71 P1 Q2 U1 F100\nN1 G00 X20\nN2 Y1 Z-9\nM30\n",
+        );
+        let at = seen.findings[0].at.clone();
+        assert_eq!(at.map(|at| (at.line, at.bytes)), Some((6, 3..5)));
     }
 
     #[test]
