@@ -158,6 +158,36 @@ pub(crate) fn escaped(text: &str) -> String {
     out
 }
 
+/// What this module says as Markdown, for an editor that does not show it.
+pub fn without_markup(markdown: &str) -> String {
+    let mut out = String::with_capacity(markdown.len());
+    let mut listed = false;
+    for line in markdown.lines() {
+        if line.starts_with(FENCE) {
+            listed = !listed;
+            continue;
+        }
+        if listed {
+            out.push_str(line);
+        } else if line != "---" {
+            let mut characters = line.trim_start_matches("> ").chars();
+            while let Some(character) = characters.next() {
+                match character {
+                    '\\' => out.extend(characters.next()),
+                    '*' => {}
+                    other => out.push(other),
+                }
+            }
+        }
+        out.push('\n');
+    }
+    out.truncate(out.trim_end().len());
+    out
+}
+
+/// The marks around lines of a program.
+const FENCE: &str = "````";
+
 /// What the variable under the pointer is for.
 fn variable(line: &str, span: &Span, byte: usize, reader: Reader) -> Option<String> {
     let text = line.get(span.range.clone())?;
@@ -238,7 +268,7 @@ fn listing<'a>(lines: impl Iterator<Item = &'a str>) -> Option<String> {
         shown.push("…");
     }
     // A fence of its own length, whatever stands in a comment.
-    (!shown.is_empty()).then(|| format!("````gsk980td\n{}\n````", shown.join("\n")))
+    (!shown.is_empty()).then(|| format!("{FENCE}gsk980td\n{}\n{FENCE}", shown.join("\n")))
 }
 
 #[cfg(test)]
@@ -283,6 +313,21 @@ mod tests {
             ..READER
         };
         assert!(said(text, 0, 5, chinese).is_some_and(|it| it.contains("粗车")));
+    }
+
+    #[test]
+    fn an_editor_without_markdown_gets_the_text_alone() {
+        let text = "N10 G65 H01 P#200 Q5\nN20 M98 P31\n";
+        let plain = |line, byte| {
+            let said = said(text, line, byte, READER).unwrap_or_default();
+            without_markup(&said)
+        };
+        assert!(plain(0, 15).starts_with("#200: "), "{}", plain(0, 15));
+        let call = plain(1, 10);
+        assert!(call.contains("\nO0031\nG01 U-1\nM99"), "{call}");
+        for marks in ["\\", "**", "````", "---"] {
+            assert!(!call.contains(marks), "{call}");
+        }
     }
 
     #[test]

@@ -37,7 +37,7 @@ pub use complete::{Completion, CompletionKind, complete};
 pub use diagnose::{Analysis, Finding, Level, analyse};
 pub use fold::folds;
 pub use format::{Casing, Formatted, Numbering, Spacing, Style, format};
-pub use hover::{Hover, hover};
+pub use hover::{Hover, hover, without_markup};
 pub use leads::{Aim, aim_of};
 pub use lens::{Lens, lenses};
 pub use locate::{Located, locate};

@@ -173,10 +173,10 @@ async def all_requests(program, editor):
         check("lens", ("T0101 T0202" in titles[0], "with this tool" in titles[1]), (True, True))
         place = await client.text_document_prepare_rename_async(lsp.PrepareRenameParams(*at(4, 9)))
         check("what is renamed", (place.start.line, place.start.character), (4, 9))
-        edit = await client.text_document_rename_async(lsp.RenameParams("N55", *at(4, 9)))
+        edit = await client.text_document_rename_async(lsp.RenameParams(document, lsp.Position(4, 9), "N55"))
         edits = edit.changes[session.uri("main.CNC")]
         check("rename", sorted((it.range.start.line, it.new_text) for it in edits), [(4, "55"), (5, "55")])
-        await refused("a number that is there", client.text_document_rename_async(lsp.RenameParams("60", *at(4, 9))), -32803)
+        await refused("a number that is there", client.text_document_rename_async(lsp.RenameParams(document, lsp.Position(4, 9), "60")), -32803)
         options = lsp.FormattingOptions(tab_size=4, insert_spaces=True)
         settings = {"gsk980td": {"format": {"numbers": "all", "start": 1, "step": 1}}}
         client.workspace_did_change_configuration(lsp.DidChangeConfigurationParams(settings))
@@ -190,7 +190,6 @@ async def all_requests(program, editor):
         client.text_document_did_close(lsp.DidCloseTextDocumentParams(document))
         await refused("a closed document", client.text_document_hover_async(lsp.HoverParams(*at(3, 5))), -32602)
         await refused("no method", client.protocol.send_request_async("textDocument/nothing", {}), -32601)
-        await refused("no parameters", client.protocol.send_request_async("textDocument/hover", {"position": 7}), -32602)
         await session.end()
 
 
@@ -218,9 +217,9 @@ def raw(program):
 
     begin = request(1, "initialize", {"capabilities": {}, "processId": None, "rootUri": None})
     exit_ = message({"jsonrpc": "2.0", "method": "exit"})
-    done, answers = run(request(1, "textDocument/hover", {}), begin, request(2, "shutdown"), request(3, "textDocument/hover", {}), exit_)
+    done, answers = run(request(1, "textDocument/hover", {}), begin, request(2, "textDocument/hover", {"position": 7}), request(3, "shutdown"), request(4, "textDocument/hover", {}), exit_)
     codes = [answer.get("error", {}).get("code") for answer in answers]
-    check("before initialize, after shutdown", (codes, done.returncode), ([-32002, None, None, -32600], 0))
+    check("before initialize, wrong parameters, after shutdown", (codes, done.returncode), ([-32002, None, -32602, None, -32600], 0))
     done, _ = run(begin, exit_)
     check("exit without shutdown", done.returncode, 1)
     done, _ = run(begin)

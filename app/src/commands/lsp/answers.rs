@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use gsk_language::{
     Aim, CompletionKind, Position, Reader, Structure, Symbol, SymbolKind, Text, complete,
     definition, folds, format, hover, lenses, references, renamable, rename, symbols,
+    without_markup,
 };
 use gsk_messages::{Message, say};
 use lsp_server::{ErrorCode, Request, Response};
@@ -170,10 +171,17 @@ fn beside(desk: &mut Desk, uri: &Uri) -> Result<BTreeMap<u16, PathBuf>, Refusal>
     })
 }
 
-fn markdown(value: String) -> MarkupContent {
-    MarkupContent {
-        kind: MarkupKind::Markdown,
-        value,
+/// Markdown for an editor that shows it; the text alone for others.
+fn markup(value: String, markdown: bool) -> MarkupContent {
+    match markdown {
+        true => MarkupContent {
+            kind: MarkupKind::Markdown,
+            value,
+        },
+        false => MarkupContent {
+            kind: MarkupKind::PlainText,
+            value: without_markup(&value),
+        },
     }
 }
 
@@ -185,9 +193,10 @@ fn on_hover(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer {
         folder::text_of(path, desk.open.values())
     };
     let (text, reader) = (&document.text, desk.editor.reader);
+    let markdown = desk.editor.markdown.0;
     let found = hover(text, document.structure(), position, reader, &program);
     let found = found.map(|it| lsp_types::Hover {
-        contents: lsp_types::HoverContents::Markup(markdown(it.markdown)),
+        contents: lsp_types::HoverContents::Markup(markup(it.markdown, markdown)),
         range: Some(desk.editor.encoding.range(text, &it.place)),
     });
     value(&found)
@@ -217,7 +226,10 @@ fn on_completion(desk: &mut Desk, params: &TextDocumentPositionParams) -> Answer
                 CompletionKind::Snippet => CompletionItemKind::SNIPPET,
             }),
             detail: Some(it.detail).filter(|detail| !detail.is_empty()),
-            documentation: about.map(|about| Documentation::MarkupContent(markdown(about))),
+            documentation: about.map(|about| match editor.markdown.1 {
+                true => Documentation::MarkupContent(markup(about, true)),
+                false => Documentation::String(without_markup(&about)),
+            }),
             sort_text: Some(format!("{order:04}")),
             filter_text: Some(it.label),
             insert_text_format: is_snippet.then_some(InsertTextFormat::SNIPPET),

@@ -16,6 +16,8 @@ pub struct Editor {
     pub encoding: Encoding,
     /// Whether it takes proposals with places to be filled in.
     pub snippets: bool,
+    /// Whether it shows Markdown under the pointer, and beside proposals.
+    pub markdown: (bool, bool),
     /// Whose programs are read, in which language.
     pub reader: Reader,
 }

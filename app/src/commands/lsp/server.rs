@@ -17,7 +17,7 @@ use lsp_types::notification::{
 use lsp_types::request::{CodeLensRequest, Request as _, Shutdown};
 use lsp_types::{
     CodeLensOptions, CompletionOptions, FoldingRangeProviderCapability, HoverProviderCapability,
-    InitializeParams, InitializeResult, MessageType, OneOf, PublishDiagnosticsParams,
+    InitializeParams, InitializeResult, MarkupKind, MessageType, OneOf, PublishDiagnosticsParams,
     RenameOptions, SaveOptions, ServerCapabilities, ServerInfo, ShowMessageParams,
     TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions,
     TextDocumentSyncSaveOptions, Uri, WorkDoneProgressOptions,
@@ -131,6 +131,13 @@ fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) 
     let item = text_document
         .and_then(|it| it.completion.as_ref())
         .and_then(|it| it.completion_item.as_ref());
+    let hover = text_document.and_then(|it| it.hover.as_ref());
+    let formats = [
+        hover.and_then(|it| it.content_format.as_deref()),
+        item.and_then(|it| it.documentation_format.as_deref()),
+    ];
+    let [hover, proposal] =
+        formats.map(|it| it.is_some_and(|it| it.contains(&MarkupKind::Markdown)));
     let chinese = params
         .locale
         .as_ref()
@@ -139,6 +146,7 @@ fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) 
     Editor {
         encoding: Encoding::of(offered),
         snippets: item.and_then(|it| it.snippet_support).unwrap_or(false),
+        markdown: (hover, proposal),
         reader: Reader {
             model: setup.memory.model.id(),
             macro_b: setup.memory.settings.macro_b,
