@@ -18,8 +18,7 @@ mod looker;
 mod places;
 mod server;
 mod settings;
-
-use lsp_server::Connection;
+mod streams;
 
 use super::{CommandError, FINE};
 use crate::cli::LspArgs;
@@ -34,12 +33,11 @@ const ABANDONED: u8 = 1;
 /// Options that cannot be had, and messages that are none of the protocol.
 pub fn lsp(args: &LspArgs) -> Result<u8, CommandError> {
     let setup = loading::setup(&args.setup, None, args.lang)?;
-    let (connection, threads) = Connection::stdio();
+    let (connection, streams) = streams::open();
     let ended = server::serve(&connection, setup, args.lang);
     drop(connection);
-    // After an error nobody waits for an editor that may go on to write.
+    let streams = streams.end();
     let ended = ended.map_err(|error| CommandError::Editor(error.to_string()))?;
-    let streams = threads.join();
     streams.map_err(|error| CommandError::Editor(error.to_string()))?;
     Ok(match ended {
         server::Ended::AsAsked => FINE,

@@ -8,6 +8,8 @@ use std::thread;
 use std::time::Duration;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
+use gsk_core::command::ProgramId;
+use gsk_core::preview::End;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
 use gsk_language::{Analysis, Finding, Level, Structure, Text, analyse};
@@ -77,12 +79,8 @@ pub fn start(setup: Setup, language: Language) -> (Sender<Job>, Receiver<Looked>
 
 fn look(setup: &Setup, job: &Job, structure: &Structure, language: Language) -> Analysis {
     let mut setup = setup.clone();
-    let name = || {
-        job.path
-            .clone()
-            .unwrap_or_else(|| PathBuf::from(job.uri.as_str()))
-    };
-    let path = name();
+    let unsaved = || PathBuf::from(job.uri.as_str());
+    let path = job.path.clone().unwrap_or_else(unsaved);
     let found = |_: BTreeSet<u16>, loaded: &BTreeSet<u16>| {
         let new = |it: &&Found| !loaded.contains(&it.number);
         job.found.iter().filter(new).cloned().collect()
@@ -101,7 +99,7 @@ fn look(setup: &Setup, job: &Job, structure: &Structure, language: Language) -> 
     let full_width = full_width.map(|line| say::file_full_width(short(&path), line));
     let notices = notices.into_iter().chain(full_width);
     analysis.findings.extend(notices.map(|notice| Finding {
-        program: gsk_core::command::ProgramId::External,
+        program: ProgramId::External,
         at: None,
         level: Level::Warning,
         code: notice.id().name().to_owned(),
@@ -119,13 +117,13 @@ fn short(path: &Path) -> String {
 fn not_loaded(message: &Message, language: Language) -> Analysis {
     Analysis {
         findings: vec![Finding {
-            program: gsk_core::command::ProgramId::External,
+            program: ProgramId::External,
             at: None,
             level: Level::Error,
             code: message.id().name().to_owned(),
             text: message.text(language),
         }],
-        end: gsk_core::preview::End::Alarm,
+        end: End::Alarm,
         time_s: 0.0,
         cutting_s: 0.0,
         bounds: None,

@@ -2,7 +2,7 @@
 
 use gsk_core::command::ProgramId;
 use gsk_language::{Aim, Analysis, Finding, Level, Place, Structure, Text};
-use gsk_messages::Language;
+use gsk_messages::{Language, say};
 use lsp_types::{
     Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range,
 };
@@ -33,13 +33,13 @@ fn diagnostic(
     language: Language,
 ) -> Diagnostic {
     let (text, structure) = (&*document.text, &**document.structure());
+    let mut message = finding.text.clone();
     let (place, related) = match (finding.program, &finding.at) {
-        (ProgramId::Stored(number), Some(at)) if !is_own(structure, number) => {
-            let related = elsewhere(document, number, finding, encoding, language);
-            let name = format!("O{number:04}");
+        (ProgramId::Stored(number), Some(_)) if !is_own(structure, number) => {
+            message = format!("O{number:04}: {message}");
             let place = call_of(structure, number).unwrap_or_else(|| first(text, structure));
-            let _ = at;
-            (place, related.map(|it| (it, name)))
+            let related = elsewhere(document, number, finding, encoding, language);
+            (place, related)
         }
         (_, Some(at)) => {
             let line = at.line.saturating_sub(1);
@@ -47,10 +47,6 @@ fn diagnostic(
         }
         (_, None) => (first(text, structure), None),
     };
-    let mut message = finding.text.clone();
-    if let Some((_, name)) = &related {
-        message = format!("{name}: {message}");
-    }
     Diagnostic {
         range: widened(encoding, text, &place),
         severity: Some(match finding.level {
@@ -60,7 +56,7 @@ fn diagnostic(
         code: Some(NumberOrString::String(finding.code.clone())),
         source: Some(SOURCE.to_owned()),
         message,
-        related_information: related.map(|(it, _)| vec![it]),
+        related_information: related.map(|it| vec![it]),
         ..Diagnostic::default()
     }
 }
@@ -114,10 +110,7 @@ fn elsewhere(
     let at = finding.at.as_ref()?;
     let line = at.line.saturating_sub(1);
     let place = Place::new(line, &at.bytes);
-    let message = gsk_messages::say::in_line(
-        at.line,
-        gsk_messages::say::as_written(text.line(line).trim()),
-    );
+    let message = say::in_line(at.line, say::as_written(text.line(line).trim()));
     Some(DiagnosticRelatedInformation {
         location: Location::new(uri_of(&found.path)?, encoding.range(&text, &place)),
         message: message.text(language),
