@@ -25,6 +25,7 @@ const PACKAGES: [&str; 14] = [
     "project",
     "runner",
     "help",
+    "language",
     "app",
     "web",
     "tests",

@@ -21,6 +21,7 @@ mod fault_coverage;
 mod fuzz_corpus;
 mod help;
 mod hostile_input;
+mod language;
 mod machine_files;
 mod models;
 mod numbers;

@@ -6,6 +6,7 @@ mod help;
 mod ladder;
 mod link;
 mod looks;
+mod lsp;
 mod packages;
 mod picture;
 mod project;
@@ -27,6 +28,7 @@ pub use link::{
     LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
+pub use lsp::LspArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use project::{
@@ -180,6 +182,10 @@ pub enum Command {
     /// PLC signals, diagnosis numbers: what each is for, its range, cause and way out, an
     /// example. Words are looked for in all of them.
     Help(HelpArgs),
+    /// Serve an editor: alarms while a program is typed, what words mean, where they lead
+    ///
+    /// Speaks the language server protocol on standard input and output; an editor starts it.
+    Lsp(LspArgs),
     /// Print the licences of this program and of the packages it contains
     Notices,
     /// Print what a shell needs to complete this command line

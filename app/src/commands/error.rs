@@ -38,6 +38,8 @@ pub enum CommandError {
     Data(#[from] DataError),
     /// A program that is not executed.
     Execution(#[from] ExecutionError),
+    /// Messages of an editor that are none, or an editor that has gone.
+    Editor(String),
     /// A file.
     File(#[from] FileError),
     /// A job.
@@ -131,6 +133,7 @@ impl CommandError {
             Self::Board(error) => error.message(),
             Self::Data(error) => error.message(),
             Self::Execution(error) => error.message(),
+            Self::Editor(reason) => say::lsp_ended(reason),
             Self::File(error) => error.message(),
             Self::Job(error) => error.message(),
             Self::Json(error) => say::as_written(error),

@@ -6,6 +6,7 @@ mod error;
 mod help;
 mod ladder;
 mod link;
+mod lsp;
 mod manual;
 mod operate;
 mod plot;
@@ -69,6 +70,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Dialect(args)) => args.lang,
         Some(Command::Help(args)) => args.lang,
         Some(Command::Project(command)) => command.lang(),
+        Some(Command::Lsp(args)) => args.lang,
         Some(_) => None,
     };
     let result = match cli.command {
@@ -88,6 +90,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Link(command)) => link::link(&command),
         Some(Command::Project(command)) => project::project(&command),
         Some(Command::Help(args)) => help::help(&args),
+        Some(Command::Lsp(args)) => lsp::lsp(&args),
         Some(Command::Notices) => Ok(notices()),
         Some(Command::Completions(args)) => Ok(manual::completions(&args)),
         Some(Command::Man(args)) => manual::man(&args),
