@@ -1,0 +1,709 @@
+//! Both sides against each other over a line in virtual time that loses, doubles and
+//! changes bytes, and whose cable is pulled.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "tests fail by panicking"
+)]
+
+use gsk_twins::wire::{Damage, Wire};
+
+use super::*;
+
+const STEP_NS: u64 = 1_000_000;
+
+/// A memory that keeps whatever it is given.
+#[derive(Default)]
+struct Memory {
+    files: Vec<(FileName, Vec<u8>)>,
+    refuses: Option<Fault>,
+}
+
+impl Memory {
+    fn of(&self, name: &FileName) -> Option<&Vec<u8>> {
+        let mut files = self.files.iter();
+        files
+            .find(|(known, _)| known == name)
+            .map(|(_, bytes)| bytes)
+    }
+
+    fn allowed(&self) -> Result<(), Fault> {
+        self.refuses.map_or(Ok(()), Err)
+    }
+}
+
+impl Store for Memory {
+    fn directory(&mut self, _: Partition) -> Result<Vec<Entry>, Fault> {
+        let files = self.files.iter().map(|(name, bytes)| Entry {
+            name: name.clone(),
+            size: bytes.len() as u32,
+        });
+        Ok(files.collect())
+    }
+
+    fn may_put(&mut self, put: &Put) -> Result<(), Fault> {
+        self.allowed()?;
+        match self.of(&put.place.name) {
+            Some(_) if !put.overwrite => Err(Fault::Exists),
+            _ => Ok(()),
+        }
+    }
+
+    fn put(&mut self, file: &NewFile) -> Result<(), Fault> {
+        self.allowed()?;
+        self.files.retain(|(name, _)| *name != file.place.name);
+        let (name, bytes) = (file.place.name.clone(), file.bytes.clone());
+        self.files.push((name, bytes));
+        Ok(())
+    }
+
+    fn get(&mut self, place: &Place) -> Result<Vec<u8>, Fault> {
+        self.allowed()?;
+        self.of(&place.name).cloned().ok_or(Fault::NotFound)
+    }
+
+    fn delete(&mut self, place: &Place) -> Result<(), Fault> {
+        self.of(&place.name).ok_or(Fault::NotFound)?;
+        self.files.retain(|(name, _)| *name != place.name);
+        Ok(())
+    }
+
+    fn rename(&mut self, from: &Place, to: &FileName) -> Result<(), Fault> {
+        if self.of(to).is_some() {
+            return Err(Fault::Exists);
+        }
+        let mut files = self.files.iter_mut();
+        let file = files.find(|(name, _)| *name == from.name);
+        file.ok_or(Fault::NotFound)?.0 = to.clone();
+        Ok(())
+    }
+}
+
+/// A PC and a control at the ends of a line.
+struct Line {
+    pc: PcSide,
+    control: ControlPort,
+    memory: Memory,
+    /// To the control, and to the PC.
+    wires: [Wire; 2],
+    now_ns: u64,
+    events: Vec<ControlEvent>,
+    seen: Vec<Status>,
+    /// The two sides have different rates.
+    garbled: bool,
+}
+
+impl Line {
+    fn at(baud: u32) -> Self {
+        Self {
+            pc: PcSide::new(baud),
+            control: ControlPort::new(baud, Framing::Frames, LineEnd::CrLf),
+            memory: Memory::default(),
+            wires: [Wire::new(baud), Wire::new(baud)],
+            now_ns: 0,
+            events: Vec::new(),
+            seen: Vec::new(),
+            garbled: false,
+        }
+    }
+
+    fn now(&self) -> HostTime {
+        HostTime::from_nanos(self.now_ns)
+    }
+
+    fn arrived(&mut self, wire: usize) -> Vec<u8> {
+        let now = self.now_ns;
+        let arrived: Vec<u8> = core::iter::from_fn(|| self.wires[wire].take(now)).collect();
+        match self.garbled {
+            false => arrived,
+            // Read at twice the rate every byte becomes two others.
+            true => arrived
+                .iter()
+                .flat_map(|b| [b.rotate_left(3) ^ 0xE0, b | 0xF0])
+                .collect(),
+        }
+    }
+
+    /// A millisecond.
+    fn step(&mut self) -> Option<Outcome> {
+        self.now_ns += STEP_NS;
+        let (now, now_ns) = (self.now(), self.now_ns);
+        let heard = self.arrived(0);
+        self.control.hear(&heard, now);
+        self.control.advance(now, &mut self.memory);
+        while let Some(event) = self.control.next_event() {
+            self.events.push(event);
+        }
+        let status = self.control.status(now);
+        if self.seen.last() != Some(&status) {
+            self.seen.push(status);
+        }
+        let wire = &mut self.wires[1];
+        self.control.write(now, |bytes| {
+            wire.give(bytes, now_ns);
+            bytes.len()
+        });
+        let heard = self.arrived(1);
+        self.pc.hear(&heard, now);
+        let outcome = self.pc.advance(now);
+        let due = self.pc.due(now).to_vec();
+        self.wires[0].give(&due, now_ns);
+        self.pc.sent(due.len());
+        outcome
+    }
+
+    fn outcome(&mut self) -> Outcome {
+        let outcome = (0..300_000).find_map(|_| self.step());
+        outcome.expect("an outcome within five minutes")
+    }
+
+    fn order(&mut self, order: Order) -> Outcome {
+        self.pc.order(order);
+        self.outcome()
+    }
+
+    /// Lets time pass in which nothing is to come out.
+    fn rest(&mut self, ms: u64) {
+        for _ in 0..ms {
+            if let Some(outcome) = self.step() {
+                panic!("{outcome:?}");
+            }
+        }
+    }
+}
+
+/// Numbers that look random.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, most: u64) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) % most
+    }
+
+    fn bytes(&mut self, count: u64) -> Vec<u8> {
+        (0..count).map(|_| self.below(256) as u8).collect()
+    }
+}
+
+fn place(name: &str) -> Place {
+    Place {
+        partition: Partition::User,
+        name: FileName::new(name).unwrap(),
+    }
+}
+
+fn file(name: &str, bytes: &[u8], overwrite: bool) -> NewFile {
+    NewFile {
+        place: place(name),
+        bytes: bytes.to_vec(),
+        overwrite,
+    }
+}
+
+fn name(name: &str) -> FileName {
+    FileName::new(name).unwrap()
+}
+
+#[test]
+fn every_kind_of_order_is_carried_out() {
+    let mut line = Line::at(115_200);
+    let bytes = Random(1).bytes(2000);
+    assert_eq!(line.order(Order::Connect), Outcome::Done);
+    let put = |overwrite| Order::Put(file("O0001.CNC", &bytes, overwrite));
+    assert_eq!(line.order(put(false)), Outcome::Done);
+    assert_eq!(line.events, [ControlEvent::Received(name("O0001.CNC"))]);
+    assert_eq!(line.order(put(false)), Outcome::Refused(Fault::Exists));
+    assert_eq!(line.order(put(true)), Outcome::Done);
+    assert_eq!(
+        line.order(Order::Put(file("A.CNC", b"", false))),
+        Outcome::Done
+    );
+    let Outcome::Listed(entries) = line.order(Order::Directory(Partition::User)) else {
+        panic!("no list");
+    };
+    let sizes: Vec<_> = entries
+        .iter()
+        .map(|entry| (entry.name.as_str(), entry.size))
+        .collect();
+    assert_eq!(sizes, [("O0001.CNC", 2000), ("A.CNC", 0)]);
+    let got = line.order(Order::Get(place("O0001.CNC")));
+    assert_eq!(got, Outcome::Got(file("O0001.CNC", &bytes, true)));
+    let rename = |from, to| Order::Rename {
+        from: place(from),
+        to: name(to),
+    };
+    assert_eq!(
+        line.order(rename("A.CNC", "O0001.CNC")),
+        Outcome::Refused(Fault::Exists)
+    );
+    assert_eq!(line.order(rename("A.CNC", "B.CNC")), Outcome::Done);
+    assert_eq!(line.order(Order::Delete(place("B.CNC"))), Outcome::Done);
+    assert_eq!(
+        line.order(Order::Delete(place("B.CNC"))),
+        Outcome::Refused(Fault::NotFound)
+    );
+    assert_eq!(
+        line.order(Order::Get(place("B.CNC"))),
+        Outcome::Refused(Fault::NotFound)
+    );
+    assert_eq!(line.order(Order::Bye), Outcome::Done);
+    line.rest(1000);
+    assert_eq!(line.pc.retries(), 0);
+    assert_eq!(line.seen.last(), Some(&Status::Idle));
+    assert!(line.seen.contains(&Status::Receiving) && !line.seen.contains(&Status::Sending));
+}
+
+#[test]
+fn what_the_control_refuses_is_refused_with_its_reason_before_a_byte_of_it_goes() {
+    for refuses in [Fault::Busy, Fault::SwitchOff, Fault::NoRight, Fault::Full] {
+        let mut line = Line::at(115_200);
+        line.memory.refuses = Some(refuses);
+        line.order(Order::Connect);
+        let before = line.wires[0].given();
+        let outcome = line.order(Order::Put(file("O1.CNC", &[b'X'; 5000], false)));
+        assert_eq!(outcome, Outcome::Refused(refuses));
+        assert!(line.wires[0].given() - before < 100);
+        assert!(line.memory.files.is_empty());
+        let refused = ControlEvent::Refused(name("O1.CNC"), refuses);
+        assert_eq!(line.events, [refused]);
+    }
+}
+
+#[test]
+fn the_control_sends_by_itself_to_a_pc_that_is_idle() {
+    let mut line = Line::at(115_200);
+    let bytes = Random(2).bytes(1500);
+    line.control.send(vec![
+        file("O1.CNC", &bytes, false),
+        file("O2.CNC", b"x", false),
+    ]);
+    // Not connected: the control does it.
+    assert_eq!(
+        line.outcome(),
+        Outcome::Pushed(file("O1.CNC", &bytes, false))
+    );
+    assert_eq!(line.outcome(), Outcome::Pushed(file("O2.CNC", b"x", false)));
+    line.rest(500);
+    let sent = ["O1.CNC", "O2.CNC"].map(|sent| ControlEvent::Sent(name(sent)));
+    assert_eq!(line.events, sent);
+    assert_eq!(line.seen, [Status::Sending, Status::Idle]);
+    // A PC that was started anew knows of no connection.
+    line.pc = PcSide::new(115_200);
+    line.control.send(vec![file("O3.CNC", b"y", false)]);
+    assert_eq!(line.outcome(), Outcome::Pushed(file("O3.CNC", b"y", false)));
+    // Nor does a control that was started anew.
+    line.control = ControlPort::new(115_200, Framing::Frames, LineEnd::CrLf);
+    let lost = line.order(Order::Get(place("O1.CNC")));
+    assert_eq!(lost, Outcome::Lost(Loss::Forgotten));
+    assert_eq!(line.order(Order::Connect), Outcome::Done);
+}
+
+#[test]
+fn nobody_at_the_other_end_is_said_by_both_sides() {
+    let mut line = Line::at(115_200);
+    line.wires.iter_mut().for_each(|wire| wire.set_cut(true));
+    assert_eq!(line.order(Order::Connect), Outcome::Lost(Loss::Silent));
+    assert_eq!(line.events, []);
+    line.control.send(vec![file("O1.CNC", b"x", false)]);
+    line.rest(10_000);
+    assert_eq!(line.events, [ControlEvent::NotConnected]);
+    assert_eq!(line.seen, [Status::Idle, Status::Sending, Status::Idle]);
+}
+
+#[test]
+fn another_rate_at_the_other_end_is_said_by_both_sides() {
+    let mut line = Line::at(115_200);
+    line.garbled = true;
+    line.pc.order(Order::Connect);
+    line.control.send(vec![file("O1.CNC", b"x", false)]);
+    assert_eq!(line.outcome(), Outcome::Lost(Loss::Noise));
+    line.rest(10_000);
+    assert!(!line.events.is_empty());
+    let not_connected = |event: &ControlEvent| *event == ControlEvent::NotConnected;
+    assert!(line.events.iter().all(not_connected), "{:?}", line.events);
+    assert!(line.memory.files.is_empty());
+    // The control alone hears it, too.
+    let mut line = Line::at(115_200);
+    line.garbled = true;
+    assert_eq!(line.order(Order::Connect), Outcome::Lost(Loss::Silent));
+    assert!(line.events.iter().any(not_connected), "{:?}", line.events);
+}
+
+/// What is tried with damage.
+#[derive(Clone, Copy, Debug)]
+enum Work {
+    Put,
+    Get,
+    Push,
+    List,
+    Rename,
+    Delete,
+}
+
+const WORKS: [Work; 6] = [
+    Work::Put,
+    Work::Get,
+    Work::Push,
+    Work::List,
+    Work::Rename,
+    Work::Delete,
+];
+
+const OLD: &[u8] = b"what stood there before";
+
+impl Work {
+    /// Begins it on a line with `O1.CNC` and `O2.CNC`.
+    fn begin(self, line: &mut Line, bytes: &[u8]) {
+        match self {
+            Self::Put => line.pc.order(Order::Put(file("O1.CNC", bytes, true))),
+            Self::Get => line.pc.order(Order::Get(place("O2.CNC"))),
+            Self::Push => line.control.send(vec![file("O2.CNC", bytes, true)]),
+            Self::List => line.pc.order(Order::Directory(Partition::User)),
+            Self::Rename => line.pc.order(Order::Rename {
+                from: place("O1.CNC"),
+                to: name("O3.CNC"),
+            }),
+            Self::Delete => line.pc.order(Order::Delete(place("O1.CNC"))),
+        }
+    }
+
+    /// Its outcome when all is well.
+    fn good(self, bytes: &[u8]) -> Outcome {
+        let entry = |named, size: usize| Entry {
+            name: name(named),
+            size: size as u32,
+        };
+        match self {
+            Self::Put | Self::Rename | Self::Delete => Outcome::Done,
+            Self::Get => Outcome::Got(file("O2.CNC", bytes, true)),
+            Self::Push => Outcome::Pushed(file("O2.CNC", bytes, true)),
+            Self::List => Outcome::Listed(vec![
+                entry("O1.CNC", OLD.len()),
+                entry("O2.CNC", bytes.len()),
+            ]),
+        }
+    }
+
+    /// The memory is as before the work, or as after it; whether it is as after it.
+    fn settled(self, line: &Line, bytes: &[u8]) -> bool {
+        let is = |named: &str, wanted: Option<&[u8]>| {
+            line.memory.of(&name(named)).map(Vec::as_slice) == wanted
+        };
+        assert!(is("O2.CNC", Some(bytes)));
+        let before = is("O1.CNC", Some(OLD)) && is("O3.CNC", None);
+        let after = match self {
+            Self::Put => is("O1.CNC", Some(bytes)) && is("O3.CNC", None),
+            Self::Get | Self::Push | Self::List => before,
+            Self::Rename => is("O1.CNC", None) && is("O3.CNC", Some(OLD)),
+            Self::Delete => is("O1.CNC", None) && is("O3.CNC", None),
+        };
+        assert!(before || after, "{self:?}: half of it");
+        after
+    }
+}
+
+fn about_to(bytes: &[u8]) -> Line {
+    let mut line = Line::at(115_200);
+    line.memory.files = vec![
+        (name("O1.CNC"), OLD.to_vec()),
+        (name("O2.CNC"), bytes.to_vec()),
+    ];
+    assert_eq!(line.order(Order::Connect), Outcome::Done);
+    line
+}
+
+/// How many bytes a work takes on both wires.
+fn length(work: Work, bytes: &[u8]) -> [u64; 2] {
+    let mut line = about_to(bytes);
+    let before = [0, 1].map(|wire| line.wires[wire].given());
+    work.begin(&mut line, bytes);
+    assert_eq!(line.outcome(), work.good(bytes));
+    line.rest(100);
+    [0, 1].map(|wire| line.wires[wire].given() - before[wire])
+}
+
+#[test]
+fn bytes_lost_doubled_and_changed_at_500_places_lose_nothing() {
+    let mut random = Random(3);
+    let mut retried = 0;
+    for round in 0..500 {
+        let work = WORKS[random.below(6) as usize];
+        let count = random.below(3000);
+        let bytes = random.bytes(count);
+        let lengths = length(work, &bytes);
+        let mut line = about_to(&bytes);
+        let mut damages = Vec::new();
+        // One place, or a few.
+        for _ in 0..=random.below(3) {
+            let wire = random.below(2) as usize;
+            let at = line.wires[wire].given() + random.below(lengths[wire].max(1));
+            let damage = match random.below(3) {
+                0 => Damage::Lost,
+                1 => Damage::Doubled,
+                _ => Damage::Changed(1 + random.below(255) as u8),
+            };
+            line.wires[wire].damage(at, damage);
+            damages.push((wire, at, damage));
+        }
+        work.begin(&mut line, &bytes);
+        let outcome = line.outcome();
+        assert_eq!(outcome, work.good(&bytes), "{round}: {work:?} {damages:?}");
+        assert!(work.settled(&line, &bytes));
+        line.rest(9000);
+        let broken = |event: &&ControlEvent| {
+            matches!(event, ControlEvent::Broken | ControlEvent::NotConnected)
+        };
+        let told = line.events.iter().find(broken);
+        assert_eq!(told, None, "{round}: {work:?} {damages:?}");
+        assert_eq!(line.seen.last(), Some(&Status::Idle));
+        retried += u64::from(line.pc.retries() > 0);
+    }
+    assert!(retried > 100, "{retried}: the damage hits nothing");
+}
+
+#[test]
+fn a_cable_pulled_at_500_places_leaves_all_or_nothing() {
+    let mut random = Random(4);
+    let mut ends = [0, 0];
+    for round in 0..500 {
+        let work = WORKS[random.below(6) as usize];
+        let count = random.below(3000);
+        let bytes = random.bytes(count);
+        let lengths = length(work, &bytes);
+        let mut line = about_to(&bytes);
+        // Both directions at once: the cable.
+        let wire = random.below(2) as usize;
+        let at = line.wires[wire].given() + random.below(lengths[wire].max(1));
+        work.begin(&mut line, &bytes);
+        let mut outcome = None;
+        let mut within = 0;
+        while line.wires[wire].given() <= at && outcome.is_none() && within < 60_000 {
+            outcome = line.step();
+            within += 1;
+        }
+        line.wires.iter_mut().for_each(|wire| wire.set_cut(true));
+        for _ in 0..40_000 {
+            let next = line.step();
+            outcome = outcome.or(next);
+        }
+        let context = format!("{round}: {work:?} at {at} of {wire}");
+        let after = work.settled(&line, &bytes);
+        match outcome {
+            Some(Outcome::Lost(Loss::Broken)) => ends[0] += 1,
+            // Of what the control begins the PC knows nothing before it has come.
+            None => {
+                assert!(matches!(work, Work::Push), "{context}");
+                ends[0] += 1;
+            }
+            Some(outcome) => {
+                assert_eq!(outcome, work.good(&bytes), "{context}");
+                assert!(after, "{context}");
+                ends[1] += 1;
+            }
+        }
+        // The control shows no transfer any more, and says what it was.
+        assert_eq!(line.seen.last(), Some(&Status::Idle), "{context}");
+        let of_transfer = |event: &ControlEvent| *event != ControlEvent::Received(name("O1.CNC"));
+        let told: Vec<_> = line
+            .events
+            .iter()
+            .filter(|event| of_transfer(event))
+            .collect();
+        let sent = ControlEvent::Sent(name("O2.CNC"));
+        let known = [ControlEvent::Broken, ControlEvent::NotConnected, sent];
+        assert!(
+            told.len() <= 1 && told.iter().all(|event| known.contains(event)),
+            "{context}: {told:?}"
+        );
+        // Put in again, all of it works.
+        line.wires.iter_mut().for_each(|wire| wire.set_cut(false));
+        assert_eq!(line.order(Order::Connect), Outcome::Done, "{context}");
+        let again = Order::Put(file("O4.CNC", &bytes, false));
+        assert_eq!(line.order(again), Outcome::Done, "{context}");
+        assert_eq!(line.memory.of(&name("O4.CNC")), Some(&bytes), "{context}");
+    }
+    assert!(ends.iter().all(|count| *count > 20), "{ends:?}");
+}
+
+#[test]
+fn a_cable_pulled_in_the_middle_of_a_file_is_a_transfer_error_on_both_sides() {
+    for work in [Work::Put, Work::Get, Work::Push] {
+        let bytes = Random(5).bytes(20_000);
+        let mut line = about_to(&bytes);
+        work.begin(&mut line, &bytes);
+        line.rest(700);
+        line.wires.iter_mut().for_each(|wire| wire.set_cut(true));
+        let outcome = (0..40_000).find_map(|_| line.step());
+        match work {
+            Work::Push => assert_eq!(outcome, None),
+            _ => assert_eq!(outcome, Some(Outcome::Lost(Loss::Broken))),
+        }
+        for _ in 0..10_000 {
+            line.step();
+        }
+        assert_eq!(line.events, [ControlEvent::Broken], "{work:?}");
+        assert!(!work.settled(&line, &bytes) || !matches!(work, Work::Put));
+        assert!(line.pc.is_idle());
+    }
+}
+
+#[test]
+fn a_bad_line_is_slow_and_loses_nothing() {
+    let mut random = Random(6);
+    let bytes = random.bytes(60_000);
+    let mut line = about_to(&bytes);
+    for wire in &mut line.wires {
+        // One byte of three thousand.
+        let mut at = wire.given();
+        for _ in 0..200 {
+            at += 1 + random.below(6000);
+            wire.damage(at, Damage::Changed(1 + random.below(255) as u8));
+        }
+    }
+    for work in [Work::Get, Work::Put] {
+        work.begin(&mut line, &bytes);
+        assert_eq!(line.outcome(), work.good(&bytes));
+    }
+    assert!(Work::Put.settled(&line, &bytes));
+}
+
+#[test]
+fn a_reset_in_the_middle_ends_the_transfer_and_the_next_one_works() {
+    let bytes = Random(7).bytes(20_000);
+    for work in [Work::Put, Work::Get, Work::Push] {
+        let mut line = about_to(&bytes);
+        work.begin(&mut line, &bytes);
+        line.rest(500);
+        line.control.break_off();
+        let outcome = (0..20_000).find_map(|_| line.step());
+        let lost = matches!(outcome, Some(Outcome::Lost(_)) | Some(Outcome::Refused(_)));
+        assert!(lost || matches!(work, Work::Push), "{work:?}: {outcome:?}");
+        line.rest(500);
+        assert_eq!(line.seen.last(), Some(&Status::Idle));
+        assert_eq!(line.order(Order::Connect), Outcome::Done);
+        Work::Put.begin(&mut line, &bytes);
+        assert_eq!(line.outcome(), Outcome::Done);
+        assert!(Work::Put.settled(&line, &bytes));
+    }
+}
+
+#[test]
+fn two_controls_send_to_each_other() {
+    let bytes = Random(8).bytes(3000);
+    let mut controls = [(); 2].map(|()| ControlPort::new(115_200, Framing::Frames, LineEnd::CrLf));
+    let mut memories = [Memory::default(), Memory::default()];
+    let mut wires = [Wire::new(115_200), Wire::new(115_200)];
+    controls[0].send(vec![file("O1.CNC", &bytes, false)]);
+    let mut events = Vec::new();
+    for ms in 1..20_000_u64 {
+        // The second one answers in kind, later.
+        if ms == 5000 {
+            controls[1].send(vec![file("O2.CNC", &bytes, false)]);
+        }
+        let now = HostTime::from_millis(ms);
+        for at in 0..2 {
+            let heard: Vec<u8> = core::iter::from_fn(|| wires[at].take(ms * STEP_NS)).collect();
+            controls[at].hear(&heard, now);
+            controls[at].advance(now, &mut memories[at]);
+            events
+                .extend(core::iter::from_fn(|| controls[at].next_event()).map(|event| (at, event)));
+            let wire = &mut wires[1 - at];
+            controls[at].write(now, |bytes| {
+                wire.give(bytes, ms * STEP_NS);
+                bytes.len()
+            });
+        }
+    }
+    let expected = [
+        (1, ControlEvent::Received(name("O1.CNC"))),
+        (0, ControlEvent::Sent(name("O1.CNC"))),
+        (0, ControlEvent::Received(name("O2.CNC"))),
+        (1, ControlEvent::Sent(name("O2.CNC"))),
+    ];
+    assert_eq!(events, expected);
+    assert_eq!(memories[1].of(&name("O1.CNC")), Some(&bytes));
+    assert_eq!(memories[0].of(&name("O2.CNC")), Some(&bytes));
+}
+
+#[test]
+fn text_comes_in_beside_frames_and_goes_out_where_text_is_chosen() {
+    let mut line = Line::at(9600);
+    let text = "O0007 (TEXT)\nG00 X10.\nM30\n";
+    let mut writer = TextWriter::new(text, LineEnd::Lf, 9600).unwrap();
+    while !writer.is_over(line.now()) {
+        let due = writer.due(line.now()).to_vec();
+        line.wires[0].give(&due, line.now_ns);
+        writer.sent(due.len(), line.now());
+        line.rest(1);
+    }
+    line.rest(100);
+    assert_eq!(line.events, [ControlEvent::Received(name("O0007.CNC"))]);
+    assert_eq!(line.memory.of(&name("O0007.CNC")).unwrap(), text.as_bytes());
+    assert_eq!(line.seen, [Status::Idle, Status::Receiving, Status::Idle]);
+    // Frames are understood after it.
+    assert_eq!(line.order(Order::Connect), Outcome::Done);
+
+    // A slow line carries text only.
+    let mut slow = ControlPort::new(1200, Framing::Frames, LineEnd::CrLf);
+    slow.send(vec![
+        file("O0007.CNC", text.as_bytes(), false),
+        file("ParaW.par", b"001=1\n", true),
+    ]);
+    let mut reader = TextReader::new(1200);
+    let (mut read, mut events) = (Vec::new(), Vec::new());
+    for ms in 1..3000 {
+        let now = HostTime::from_millis(ms);
+        slow.advance(now, &mut line.memory);
+        slow.write(now, |bytes| {
+            reader.hear(bytes, now);
+            bytes.len()
+        });
+        read.extend(reader.advance(now));
+        events.extend(slow.next_event());
+    }
+    assert_eq!(read, [TextEvent::Begun, TextEvent::Whole(text.to_owned())]);
+    let sent = ControlEvent::Sent(name("O0007.CNC"));
+    assert_eq!(
+        events,
+        [sent, ControlEvent::OnlyPrograms(name("ParaW.par"))]
+    );
+}
+
+/// Bytes of a file a second over what the wire carries, both ways.
+fn throughput(baud: u32) -> [f64; 2] {
+    let bytes = Random(9).bytes(97 * 1024);
+    [
+        Order::Put(file("O9.CNC", &bytes, true)),
+        Order::Get(place("O2.CNC")),
+    ]
+    .map(|order| {
+        let mut line = Line::at(baud);
+        line.memory.files = vec![(name("O2.CNC"), bytes.clone())];
+        line.order(Order::Connect);
+        let begun = line.now_ns;
+        assert!(!matches!(line.order(order), Outcome::Lost(_)));
+        assert_eq!(line.pc.retries(), 0);
+        let seconds = (line.now_ns - begun) as f64 * 1e-9;
+        bytes.len() as f64 / seconds / (f64::from(baud) / 10.0)
+    })
+}
+
+#[test]
+fn a_file_goes_nearly_as_fast_as_the_wire() {
+    for baud in [4800, 19_200, 115_200] {
+        let [put, get] = throughput(baud);
+        println!(
+            "{baud} bits a second: {:.1} % of the wire to the control, {:.1} % from it",
+            put * 100.0,
+            get * 100.0
+        );
+        assert!(put > 0.95 && get > 0.95, "{baud}: {put} {get}");
+    }
+}
