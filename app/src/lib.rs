@@ -27,6 +27,7 @@ pub mod platform;
 pub mod ports;
 pub mod retained;
 mod saying;
+pub mod serial;
 pub mod setup_args;
 pub mod transfer;
 pub mod window;

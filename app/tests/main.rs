@@ -18,6 +18,8 @@ mod notices;
 mod overwriting;
 mod part;
 mod program_view;
+#[cfg(unix)]
+mod serial;
 mod speed;
 mod streams;
 mod transfer;

@@ -56,6 +56,20 @@ impl ControlPort {
         }
     }
 
+    /// How it speaks.
+    pub const fn framing(&self) -> Framing {
+        self.framing
+    }
+
+    /// All that was to be said has been said and answered, and nothing comes in.
+    pub fn is_quiet(&self) -> bool {
+        self.frames.is_quiet()
+            && self.replies.is_empty()
+            && self.writer.is_none()
+            && self.to_write.is_empty()
+            && !self.reader.is_within()
+    }
+
     /// Sends files by itself.
     pub fn send(&mut self, files: Vec<NewFile>) {
         match self.framing {
@@ -152,7 +166,7 @@ impl ControlPort {
     /// after it.
     fn take(&mut self, text: &str, store: &mut dyn Store) {
         for program in text::programs(text) {
-            let Some(number) = text::number(program) else {
+            let Some(number) = text::program_number(program) else {
                 let name = FileName::of_program(0);
                 self.events
                     .push_back(ControlEvent::Refused(name, Fault::BadName));

@@ -135,6 +135,11 @@ impl ControlSide {
         self.station.is_within()
     }
 
+    /// Nothing waits to be said, and nothing comes in.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.station.is_quiet() && self.incoming.is_none() && self.to_send.is_empty()
+    }
+
     /// Sends files by itself, one after the other.
     pub fn send(&mut self, files: Vec<NewFile>) {
         self.to_send.extend(files);

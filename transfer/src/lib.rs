@@ -33,7 +33,7 @@ pub use file::{Entry, NewFile, Progress};
 pub use frame::{BLOCK, Body, Place, Put};
 pub use name::{FileName, NameError, Partition};
 pub use pc_side::{Loss, Order, Outcome, PcSide};
-pub use text::{LineEnd, NotText, TextEvent, TextReader, TextWriter, programs};
+pub use text::{LineEnd, NotText, TextEvent, TextReader, TextWriter, program_number, programs};
 pub use wire_time::WireTime;
 
 /// Monotonic time of the host.

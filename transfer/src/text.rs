@@ -250,7 +250,7 @@ fn ended(text: &str) -> String {
 }
 
 /// The number of a program: its first word, after a leader.
-pub(crate) fn number(text: &str) -> Option<u16> {
+pub fn program_number(text: &str) -> Option<u16> {
     let mut lines = text.lines().map(str::trim);
     let first = lines.find(|line| !line.is_empty() && !line.starts_with('%'))?;
     let digits = first.strip_prefix(['O', 'o', ':'])?;

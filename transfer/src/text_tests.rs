@@ -54,10 +54,10 @@ fn several_programs_of_one_text_and_texts_in_a_row_are_told_apart() {
     let text = "O0001 (A)\nM30\nO0002\nM99\n";
     assert_eq!(programs(text), ["O0001 (A)\nM30\n", "O0002\nM99\n"]);
     assert_eq!(programs("G0 X1\n"), ["G0 X1\n"]);
-    assert_eq!(number("O0012 (A)\n"), Some(12));
-    assert_eq!(number("\n:7\n"), Some(7));
-    assert_eq!(number("G0\nO1\n"), None);
-    assert_eq!(number("O99999\n"), None);
+    assert_eq!(program_number("O0012 (A)\n"), Some(12));
+    assert_eq!(program_number("\n:7\n"), Some(7));
+    assert_eq!(program_number("G0\nO1\n"), None);
+    assert_eq!(program_number("O99999\n"), None);
     let two = read(b"%\nO1\nM30\n%\n%\nO2\nM30\n%\n");
     assert_eq!(two, [whole("O1\nM30\n"), whole("O2\nM30\n")].concat());
 }

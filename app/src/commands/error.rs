@@ -9,6 +9,7 @@ use gsk_panel::script::ScriptError;
 use gsk_runner::execution::ExecutionError;
 use gsk_runner::picture::{NoPicture, PictureError};
 
+use super::transfer::FilesError;
 use crate::apart::ApartError;
 use crate::board::BoardError;
 use crate::ending::SignalError;
@@ -65,6 +66,8 @@ pub enum CommandError {
     Signals(#[from] SignalError),
     /// What came through the serial port.
     Transfer(#[from] TransferError),
+    /// Files that were to go through it.
+    Files(#[from] FilesError),
     /// A result.
     Write(#[from] WriteError),
     /// Output that goes to several places.
@@ -142,6 +145,7 @@ impl CommandError {
             Self::SetByTheMachine(option) => option.message(),
             Self::Signals(error) => error.message(),
             Self::Transfer(error) => error.message(),
+            Self::Files(error) => error.message(),
             Self::Write(error) => error.message(),
             Self::Output(error) => say::command_output_lost(error),
             Self::Script { path, errors } => {

@@ -12,6 +12,7 @@ mod plot;
 mod run;
 mod screen;
 mod tables;
+mod transfer;
 pub mod window;
 
 use std::process::ExitCode;
@@ -84,6 +85,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
+        Some(Command::Transfer(command)) => transfer::transfer(&command),
         Some(Command::Help(args)) => help::help(&args),
         Some(Command::Notices) => Ok(notices()),
         Some(Command::Completions(args)) => Ok(manual::completions(&args)),

@@ -294,6 +294,21 @@ impl Offer {
         }
     }
 
+    /// Says as much to the other end as it takes now; where nobody has connected, it is
+    /// lost, as on a wire.
+    ///
+    /// # Errors
+    /// The other end can never come back.
+    pub fn write_some(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Terminal { near, .. } => near.write(bytes),
+            Self::Tcp(offer) => {
+                offer.write(bytes);
+                Ok(bytes.len())
+            }
+        }
+    }
+
     /// Says all of it to the other end.
     ///
     /// # Errors
