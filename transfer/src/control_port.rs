@@ -90,7 +90,7 @@ impl ControlPort {
     pub fn hear(&mut self, bytes: &[u8], now: HostTime) {
         if let Some((_, writer)) = &mut self.writer {
             writer.hear(bytes);
-        } else if self.framing == Framing::Text || self.reader.is_within() {
+        } else if self.framing == Framing::Text || self.reader.is_busy() {
             self.reader.hear(bytes, now);
         } else if self.frames.is_connected() || self.frames.is_within() {
             self.frames.hear(bytes, now);

@@ -647,10 +647,18 @@ fn text_comes_in_beside_frames_and_goes_out_where_text_is_chosen() {
     assert_eq!(line.events, [ControlEvent::Received(name("O0007.CNC"))]);
     assert_eq!(line.memory.of(&name("O0007.CNC")).unwrap(), text.as_bytes());
     assert_eq!(line.seen, [Status::Idle, Status::Receiving, Status::Idle]);
+    // All at once, as a pseudo terminal brings it.
+    let text = text.replace("O0007", "O0008");
+    for chunk in ["%\n", &text, "%\n"] {
+        line.control.hear(chunk.as_bytes(), line.now());
+    }
+    line.rest(500);
+    assert_eq!(line.memory.of(&name("O0008.CNC")).unwrap(), text.as_bytes());
     // Frames are understood after it.
     assert_eq!(line.order(Order::Connect), Outcome::Done);
 
     // A slow line carries text only.
+    let text = text.replace("O0008", "O0007");
     let mut slow = ControlPort::new(1200, Framing::Frames, LineEnd::CrLf);
     slow.send(vec![
         file("O0007.CNC", text.as_bytes(), false),

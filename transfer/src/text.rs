@@ -119,6 +119,11 @@ impl TextReader {
         self.text.is_some()
     }
 
+    /// Something has come that has not been looked at, or a text has begun.
+    pub fn is_busy(&self) -> bool {
+        self.is_within() || !self.backlog.is_empty()
+    }
+
     /// Characters of the text so far.
     pub fn length(&self) -> usize {
         self.text.as_ref().map_or(0, String::len)

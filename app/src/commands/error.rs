@@ -96,6 +96,8 @@ pub enum CommandError {
     OneSection,
     /// Another file ended the work.
     NotChecked,
+    /// A port for two things.
+    SamePort(String),
     /// No board.
     NoPort,
     /// A feed above what a board makes.
@@ -159,6 +161,7 @@ impl CommandError {
             Self::OneProgram => say::command_one_program(),
             Self::OneSection => say::command_one_section(),
             Self::NotChecked => say::command_not_checked(),
+            Self::SamePort(port) => say::serial_and_dnc(port),
             Self::NoPort => say::command_no_port(),
             Self::TooFast { feed, rate, most } => say::command_feed_too_high(feed, rate, most),
             Self::NotStill => say::command_board_moves(),

@@ -121,6 +121,11 @@ impl Opener {
         emulator.panel.connect(true);
         restored.restore_panel(&mut emulator);
         let (mut kernel, console) = Kernel::new(emulator);
+        if let (Some(port), Source::Port(same)) = (&args.serial.serial, &source)
+            && port == same
+        {
+            return Err(CommandError::SamePort(port.clone()));
+        }
         kernel.take_programs_from(source);
         if let Some(line) = serial_line(&args.serial)? {
             kernel.take_serial_line(line);
