@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 
 use crate::HostTime;
 use crate::fault::Fault;
-use crate::file::{Entry, Incoming, NewFile, Outgoing};
+use crate::file::{Entry, Incoming, LARGEST, NewFile, Outgoing};
 use crate::frame::{Body, Place, Put, VERSION};
 use crate::name::{FileName, Partition};
 use crate::station::{Event, Station};
@@ -262,7 +262,10 @@ impl ControlSide {
             }
             Body::Put(put) => {
                 self.incoming = None;
-                let may = store.may_put(&put);
+                let may = match put.size {
+                    ..=LARGEST => store.may_put(&put),
+                    _ => Err(Fault::Full),
+                };
                 if let Err(fault) = may {
                     let name = put.place.name.clone();
                     self.events.push_back(ControlEvent::Refused(name, fault));

@@ -8,6 +8,9 @@ use crate::station::Station;
 /// Blocks that wait for the station: enough that the wire never does.
 const AHEAD: usize = 2;
 
+/// No file of the control is longer, bytes: what claims to be is not even begun.
+pub(crate) const LARGEST: u32 = 1 << 24;
+
 /// A file of a directory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {

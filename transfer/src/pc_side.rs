@@ -6,7 +6,7 @@ use gsk_messages::{Message, say};
 
 use crate::HostTime;
 use crate::fault::Fault;
-use crate::file::{Entry, Incoming, NewFile, Outgoing, Progress};
+use crate::file::{Entry, Incoming, LARGEST, NewFile, Outgoing, Progress};
 use crate::frame::{Body, Place, VERSION};
 use crate::name::{FileName, Partition};
 use crate::station::{Event, Station};
@@ -278,6 +278,9 @@ impl PcSide {
                 };
                 if !wanted {
                     return Err(Fault::Busy);
+                }
+                if put.size > LARGEST {
+                    return self.given_up_if(Err(Fault::Full));
                 }
                 self.incoming = Some(Incoming::new(put));
                 Ok(())

@@ -150,3 +150,140 @@ impl Emulator {
         })
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::expect_used, reason = "tests fail by panicking")]
+mod tests {
+    use gsk_core::memory::Refusal;
+    use gsk_core::setup::Setup;
+
+    use super::*;
+    use crate::emulator::{Condition, Outcome};
+    use crate::keys::Key;
+
+    fn file(name: &str, text: &str) -> SerialFile {
+        SerialFile {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }
+    }
+
+    /// Switched on, with O0001 and O9500.
+    fn emulator() -> Emulator {
+        let mut setup = Setup::default();
+        for text in ["O0001;\nM30;\n", "O9500;\nM99;\n"] {
+            setup
+                .memory
+                .programs
+                .store(text)
+                .expect("room for a program");
+        }
+        let mut emulator = Emulator::new(setup);
+        emulator.run_until(&Condition::SelfTestOver, 10_000);
+        emulator.panel.connect_line();
+        emulator
+    }
+
+    #[test]
+    fn names_of_the_control_are_known_and_no_others() {
+        for (name, id) in [
+            ("O0331.CNC", Some(FileId::Program(331))),
+            ("o1.cnc", Some(FileId::Program(1))),
+            ("paraw.PAR", Some(FileId::Parameters)),
+            ("Tofs.ofs", Some(FileId::Offsets)),
+            ("Wcomp.wmp", Some(FileId::Pitch)),
+            ("O0001.NC", None),
+            ("other.par", None),
+            ("lad.ldx", None),
+        ] {
+            assert_eq!(FileId::of(name), id, "{name}");
+        }
+    }
+
+    #[test]
+    fn rights_stand_in_the_way_as_at_the_panel() {
+        let mut emulator = emulator();
+        let one = FileId::Program(1);
+        assert_eq!(emulator.may_take(one, false), Err(FileRefusal::Exists));
+        assert_eq!(emulator.may_take(one, true), Ok(()));
+        let switch = Err(FileRefusal::Refused(Refusal::ParameterSwitch));
+        assert_eq!(emulator.may_take(FileId::Offsets, true), switch);
+        assert!(emulator.hand_out(FileId::Parameters).is_err());
+        assert_eq!(
+            emulator.delete_file(FileId::Offsets),
+            Err(FileRefusal::OnlyPrograms)
+        );
+        assert_eq!(
+            emulator.delete_file(FileId::Program(7)),
+            Err(FileRefusal::Missing)
+        );
+        let renamed = emulator.rename_file(one, FileId::Program(9500));
+        assert!(renamed.is_err());
+        let cnc = &mut emulator.simulation.cnc;
+        cnc.request(Request::SetProgramSwitch(false))
+            .expect("the switch");
+        let switch = FileRefusal::Refused(Refusal::ProgramSwitch);
+        assert_eq!(emulator.may_take(one, true), Err(switch.clone()));
+        assert_eq!(emulator.hand_out(one), Err(switch.clone()));
+        assert_eq!(emulator.delete_file(one), Err(switch));
+    }
+
+    #[test]
+    fn a_program_comes_under_the_number_of_its_name() {
+        let mut emulator = emulator();
+        let two = FileId::Program(2);
+        let text = "O0001;\nG00 X1.;\nM30;\n%\n";
+        emulator
+            .take_file(two, file("O0002.CNC", text), false)
+            .expect("taken");
+        let out = emulator.hand_out(two).expect("handed out");
+        assert_eq!(out.text, text.replace("O0001", "O0002"));
+        // Unasked it replaces none, and 073 says so.
+        let again = emulator.take_file(two, file("O0002.CNC", "O0002;\n"), false);
+        assert_eq!(again, Err(FileRefusal::Exists));
+        assert_eq!(emulator.hand_out(two).expect("handed out").text, out.text);
+        let alarm = emulator.simulation.cnc.alarms().first();
+        assert_eq!(
+            alarm.map(|alarm| alarm.number),
+            Some(number::PROGRAM_STORED)
+        );
+        emulator.press(Key::Reset);
+        emulator
+            .take_file(two, file("O0002.CNC", "O0002;\nM99;\n"), true)
+            .expect("taken");
+        emulator
+            .rename_file(two, FileId::Program(3))
+            .expect("renamed");
+        let names: Vec<String> = emulator.files().into_iter().map(|file| file.name).collect();
+        assert_eq!(names[..2], ["O0001.CNC", "O0003.CNC"]);
+        emulator.delete_file(FileId::Program(3)).expect("deleted");
+        assert_eq!(
+            emulator.hand_out(FileId::Program(3)),
+            Err(FileRefusal::Missing)
+        );
+    }
+
+    #[test]
+    fn out_hands_files_to_the_line_and_reset_breaks_it_off() {
+        let mut emulator = emulator();
+        emulator.press(Key::Edit);
+        emulator.press(Key::Program);
+        emulator.type_text("O1");
+        emulator.press(Key::Output);
+        let sent = emulator.panel.take_for_line();
+        assert_eq!(sent, [file("O0001.CNC", "O0001;\nM30;\n%\n")]);
+        // It flashes.
+        let sending = |emulator: &mut Emulator| {
+            emulator.run_until(&Condition::Text("输出".to_owned()), 1000) == Outcome::Reached
+        };
+        assert!(sending(&mut emulator));
+        // The line is busy until it says otherwise.
+        emulator.run(60_000);
+        assert!(sending(&mut emulator) && !emulator.panel.take_broken_off());
+        emulator.press(Key::Reset);
+        assert!(!sending(&mut emulator) && emulator.panel.take_broken_off());
+        assert!(!emulator.panel.take_broken_off());
+        emulator.show_line(Communication::Failed);
+        assert!(emulator.screen().text().contains("通信出错"));
+    }
+}
