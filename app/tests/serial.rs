@@ -352,6 +352,25 @@ fn noise_and_a_partner_that_breaks_off_leave_nothing_behind() {
     port.write_all(b"\x05\x06\xFE\xF8\x03").expect("written");
     std::thread::sleep(Duration::from_millis(200));
     drop(port);
+    // A PC that is gone in the middle of nine seconds.
+    let long: String = (1..3700)
+        .map(|n| format!("N{n} G01 X{}. Z-1.5;\n", n % 90))
+        .collect();
+    let long = write(
+        &folder,
+        "O0100.CNC",
+        &format!("O0100;\n{long}{long}M30;\n%\n"),
+    );
+    let mut pc = Command::new(PROGRAM)
+        .args(["transfer", "send", "--port", &control.port, &long])
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the program");
+    std::thread::sleep(Duration::from_millis(500));
+    pc.kill().expect("it still sends");
+    pc.wait().expect("its end");
+    let listed = control.does("list", &[]);
+    assert!(!listed.contains("O0100"), "{listed}");
     let shaft = write(&folder, "O0007.CNC", SHAFT);
     control.does("send", &[&shaft]);
     let listed = control.does("list", &[]);
