@@ -352,7 +352,7 @@ fn noise_and_a_partner_that_breaks_off_leave_nothing_behind() {
     port.write_all(b"\x05\x06\xFE\xF8\x03").expect("written");
     std::thread::sleep(Duration::from_millis(200));
     drop(port);
-    // A PC that is gone in the middle of nine seconds.
+    // A PC that is gone in the middle of a long file.
     let long: String = (1..3700)
         .map(|n| format!("N{n} G01 X{}. Z-1.5;\n", n % 90))
         .collect();
