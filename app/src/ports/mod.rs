@@ -60,7 +60,7 @@ pub enum PortError {
         /// What the system said.
         error: io::Error,
     },
-    /// No board can be offered at this network address.
+    /// Nothing can be offered at this network address.
     NotOffered {
         /// The address.
         address: String,
