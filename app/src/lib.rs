@@ -28,6 +28,7 @@ pub mod ports;
 pub mod project;
 pub mod retained;
 mod saying;
+pub mod serial;
 pub mod setup_args;
 pub mod transfer;
 pub mod window;

@@ -20,6 +20,8 @@ mod overwriting;
 mod part;
 mod program_view;
 mod project;
+#[cfg(unix)]
+mod serial;
 mod speed;
 mod streams;
 mod transfer;

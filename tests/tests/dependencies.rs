@@ -18,6 +18,7 @@ const PACKAGES: [&str; 14] = [
     "units",
     "plc",
     "link",
+    "transfer",
     "twins",
     "workpiece",
     "core",

@@ -11,6 +11,7 @@ mod packages;
 mod picture;
 mod project;
 mod run;
+mod transfer;
 
 use std::path::PathBuf;
 
@@ -36,6 +37,12 @@ pub use project::{
     ProjectNewArgs,
 };
 pub use run::RunArgs;
+pub use transfer::{
+    ExistingFile, SerialArgs, TextEnd, TransferBackupArgs, TransferCommand, TransferControlArgs,
+    TransferDeleteArgs, TransferListArgs, TransferPortArgs, TransferReceiveArgs,
+    TransferReceiveTextArgs, TransferRenameArgs, TransferRestoreArgs, TransferSendArgs,
+    TransferSendTextArgs, TransferWaitArgs,
+};
 
 use crate::setup_args::SetupArgs;
 
@@ -94,6 +101,9 @@ pub struct WindowArgs {
     /// runs: 自动 pressed twice is DNC.
     #[arg(long, value_name = "SOURCE")]
     pub dnc: Option<PathBuf>,
+    /// Where the control's serial port is.
+    #[command(flatten)]
+    pub serial: SerialArgs,
     /// The simulated lathe (travel, turret, dogs …) from a RON file
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
@@ -176,6 +186,9 @@ pub enum Command {
     /// Find, try, watch or play a pulse board
     #[command(subcommand)]
     Link(LinkCommand),
+    /// Files to and from a control through its serial port: the PC's side
+    #[command(subcommand)]
+    Transfer(TransferCommand),
     /// Explain a symbol of the control, or a command
     ///
     /// Alarms, parameters and their bits, G and M codes, keys, lamps, pages and their fields,

@@ -9,6 +9,7 @@ use gsk_panel::script::ScriptError;
 use gsk_runner::execution::ExecutionError;
 use gsk_runner::picture::{NoPicture, PictureError};
 
+use super::transfer::FilesError;
 use crate::apart::ApartError;
 use crate::board::BoardError;
 use crate::ending::SignalError;
@@ -70,6 +71,8 @@ pub enum CommandError {
     Signals(#[from] SignalError),
     /// What came through the serial port.
     Transfer(#[from] TransferError),
+    /// Files that were to go through it.
+    Files(#[from] FilesError),
     /// A result.
     Write(#[from] WriteError),
     /// Output that goes to several places.
@@ -98,6 +101,8 @@ pub enum CommandError {
     OneSection,
     /// Another file ended the work.
     NotChecked,
+    /// A port for two things.
+    SamePort(String),
     /// No board.
     NoPort,
     /// A feed above what a board makes.
@@ -149,6 +154,7 @@ impl CommandError {
             Self::SetByTheMachine(option) => option.message(),
             Self::Signals(error) => error.message(),
             Self::Transfer(error) => error.message(),
+            Self::Files(error) => error.message(),
             Self::Write(error) => error.message(),
             Self::Output(error) => say::command_output_lost(error),
             Self::Script { path, errors } => {
@@ -162,6 +168,7 @@ impl CommandError {
             Self::OneProgram => say::command_one_program(),
             Self::OneSection => say::command_one_section(),
             Self::NotChecked => say::command_not_checked(),
+            Self::SamePort(port) => say::serial_and_dnc(port),
             Self::NoPort => say::command_no_port(),
             Self::TooFast { feed, rate, most } => say::command_feed_too_high(feed, rate, most),
             Self::NotStill => say::command_board_moves(),

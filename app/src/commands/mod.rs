@@ -14,6 +14,7 @@ mod project;
 mod run;
 mod screen;
 mod tables;
+mod transfer;
 pub mod window;
 
 use std::process::ExitCode;
@@ -89,6 +90,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
         Some(Command::Project(command)) => project::project(&command),
+        Some(Command::Transfer(command)) => transfer::transfer(&command),
         Some(Command::Help(args)) => help::help(&args),
         Some(Command::Lsp(args)) => lsp::lsp(&args),
         Some(Command::Notices) => Ok(notices()),
