@@ -5,6 +5,7 @@ mod console;
 mod drive;
 mod edges;
 mod journal;
+mod lesson;
 pub mod link_view;
 mod linked;
 pub mod live;
@@ -40,6 +41,8 @@ pub use console::{
 pub use drive::Connection;
 use drive::Drive;
 use edges::{Edge, Edges};
+use lesson::Practising;
+pub use lesson::{LessonOrder, LessonState};
 use link_view::LinkView;
 use monitor::MachineView;
 use opening::LastOpened;
@@ -78,6 +81,8 @@ pub struct Kernel {
     partner: Option<Partner>,
     links: Arc<ArrayQueue<LinkView>>,
     link_watched: bool,
+    /// A practice machine stands in the place of the learner's own.
+    lesson: Option<Practising>,
     /// The program that was opened last.
     opened: Option<LastOpened>,
     notices: Sender<Notice>,
@@ -117,6 +122,7 @@ impl Kernel {
             partner: None,
             links: Arc::clone(&links),
             link_watched: false,
+            lesson: None,
             opened: None,
             notices: notices.clone(),
             keys: Edges::default(),
@@ -186,7 +192,10 @@ impl Kernel {
         if let Some(partner) = &mut self.partner {
             partner.feed(&mut self.emulator.simulation.cnc, Patience::None);
         }
-        self.emulator.tick();
+        match &mut self.lesson {
+            Some(lesson) => lesson.tick(&mut self.emulator),
+            None => self.emulator.tick(),
+        }
         self.tick += 1;
         for event in self.emulator.simulation.cnc.events() {
             if let Event::Advised(text) = event {
@@ -258,6 +267,7 @@ impl Kernel {
             place_unknown: self.emulator.simulation.cnc.is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
             run: self.emulator.simulation.cnc.run_state(),
+            lesson: self.lesson.as_ref().map(Practising::state),
             imposed: Imposed {
                 bits: self.emulator.simulation.cnc.plc().forces().len(),
                 inputs: self.emulator.simulation.lathe.forced_inputs(),
@@ -268,6 +278,12 @@ impl Kernel {
 
     fn carry_out(&mut self, command: Command) {
         self.heard += 1;
+        if matches!(
+            command,
+            Command::Key { down: true, .. } | Command::Tap(_) | Command::Type(_) | Command::Turn(_)
+        ) {
+            self.learner_acts();
+        }
         match command {
             // It waits for nothing.
             Command::Key {
@@ -302,7 +318,13 @@ impl Kernel {
                     self.say(Notice::Refused(alarm));
                 }
             }
-            Command::Job(chosen) => self.part.set(chosen.map(|chosen| *chosen)),
+            Command::Job(chosen) => {
+                let part = match &mut self.lesson {
+                    Some(lesson) => lesson.own_part(),
+                    None => &mut self.part,
+                };
+                part.set(chosen.map(|chosen| *chosen));
+            }
             Command::FreshStock => self.part.fresh_stock(),
             Command::CrashStops(stops) => self.part.set_crash_stops(stops),
             Command::PowerCycle => self.emulator.power_cycle(),
@@ -315,6 +337,7 @@ impl Kernel {
                     self.carry_out(Command::Ask(Box::new(Request::ForceBit(force.bit, None))));
                 }
             }
+            Command::Lesson(order) => self.order_lesson(order),
             Command::Speed(speed) => self.speed = speed,
             Command::Mend => self.emulator.simulation.lathe.mend(),
             Command::Link(order) => self.order(order),
