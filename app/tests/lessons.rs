@@ -102,8 +102,12 @@ fn shown_back_again_and_a_key_that_takes_over() {
             .lesson
             .is_some_and(|it| !it.view.showing)
     );
-    click(&mut bench, "Back");
-    assert_eq!(step(&bench), Some(0));
+    // The position page came with the first key shown: that is the next step already.
+    assert_eq!(step(&bench), Some(2));
+    for before in [1, 0] {
+        click(&mut bench, "Back");
+        assert_eq!(step(&bench), Some(before));
+    }
     assert!(
         bench
             .kernel

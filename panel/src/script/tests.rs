@@ -238,7 +238,7 @@ fn states_of_control_panel_and_lathe_are_expected() {
         ("expect tool two", "is no whole number"),
         ("expect key AUTOO down", "near: AUTO"),
         ("expect param 1.9 1", "1.9"),
-        ("expect offset", "expect offset 1 X -2.5"),
+        ("expect offset", "| offset 1 X -2.5 |"),
     ] {
         let all = errors(line);
         assert!(all[0].contains(wanted), "{}", all[0]);

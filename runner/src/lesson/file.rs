@@ -9,8 +9,6 @@ use serde::Deserialize;
 use super::machine::{Begins, BeginsFile};
 use super::{Condition, Lesson, Step, Text, Wrong};
 
-/// No file of a lesson is larger, bytes.
-pub const LARGEST: u64 = 1024 * 1024;
 /// More steps than anybody does in one lesson.
 const MOST_STEPS: usize = 100;
 

@@ -12,6 +12,8 @@ use gsk_panel::pages::POWER_ON_TICKS;
 use gsk_panel::script::{Action, Progress, Runner, Script, ScriptError};
 use serde::Deserialize;
 
+/// The largest coordinate of the control, mm.
+const LARGEST: f64 = 9999.999;
 /// So long what is done beforehand may take, ms.
 const LONGEST: u64 = 600_000;
 
@@ -50,6 +52,12 @@ impl Begins {
         let mut setup = Setup::delivered().with_chuck();
         setup.referenced = raw.referenced;
         let point = |(x, z): (f64, f64)| Point::from_diameter(Diameter(x), z);
+        let places = raw.slides.iter().chain(&raw.absolute);
+        for value in places.flat_map(|(x, z)| [*x, *z]) {
+            if !value.is_finite() || value.abs() > LARGEST {
+                return Err(say::lesson_beyond(value, LARGEST));
+            }
+        }
         setup.start = Some(raw.slides.map_or_else(|| setup.lathe.start(), point));
         setup.absolute = raw.absolute.map(point);
         if let Some((_, ends)) = setup.beyond_ends().first() {
@@ -142,6 +150,9 @@ fn offset(setup: &mut Setup, word: &str) -> Result<(), Message> {
     let (name, values) = parts(word)?;
     let values = values.split(',').map(|value| number::<f64>(value, word));
     let values = values.collect::<Result<Vec<_>, _>>()?;
+    if values.len() > 4 || values.iter().any(|value| !value.is_finite()) {
+        return Err(say::lesson_word(word));
+    }
     let value = |index: usize| values.get(index).copied().unwrap_or_default();
     let row = ToolOffset {
         x: value(0),

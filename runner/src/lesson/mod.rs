@@ -18,7 +18,7 @@ use gsk_panel::script::{Expect, Script, Unmet};
 use gsk_workpiece::job::Job;
 use serde::{Deserialize, Serialize};
 
-pub use file::{LARGEST, LessonError};
+pub use file::LessonError;
 pub use library::{LESSONS, built_in};
 pub use machine::Begins;
 pub use practice::{Practice, View};
