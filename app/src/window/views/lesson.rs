@@ -3,14 +3,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use egui::{Color32, Frame, Margin, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
+use egui::{CentralPanel, Color32, Panel, RichText, ScrollArea, Sense, Stroke, Ui, vec2};
 use gsk_help::{Subject, article, topic};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
 use gsk_runner::lesson::{Lesson, Remark, Step, built_in};
 
 use crate::kernel::{Command, Console, LessonOrder, LessonState, Snapshot};
-use crate::window::key_label;
 
 /// Seconds without progress after which the hint is shown by itself.
 const HINT_AFTER: f64 = 40.0;
@@ -103,12 +102,16 @@ impl LessonView {
 
     /// Draws the view and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
-        Frame::new()
-            .fill(Color32::from_gray(28))
-            .inner_margin(Margin::symmetric(12, 8))
+        let lesson = self.under_way().map(|(lesson, _)| Arc::clone(lesson));
+        if let Some(lesson) = &lesson {
+            // They stay where they are, however long the text above is.
+            Panel::bottom("lesson buttons")
+                .frame(super::bar_frame())
+                .show(ui, |ui| self.buttons(ui, language, lesson));
+        }
+        CentralPanel::default()
+            .frame(super::side_frame())
             .show(ui, |ui| {
-                ui.set_min_size(ui.available_size());
-                let lesson = self.under_way().map(|(lesson, _)| Arc::clone(lesson));
                 ScrollArea::vertical()
                     .id_salt("lesson")
                     .auto_shrink([false, false])
@@ -171,7 +174,7 @@ impl LessonView {
                 .color(Color32::WHITE),
         );
         if !step.keys.is_empty() {
-            let keys = step.keys.iter().map(|key| key_label(*key));
+            let keys = step.keys.iter().map(|key| printed(*key));
             let keys = keys.collect::<Vec<_>>().join("  ");
             ui.add_space(4.0);
             let words = say::lesson_keys(keys).text(language);
@@ -202,18 +205,19 @@ impl LessonView {
             let words = say::lesson_hint_is(step.hint.of(language)).text(language);
             ui.label(RichText::new(words).size(15.0).color(HINT));
         }
-        ui.add_space(10.0);
-        self.buttons(ui, language, view.step);
     }
 
-    fn buttons(&mut self, ui: &mut Ui, language: Language, step: usize) {
+    fn buttons(&mut self, ui: &mut Ui, language: Language, lesson: &Arc<Lesson>) {
+        let step = self.state.as_ref().map_or(0, |state| state.view.step);
+        let works = step < lesson.steps.len();
         ui.horizontal_wrapped(|ui| {
-            if ui.button(say::lesson_hint().text(language)).clicked() {
+            let hint = egui::Button::new(say::lesson_hint().text(language));
+            if ui.add_enabled(works, hint).clicked() {
                 self.hint = true;
             }
             let orders = [
                 (
-                    true,
+                    works,
                     say::lesson_show_me(),
                     say::lesson_show_me_hint(),
                     LessonOrder::ShowMe,
@@ -255,21 +259,24 @@ impl LessonView {
         ui.add_space(10.0);
         let at = self.lessons.iter().position(|it| it.name == lesson.name);
         let next = at.and_then(|at| self.lessons.get(at + 1));
-        ui.horizontal_wrapped(|ui| {
-            if let Some(next) = next {
-                let words = say::lesson_next(next.title.of(language)).text(language);
-                if ui.button(words).clicked() {
-                    self.order(LessonOrder::Begin(Arc::clone(next)));
-                }
+        if let Some(next) = next {
+            let words = say::lesson_next(next.title.of(language)).text(language);
+            if ui.button(words).clicked() {
+                self.order(LessonOrder::Begin(Arc::clone(next)));
             }
-            if ui.button(say::lesson_again().text(language)).clicked() {
-                self.order(LessonOrder::Again);
-            }
-            if ui.button(say::lesson_leave().text(language)).clicked() {
-                self.order(LessonOrder::Leave);
-            }
-        });
+        }
     }
+}
+
+/// What is printed on a key, in brackets: `[X 手轮]`; its English words are left out.
+fn printed(key: Key) -> String {
+    let legend = key.row().legend;
+    let english = |line: &str| line.len() > 1 && line.is_ascii();
+    let only = legend.iter().all(|line| line.is_ascii());
+    let lines = legend.iter().filter(|line| only || !english(line)).copied();
+    let lines: Vec<&str> = lines.collect();
+    let blank = lines.iter().any(|line| line.len() == 1);
+    format!("[{}]", lines.join(if blank { " " } else { "" }))
 }
 
 /// The mark of a step or a lesson; one that is done has a tick.
