@@ -6,6 +6,8 @@ use gsk_panel::panel::KeyEvent;
 
 use super::play::Outcome;
 use super::*;
+use crate::machining::Machining;
+use crate::machining::live::Live;
 
 fn lesson(steps: &str) -> String {
     format!(
@@ -93,6 +95,11 @@ fn errors_name_file_step_field_and_rule() {
     let begins = lesson(&step("until: [\"alarm none\"], solution: [\"press CS\"]"));
     for (before, wanted) in [
         ("before: [\"press MDI\"]", ""),
+        ("picture: true", ""),
+        (
+            "picture: true, before: [\"press MDI\"]",
+            "nothing is done before",
+        ),
         ("params: [\"1.3\"]", "begins: \"1.3\" is not read"),
         ("offsets: [\"99=1\"]", "begins: 99=1: "),
         ("slides: (9999, 0)", "beyond their ends"),
@@ -286,5 +293,40 @@ fn nobody_is_stranded_in_our_lessons() {
         for step in 0..lesson.steps.len() {
             is_never_stranded(&lesson, step, keys.unwrap_or(50));
         }
+    }
+}
+
+/// What is shown to a learner is done as on a real machine: nothing is hit.
+#[test]
+fn what_is_shown_hits_nothing() {
+    let with_part = built_in()
+        .into_iter()
+        .filter_map(|lesson| Some((lesson.job.clone()?, Arc::new(lesson))));
+    for (job, lesson) in with_part {
+        let mut live = Live::new(Machining::new(job));
+        let (mut practice, mut machine) = Practice::begin(Arc::clone(&lesson)).expect("a machine");
+        let mut cut = 0;
+        while practice.view().step < lesson.steps.len() {
+            let step = practice.view().step;
+            practice.show_me(&mut machine);
+            while practice.view().showing {
+                practice.tick(&mut machine);
+                let found = live.ticked(&machine.simulation);
+                assert!(
+                    found.is_empty(),
+                    "{}, step {}: {found:?}",
+                    lesson.name,
+                    step + 1
+                );
+            }
+            assert!(
+                practice.view().step > step,
+                "{}, step {}",
+                lesson.name,
+                step + 1
+            );
+            cut = live.machining().scene().part().version();
+        }
+        assert!(cut > 0, "{}: something is cut", lesson.name);
     }
 }
