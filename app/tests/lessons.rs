@@ -20,8 +20,12 @@ fn click(bench: &mut Bench, label: &str) {
 }
 
 fn bench() -> Bench {
+    bench_with(Setup::default())
+}
+
+fn bench_with(setup: Setup) -> Bench {
     let layouts = Layouts::of(Layout::Panel);
-    Bench::sized(Setup::default(), layouts, egui::vec2(1600.0, 900.0))
+    Bench::sized(setup, layouts, egui::vec2(1600.0, 900.0))
 }
 
 fn step(bench: &Bench) -> Option<usize> {
@@ -34,8 +38,10 @@ fn step(bench: &Bench) -> Option<usize> {
 
 #[test]
 fn the_learners_own_machine_comes_back_as_it_stood() {
-    let mut bench = bench();
-    bench.open("01-stepped-shaft.CNC");
+    let mut setup = Setup::default();
+    let stored = setup.memory.programs.store("O0001;\nG00 X50;\nM30;\n");
+    assert_eq!(stored, Ok(1));
+    let mut bench = bench_with(setup);
     bench.click("Edit mode");
     let own = bench.kernel.emulator().clone();
     click(&mut bench, "Lessons");
