@@ -5,6 +5,7 @@ mod console;
 mod drive;
 mod edges;
 mod journal;
+mod lesson;
 pub mod link_view;
 mod linked;
 pub mod live;
@@ -42,6 +43,8 @@ pub use console::{
 pub use drive::Connection;
 use drive::Drive;
 use edges::{Edge, Edges};
+use lesson::Practising;
+pub use lesson::{LessonOrder, LessonState};
 use link_view::LinkView;
 use monitor::MachineView;
 use opening::LastOpened;
@@ -82,6 +85,8 @@ pub struct Kernel {
     serial: Option<SerialLine>,
     links: Arc<ArrayQueue<LinkView>>,
     link_watched: bool,
+    /// A practice machine stands in the place of the learner's own.
+    lesson: Option<Practising>,
     /// The program that was opened last.
     opened: Option<LastOpened>,
     notices: Sender<Notice>,
@@ -122,6 +127,7 @@ impl Kernel {
             serial: None,
             links: Arc::clone(&links),
             link_watched: false,
+            lesson: None,
             opened: None,
             notices: notices.clone(),
             keys: Edges::default(),
@@ -197,7 +203,10 @@ impl Kernel {
         if let Some(partner) = &mut self.partner {
             partner.feed(&mut self.emulator.simulation.cnc, Patience::None);
         }
-        self.emulator.tick();
+        match &mut self.lesson {
+            Some(lesson) => lesson.tick(&mut self.emulator),
+            None => self.emulator.tick(),
+        }
         self.tick += 1;
         if let Some(serial) = &mut self.serial {
             for said in serial.tick(&mut self.emulator) {
@@ -274,6 +283,7 @@ impl Kernel {
             place_unknown: self.emulator.simulation.cnc.is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
             run: self.emulator.simulation.cnc.run_state(),
+            lesson: self.lesson.as_ref().map(Practising::state),
             imposed: Imposed {
                 bits: self.emulator.simulation.cnc.plc().forces().len(),
                 inputs: self.emulator.simulation.lathe.forced_inputs(),
@@ -284,6 +294,12 @@ impl Kernel {
 
     fn carry_out(&mut self, command: Command) {
         self.heard += 1;
+        if matches!(
+            command,
+            Command::Key { down: true, .. } | Command::Tap(_) | Command::Type(_) | Command::Turn(_)
+        ) {
+            self.learner_acts();
+        }
         match command {
             // It waits for nothing.
             Command::Key {
@@ -318,7 +334,13 @@ impl Kernel {
                     self.say(Notice::Refused(alarm));
                 }
             }
-            Command::Job(chosen) => self.part.set(chosen.map(|chosen| *chosen)),
+            Command::Job(chosen) => {
+                let part = match &mut self.lesson {
+                    Some(lesson) => lesson.own_part(),
+                    None => &mut self.part,
+                };
+                part.set(chosen.map(|chosen| *chosen));
+            }
             Command::FreshStock => self.part.fresh_stock(),
             Command::CrashStops(stops) => self.part.set_crash_stops(stops),
             Command::PowerCycle => self.emulator.power_cycle(),
@@ -331,6 +353,7 @@ impl Kernel {
                     self.carry_out(Command::Ask(Box::new(Request::ForceBit(force.bit, None))));
                 }
             }
+            Command::Lesson(order) => self.order_lesson(order),
             Command::Speed(speed) => self.speed = speed,
             Command::Mend => self.emulator.simulation.lathe.mend(),
             Command::Link(order) => self.order(order),

@@ -1,6 +1,7 @@
 //! The command line as its users call it: outputs, messages, exit codes.
 
 // A file that cannot be written or a program that cannot be started ends the test.
+mod lessons;
 mod looks;
 
 use std::path::{Path, PathBuf};

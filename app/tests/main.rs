@@ -13,6 +13,7 @@ mod common;
 
 mod layouts;
 mod lease;
+mod lessons;
 mod lsp;
 mod machine_view;
 mod notices;

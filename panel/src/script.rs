@@ -7,6 +7,7 @@ mod expect;
 mod parse;
 mod parse_error;
 mod run;
+mod state;
 
 use gsk_core::machine::Fault;
 use gsk_core::plc::address::BitAddress;
@@ -15,12 +16,13 @@ use gsk_messages::{Message, say};
 pub use expect::{Coordinates, Expect, Unmet};
 pub use parse_error::ParseError;
 pub use run::{Effect, Failure, Progress, Runner, run};
+pub use state::{Column, Range, State};
 
 use crate::emulator::Condition;
 use crate::keys::Key;
 
 /// The actions with their forms: what help and error messages list.
-pub const FORMS: [(&str, &str); 18] = [
+pub const FORMS: [(&str, &str); 20] = [
     ("press", "press KEY"),
     ("hold", "hold KEY 2s"),
     ("down", "down KEY"),
@@ -45,6 +47,8 @@ pub const FORMS: [(&str, &str); 18] = [
         "expect row 3 \"U 16.000\" | abs X Z | machine X Z | rel U W | slides X Z | pulses X Z | svc 5.000 | \
          lamp KEY on | alarm 011 | alarm none | mode 自动方式 | Y0.3 1 | G43 133",
     ),
+    ("expect", state::FORM),
+    ("expect", "expect not …"),
     ("show", "show"),
     ("shot", "shot FILE.png [--panel]"),
 ];

@@ -8,6 +8,7 @@ mod decimal;
 pub mod dialect;
 pub mod execution;
 pub mod first_look;
+pub mod lesson;
 pub mod machining;
 pub mod moves;
 pub mod narration;

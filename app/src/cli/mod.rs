@@ -4,6 +4,7 @@
 mod dialect;
 mod help;
 mod ladder;
+mod lesson;
 mod link;
 mod looks;
 mod lsp;
@@ -25,6 +26,7 @@ use tracing::level_filters::LevelFilter;
 pub use dialect::DialectArgs;
 pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
+pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
     LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
 };
@@ -161,6 +163,9 @@ pub enum Command {
     /// Operate the panel by a script of key presses and expectations
     #[command(after_help = script_help())]
     Operate(OperateArgs),
+    /// List, check or play guided lessons
+    #[command(subcommand)]
+    Lesson(LessonCommand),
     /// Print or draw one LCD page as it looks after power-on
     Screen(ScreenArgs),
     /// Print the keys of the panel: script name, label, PC key, address

@@ -47,6 +47,8 @@ pub enum CommandError {
     Job(#[from] JobError),
     /// What does not become JSON.
     Json(#[from] serde_json::Error),
+    /// A lesson.
+    Lesson(Message),
     /// The section `link` of a machine file.
     Link(#[from] LinkConfigError),
     /// What the control starts from.
@@ -141,6 +143,7 @@ impl CommandError {
             Self::Editor(reason) => say::lsp_ended(reason),
             Self::File(error) => error.message(),
             Self::Job(error) => error.message(),
+            Self::Lesson(said) => said.clone(),
             Self::Json(error) => say::as_written(error),
             Self::Link(error) => say::as_written(error),
             Self::Load(error) => error.message(),

@@ -5,6 +5,7 @@ mod dialect;
 mod error;
 mod help;
 mod ladder;
+mod lesson;
 mod link;
 mod lsp;
 mod manual;
@@ -72,6 +73,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Help(args)) => args.lang,
         Some(Command::Project(command)) => command.lang(),
         Some(Command::Lsp(args)) => args.lang,
+        Some(Command::Lesson(command)) => command.language(),
         Some(_) => None,
     };
     let result = match cli.command {
@@ -81,6 +83,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Plot(args)) => plot::plot(&args),
         Some(Command::Dialect(args)) => dialect::dialect(&args),
         Some(Command::Operate(args)) => operate::operate(&args),
+        Some(Command::Lesson(command)) => lesson::lesson(&command),
         Some(Command::Screen(args)) => screen::screen(&args),
         Some(Command::Keys(args)) => tables::keys(&args),
         Some(Command::Parameters(args)) => tables::parameters(&args),

@@ -5,6 +5,7 @@ pub mod data_dir;
 pub mod decode;
 pub mod folders;
 pub mod kept;
+pub mod lessons;
 mod manifest;
 pub mod models;
 pub mod program_file;

@@ -25,6 +25,7 @@ use gsk_panel::screen::Screen;
 use gsk_project::State;
 use gsk_runner::first_look::FirstLook;
 
+use super::lesson::{LessonOrder, LessonState};
 use super::link_view::LinkView;
 use super::monitor::MachineView;
 use super::part::PartView;
@@ -80,6 +81,8 @@ pub enum Command {
     Mend,
     /// Run programs at this speed from now on, while no board moves real slides.
     Speed(Speed),
+    /// Do something with lessons.
+    Lesson(LessonOrder),
     /// Do something with the pulse board.
     Link(LinkOrder),
     /// Hand out the state of the pulse board, or no more.
@@ -222,6 +225,8 @@ pub struct Snapshot {
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
     pub run: RunState,
+    /// The lesson under way: all that is shown is its practice machine.
+    pub lesson: Option<LessonState>,
 }
 
 /// Machine time over wall time, in steps so that pictures do not change for nothing.

@@ -84,6 +84,16 @@ impl PartSide {
         }
     }
 
+    /// Another one without a part yet, for the same window.
+    pub(super) fn beside(&self) -> Self {
+        Self::new(Arc::clone(&self.views))
+    }
+
+    /// It is shown again although nothing has changed.
+    pub(super) fn show_again(&mut self) {
+        self.last = None;
+    }
+
     /// Another job, on fresh stock; none: nobody looks at the part any more.
     pub(super) fn set(&mut self, chosen: Option<Chosen>) {
         self.shown = None;

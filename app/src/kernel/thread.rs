@@ -232,7 +232,7 @@ impl Running {
             && now.duration_since(self.kept) > KEEP
         {
             self.kept = now;
-            keeper.look(&self.kernel.emulator);
+            keeper.look(self.kernel.kept());
             for complaint in keeper.complaints() {
                 error!("not saved: {complaint}");
                 self.kernel.say(Notice::Said(complaint));
@@ -272,6 +272,7 @@ impl Running {
             ..
         } = self;
         kernel.release_all();
+        kernel.leave_lesson();
         kernel.disconnect();
         journal.look(&kernel.emulator.simulation.cnc, kernel.link_state());
         if let Some(keeper) = outside.keeper {

@@ -14,6 +14,7 @@ use super::layout::floating;
 use super::{Chosen, Settings, TITLE, Window, fonts, surroundings};
 use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
+use crate::files::lessons;
 use crate::files::models;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
 use crate::project::{self, Taking, Who};
@@ -131,6 +132,7 @@ impl App {
         let mut window = Window::new(console, settings.clone());
         window.paint_panel();
         window.set_model(model, another.is_some());
+        window.set_lessons(lessons::all(Some(data.path())));
         surroundings::set(context, settings.light);
         let complaints = restored.complaints;
         if let Some(said) = platform::first_word() {

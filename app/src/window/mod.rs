@@ -38,7 +38,8 @@ use gsk_help::{Subject, Topic, topic};
 use gsk_link::LinkState;
 use gsk_panel::keys::Key;
 
-use crate::kernel::{Command, Console, Notice, Snapshot};
+use crate::files::lessons::Lessons;
+use crate::kernel::{Command, Console, LessonOrder, Notice, Snapshot};
 use crate::platform;
 use files::Browser;
 use gsk_messages::{Language, say};
@@ -53,6 +54,7 @@ pub use project::Chosen;
 use project::ProjectCommand;
 use questions::Questions;
 pub use settings::Settings;
+use view::View;
 use views::{Views, header};
 
 pub use key_map::pc_name;
@@ -103,7 +105,7 @@ impl Window {
     /// A window on a console.
     pub fn new(console: Console, settings: Settings) -> Self {
         let opener = Opener::new(console.clone());
-        let views = Views::new(&console, settings.solid);
+        let views = Views::new(&console, settings.solid, settings.lessons.clone());
         Self {
             console,
             picture: None,
@@ -193,6 +195,12 @@ impl Window {
         self.message = Some(Message::Said(said.into()));
     }
 
+    /// Lessons of a teacher beside those of the program, and what is wrong with others.
+    pub fn set_lessons(&mut self, lessons: Lessons) {
+        let view = self.views.lessons();
+        view.set_lessons(lessons.lessons, lessons.wrong);
+    }
+
     /// Opens a program file; what comes of it is said on the line of messages.
     pub fn open(&mut self, context: &egui::Context, path: PathBuf) {
         self.opener.open(path, context);
@@ -263,6 +271,10 @@ impl Window {
             .frame(Frame::NONE)
             .show(ui, |ui| self.panes(ui));
         self.settings.solid = self.views.lathe().is_solid();
+        let finished = self.views.lessons().finished();
+        if self.settings.lessons != *finished {
+            self.settings.lessons.clone_from(finished);
+        }
         if let Some(asked) = asked {
             self.answer(asked, ui);
         }
@@ -348,6 +360,7 @@ impl Window {
             if before.is_none_or(|before| before.screen != picture.screen) {
                 platform::tell_screen(|| picture.screen.text());
             }
+            self.views.lessons().seen(&picture);
             self.picture = Some(picture);
         }
         while let Ok(notice) = self.console.notices.try_recv() {
@@ -417,6 +430,13 @@ impl Window {
             }
             top_bar::Asked::Layout(layout) => self.settings.layouts.choose(layout),
             top_bar::Asked::View(view) => self.settings.layouts.toggle(view),
+            top_bar::Asked::Lessons => match self.settings.layouts.is_open(View::Lesson) {
+                true => self.settings.layouts.toggle(View::Lesson),
+                false => self.settings.layouts.dock(View::Lesson),
+            },
+            top_bar::Asked::LeaveLesson => {
+                self.console.send(Command::Lesson(LessonOrder::Leave));
+            }
             top_bar::Asked::Speed(speed) => self.console.send(Command::Speed(speed)),
             top_bar::Asked::FreeBits => self.console.send(Command::FreeBits),
             top_bar::Asked::Mend => self.console.send(Command::Mend),

@@ -16,11 +16,14 @@ use gsk_messages::{Language, say};
 /// The ring around a key that is kept for the next one.
 const RING: Color32 = Color32::from_rgb(255, 150, 0);
 
-/// Draws the ring around a key: it is kept for the next one.
-fn ring(painter: &Painter, view: View, part: &Part) {
+/// The ring around a key that a lesson asks for.
+const ASKED: Color32 = Color32::from_rgb(60, 220, 255);
+
+/// Draws a ring around a key.
+fn ring(painter: &Painter, view: View, part: &Part, colour: Color32) {
     let rect = view.rect(part.rect);
     let width = (4.0 * view.scale).max(2.0);
-    let stroke = Stroke::new(width, RING);
+    let stroke = Stroke::new(width, colour);
     match part.outline {
         Outline::Round => {
             painter.circle_stroke(rect.center(), rect.width() / 2.0 + width, stroke);
@@ -96,10 +99,17 @@ impl Window {
                 )
             });
         }
+        for key in self.views.lessons().marked() {
+            if let Some(part) = faceplate::part_of(key)
+                && let Some(view) = placing::of_part(&views, part)
+            {
+                ring(&painter, *view, part, ASKED);
+            }
+        }
         if let Some(part) = self.held.kept().and_then(faceplate::part_of)
             && let Some(view) = placing::of_part(&views, part)
         {
-            ring(&painter, *view, part);
+            ring(&painter, *view, part, RING);
         }
         self.picture = picture;
     }

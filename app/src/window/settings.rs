@@ -1,5 +1,6 @@
 //! What the window remembers from one start to the next.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -24,6 +25,8 @@ pub struct Settings {
     pub light: bool,
     /// The machine view shows the part as a solid, else as a half section.
     pub solid: bool,
+    /// Lessons that were done to their end, by name.
+    pub lessons: BTreeSet<String>,
 }
 
 impl Default for Settings {
@@ -34,6 +37,7 @@ impl Default for Settings {
             layouts: Layouts::default(),
             light: false,
             solid: false,
+            lessons: BTreeSet::new(),
         }
     }
 }

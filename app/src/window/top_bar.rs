@@ -42,6 +42,10 @@ pub enum Asked {
     Light,
     /// Open a view, or close it.
     View(View),
+    /// Open the lessons, or close them.
+    Lessons,
+    /// Give the learner his own machine back.
+    LeaveLesson,
     /// Run programs at this speed.
     Speed(Speed),
     /// Let every forced bit go.
@@ -114,6 +118,9 @@ pub fn show(
                 }
             }
         });
+        if ui.button(say::window_lessons().text(language)).clicked() {
+            asked = Some(Asked::Lessons);
+        }
         let reload = egui::Button::new(say::window_reload().text(language));
         if ui.add_enabled(opened.is_some(), reload).clicked() {
             asked = opened.cloned().map(Asked::Open);
@@ -187,6 +194,9 @@ pub fn show(
             if let Some(picture) = picture {
                 asked = speeds(ui, language, picture).or(asked.take());
             }
+            if picture.is_some_and(|picture| picture.lesson.is_some()) {
+                asked = practises(ui, language, is_open(View::Lesson)).or(asked.take());
+            }
             if imposed != Imposed::default() {
                 asked = standing(ui, language, imposed, &is_open).or(asked.take());
             }
@@ -248,6 +258,27 @@ fn speeds(ui: &mut Ui, language: Language, picture: &Snapshot) -> Option<Asked> 
     });
     let hint = hint.text(language);
     bar.inner.on_hover_text(&hint).on_disabled_hover_text(&hint);
+    asked
+}
+
+/// A sign that a practice machine stands in the place of the learner's own.
+fn practises(ui: &mut Ui, language: Language, is_open: bool) -> Option<Asked> {
+    let mut asked = None;
+    let text = RichText::new(say::window_lesson_menu().text(language)).color(Color32::BLACK);
+    let button = egui::Button::new(text).fill(IMPOSED);
+    egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
+        ui.label(say::lesson_practice_hint().text(language));
+        let entries = [
+            (!is_open, say::window_lesson_open(), Asked::Lessons),
+            (true, say::lesson_leave(), Asked::LeaveLesson),
+        ];
+        for (shown, name, answer) in entries {
+            if shown && ui.button(name.text(language)).clicked() {
+                asked = Some(answer);
+                ui.close();
+            }
+        }
+    });
     asked
 }
 

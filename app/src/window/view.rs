@@ -21,6 +21,8 @@ pub enum View {
     Program,
     /// Part, tool and path.
     Machine,
+    /// Guided lessons.
+    Lesson,
 }
 
 impl View {
@@ -51,7 +53,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 6] = [
+pub static VIEWS: [ViewRow; 7] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
@@ -93,6 +95,13 @@ pub static VIEWS: [ViewRow; 6] = [
         key: Key::F11,
         size: [900.0, 760.0],
         least: [480.0, 320.0],
+    },
+    ViewRow {
+        view: View::Lesson,
+        name: say::window_view_lesson,
+        key: Key::F12,
+        size: [420.0, 520.0],
+        least: [220.0, 260.0],
     },
 ];
 

@@ -4,9 +4,9 @@ use core::ops::RangeInclusive;
 
 use gsk_core::operation::Mode;
 use gsk_core::plc::address::{BitAddress, ByteAddress};
-use gsk_core::units::Point;
 use gsk_messages::{Message, say};
 
+use super::state::State;
 use crate::emulator::{Emulator, folded};
 use crate::keys::Bit;
 
@@ -22,6 +22,22 @@ pub enum Coordinates {
     Machine,
     /// 相对坐标.
     Relative,
+}
+
+impl Coordinates {
+    /// X as it is displayed (diameter or radius) and Z, mm.
+    pub(super) fn shown(self, emulator: &Emulator) -> (f64, f64) {
+        let cnc = &emulator.simulation.cnc;
+        let at = match self {
+            Self::Absolute => cnc.position_absolute(),
+            Self::Machine => cnc.position_machine(),
+            Self::Relative => cnc.position_relative(),
+        };
+        match cnc.parameters().radius_programming() {
+            true => (at.x, at.z),
+            false => (at.x * 2.0, at.z),
+        }
+    }
 }
 
 /// What should be.
@@ -50,6 +66,10 @@ pub enum Expect {
     Bit(BitAddress, bool),
     /// A byte or entry of PLC memory.
     Value(ByteAddress, i32),
+    /// A state of control, panel or lathe.
+    State(State),
+    /// The opposite.
+    Not(Box<Expect>),
 }
 
 /// What is there instead of what was expected.
@@ -76,6 +96,10 @@ pub enum Unmet {
     Bit(BitAddress, u8),
     /// A byte or entry of PLC memory.
     Value(ByteAddress, i32),
+    /// A state of control, panel or lathe.
+    State(String),
+    /// What should not be so.
+    Holds,
 }
 
 impl Unmet {
@@ -93,6 +117,8 @@ impl Unmet {
             Self::Mode(mode) => say::script_mode_is(mode),
             Self::Bit(address, value) => say::script_value_is(address, value),
             Self::Value(address, value) => say::script_value_is(address, value),
+            Self::State(seen) => say::script_state_is(seen),
+            Self::Holds => say::script_holds(),
         }
     }
 }
@@ -111,21 +137,9 @@ impl Expect {
                 verdict(fits, || Unmet::Row(*row, seen.trim_end().to_owned()))
             }
             Self::Position(coordinates, x, z) => {
-                let at = match coordinates {
-                    Coordinates::Absolute => cnc.position_absolute(),
-                    Coordinates::Machine => cnc.position_machine(),
-                    Coordinates::Relative => cnc.position_relative(),
-                };
-                let seen = Point::new(
-                    if cnc.parameters().radius_programming() {
-                        at.x
-                    } else {
-                        at.x * 2.0
-                    },
-                    at.z,
-                );
-                verdict(near(seen.x, *x) && near(seen.z, *z), || {
-                    Unmet::Position(seen.x, seen.z)
+                let seen = coordinates.shown(emulator);
+                verdict(near(seen.0, *x) && near(seen.1, *z), || {
+                    Unmet::Position(seen.0, seen.1)
                 })
             }
             Self::Slides(x, z) => {
@@ -171,6 +185,8 @@ impl Expect {
                 };
                 verdict(seen == *value, || Unmet::Value(*address, seen))
             }
+            Self::State(state) => state.check(emulator).map_err(Unmet::State),
+            Self::Not(expect) => verdict(expect.check(emulator).is_err(), || Unmet::Holds),
         }
     }
 }

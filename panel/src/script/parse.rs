@@ -6,6 +6,7 @@ use gsk_core::machine::Fault;
 use gsk_core::operation::Mode;
 use gsk_core::plc::address::{Area, BitAddress, ByteAddress};
 
+use super::state::State;
 use super::{Action, Coordinates, Expect, FORMS, Line, ParseError, Script, ScriptError};
 use crate::emulator::Condition;
 use crate::keys::{self, Key};
@@ -171,7 +172,8 @@ fn unknown_verb(verb: &str) -> ParseError {
         .map(|(name, _)| (keys::distance(&verb.to_lowercase(), name), *name))
         .filter(|(distance, _)| *distance <= 2)
         .min();
-    let all: Vec<&str> = FORMS.iter().map(|(name, _)| *name).collect();
+    let mut all: Vec<&str> = FORMS.iter().map(|(name, _)| *name).collect();
+    all.dedup();
     let verb = verb.to_owned();
     match near {
         Some((_, name)) => ParseError::NearAction {
@@ -333,8 +335,25 @@ fn wait(words: &[Word<'_>]) -> Result<Action, ParseError> {
     ))
 }
 
+impl Expect {
+    /// Reads what stands after `expect`.
+    ///
+    /// # Errors
+    /// What is wrong, and what would be right.
+    pub fn parse(text: &str) -> Result<Self, ParseError> {
+        let code = without_comment(text)?;
+        let words = words(code);
+        let texts: Vec<&str> = words.iter().map(|word| word.text).collect();
+        expect(&texts)
+    }
+}
+
 fn expect(words: &[&str]) -> Result<Expect, ParseError> {
+    if let Some(state) = State::read(words) {
+        return state.map(Expect::State);
+    }
     Ok(match words {
+        ["not", rest @ ..] if rest.first() != Some(&"not") => Expect::Not(Box::new(expect(rest)?)),
         ["row", row, text] => {
             let number = row.strip_prefix('R').unwrap_or(row);
             let row = number.parse().ok().filter(|row| *row < ROWS);

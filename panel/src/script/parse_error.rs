@@ -93,6 +93,15 @@ pub enum ParseError {
     NoVoltage(String),
     /// No number of pulses.
     NoPulses(String),
+    /// No range.
+    NoRange(String),
+    /// No page.
+    UnknownPage {
+        /// What was written.
+        name: String,
+        /// What there is.
+        all: String,
+    },
     /// A key without a lamp.
     DarkKey(String),
     /// No lamp.
@@ -138,6 +147,8 @@ impl ParseError {
             Self::NoCoordinate(text) => say::script_no_coordinate(text),
             Self::NoVoltage(text) => say::script_no_voltage(text),
             Self::NoPulses(text) => say::script_no_pulses(text),
+            Self::NoRange(text) => say::script_no_range(text),
+            Self::UnknownPage { name, all } => say::script_unknown_page(name, all),
             Self::DarkKey(key) => say::script_dark_key(key),
             Self::UnknownLamp { name, strip } => say::script_lamp_unknown(name, strip),
             Self::NearLamp { name, near } => say::script_lamp_near(name, near),

@@ -200,3 +200,47 @@ fn a_runner_can_be_driven_in_small_steps() {
     assert_eq!(whole, pieces);
     assert_eq!(runner.advance(&mut pieces, 7), Progress::Finished);
 }
+
+#[test]
+fn states_of_control_panel_and_lathe_are_expected() {
+    let text = "load part.CNC\npress AUTO\npress POS\n\
+        expect screen \"现在位置(相对坐标)\"\nexpect page pos-rel\nexpect not page oft\n\
+        expect key ESTOP up\nexpect at machine X 299..301\nexpect at abs Z 300\n\
+        expect offset 1 X 0\nexpect offset 1 T 0..9\nexpect not offset 1 R 0.1..2\n\
+        expect param 172 96\nexpect param 172.5 1\n\
+        expect program 1\nexpect program O0001 \"x100 z50;\"\nexpect not program 2\n\
+        expect selected 1\nexpect tool 1\nexpect tool 0100\nexpect not tool 2\n\
+        expect spindle -0.5..0.5\nexpect run reset\nexpect parts 0\nexpect power on\n\
+        expect referenced X\n\
+        down AUTO\nexpect key AUTO down\nup AUTO\n\
+        press CS\nexpect run run\nwait idle 60s\nexpect parts 1\nexpect abs 100 50\n\
+        power off\nexpect power off\n";
+    let (result, ..) = run_text(text);
+    assert_eq!(result, Ok(()));
+    for (line, seen) in [
+        ("expect not alarm none", "it is so"),
+        ("expect offset 1 Z 1..2", "it is 0.000"),
+        ("expect run hold", "it is reset"),
+        ("expect selected 1", "it is -"),
+        ("expect screen \"no such text\"", "GSK980TD"),
+    ] {
+        let (result, ..) = run_text(line);
+        let said = result.expect_err(line).to_string();
+        assert!(
+            said.contains(seen) || seen == "GSK980TD" && said.contains("it is \n"),
+            "{said}"
+        );
+    }
+    for (line, wanted) in [
+        ("expect at abs X 3..1", "no value and no range"),
+        ("expect page nowhere", "unknown page"),
+        ("expect not not alarm none", "is written"),
+        ("expect tool two", "is no whole number"),
+        ("expect key AUTOO down", "near: AUTO"),
+        ("expect param 1.9 1", "1.9"),
+        ("expect offset", "| offset 1 X -2.5 |"),
+    ] {
+        let all = errors(line);
+        assert!(all[0].contains(wanted), "{}", all[0]);
+    }
+}

@@ -1,15 +1,17 @@
-//! Views beside the panel: machine, program, scope, fault bench, ladder, link page. They stand in panes
+//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons. They stand in panes
 //! of the window or in windows of their own; closed they cost nothing.
 
 mod aside;
 mod bench;
 pub mod header;
 mod ladder;
+mod lesson;
 mod link;
 mod machine;
 pub mod program;
 mod scope;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use egui::{
@@ -28,6 +30,7 @@ use crate::kernel::{Command, Console};
 use bench::Bench;
 use gsk_messages::Language;
 use ladder::LadderView;
+use lesson::LessonView;
 use link::LinkPage;
 use machine::{LatheView, Wish};
 use program::ProgramView;
@@ -45,6 +48,7 @@ pub struct Views {
     link: LinkPage,
     program: ProgramView,
     lathe: LatheView,
+    lessons: LessonView,
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// A view that another one wants to be open.
@@ -52,8 +56,9 @@ pub struct Views {
 }
 
 impl Views {
-    /// All closed. `solid`: the machine view shows the part as a solid.
-    pub fn new(console: &Console, solid: bool) -> Self {
+    /// All closed. `solid`: the machine view shows the part as a solid; `finished`: lessons
+    /// that were done before.
+    pub fn new(console: &Console, solid: bool, finished: BTreeSet<String>) -> Self {
         Self {
             shown: Vec::new(),
             opened: Vec::new(),
@@ -63,6 +68,7 @@ impl Views {
             link: LinkPage::new(console.clone()),
             program: ProgramView::new(console.clone()),
             lathe: LatheView::new(console.clone(), solid),
+            lessons: LessonView::new(console.clone(), finished),
             console: console.clone(),
             machine: None,
             wanted: None,
@@ -90,7 +96,7 @@ impl Views {
                 (View::Link, true) => self.link.open(),
                 (View::Link, false) => self.link.close(),
                 (View::Machine, false) => self.lathe.close(),
-                (View::Bench | View::Ladder | View::Program | View::Machine, _) => {}
+                (View::Bench | View::Ladder | View::Program | View::Machine | View::Lesson, _) => {}
             }
         }
         let after = self.monitors();
@@ -111,6 +117,11 @@ impl Views {
     /// The machine view.
     pub const fn lathe(&mut self) -> &mut LatheView {
         &mut self.lathe
+    }
+
+    /// The lessons.
+    pub const fn lessons(&mut self) -> &mut LessonView {
+        &mut self.lessons
     }
 
     /// What closing the window would lose.
@@ -139,6 +150,7 @@ impl Views {
                 self.lathe.show(ui, language);
                 self.carry_out_wish();
             }
+            View::Lesson => self.lessons.show(ui, language),
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();

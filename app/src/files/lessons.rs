@@ -1,0 +1,91 @@
+//! Lessons as files: those of a teacher in the folder `lessons` of the data directory,
+//! beside the ones that come with the program.
+
+use std::path::Path;
+
+use gsk_messages::Message;
+use gsk_runner::lesson::{Lesson, built_in};
+
+use super::program_file;
+use crate::platform;
+
+/// The folder of the data directory.
+pub const FOLDER: &str = "lessons";
+/// Their ending.
+const ENDING: &str = "ron";
+
+/// The lessons there are.
+#[derive(Debug, Default)]
+pub struct Lessons {
+    /// Those that come with the program, then those of the folder by name.
+    pub lessons: Vec<Lesson>,
+    /// What is wrong with files of the folder.
+    pub wrong: Vec<Message>,
+}
+
+/// Reads the file of a lesson.
+///
+/// # Errors
+/// It cannot be read, or breaks a rule: a sentence that names the place.
+pub fn read(path: &Path) -> Result<Lesson, Message> {
+    let file = program_file::read(path).map_err(|error| error.message())?;
+    Lesson::read(&path.display().to_string(), &file.text).map_err(|error| error.message())
+}
+
+/// The lessons that come with the program, and those of a data directory.
+pub fn all(data: Option<&Path>) -> Lessons {
+    let mut found = Lessons {
+        lessons: built_in(),
+        wrong: Vec::new(),
+    };
+    let listed = data.map(|data| platform::list(&data.join(FOLDER)));
+    // No folder: no lessons of a teacher.
+    let mut paths = listed.and_then(Result::ok).unwrap_or_default();
+    paths.retain(|path| {
+        path.extension()
+            .is_some_and(|it| it.eq_ignore_ascii_case(ENDING))
+    });
+    paths.sort();
+    for path in paths {
+        match read(&path) {
+            Ok(lesson) => {
+                // One of the same name takes the place of ours.
+                found.lessons.retain(|known| known.name != lesson.name);
+                found.lessons.push(lesson);
+            }
+            Err(said) => found.wrong.push(said),
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::test_folder;
+
+    const LESSON: &str = "(title: (zh: \"一\", en: \"One\"), about: (zh: \"一\", en: \"one\"), \
+        steps: [(text: (zh: \"按\", en: \"press\"), hint: (zh: \"按\", en: \"press\"), \
+        until: [\"mode 自动方式\"], solution: [\"press AUTO\"])])";
+
+    #[test]
+    fn lessons_of_a_teacher_stand_after_ours_and_a_wrong_one_is_named() {
+        let folder = test_folder("lessons");
+        assert_eq!(all(Some(&folder)).lessons.len(), built_in().len());
+        let own = folder.join(FOLDER);
+        std::fs::create_dir_all(&own).expect("folder");
+        std::fs::write(own.join("mine.ron"), LESSON).expect("written");
+        std::fs::write(own.join("notes.txt"), "no lesson").expect("written");
+        let wrong = LESSON.replace("press AUTO", "press AUT");
+        std::fs::write(own.join("wrong.ron"), wrong).expect("written");
+        let found = all(Some(&folder));
+        assert_eq!(found.lessons.last().expect("a lesson").name, "mine");
+        assert_eq!(found.wrong.len(), 1);
+        let said = found.wrong[0].text(gsk_messages::Language::En);
+        assert!(
+            said.contains("wrong.ron: step 1, solution: line 1"),
+            "{said}"
+        );
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+}

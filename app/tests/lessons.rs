@@ -1,0 +1,200 @@
+//! Lessons in the window: begun from the list, done by hand, left again.
+
+use std::path::Path;
+
+use crate::common::Bench;
+use crate::common::hand::Hand;
+use egui_kittest::kittest::Queryable;
+use gsk_app::kernel::Command;
+use gsk_app::window::layout::{Layout, Layouts};
+use gsk_core::setup::Setup;
+use gsk_panel::keys::Key;
+use gsk_panel::script::Action;
+use gsk_runner::lesson::{LESSONS, Lesson};
+
+/// Clicks something beside the panel.
+fn click(bench: &mut Bench, label: &str) {
+    bench.harness.get_by_label(label).click();
+    bench.run(50);
+    bench.run(50);
+}
+
+fn bench() -> Bench {
+    bench_with(Setup::default())
+}
+
+fn bench_with(setup: Setup) -> Bench {
+    let layouts = Layouts::of(Layout::Panel);
+    Bench::sized(setup, layouts, egui::vec2(1600.0, 900.0))
+}
+
+fn step(bench: &Bench) -> Option<usize> {
+    bench
+        .kernel
+        .snapshot()
+        .lesson
+        .map(|lesson| lesson.view.step)
+}
+
+#[test]
+fn the_learners_own_machine_comes_back_as_it_stood() {
+    let mut setup = Setup::default();
+    let stored = setup.memory.programs.store("O0001;\nG00 X50;\nM30;\n");
+    assert_eq!(stored, Ok(1));
+    let mut bench = bench_with(setup);
+    bench.click("Edit mode");
+    let own = bench.kernel.emulator().clone();
+    click(&mut bench, "Lessons");
+    click(&mut bench, "MDI");
+    assert_eq!(step(&bench), Some(0));
+    assert!(
+        bench.harness.query_all_by_label("Practice machine").count() >= 2,
+        "it is said"
+    );
+    bench.click("MDI mode");
+    bench.run(300);
+    assert_eq!(step(&bench), Some(1));
+    let programs = bench.kernel.emulator().simulation.cnc.programs();
+    assert_eq!(programs.count(), 0, "no program of his is in it");
+    click(&mut bench, "Leave");
+    assert_eq!(step(&bench), None);
+    // It has stood still; only the ticks after it count.
+    let mut expected = own;
+    let passed = bench.kernel.emulator().ticks() - expected.ticks();
+    assert!(passed < 400, "{passed} ticks");
+    expected.run(passed);
+    assert!(*bench.kernel.emulator() == expected);
+}
+
+#[test]
+fn a_lesson_begins_when_nothing_runs() {
+    let mut bench = bench();
+    bench.open("01-stepped-shaft.CNC");
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    click(&mut bench, "Lessons");
+    click(&mut bench, "MDI");
+    assert_eq!(step(&bench), None);
+    let said = bench
+        .harness
+        .query_by_label_contains("when no program runs");
+    assert!(said.is_some());
+}
+
+#[test]
+fn shown_back_again_and_a_key_that_takes_over() {
+    let mut bench = bench();
+    click(&mut bench, "Lessons");
+    click(&mut bench, "Power-on and machine zero");
+    bench.run(1000);
+    assert_eq!(step(&bench), Some(0));
+    click(&mut bench, "Show me");
+    assert!(
+        bench
+            .kernel
+            .snapshot()
+            .lesson
+            .is_some_and(|it| it.view.showing)
+    );
+    bench.run(3000);
+    assert_eq!(step(&bench), Some(1), "the emergency stop is turned free");
+    click(&mut bench, "Show me");
+    bench.console.send(Command::Tap(Key::Program));
+    bench.run(50);
+    assert!(
+        bench
+            .kernel
+            .snapshot()
+            .lesson
+            .is_some_and(|it| !it.view.showing)
+    );
+    // The position page came with the first key shown: that is the next step already.
+    assert_eq!(step(&bench), Some(2));
+    for before in [1, 0] {
+        click(&mut bench, "Back");
+        assert_eq!(step(&bench), Some(before));
+    }
+    assert!(
+        bench
+            .kernel
+            .snapshot()
+            .pressed
+            .contains(&Key::EmergencyStop)
+    );
+    click(&mut bench, "Hint");
+    assert!(
+        bench
+            .harness
+            .query_by_label_contains("Hint: It is the large red")
+            .is_some()
+    );
+    click(&mut bench, "Begin again");
+    assert_eq!(step(&bench), Some(0));
+}
+
+/// The ten, with the mouse on the panel alone; those that a click cannot do (a key held for
+/// seconds) are done by the runner's tests.
+#[test]
+fn lessons_are_done_with_the_mouse() {
+    let (mut done, mut left) = (Vec::new(), Vec::new());
+    for (name, text) in &LESSONS {
+        let lesson = Lesson::read(name, text).expect("a lesson");
+        let lines = lesson.steps.iter().flat_map(|step| &step.solution.lines);
+        let actions: Vec<&Action> = lines.map(|line| &line.action).collect();
+        let can = |action: &&&Action| {
+            let action: &Action = action;
+            !matches!(
+                action,
+                Action::Hold(..) | Action::Down(_) | Action::Press(Key::ToolChange)
+            ) && !matches!(action, Action::WaitFor(condition, ..)
+                if !matches!(condition, gsk_panel::emulator::Condition::Stopped))
+        };
+        if actions.iter().filter(can).count() < actions.len() {
+            left.push(*name);
+            continue;
+        }
+        let mut bench = bench();
+        click(&mut bench, "Lessons");
+        click(&mut bench, &lesson.title.en);
+        let mut hand = Hand::at(bench);
+        for line in lesson.steps.iter().flat_map(|step| &step.solution.lines) {
+            hand.follow(&line.text);
+        }
+        hand.bench.run(3000);
+        let seen = step(&hand.bench);
+        assert_eq!(
+            seen,
+            Some(lesson.steps.len()),
+            "{name}\n{}",
+            hand.bench.lcd()
+        );
+        let settings = hand.bench.harness.state().settings();
+        assert!(
+            settings.lessons.contains(&lesson.name),
+            "{name} is remembered"
+        );
+        done.push(*name);
+    }
+    assert!(done.len() >= 6, "{done:?} were done, not {left:?}");
+}
+
+#[test]
+fn the_example_of_the_documents_is_a_lesson() {
+    for document in ["lessons.md", "lessons.zh-CN.md"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../docs")
+            .join(document);
+        let text = std::fs::read_to_string(path).expect(document);
+        let example = text
+            .split("```ron\n")
+            .nth(1)
+            .and_then(|rest| rest.split("```").next());
+        let lesson = Lesson::read("example.ron", example.expect("an example"));
+        let lesson = std::sync::Arc::new(lesson.unwrap_or_else(|error| panic!("{error}")));
+        let outcomes = gsk_runner::lesson::play::run(&lesson).expect("played");
+        assert!(
+            matches!(outcomes[..], [gsk_runner::lesson::play::Outcome::Done(_)]),
+            "{outcomes:?}"
+        );
+    }
+}

@@ -1,0 +1,316 @@
+//! What lessons ask of control, panel and lathe beside the rest of `expect`: ranges in place
+//! of values, offsets, parameters, programs, the state of a run.
+
+use core::fmt;
+
+use gsk_core::command::ProgramId;
+use gsk_core::operation::RunState;
+use gsk_core::units::Axis;
+
+use super::{Coordinates, ParseError};
+use crate::emulator::{Emulator, folded};
+use crate::keys::{self, Key};
+use crate::pages::{PAGES, PageId};
+use crate::screen::ROWS;
+
+/// Values are equal when they are shown alike.
+const TOLERANCE: f64 = 0.000_500_1;
+
+/// The forms, for help and messages.
+pub(super) const FORM: &str = "expect screen \"TEXT\" | page oft | key ESTOP down | at abs X 20..30 | offset 1 X -2.5 | \
+     param 22 3800 | param 1.4 1 | program 1 \"G01 X20\" | selected 1 | tool 2 | tool 0202 | \
+     spindle 500..600 | run run|hold|stop|reset | parts 1..9999 | power on | referenced X";
+
+/// From one value to another, both included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    from: f64,
+    to: f64,
+}
+
+impl Range {
+    fn read(text: &str) -> Result<Self, ParseError> {
+        let (from, to) = text.split_once("..").unwrap_or((text, text));
+        let number = |text: &str| {
+            let plain = text
+                .bytes()
+                .all(|b| b.is_ascii_digit() || matches!(b, b'.' | b'-'));
+            text.parse::<f64>().ok().filter(|_| plain)
+        };
+        match (number(from), number(to)) {
+            (Some(from), Some(to)) if from <= to => Ok(Self { from, to }),
+            _ => Err(ParseError::NoRange(text.to_owned())),
+        }
+    }
+
+    fn contains(self, value: f64) -> bool {
+        (self.from - TOLERANCE..=self.to + TOLERANCE).contains(&value)
+    }
+}
+
+/// A column of the offset page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// X as it is keyed in.
+    X,
+    /// Z.
+    Z,
+    /// Nose radius.
+    Radius,
+    /// Number of the imaginary tip.
+    Tip,
+}
+
+/// What should be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum State {
+    /// A row of the LCD contains this text, blanks folded.
+    Screen(String),
+    /// This page is shown.
+    Page(PageId),
+    /// A key is down; the emergency stop: latched.
+    Key(Key, bool),
+    /// One coordinate, mm: X as it is displayed.
+    At(Coordinates, Axis, Range),
+    /// A value of an offset, mm.
+    Offset(u8, Column, Range),
+    /// A parameter, or one bit of it.
+    Parameter(u16, Option<u8>, i32),
+    /// The memory has a program, with this text in it, blanks aside.
+    Program(u16, Option<String>),
+    /// The program that is selected.
+    Selected(u16),
+    /// The tool in position, and the offset in force.
+    Tool(u8, Option<u8>),
+    /// Speed of the spindle, r/min; backwards less than 0.
+    Spindle(Range),
+    /// The state of the run.
+    Run(RunState),
+    /// The part counter.
+    Parts(Range),
+    /// The power.
+    Power(bool),
+    /// An axis has its reference since power-on.
+    Referenced(Axis),
+}
+
+impl State {
+    /// Reads the words after `expect`; none where they begin with none of these.
+    pub(super) fn read(words: &[&str]) -> Option<Result<Self, ParseError>> {
+        Some(match words {
+            ["screen", text] => Ok(Self::Screen(folded(text))),
+            ["page", name] => page(name).map(Self::Page),
+            ["key", name, state @ ("down" | "up")] => {
+                key(name).map(|key| Self::Key(key, *state == "down"))
+            }
+            [
+                "at",
+                kind @ ("abs" | "machine" | "rel"),
+                name @ ("X" | "Z"),
+                range,
+            ] => {
+                let coordinates = match *kind {
+                    "abs" => Coordinates::Absolute,
+                    "machine" => Coordinates::Machine,
+                    _ => Coordinates::Relative,
+                };
+                Range::read(range).map(|range| Self::At(coordinates, axis(name), range))
+            }
+            ["offset", number, column @ ("X" | "Z" | "R" | "T"), range] => {
+                let column = match *column {
+                    "X" => Column::X,
+                    "Z" => Column::Z,
+                    "R" => Column::Radius,
+                    _ => Column::Tip,
+                };
+                whole(number).and_then(|number| {
+                    Range::read(range).map(|range| Self::Offset(number, column, range))
+                })
+            }
+            ["param", name, value] => parameter(name, value),
+            ["program", name] => number(name).map(|number| Self::Program(number, None)),
+            ["program", name, text] => {
+                number(name).map(|number| Self::Program(number, Some(tight(text))))
+            }
+            ["selected", name] => number(name).map(Self::Selected),
+            ["tool", word] => tool(word),
+            ["spindle", range] => Range::read(range).map(Self::Spindle),
+            ["run", "run"] => Ok(Self::Run(RunState::Run)),
+            ["run", "hold"] => Ok(Self::Run(RunState::Hold)),
+            ["run", "stop"] => Ok(Self::Run(RunState::Stop)),
+            ["run", "reset"] => Ok(Self::Run(RunState::Reset)),
+            ["parts", range] => Range::read(range).map(Self::Parts),
+            ["power", state @ ("on" | "off")] => Ok(Self::Power(*state == "on")),
+            ["referenced", name @ ("X" | "Z")] => Ok(Self::Referenced(axis(name))),
+            [
+                "screen" | "page" | "key" | "at" | "offset" | "param" | "program" | "selected"
+                | "tool" | "spindle" | "run" | "parts" | "power" | "referenced",
+                ..,
+            ] => Err(ParseError::Form {
+                verb: "expect".to_owned(),
+                form: FORM,
+            }),
+            _ => return None,
+        })
+    }
+
+    /// Compares.
+    ///
+    /// # Errors
+    /// What is there instead, as the panel writes it.
+    pub(super) fn check(&self, emulator: &Emulator) -> Result<(), String> {
+        let (cnc, lathe) = (&emulator.simulation.cnc, &emulator.simulation.lathe);
+        match self {
+            Self::Screen(text) => {
+                let screen = emulator.screen();
+                let shown = (0..ROWS).any(|row| folded(&screen.row(row)).contains(text));
+                verdict(shown, || format!("\n{screen}"))
+            }
+            Self::Page(page) => {
+                let seen = emulator.panel.page();
+                verdict(seen == *page, || seen.name())
+            }
+            Self::Key(key, down) => {
+                let seen = emulator.panel.pressed().contains(key);
+                verdict(seen == *down, || if seen { "down" } else { "up" })
+            }
+            Self::At(coordinates, axis, range) => {
+                let (x, z) = coordinates.shown(emulator);
+                let seen = match axis {
+                    Axis::X => x,
+                    Axis::Z => z,
+                };
+                verdict(range.contains(seen), || format!("{seen:.3}"))
+            }
+            Self::Offset(number, column, range) => {
+                let row = cnc.offsets().get(*number);
+                let seen = match column {
+                    Column::X => row.x,
+                    Column::Z => row.z,
+                    Column::Radius => row.r,
+                    Column::Tip => row.t.into(),
+                };
+                verdict(range.contains(seen), || format!("{seen:.3}"))
+            }
+            Self::Parameter(number, None, value) => {
+                let seen = cnc.parameters().value(*number);
+                verdict(seen == *value, || seen)
+            }
+            Self::Parameter(number, Some(bit), value) => {
+                let seen = i32::from(cnc.parameters().bit(*number, *bit));
+                verdict(seen == *value, || seen)
+            }
+            Self::Program(number, text) => {
+                let edited = emulator.panel.edited().filter(|(it, _)| it == number);
+                let stored = || cnc.programs().stored(*number).cloned();
+                let program = edited.map(|(_, program)| program).or_else(stored);
+                match (program, text) {
+                    (None, _) => Err("-".to_owned()),
+                    (Some(_), None) => Ok(()),
+                    (Some(program), Some(text)) => {
+                        let seen = program.text();
+                        verdict(tight(seen).contains(text), || seen)
+                    }
+                }
+            }
+            Self::Selected(number) => {
+                let seen = cnc.programs().current();
+                verdict(seen == Some(ProgramId::Stored(*number)), || match seen {
+                    Some(ProgramId::Stored(number)) => format!("O{number:04}"),
+                    _ => "-".to_owned(),
+                })
+            }
+            Self::Tool(tool, offset) => {
+                let (station, active) = cnc.tool();
+                let fits = station == *tool && offset.is_none_or(|offset| offset == active);
+                verdict(fits, || format!("T{station:02}{active:02}"))
+            }
+            Self::Spindle(range) => {
+                let seen = lathe.spindle_rpm();
+                verdict(range.contains(seen), || format!("{seen:.0}"))
+            }
+            Self::Run(state) => {
+                let seen = cnc.run_state();
+                verdict(seen == *state, || format!("{seen:?}").to_lowercase())
+            }
+            Self::Parts(range) => {
+                let seen = cnc.counters().parts;
+                verdict(range.contains(seen.into()), || seen)
+            }
+            Self::Power(on) => {
+                let seen = emulator.panel.powered();
+                verdict(seen == *on, || if seen { "on" } else { "off" })
+            }
+            Self::Referenced(axis) => verdict(*cnc.referenced().get(*axis), || "-".to_owned()),
+        }
+    }
+}
+
+fn verdict<T: fmt::Display>(fits: bool, seen: impl FnOnce() -> T) -> Result<(), String> {
+    if fits {
+        Ok(())
+    } else {
+        Err(seen().to_string())
+    }
+}
+
+/// Without blanks, in capitals.
+fn tight(text: &str) -> String {
+    let solid = text.chars().filter(|c| !c.is_whitespace());
+    solid.collect::<String>().to_ascii_uppercase()
+}
+
+fn axis(name: &str) -> Axis {
+    if name == "X" { Axis::X } else { Axis::Z }
+}
+
+fn whole<T: core::str::FromStr>(text: &str) -> Result<T, ParseError> {
+    text.parse()
+        .map_err(|_| ParseError::NotWhole(text.to_owned()))
+}
+
+/// The number of a program: `1`, `0001`, `O0001`.
+fn number(text: &str) -> Result<u16, ParseError> {
+    whole(text.strip_prefix('O').unwrap_or(text))
+}
+
+fn page(name: &str) -> Result<PageId, ParseError> {
+    let row = PAGES.iter().find(|row| row.name == name);
+    row.map(|row| row.page).ok_or_else(|| {
+        let all: Vec<&str> = PAGES.iter().map(|row| row.name).collect();
+        ParseError::UnknownPage {
+            name: name.to_owned(),
+            all: all.join(" "),
+        }
+    })
+}
+
+fn key(name: &str) -> Result<Key, ParseError> {
+    Key::from_id(name).ok_or_else(|| match keys::near_ids(name) {
+        near if near.is_empty() => ParseError::UnknownKey(name.to_owned()),
+        near => ParseError::NearKey {
+            name: name.to_owned(),
+            near: near.join(" "),
+        },
+    })
+}
+
+fn parameter(name: &str, value: &str) -> Result<State, ParseError> {
+    let (number, bit) = match name.split_once('.') {
+        None => (name, None),
+        Some((number, bit)) => {
+            let bit = whole(bit).ok().filter(|bit| *bit < 8);
+            let bit = bit.ok_or_else(|| ParseError::NotWhole(name.to_owned()))?;
+            (number, Some(bit))
+        }
+    };
+    Ok(State::Parameter(whole(number)?, bit, whole(value)?))
+}
+
+/// `2`: the tool; `0202`: tool and offset.
+fn tool(word: &str) -> Result<State, ParseError> {
+    match word.len() {
+        4 if word.is_ascii() => Ok(State::Tool(whole(&word[..2])?, Some(whole(&word[2..])?))),
+        _ => Ok(State::Tool(whole(word)?, None)),
+    }
+}

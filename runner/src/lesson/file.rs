@@ -1,0 +1,277 @@
+//! A lesson as its file says it (RON), and the rules that it keeps.
+
+use gsk_messages::{Message, say};
+use gsk_panel::keys::{KEYS, Key, Role};
+use gsk_panel::script::{Action, Expect, Line, Script};
+use gsk_workpiece::job::Job;
+use serde::Deserialize;
+
+use super::machine::{Begins, BeginsFile};
+use super::{Condition, Lesson, Step, Text, Wrong};
+
+/// More steps than anybody does in one lesson.
+const MOST_STEPS: usize = 100;
+
+/// Why a lesson cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum LessonError {
+    /// It is not written as a lesson.
+    Syntax {
+        /// The file.
+        file: String,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong there.
+        reason: String,
+    },
+    /// It breaks a rule.
+    Rule {
+        /// The file.
+        file: String,
+        /// Step, from 1; none outside the steps.
+        step: Option<usize>,
+        /// The field.
+        field: &'static str,
+        /// The rule.
+        rule: Message,
+    },
+}
+
+impl LessonError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Syntax { file, line, reason } => say::lesson_file_line(file, line, reason),
+            Self::Rule {
+                file,
+                step: Some(step),
+                field,
+                rule,
+            } => say::lesson_in_step(file, step, field, rule.clone()),
+            Self::Rule {
+                file, field, rule, ..
+            } => say::lesson_in_field(file, field, rule.clone()),
+        }
+    }
+}
+
+/// The file of a lesson.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LessonFile {
+    title: Text,
+    about: Text,
+    #[serde(default)]
+    begins: BeginsFile,
+    #[serde(default)]
+    job: Option<Job>,
+    steps: Vec<StepFile>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StepFile {
+    text: Text,
+    hint: Text,
+    #[serde(default)]
+    keys: Vec<String>,
+    #[serde(default)]
+    needs: Vec<String>,
+    until: Vec<String>,
+    #[serde(default)]
+    wrong: Vec<WrongFile>,
+    solution: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WrongFile {
+    when: Vec<String>,
+    say: Text,
+}
+
+/// Where a rule is broken.
+struct Place<'a> {
+    file: &'a str,
+    step: Option<usize>,
+    field: &'static str,
+}
+
+impl Place<'_> {
+    fn breaks(&self, rule: Message) -> LessonError {
+        LessonError::Rule {
+            file: self.file.to_owned(),
+            step: self.step,
+            field: self.field,
+            rule,
+        }
+    }
+}
+
+impl Lesson {
+    /// Reads a lesson. `file` names it in messages, and without folder and ending it is its
+    /// name.
+    ///
+    /// # Errors
+    /// The line that is no lesson, or the step, field and rule that is broken.
+    pub fn read(file: &str, text: &str) -> Result<Self, LessonError> {
+        let options = ron::Options::default()
+            .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let raw: LessonFile = options
+            .from_str(text)
+            .map_err(|error| LessonError::Syntax {
+                file: file.to_owned(),
+                line: error.span.start.line,
+                reason: error.code.to_string(),
+            })?;
+        let at = |step, field| Place { file, step, field };
+        filled(&raw.title, &at(None, "title"))?;
+        filled(&raw.about, &at(None, "about"))?;
+        if raw.steps.is_empty() || raw.steps.len() > MOST_STEPS {
+            let rule = say::lesson_steps(raw.steps.len(), MOST_STEPS);
+            return Err(at(None, "steps").breaks(rule));
+        }
+        if let Some(job) = &raw.job {
+            job.check().map_err(|rule| at(None, "job").breaks(rule))?;
+        }
+        let begins = Begins::read(raw.begins).map_err(|rule| at(None, "begins").breaks(rule))?;
+        let steps = (1..).zip(raw.steps);
+        let steps = steps.map(|(number, step)| step_of(file, number, step));
+        Ok(Self {
+            name: name_of(file),
+            title: raw.title,
+            about: raw.about,
+            begins,
+            job: raw.job,
+            steps: steps.collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+/// The name of a file without folder and ending.
+fn name_of(file: &str) -> String {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    name.strip_suffix(".ron").unwrap_or(name).to_owned()
+}
+
+fn step_of(file: &str, number: usize, raw: StepFile) -> Result<Step, LessonError> {
+    let at = |field| Place {
+        file,
+        step: Some(number),
+        field,
+    };
+    filled(&raw.text, &at("text"))?;
+    filled(&raw.hint, &at("hint"))?;
+    let keys = raw.keys.iter().map(|name| key(name, &at("keys")));
+    let keys = keys.collect::<Result<_, _>>()?;
+    if raw.until.is_empty() {
+        return Err(at("until").breaks(say::lesson_without_end()));
+    }
+    let wrong = raw.wrong.into_iter().map(|wrong| {
+        filled(&wrong.say, &at("wrong"))?;
+        if wrong.when.is_empty() {
+            return Err(at("wrong").breaks(say::lesson_without_end()));
+        }
+        Ok(Wrong {
+            when: conditions(&wrong.when, &at("wrong"))?,
+            say: wrong.say,
+        })
+    });
+    Ok(Step {
+        keys,
+        needs: conditions(&raw.needs, &at("needs"))?,
+        until: conditions(&raw.until, &at("until"))?,
+        wrong: wrong.collect::<Result<_, _>>()?,
+        solution: solution(&raw.solution, &at("solution"))?,
+        text: raw.text,
+        hint: raw.hint,
+    })
+}
+
+fn filled(text: &Text, place: &Place<'_>) -> Result<(), LessonError> {
+    match text.zh.trim().is_empty() || text.en.trim().is_empty() {
+        true => Err(place.breaks(say::lesson_text_missing())),
+        false => Ok(()),
+    }
+}
+
+fn key(name: &str, place: &Place<'_>) -> Result<Key, LessonError> {
+    Key::from_id(name).ok_or_else(|| place.breaks(say::script_key_unknown(name)))
+}
+
+fn conditions(texts: &[String], place: &Place<'_>) -> Result<Vec<Condition>, LessonError> {
+    let read = texts.iter().map(|text| {
+        let expect = Expect::parse(text)
+            .map_err(|error| place.breaks(say::subject_reason(text, error.message())))?;
+        Ok(Condition {
+            text: text.clone(),
+            expect,
+        })
+    });
+    read.collect()
+}
+
+/// The lines of a solution, every character by its key.
+fn solution(lines: &[String], place: &Place<'_>) -> Result<Script, LessonError> {
+    let script = Script::parse(&lines.join("\n")).map_err(|errors| {
+        let first = errors
+            .first()
+            .map(|error| (error.line, error.cause.message()));
+        let (line, cause) = first.unwrap_or((1, say::lesson_text_missing()));
+        place.breaks(say::in_line(line, cause))
+    })?;
+    if script.lines.is_empty() {
+        return Err(place.breaks(say::lesson_text_missing()));
+    }
+    let mut pressed = Vec::new();
+    for line in script.lines {
+        let by_hand = matches!(
+            line.action,
+            Action::Press(_)
+                | Action::Hold(..)
+                | Action::Down(_)
+                | Action::Up(_)
+                | Action::Type(_)
+                | Action::Turn(..)
+                | Action::Wait(_)
+                | Action::WaitFor(..)
+        );
+        if !by_hand || line.at.is_some() {
+            let rule = say::lesson_not_by_hand(&line.text);
+            return Err(place.breaks(say::in_line(line.number, rule)));
+        }
+        let Action::Type(text) = &line.action else {
+            pressed.push(line);
+            continue;
+        };
+        for character in text.chars() {
+            let keys = keys_of(character).ok_or_else(|| {
+                let rule = say::lesson_no_key(character);
+                place.breaks(say::in_line(line.number, rule))
+            })?;
+            pressed.extend(keys.into_iter().map(|key| Line {
+                text: format!("press {}", key.id()),
+                action: Action::Press(key),
+                ..line.clone()
+            }));
+        }
+    }
+    Ok(Script { lines: pressed })
+}
+
+/// The presses that make a character: a compound key twice for its second one. A blank
+/// needs none.
+fn keys_of(character: char) -> Option<Vec<Key>> {
+    match character {
+        ' ' => return Some(Vec::new()),
+        ';' => return Some(vec![Key::Eob]),
+        _ => {}
+    }
+    KEYS.iter().find_map(|row| match row.role {
+        Role::Character(first, _) if first == character => Some(vec![row.key]),
+        Role::Character(_, Some(second)) if second == character => Some(vec![row.key, row.key]),
+        _ => None,
+    })
+}

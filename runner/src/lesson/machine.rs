@@ -1,0 +1,165 @@
+//! The practice machine that a lesson begins with: a control as it is delivered, but for
+//! what the lesson says. Nothing of the learner's own memory is in it.
+
+use gsk_core::command::ProgramId;
+use gsk_core::memory::ToolOffset;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_core::units::{Diameter, Point};
+use gsk_messages::{Message, say};
+use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::pages::POWER_ON_TICKS;
+use gsk_panel::script::{Action, Progress, Runner, Script, ScriptError};
+use serde::Deserialize;
+
+/// The largest coordinate of the control, mm.
+const LARGEST: f64 = 9999.999;
+/// So long what is done beforehand may take, ms.
+const LONGEST: u64 = 600_000;
+
+/// `begins`, as it is written.
+#[derive(Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct BeginsFile {
+    /// Both axes have their reference.
+    referenced: bool,
+    /// Where the slides stand: X as a diameter and Z, machine coordinates.
+    slides: Option<(f64, f64)>,
+    /// What the display says of it: X as a diameter and Z, absolute coordinates.
+    absolute: Option<(f64, f64)>,
+    /// Parameters: `"22=3800"`, `"1.4=0"`.
+    params: Vec<String>,
+    /// Offsets: `"1=X,Z,R,T"`.
+    offsets: Vec<String>,
+    /// Programs; the first is selected.
+    programs: Vec<String>,
+    /// The learner sees the power-on picture.
+    picture: bool,
+    /// An operator script that is played before the first step.
+    before: Vec<String>,
+}
+
+/// What the practice machine begins with.
+#[derive(Clone, Debug)]
+pub struct Begins {
+    setup: Setup,
+    picture: bool,
+    before: Script,
+}
+
+impl Begins {
+    pub(super) fn read(raw: BeginsFile) -> Result<Self, Message> {
+        let mut setup = Setup::delivered().with_chuck();
+        setup.referenced = raw.referenced;
+        let point = |(x, z): (f64, f64)| Point::from_diameter(Diameter(x), z);
+        let places = raw.slides.iter().chain(&raw.absolute);
+        for value in places.flat_map(|(x, z)| [*x, *z]) {
+            if !value.is_finite() || value.abs() > LARGEST {
+                return Err(say::lesson_beyond(value, LARGEST));
+            }
+        }
+        setup.start = Some(raw.slides.map_or_else(|| setup.lathe.start(), point));
+        setup.absolute = raw.absolute.map(point);
+        if let Some((_, ends)) = setup.beyond_ends().first() {
+            return Err(say::lesson_slides_beyond(ends.minus, ends.plus));
+        }
+        for word in &raw.params {
+            parameter(&mut setup, word)?;
+        }
+        for word in &raw.offsets {
+            offset(&mut setup, word)?;
+        }
+        let mut first = None;
+        for text in raw.programs {
+            if Program::new(text.as_str()).number().is_none() {
+                return Err(say::lesson_program_without_number());
+            }
+            let stored = setup.memory.programs.store(text);
+            let number = stored.map_err(|alarm| alarm.reason())?;
+            first.get_or_insert(number);
+        }
+        if let Some(number) = first {
+            setup.memory.programs.select(ProgramId::Stored(number));
+        }
+        let before = Script::parse(&raw.before.join("\n"))
+            .map_err(|errors| say::several(errors.iter().map(ScriptError::message)))?;
+        let needs_files = |action: &Action| {
+            matches!(
+                action,
+                Action::Load(_)
+                    | Action::Receive(_)
+                    | Action::Dnc(_)
+                    | Action::Show
+                    | Action::Shot { .. }
+            )
+        };
+        if let Some(line) = before.lines.iter().find(|line| needs_files(&line.action)) {
+            return Err(say::in_line(line.number, say::lesson_no_files(&line.text)));
+        }
+        if raw.picture && !before.lines.is_empty() {
+            return Err(say::lesson_picture_or_before());
+        }
+        Ok(Self {
+            setup,
+            picture: raw.picture,
+            before,
+        })
+    }
+
+    /// The machine, ready for the first step.
+    ///
+    /// # Errors
+    /// What is done beforehand does not come out.
+    pub fn machine(&self) -> Result<Emulator, Message> {
+        let mut emulator = Emulator::new(self.setup.clone());
+        if self.picture {
+            return Ok(emulator);
+        }
+        emulator.run_until(&Condition::SelfTestOver, POWER_ON_TICKS + 1000);
+        let mut runner = Runner::new(self.before.clone());
+        match runner.advance(&mut emulator, LONGEST) {
+            Progress::Finished => Ok(emulator),
+            Progress::Failed(failure) => Err(failure.message()),
+            Progress::Running | Progress::Effect(_) => Err(say::lesson_before_too_long()),
+        }
+    }
+}
+
+fn parts(word: &str) -> Result<(&str, &str), Message> {
+    word.split_once('=').ok_or_else(|| say::lesson_word(word))
+}
+
+fn number<T: core::str::FromStr>(text: &str, word: &str) -> Result<T, Message> {
+    text.trim().parse().map_err(|_| say::lesson_word(word))
+}
+
+fn parameter(setup: &mut Setup, word: &str) -> Result<(), Message> {
+    let (name, value) = parts(word)?;
+    let parameters = &mut setup.memory.parameters;
+    let set = match name.split_once('.') {
+        Some((name, bit)) => {
+            let on = number::<u8>(value, word)? == 1;
+            parameters.set_bit(number(name, word)?, number(bit, word)?, on)
+        }
+        None => parameters.set(number(name, word)?, number(value, word)?),
+    };
+    set.map_err(|error| say::subject_reason(word, error.message()))
+}
+
+fn offset(setup: &mut Setup, word: &str) -> Result<(), Message> {
+    let (name, values) = parts(word)?;
+    let values = values.split(',').map(|value| number::<f64>(value, word));
+    let values = values.collect::<Result<Vec<_>, _>>()?;
+    if values.len() > 4 || values.iter().any(|value| !value.is_finite()) {
+        return Err(say::lesson_word(word));
+    }
+    let value = |index: usize| values.get(index).copied().unwrap_or_default();
+    let row = ToolOffset {
+        x: value(0),
+        z: value(1),
+        r: value(2),
+        t: value(3) as u8,
+    };
+    let set = setup.memory.offsets.set(number(name, word)?, row);
+    set.map_err(|alarm| say::subject_reason(word, alarm.reason()))
+}

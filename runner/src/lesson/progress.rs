@@ -1,0 +1,136 @@
+//! Where a learner is in a lesson, found from the state of the machine alone.
+
+use std::sync::Arc;
+
+use gsk_panel::emulator::Emulator;
+use gsk_panel::keys::Key;
+
+use super::{Lesson, Step, all_hold};
+
+/// Ticks between two looks at the machine.
+pub(super) const LOOK: u64 = 20;
+/// Looks in a row at which something needed must be gone before the learner is sent back:
+/// a change of mode takes a moment. A fifth of a second.
+const GONE: u32 = 10;
+
+/// What is said of what the learner has done, besides the step itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Remark {
+    /// Nothing.
+    #[default]
+    None,
+    /// A mistake that the step knows, counted from 0.
+    Wrong(usize),
+    /// The power is off.
+    PowerOff,
+    /// The emergency stop is latched.
+    EmergencyStop,
+    /// This alarm stands.
+    Alarm(u16),
+    /// The step needs a state that no step before it brings back.
+    Stuck,
+}
+
+/// How far a learner has come.
+#[derive(Clone, Debug)]
+pub struct Progress {
+    lesson: Arc<Lesson>,
+    step: usize,
+    remark: Remark,
+    /// Looks in a row at which something needed was gone.
+    gone: u32,
+}
+
+impl Progress {
+    /// Before the first step.
+    pub const fn new(lesson: Arc<Lesson>) -> Self {
+        Self {
+            lesson,
+            step: 0,
+            remark: Remark::None,
+            gone: 0,
+        }
+    }
+
+    /// The step under way, counted from 0; as many as there are when all is done.
+    pub const fn step(&self) -> usize {
+        self.step
+    }
+
+    /// The step under way.
+    pub fn current(&self) -> Option<&Step> {
+        self.lesson.steps.get(self.step)
+    }
+
+    /// What is to be said now.
+    pub const fn remark(&self) -> Remark {
+        self.remark
+    }
+
+    /// Puts the learner at a step.
+    pub(super) fn put(&mut self, step: usize) {
+        self.step = step.min(self.lesson.steps.len());
+        self.remark = Remark::None;
+        self.gone = 0;
+    }
+
+    /// Looks at the machine: goes on where a step has come true, and back where something
+    /// that the step needs is gone and an earlier step brings it about.
+    pub fn look(&mut self, emulator: &Emulator) {
+        let lesson = Arc::clone(&self.lesson);
+        while let Some(step) = lesson.steps.get(self.step) {
+            if !all_hold(&step.until, emulator) {
+                break;
+            }
+            self.put(self.step + 1);
+        }
+        let Some(step) = lesson.steps.get(self.step) else {
+            self.remark = Remark::None;
+            return;
+        };
+        let ready = all_hold(&step.needs, emulator);
+        self.gone = if ready { 0 } else { self.gone + 1 };
+        if self.gone >= GONE
+            && let Some(back) = self.brings_back(emulator)
+        {
+            self.put(back);
+        }
+        let Some(step) = lesson.steps.get(self.step) else {
+            return;
+        };
+        let stuck = match self.gone >= GONE {
+            true => Remark::Stuck,
+            false => Remark::None,
+        };
+        self.remark = remark(step, emulator).unwrap_or(stuck);
+    }
+
+    /// The last step before this one that can be worked on and has not come true. One that
+    /// has would lead on at once, and round in a circle.
+    fn brings_back(&self, emulator: &Emulator) -> Option<usize> {
+        let mut before = self.lesson.steps[..self.step].iter();
+        before.rposition(|step| all_hold(&step.needs, emulator) && !all_hold(&step.until, emulator))
+    }
+}
+
+/// What is said of the state of the machine in a step: its own mistakes first.
+fn remark(step: &Step, emulator: &Emulator) -> Option<Remark> {
+    let own = step.wrong.iter();
+    let mut own = own.map(|wrong| all_hold(&wrong.when, emulator));
+    if let Some(index) = own.position(|holds| holds) {
+        return Some(Remark::Wrong(index));
+    }
+    let panel = &emulator.panel;
+    if !panel.powered() {
+        return Some(Remark::PowerOff);
+    }
+    if panel.emergency_stop() && !step.keys.contains(&Key::EmergencyStop) {
+        return Some(Remark::EmergencyStop);
+    }
+    let alarm = emulator.simulation.cnc.alarms().first()?;
+    // In a step about alarms the alarm is the subject.
+    let mut conditions = step.needs.iter().chain(&step.until);
+    let about = conditions.any(|condition| condition.text.starts_with("alarm "))
+        || step.keys.contains(&Key::Reset);
+    (!about).then_some(Remark::Alarm(alarm.number))
+}

@@ -1,0 +1,332 @@
+use std::sync::Arc;
+
+use gsk_messages::Language;
+use gsk_panel::keys::KEYS;
+use gsk_panel::panel::KeyEvent;
+
+use super::play::Outcome;
+use super::*;
+use crate::machining::Machining;
+use crate::machining::live::Live;
+
+fn lesson(steps: &str) -> String {
+    format!(
+        "(title: (zh: \"一\", en: \"One\"), about: (zh: \"一\", en: \"one\"),\n\
+         begins: (before: [\"press MDI\"]),\n steps: [{steps}])"
+    )
+}
+
+fn step(fields: &str) -> String {
+    format!("(text: (zh: \"按\", en: \"press\"), hint: (zh: \"按\", en: \"press\"), {fields}),")
+}
+
+fn read(text: &str) -> Result<Lesson, String> {
+    Lesson::read("lessons/mine.ron", text).map_err(|error| error.message().text(Language::En))
+}
+
+#[test]
+fn the_lessons_of_the_program_are_read_and_their_solutions_come_true() {
+    assert_eq!(built_in().len(), LESSONS.len());
+    let mut faults = Vec::new();
+    for (name, text) in &LESSONS {
+        let lesson = Lesson::read(name, text).unwrap_or_else(|error| panic!("{error}"));
+        let lesson = Arc::new(lesson);
+        let outcomes = play::run(&lesson).expect(name);
+        let wrong = (1..).zip(&outcomes);
+        let wrong = wrong.filter(|(_, outcome)| !matches!(outcome, Outcome::Done(_)));
+        faults.extend(wrong.map(|(step, outcome)| match outcome {
+            Outcome::Failed(why) => format!("{name}, step {step}: {why}"),
+            _ => format!("{name}, step {step}: {outcome:?}"),
+        }));
+        if outcomes.len() == lesson.steps.len() && faults.is_empty() {
+            let machine = play::machine_at(&lesson, lesson.steps.len()).expect(name);
+            assert!(machine.is_stopped(), "{name}");
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn errors_name_file_step_field_and_rule() {
+    for (fields, wanted) in [
+        (
+            "until: [], solution: [\"press AUTO\"]",
+            "lessons/mine.ron: step 1, until: no condition",
+        ),
+        (
+            "until: [\"mode auto\"], solution: [\"press AUTO\"]",
+            "step 1, until: mode auto: ",
+        ),
+        (
+            "until: [\"alarm none\"], solution: [\"wait 1s\", \"press AUT\"]",
+            "step 1, solution: line 2: unknown key",
+        ),
+        (
+            "until: [\"alarm none\"], solution: [\"power off\"]",
+            "is not done by hand",
+        ),
+        (
+            "until: [\"alarm none\"], solution: []",
+            "step 1, solution: nothing stands there",
+        ),
+        (
+            "until: [\"page nowhere\"], solution: [\"press CS\"]",
+            "unknown page \"nowhere\"; there are",
+        ),
+        (
+            "until: [\"at abs X 3..1\"], solution: [\"press CS\"]",
+            "\"3..1\" is no value and no range",
+        ),
+        (
+            "until: [\"offset 1\"], solution: [\"press CS\"]",
+            "expect is written: expect screen",
+        ),
+        (
+            "keys: [\"AUTOO\"], until: [\"alarm none\"], solution: [\"press CS\"]",
+            "step 1, keys: ",
+        ),
+        ("untill: []", "lessons/mine.ron: line 3: "),
+    ] {
+        let said = read(&lesson(&step(fields))).expect_err(fields);
+        assert!(said.contains(wanted), "{said}");
+    }
+    let none = read(&lesson("")).expect_err("no steps");
+    assert!(none.contains("steps: 0 steps"), "{none}");
+    let begins = lesson(&step("until: [\"alarm none\"], solution: [\"press CS\"]"));
+    for (before, wanted) in [
+        ("before: [\"press MDI\"]", ""),
+        ("picture: true", ""),
+        (
+            "picture: true, before: [\"press MDI\"]",
+            "nothing is done before",
+        ),
+        ("params: [\"1.3\"]", "begins: \"1.3\" is not read"),
+        ("offsets: [\"99=1\"]", "begins: 99=1: "),
+        ("slides: (9999, 0)", "beyond their ends"),
+        ("absolute: (NaN, 0)", "NaN is no coordinate"),
+        ("offsets: [\"1=NaN\"]", "\"1=NaN\" is not read"),
+        ("programs: [\"G00 X1;\"]", "begins with its number"),
+        ("before: [\"load a.nc\"]", "needs a file"),
+    ] {
+        let read = read(&begins.replace("before: [\"press MDI\"]", before));
+        match wanted {
+            "" => assert!(read.is_ok()),
+            wanted => {
+                let said = read.expect_err(before);
+                assert!(said.contains(wanted), "{said}");
+            }
+        }
+    }
+}
+
+/// AUTO, then single block, then JOG.
+fn three_steps() -> Arc<Lesson> {
+    let steps = [
+        "until: [\"mode 自动方式\"], solution: [\"press AUTO\"]",
+        "needs: [\"mode 自动方式\"], until: [\"lamp SBK on\"], solution: [\"press SBK\"]",
+        "until: [\"mode 手动方式\", \"lamp SBK on\"], solution: [\"press JOG\"], \
+         wrong: [(when: [\"mode 编辑方式\"], say: (zh: \"错\", en: \"no\"))]",
+    ];
+    let text = lesson(&steps.map(step).concat());
+    Arc::new(read(&text).expect("a lesson"))
+}
+
+fn run(practice: &mut Practice, machine: &mut Emulator, ticks: u64) {
+    for _ in 0..ticks {
+        practice.tick(machine);
+    }
+}
+
+fn press(practice: &mut Practice, machine: &mut Emulator, key: Key) {
+    practice.interrupt(machine);
+    machine.key_down(key);
+    run(practice, machine, 100);
+    machine.key_up(key);
+    run(practice, machine, 400);
+}
+
+#[test]
+fn the_step_follows_the_machine_forth_and_back() {
+    let (mut practice, mut machine) = Practice::begin(three_steps()).expect("a machine");
+    assert_eq!(practice.view().step, 0);
+    press(&mut practice, &mut machine, Key::Auto);
+    assert_eq!(practice.view().step, 1);
+    // What the second step needs is gone: back to the step that brings it about.
+    press(&mut practice, &mut machine, Key::Edit);
+    assert_eq!(practice.view().step, 0);
+    press(&mut practice, &mut machine, Key::Auto);
+    press(&mut practice, &mut machine, Key::SingleBlock);
+    assert_eq!(practice.view().step, 2);
+    // The third needs nothing: the mistake is said and the learner stays.
+    press(&mut practice, &mut machine, Key::Edit);
+    assert_eq!(practice.view().step, 2);
+    assert_eq!(practice.view().remark, Remark::Wrong(0));
+    press(&mut practice, &mut machine, Key::EmergencyStop);
+    press(&mut practice, &mut machine, Key::Auto);
+    assert_eq!(practice.view().remark, Remark::EmergencyStop);
+    practice.back(&mut machine);
+    assert_eq!(practice.view().step, 1);
+    run(&mut practice, &mut machine, 100);
+    assert_eq!(
+        practice.view().step,
+        1,
+        "back is where the step began, not where it ended"
+    );
+    practice.again(&mut machine);
+    assert_eq!(practice.view().step, 0);
+    let begin = practice.lesson().begins.machine().expect("a machine");
+    assert_eq!(machine.screen().text(), begin.screen().text());
+}
+
+#[test]
+fn what_is_shown_stops_at_the_first_key_of_the_learner() {
+    let (mut practice, mut machine) = Practice::begin(three_steps()).expect("a machine");
+    practice.show_me(&mut machine);
+    assert!(practice.view().showing);
+    run(&mut practice, &mut machine, 50);
+    assert!(machine.panel.is_held(Key::Auto));
+    practice.interrupt(&mut machine);
+    assert!(!practice.view().showing);
+    assert!(!machine.panel.is_held(Key::Auto));
+}
+
+/// Numbers that look like chance, the same in every run.
+struct Chance(u64);
+
+impl Chance {
+    fn below(&mut self, most: usize) -> usize {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.0 >> 33) as usize % most
+    }
+}
+
+/// Presses keys without sense, some together, some long.
+fn play_about(practice: &mut Practice, machine: &mut Emulator, chance: &mut Chance, keys: usize) {
+    for _ in 0..keys {
+        practice.interrupt(machine);
+        match chance.below(12) {
+            0 => {
+                machine.turn(chance.below(41) as i32 - 20);
+            }
+            1 => {
+                machine.key(KeyEvent::ReleaseAll);
+            }
+            _ => {
+                let key = KEYS[chance.below(KEYS.len())].key;
+                machine.key_down(key);
+                run(practice, machine, 20 + chance.below(60) as u64);
+                if chance.below(8) > 0 {
+                    machine.key_up(key);
+                }
+            }
+        }
+        run(practice, machine, 20);
+    }
+    machine.key(KeyEvent::ReleaseAll);
+}
+
+/// *Show me* until the end; how often it was pressed.
+fn show_to_the_end(practice: &mut Practice, machine: &mut Emulator) -> Option<usize> {
+    let steps = practice.lesson().steps.len();
+    for shown in 0..3 * steps {
+        if practice.view().step == steps {
+            return Some(shown);
+        }
+        practice.show_me(machine);
+        for _ in 0..6_000 {
+            run(practice, machine, 100);
+            if !practice.view().showing {
+                break;
+            }
+        }
+    }
+    (practice.view().step == steps).then_some(3 * steps)
+}
+
+/// From whatever a learner has done at a step *Show me* leads on to the end, and *Begin
+/// again* to the beginning.
+fn is_never_stranded(lesson: &Arc<Lesson>, step: usize, keys: usize) {
+    let mut chance = Chance(step as u64 * 7919 + lesson.steps.len() as u64);
+    let (mut practice, mut machine) = Practice::begin(Arc::clone(lesson)).expect("a machine");
+    for _ in 0..3 * step {
+        if practice.view().step >= step {
+            break;
+        }
+        practice.show_me(&mut machine);
+        while practice.view().showing {
+            run(&mut practice, &mut machine, 100);
+        }
+    }
+    play_about(&mut practice, &mut machine, &mut chance, keys);
+    let shown = show_to_the_end(&mut practice, &mut machine);
+    assert!(
+        shown.is_some(),
+        "{}, step {}: stranded at {:?}\n{}",
+        lesson.name,
+        step + 1,
+        practice.view(),
+        machine.screen()
+    );
+    practice.again(&mut machine);
+    assert_eq!(practice.view().step, 0);
+}
+
+#[test]
+fn nobody_is_stranded_in_a_short_lesson() {
+    let lesson = three_steps();
+    for step in 0..lesson.steps.len() {
+        is_never_stranded(&lesson, step, 60);
+    }
+}
+
+/// In every step of every lesson; `LESSON_KEYS=200` presses more keys.
+#[test]
+fn nobody_is_stranded_in_our_lessons() {
+    let keys = std::env::var("LESSON_KEYS")
+        .ok()
+        .and_then(|it| it.parse().ok());
+    for lesson in built_in() {
+        let lesson = Arc::new(lesson);
+        for step in 0..lesson.steps.len() {
+            is_never_stranded(&lesson, step, keys.unwrap_or(50));
+        }
+    }
+}
+
+/// What is shown to a learner is done as on a real machine: nothing is hit.
+#[test]
+fn what_is_shown_hits_nothing() {
+    let with_part = built_in()
+        .into_iter()
+        .filter_map(|lesson| Some((lesson.job.clone()?, Arc::new(lesson))));
+    for (job, lesson) in with_part {
+        let mut live = Live::new(Machining::new(job));
+        let (mut practice, mut machine) = Practice::begin(Arc::clone(&lesson)).expect("a machine");
+        let mut cut = 0;
+        while practice.view().step < lesson.steps.len() {
+            let step = practice.view().step;
+            practice.show_me(&mut machine);
+            while practice.view().showing {
+                practice.tick(&mut machine);
+                let found = live.ticked(&machine.simulation);
+                assert!(
+                    found.is_empty(),
+                    "{}, step {}: {found:?}",
+                    lesson.name,
+                    step + 1
+                );
+            }
+            assert!(
+                practice.view().step > step,
+                "{}, step {}",
+                lesson.name,
+                step + 1
+            );
+            cut = live.machining().scene().part().version();
+        }
+        assert!(cut > 0, "{}: something is cut", lesson.name);
+    }
+}
