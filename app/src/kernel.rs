@@ -209,7 +209,12 @@ impl Kernel {
         }
         self.tick += 1;
         if let Some(serial) = &mut self.serial {
-            for said in serial.tick(&mut self.emulator) {
+            // Files come and go at the learner's own machine, also during a lesson.
+            let own = match &mut self.lesson {
+                Some(lesson) => lesson.own(),
+                None => &mut self.emulator,
+            };
+            for said in serial.tick(own) {
                 self.say(Notice::Said(said));
             }
         }
@@ -371,8 +376,9 @@ impl Kernel {
                 let _ = to.try_send(Box::new(standing::setup(&self.emulator)));
             }
             Command::HandOutState(to) => {
-                let level = self.emulator.simulation.cnc.battery().authority.level();
-                let state = retained::project::of_emulator(&self.emulator);
+                let own = self.kept();
+                let level = own.simulation.cnc.battery().authority.level();
+                let state = retained::project::of_emulator(own);
                 // Who asked may have gone.
                 let _ = to.try_send(Box::new((state, level)));
             }

@@ -63,6 +63,11 @@ impl Practising {
         }
     }
 
+    /// The learner's own machine.
+    pub(super) fn own(&mut self) -> &mut Emulator {
+        &mut self.own
+    }
+
     /// The learner's own part: what is asked of his job is for after the lesson.
     pub(super) const fn own_part(&mut self) -> &mut PartSide {
         &mut self.own_part
