@@ -131,6 +131,14 @@ impl Record {
         self.addresses.bytes().any(|it| it == letter)
     }
 
+    /// Whether it has a code that leads back to where the run began.
+    pub(crate) fn returns_to_start(&self) -> bool {
+        matches!(
+            self.g_code(76),
+            Some(GCode::StartByMachine | GCode::StartByWork)
+        )
+    }
+
     /// Whether both axes arrive together in G00.
     pub fn rapids_are_straight(&self) -> bool {
         self.g_code(0) == Some(GCode::StraightRapid)

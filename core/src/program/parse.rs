@@ -10,6 +10,7 @@ use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 use crate::dialect::{self, advised};
+use crate::model::GCode;
 
 /// Reads one block: up to the first `;`, `*`, `%` or end of line outside
 /// comments. Does not allocate unless it fails.
@@ -230,7 +231,10 @@ fn read_words(
         };
         let value = match formula {
             Some(value) => value,
-            None => read_number(&mut lexer, address, start, g65, syntax)?,
+            None => {
+                let by_code = has_point_by_code(address, syntax, block);
+                read_number(&mut lexer, address, start, (g65, by_code), syntax)?
+            }
         };
         if matches!(address, b'N' | b'O') {
             let number = program_number(address, value, start)?;
@@ -279,6 +283,31 @@ fn read_words(
 #[inline]
 fn is_count(address: u8, syntax: Syntax, block: &Block) -> bool {
     address == b'N' && block.has(b'G') && syntax.model.record().n_after_g
+}
+
+/// Whether a G code before it makes a length or a factor of a word that is a whole
+/// number otherwise (Huaxing): L of G31, D of its threads, P as their lead.
+#[inline]
+fn has_point_by_code(address: u8, syntax: Syntax, block: &Block) -> bool {
+    let record = syntax.model.record();
+    let means = |codes: &[GCode]| {
+        let mut written = block.g_codes();
+        written.any(|code| {
+            let meaning = record.g_code(code.into());
+            meaning.is_some_and(|it| codes.contains(&it))
+        })
+    };
+    match address {
+        _ if !record.n_after_g => false,
+        b'L' => means(&[GCode::ScaleOn]),
+        b'D' => means(&[GCode::MetricThreadPass, GCode::InchThreadPass]),
+        b'P' => means(&[
+            GCode::MetricThreadPass,
+            GCode::MetricRigidTapping,
+            GCode::MetricThreadCycle,
+        ]),
+        _ => false,
+    }
 }
 
 /// N after a code of the Huaxing lathes: a block, a subprogram or a count, with up to
@@ -446,7 +475,7 @@ fn read_number(
     lexer: &mut Lexer<'_>,
     address: u8,
     start: usize,
-    g65: bool,
+    (g65, point_by_code): (bool, bool),
     syntax: Syntax,
 ) -> Result<Number, BlockError> {
     let name = char::from(address);
@@ -473,7 +502,7 @@ fn read_number(
         return Err(no_digits(lexer, name, start, signed || point.is_some()));
     }
     if let Some(at) = point
-        && (g65 || !takes_point(address))
+        && (g65 || !(takes_point(address) || point_by_code))
     {
         let rule = say::point_not_allowed(name);
         return Err(BlockError::at(number::BAD_POINT, at, rule));

@@ -169,7 +169,11 @@ impl Interpreter {
             }
             return self.operate(block, source, place, host);
         }
-        let plain = match mdi.is_some() || syntax.inch || run.levels.has_modal_call() {
+        let plain = match mdi.is_some()
+            || syntax.inch
+            || self.state.scale.is_some()
+            || run.levels.has_modal_call()
+        {
             true => None,
             false => PlainMove::of(block, self.state.modal.motion, self.record()),
         };

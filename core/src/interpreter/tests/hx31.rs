@@ -244,11 +244,8 @@ fn dwells_relays_and_tools() {
 }
 
 #[test]
-fn codes_that_are_not_carried_out_say_so() {
-    for code in [30, 31, 33, 34, 74, 75, 76, 81, 82, 83, 84, 85, 86, 87] {
-        assert_eq!(bench().fault(&format!("G{code} X1\n")), (10, 1), "G{code}");
-    }
-    for foreign in ["G28", "G50", "G70", "G94", "M98"] {
+fn codes_of_other_controls_are_not_there() {
+    for foreign in ["G28", "G32", "G50", "G70", "G94", "M98"] {
         assert!(
             matches!(bench().fault(&format!("{foreign}\n")).0, 10 | 19),
             "{foreign}"
