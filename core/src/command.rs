@@ -31,7 +31,7 @@ pub struct Source {
     /// Line of the file, from 1.
     pub line: u32,
     /// The last sequence number N met, if any.
-    pub sequence: Option<u16>,
+    pub sequence: Option<u32>,
 }
 
 /// The coordinate frame in force: `machine = program + zero + offset`.

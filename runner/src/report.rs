@@ -46,7 +46,7 @@ pub struct AlarmReport {
     pub line: Option<u32>,
     /// Its sequence number; not part of the JSON.
     #[serde(skip)]
-    pub sequence: Option<u16>,
+    pub sequence: Option<u32>,
     /// The program it stands in; not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,

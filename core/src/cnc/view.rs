@@ -39,7 +39,7 @@ pub struct Cursor {
     /// Line, from 1.
     pub line: u32,
     /// The last sequence number met.
-    pub sequence: Option<u16>,
+    pub sequence: Option<u32>,
 }
 
 impl Cnc {

@@ -21,7 +21,7 @@ pub(crate) struct Run {
     #[serde(default, skip_serializing_if = "Levels::is_empty")]
     pub(crate) levels: Levels,
     /// The last N met.
-    pub(crate) sequence: Option<u16>,
+    pub(crate) sequence: Option<u32>,
     /// The block read last.
     pub(crate) source: Option<Source>,
     /// Its commands not taken yet.

@@ -36,6 +36,9 @@ pub struct Record {
     /// N after a G code is a block, a subprogram or a count, no sequence number.
     #[serde(default)]
     pub(crate) n_after_g: bool,
+    /// The greatest number of a block.
+    #[serde(default = "last_of_four_digits")]
+    pub(crate) last_sequence: u32,
     /// Letters that are addresses besides those of the GSK980TD.
     #[serde(default)]
     addresses: String,
@@ -91,6 +94,10 @@ struct Name {
 
 const fn four() -> u8 {
     4
+}
+
+const fn last_of_four_digits() -> u32 {
+    9999
 }
 
 fn four_digits() -> String {

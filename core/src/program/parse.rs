@@ -69,7 +69,7 @@ fn plain_words(lexer: &mut Lexer<'_>, seen: &mut u32, syntax: Syntax, block: &mu
             b'G' if value.integer() == 65 => return false,
             // After a G code it is no sequence number on the Huaxing lathes.
             b'N' if !block.is_empty() => return false,
-            b'N' => block.n = Some(value.integer() as u16),
+            b'N' => block.n = Some(value.integer() as u32),
             _ => {
                 let word = Word {
                     address,
@@ -237,12 +237,10 @@ fn read_words(
             }
         };
         if matches!(address, b'N' | b'O') {
-            let number = program_number(address, value, start)?;
-            *(if address == b'N' {
-                &mut block.n
-            } else {
-                &mut block.o
-            }) = Some(number);
+            match address {
+                b'N' => block.n = Some(sequence_number(value, syntax, start)?),
+                _ => block.o = Some(program_number(value, start)?),
+            }
             continue;
         }
         if syntax.macro_b
@@ -745,13 +743,25 @@ fn read_variable(lexer: &mut Lexer<'_>, address: u8, negative: bool) -> Result<N
     Ok(Number::from_variable(Variable { number, negative }))
 }
 
-fn program_number(address: u8, value: Number, at: usize) -> Result<u16, BlockError> {
+fn program_number(value: Number, at: usize) -> Result<u16, BlockError> {
     match u16::try_from(value.integer()) {
         Ok(number @ ..=9999) => Ok(number),
-        _ => {
-            let rule = say::number_out_of_four_digits(char::from(address), value);
-            let detail = advised(rule, dialect::instead_of_number(address));
-            Err(BlockError::at(number::OUT_OF_RANGE, at, detail))
-        }
+        _ => Err(number_too_great(b'O', value, at, 9999)),
     }
+}
+
+/// The number of a block, as far as the model counts.
+fn sequence_number(value: Number, syntax: Syntax, at: usize) -> Result<u32, BlockError> {
+    let last = syntax.model.record().last_sequence;
+    match u32::try_from(value.integer()) {
+        Ok(number) if number <= last => Ok(number),
+        _ => Err(number_too_great(b'N', value, at, last)),
+    }
+}
+
+#[cold]
+fn number_too_great(address: u8, value: Number, at: usize, most: u32) -> BlockError {
+    let rule = say::number_too_great(char::from(address), value, most);
+    let detail = advised(rule, dialect::instead_of_number(address));
+    BlockError::at(number::OUT_OF_RANGE, at, detail)
 }

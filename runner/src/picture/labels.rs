@@ -18,7 +18,7 @@ const FINEST_MM: f64 = 1.0 / 1024.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Number {
     /// Its N word.
-    Sequence(u16),
+    Sequence(u32),
     /// Its line, of a block without one.
     Line(u32),
 }
@@ -41,7 +41,7 @@ pub(super) struct Labels {
     /// The block in work, and where it has come to.
     current: Option<(Source, Point)>,
     /// Where the sequence number in force was met.
-    met: Option<(ProgramId, Option<u16>, u32)>,
+    met: Option<(ProgramId, Option<u32>, u32)>,
     count: u64,
 }
 
@@ -143,7 +143,7 @@ impl Labels {
 mod tests {
     use super::*;
 
-    fn source(line: u32, sequence: Option<u16>) -> Source {
+    fn source(line: u32, sequence: Option<u32>) -> Source {
         Source {
             program: ProgramId::External,
             line,

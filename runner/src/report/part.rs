@@ -34,7 +34,7 @@ pub struct CollisionReport {
     /// Line of its block, from 1; none by hand.
     pub line: Option<u32>,
     /// Sequence number of its block.
-    pub n: Option<u16>,
+    pub n: Option<u32>,
     /// The program of its block; not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,

@@ -173,7 +173,7 @@ pub(crate) struct Words {
     pub(crate) p_exact: Option<i64>,
     pub(crate) d_exact: Option<i64>,
     /// N after a code of calls or cycles (Huaxing).
-    pub(crate) n: Option<u16>,
+    pub(crate) n: Option<u32>,
     /// G90 or G91 where they say so.
     pub(crate) incremental: Option<bool>,
     /// G09.
@@ -223,7 +223,7 @@ impl Words {
                     words.l = Some(value.integer());
                     words.l_exact = Some(value.millionths());
                 }
-                b'N' => words.n = u16::try_from(value.integer()).ok(),
+                b'N' => words.n = u32::try_from(value.integer()).ok(),
                 b'H' => words.h = u8::try_from(value.integer()).ok(),
                 b'D' => words.d_exact = Some(value.millionths()),
                 b'R' => {

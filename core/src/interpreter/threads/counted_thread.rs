@@ -32,7 +32,7 @@ use crate::units::Point;
 /// Least increment of a depth.
 const PER_MICRON: i64 = PER_MM / 1000;
 /// Most starts of a thread, and most passes.
-const MOST_STARTS: u16 = 99;
+const MOST_STARTS: i64 = 99;
 const MOST_PASSES: i64 = 99;
 
 /// The passes of a thread. Lengths are units of [`Exact`], along X diameters.
@@ -110,7 +110,7 @@ pub(crate) fn plan(
         )),
     };
     let passes = count("L", words.l.unwrap_or(1), MOST_PASSES)?;
-    let starts = count("N", words.n.unwrap_or(1).into(), MOST_STARTS.into())?;
+    let starts = count("N", words.n.unwrap_or(1).into(), MOST_STARTS)?;
     let cycle = CountedThread {
         code,
         shift: Shift::of(state),
