@@ -41,6 +41,15 @@ pub struct Frame {
     pub zero: Point,
     /// Tool offset in force.
     pub offset: Point,
+    /// How far zero offsets (G55 to G57 of the Huaxing lathes) have moved the origin, a
+    /// part of `zero`.
+    #[serde(default, skip_serializing_if = "is_nowhere")]
+    pub zero_offset: Point,
+}
+
+/// Whether there is no way to it.
+fn is_nowhere(way: &Point) -> bool {
+    *way == Point::default()
 }
 
 impl Frame {

@@ -263,12 +263,8 @@ impl Interpreter {
     /// Puts another coordinate frame into force: at power-on, or after a
     /// manual reference return sets coordinates.
     pub(crate) fn set_frame(&mut self, frame: Frame, host: &impl Host) {
-        let zero = Exact::from_point(frame.zero);
-        if zero != self.state.zero {
-            // What G55 to G57 had moved it by is not in the new one.
-            self.state.zero_offset = Exact::default();
-        }
-        self.state.zero = zero;
+        self.state.zero = Exact::from_point(frame.zero);
+        self.state.zero_offset = Exact::from_point(frame.zero_offset);
         self.state.offset = Exact::from_point(frame.offset);
         self.resync(host);
     }

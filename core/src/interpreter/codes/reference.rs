@@ -122,6 +122,7 @@ impl Reference {
                 let coordinate = i64::from(context.parameters.value(number)) * increment;
                 let factor = if axis == Axis::X { context.x_factor } else { 1 };
                 state.zero.set(axis, -coordinate * factor);
+                state.zero_offset.set(axis, 0);
             }
         }
         if state.offset == Exact::default() {

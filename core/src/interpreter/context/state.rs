@@ -87,6 +87,7 @@ impl State {
         Frame {
             zero: self.zero.point(),
             offset: self.offset.point(),
+            zero_offset: self.zero_offset.point(),
         }
     }
 
