@@ -5,6 +5,8 @@ mod modal;
 
 pub use modal::Modal;
 
+use core::num::NonZeroU32;
+
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +25,24 @@ pub enum ProgramId {
     Dnc,
 }
 
+/// The number N of a block. With none it takes no more room than alone: commands are
+/// copied often.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "u32", into = "u32")]
+pub struct BlockNumber(NonZeroU32);
+
+impl From<u32> for BlockNumber {
+    fn from(number: u32) -> Self {
+        Self(NonZeroU32::MIN.saturating_add(number))
+    }
+}
+
+impl From<BlockNumber> for u32 {
+    fn from(number: BlockNumber) -> Self {
+        number.0.get() - 1
+    }
+}
+
 /// Where a command or an alarm comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
@@ -31,7 +51,7 @@ pub struct Source {
     /// Line of the file, from 1.
     pub line: u32,
     /// The last sequence number N met, if any.
-    pub sequence: Option<u32>,
+    pub sequence: Option<BlockNumber>,
 }
 
 /// The coordinate frame in force: `machine = program + zero + offset`.
@@ -473,6 +493,7 @@ pub struct ThreadPhase {
 
 impl Conditions {
     /// Of a command in a frame, with the spindle at a speed.
+    #[inline]
     pub(crate) fn of(command: &Command, frame: &Frame, rpm: f64) -> Self {
         let thread = match command.action {
             Action::Thread {

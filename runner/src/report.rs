@@ -232,7 +232,9 @@ impl AlarmReport {
             },
             text: alarm.text(language.unwrap_or(Language::Zh)),
             line: alarm.source.map(|source| source.line),
-            sequence: alarm.source.and_then(|source| source.sequence),
+            sequence: alarm
+                .source
+                .and_then(|source| source.sequence.map(u32::from)),
             program: alarm.source.map(|source| source.program),
             block,
             detail: (alarm.further_detail())

@@ -302,7 +302,7 @@ impl Cnc {
             }) => Cursor {
                 program: Some(program),
                 line,
-                sequence,
+                sequence: sequence.map(u32::from),
             },
             None => Cursor {
                 program: self.memory.programs.current(),

@@ -95,14 +95,15 @@ impl Labels {
 
     fn keep(&mut self, block: Source, at: Point) {
         // A block without N has the number of one before it.
-        let now = (block.program, block.sequence, block.line);
+        let sequence = block.sequence.map(u32::from);
+        let now = (block.program, sequence, block.line);
         let same = self
             .met
             .is_some_and(|(program, sequence, _)| (program, sequence) == (now.0, now.1));
         if !same {
             self.met = Some(now);
         }
-        let number = match block.sequence {
+        let number = match sequence {
             Some(sequence) if self.met == Some(now) => Number::Sequence(sequence),
             _ => Number::Line(block.line),
         };
@@ -142,12 +143,13 @@ impl Labels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gsk_core::command::BlockNumber;
 
     fn source(line: u32, sequence: Option<u32>) -> Source {
         Source {
             program: ProgramId::External,
             line,
-            sequence,
+            sequence: sequence.map(BlockNumber::from),
         }
     }
 

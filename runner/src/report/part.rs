@@ -177,7 +177,9 @@ impl CollisionReport {
         let collision = &finding.collision;
         Self {
             line: finding.source.map(|source| source.line),
-            n: finding.source.and_then(|source| source.sequence),
+            n: finding
+                .source
+                .and_then(|source| source.sequence.map(u32::from)),
             program: finding.source.map(|source| source.program),
             tool: finding.tool,
             text: said(&collision.message(), language),
