@@ -63,13 +63,50 @@ pub struct Frame {
     pub offset: Point,
     /// How far zero offsets (G55 to G57 of the Huaxing lathes) have moved the origin, a
     /// part of `zero`.
-    #[serde(default, skip_serializing_if = "is_nowhere")]
-    pub zero_offset: Point,
+    #[serde(default, skip_serializing_if = "ZeroOffset::is_none")]
+    pub zero_offset: ZeroOffset,
 }
 
-/// Whether there is no way to it.
-fn is_nowhere(way: &Point) -> bool {
-    *way == Point::default()
+/// A zero offset in half micrometres, X as a radius. Whole numbers, and small ones:
+/// frames are copied with every command.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ZeroOffset {
+    x: i32,
+    z: i32,
+}
+
+impl ZeroOffset {
+    /// Half micrometres in a millimetre.
+    const PER_MM: f64 = 2000.0;
+
+    /// The nearest one.
+    pub fn from_point(point: Point) -> Self {
+        let whole = |mm: f64| libm::round(mm * Self::PER_MM) as i32;
+        Self {
+            x: whole(point.x),
+            z: whole(point.z),
+        }
+    }
+
+    /// In mm, X as a radius.
+    pub fn point(self) -> Point {
+        Point::new(
+            f64::from(self.x) / Self::PER_MM,
+            f64::from(self.z) / Self::PER_MM,
+        )
+    }
+
+    /// None of an axis from here on.
+    pub(crate) const fn clear(&mut self, axis: Axis) {
+        match axis {
+            Axis::X => self.x = 0,
+            Axis::Z => self.z = 0,
+        }
+    }
+
+    fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Frame {

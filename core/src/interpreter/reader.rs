@@ -264,7 +264,7 @@ impl Interpreter {
     /// manual reference return sets coordinates.
     pub(crate) fn set_frame(&mut self, frame: Frame, host: &impl Host) {
         self.state.zero = Exact::from_point(frame.zero);
-        self.state.zero_offset = Exact::from_point(frame.zero_offset);
+        self.state.zero_offset = Exact::from_point(frame.zero_offset.point());
         self.state.offset = Exact::from_point(frame.offset);
         self.resync(host);
     }

@@ -38,7 +38,7 @@ impl Mounting {
             return *settled;
         }
         let length = self.lengths.get(&tool).copied();
-        let zero = frame.zero - frame.zero_offset;
+        let zero = frame.zero - frame.zero_offset.point();
         self.zero.unwrap_or(zero) + length.unwrap_or(frame.offset)
     }
 
@@ -57,6 +57,7 @@ impl Mounting {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gsk_core::command::ZeroOffset;
     use gsk_workpiece::stock::Stock;
 
     fn frame(offset: f64) -> Frame {
@@ -74,7 +75,7 @@ mod tests {
         let by = Point::new(1.0, -30.0);
         let moved = Frame {
             zero: frame(0.0).zero + by,
-            zero_offset: by,
+            zero_offset: ZeroOffset::from_point(by),
             ..frame(0.0)
         };
         let tip = mounting.tip(1, slide, &moved);

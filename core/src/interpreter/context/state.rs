@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::command::Frame;
+use crate::command::{Frame, ZeroOffset};
 use crate::compensation::Nose;
 use crate::interpreter::Modal;
 use crate::interpreter::context::cycle_words::CycleWords;
@@ -87,7 +87,7 @@ impl State {
         Frame {
             zero: self.zero.point(),
             offset: self.offset.point(),
-            zero_offset: self.zero_offset.point(),
+            zero_offset: ZeroOffset::from_point(self.zero_offset.point()),
         }
     }
 
