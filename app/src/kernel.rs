@@ -33,6 +33,8 @@ use gsk_runner::partner::{Partner as _, Patience};
 
 use crate::dnc::{Partner, Source};
 use crate::pace::Speed;
+use crate::retained;
+use crate::serial::SerialLine;
 pub use console::{
     Command, Console, Imposed, LinkOrder, NotStored, Notice, Opened, Place, Snapshot, Storing,
     Times,
@@ -76,6 +78,8 @@ pub struct Kernel {
     drive: Option<Drive>,
     /// Sends programs in DNC operation.
     partner: Option<Partner>,
+    /// The serial port at a port of the computer.
+    serial: Option<SerialLine>,
     links: Arc<ArrayQueue<LinkView>>,
     link_watched: bool,
     /// The program that was opened last.
@@ -115,6 +119,7 @@ impl Kernel {
             monitored: None,
             drive: None,
             partner: None,
+            serial: None,
             links: Arc::clone(&links),
             link_watched: false,
             opened: None,
@@ -148,6 +153,12 @@ impl Kernel {
     /// Who sends programs in DNC operation.
     pub fn take_programs_from(&mut self, source: Source) {
         self.partner = Some(Partner::new(source));
+    }
+
+    /// The serial port is at a port of the computer.
+    pub fn take_serial_line(&mut self, line: SerialLine) {
+        self.emulator.panel.connect_line();
+        self.serial = Some(line);
     }
 
     /// The emulator.
@@ -188,6 +199,11 @@ impl Kernel {
         }
         self.emulator.tick();
         self.tick += 1;
+        if let Some(serial) = &mut self.serial {
+            for said in serial.tick(&mut self.emulator) {
+                self.say(Notice::Said(said));
+            }
+        }
         for event in self.emulator.simulation.cnc.events() {
             if let Event::Advised(text) = event {
                 self.say(Notice::Said(text.clone()));
@@ -330,6 +346,12 @@ impl Kernel {
             Command::HandOut(to) => {
                 // Who asked may have gone.
                 let _ = to.try_send(Box::new(standing::setup(&self.emulator)));
+            }
+            Command::HandOutState(to) => {
+                let level = self.emulator.simulation.cnc.battery().authority.level();
+                let state = retained::project::of_emulator(&self.emulator);
+                // Who asked may have gone.
+                let _ = to.try_send(Box::new((state, level)));
             }
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}

@@ -21,7 +21,7 @@ use gsk_runner::report;
 use crate::files::data_dir::DataDir;
 use crate::files::data_dir::DataError;
 use crate::files::program_file::{self, FileError, ProgramFile};
-use crate::files::subprograms;
+use crate::files::subprograms::{self, Found};
 use crate::retained;
 use crate::saying::{lines, of_ladder};
 use crate::setup_args::{OffsetWord, ParameterWord, SetupArgs};
@@ -289,16 +289,18 @@ pub fn ladder(path: &Path) -> Result<Arc<Ladder>, LoadError> {
 
 /// Reads a machine file (`docs/machine-file.md`) and checks its rules.
 pub fn machine(path: &Path) -> Result<LatheConfig, LoadError> {
-    let file = program_file::read(path)?;
+    machine_of(path, &program_file::read(path)?.text)
+}
+
+/// The lathe of a text that is read from this file.
+pub fn machine_of(path: &Path, text: &str) -> Result<LatheConfig, LoadError> {
     let options =
         ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-    let config: LatheConfig = options
-        .from_str(&file.text)
-        .map_err(|error| LoadError::Machine {
-            path: path.to_owned(),
-            line: error.span.start.line,
-            error: Box::new(error.code),
-        })?;
+    let config: LatheConfig = options.from_str(text).map_err(|error| LoadError::Machine {
+        path: path.to_owned(),
+        line: error.span.start.line,
+        error: Box::new(error.code),
+    })?;
     config.check().map_err(|errors| {
         let rules = errors.iter().map(ConfigError::message);
         LoadError::NoLathe {
@@ -325,27 +327,57 @@ pub fn open_into(
     main: &Path,
     others: &[PathBuf],
 ) -> Result<(Program, Notices), LoadError> {
-    let ProgramFile {
-        text, mut notices, ..
-    } = program_file::read(main)?;
+    let ProgramFile { text, notices, .. } = program_file::read(main)?;
+    let mut notices = Notices(notices);
+    let find = |calls, loaded: &_| subprograms::find(main, calls, loaded);
+    let program = take_in(programs, (main, text), others, &mut notices, find)?;
+    Ok((program, notices))
+}
+
+/// Opens a program text as the external program, stores the programs it calls, and selects
+/// it. `path` is what it is called; `find` gives the programs that are called and not in the
+/// text, and what those call.
+pub fn open_text(
+    setup: &mut Setup,
+    path: &Path,
+    text: String,
+    find: impl FnOnce(BTreeSet<u16>, &BTreeSet<u16>) -> Vec<Found>,
+) -> Result<Notices, LoadError> {
+    let mut notices = Notices::default();
+    let programs = &mut setup.memory.programs;
+    let program = take_in(programs, (path, text), &[], &mut notices, find)?;
+    programs.open_external(program);
+    programs.select(ProgramId::External);
+    Ok(notices)
+}
+
+/// The program of a text that is run; what it needs besides is stored in the memory.
+fn take_in(
+    programs: &mut ProgramMemory,
+    (main, text): (&Path, String),
+    others: &[PathBuf],
+    notices: &mut Notices,
+    find: impl FnOnce(BTreeSet<u16>, &BTreeSet<u16>) -> Vec<Found>,
+) -> Result<Program, LoadError> {
     let calls = subprograms::calls(&text);
     let mut parts = program::split(text);
     let begin = main_part(&parts);
     let program = parts.remove(begin);
     if begin > 0 {
         let number = program.number().unwrap_or_default();
-        notices.push(say::file_begins_before(main.display(), number));
+        let notice = say::file_begins_before(main.display(), number);
+        notices.0.push(notice);
     }
     for part in parts {
         store(programs, part.text(), None, main)?;
     }
-    notices.extend(store_files(programs, others)?.0);
+    notices.0.extend(store_files(programs, others)?.0);
     let mut loaded: BTreeSet<u16> = programs.iter().map(|(number, _)| number).collect();
     loaded.extend(program.number());
-    for found in subprograms::find(main, calls, &loaded) {
+    for found in find(calls, &loaded) {
         store(programs, &found.text, Some(found.number), &found.path)?;
     }
-    Ok((program, Notices(notices)))
+    Ok(program)
 }
 
 /// Stores the programs of files.

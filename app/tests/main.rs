@@ -13,11 +13,15 @@ mod common;
 
 mod layouts;
 mod lease;
+mod lsp;
 mod machine_view;
 mod notices;
 mod overwriting;
 mod part;
 mod program_view;
+mod project;
+#[cfg(unix)]
+mod serial;
 mod speed;
 mod streams;
 mod transfer;

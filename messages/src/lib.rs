@@ -80,6 +80,18 @@ impl Message {
         }
     }
 
+    /// The same, also of a message that stands within it: the column within the profile of
+    /// a cycle.
+    pub fn value_within(&self, name: &str) -> Option<&str> {
+        self.plain_value(name).or_else(|| {
+            self.values.iter().find_map(|value| match value {
+                Value::Text(_) => None,
+                Value::Message(message) => message.value_within(name),
+                Value::List(messages) => messages.iter().find_map(|it| it.value_within(name)),
+            })
+        })
+    }
+
     /// Its text in a language.
     pub fn text(&self, language: Language) -> String {
         self.text_by(language, &str::to_owned)

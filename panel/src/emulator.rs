@@ -1,5 +1,7 @@
 //! The whole emulator as one value: control, lathe and panel.
 
+mod serial;
+
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::machine::Outputs;
@@ -15,6 +17,7 @@ use tiny_skia::Pixmap;
 
 use crate::faceplate::{self, FaceState};
 use crate::keys::{Bit, Key};
+pub use crate::panel::number_of_name;
 use crate::panel::{KeyEvent, NotTaken, Panel, SerialFile, contacts};
 use crate::raster;
 use crate::screen::Screen;
@@ -368,15 +371,6 @@ fn shows(screen: &Screen, text: &str) -> bool {
 /// A text with every run of blanks folded to one.
 pub(crate) fn folded(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-/// The program number in the name of a file (`O0001`, `o12.nc`).
-pub fn number_of_name(name: &str) -> Option<u16> {
-    let stem = name.rsplit(['/', '\\']).next()?;
-    let stem = stem.split_once('.').map_or(stem, |(stem, _)| stem);
-    let digits = stem.strip_prefix(['O', 'o'])?;
-    let number: u16 = digits.parse().ok()?;
-    (digits.len() <= 4).then_some(number)
 }
 
 #[cfg(test)]

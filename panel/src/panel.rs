@@ -18,7 +18,9 @@ use gsk_core::operation::Mode;
 use gsk_core::units::Point;
 use serde::{Deserialize, Serialize};
 use transfer::Transfer;
-pub use transfer::{LineError, NotTaken, SerialFile};
+pub use transfer::{
+    FileId, FileRefusal, LineError, NotTaken, SerialFile, file_of, number_of_name, read_data,
+};
 
 use crate::keys::{KEYS, Key, Role};
 use crate::pages::{self, GraphicSettings, POWER_ON_TICKS, PageId, PageKey, View};

@@ -14,7 +14,7 @@ pub fn rounded(value: f64) -> f64 {
 }
 
 /// A point as diameter and Z.
-pub(crate) fn diameter_z(point: Point) -> (f64, f64) {
+pub fn diameter_z(point: Point) -> (f64, f64) {
     (rounded(point.diameter().0), rounded(point.z))
 }
 

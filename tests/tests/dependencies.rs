@@ -13,17 +13,20 @@ use paths::{Source, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 13] = [
+const PACKAGES: [&str; 16] = [
     "messages",
     "units",
     "plc",
     "link",
+    "transfer",
     "twins",
     "workpiece",
     "core",
     "panel",
+    "project",
     "runner",
     "help",
+    "language",
     "app",
     "web",
     "tests",

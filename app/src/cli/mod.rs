@@ -6,9 +6,12 @@ mod help;
 mod ladder;
 mod link;
 mod looks;
+mod lsp;
 mod packages;
 mod picture;
+mod project;
 mod run;
+mod transfer;
 
 use std::path::PathBuf;
 
@@ -26,9 +29,20 @@ pub use link::{
     LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
+pub use lsp::LspArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
+pub use project::{
+    DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
+    ProjectNewArgs,
+};
 pub use run::RunArgs;
+pub use transfer::{
+    ExistingFile, SerialArgs, TextEnd, TransferBackupArgs, TransferCommand, TransferControlArgs,
+    TransferDeleteArgs, TransferListArgs, TransferPortArgs, TransferReceiveArgs,
+    TransferReceiveTextArgs, TransferRenameArgs, TransferRestoreArgs, TransferSendArgs,
+    TransferSendTextArgs, TransferWaitArgs,
+};
 
 use crate::setup_args::SetupArgs;
 
@@ -87,6 +101,9 @@ pub struct WindowArgs {
     /// runs: 自动 pressed twice is DNC.
     #[arg(long, value_name = "SOURCE")]
     pub dnc: Option<PathBuf>,
+    /// Where the control's serial port is.
+    #[command(flatten)]
+    pub serial: SerialArgs,
     /// The simulated lathe (travel, turret, dogs …) from a RON file
     #[arg(long, value_name = "FILE")]
     pub machine: Option<PathBuf>,
@@ -159,15 +176,29 @@ pub enum Command {
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
+    /// All that the control holds as one folder of readable text
+    ///
+    /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a
+    /// line, for a version control system or another machine; what differs is listed by
+    /// meaning. docs/project.md describes the folder.
+    #[command(subcommand)]
+    Project(ProjectCommand),
     /// Find, try, watch or play a pulse board
     #[command(subcommand)]
     Link(LinkCommand),
+    /// Files to and from a control through its serial port: the PC's side
+    #[command(subcommand)]
+    Transfer(TransferCommand),
     /// Explain a symbol of the control, or a command
     ///
     /// Alarms, parameters and their bits, G and M codes, keys, lamps, pages and their fields,
     /// PLC signals, diagnosis numbers: what each is for, its range, cause and way out, an
     /// example. Words are looked for in all of them.
     Help(HelpArgs),
+    /// Serve an editor: alarms while a program is typed, what words mean, where they lead
+    ///
+    /// Speaks the language server protocol on standard input and output; an editor starts it.
+    Lsp(LspArgs),
     /// Print the licences of this program and of the packages it contains
     Notices,
     /// Print what a shell needs to complete this command line

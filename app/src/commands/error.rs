@@ -9,6 +9,7 @@ use gsk_panel::script::ScriptError;
 use gsk_runner::execution::ExecutionError;
 use gsk_runner::picture::{NoPicture, PictureError};
 
+use super::transfer::FilesError;
 use crate::apart::ApartError;
 use crate::board::BoardError;
 use crate::ending::SignalError;
@@ -20,6 +21,7 @@ use crate::loading::LoadError;
 use crate::output::WriteError;
 use crate::picture::NameError;
 use crate::ports::PortError;
+use crate::project::ProjectError;
 use crate::retained::NotSaved;
 use crate::saying::lines;
 use crate::setup_args::SetByTheMachine;
@@ -37,6 +39,8 @@ pub enum CommandError {
     Data(#[from] DataError),
     /// A program that is not executed.
     Execution(#[from] ExecutionError),
+    /// Messages of an editor that are none, or an editor that has gone.
+    Editor(String),
     /// A file.
     File(#[from] FileError),
     /// A job.
@@ -57,6 +61,8 @@ pub enum CommandError {
     Picture(#[from] PictureError),
     /// A port.
     Port(#[from] PortError),
+    /// A project.
+    Project(#[from] ProjectError),
     /// An open port that has gone.
     Gone(io::Error),
     /// An option that a real machine does not take.
@@ -65,6 +71,8 @@ pub enum CommandError {
     Signals(#[from] SignalError),
     /// What came through the serial port.
     Transfer(#[from] TransferError),
+    /// Files that were to go through it.
+    Files(#[from] FilesError),
     /// A result.
     Write(#[from] WriteError),
     /// Output that goes to several places.
@@ -93,6 +101,8 @@ pub enum CommandError {
     OneSection,
     /// Another file ended the work.
     NotChecked,
+    /// A port for two things.
+    SamePort(String),
     /// No board.
     NoPort,
     /// A feed above what a board makes.
@@ -128,6 +138,7 @@ impl CommandError {
             Self::Board(error) => error.message(),
             Self::Data(error) => error.message(),
             Self::Execution(error) => error.message(),
+            Self::Editor(reason) => say::lsp_ended(reason),
             Self::File(error) => error.message(),
             Self::Job(error) => error.message(),
             Self::Json(error) => say::as_written(error),
@@ -138,10 +149,12 @@ impl CommandError {
             Self::NoProgram(error) => error.message(),
             Self::Picture(error) => error.message(),
             Self::Port(error) => error.message(),
+            Self::Project(error) => error.message(),
             Self::Gone(error) => say::as_written(error),
             Self::SetByTheMachine(option) => option.message(),
             Self::Signals(error) => error.message(),
             Self::Transfer(error) => error.message(),
+            Self::Files(error) => error.message(),
             Self::Write(error) => error.message(),
             Self::Output(error) => say::command_output_lost(error),
             Self::Script { path, errors } => {
@@ -155,6 +168,7 @@ impl CommandError {
             Self::OneProgram => say::command_one_program(),
             Self::OneSection => say::command_one_section(),
             Self::NotChecked => say::command_not_checked(),
+            Self::SamePort(port) => say::serial_and_dnc(port),
             Self::NoPort => say::command_no_port(),
             Self::TooFast { feed, rate, most } => say::command_feed_too_high(feed, rate, most),
             Self::NotStill => say::command_board_moves(),

@@ -6,12 +6,15 @@ mod error;
 mod help;
 mod ladder;
 mod link;
+mod lsp;
 mod manual;
 mod operate;
 mod plot;
+mod project;
 mod run;
 mod screen;
 mod tables;
+mod transfer;
 pub mod window;
 
 use std::process::ExitCode;
@@ -67,6 +70,8 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Plot(args)) => args.look.lang,
         Some(Command::Dialect(args)) => args.lang,
         Some(Command::Help(args)) => args.lang,
+        Some(Command::Project(command)) => command.lang(),
+        Some(Command::Lsp(args)) => args.lang,
         Some(_) => None,
     };
     let result = match cli.command {
@@ -84,7 +89,10 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
+        Some(Command::Project(command)) => project::project(&command),
+        Some(Command::Transfer(command)) => transfer::transfer(&command),
         Some(Command::Help(args)) => help::help(&args),
+        Some(Command::Lsp(args)) => lsp::lsp(&args),
         Some(Command::Notices) => Ok(notices()),
         Some(Command::Completions(args)) => Ok(manual::completions(&args)),
         Some(Command::Man(args)) => manual::man(&args),

@@ -11,11 +11,12 @@ use tracing::level_filters::LevelFilter;
 use web_time::Instant;
 
 use super::{CommandError, FINE, USAGE};
-use crate::cli::WindowArgs;
+use crate::cli::{SerialArgs, TextEnd, WindowArgs};
 use crate::dnc::{self, Source};
 use crate::files::data_dir::{self, DataDir, DataError};
 use crate::files::models;
 use crate::kernel::{Connection, Kernel};
+use crate::serial::{End, SerialLine};
 use crate::setup_args::SetupArgs;
 use crate::window::app::{self, Start};
 use crate::window::{Settings, refusal};
@@ -120,7 +121,15 @@ impl Opener {
         emulator.panel.connect(true);
         restored.restore_panel(&mut emulator);
         let (mut kernel, console) = Kernel::new(emulator);
+        if let (Some(port), Source::Port(same)) = (&args.serial.serial, &source)
+            && port == same
+        {
+            return Err(CommandError::SamePort(port.clone()));
+        }
         kernel.take_programs_from(source);
+        if let Some(line) = serial_line(&args.serial)? {
+            kernel.take_serial_line(line);
+        }
         if let Some(link) = link {
             kernel.connect(link);
         }
@@ -145,6 +154,16 @@ impl Opener {
         keep_choice(&self.path, model, self.args.lang);
         Ok(start)
     }
+}
+
+/// The port that the control's serial port is at, if one is named.
+pub fn serial_line(args: &SerialArgs) -> Result<Option<SerialLine>, CommandError> {
+    let Some(port) = &args.serial else {
+        return Ok(None);
+    };
+    let text = args.serial_text.map(TextEnd::line_end);
+    let line = SerialLine::open(End::of(port), text).map_err(CommandError::Gone)?;
+    Ok(Some(line))
 }
 
 /// The choice of a model is kept; without it the window opens with the one before.

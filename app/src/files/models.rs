@@ -51,6 +51,14 @@ pub fn folder(directory: &Path, model: ModelId) -> PathBuf {
     }
 }
 
+/// The data directory that a model keeps its memory in.
+pub fn directory(folder: &Path, model: ModelId) -> PathBuf {
+    match model {
+        ModelId::Gsk980td => folder.to_owned(),
+        _ => folder.ancestors().nth(2).unwrap_or(folder).to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,5 +76,11 @@ mod tests {
         }
         assert_eq!(folder(&directory, ModelId::Gsk980td), directory);
         assert!(folder(&directory, ModelId::Ncb08).ends_with("models/ncb08"));
+        for model in ModelId::ALL {
+            assert_eq!(
+                super::directory(&folder(&directory, model), model),
+                directory
+            );
+        }
     }
 }

@@ -33,13 +33,22 @@ pub struct Found {
 /// Searches the folder of `main` for the programs that it `calls` and that are not in
 /// `loaded`, and for those that they call.
 pub fn find(main: &Path, calls: BTreeSet<u16>, loaded: &BTreeSet<u16>) -> Vec<Found> {
-    let mut wanted: Vec<u16> = calls.into_iter().collect();
-    let mut known = loaded.clone();
-    wanted.retain(|number| !known.contains(number));
-    if wanted.is_empty() {
+    if calls.is_subset(loaded) {
         return Vec::new();
     }
-    let index = beside(main);
+    let read = |path: &Path| program_file::read(path).ok().map(|file| file.text);
+    find_among(&beside(main), calls, loaded, &read)
+}
+
+/// As [`find`], among programs that are known by number; `read` gives their texts.
+pub fn find_among(
+    index: &BTreeMap<u16, PathBuf>,
+    calls: BTreeSet<u16>,
+    loaded: &BTreeSet<u16>,
+    read: &dyn Fn(&Path) -> Option<String>,
+) -> Vec<Found> {
+    let mut wanted: Vec<u16> = calls.into_iter().collect();
+    let mut known = loaded.clone();
     let mut found = Vec::new();
     while let Some(number) = wanted.pop() {
         if !known.insert(number) {
@@ -48,14 +57,14 @@ pub fn find(main: &Path, calls: BTreeSet<u16>, loaded: &BTreeSet<u16>) -> Vec<Fo
         let Some(path) = index.get(&number) else {
             continue;
         };
-        let Ok(file) = program_file::read(path) else {
+        let Some(text) = read(path) else {
             continue;
         };
-        wanted.extend(self::calls(&file.text));
+        wanted.extend(self::calls(&text));
         found.push(Found {
             number,
-            path: file.path,
-            text: file.text,
+            path: path.clone(),
+            text,
         });
     }
     found.sort_by_key(|found| found.number);

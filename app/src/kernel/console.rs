@@ -10,7 +10,7 @@ use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
 use gsk_core::machine::Fault;
-use gsk_core::memory::Refusal;
+use gsk_core::memory::{Level, Refusal};
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
@@ -22,6 +22,7 @@ use gsk_panel::keys::Key;
 use gsk_panel::pages::PageId;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
+use gsk_project::State;
 use gsk_runner::first_look::FirstLook;
 
 use super::link_view::LinkView;
@@ -87,6 +88,8 @@ pub enum Command {
     Store(String, Sender<Result<u16, NotStored>>),
     /// Hand out once what a preview of the control as it stands starts from.
     HandOut(Sender<Box<Setup>>),
+    /// Hand out once what the control holds, and the operation level in force.
+    HandOutState(Sender<Box<(State, Level)>>),
     /// The job of the part in the simulated lathe, on fresh stock; none: there is none.
     Job(Option<Box<Chosen>>),
     /// New stock is clamped.
@@ -271,6 +274,15 @@ impl Console {
         let (to, answer) = bounded(1);
         self.commands.send(Command::HandOut(to)).ok()?;
         platform::answer(&answer, LONGEST).map(|setup| *setup)
+    }
+
+    /// What the control holds, and the operation level in force; `None` where the kernel
+    /// gives no answer. It waits, as [`Self::setup`] does.
+    pub fn state(&self) -> Option<(State, Level)> {
+        const LONGEST: Duration = Duration::from_secs(5);
+        let (to, answer) = bounded(1);
+        self.commands.send(Command::HandOutState(to)).ok()?;
+        platform::answer(&answer, LONGEST).map(|state| *state)
     }
 
     /// Stores a text as a program of the memory and selects it; `None` where the kernel

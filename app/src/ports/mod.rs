@@ -60,7 +60,7 @@ pub enum PortError {
         /// What the system said.
         error: io::Error,
     },
-    /// No board can be offered at this network address.
+    /// Nothing can be offered at this network address.
     NotOffered {
         /// The address.
         address: String,
@@ -291,6 +291,21 @@ impl Offer {
         match self {
             Self::Terminal { near, .. } => near.read(),
             Self::Tcp(offer) => offer.read(),
+        }
+    }
+
+    /// Says as much to the other end as it takes now; where nobody has connected, it is
+    /// lost, as on a wire.
+    ///
+    /// # Errors
+    /// The other end can never come back.
+    pub fn write_some(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Terminal { near, .. } => near.write(bytes),
+            Self::Tcp(offer) => {
+                offer.write(bytes);
+                Ok(bytes.len())
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 //! start, saving while the control runs.
 
 mod keeper;
+pub mod project;
 mod snapshot;
 #[cfg(test)]
 mod tests;

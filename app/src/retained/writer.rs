@@ -32,6 +32,11 @@ impl Writer {
         }
     }
 
+    /// Programs that come from elsewhere, and how they are written down.
+    pub(super) fn written_as(&mut self, encodings: &BTreeMap<u16, Encoding>) {
+        self.encodings.clone_from(encodings);
+    }
+
     /// Writes each file for itself; what could not be written.
     pub(super) fn write(&mut self, now: &Snapshot) -> Vec<Message> {
         let mut changes = Vec::new();

@@ -11,10 +11,12 @@ use web_time::{Duration, Instant};
 
 use super::figures::Figures;
 use super::layout::floating;
-use super::{Settings, TITLE, Window, fonts, surroundings};
+use super::{Chosen, Settings, TITLE, Window, fonts, surroundings};
 use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
+use crate::files::models;
 use crate::kernel::{self, Console, Kernel, KernelThread, Outside};
+use crate::project::{self, Taking, Who};
 use crate::retained::{Keeper, Restored};
 use crate::{platform, transfer};
 
@@ -74,7 +76,9 @@ struct App {
     window: Window,
     kernel: KernelThread,
     ending: Ending,
-    data: Arc<DataDir>,
+    /// None while the control is off.
+    data: Option<Arc<DataDir>>,
+    model: ModelId,
     saved: Settings,
     /// What is not written yet, and since when.
     changed: Option<(Settings, Instant)>,
@@ -142,7 +146,8 @@ impl App {
             window,
             kernel: thread,
             ending,
-            data,
+            data: Some(data),
+            model,
             saved: settings,
             changed: None,
             sized: false,
@@ -175,6 +180,54 @@ impl App {
                 before.turn_off();
             }
             Err(said) => self.window.say(said),
+        }
+    }
+
+    /// Turns the control off, lets it take over what was chosen of a project, and turns it on
+    /// again.
+    fn take_over(&mut self, chosen: &Chosen, context: &egui::Context) {
+        let Some(another) = self.another.take() else {
+            return;
+        };
+        self.turn_off();
+        // Nobody else has it now: it can be opened to be written.
+        let Some(data) = self.data.take() else {
+            return;
+        };
+        let directory = models::directory(data.path(), self.model);
+        drop(data);
+        let taking = Taking {
+            project: &chosen.folder,
+            directory: &directory,
+            model: Some(self.model),
+            who: Who::LoggedOn,
+            dry_run: false,
+        };
+        let taken = project::take_over(&taking, &|it| chosen.has(it));
+        let said = match &taken {
+            Ok(taken) => taken.message(),
+            Err(error) => error.message(),
+        };
+        let started = another(self.model).map(|start| Start {
+            settings: self.window.settings().clone(),
+            ..start
+        });
+        let ending = self.ending.clone();
+        let app =
+            started.and_then(|start| App::new(start, ending, context).map_err(say::as_written));
+        match app {
+            Ok(app) => {
+                *self = app;
+                self.another = Some(another);
+                self.sized = true;
+                self.window.set_model(self.model, true);
+                self.window.say(said);
+            }
+            Err(failed) => {
+                complain!("gsk980td: {said}");
+                complain!("gsk980td: {failed}");
+                self.window.kernel_gone();
+            }
         }
     }
 
@@ -233,7 +286,8 @@ impl App {
             return;
         }
         self.saved = self.window.settings().clone();
-        if let Err(said) = self.data.store("window", &self.saved) {
+        let stored = self.data.as_ref().map(|it| it.store("window", &self.saved));
+        if let Some(Err(said)) = stored {
             self.window.say(said);
         }
     }
@@ -262,6 +316,11 @@ impl eframe::App for App {
         self.window.ui(ui);
         if let Some(model) = self.window.take_model() {
             self.change_model(model, ui.ctx());
+        }
+        if platform::has_folders()
+            && let Some(chosen) = self.window.take_chosen()
+        {
+            self.take_over(&chosen, ui.ctx());
         }
         self.follow_title(ui.ctx());
         if let Some(figures) = &mut self.figures {

@@ -19,6 +19,7 @@ mod opener;
 mod panel_view;
 mod placing;
 mod pointing;
+mod project;
 mod questions;
 pub mod refusal;
 mod samples;
@@ -48,6 +49,8 @@ use layout::Pane;
 use message::Message;
 use opener::Opener;
 use pointing::Pointing;
+pub use project::Chosen;
+use project::ProjectCommand;
 use questions::Questions;
 pub use settings::Settings;
 use views::{Views, header};
@@ -82,6 +85,9 @@ pub struct Window {
     lcd: lcd::Lcd,
     face: face::Face,
     models: Models,
+    projects: project::Desk,
+    /// Values of a project that the control is to take over.
+    chosen: Option<Chosen>,
 }
 
 /// The control model, and the one that was asked for.
@@ -117,6 +123,8 @@ impl Window {
             lcd: lcd::Lcd::default(),
             face: face::Face::default(),
             models: Models::default(),
+            projects: project::Desk::default(),
+            chosen: None,
         }
     }
 
@@ -132,6 +140,16 @@ impl Window {
     /// The model that was asked for.
     pub const fn take_model(&mut self) -> Option<ModelId> {
         self.models.asked.take()
+    }
+
+    /// Lists what differs between a project and the control.
+    pub fn compare(&mut self, context: &egui::Context, folder: PathBuf) {
+        self.projects.compare(folder, &self.console, context);
+    }
+
+    /// What the control is to take over while it is off.
+    pub const fn take_chosen(&mut self) -> Option<Chosen> {
+        self.chosen.take()
     }
 
     /// The models to choose from, and why not now.
@@ -256,6 +274,9 @@ impl Window {
         let unsaved = self.views.unsaved();
         self.questions
             .show(ui.ctx(), language, picture, &self.console, unsaved);
+        let why_not = self.model_choice().why_not;
+        let chosen = self.projects.show(ui.ctx(), language, why_not.as_ref());
+        self.chosen = chosen.or(self.chosen.take());
         self.browser.show(ui.ctx(), language);
         self.keyboard(ui);
         let (board, lcd) = (self.board(), self.lcd.place());
@@ -385,6 +406,15 @@ impl Window {
             }
             top_bar::Asked::Open(path) => self.open(ui.ctx(), path),
             top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
+            // A page has no folders, and need not have what reads them.
+            top_bar::Asked::Project(_) if !platform::has_folders() => {}
+            top_bar::Asked::Project(ProjectCommand::Compare) => {
+                let language = self.settings.language;
+                self.projects.choose(&self.console, language, ui.ctx());
+            }
+            top_bar::Asked::Project(command) => {
+                project::save(command, &self.console, self.settings.language, ui.ctx());
+            }
             top_bar::Asked::Layout(layout) => self.settings.layouts.choose(layout),
             top_bar::Asked::View(view) => self.settings.layouts.toggle(view),
             top_bar::Asked::Speed(speed) => self.console.send(Command::Speed(speed)),

@@ -11,10 +11,12 @@ use super::Settings;
 use super::alarm_line;
 use super::fonts;
 use super::layout::{LAYOUTS, Layout};
+use super::project::{COMMANDS, ProjectCommand};
 use super::samples::{SAMPLES, Sample};
 use super::view::{VIEWS, View, key_name};
 use crate::kernel::{Imposed, Snapshot, Times};
 use crate::pace::Speed;
+use crate::platform;
 use gsk_messages::{Language, Message, say};
 
 /// Ground of the sign that something is imposed.
@@ -32,6 +34,8 @@ pub enum Asked {
     Open(PathBuf),
     /// Open a sample.
     Sample(&'static Sample),
+    /// Do something with a project.
+    Project(ProjectCommand),
     /// Use a layout.
     Layout(Layout),
     /// Light surroundings, or dark ones again.
@@ -113,6 +117,16 @@ pub fn show(
         let reload = egui::Button::new(say::window_reload().text(language));
         if ui.add_enabled(opened.is_some(), reload).clicked() {
             asked = opened.cloned().map(Asked::Open);
+        }
+        if platform::has_folders() {
+            ui.menu_button(say::project_menu().text(language), |ui| {
+                for (command, name) in COMMANDS {
+                    if ui.button(name().text(language)).clicked() {
+                        asked = Some(Asked::Project(command));
+                        ui.close();
+                    }
+                }
+            });
         }
         ui.menu_button(say::window_layouts().text(language), |ui| {
             for row in &LAYOUTS {

@@ -56,6 +56,8 @@ pub enum Request {
     AskToEdit(u16),
     /// Asks whether a program may be sent: raises the alarm that says why not.
     AskToSend(u16),
+    /// Asks whether a program may come in: raises the alarm that says why not.
+    AskToReceive(u16),
     /// What the serial port does from now on (F213).
     SerialPort(SerialPort),
     /// What came in through the serial port.
@@ -217,6 +219,9 @@ impl Cnc {
             }
             Request::AskToSend(number) => {
                 allowed(self.rights().send_program(number))?;
+            }
+            Request::AskToReceive(number) => {
+                allowed(self.rights().receive_program(number))?;
             }
             Request::SerialPort(state) => self.serial_port = state,
             Request::Receive(received) => self.take_received(received)?,

@@ -17,6 +17,11 @@ pub struct Counters {
 }
 
 impl Counters {
+    /// After as many parts the counter is at 0 again.
+    pub const PARTS: u32 = PARTS;
+    /// After as many milliseconds the cutting time is.
+    pub const CUTTING_MS: u64 = CUTTING_MS;
+
     /// One more part; after 9999 comes 0.
     pub(crate) const fn count_part(&mut self) {
         self.parts = (self.parts % PARTS + 1) % PARTS;

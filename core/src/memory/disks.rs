@@ -54,6 +54,11 @@ impl Disks {
             .unwrap_or_else(|| DiskContent::factory(disk))
     }
 
+    /// What was saved on a disk; none of one that is as delivered.
+    pub fn saved(&self, disk: Disk) -> Option<&DiskContent> {
+        self.saved.get(place(disk)?)?.as_ref()
+    }
+
     /// Saves on a disk; N0 is read-only and stays.
     pub fn save(&mut self, disk: Disk, content: DiskContent) {
         if let Some(place) = place(disk) {

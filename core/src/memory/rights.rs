@@ -157,6 +157,28 @@ impl Rights<'_> {
         self.level_at_most(Level::WORKSHOP)
     }
 
+    /// Handing a program out to whoever asks for it through the serial port: in any mode,
+    /// at rest (manual III-9.5, III-9.8.2).
+    ///
+    /// # Errors
+    /// What stands against it.
+    pub fn fetch_program(&self, number: u16) -> Result<(), Refusal> {
+        self.at_rest()?;
+        unless(self.program_switch, Refusal::ProgramSwitch)?;
+        unless(!self.hides(number), Refusal::Locked)?;
+        self.level_at_most(serial_level(number))
+    }
+
+    /// Handing parameters, offsets or the pitch table out.
+    ///
+    /// # Errors
+    /// What stands against it.
+    pub fn fetch_data(&self) -> Result<(), Refusal> {
+        self.at_rest()?;
+        unless(self.parameter_switch, Refusal::ParameterSwitch)?;
+        self.level_at_most(Level::WORKSHOP)
+    }
+
     fn may_receive(&self) -> Result<(), Refusal> {
         self.at_rest()?;
         unless(!self.protected, Refusal::Locked)

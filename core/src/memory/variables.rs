@@ -92,7 +92,7 @@ impl Variables {
     }
 
     /// The value that macro B reads; `None`: null.
-    pub(crate) fn real(&self, number: u16) -> Option<f64> {
+    pub fn real(&self, number: u16) -> Option<f64> {
         let real = self.reals.get(&number).copied();
         real.or_else(|| self.get(number).map(|whole| whole as f64))
     }
@@ -101,7 +101,7 @@ impl Variables {
     ///
     /// # Errors
     /// 115 for a number that is none, 111 for a value that macro A could not read.
-    pub(crate) fn set_real(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
+    pub fn set_real(&mut self, number: u16, value: Option<f64>) -> Result<(), Alarm> {
         if Self::has(number) {
             let value = value.unwrap_or(0.0);
             self.set(number, libm::trunc(value) as i64)?;

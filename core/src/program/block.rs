@@ -421,6 +421,19 @@ fn usual_range(address: u8) -> (i64, i64) {
     USUAL.get(letter).copied().unwrap_or((-LENGTH, LENGTH))
 }
 
+/// Lowest and highest number of a word in most blocks (manual table 2-1), as they are
+/// written; some codes take less or more.
+pub fn limits(address: u8) -> (String, String) {
+    let (low, high) = usual_range(address);
+    (limit(low), limit(high))
+}
+
+/// A limit as it is written.
+fn limit(millionths: i64) -> String {
+    let text = Number::from_millionths(millionths).to_string();
+    text.trim_end_matches('.').to_string()
+}
+
 /// Lowest and highest value of a word in its block, in millionths: the usual ones, or
 /// farther apart.
 fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
@@ -444,10 +457,6 @@ fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
 
 #[cold]
 fn out_of_range(word: &Word, low: i64, high: i64) -> BlockError {
-    let limit = |millionths: i64| {
-        let text = Number::from_millionths(millionths).to_string();
-        text.trim_end_matches('.').to_string()
-    };
     let name = char::from(word.address);
     let detail = say::word_out_of_range(name, word.value, limit(low), limit(high));
     BlockError::at(alarm::number::OUT_OF_RANGE, word.span.0.into(), detail)

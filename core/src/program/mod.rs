@@ -41,7 +41,7 @@ mod syntax;
 mod tests;
 mod text;
 
-pub use block::{Block, Word};
+pub use block::{Block, Word, limits};
 pub use edit::{Completion, Editing};
 pub use inflow::{Inflow, LineTooLong};
 pub use listing::without_end;

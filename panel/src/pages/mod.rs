@@ -41,7 +41,7 @@ pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub(crate) use program::directory_screens;
 pub(crate) use program_text::PAGE_ROWS;
 pub use table::{PAGES, PageId, PageKey, PageRow};
-pub(crate) use view::BRIGHTNESS_STEPS;
+pub use view::BRIGHTNESS_STEPS;
 pub use view::{Communication, Cursor, Cursors, Editor, FLASH_TICKS, View};
 
 use crate::screen::Screen;

@@ -13,7 +13,7 @@ use crate::trace::Trace;
 pub const FLASH_TICKS: u64 = 500;
 
 /// Steps of the LCD's brightness.
-pub(crate) const BRIGHTNESS_STEPS: u8 = 16;
+pub const BRIGHTNESS_STEPS: u8 = 16;
 
 /// Brightness of a new panel.
 pub(crate) const DEFAULT_BRIGHTNESS: u8 = 8;

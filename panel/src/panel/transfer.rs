@@ -2,6 +2,7 @@
 //! partner sends is taken, and the bottom line says what goes on (manual III-9).
 
 mod files;
+mod line;
 
 use gsk_core::cnc::{Cnc, Received, Request, SerialPort};
 use gsk_core::memory::Refusal;
@@ -13,6 +14,7 @@ use super::Panel;
 use super::program_text::{is_all_programs, number};
 use crate::pages::{Communication, PageId};
 pub use files::LineError;
+pub use line::{FileId, FileRefusal, file_of, number_of_name, read_data};
 
 /// A PC talks at this rate or a higher one (manual III-9.3).
 const SLOWEST: u64 = 4800;
@@ -79,11 +81,22 @@ enum Wanted {
     Parameters,
 }
 
+/// Who is at the other end of the port.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+enum Partner {
+    /// Nobody.
+    #[default]
+    Nobody,
+    /// Somebody who takes everything, without a port.
+    Imagined,
+    /// Whoever speaks through a port of the computer.
+    Line,
+}
+
 /// The serial port.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Transfer {
-    /// Somebody listens at the other end.
-    partner: bool,
+    partner: Partner,
     /// Begins with the next tick: what was edited is stored then.
     wanted: Option<Wanted>,
     /// What goes out, what comes in, and until when.
@@ -92,6 +105,10 @@ pub(super) struct Transfer {
     until: u64,
     /// What has arrived and is to be fetched.
     sent: Vec<SerialFile>,
+    /// What goes out through a port of the computer.
+    for_line: Vec<SerialFile>,
+    /// 复位 has broken off what a port of the computer does.
+    broken_off: bool,
 }
 
 impl Transfer {
@@ -108,7 +125,10 @@ impl Transfer {
 impl Panel {
     /// Connects a partner that takes what is sent, or pulls out the cable.
     pub const fn connect(&mut self, partner: bool) {
-        self.transfer.partner = partner;
+        self.transfer.partner = match partner {
+            true => Partner::Imagined,
+            false => Partner::Nobody,
+        };
     }
 
     /// Fetches what has arrived at the partner.
@@ -134,6 +154,11 @@ impl Panel {
     /// 复位 ends a transfer.
     pub(super) fn break_transfer(&mut self, requests: &mut Vec<Request>) {
         self.transfer.wanted = None;
+        if self.line_is_busy() {
+            self.transfer.for_line.clear();
+            self.transfer.broken_off = true;
+            self.show_transfer(Communication::Idle, SerialPort::Idle, requests);
+        }
         let incoming = self.transfer.incoming.take().is_some();
         if incoming || !self.transfer.files.is_empty() {
             self.transfer.files.clear();
@@ -153,7 +178,10 @@ impl Panel {
 
     fn port_is_busy(&self) -> bool {
         let transfer = &self.transfer;
-        transfer.wanted.is_some() || transfer.incoming.is_some() || !transfer.files.is_empty()
+        transfer.wanted.is_some()
+            || transfer.incoming.is_some()
+            || !transfer.files.is_empty()
+            || self.line_is_busy()
     }
 
     /// How long so many characters take on the line, ticks.
@@ -228,7 +256,13 @@ impl Panel {
         if !cnc.parameters().has_serial_port() || !self.may_send(wanted, cnc, requests) {
             return;
         }
-        if !self.transfer.partner || baud(cnc) < SLOWEST {
+        let answers = match self.transfer.partner {
+            Partner::Nobody => false,
+            Partner::Imagined => baud(cnc) >= SLOWEST,
+            // Whether somebody is there, the port finds out.
+            Partner::Line => true,
+        };
+        if !answers {
             self.view.communication = Communication::NotConnected;
             return;
         }
@@ -282,6 +316,11 @@ impl Panel {
     pub(super) fn follow_transfer(&mut self, cnc: &Cnc, requests: &mut Vec<Request>) {
         if let Some(wanted) = self.transfer.wanted.take() {
             let files = files::of(wanted, cnc);
+            if self.transfer.partner == Partner::Line {
+                self.transfer.for_line = files;
+                self.show_transfer(Communication::Sending, SerialPort::Sending, requests);
+                return;
+            }
             let characters = files.iter().map(|file| file.text.len()).sum();
             self.transfer.until = self.clock + Self::line_time(characters, cnc);
             self.transfer.files = files;

@@ -67,6 +67,14 @@ pub fn remove(path: &Path) -> io::Result<()> {
     fs::remove_file(path)
 }
 
+/// Removes a folder with all that is in it; a link to one goes alone.
+///
+/// # Errors
+/// There is none, or what the system says.
+pub fn remove_folder(path: &Path) -> io::Result<()> {
+    fs::remove_dir_all(path)
+}
+
 /// Gives a file another name; one that had it is gone.
 ///
 /// # Errors
@@ -103,6 +111,11 @@ pub fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }
+}
+
+/// Whether its user has folders that a program may write and read.
+pub const fn has_folders() -> bool {
+    true
 }
 
 /// Whether a file is there at the next start, too, for all that the program knows.

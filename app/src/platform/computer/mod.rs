@@ -6,8 +6,8 @@ mod turns;
 mod view;
 
 pub use disk::{
-    Lock, facts, is_link, is_taken, lasts, list, make_folder, read, remove, rename, sync_folder,
-    write_new,
+    Lock, facts, has_folders, is_link, is_taken, lasts, list, make_folder, read, remove,
+    remove_folder, rename, sync_folder, write_new,
 };
 pub use log_file::{LogFile, LogGuard, log_file};
 pub use turns::{LONGEST_LOOK, Turning, answer, beside, receive, turn};

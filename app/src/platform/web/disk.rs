@@ -46,6 +46,11 @@ fn storage() -> Option<Storage> {
     web_sys::window()?.local_storage().ok()?
 }
 
+/// Its user hands single files over.
+pub const fn has_folders() -> bool {
+    false
+}
+
 /// Whether the browser keeps files beyond the page.
 pub fn is_kept() -> bool {
     storage().is_some()
@@ -193,6 +198,22 @@ pub fn remove(path: &Path) -> io::Result<()> {
     let found = with(|disk| disk.files.remove(path));
     found.ok_or(ErrorKind::NotFound)?;
     keep(path, None)
+}
+
+/// Removes a folder with all that is in it.
+///
+/// # Errors
+/// There is none, or the storage does not let it go.
+pub fn remove_folder(path: &Path) -> io::Result<()> {
+    let files = with(|disk| {
+        if !disk.folders.contains(path) {
+            return Err(ErrorKind::NotFound);
+        }
+        disk.folders.retain(|folder| !folder.starts_with(path));
+        let inside = disk.files.keys().filter(|file| file.starts_with(path));
+        Ok(inside.cloned().collect::<Vec<_>>())
+    })?;
+    files.iter().try_for_each(|file| remove(file))
 }
 
 /// Gives a file another name; one that had it is gone.

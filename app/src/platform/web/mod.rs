@@ -14,8 +14,8 @@ mod view;
 
 pub use desktop::{file_dialog_answers, has_display, leave_console};
 pub use disk::{
-    Lock, facts, is_link, is_taken, lasts, list, make_folder, read, remove, rename, sync_folder,
-    write_new,
+    Lock, facts, has_folders, is_link, is_taken, lasts, list, make_folder, read, remove,
+    remove_folder, rename, sync_folder, write_new,
 };
 pub use files::{is_serial_port, same_file};
 pub use log_file::{LogFile, LogGuard, log_file};

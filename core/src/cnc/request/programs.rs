@@ -123,7 +123,7 @@ impl Cnc {
 
     /// The rest of a held run cannot be gone on with: the next start begins at the
     /// head.
-    fn void_run(&mut self) {
+    pub(super) fn void_run(&mut self) {
         if self.run.automatic.operating() {
             self.stop_run(RunState::Reset);
         }

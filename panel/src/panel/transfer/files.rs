@@ -8,13 +8,13 @@ use gsk_core::program::Program;
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-use super::{SerialFile, Wanted};
+use super::{FileId, SerialFile, Wanted};
 use crate::pages;
 
 /// Names of the data files; programs are called by their number.
-const OFFSETS: &str = "Tofs.ofs";
-const PITCH: &str = "Wcomp.wmp";
-const PARAMETERS: &str = "ParaW.par";
+pub(super) const OFFSETS: &str = "Tofs.ofs";
+pub(super) const PITCH: &str = "Wcomp.wmp";
+pub(super) const PARAMETERS: &str = "ParaW.par";
 
 /// The files of what is wanted.
 pub(super) fn of(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
@@ -40,6 +40,17 @@ pub(super) fn of(wanted: Wanted, cnc: &Cnc) -> Vec<SerialFile> {
         Wanted::Pitch => vec![file(PITCH, pitch(cnc))],
         Wanted::Parameters => vec![file(PARAMETERS, parameters(cnc))],
     }
+}
+
+/// The file of a program or of data; none for a program that is not there.
+pub(super) fn one(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
+    let wanted = match id {
+        FileId::Program(number) => Wanted::Program(number),
+        FileId::Offsets => Wanted::Offsets,
+        FileId::Pitch => Wanted::Pitch,
+        FileId::Parameters => Wanted::Parameters,
+    };
+    of(wanted, cnc).pop()
 }
 
 fn program_file(number: u16, program: &Program) -> SerialFile {

@@ -13,7 +13,7 @@ use gsk_core::program::Program;
 use gsk_messages::{Language, say};
 
 use super::path::{Block, Path};
-use crate::window::views::program::words::{spans, word_of};
+use gsk_language::words::{spans, word_of};
 
 const TRIED: Color32 = Color32::from_rgb(255, 196, 90);
 

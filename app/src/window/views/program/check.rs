@@ -13,20 +13,17 @@ use gsk_core::command::ProgramId;
 use gsk_core::preview::End;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
+use gsk_language::locate;
 use gsk_messages::Language;
 use gsk_runner::first_look::{self, FirstLook};
 use gsk_runner::report::AlarmReport;
 
-use super::words::spans;
 use crate::kernel::Console;
 use crate::patience::Patience;
 use crate::platform;
 
 /// How long a text is looked through, and how many moves of it.
 pub const PATIENCE: (Duration, u64) = (Duration::from_secs(10), 20_000_000);
-
-/// The message of an alarm that a cycle raises in a block of its profile.
-const IN_PROFILE: &str = "in_profile";
 
 /// Something wrong with the text.
 #[derive(Clone, Debug, PartialEq)]
@@ -202,37 +199,18 @@ fn finding(alarm: &Alarm, programs: &ProgramMemory, program: &Program) -> Findin
     let here = alarm
         .source
         .filter(|source| source.program == ProgramId::External);
-    let detail = alarm.detail.as_ref();
-    let profile = detail.filter(|detail| detail.id().name() == IN_PROFILE);
-    // A cycle reads its profile: what is wrong stands there.
-    let in_profile = profile.and_then(|detail| detail.plain_value("line")?.parse().ok());
-    let line = here.map(|source| in_profile.unwrap_or(source.line));
-    let text = line.map_or("", |line| program.line(line));
-    let column = detail.and_then(|detail| detail.plain_value("column"));
-    let column = column.and_then(|column| column.parse().ok());
+    let at = here.and_then(|_| locate(alarm, |line| program.line(line)));
+    let columns = at.as_ref().map_or(0..1, |at| {
+        let line = program.line(at.line);
+        let characters = |byte| line.get(..byte).map_or(0, |before| before.chars().count());
+        let from = characters(at.bytes.start);
+        from..characters(at.bytes.end).max(from + 1)
+    });
+    let line = at.map(|at| at.line);
     Finding {
         line: line.map(|line| line.saturating_sub(1) as usize),
-        columns: columns(text, column),
+        columns,
         told,
-    }
-}
-
-/// The characters of a line that raise an alarm: the word at a column (from 1), or the
-/// whole block without its number.
-fn columns(line: &str, column: Option<usize>) -> Range<usize> {
-    let characters = |byte: usize| line.get(..byte).map_or(0, |before| before.chars().count());
-    let spans: Vec<Range<usize>> = spans(line)
-        .into_iter()
-        .map(|span| characters(span.range.start)..characters(span.range.end))
-        .collect();
-    if let Some(column) = column {
-        let at = column.saturating_sub(1);
-        let word = spans.iter().find(|range| range.contains(&at));
-        return word.cloned().unwrap_or(at..at + 1);
-    }
-    match (spans.first(), spans.last()) {
-        (Some(first), Some(last)) => first.start..last.end,
-        _ => 0..line.chars().count().max(1),
     }
 }
 

@@ -9,14 +9,14 @@ use egui::{
     Align, Align2, Color32, Context, FontId, Frame, Galley, Id, Margin, Pos2, Rect, Response,
     ScrollArea, TextEdit, Ui, pos2, vec2,
 };
+use gsk_language::meaning::meaning;
+use gsk_language::words::{spans, word_of};
 use gsk_messages::{Language, say};
 
 use super::check::Finding;
-use super::codes::meaning;
 use super::document::Document;
 use super::paint::{self, Painter, wrong_in};
 use super::targets::Target;
-use super::words::{spans, word_of};
 
 const SIZE: f32 = 15.0;
 const GROUND: Color32 = Color32::from_gray(22);
@@ -250,7 +250,7 @@ fn followed(
     let span = spans(text)
         .into_iter()
         .find(|span| span.range.contains(&column))?;
-    Target::of(text, word_of(text, &span)?).map(|target| (target, line))
+    Target::of(text, &span).map(|target| (target, line))
 }
 
 /// Says what the word under the pointer means, and what is wrong with it.
@@ -273,8 +273,11 @@ fn tip(
         .find(|span| span.range.contains(&column));
     let word = span.as_ref().and_then(|span| word_of(text, span));
     let mut lines: Vec<String> = Vec::new();
-    lines.extend(word.and_then(meaning).map(|said| said.text(language)));
-    if word.is_some_and(|word| Target::of(text, word).is_some()) {
+    lines.extend(
+        word.and_then(|it| meaning(&it))
+            .map(|said| said.text(language)),
+    );
+    if span.is_some_and(|span| Target::of(text, &span).is_some()) {
         lines.push(say::program_lead().text(language));
     }
     let character = text

@@ -4,15 +4,12 @@
 
 mod bar;
 mod check;
-mod codes;
 mod desk;
 mod document;
 mod editor;
 mod paint;
 mod targets;
-pub mod words;
-
-use std::ops::Range;
+pub use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use egui::{Context, Panel, RichText, ScrollArea, Ui};

@@ -6,7 +6,7 @@ use egui::text::{LayoutJob, TextFormat};
 use egui::{Color32, FontId, Stroke};
 
 use super::check::Finding;
-use super::words::{Kind, spans};
+use gsk_language::words::{Kind, spans};
 
 /// What raises an alarm.
 pub const WRONG: Color32 = Color32::from_rgb(255, 110, 96);
@@ -21,6 +21,7 @@ const fn color(kind: Kind) -> Color32 {
         Kind::Setting => Color32::from_rgb(225, 150, 230),
         Kind::Axis => Color32::from_rgb(240, 240, 240),
         Kind::Other => Color32::from_rgb(230, 215, 140),
+        Kind::Statement => Color32::from_rgb(150, 215, 225),
         Kind::Comment => Color32::from_rgb(120, 190, 130),
         Kind::Mark => Color32::from_gray(110),
         Kind::Foreign => WRONG,

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::words::{Word, words};
+use gsk_language::words::{Span, spans, words};
+use gsk_language::{Aim, aim_of};
 
 /// What is jumped to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,26 +31,12 @@ impl Target {
         }
     }
 
-    /// Where a word of a line leads to: P of M98 to a program, P of M99, of G65 and of
-    /// G70 to G73 and Q of these to a block (manual I-2.4, I-3.3, I-5).
-    pub fn of(line: &str, word: Word<'_>) -> Option<Self> {
-        let has = |address: char, numbers: &[u32]| {
-            words(line).any(|other| {
-                let number = other.value.parse().ok();
-                other.address == address && number.is_some_and(|number| numbers.contains(&number))
-            })
-        };
-        match word.address {
-            'P' if has('M', &[98]) => {
-                // Before the four digits of the number stand those of the runs.
-                let digits = word.value.len().saturating_sub(4);
-                word.value.get(digits..)?.parse().ok().map(Self::Program)
-            }
-            'P' if has('M', &[99]) || has('G', &[65, 70, 71, 72, 73]) => {
-                word.value.parse().ok().map(Self::Sequence)
-            }
-            'Q' if has('G', &[70, 71, 72, 73]) => word.value.parse().ok().map(Self::Sequence),
-            _ => None,
+    /// Where a word of a line leads to (manual I-2.4, I-3.3, I-5).
+    pub fn of(line: &str, word: &Span) -> Option<Self> {
+        match aim_of(line, &spans(line), word)?.0 {
+            Aim::Block(number) | Aim::Caller(number) => Some(Self::Sequence(number)),
+            Aim::Program(number) => Some(Self::Program(number)),
+            Aim::Computed => None,
         }
     }
 
@@ -60,7 +47,7 @@ impl Target {
             let line = line.trim_start_matches(['/', ' ']);
             words(line)
                 .next()
-                .is_some_and(|word| word.address == address && word.value.parse() == Ok(number))
+                .is_some_and(|word| word.address == address && word.number() == Some(number.into()))
         };
         let (address, number) = match self {
             Self::Line(line) => {
@@ -104,7 +91,10 @@ mod tests {
                         N30 M99\n";
 
     fn led(line: &str, address: char) -> Option<Target> {
-        let word = words(line).find(|word| word.address == address)?;
+        let spans = spans(line);
+        let word = spans
+            .iter()
+            .find(|span| line[span.range.start..].starts_with(address))?;
         Target::of(line, word)
     }
 

@@ -1,20 +1,40 @@
-//! What words and codes mean on this control (manual I-2, I-3, I-4).
+//! What words and codes mean on this control, a line each (manual I-2, I-3, I-4).
 
+use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
 
-use super::words::Word;
+use crate::words::Word;
 
 /// What a word means: its code, where the control has it, else its letter.
-pub fn meaning(word: Word<'_>) -> Option<Message> {
-    let number = word.value.parse::<u16>().ok();
-    match (word.address, number) {
+pub fn meaning(word: &Word<'_>) -> Option<Message> {
+    match (word.address, word.number()) {
         ('G', Some(number)) => code(number),
         ('M', Some(number)) => function(number),
         (address, _) => letter(address),
     }
 }
 
-fn code(number: u16) -> Option<Message> {
+/// What a G or M code means on a control model; none where it does not have it.
+pub fn of_model(address: char, number: u32, model: ModelId) -> Option<Message> {
+    let record = model.record();
+    let said = match address {
+        'G' => record.g_code(number.into())?.text(),
+        'M' => {
+            let number = u8::try_from(number).ok()?;
+            record.m_function(number)?.does.text()
+        }
+        _ => return None,
+    };
+    // The lines written for this control say more than those for all models.
+    let own = match (model, address) {
+        (ModelId::Gsk980td, 'G') => code(number),
+        (ModelId::Gsk980td, _) => function(number),
+        _ => None,
+    };
+    Some(own.unwrap_or(said))
+}
+
+fn code(number: u32) -> Option<Message> {
     Some(match number {
         0 => say::code_g00(),
         1 => say::code_g01(),
@@ -48,7 +68,7 @@ fn code(number: u16) -> Option<Message> {
     })
 }
 
-fn function(number: u16) -> Option<Message> {
+fn function(number: u32) -> Option<Message> {
     Some(match number {
         0 => say::code_m00(),
         3 => say::code_m03(),
@@ -73,7 +93,8 @@ fn function(number: u16) -> Option<Message> {
     })
 }
 
-fn letter(address: char) -> Option<Message> {
+/// What the word of a letter means.
+pub fn letter(address: char) -> Option<Message> {
     Some(match address {
         'F' => say::word_f(),
         'H' => say::word_h(),
@@ -98,15 +119,15 @@ fn letter(address: char) -> Option<Message> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::words::words;
     use super::*;
+    use crate::words::words;
     use gsk_messages::Language;
 
     #[test]
     fn codes_are_told_apart_by_their_numbers() {
         let line = "N10 G1 X20. G71 M03 M61 T0101 G5";
         let told: Vec<Option<String>> = words(line)
-            .map(|word| meaning(word).map(|said| said.text(Language::En)))
+            .map(|word| meaning(&word).map(|said| said.text(Language::En)))
             .collect();
         let begins = |index: usize, words: &str| {
             let said = told[index].as_deref().unwrap_or_default();
@@ -119,5 +140,18 @@ mod tests {
         begins(4, "M03: spindle forward");
         begins(6, "T: ");
         assert_eq!((&told[5], &told[7]), (&None, &None));
+    }
+
+    #[test]
+    fn every_code_of_a_model_has_its_line() {
+        for model in ModelId::ALL {
+            let record = model.record();
+            let g = record.g.keys().map(|number| ('G', *number));
+            for (letter, number) in g.chain(record.m.keys().map(|number| ('M', *number))) {
+                let said = of_model(letter, number.into(), model);
+                assert!(said.is_some(), "{letter}{number} of {model:?}");
+            }
+        }
+        assert_eq!(of_model('G', 5, ModelId::Gsk980td), None);
     }
 }

@@ -1,0 +1,288 @@
+//! Options of the serial port, and of `transfer`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum};
+use gsk_transfer::{FileName, LineEnd, Partition};
+
+use crate::setup_args::SetupArgs;
+
+/// Where the control's serial port is.
+#[derive(Args, Clone, Debug, Default)]
+pub struct SerialArgs {
+    /// The control's serial port is this port, at the speed of parameter 044: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal, whose name is said
+    #[arg(long, value_name = "PORT")]
+    pub serial: Option<String>,
+    /// Programs go through it as plain text between `%`, their lines ending so, as DNC programs read them [default: frames for `gsk980td transfer`; a text that comes in is taken all the same]
+    #[arg(long, value_enum, value_name = "LINE-END", requires = "serial", num_args = 0..=1, default_missing_value = "crlf")]
+    pub serial_text: Option<TextEnd>,
+}
+
+/// How lines of a text end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TextEnd {
+    /// CR LF
+    Crlf,
+    /// LF
+    Lf,
+    /// CR
+    Cr,
+    /// LF CR CR, as on a punched tape
+    Lfcrcr,
+}
+
+impl TextEnd {
+    /// For the line.
+    pub const fn line_end(self) -> LineEnd {
+        match self {
+            Self::Crlf => LineEnd::CrLf,
+            Self::Lf => LineEnd::Lf,
+            Self::Cr => LineEnd::Cr,
+            Self::Lfcrcr => LineEnd::LfCrCr,
+        }
+    }
+}
+
+/// `transfer`.
+#[derive(Debug, Subcommand)]
+pub enum TransferCommand {
+    /// List the files of the control, with their lengths in bytes
+    List(TransferListArgs),
+    /// Send files into the control
+    Send(TransferSendArgs),
+    /// Receive files from the control
+    Receive(TransferReceiveArgs),
+    /// Delete programs of the control
+    Delete(TransferDeleteArgs),
+    /// Rename a program of the control
+    Rename(TransferRenameArgs),
+    /// Receive all files of the control into a folder
+    Backup(TransferBackupArgs),
+    /// Send all files of a folder into the control: programs first, parameters last
+    Restore(TransferRestoreArgs),
+    /// Take what the control sends by its key OUT, until Ctrl-C
+    Wait(TransferWaitArgs),
+    /// Send programs as plain text between `%`, to a control that is set to receive
+    SendText(TransferSendTextArgs),
+    /// Receive one plain text between `%`: the programs that a control punches out
+    ReceiveText(TransferReceiveTextArgs),
+    /// Be the control at the other end, without a window, until Ctrl-C; its port is printed first
+    Control(TransferControlArgs),
+}
+
+/// The port of the PC.
+#[derive(Args, Clone, Debug)]
+pub struct TransferPortArgs {
+    /// The port: a device, or `tcp:HOST:PORT`
+    #[arg(long, value_name = "PORT")]
+    pub port: String,
+    /// Its speed, bits a second: that of parameter 044 of the control
+    #[arg(long, default_value_t = 115_200, value_name = "N", value_parser = clap::value_parser!(u32).range(50..=115_200))]
+    pub baud: u32,
+}
+
+/// What becomes of a file whose name is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ExistingFile {
+    /// Somebody at the terminal is asked
+    Ask,
+    /// It is replaced
+    Overwrite,
+    /// The one that is there gets the next free program number
+    Rename,
+    /// It stays, and the new one is not sent
+    Skip,
+}
+
+/// A partition of the control.
+fn partition(word: &str) -> Result<Partition, String> {
+    let mut all = Partition::ALL.into_iter();
+    let found = all.find(|partition| partition.name().eq_ignore_ascii_case(word));
+    found.ok_or_else(|| Partition::ALL.map(Partition::name).join(", "))
+}
+
+/// A name of a file at the control.
+fn name(word: &str) -> Result<FileName, gsk_transfer::NameError> {
+    FileName::new(word)
+}
+
+/// `transfer list`.
+#[derive(Args, Debug)]
+pub struct TransferListArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// USER, USER1 or USER2
+    #[arg(long, default_value = "USER", value_parser = partition)]
+    pub partition: Partition,
+}
+
+/// `transfer send`.
+#[derive(Args, Debug)]
+pub struct TransferSendArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// A file, or FILE=NAME where it has another name at the control
+    #[arg(required = true, value_name = "FILE[=NAME]")]
+    pub files: Vec<String>,
+    /// USER, USER1 or USER2
+    #[arg(long, default_value = "USER", value_parser = partition)]
+    pub partition: Partition,
+    /// What becomes of a file whose name the control has already
+    #[arg(long, value_enum, default_value_t = ExistingFile::Ask)]
+    pub on_existing: ExistingFile,
+}
+
+/// `transfer receive`.
+#[derive(Args, Debug)]
+pub struct TransferReceiveArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// A file at the control: O0001.CNC, ParaW.par, Tofs.ofs, Wcomp.wmp
+    #[arg(required = true, value_name = "NAME", value_parser = name)]
+    pub names: Vec<FileName>,
+    /// The folder it comes into
+    #[arg(long, default_value = ".", value_name = "FOLDER")]
+    pub into: PathBuf,
+    /// Replace files of the folder
+    #[arg(long)]
+    pub overwrite: bool,
+    /// USER, USER1 or USER2
+    #[arg(long, default_value = "USER", value_parser = partition)]
+    pub partition: Partition,
+}
+
+/// `transfer delete`.
+#[derive(Args, Debug)]
+pub struct TransferDeleteArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// A program at the control: O0001.CNC
+    #[arg(required = true, value_name = "NAME", value_parser = name)]
+    pub names: Vec<FileName>,
+    /// USER, USER1 or USER2
+    #[arg(long, default_value = "USER", value_parser = partition)]
+    pub partition: Partition,
+}
+
+/// `transfer rename`.
+#[derive(Args, Debug)]
+pub struct TransferRenameArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// A program at the control: O0001.CNC
+    #[arg(value_name = "NAME", value_parser = name)]
+    pub from: FileName,
+    /// Its new name
+    #[arg(value_name = "NEW-NAME", value_parser = name)]
+    pub to: FileName,
+    /// USER, USER1 or USER2
+    #[arg(long, default_value = "USER", value_parser = partition)]
+    pub partition: Partition,
+}
+
+/// `transfer backup`.
+#[derive(Args, Debug)]
+pub struct TransferBackupArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// The folder the files come into
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// Replace files of the folder
+    #[arg(long)]
+    pub overwrite: bool,
+}
+
+/// `transfer restore`.
+#[derive(Args, Debug)]
+pub struct TransferRestoreArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// The folder with the files
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// What becomes of a file whose name the control has already
+    #[arg(long, value_enum, default_value_t = ExistingFile::Overwrite)]
+    pub on_existing: ExistingFile,
+}
+
+/// `transfer wait`.
+#[derive(Args, Debug)]
+pub struct TransferWaitArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// The folder the files come into
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// Replace files of the folder [default: the new file gets a number behind its name]
+    #[arg(long)]
+    pub overwrite: bool,
+    /// End after so many files
+    #[arg(long, value_name = "N")]
+    pub files: Option<usize>,
+}
+
+/// `transfer send-text`.
+#[derive(Args, Debug)]
+pub struct TransferSendTextArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// The programs
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// How lines end on the wire
+    #[arg(long, value_enum, default_value_t = TextEnd::Crlf)]
+    pub line_end: TextEnd,
+    /// Give up when the other end holds the line (DC3) for so many seconds
+    #[arg(long, default_value_t = 120, value_name = "S")]
+    pub wait: u64,
+}
+
+/// `transfer receive-text`.
+#[derive(Args, Debug)]
+pub struct TransferReceiveTextArgs {
+    /// The port of the PC.
+    #[command(flatten)]
+    pub port: TransferPortArgs,
+    /// The folder the programs come into, each under its number
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// Replace files of the folder
+    #[arg(long)]
+    pub overwrite: bool,
+    /// Give up when nothing has come for so many seconds
+    #[arg(long, default_value_t = 120, value_name = "S")]
+    pub wait: u64,
+}
+
+/// `transfer control`.
+#[derive(Args, Debug)]
+pub struct TransferControlArgs {
+    /// The control's port: a device, `tcp:HOST:PORT`, `listen:HOST:PORT`, or `pty` for a new pseudo terminal
+    #[arg(long, default_value = "pty", value_name = "PORT")]
+    pub port: String,
+    /// Programs go out as plain text between `%`, their lines ending so
+    #[arg(long, value_enum, value_name = "LINE-END", num_args = 0..=1, default_missing_value = "crlf")]
+    pub text: Option<TextEnd>,
+    /// The parameter switch is on: parameters, offsets and pitch errors come and go, too
+    #[arg(long)]
+    pub parameter_switch: bool,
+    /// Load this program and send it by the key OUT
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// So many seconds after the port is open: who takes text listens before
+    #[arg(long, default_value_t = 3, value_name = "S", requires = "out", value_parser = clap::value_parser!(u64).range(..=3600))]
+    pub out_after: u64,
+    /// Options of control and lathe.
+    #[command(flatten)]
+    pub setup: SetupArgs,
+}

@@ -1,0 +1,183 @@
+//! Between the places of the protocol and those of a text: columns in UTF-8 or UTF-16,
+//! files as URIs.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use gsk_language::{Edit, Place, Position, Text};
+use lsp_types::{PositionEncodingKind, Range, TextEdit, Uri};
+
+/// How columns are counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// In bytes.
+    Utf8,
+    /// In the units that every editor knows.
+    #[default]
+    Utf16,
+}
+
+impl Encoding {
+    /// The one that costs least of those that an editor offers.
+    pub fn of(offered: Option<&[PositionEncodingKind]>) -> Self {
+        let bytes = offered.is_some_and(|it| it.contains(&PositionEncodingKind::UTF8));
+        if bytes { Self::Utf8 } else { Self::Utf16 }
+    }
+
+    /// As the protocol calls it.
+    pub const fn kind(self) -> PositionEncodingKind {
+        match self {
+            Self::Utf8 => PositionEncodingKind::UTF8,
+            Self::Utf16 => PositionEncodingKind::UTF16,
+        }
+    }
+
+    /// A byte of a line as a column.
+    fn column(self, line: &str, byte: usize) -> u32 {
+        let byte = line.floor_char_boundary(byte.min(line.len()));
+        let before = line.get(..byte).unwrap_or(line);
+        let column = match self {
+            Self::Utf8 => before.len(),
+            Self::Utf16 => before.chars().map(char::len_utf16).sum(),
+        };
+        u32::try_from(column).unwrap_or(u32::MAX)
+    }
+
+    /// A column of a line as a byte; the end of the line where there is none.
+    fn byte(self, line: &str, column: u32) -> usize {
+        let column = column as usize;
+        match self {
+            Self::Utf8 => line.floor_char_boundary(column.min(line.len())),
+            Self::Utf16 => {
+                let mut units = 0;
+                for (byte, character) in line.char_indices() {
+                    if units >= column {
+                        return byte;
+                    }
+                    units += character.len_utf16();
+                }
+                line.len()
+            }
+        }
+    }
+
+    /// A position of a text for an editor.
+    pub fn to_editor(self, text: &Text, at: Position) -> lsp_types::Position {
+        let column = self.column(text.line(at.line), at.byte as usize);
+        lsp_types::Position::new(at.line, column)
+    }
+
+    /// A position that an editor names.
+    pub fn to_text(self, text: &Text, at: lsp_types::Position) -> Position {
+        let byte = self.byte(text.line(at.line), at.character);
+        Position {
+            line: at.line,
+            byte: u32::try_from(byte).unwrap_or(u32::MAX),
+        }
+    }
+
+    /// A piece of a line for an editor.
+    pub fn range(self, text: &Text, place: &Place) -> Range {
+        let (from, to) = place.ends();
+        Range::new(self.to_editor(text, from), self.to_editor(text, to))
+    }
+
+    /// A change for an editor.
+    pub fn edit(self, text: &Text, edit: &Edit) -> TextEdit {
+        let (from, to) = (
+            self.to_editor(text, edit.from),
+            self.to_editor(text, edit.to),
+        );
+        TextEdit::new(Range::new(from, to), edit.text.clone())
+    }
+}
+
+/// The file that a URI names; none for a text that is no file yet.
+pub fn path_of(uri: &Uri) -> Option<PathBuf> {
+    let rest = uri.as_str().strip_prefix("file://")?;
+    let path = rest.strip_prefix("localhost").unwrap_or(rest);
+    let decoded = decoded(path.strip_prefix('/').map(|_| path)?)?;
+    // `/c:/parts` is `c:/parts` where drives have letters.
+    let drive = matches!(decoded.as_bytes(), [b'/', letter, b':', b'/', ..] if letter.is_ascii_alphabetic());
+    Some(PathBuf::from(if drive {
+        &decoded[1..]
+    } else {
+        &decoded[..]
+    }))
+}
+
+fn decoded(text: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.bytes();
+    while let Some(byte) = rest.next() {
+        let byte = match byte {
+            b'%' => {
+                let digit = |byte: u8| char::from(byte).to_digit(16);
+                let (high, low) = (digit(rest.next()?)?, digit(rest.next()?)?);
+                u8::try_from(high * 16 + low).ok()?
+            }
+            other => other,
+        };
+        bytes.push(byte);
+    }
+    String::from_utf8(bytes).ok()
+}
+
+/// A file as a URI.
+pub fn uri_of(path: &Path) -> Option<Uri> {
+    let mut uri = String::from("file://");
+    let bytes = path.as_os_str().as_encoded_bytes();
+    if !bytes.starts_with(b"/") {
+        uri.push('/');
+    }
+    for byte in bytes {
+        match byte {
+            b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' | b'/' => {
+                uri.push(char::from(*byte));
+            }
+            b'\\' => uri.push('/'),
+            other => uri.push_str(&format!("%{other:02X}")),
+        }
+    }
+    Uri::from_str(&uri).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_bytes_or_units_of_utf_16() {
+        let text = Text::new("G1\n(车𝄞) X2\n");
+        let at = Position { line: 1, byte: 8 };
+        let wide = Encoding::Utf16.to_editor(&text, at);
+        assert_eq!((wide.line, wide.character), (1, 4));
+        assert_eq!(Encoding::Utf16.to_text(&text, wide), at);
+        assert_eq!(Encoding::Utf8.to_editor(&text, at).character, 8);
+        let beyond = lsp_types::Position::new(1, 99);
+        assert_eq!(Encoding::Utf16.to_text(&text, beyond).byte, 12);
+        let within = lsp_types::Position::new(1, 3);
+        assert_eq!(
+            Encoding::Utf16.to_text(&text, within).byte,
+            8,
+            "half a character"
+        );
+    }
+
+    #[test]
+    fn files_are_uris_and_back() {
+        let path = Path::new("/tmp/Teile 1/车削%.CNC");
+        let uri = uri_of(path).expect("uri");
+        assert!(
+            uri.as_str().starts_with("file:///tmp/Teile%201/%E8"),
+            "{uri:?}"
+        );
+        assert_eq!(path_of(&uri).as_deref(), Some(path));
+        let drive = Uri::from_str("file:///c%3A/parts/a.CNC").expect("uri");
+        assert_eq!(path_of(&drive), Some(PathBuf::from("c:/parts/a.CNC")));
+        for none in ["untitled:Untitled-1", "file:///%zz", "file://host/x"] {
+            let uri = Uri::from_str(none);
+            assert_eq!(uri.ok().as_ref().and_then(path_of), None, "{none}");
+        }
+    }
+}

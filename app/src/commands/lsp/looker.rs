@@ -1,0 +1,133 @@
+//! The thread that looks programs through.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use crossbeam::channel::{Receiver, Sender, unbounded};
+use gsk_core::command::ProgramId;
+use gsk_core::preview::End;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_language::{Analysis, Finding, Level, Structure, Text, analyse};
+use gsk_messages::{Language, Message, say};
+use lsp_types::Uri;
+
+use crate::files::subprograms::Found;
+use crate::loading;
+use crate::patience::Patience;
+
+/// How long a text is looked through, and how many moves of it.
+const PATIENCE: (Duration, u64) = (Duration::from_secs(10), 20_000_000);
+
+/// A text to be looked through.
+pub struct Job {
+    /// Its document.
+    pub uri: Uri,
+    /// Its version.
+    pub version: i32,
+    /// Its file.
+    pub path: Option<PathBuf>,
+    /// The text.
+    pub text: Arc<Text>,
+    /// Programs of other files that it calls.
+    pub found: Arc<Vec<Found>>,
+    /// Whether anybody still waits for it.
+    pub wanted: Arc<AtomicBool>,
+}
+
+/// What a look found.
+pub struct Looked {
+    /// The document.
+    pub uri: Uri,
+    /// The version that was looked through.
+    pub version: i32,
+    /// The structure of its text.
+    pub structure: Arc<Structure>,
+    /// What was found; what kept the program from being loaded is the only finding then.
+    pub analysis: Arc<Analysis>,
+}
+
+/// Starts the thread: texts go in, what was found comes out. It ends when nobody can send
+/// a text any more.
+pub fn start(setup: Setup, language: Language) -> (Sender<Job>, Receiver<Looked>) {
+    let (jobs, from_server) = unbounded::<Job>();
+    let (to_server, looked) = unbounded();
+    thread::spawn(move || {
+        for job in from_server {
+            if !job.wanted.load(Ordering::Relaxed) {
+                continue;
+            }
+            let structure = Arc::new(Structure::read(&job.text));
+            let analysis = look(&setup, &job, &structure, language);
+            // The server may have ended meanwhile.
+            if job.wanted.load(Ordering::Relaxed) {
+                let _ = to_server.send(Looked {
+                    uri: job.uri,
+                    version: job.version,
+                    structure,
+                    analysis: Arc::new(analysis),
+                });
+            }
+        }
+    });
+    (jobs, looked)
+}
+
+fn look(setup: &Setup, job: &Job, structure: &Structure, language: Language) -> Analysis {
+    let mut setup = setup.clone();
+    let unsaved = || PathBuf::from(job.uri.as_str());
+    let path = job.path.clone().unwrap_or_else(unsaved);
+    let found = |_: BTreeSet<u16>, loaded: &BTreeSet<u16>| {
+        let new = |it: &&Found| !loaded.contains(&it.number);
+        job.found.iter().filter(new).cloned().collect()
+    };
+    let text = job.text.as_str().to_owned();
+    let opened = loading::open_text(&mut setup, &path, text, found);
+    let notices = match opened {
+        Ok(notices) => notices.0,
+        Err(error) => return not_loaded(&error.message(), language),
+    };
+    let patience = Patience::new(PATIENCE.0, PATIENCE.1);
+    let mut goes_on = |progress: &_| patience.lasts(progress) && job.wanted.load(Ordering::Relaxed);
+    let mut analysis = analyse(&setup, structure, language, &mut goes_on);
+    let external = setup.memory.programs.external();
+    let full_width = external.and_then(Program::full_width_line);
+    let full_width = full_width.map(|line| say::file_full_width(short(&path), line));
+    let notices = notices.into_iter().chain(full_width);
+    analysis.findings.extend(notices.map(|notice| Finding {
+        program: ProgramId::External,
+        at: None,
+        level: Level::Warning,
+        code: notice.id().name().to_owned(),
+        text: notice.text(language),
+    }));
+    analysis
+}
+
+fn short(path: &Path) -> String {
+    let name = path.file_name().unwrap_or(path.as_os_str());
+    name.to_string_lossy().into_owned()
+}
+
+/// The look at a program that the memory does not take.
+fn not_loaded(message: &Message, language: Language) -> Analysis {
+    Analysis {
+        findings: vec![Finding {
+            program: ProgramId::External,
+            at: None,
+            level: Level::Error,
+            code: message.id().name().to_owned(),
+            text: message.text(language),
+        }],
+        end: End::Alarm,
+        time_s: 0.0,
+        cutting_s: 0.0,
+        bounds: None,
+        tools: Vec::new(),
+        tool_times: Vec::new(),
+    }
+}

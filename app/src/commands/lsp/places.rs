@@ -1,0 +1,118 @@
+//! Diagnostics of a document: what a look found, each at its place.
+
+use gsk_core::command::ProgramId;
+use gsk_language::{Aim, Analysis, Finding, Level, Place, Structure, Text};
+use gsk_messages::{Language, say};
+use lsp_types::{
+    Diagnostic, DiagnosticRelatedInformation, DiagnosticSeverity, Location, NumberOrString, Range,
+};
+
+use super::convert::{Encoding, uri_of};
+use super::documents::Document;
+
+/// Who says so.
+const SOURCE: &str = "gsk980td";
+
+/// What a look found, for the editor.
+pub fn diagnostics(
+    document: &Document,
+    analysis: &Analysis,
+    encoding: Encoding,
+    language: Language,
+) -> Vec<Diagnostic> {
+    let findings = analysis.findings.iter();
+    findings
+        .map(|it| diagnostic(document, it, encoding, language))
+        .collect()
+}
+
+fn diagnostic(
+    document: &Document,
+    finding: &Finding,
+    encoding: Encoding,
+    language: Language,
+) -> Diagnostic {
+    let (text, structure) = (&*document.text, &**document.structure());
+    let mut message = finding.text.clone();
+    let (place, related) = match (finding.program, &finding.at) {
+        (ProgramId::Stored(number), Some(_)) if !is_own(structure, number) => {
+            message = format!("O{number:04}: {message}");
+            let place = call_of(structure, number).unwrap_or_else(|| first(text, structure));
+            let related = elsewhere(document, number, finding, encoding, language);
+            (place, related)
+        }
+        (_, Some(at)) => {
+            let line = at.line.saturating_sub(1);
+            (Place::new(line, &at.bytes), None)
+        }
+        (_, None) => (first(text, structure), None),
+    };
+    Diagnostic {
+        range: widened(encoding, text, &place),
+        severity: Some(match finding.level {
+            Level::Error => DiagnosticSeverity::ERROR,
+            Level::Warning => DiagnosticSeverity::WARNING,
+        }),
+        code: Some(NumberOrString::String(finding.code.clone())),
+        source: Some(SOURCE.to_owned()),
+        message,
+        related_information: related.map(|it| vec![it]),
+        ..Diagnostic::default()
+    }
+}
+
+/// A piece of a line; one character at least, so that it is seen.
+fn widened(encoding: Encoding, text: &Text, place: &Place) -> Range {
+    let mut range = encoding.range(text, place);
+    if range.start == range.end && place.to < text.line(place.line).len() as u32 {
+        range.end.character += 1;
+    }
+    range
+}
+
+/// Whether a program is one of the text.
+fn is_own(structure: &Structure, number: u16) -> bool {
+    structure
+        .parts
+        .iter()
+        .any(|part| part.number == Some(number))
+}
+
+/// The first word of the text that calls a program; of one that another program calls,
+/// the first call.
+fn call_of(structure: &Structure, number: u16) -> Option<Place> {
+    let calls = || {
+        let leads = structure.leads.iter();
+        leads.filter(|lead| matches!(lead.aim, Aim::Program(_)))
+    };
+    let direct = calls().find(|lead| lead.aim == Aim::Program(number));
+    direct
+        .or_else(|| calls().next())
+        .map(|lead| lead.word.clone())
+}
+
+/// The first line that is read.
+fn first(text: &Text, structure: &Structure) -> Place {
+    let line = structure.read.0;
+    Place::new(line, &(0..text.line(line).len()))
+}
+
+/// The place in the other file.
+fn elsewhere(
+    document: &Document,
+    number: u16,
+    finding: &Finding,
+    encoding: Encoding,
+    language: Language,
+) -> Option<DiagnosticRelatedInformation> {
+    let found = document.found.iter().find(|it| it.number == number)?;
+    let text = Text::new(found.text.as_str());
+    let at = finding.at.as_ref()?;
+    let line = at.line.saturating_sub(1);
+    let place = Place::new(line, &at.bytes);
+    let message = say::in_line(at.line, say::as_written(text.line(line).trim()));
+    Some(DiagnosticRelatedInformation {
+        location: Location::new(uri_of(&found.path)?, encoding.range(&text, &place)),
+        message: message.text(language),
+    })
+}

@@ -1,0 +1,114 @@
+//! What an editor sets: how programs are written.
+
+use gsk_language::{Casing, Numbering, Spacing, Style};
+use serde::Deserialize;
+use serde_json::Value;
+
+/// The section of an editor's settings.
+pub const SECTION: &str = "gsk980td";
+
+/// As an editor writes it; what is left out stays as by default, what cannot be read does,
+/// too.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+struct Written {
+    format: WrittenStyle,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default)]
+struct WrittenStyle {
+    numbers: WrittenNumbers,
+    start: u16,
+    step: u16,
+    spaces: WrittenSpaces,
+    uppercase: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum WrittenNumbers {
+    #[default]
+    Keep,
+    Present,
+    All,
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum WrittenSpaces {
+    Keep,
+    #[default]
+    One,
+    None,
+}
+
+impl Default for WrittenStyle {
+    fn default() -> Self {
+        Self {
+            numbers: WrittenNumbers::default(),
+            start: 10,
+            step: 10,
+            spaces: WrittenSpaces::default(),
+            uppercase: true,
+        }
+    }
+}
+
+/// The style in settings: the section alone, or a value that has it. None where they
+/// cannot be read.
+pub fn style(settings: &Value) -> Option<Style> {
+    let section = settings.get(SECTION).unwrap_or(settings);
+    if section.is_null() {
+        return None;
+    }
+    let Written { format } = Written::deserialize(section).ok()?;
+    let (start, step) = (format.start, format.step.max(1));
+    Some(Style {
+        numbering: match format.numbers {
+            WrittenNumbers::Keep => Numbering::AsTheyAre,
+            WrittenNumbers::Present => Numbering::Present { start, step },
+            WrittenNumbers::All => Numbering::All { start, step },
+        },
+        spacing: match format.spaces {
+            WrittenSpaces::Keep => Spacing::AsTheyAre,
+            WrittenSpaces::One => Spacing::One,
+            WrittenSpaces::None => Spacing::None,
+        },
+        casing: match format.uppercase {
+            true => Casing::Upper,
+            false => Casing::AsTheyAre,
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn settings_are_read_with_their_defaults() {
+        let all = json!({ "gsk980td": { "format": { "numbers": "all", "start": 5, "step": 0 } } });
+        let style_of = |value: &Value| style(value).expect("settings");
+        let numbering = Numbering::All { start: 5, step: 1 };
+        assert_eq!(
+            style_of(&all),
+            Style {
+                numbering,
+                ..Style::default()
+            }
+        );
+        let none = json!({ "format": { "spaces": "none", "uppercase": false } });
+        assert_eq!(style_of(&none).spacing, Spacing::None);
+        assert_eq!(style_of(&none).casing, Casing::AsTheyAre);
+        assert_eq!(style(&json!({})), Some(Style::default()));
+        for wrong in [
+            json!(null),
+            json!({ "format": { "numbers": "some" } }),
+            json!(7),
+        ] {
+            assert_eq!(style(&wrong), None, "{wrong}");
+        }
+    }
+}

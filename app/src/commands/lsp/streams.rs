@@ -1,0 +1,72 @@
+//! Standard input and output as a connection. What was sent has been written when the
+//! connection ends, also after an editor's message that was none.
+
+use std::io;
+use std::thread::{self, JoinHandle};
+
+use crossbeam::channel::{Receiver, Sender, bounded};
+use lsp_server::{Connection, Message, Notification};
+use lsp_types::notification::{Exit, Notification as _};
+
+/// Messages that may wait to be written.
+const WAITING: usize = 16;
+
+/// The threads that read and write.
+pub struct Streams {
+    /// How reading ended; said before the connection tells that it has.
+    read: Receiver<io::Result<()>>,
+    writer: JoinHandle<io::Result<()>>,
+}
+
+/// Opens the streams.
+pub fn open() -> (Connection, Streams) {
+    let (to_writer, written) = bounded(WAITING);
+    let (to_server, messages) = bounded(0);
+    let (told, read) = bounded(1);
+    let connection = Connection {
+        sender: to_writer,
+        receiver: messages,
+    };
+    thread::spawn(move || {
+        // Nobody may be there to hear it.
+        let _ = told.send(read_all(&to_server));
+        drop(to_server);
+    });
+    let streams = Streams {
+        read,
+        writer: thread::spawn(move || write_all(&written)),
+    };
+    (connection, streams)
+}
+
+fn read_all(to_server: &Sender<Message>) -> io::Result<()> {
+    let mut input = io::stdin().lock();
+    while let Some(message) = Message::read(&mut input)? {
+        let is_exit = |it: &Notification| it.method == Exit::METHOD;
+        let last = matches!(&message, Message::Notification(it) if is_exit(it));
+        if to_server.send(message).is_err() || last {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn write_all(written: &Receiver<Message>) -> io::Result<()> {
+    let mut output = io::stdout().lock();
+    written
+        .iter()
+        .try_for_each(|message| message.write(&mut output))
+}
+
+impl Streams {
+    /// Waits until all is written that was sent; the connection must be gone.
+    ///
+    /// # Errors
+    /// The editor does not read, or sent what is no message.
+    pub fn end(self) -> io::Result<()> {
+        let written = self.writer.join().unwrap_or(Ok(()));
+        // A thread that still waits for the editor ends with the program.
+        let read = self.read.try_recv().unwrap_or(Ok(()));
+        read.and(written)
+    }
+}

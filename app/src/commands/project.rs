@@ -1,0 +1,242 @@
+//! `project`: all that the control holds, as a folder.
+
+use std::path::{Path, PathBuf};
+
+use gsk_messages::{Language, Message, say};
+use gsk_project::{
+    Difference, Section, Set, State, Value, details, diff, export, label, refused, sentence, unit,
+    whole_disk,
+};
+use gsk_runner::report::said;
+use serde_json::{Value as Json, json};
+
+use super::{ALARM, CommandError, FINE, output};
+use crate::cli::{
+    DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
+    ProjectNewArgs,
+};
+use crate::files::data_dir::{self, DataError};
+use crate::project::{self, ProjectError, Taking, Who, Written};
+use crate::retained::project::Held;
+
+/// Carries out a command about projects.
+pub fn project(command: &ProjectCommand) -> Result<u8, CommandError> {
+    match command {
+        ProjectCommand::New(args) => new(args),
+        ProjectCommand::Export(args) => write_control(args),
+        ProjectCommand::Import(args) => take_over(args),
+        ProjectCommand::Diff(args) => compare(args),
+    }
+}
+
+fn say(message: &Message, language: Option<Language>) {
+    output::print(&format!("{}\n", said(message, language)));
+}
+
+fn new(args: &ProjectNewArgs) -> Result<u8, CommandError> {
+    let machine = args.machine.as_ref();
+    let setup = project::delivered(args.model.unwrap_or_default(), machine);
+    let state = State::of(&setup).with_texts(machine_of(machine)?);
+    if project::is_project(&args.folder) {
+        return Err(ProjectError::Other(args.folder.clone()).into());
+    }
+    let files = export(&state, args.lang.unwrap_or(Language::En));
+    let written = project::write(&args.folder, &state, &files, &Default::default())?;
+    tell_written(written, &args.folder, args.lang);
+    Ok(FINE)
+}
+
+fn machine_of(
+    path: Option<&PathBuf>,
+) -> Result<Option<(gsk_project::Key, std::sync::Arc<str>)>, CommandError> {
+    Ok(path.map(|path| project::machine_text(path)).transpose()?)
+}
+
+fn tell_written(written: Written, folder: &Path, language: Option<Language>) {
+    let folder = folder.display();
+    say(
+        &say::project_exported(folder, written.files, written.removed),
+        language,
+    );
+}
+
+fn directory(data: Option<&PathBuf>) -> Result<PathBuf, DataError> {
+    match data {
+        Some(path) => Ok(path.clone()),
+        None => data_dir::default_path(),
+    }
+}
+
+/// Says what is wrong with files of a data directory.
+fn complain_of(held: &Held, language: Option<Language>) {
+    for complaint in held.complaints() {
+        complain!("gsk980td: {}", said(complaint, language));
+    }
+}
+
+fn write_control(args: &ProjectExportArgs) -> Result<u8, CommandError> {
+    let held = project::of_data(&directory(args.data.as_ref())?, args.model)?;
+    complain_of(&held, args.lang);
+    let mut files = export(&held.state, args.lang.unwrap_or(Language::En));
+    if let Some((key, text)) = machine_of(args.machine.as_ref())? {
+        files.insert(key.name(), text.to_string());
+    }
+    let written = project::write(&args.folder, &held.state, &files, held.encodings())?;
+    tell_written(written, &args.folder, args.lang);
+    // What was damaged may be as delivered in the folder.
+    Ok(if held.complaints().is_empty() {
+        FINE
+    } else {
+        ALARM
+    })
+}
+
+fn wanted(differences: Vec<Difference>, only: &[Section]) -> Vec<Difference> {
+    let mut wanted = differences;
+    wanted.retain(|it| only.is_empty() || only.contains(&it.section()));
+    wanted
+}
+
+fn take_over(args: &ProjectImportArgs) -> Result<u8, CommandError> {
+    let directory = directory(args.data.as_ref())?;
+    let only = &args.only;
+    let taking = Taking {
+        project: &args.folder,
+        directory: &directory,
+        model: None,
+        who: match &args.password {
+            Some(password) => Who::Password(password),
+            None => Who::AtPowerOn,
+        },
+        dry_run: args.dry_run,
+    };
+    let wanted = |it: &Difference| only.is_empty() || only.contains(&it.section());
+    let taken = project::take_over(&taking, &wanted)?;
+    for complaint in &taken.complaints {
+        complain!("gsk980td: {}", said(complaint, args.lang));
+    }
+    let spoken = args.lang.unwrap_or(Language::En);
+    if !taken.denied.is_empty() {
+        for it in &taken.denied {
+            let name = label(it.key, &taken.old, spoken);
+            let said = said(&say::subject_reason(name, refused(it.refusal)), args.lang);
+            complain!("gsk980td: {said}");
+        }
+        let count = said(&say::project_not_applied(taken.denied.len()), args.lang);
+        complain!("gsk980td: {count}");
+        return Ok(ALARM);
+    }
+    list(&taken.differences, &taken.old, &taken.new, args.lang);
+    let (count, shown) = (taken.differences.len(), taken.folder.display());
+    match &taken.backup {
+        Some(backup) => {
+            say(&say::project_applied(shown, count), args.lang);
+            say(&say::project_backup(backup.display()), args.lang);
+        }
+        None if count > 0 => say(&say::project_would_apply(shown, count), args.lang),
+        None => say(
+            &say::project_apply_nothing(args.folder.display()),
+            args.lang,
+        ),
+    }
+    Ok(FINE)
+}
+
+/// A project, or what a data directory holds.
+fn side(path: &Path, args: &ProjectDiffArgs) -> Result<State, CommandError> {
+    if project::is_project(path) {
+        return Ok(project::read(path)?.0);
+    }
+    let held = project::of_data(path, args.model).map_err(|error| match error {
+        DataError::Missing { path } => ProjectError::NoProject(path),
+        other => other.into(),
+    })?;
+    complain_of(&held, args.lang);
+    Ok(held.state)
+}
+
+fn compare(args: &ProjectDiffArgs) -> Result<u8, CommandError> {
+    let old = side(&args.old, args)?;
+    let new = match &args.new {
+        Some(path) => side(path, args)?,
+        None => side(&directory(args.data.as_ref())?, args)?,
+    };
+    let differences = wanted(diff(&old, &new), &args.only);
+    match args.format {
+        DiffFormat::Json => {
+            let rows = differences.iter().map(|it| as_json(it, &old, &new));
+            let text = serde_json::to_string_pretty(&rows.collect::<Vec<_>>())?;
+            output::print(&format!("{text}\n"));
+        }
+        DiffFormat::Human if differences.is_empty() => say(&say::project_same(), args.lang),
+        DiffFormat::Human => {
+            list(&differences, &old, &new, args.lang);
+            say(&say::project_differs(differences.len()), args.lang);
+        }
+    }
+    Ok(if differences.is_empty() { FINE } else { ALARM })
+}
+
+/// The state in which a value is known by name: where it is, or was.
+fn known<'a>(difference: &Difference, old: &'a State, new: &'a State) -> &'a State {
+    if difference.new.is_some() { new } else { old }
+}
+
+/// Prints differences, a line each; a disk that comes or goes as a whole is one line.
+fn list(differences: &[Difference], old: &State, new: &State, language: Option<Language>) {
+    let spoken = language.unwrap_or(Language::En);
+    let mut out = String::new();
+    let mut whole: Vec<Set> = Vec::new();
+    for difference in differences {
+        if let Some(set) = whole_disk(difference) {
+            if !whole.contains(&set) {
+                whole.push(set);
+                let name = set.disk().unwrap_or_default();
+                let text = match difference.old {
+                    None => say::project_disk_added(name),
+                    Some(_) => say::project_disk_removed(name),
+                };
+                out.push_str(&format!("{}\n", text.text(spoken)));
+            }
+            continue;
+        }
+        let text = sentence(difference, old, new, spoken);
+        out.push_str(&format!("{text}\n"));
+    }
+    // A program may have anything in its lines.
+    output::print(&output::shown(&out));
+}
+
+fn as_json(difference: &Difference, old: &State, new: &State) -> Json {
+    let state = known(difference, old, new);
+    let key = difference.key;
+    let details = details(difference);
+    let [en, zh] = [Language::En, Language::Zh].map(|language| {
+        details
+            .iter()
+            .map(|it| it.text(language))
+            .collect::<Vec<_>>()
+    });
+    json!({
+        "part": difference.section().word(),
+        "file": key.path(),
+        "name": key.name(),
+        "label_en": label(key, state, Language::En),
+        "label_zh": label(key, state, Language::Zh),
+        "unit": unit(key, state.memory().model.id()),
+        "old": difference.old.as_ref().map(value_of),
+        "new": difference.new.as_ref().map(value_of),
+        "details_en": en,
+        "details_zh": zh,
+    })
+}
+
+fn value_of(value: &Value) -> Json {
+    match value {
+        Value::Whole(value) => json!(value),
+        Value::Real(value) if value.is_finite() => json!(value),
+        Value::Switch(on) => json!(on),
+        Value::Text(text) => json!(&**text),
+        other => json!(other.to_string()),
+    }
+}

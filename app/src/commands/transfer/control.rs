@@ -1,0 +1,130 @@
+//! `transfer control`: the other end of the line, a control without a window.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use crossbeam::channel::RecvTimeoutError;
+use gsk_core::cnc::Request;
+use gsk_core::program::Program;
+use gsk_core::setup::Setup;
+use gsk_messages::{Message, say};
+use gsk_panel::emulator::{Condition, Emulator};
+use gsk_panel::keys::Key;
+
+use web_time::Instant;
+
+use super::super::{CommandError, FINE, output};
+use super::FilesError;
+use crate::cli::{TextEnd, TransferControlArgs};
+use crate::ending::Ending;
+use crate::files::data_dir::DataDir;
+use crate::files::{program_file, subprograms};
+use crate::kernel::{Command, Console, Kernel, Notice, Outside, start};
+use crate::loading;
+use crate::retained::{self, Keeper};
+use crate::serial::{End, SerialLine};
+
+/// Longer than the self-test takes, ms.
+const SELF_TEST: u64 = 20_000;
+/// How often it is looked whether the end was asked for.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Plays the control until Ctrl-C.
+pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
+    let mut setup = loading::fitted(Setup::at_the_panel(), args.setup.machine.as_ref());
+    let data = match &args.setup.data_folder() {
+        Some(folder) => Some(Arc::new(DataDir::open(folder)?)),
+        None => None,
+    };
+    let restored = data.as_ref().map(|data| retained::load(data, &mut setup));
+    for complaint in restored.iter().flat_map(|restored| &restored.complaints) {
+        complain!("gsk980td: {complaint}");
+    }
+    if let Some(restored) = &restored {
+        restored.place(&mut setup);
+    }
+    loading::apply(&mut setup, &args.setup)?;
+    let out = args.out.as_deref().map(|file| load(file, &mut setup));
+    let mut out = out.transpose()?;
+    let mut emulator = Emulator::new(setup);
+    if let Some(restored) = &restored {
+        restored.restore_panel(&mut emulator);
+    }
+    emulator.run_until(&Condition::SelfTestOver, SELF_TEST);
+    if args.parameter_switch {
+        for request in [
+            Request::SetParameterSwitch(true),
+            Request::CancelSwitchAlarm,
+        ] {
+            // Its alarm is cancelled at once; a control without the right has it off still.
+            let _ = emulator.simulation.cnc.request(request);
+        }
+    }
+    emulator.panel.connect_line();
+    let ending = Ending::heard()?;
+    let line = SerialLine::open(End::of(&args.port), args.text.map(TextEnd::line_end));
+    let line = line.map_err(CommandError::Gone)?;
+    let keeper = match (data, &restored) {
+        (Some(data), Some(restored)) => {
+            Some(Keeper::start(data, restored, &emulator).map_err(CommandError::Gone)?)
+        }
+        _ => None,
+    };
+    let (mut kernel, console) = Kernel::new(emulator);
+    kernel.take_serial_line(line);
+    let outside = Outside {
+        wake: Box::new(|| {}),
+        keeper,
+        partner: None,
+        ending: ending.clone(),
+    };
+    let mut thread = start(kernel, &console, outside).map_err(CommandError::Gone)?;
+    let mut named = None;
+    while !ending.is_asked() && thread.is_alive() {
+        let due =
+            named.is_some_and(|at: Instant| at.elapsed() >= Duration::from_secs(args.out_after));
+        if due && let Some(number) = out.take() {
+            press_out(&console, number);
+        }
+        match console.notices.recv_timeout(LOOK) {
+            Ok(Notice::Said(said)) => print(&said, &mut named),
+            Ok(_) | Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+    }
+    thread.stop();
+    Ok(FINE)
+}
+
+/// Prints what the port says; before the first line its name alone, for scripts.
+fn print(said: &Message, named: &mut Option<Instant>) {
+    if named.is_none()
+        && let Some(port) = said.plain_value("port")
+    {
+        *named = Some(Instant::now());
+        output::print(&format!("{port}\n"));
+        output::say(&say::transfer_serves());
+    }
+    output::say(said);
+}
+
+/// Stores a program; its number.
+fn load(path: &Path, setup: &mut Setup) -> Result<u16, CommandError> {
+    let file = program_file::read(path)?;
+    let own = Program::new(file.text).number();
+    let number = own.or_else(|| subprograms::number_in_name(path));
+    let number = number.ok_or_else(|| FilesError::NoName(path.to_owned()))?;
+    loading::store_files(&mut setup.memory.programs, &[path.to_owned()])?.print(None);
+    Ok(number)
+}
+
+/// In EDIT, on the program page: O, the number, OUT.
+fn press_out(console: &Console, number: u16) {
+    console.send(Command::Tap(Key::Edit));
+    console.send(Command::Tap(Key::Program));
+    for character in format!("O{number}").chars() {
+        console.send(Command::Type(character));
+    }
+    console.send(Command::Tap(Key::Output));
+}

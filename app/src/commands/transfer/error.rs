@@ -1,0 +1,101 @@
+//! Why files do not go through the serial port.
+
+use std::path::{Path, PathBuf};
+
+use gsk_messages::{Message, say};
+use gsk_transfer::{Fault, FileName, Loss, NameError, NotText};
+
+/// Why files do not go through the serial port.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum FilesError {
+    /// There is no connection with the control, or none any more.
+    Lost(#[from] Loss),
+    /// The control refuses it.
+    Refused {
+        /// The file there.
+        name: FileName,
+        /// Why.
+        fault: Fault,
+    },
+    /// What came is no text.
+    Noise,
+    /// A text ended in the middle.
+    Broken,
+    /// Nothing came within so many seconds.
+    Nothing(u64),
+    /// The other end held the line for so many seconds.
+    HeldUp(u64),
+    /// Something of several was not done; each has been said.
+    Some,
+    /// A file that has no name at the control.
+    NoName(PathBuf),
+    /// A name that the control cannot have.
+    Name(#[from] NameError),
+    /// A name twice.
+    Twice {
+        /// The name at the control.
+        name: FileName,
+        /// A file.
+        first: PathBuf,
+        /// Another one.
+        second: PathBuf,
+    },
+    /// A file that is there already.
+    There(PathBuf),
+    /// A name that is taken, and nobody at a terminal.
+    NobodyToAsk(FileName),
+    /// No program number is free.
+    NoFreeName(FileName),
+    /// A folder without files for the control.
+    Empty(PathBuf),
+    /// A program with a character that is none of ASCII.
+    NotText {
+        /// The file.
+        file: PathBuf,
+        /// Where.
+        error: NotText,
+    },
+}
+
+impl FilesError {
+    /// Whether it is a matter of the line and the control, not of the call and its files.
+    pub const fn is_of_the_line(&self) -> bool {
+        matches!(
+            self,
+            Self::Lost(_)
+                | Self::Refused { .. }
+                | Self::Noise
+                | Self::Broken
+                | Self::Nothing(_)
+                | Self::HeldUp(_)
+                | Self::Some
+        )
+    }
+
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        let path = |path: &Path| path.display().to_string();
+        match self {
+            Self::Lost(loss) => loss.message(),
+            Self::Refused { name, fault } => say::subject_reason(name, fault.message()),
+            Self::Noise => say::transfer_text_noise(),
+            Self::Broken => say::transfer_text_broken(),
+            Self::Nothing(seconds) => say::transfer_nothing_came(seconds),
+            Self::HeldUp(seconds) => say::transfer_stopped_long(seconds),
+            Self::Some => say::transfer_not_all(),
+            Self::NoName(file) => say::transfer_no_name_for(path(file)),
+            Self::Name(error) => error.message(),
+            Self::Twice {
+                name,
+                first,
+                second,
+            } => say::transfer_twice(name, path(first), path(second)),
+            Self::There(file) => say::transfer_file_there(path(file)),
+            Self::NobodyToAsk(name) => say::transfer_nobody_to_ask(name),
+            Self::NoFreeName(name) => say::transfer_no_free_name(name),
+            Self::Empty(folder) => say::transfer_folder_empty(path(folder)),
+            Self::NotText { file, error } => say::subject_reason(path(file), error.message()),
+        }
+    }
+}

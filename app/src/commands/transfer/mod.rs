@@ -1,0 +1,252 @@
+//! `transfer`: the PC's side of the serial port (manual V), and a control without a window
+//! for its other end.
+
+mod control;
+mod error;
+mod existing;
+mod folder;
+mod talk;
+mod text;
+
+use std::path::Path;
+
+use gsk_messages::say;
+use gsk_transfer::{FileName, NewFile, Order, Partition, Place};
+
+use super::{ALARM, CommandError, FINE, output};
+use crate::cli::{
+    ExistingFile, TransferBackupArgs, TransferCommand, TransferDeleteArgs, TransferListArgs,
+    TransferPortArgs, TransferReceiveArgs, TransferRenameArgs, TransferRestoreArgs,
+    TransferSendArgs, TransferWaitArgs,
+};
+pub use error::FilesError;
+use existing::Settled;
+use folder::Chosen;
+use talk::Talk;
+
+/// Carries out a command of the serial port. Exit code 1 if the control refuses something
+/// or does not answer.
+pub fn transfer(command: &TransferCommand) -> Result<u8, CommandError> {
+    let done = match command {
+        TransferCommand::List(args) => list(args),
+        TransferCommand::Send(args) => send(args),
+        TransferCommand::Receive(args) => receive(args),
+        TransferCommand::Delete(args) => delete(args),
+        TransferCommand::Rename(args) => rename(args),
+        TransferCommand::Backup(args) => backup(args),
+        TransferCommand::Restore(args) => restore(args),
+        TransferCommand::Wait(args) => wait(args),
+        TransferCommand::SendText(args) => text::send(args),
+        TransferCommand::ReceiveText(args) => text::receive(args),
+        TransferCommand::Control(args) => return control::control(args),
+    };
+    match done {
+        Ok(()) => Ok(FINE),
+        Err(CommandError::Files(error)) if error.is_of_the_line() => {
+            complain!("gsk980td: {error}");
+            Ok(ALARM)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// A refusal is said and the next file is gone on with; anything else ends the work.
+fn goes_on(result: Result<(), CommandError>, failed: &mut bool) -> Result<(), CommandError> {
+    match result {
+        Err(CommandError::Files(error @ FilesError::Refused { .. })) => {
+            complain!("gsk980td: {error}");
+            *failed = true;
+            Ok(())
+        }
+        result => result,
+    }
+}
+
+/// How several files have ended.
+const fn ended(failed: bool) -> Result<(), CommandError> {
+    match failed {
+        true => Err(CommandError::Files(FilesError::Some)),
+        false => Ok(()),
+    }
+}
+
+fn list(args: &TransferListArgs) -> Result<(), CommandError> {
+    let mut talk = Talk::connect(&args.port)?;
+    let entries = talk.list(args.partition)?;
+    talk.end();
+    let lines = entries
+        .iter()
+        .map(|entry| format!("{:<12} {:>8}\n", entry.name.as_str(), entry.size));
+    output::print(&lines.collect::<String>());
+    Ok(())
+}
+
+fn send(args: &TransferSendArgs) -> Result<(), CommandError> {
+    let files = args.files.iter().map(|word| folder::chosen(word));
+    let files: Vec<Chosen> = files.collect::<Result<_, _>>()?;
+    folder::each_once(&files)?;
+    send_all(&args.port, &files, args.partition, args.on_existing)
+}
+
+fn restore(args: &TransferRestoreArgs) -> Result<(), CommandError> {
+    let files = folder::of_folder(&args.folder)?;
+    send_all(&args.port, &files, Partition::User, args.on_existing)
+}
+
+/// Sends files, each read before the first one goes.
+fn send_all(
+    port: &TransferPortArgs,
+    files: &[Chosen],
+    partition: Partition,
+    on_existing: ExistingFile,
+) -> Result<(), CommandError> {
+    let read = files.iter().map(|file| folder::read(&file.path));
+    let read: Vec<Vec<u8>> = read.collect::<Result<_, _>>()?;
+    let mut talk = Talk::connect(port)?;
+    let mut failed = false;
+    for (done, (file, bytes)) in files.iter().zip(read).enumerate() {
+        let new = NewFile {
+            place: Place {
+                partition,
+                name: file.name.clone(),
+            },
+            bytes,
+            overwrite: on_existing == ExistingFile::Overwrite,
+        };
+        let sent = send_one(&mut talk, file, new, on_existing);
+        if let Err(CommandError::Files(error @ FilesError::Lost(_))) = &sent {
+            let said = say::transfer_unfinished(done, files.len(), error.message());
+            complain!("gsk980td: {said}");
+            return ended(true);
+        }
+        goes_on(sent, &mut failed)?;
+    }
+    talk.say_rate();
+    talk.end();
+    ended(failed)
+}
+
+fn send_one(
+    talk: &mut Talk,
+    file: &Chosen,
+    new: NewFile,
+    on_existing: ExistingFile,
+) -> Result<(), CommandError> {
+    let size = new.bytes.len();
+    let settled = existing::send(talk, new, on_existing)?;
+    output::say(&match settled {
+        Settled::Sent => say::transfer_sent(file.path.display(), &file.name, size),
+        Settled::Skipped => say::transfer_skipped(&file.name),
+    });
+    Ok(())
+}
+
+fn receive(args: &TransferReceiveArgs) -> Result<(), CommandError> {
+    let names = args.names.iter().map(|name| name.as_str().to_owned());
+    folder::keep_apart(&args.into, names, args.overwrite)?;
+    receive_all(&args.port, &args.names, args.partition, &args.into)
+}
+
+fn receive_all(
+    port: &TransferPortArgs,
+    names: &[FileName],
+    partition: Partition,
+    into: &Path,
+) -> Result<(), CommandError> {
+    let mut talk = Talk::connect(port)?;
+    let failed = fetch(&mut talk, names, partition, into)?;
+    talk.say_rate();
+    talk.end();
+    ended(failed)
+}
+
+/// Receives files, each written when it is there; whether one was refused.
+fn fetch(
+    talk: &mut Talk,
+    names: &[FileName],
+    partition: Partition,
+    into: &Path,
+) -> Result<bool, CommandError> {
+    folder::make(into)?;
+    let mut failed = false;
+    for name in names {
+        let place = Place {
+            partition,
+            name: name.clone(),
+        };
+        let got = talk.receive(place).and_then(|bytes| {
+            let path = into.join(name.as_str());
+            folder::write(&path, &bytes)?;
+            folder::say_got(name.as_str(), &path, bytes.len());
+            Ok(())
+        });
+        goes_on(got, &mut failed)?;
+    }
+    Ok(failed)
+}
+
+fn backup(args: &TransferBackupArgs) -> Result<(), CommandError> {
+    let mut talk = Talk::connect(&args.port)?;
+    let entries = talk.list(Partition::User)?;
+    let names: Vec<FileName> = entries.into_iter().map(|entry| entry.name).collect();
+    let written = names.iter().map(|name| name.as_str().to_owned());
+    folder::keep_apart(&args.folder, written, args.overwrite)?;
+    let failed = fetch(&mut talk, &names, Partition::User, &args.folder)?;
+    talk.say_rate();
+    talk.end();
+    ended(failed)
+}
+
+fn delete(args: &TransferDeleteArgs) -> Result<(), CommandError> {
+    let mut talk = Talk::connect(&args.port)?;
+    let mut failed = false;
+    for name in &args.names {
+        let place = Place {
+            partition: args.partition,
+            name: name.clone(),
+        };
+        let deleted = talk.change(name, Order::Delete(place));
+        let deleted = deleted.map(|()| output::say(&say::transfer_deleted(name)));
+        goes_on(deleted, &mut failed)?;
+    }
+    talk.end();
+    ended(failed)
+}
+
+fn rename(args: &TransferRenameArgs) -> Result<(), CommandError> {
+    let mut talk = Talk::connect(&args.port)?;
+    let from = Place {
+        partition: args.partition,
+        name: args.from.clone(),
+    };
+    let to = args.to.clone();
+    talk.change(&args.from, Order::Rename { from, to })?;
+    talk.end();
+    output::say(&say::transfer_renamed(&args.from, &args.to));
+    Ok(())
+}
+
+fn wait(args: &TransferWaitArgs) -> Result<(), CommandError> {
+    folder::make(&args.folder)?;
+    let mut talk = match Talk::connect(&args.port) {
+        Ok(talk) => talk,
+        // The control connects by itself when it has something to send.
+        Err(CommandError::Files(FilesError::Lost(_))) => Talk::open(&args.port)?,
+        Err(error) => return Err(error),
+    };
+    output::say(&say::transfer_waits());
+    let mut count = 0;
+    while args.files.is_none_or(|most| count < most) {
+        let file = talk.wait()?;
+        let name = file.place.name.as_str();
+        let path = match args.overwrite {
+            true => args.folder.join(name),
+            false => folder::free(&args.folder, name),
+        };
+        folder::write(&path, &file.bytes)?;
+        folder::say_got(name, &path, file.bytes.len());
+        count += 1;
+    }
+    talk.end();
+    Ok(())
+}

@@ -1,0 +1,129 @@
+//! Programs as plain text, for controls and DNC programs that know nothing else.
+
+use std::path::Path;
+
+use gsk_messages::say;
+use gsk_transfer::{TextEvent, TextReader, TextWriter, program_number, programs};
+use web_time::{Duration, Instant};
+
+use super::{CommandError, FilesError, folder, output};
+use crate::cli::{TransferReceiveTextArgs, TransferSendTextArgs};
+use crate::files::program_file;
+use crate::ports::Port;
+
+/// So long a port that another program has just left may still be in use.
+const IN_USE: Duration = Duration::from_millis(500);
+/// Between two programs: the other end stores the one before.
+const BETWEEN: Duration = Duration::from_millis(300);
+
+/// `transfer send-text`.
+pub(super) fn send(args: &TransferSendTextArgs) -> Result<(), CommandError> {
+    let texts = args.files.iter().map(|path| {
+        let file = program_file::read(path)?;
+        let writer = TextWriter::new(&file.text, args.line_end.line_end(), args.port.baud);
+        writer.map_err(|error| {
+            CommandError::from(FilesError::NotText {
+                file: path.clone(),
+                error,
+            })
+        })
+    });
+    let texts: Vec<TextWriter> = texts.collect::<Result<_, _>>()?;
+    let mut port = Port::open_within(&args.port.port, args.port.baud, IN_USE)?;
+    let begun = Instant::now();
+    for (path, mut writer) in args.files.iter().zip(texts) {
+        send_one(&mut port, &mut writer, begun, args.wait)?;
+        output::say(&say::transfer_text_sent(path.display(), writer.length()));
+        pause(&mut port, BETWEEN)?;
+    }
+    Ok(())
+}
+
+fn send_one(
+    port: &mut Port,
+    writer: &mut TextWriter,
+    begun: Instant,
+    patience: u64,
+) -> Result<(), CommandError> {
+    let mut moved = Instant::now();
+    loop {
+        let heard = port.read().map_err(CommandError::Gone)?;
+        writer.hear(&heard);
+        let now = begun.elapsed();
+        if writer.is_over(now) {
+            return Ok(());
+        }
+        let taken = port.write(writer.due(now)).map_err(CommandError::Gone)?;
+        writer.sent(taken, now);
+        if taken > 0 || writer.given() == writer.length() {
+            moved = Instant::now();
+        } else if moved.elapsed() > Duration::from_secs(patience) {
+            return Err(FilesError::HeldUp(patience).into());
+        }
+    }
+}
+
+fn pause(port: &mut Port, time: Duration) -> Result<(), CommandError> {
+    let begun = Instant::now();
+    while begun.elapsed() < time {
+        port.read().map_err(CommandError::Gone)?;
+    }
+    Ok(())
+}
+
+/// `transfer receive-text`.
+pub(super) fn receive(args: &TransferReceiveTextArgs) -> Result<(), CommandError> {
+    folder::make(&args.folder)?;
+    let mut port = Port::open_within(&args.port.port, args.port.baud, IN_USE)?;
+    output::say(&say::transfer_text_waits());
+    let text = read(&mut port, args)?;
+    let found = programs(&text);
+    let name = |program: &str| match program_number(program) {
+        Some(number) => format!("O{number:04}.CNC"),
+        None => "TEXT.CNC".to_owned(),
+    };
+    folder::keep_apart(
+        &args.folder,
+        found.iter().map(|program| name(program)),
+        args.overwrite,
+    )?;
+    for program in found {
+        store(&args.folder, &name(program), program)?;
+    }
+    Ok(())
+}
+
+fn store(into: &Path, name: &str, program: &str) -> Result<(), CommandError> {
+    let path = into.join(name);
+    let text = format!("{}\n%\n", program.trim_end());
+    folder::write(&path, text.as_bytes())?;
+    folder::say_got(name, &path, text.len());
+    Ok(())
+}
+
+fn read(port: &mut Port, args: &TransferReceiveTextArgs) -> Result<String, CommandError> {
+    let mut reader = TextReader::new(args.port.baud);
+    let mut replies = Vec::new();
+    let begun = Instant::now();
+    let mut heard_at = begun;
+    loop {
+        let heard = port.read().map_err(CommandError::Gone)?;
+        if !heard.is_empty() {
+            heard_at = Instant::now();
+        }
+        reader.hear(&heard, begun.elapsed());
+        let event = reader.advance(begun.elapsed());
+        replies.extend(reader.take_replies());
+        let taken = port.write(&replies).map_err(CommandError::Gone)?;
+        replies.drain(..taken);
+        match event {
+            None if heard_at.elapsed() > Duration::from_secs(args.wait) => {
+                return Err(FilesError::Nothing(args.wait).into());
+            }
+            None | Some(TextEvent::Begun) => {}
+            Some(TextEvent::Whole(text)) => return Ok(text),
+            Some(TextEvent::Noise) => return Err(FilesError::Noise.into()),
+            Some(TextEvent::Broken) => return Err(FilesError::Broken.into()),
+        }
+    }
+}

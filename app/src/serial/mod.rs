@@ -1,0 +1,270 @@
+//! The control's serial port at a port of the computer: files come and go in frames, or
+//! programs as text (manual III-9).
+
+mod memory;
+mod wire;
+
+use gsk_messages::{Message, say};
+use gsk_panel::emulator::Emulator;
+use gsk_panel::pages::Communication;
+use gsk_panel::panel::SerialFile;
+use gsk_transfer::{
+    ControlEvent, ControlPort, Fault, FileName, Framing, HostTime, LineEnd, NewFile, Partition,
+    Place, Status,
+};
+use web_time::{Duration, Instant};
+
+use memory::Memory;
+use wire::{Heard, Wire};
+
+/// So long the port stays as it is after 044 has changed, until all is said: the answer to
+/// the file that has changed it still goes out at the old rate.
+const LAST_WORDS: Duration = Duration::from_secs(3);
+/// What has left the program may not have left the computer.
+const LEAVES: Duration = Duration::from_millis(60);
+
+/// Where the other end of the line is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// A port of the computer, or `tcp:HOST:PORT`.
+    Port(String),
+    /// A new pseudo terminal; its name is said.
+    Terminal,
+    /// Whoever connects with this address, `HOST:PORT`.
+    Listening(String),
+}
+
+impl End {
+    /// From its name on the command line: `pty`, `listen:HOST:PORT`, else a port.
+    pub fn of(name: &str) -> Self {
+        match name.strip_prefix("listen:") {
+            Some(address) => Self::Listening(address.to_owned()),
+            None if name == "pty" => Self::Terminal,
+            None => Self::Port(name.to_owned()),
+        }
+    }
+}
+
+/// The control's serial port.
+#[derive(Debug)]
+pub struct SerialLine {
+    wire: Wire,
+    /// None while the control or its port is off.
+    port: Option<Open>,
+    /// How it speaks.
+    framing: Framing,
+    line_end: LineEnd,
+    /// The name of the port, when it is open.
+    name: Option<String>,
+    begun: Instant,
+}
+
+/// The port of a control that is on.
+#[derive(Debug)]
+struct Open {
+    side: ControlPort,
+    baud: u32,
+    shown: Status,
+    /// Since when 044 says another rate.
+    outdated: Option<Instant>,
+    /// When bytes went out last.
+    spoken: HostTime,
+}
+
+impl SerialLine {
+    /// Begins to open a port; what comes of it is said by [`Self::tick`].
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn open(end: End, text: Option<LineEnd>) -> std::io::Result<Self> {
+        Ok(Self {
+            wire: Wire::open(end)?,
+            port: None,
+            framing: match text {
+                Some(_) => Framing::Text,
+                None => Framing::Frames,
+            },
+            line_end: text.unwrap_or_default(),
+            name: None,
+            begun: Instant::now(),
+        })
+    }
+
+    /// Does what is to be done by now, after a tick of the control; what somebody should
+    /// know of it.
+    pub fn tick(&mut self, emulator: &mut Emulator) -> Vec<Message> {
+        let mut said = Vec::new();
+        let rate = emulator.panel.line_rate(&emulator.simulation.cnc);
+        self.follow_rate(rate, emulator, &mut said);
+        let now = self.begun.elapsed();
+        while let Some(heard) = self.wire.heard() {
+            self.heard(heard, now, emulator, &mut said);
+        }
+        let broken_off = emulator.panel.take_broken_off();
+        let to_send = emulator.panel.take_for_line();
+        let Some(port) = &mut self.port else {
+            return said;
+        };
+        if broken_off {
+            port.side.break_off();
+        }
+        if !to_send.is_empty() {
+            match self.name {
+                Some(_) => port
+                    .side
+                    .send(to_send.into_iter().filter_map(pushed).collect()),
+                None => emulator.show_line(Communication::NotConnected),
+            }
+        }
+        let mut memory = Memory::of(emulator);
+        port.side.advance(now, &mut memory);
+        let mut why = memory.into_why();
+        port.side.write(now, |bytes| {
+            port.spoken = now;
+            self.wire.give(bytes)
+        });
+        let status = port.side.status(now);
+        if status != port.shown {
+            port.shown = status;
+            emulator.show_line(match status {
+                Status::Idle => Communication::Idle,
+                Status::Receiving => Communication::Receiving,
+                Status::Sending => Communication::Sending,
+            });
+        }
+        while let Some(event) = port.side.next_event() {
+            if let Some(shown) = word(&event) {
+                emulator.show_line(shown);
+            }
+            said.extend(sentence(event, &mut why));
+        }
+        said
+    }
+
+    /// The port follows 044, 002.5 and the power of the control.
+    fn follow_rate(&mut self, rate: Option<u32>, emulator: &mut Emulator, said: &mut Vec<Message>) {
+        let now = self.begun.elapsed();
+        match (&mut self.port, rate) {
+            (None, None) => {}
+            (Some(port), None) => {
+                if port.shown != Status::Idle {
+                    emulator.show_line(Communication::Idle);
+                }
+                self.port = None;
+            }
+            (Some(port), Some(baud)) if port.baud == baud => port.outdated = None,
+            (Some(port), Some(baud)) => {
+                let since = *port.outdated.get_or_insert_with(Instant::now);
+                let leaves = port.side.is_quiet() && now > port.spoken + LEAVES;
+                if leaves || since.elapsed() > LAST_WORDS {
+                    self.begin(baud, said);
+                }
+            }
+            (None, Some(baud)) => self.begin(baud, said),
+        }
+    }
+
+    fn begin(&mut self, baud: u32, said: &mut Vec<Message>) {
+        self.port = Some(Open {
+            side: ControlPort::new(baud, self.framing, self.line_end),
+            baud,
+            shown: Status::Idle,
+            outdated: None,
+            spoken: HostTime::ZERO,
+        });
+        self.wire.set_rate(baud);
+        // A pseudo terminal stays open at every rate.
+        said.extend(self.opened());
+    }
+
+    /// The port is open at the rate of the control.
+    fn opened(&self) -> Option<Message> {
+        let (name, port) = (self.name.as_ref()?, self.port.as_ref()?);
+        Some(match port.side.framing() {
+            Framing::Frames => say::serial_line_opened(name, port.baud),
+            Framing::Text => say::serial_line_text(name, port.baud),
+        })
+    }
+
+    fn heard(
+        &mut self,
+        heard: Heard,
+        now: HostTime,
+        emulator: &mut Emulator,
+        said: &mut Vec<Message>,
+    ) {
+        match heard {
+            Heard::Opened(name) => {
+                let known = self.name.replace(name);
+                if known != self.name {
+                    said.extend(self.opened());
+                }
+            }
+            Heard::Gone(why) => {
+                self.name = None;
+                if let Some(port) = &mut self.port
+                    && port.shown != Status::Idle
+                {
+                    port.shown = Status::Idle;
+                    port.side = ControlPort::new(port.baud, self.framing, self.line_end);
+                    emulator.show_line(Communication::Failed);
+                }
+                said.push(say::serial_line_not_opened(why));
+            }
+            Heard::Bytes(bytes) => {
+                if let Some(port) = &mut self.port {
+                    port.side.hear(&bytes, now);
+                }
+            }
+        }
+    }
+}
+
+/// A file that the control sends by itself. Data take the place of data; a program never
+/// that of another one (alarm 073 at a control, a question at a PC).
+fn pushed(file: SerialFile) -> Option<NewFile> {
+    // The control's own names are good ones.
+    let name = FileName::new(&file.name).ok()?;
+    Some(NewFile {
+        overwrite: name.program().is_none(),
+        place: Place {
+            partition: Partition::User,
+            name,
+        },
+        bytes: file.text.into_bytes(),
+    })
+}
+
+/// The word on the LCD.
+const fn word(event: &ControlEvent) -> Option<Communication> {
+    match event {
+        // Whoever asks whether a file is there has not begun; of a text 073 says it.
+        ControlEvent::Received(_)
+        | ControlEvent::Sent(_)
+        | ControlEvent::Refused(_, Fault::Exists) => None,
+        ControlEvent::NotConnected => Some(Communication::NotConnected),
+        ControlEvent::NotTaken(..)
+        | ControlEvent::Refused(..)
+        | ControlEvent::NotText(..)
+        | ControlEvent::OnlyPrograms(_)
+        | ControlEvent::Broken => Some(Communication::Failed),
+    }
+}
+
+/// What is said of it; `why`: more than goes over the wire.
+fn sentence(event: ControlEvent, why: &mut Option<Message>) -> Option<Message> {
+    Some(match event {
+        ControlEvent::Received(name) => say::serial_received(name),
+        ControlEvent::Sent(name) => say::serial_sent(name),
+        ControlEvent::NotTaken(name, fault) => say::serial_not_taken(name, fault.message()),
+        ControlEvent::Refused(name, fault) => {
+            let why = why.take().unwrap_or_else(|| fault.message());
+            say::serial_refused(name, why)
+        }
+        ControlEvent::NotText(name, why) => say::subject_reason(name, why.message()),
+        ControlEvent::OnlyPrograms(name) => say::serial_only_programs(name),
+        ControlEvent::Broken => say::serial_broken(),
+        // 串口未连接 on the LCD says it, and comes as often as there is noise.
+        ControlEvent::NotConnected => return None,
+    })
+}

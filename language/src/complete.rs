@@ -1,0 +1,392 @@
+//! What may follow at the cursor: codes of the model, words of the code in work, blocks,
+//! programs and tools that are there.
+
+use std::collections::BTreeSet;
+
+use gsk_core::model::GCode;
+
+use crate::Reader;
+use crate::hover::{code_topic, escaped, range};
+use crate::leads::{Aim, aim_of};
+use crate::meaning::{letter, of_model};
+use crate::snippets::{letters, snippet};
+use crate::structure::Structure;
+use crate::text::{Place, Position, Text};
+use crate::words::{Kind, Span, spans, word_of};
+
+/// What is proposed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CompletionKind {
+    /// A G or M code.
+    Code,
+    /// The letter of a word.
+    Letter,
+    /// The number of a block or a program that is there.
+    Target,
+    /// A tool that the program calls elsewhere.
+    Tool,
+    /// A statement of macro B.
+    Statement,
+    /// The blocks of a cycle, with places to be filled in.
+    Snippet,
+}
+
+/// A proposal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Completion {
+    /// As it is listed.
+    pub label: String,
+    /// What it is.
+    pub kind: CompletionKind,
+    /// What it means, a line.
+    pub detail: String,
+    /// More on it, as Markdown; may be empty.
+    pub about: String,
+    /// What is put in, in the place of `place`; of a snippet in the form of editors.
+    pub insert: String,
+    /// What gives way to it.
+    pub place: Place,
+}
+
+/// Lines above that are looked at for the code in force.
+const MOST_ABOVE: u32 = 2000;
+
+/// Proposals at a position. `programs`: numbers of programs that can be called.
+pub fn complete(
+    text: &Text,
+    structure: &Structure,
+    at: Position,
+    reader: Reader,
+    programs: &BTreeSet<u16>,
+) -> Vec<Completion> {
+    let line = text.line(at.line);
+    let spans = spans(line);
+    let byte = line.floor_char_boundary((at.byte as usize).min(line.len()));
+    let in_comment = |it: &Span| {
+        let open = !line[it.range.clone()].ends_with([')', '）']);
+        it.kind == Kind::Comment && it.range.start < byte && (byte < it.range.end || open)
+    };
+    if spans.iter().any(in_comment) {
+        return Vec::new();
+    }
+    let before = &line[..byte];
+    let digits = before.len()
+        - before
+            .trim_end_matches(|it: char| it.is_ascii_digit())
+            .len();
+    let head = &before[..byte - digits];
+    let typed = head.chars().next_back().filter(char::is_ascii_alphabetic);
+    let from = byte - digits - usize::from(typed.is_some());
+    let mut site = Site {
+        line,
+        block: block_at(&spans, line, from),
+        place: Place::new(at.line, &(from..byte)),
+        reader,
+        found: Vec::new(),
+    };
+    match typed.map(|it| it.to_ascii_uppercase()) {
+        Some(address @ ('G' | 'M')) => site.codes(address),
+        Some('T') => site.tools(structure),
+        Some(address @ ('P' | 'Q')) => site.targets(structure, at, address, programs),
+        Some(address) => {
+            if digits == 0 {
+                site.letter(address);
+            }
+            if reader.macro_b {
+                site.statements(address);
+            }
+        }
+        None if digits > 0 => {}
+        None => {
+            let code = site.code_in_force(text, at);
+            for address in code.map_or("XZUWF", letters).chars().chain("GMST".chars()) {
+                site.letter(address);
+            }
+        }
+    }
+    site.found
+}
+
+/// Where something is proposed.
+struct Site<'a> {
+    line: &'a str,
+    block: Vec<Span>,
+    place: Place,
+    reader: Reader,
+    found: Vec<Completion>,
+}
+
+/// The pieces of the block around a byte of its line.
+fn block_at(spans: &[Span], line: &str, byte: usize) -> Vec<Span> {
+    let ends = |it: &Span| {
+        it.kind == Kind::Mark && matches!(line.get(it.range.clone()), Some(";" | "*" | "%"))
+    };
+    let mut blocks = spans.split_inclusive(ends);
+    let around = blocks.find(|block| block.last().is_some_and(|it| byte <= it.range.start));
+    let last = || spans.rsplit(ends).next().unwrap_or(&[]);
+    around.unwrap_or_else(last).to_vec()
+}
+
+impl Site<'_> {
+    fn push(&mut self, label: String, kind: CompletionKind, detail: String, about: String) {
+        self.found.push(Completion {
+            insert: label.clone(),
+            label,
+            kind,
+            detail,
+            about,
+            place: self.place.clone(),
+        });
+    }
+
+    /// The G or M codes of the model.
+    fn codes(&mut self, address: char) {
+        let record = self.reader.model.record();
+        let numbers: Vec<u8> = match address {
+            'G' => record.g.keys().copied().collect(),
+            _ => record.m.keys().copied().collect(),
+        };
+        for number in numbers {
+            let Some(said) = of_model(address, number.into(), self.reader.model) else {
+                continue;
+            };
+            let detail = said.text(self.reader.language);
+            let topic = code_topic(address, number.into());
+            let about = topic.map_or("", |topic| topic.rule(self.reader.language));
+            let (label, about) = (format!("{address}{number:02}"), escaped(about));
+            self.push(
+                label.clone(),
+                CompletionKind::Code,
+                detail.clone(),
+                about.clone(),
+            );
+            let code = record.g_code(number.into()).filter(|_| address == 'G');
+            if let Some(snippet) = code.and_then(snippet) {
+                self.push(format!("{label} …"), CompletionKind::Snippet, detail, about);
+                if let Some(last) = self.found.last_mut() {
+                    snippet.clone_into(&mut last.insert);
+                }
+            }
+        }
+    }
+
+    fn letter(&mut self, address: char) {
+        if let Some(said) = letter(address) {
+            let language = self.reader.language;
+            let about = range(address, language);
+            let said = said.text(language);
+            self.push(address.to_string(), CompletionKind::Letter, said, about);
+        } else if matches!(address, 'G' | 'M') {
+            let label = address.to_string();
+            self.push(label, CompletionKind::Letter, String::new(), String::new());
+        }
+    }
+
+    fn tools(&mut self, structure: &Structure) {
+        self.letter('T');
+        let values: BTreeSet<&str> = structure.tools.iter().map(|it| it.value.as_str()).collect();
+        for value in values {
+            let detail = letter('T').map_or(String::new(), |it| it.text(self.reader.language));
+            self.push(
+                format!("T{value}"),
+                CompletionKind::Tool,
+                detail,
+                String::new(),
+            );
+        }
+    }
+
+    /// P and Q of what leads somewhere: the blocks or programs that are there.
+    fn targets(
+        &mut self,
+        structure: &Structure,
+        at: Position,
+        address: char,
+        programs: &BTreeSet<u16>,
+    ) {
+        self.letter(address);
+        // What the word leads to with any number, the block says.
+        let mut with_number = String::from(self.line.get(..self.place.from as usize).unwrap_or(""));
+        let from = with_number.len();
+        with_number.push(address);
+        with_number.push('1');
+        let own = Span {
+            range: from..with_number.len(),
+            kind: Kind::Other,
+        };
+        let rest = self.line.get(self.place.to as usize..).unwrap_or("");
+        with_number.push_str(rest);
+        let grown = with_number.len() as i64 - self.line.len() as i64;
+        let mut block: Vec<Span> = Vec::new();
+        for span in &self.block {
+            let moved = |at: usize| (at as i64 + grown) as usize;
+            match () {
+                () if span.range.end <= self.place.from as usize => block.push(span.clone()),
+                () if span.range.start >= self.place.to as usize => block.push(Span {
+                    range: moved(span.range.start)..moved(span.range.end),
+                    kind: span.kind,
+                }),
+                () => {}
+            }
+        }
+        block.push(own.clone());
+        let part = structure.part_of(at.line);
+        match aim_of(&with_number, &block, &own) {
+            Some((Aim::Program(_), _)) => {
+                let here = structure.parts.iter().filter_map(|it| it.number);
+                let mut numbers: BTreeSet<u16> = here.chain(programs.iter().copied()).collect();
+                let own = structure.parts.get(part).and_then(|it| it.number);
+                numbers.retain(|number| Some(*number) != own);
+                for number in numbers {
+                    let label = format!("P{number:04}");
+                    self.push(
+                        label,
+                        CompletionKind::Target,
+                        format!("O{number:04}"),
+                        String::new(),
+                    );
+                }
+            }
+            Some((Aim::Block(_), _)) => {
+                let blocks = structure.blocks.iter().filter(|it| it.part == part);
+                let numbers: BTreeSet<u16> = blocks.map(|it| it.number).collect();
+                for number in numbers {
+                    let label = format!("{address}{number}");
+                    self.push(
+                        label,
+                        CompletionKind::Target,
+                        format!("N{number}"),
+                        String::new(),
+                    );
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Statements of macro B that begin with a letter.
+    fn statements(&mut self, first: char) {
+        const STATEMENTS: [&str; 4] = [
+            "IF [${1:#1 GT 0}] GOTO ${2:10}",
+            "WHILE [${1:#1 LT 10}] DO ${2:1}\n${0}\nEND ${2:1}",
+            "GOTO ${1:10}",
+            "END ${1:1}",
+        ];
+        for text in STATEMENTS.into_iter().filter(|it| it.starts_with(first)) {
+            let label = text.split(' ').next().unwrap_or(text).to_owned();
+            self.push(
+                label,
+                CompletionKind::Statement,
+                String::new(),
+                String::new(),
+            );
+            if let Some(last) = self.found.last_mut() {
+                text.clone_into(&mut last.insert);
+            }
+        }
+    }
+
+    /// The G code whose words follow: that of the block, or the motion in force.
+    fn code_in_force(&self, text: &Text, at: Position) -> Option<GCode> {
+        let record = self.reader.model.record();
+        let code = |line: &str, spans: &[Span]| {
+            let codes = spans.iter().rev().filter(|it| it.kind == Kind::Code);
+            let numbers = codes.filter_map(|it| word_of(line, it)?.number());
+            numbers.map(|it| record.g_code(it.into())).find_map(|it| it)
+        };
+        if let Some(own) = code(self.line, &self.block) {
+            return Some(own);
+        }
+        let above = at.line.saturating_sub(MOST_ABOVE)..at.line;
+        above.rev().find_map(|line| {
+            let line = text.line(line);
+            code(line, &spans(line)).filter(|it| stays(*it))
+        })
+    }
+}
+
+/// Whether a code holds for the blocks after it (group 01).
+const fn stays(code: GCode) -> bool {
+    matches!(
+        code,
+        GCode::Rapid
+            | GCode::StraightRapid
+            | GCode::Line
+            | GCode::ArcClockwise
+            | GCode::ArcCounterclockwise
+            | GCode::Thread
+            | GCode::VariableThread
+            | GCode::TurningCycle
+            | GCode::ThreadCycle
+            | GCode::FacingCycle
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::model::ModelId;
+    use gsk_messages::Language;
+
+    const READER: Reader = Reader {
+        model: ModelId::Gsk980td,
+        macro_b: false,
+        language: Language::En,
+    };
+
+    fn labels(text: &str, line: u32, byte: u32, reader: Reader) -> Vec<String> {
+        let text = Text::new(text);
+        let structure = Structure::read(&text);
+        let programs = BTreeSet::from([31]);
+        let at = Position { line, byte };
+        let found = complete(&text, &structure, at, reader, &programs);
+        found.into_iter().map(|it| it.label).collect()
+    }
+
+    #[test]
+    fn codes_are_those_of_the_model() {
+        let found = labels("N10 G", 0, 5, READER);
+        assert!(found.contains(&"G71".to_owned()) && found.contains(&"G71 …".to_owned()));
+        assert!(!found.contains(&"G81".to_owned()));
+        let huaxing = Reader {
+            model: ModelId::Hx31,
+            ..READER
+        };
+        assert!(labels("N10 G8", 0, 6, huaxing).contains(&"G81".to_owned()));
+        assert!(labels("M", 0, 1, READER).contains(&"M30".to_owned()));
+        assert!(labels("(G", 0, 2, READER).is_empty(), "in a comment");
+        assert!(labels("(a) G", 0, 5, READER).contains(&"G00".to_owned()));
+    }
+
+    #[test]
+    fn words_are_those_of_the_code_in_force() {
+        assert_eq!(labels("G04 ", 0, 4, READER)[..3], ["P", "X", "U"]);
+        assert_eq!(labels("G90 X20 Z-5 F100\nX19 ", 1, 4, READER)[4], "R");
+        assert_eq!(labels("G01 X", 0, 5, READER), ["X"]);
+        assert!(labels("G01 X20", 0, 7, READER).is_empty());
+    }
+
+    #[test]
+    fn targets_and_tools_are_those_that_are_there() {
+        let text = "O0001\nT0101\nG71 P\nN10 G0 X1\nM98 P\nT\nG71 P10 Q\nG4 P\nO0002\nM99\n";
+        assert_eq!(labels(text, 2, 5, READER), ["P", "P10"]);
+        assert_eq!(labels(text, 4, 5, READER), ["P", "P0002", "P0031"]);
+        assert_eq!(labels(text, 5, 1, READER), ["T", "T0101"]);
+        assert_eq!(labels(text, 6, 9, READER), ["Q", "Q10"]);
+        assert_eq!(labels(text, 7, 4, READER), ["P"]);
+    }
+
+    #[test]
+    fn a_snippet_gives_way_to_what_was_typed() {
+        let text = Text::new("g7");
+        let at = Position { line: 0, byte: 2 };
+        let found = complete(&text, &Structure::read(&text), at, READER, &BTreeSet::new());
+        let cycle = found.iter().find(|it| it.label == "G71 …").expect("G71");
+        assert_eq!((cycle.place.from, cycle.place.to), (0, 2));
+        assert!(
+            cycle
+                .insert
+                .starts_with("G71 U${1:2.0} R${2:1.0}\nG71 P${3:10}")
+        );
+    }
+}

@@ -1,0 +1,251 @@
+//! What is wrong with a program, and how long it takes: one look through it, as `check`
+//! looks.
+
+use gsk_core::alarm::Alarm;
+use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::preview::{Bounds, Caution, End, Progress, preview_beyond_alarms};
+use gsk_core::program::ProgramMemory;
+use gsk_core::setup::Setup;
+use gsk_messages::{Language, say};
+use gsk_runner::report::AlarmReport;
+use gsk_runner::times::Times;
+
+use crate::locate::{Located, locate, whole};
+use crate::structure::Structure;
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// The program does not run.
+    Error,
+    /// It runs, and is likely not what was meant.
+    Warning,
+}
+
+/// Something wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// The program it stands in; the text itself is [`ProgramId::External`].
+    pub program: ProgramId,
+    /// Where; its line counts from 1 as in all places of the control. None where no block
+    /// is to blame.
+    pub at: Option<Located>,
+    /// How bad it is.
+    pub level: Level,
+    /// The number of the alarm, or the name of the warning.
+    pub code: String,
+    /// What it is, and what helps.
+    pub text: String,
+}
+
+/// A look through a program.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Analysis {
+    /// What is wrong, in the order of execution.
+    pub findings: Vec<Finding>,
+    /// How it ended.
+    pub end: End,
+    /// Machine time up to there, s.
+    pub time_s: f64,
+    /// Part of it with the tool in the material, s.
+    pub cutting_s: f64,
+    /// The box around the path, work coordinates; X is a radius.
+    pub bounds: Option<Bounds>,
+    /// Tools called, with their offset numbers.
+    pub tools: Vec<(u8, u8)>,
+    /// Machine time from each T word of the text on to the next one that is met, s, in the
+    /// order of [`Structure::tools`].
+    pub tool_times: Vec<f64>,
+}
+
+/// Looks the selected program of a set-up through, behind its alarms too, as long as
+/// `goes_on` says so. `structure`: of the text that it is.
+pub fn analyse(
+    setup: &Setup,
+    structure: &Structure,
+    language: Language,
+    goes_on: &mut dyn FnMut(&Progress) -> bool,
+) -> Analysis {
+    let programs = &setup.memory.programs;
+    let mut times = Times::default();
+    let mut sections = Sections::new(structure);
+    let mut take = |executed: &ExecutedMove| {
+        times.push(executed);
+        sections.push(executed);
+    };
+    let preview = preview_beyond_alarms(setup, programs, &mut take, goes_on);
+    times.end(preview.time_s);
+    sections.wait_until(preview.time_s);
+    let alarms = preview.alarm.iter().chain(&preview.further.alarms);
+    let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
+    if preview.end == End::Limit {
+        findings.push(Finding {
+            program: ProgramId::External,
+            at: None,
+            level: Level::Warning,
+            code: "limit".to_owned(),
+            text: say::report_given_up(say::report_limit()).text(language),
+        });
+    }
+    let cautions = preview.cautions.iter();
+    findings.extend(cautions.map(|it| of_caution(it, programs, language)));
+    Analysis {
+        findings,
+        end: preview.end,
+        time_s: preview.time_s,
+        cutting_s: preview.cutting_s,
+        bounds: preview.bounds,
+        tools: preview.tools,
+        tool_times: sections.seconds,
+    }
+}
+
+fn of_alarm(alarm: &Alarm, programs: &ProgramMemory, language: Language) -> Finding {
+    let program = alarm
+        .source
+        .map_or(ProgramId::External, |source| source.program);
+    let line_of = |line| programs.get(program).map_or("", |it| it.line(line));
+    let told = AlarmReport::new(alarm, programs, Some(language));
+    let mut text = format!("{} {}", told.shown, told.text);
+    let further = told.detail.iter().map(String::as_str).chain(told.way_out);
+    for more in further {
+        text.push('\n');
+        text.push_str(more);
+    }
+    Finding {
+        program,
+        at: locate(alarm, line_of),
+        level: Level::Error,
+        code: alarm.number_text(),
+        text,
+    }
+}
+
+fn of_caution(caution: &Caution, programs: &ProgramMemory, language: Language) -> Finding {
+    let source = caution.source;
+    let line = programs
+        .get(source.program)
+        .map_or("", |it| it.line(source.line));
+    Finding {
+        program: source.program,
+        at: Some(Located {
+            line: source.line,
+            bytes: whole(line),
+        }),
+        level: Level::Warning,
+        code: caution.slip.id().to_owned(),
+        text: caution.slip.message().text(language),
+    }
+}
+
+/// Machine time by the T words of a text. What lies between two moves belongs to the
+/// second one.
+struct Sections {
+    /// Lines of the T words, from 1.
+    lines: Vec<u32>,
+    seconds: Vec<f64>,
+    current: Option<usize>,
+    until_s: f64,
+}
+
+impl Sections {
+    fn new(structure: &Structure) -> Self {
+        let tools = structure.tools.iter();
+        let lines: Vec<u32> = tools.map(|tool| tool.place.line + 1).collect();
+        Self {
+            seconds: vec![0.0; lines.len()],
+            lines,
+            current: None,
+            until_s: 0.0,
+        }
+    }
+
+    fn push(&mut self, executed: &ExecutedMove) {
+        // A subprogram goes on with the tool that is in work.
+        if executed.source.program == ProgramId::External {
+            let line = executed.source.line;
+            let before = self.lines.partition_point(|at| *at <= line);
+            self.current = before.checked_sub(1);
+        }
+        self.wait_until(executed.start_s + executed.duration_s);
+    }
+
+    fn wait_until(&mut self, time_s: f64) {
+        let passed = time_s - self.until_s;
+        if passed <= 0.0 {
+            return;
+        }
+        self.until_s = time_s;
+        if let Some(seconds) = self.current.and_then(|at| self.seconds.get_mut(at)) {
+            *seconds += passed;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Text;
+    use gsk_core::program::Program;
+
+    fn seen(text: &str) -> Analysis {
+        let mut setup = Setup::default();
+        setup.memory.programs.open_external(Program::new(text));
+        setup.memory.programs.select(ProgramId::External);
+        let structure = Structure::read(&Text::new(text));
+        analyse(&setup, &structure, Language::En, &mut |it| it.moves < 1000)
+    }
+
+    #[test]
+    fn alarms_and_slips_stand_at_their_words() {
+        let seen = seen("O0001\nG00 X20 Z2\nG01 Z-5\nX30 Z-9 F100 ?\nG00 X20 Z2\nM30\n");
+        let found: Vec<_> = seen
+            .findings
+            .iter()
+            .map(|it| {
+                (
+                    it.code.as_str(),
+                    it.at.clone().map(|at| (at.line, at.bytes)),
+                )
+            })
+            .collect();
+        assert_eq!(found[0], ("011", Some((3, 0..7))), "{found:?}");
+        assert_eq!(found[1], ("006", Some((4, 13..14))), "{found:?}");
+        assert!(seen.findings[0].text.starts_with("P/S 011 "), "{seen:?}");
+    }
+
+    #[test]
+    fn what_a_cycle_finds_in_its_profile_stands_there() {
+        let seen = seen(
+            "T0101 M03 S500\nG00 X62 Z2\nG71 U2 R1\nG71 P1 Q2 U1 F100\nN1 G00 X20\nG01 Z-9\n\
+             N2 G02 X40 Z-45 R2\nM30\n",
+        );
+        assert_eq!(seen.findings[0].at.as_ref().map(|at| at.line), Some(7));
+        let seen = self::seen(
+            "T0101 M03 S500\nG00 X62 Z2\nG71 U2 R1\nG71 P1 Q2 U1 F100\nN1 G00 X20\nN2 Y1 Z-9\nM30\n",
+        );
+        let at = seen.findings[0].at.clone();
+        assert_eq!(at.map(|at| (at.line, at.bytes)), Some((6, 3..5)));
+    }
+
+    #[test]
+    fn the_time_is_that_of_the_tools() {
+        let seen = seen(
+            "M03 S500\nT0101\nG00 X60 Z2\nG01 Z-30 F60\nG00 X100 Z50\nT0202\nG01 Z-30 F60\nM30\n",
+        );
+        assert!(seen.tool_times.iter().all(|it| *it > 30.0), "{seen:?}");
+        assert!(seen.tool_times.iter().sum::<f64>() <= seen.time_s);
+        assert_eq!(seen.tools.len(), 2);
+        assert!(seen.cutting_s > 100.0 && seen.bounds.is_some());
+    }
+
+    #[test]
+    fn a_program_without_end_is_given_up() {
+        let seen = seen("M03 S500 T0101\nN1 G01 U1 F6000\nU-1\nG65 H80 P1\n");
+        assert_eq!(seen.end, End::Limit);
+        assert!(
+            seen.findings.iter().any(|it| it.code == "limit"),
+            "{seen:?}"
+        );
+    }
+}

@@ -1,0 +1,445 @@
+//! How a program is written: numbers of blocks, blanks between words, capital letters.
+//! What it does stays: where that is not sure the numbers stay as they are.
+
+use std::collections::BTreeMap;
+
+use gsk_core::model::ModelId;
+use gsk_messages::{Message, say};
+
+use crate::leads::Aim;
+use crate::rename::settled;
+use crate::structure::Structure;
+use crate::text::{Edit, Place, Text};
+use crate::words::{Kind, Span, spans};
+
+/// Which blocks get numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Numbering {
+    /// As they stand.
+    #[default]
+    AsTheyAre,
+    /// Those that have one are counted anew.
+    Present {
+        /// The first one.
+        start: u16,
+        /// From one to the next.
+        step: u16,
+    },
+    /// All blocks.
+    All {
+        /// The first one.
+        start: u16,
+        /// From one to the next.
+        step: u16,
+    },
+}
+
+/// Blanks between words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spacing {
+    /// As they stand.
+    AsTheyAre,
+    /// One, and none around a line.
+    #[default]
+    One,
+    /// None.
+    None,
+}
+
+/// Letters of words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Casing {
+    /// As they stand.
+    AsTheyAre,
+    /// Capital letters.
+    #[default]
+    Upper,
+}
+
+/// How a program is to be written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Style {
+    /// Numbers of blocks.
+    pub numbering: Numbering,
+    /// Blanks.
+    pub spacing: Spacing,
+    /// Letters.
+    pub casing: Casing,
+}
+
+/// The changes that write a program so.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Formatted {
+    /// The changes; they do not overlap.
+    pub edits: Vec<Edit>,
+    /// Why the numbers stay as they are, where they were to be changed.
+    pub refused: Option<Message>,
+}
+
+/// More changes than these are made as one: an editor makes each for itself.
+const MOST_EDITS: usize = 1000;
+
+/// Greatest sequence number.
+const GREATEST: u32 = 9999;
+
+/// The changes that write lines of a program in a style. Numbers change in whole programs
+/// only, when `lines` are all of them. `outside`: numbers that P of M99 in programs of
+/// other files leads to.
+pub fn format(
+    text: &Text,
+    structure: &Structure,
+    style: Style,
+    lines: core::ops::Range<u32>,
+    (outside, model): (&[u16], ModelId),
+) -> Formatted {
+    let whole = lines.start == 0 && lines.end >= text.line_count();
+    let numbers = match style.numbering {
+        Numbering::Present { start, step } if whole => {
+            renumbered(text, structure, (start, step, false), (outside, model))
+        }
+        Numbering::All { start, step } if whole => {
+            renumbered(text, structure, (start, step, true), (outside, model))
+        }
+        _ => Ok(Numbers::default()),
+    };
+    let (numbers, refused) = match numbers {
+        Ok(numbers) => (numbers, None),
+        Err(said) => (Numbers::default(), Some(said)),
+    };
+    let (first, end) = structure.read;
+    let mut edits = Vec::new();
+    for index in lines.start.max(first)..lines.end.min(end) {
+        let line = text.line(index);
+        let written = rewritten(index, line, style, &numbers);
+        if written != line {
+            edits.push(Edit::of(&Place::new(index, &(0..line.len())), written));
+        }
+    }
+    Formatted {
+        edits: few(text, edits),
+        refused,
+    }
+}
+
+/// Many changes as one from the first line to the last.
+fn few(text: &Text, edits: Vec<Edit>) -> Vec<Edit> {
+    let (Some(first), Some(last)) = (edits.first(), edits.last()) else {
+        return edits;
+    };
+    if edits.len() <= MOST_EDITS {
+        return edits;
+    }
+    let (from, to) = (first.from, last.to);
+    let begin = text.offset(from);
+    let mut written = String::new();
+    let mut copied = begin;
+    for edit in &edits {
+        written.push_str(&text.as_str()[copied..text.offset(edit.from)]);
+        written.push_str(&edit.text);
+        copied = text.offset(edit.to);
+    }
+    vec![Edit {
+        from,
+        to,
+        text: written,
+    }]
+}
+
+/// New numbers: of digits that stand there, and of blocks that have none.
+#[derive(Default)]
+struct Numbers {
+    /// By line and first byte of the digits.
+    changed: BTreeMap<(u32, u32), String>,
+    /// By line and byte of the first word of the block.
+    added: BTreeMap<(u32, u32), String>,
+}
+
+fn renumbered(
+    text: &Text,
+    structure: &Structure,
+    (start, step, all): (u16, u16, bool),
+    (outside, model): (&[u16], ModelId),
+) -> Result<Numbers, Message> {
+    settled(structure, outside, model)?;
+    // A macro may read the number of its block.
+    if text.as_str().contains("#4114") {
+        return Err(say::numbers_are_read());
+    }
+    let mut numbers = Numbers::default();
+    // Of each block with a number the new one, by its digits.
+    let mut anew: BTreeMap<&Place, u32> = BTreeMap::new();
+    let width = width(text, structure);
+    let mut blocks = structure.blocks.iter().peekable();
+    for lines in &structure.parts {
+        let mut next = u32::from(start);
+        for index in lines.from.max(structure.read.0)..lines.to.min(structure.read.1) {
+            let line = text.line(index);
+            for block in blocks_of(line, &spans(line)) {
+                let Some(word) = first_word(block) else {
+                    continue;
+                };
+                let (from, to) = (block[0].range.start, block[block.len() - 1].range.end);
+                let here = |place: &Place| {
+                    let at = place.from as usize;
+                    place.line == index && from <= at && at < to
+                };
+                let own = blocks.next_if(|it| here(&it.digits));
+                // An N elsewhere in its block is its number, too, and O names a program.
+                let named = block.iter().any(|it| it.kind == Kind::Name);
+                match own {
+                    Some(own) => {
+                        anew.insert(&own.digits, next);
+                        let key = (index, own.digits.from);
+                        numbers.changed.insert(key, padded(next, width));
+                    }
+                    None if all && !named => {
+                        let key = (index, word as u32);
+                        numbers.added.insert(key, padded(next, width));
+                    }
+                    None => continue,
+                }
+                if next > GREATEST {
+                    return Err(say::numbers_beyond(GREATEST, index + 1));
+                }
+                next += u32::from(step.max(1));
+            }
+        }
+    }
+    for lead in &structure.leads {
+        if matches!(lead.aim, Aim::Program(_)) {
+            continue;
+        }
+        let line = lead.digits.line + 1;
+        let callers = structure.callers(lead.part).len();
+        // P of M99 where no program of the text calls: who calls it nobody knows.
+        if matches!(lead.aim, Aim::Caller(_)) && callers != 1 {
+            return Err(say::lead_to_several(line));
+        }
+        let number = match structure.aimed_at(lead)[..] {
+            [block] => anew.get(&block.digits).copied(),
+            [] => return Err(say::lead_to_nothing(line)),
+            _ => return Err(say::lead_to_several(line)),
+        };
+        if let Some(number) = number {
+            let key = (lead.digits.line, lead.digits.from);
+            numbers.changed.insert(key, padded(number, width));
+        }
+    }
+    Ok(numbers)
+}
+
+/// Digits of the numbers: four where the first one that is there has them.
+fn width(text: &Text, structure: &Structure) -> usize {
+    let first = structure.blocks.first().map(|block| &block.digits);
+    let digits = first.and_then(|it| text.line(it.line).get(it.from as usize..it.to as usize));
+    match digits {
+        Some(digits) if digits.starts_with('0') => digits.len(),
+        _ => 0,
+    }
+}
+
+fn padded(number: u32, width: usize) -> String {
+    format!("{number:0width$}")
+}
+
+/// The blocks of a line.
+fn blocks_of<'a>(line: &'a str, spans: &'a [Span]) -> impl Iterator<Item = &'a [Span]> {
+    let ends = |it: &Span| is_mark(line, it, &[";", "*", "%"]);
+    spans
+        .split_inclusive(ends)
+        .filter(|block| !block.is_empty())
+}
+
+fn is_mark(line: &str, span: &Span, marks: &[&str]) -> bool {
+    let text = line.get(span.range.clone()).unwrap_or("");
+    span.kind == Kind::Mark && marks.contains(&text)
+}
+
+/// The byte of the first piece of a block after its skip mark; none of a block without
+/// words.
+fn first_word(block: &[Span]) -> Option<usize> {
+    let mut pieces = block.iter();
+    let word = pieces.find(|it| !matches!(it.kind, Kind::Comment | Kind::Mark))?;
+    Some(word.range.start)
+}
+
+/// A line as it is to be written.
+fn rewritten(index: u32, line: &str, style: Style, numbers: &Numbers) -> String {
+    let mut out = String::with_capacity(line.len() + 8);
+    let mut before: Option<(&Span, usize)> = None;
+    let spans = spans(line);
+    for span in &spans {
+        let from = before.map_or(0, |(_, end)| end);
+        let gap = line.get(from..span.range.start).unwrap_or("");
+        out.push_str(match before {
+            None if style.spacing == Spacing::AsTheyAre => gap,
+            // What is no word may be part of the one beside it.
+            None if span.kind == Kind::Foreign => gap,
+            None => "",
+            Some((before, _)) => between(line, before, gap, span, style.spacing),
+        });
+        if let Some(number) = numbers.added.get(&(index, span.range.start as u32)) {
+            let blank = if style.spacing == Spacing::None {
+                ""
+            } else {
+                " "
+            };
+            out.push_str(&format!("N{number}{blank}"));
+        }
+        piece(index, line, span, style, numbers, &mut out);
+        before = Some((span, span.range.end));
+    }
+    let rest = line.get(before.map_or(0, |(_, end)| end)..).unwrap_or("");
+    if style.spacing == Spacing::AsTheyAre {
+        out.push_str(rest);
+    }
+    out
+}
+
+/// What stands between two pieces.
+fn between<'a>(line: &str, before: &Span, gap: &'a str, span: &Span, spacing: Spacing) -> &'a str {
+    let foreign = before.kind == Kind::Foreign || span.kind == Kind::Foreign;
+    if spacing == Spacing::AsTheyAre || foreign {
+        return gap;
+    }
+    if is_mark(line, span, &[";", "*", "%"]) || is_mark(line, before, &["/"]) {
+        return "";
+    }
+    match spacing {
+        Spacing::None if before.kind != Kind::Statement && span.kind != Kind::Statement => "",
+        _ => " ",
+    }
+}
+
+/// A piece as it is to be written.
+fn piece(index: u32, line: &str, span: &Span, style: Style, numbers: &Numbers, out: &mut String) {
+    let text = line.get(span.range.clone()).unwrap_or("");
+    if matches!(span.kind, Kind::Comment | Kind::Mark | Kind::Foreign) {
+        out.push_str(text);
+        return;
+    }
+    let begin = out.len();
+    // Digits that change stand at the end of the piece.
+    let from = (index, span.range.start as u32)..(index, span.range.end as u32);
+    match numbers.changed.range(from).next() {
+        Some(((_, at), number)) => {
+            let kept = (*at as usize).saturating_sub(span.range.start);
+            out.push_str(text.get(..kept).unwrap_or(text));
+            out.push_str(number);
+        }
+        None => out.push_str(text),
+    }
+    if style.casing == Casing::Upper {
+        let upper = out.split_off(begin).to_ascii_uppercase();
+        out.push_str(&upper);
+    }
+    if style.spacing != Spacing::AsTheyAre && span.kind.is_word() {
+        let word = out.split_off(begin);
+        let letter = word.chars().next().map_or(0, char::len_utf8);
+        let (letter, value) = word.split_at(letter);
+        out.push_str(letter);
+        out.push_str(value.trim_start_matches([' ', '\t']));
+    }
+}
+
+impl Style {
+    /// Whether it changes nothing.
+    pub fn is_as_it_is(&self) -> bool {
+        self.numbering == Numbering::AsTheyAre
+            && self.spacing == Spacing::AsTheyAre
+            && self.casing == Casing::AsTheyAre
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_messages::Id;
+
+    fn formatted(text: &str, style: Style) -> (String, Option<Id>) {
+        let mut text = Text::new(text);
+        let structure = Structure::read(&text);
+        let lines = 0..text.line_count();
+        let done = format(&text, &structure, style, lines, (&[], ModelId::Gsk980td));
+        text.apply_all(&done.edits);
+        (text.as_str().to_owned(), done.refused.map(|it| it.id()))
+    }
+
+    fn numbered(text: &str, all: bool) -> (String, Option<Id>) {
+        let (start, step) = (10, 10);
+        let numbering = match all {
+            true => Numbering::All { start, step },
+            false => Numbering::Present { start, step },
+        };
+        formatted(
+            text,
+            Style {
+                numbering,
+                ..Style::default()
+            },
+        )
+    }
+
+    #[test]
+    fn words_have_a_blank_between_them_and_capital_letters() {
+        let text = "%\no0001(Welle)\nn10g1x - 5 Z#200 ;  (no  change)\n / N20  G0 X1. ?z\n\
+                    if[#1 gt 5]goto 10\n%\nrest  of x\n";
+        let wanted = "%\nO0001 (Welle)\nN10 G1 X- 5 Z#200; (no  change)\n/N20 G0 X1. ?z\n\
+                      IF[#1 GT 5]GOTO 10\n%\nrest  of x\n";
+        assert_eq!(formatted(text, Style::default()), (wanted.to_owned(), None));
+        let none = Style {
+            spacing: Spacing::None,
+            ..Style::default()
+        };
+        let (written, _) = formatted("N10 G01 X5 (a b) F100 ;\nX1 0\n", none);
+        assert_eq!(written, "N10G01X5(a b)F100;\nX1 0\n");
+        let as_is = Style {
+            spacing: Spacing::AsTheyAre,
+            casing: Casing::AsTheyAre,
+            ..none
+        };
+        assert_eq!(formatted(text, as_is).0, text);
+        assert!(as_is.is_as_it_is());
+    }
+
+    #[test]
+    fn numbers_change_with_all_that_lead_to_them() {
+        let text = "O0001\nN3 T0101\nG71 U1 R1\nG71 P7 Q9\nN7 G00 X20;N8 G01 Z-3\nN9 X30\n\
+                    G65 H80 P-3\nM98 P2\nM30\nO0002\nN1 G0 U1\nM99 P9\n";
+        let wanted = "O0001\nN10 T0101\nG71 U1 R1\nG71 P20 Q40\nN20 G00 X20; N30 G01 Z-3\nN40 X30\n\
+                      G65 H80 P-10\nM98 P2\nM30\nO0002\nN10 G0 U1\nM99 P40\n";
+        assert_eq!(numbered(text, false), (wanted.to_owned(), None));
+        let text = "O0001 (a)\n/G0 X1\n(b)\nN0005 X2;\n;\nG1 X3 F9; Z1\n#1=2\n";
+        let wanted = "O0001 (a)\n/N0010 G0 X1\n(b)\nN0020 X2;\n;\nN0030 G1 X3 F9; N0040 Z1\n\
+                      N0050 #1=2\n";
+        assert_eq!(numbered(text, true), (wanted.to_owned(), None));
+    }
+
+    #[test]
+    fn numbers_stay_where_they_may_mean_something_else() {
+        for (text, why) in [
+            ("N1 G71 P5 Q6\nN5 X1\nN5 X2\nN6 X3\n", Id::LeadToSeveral),
+            ("N1 G71 P5 Q6\nN5 X1\n", Id::LeadToNothing),
+            ("N1 X1\nGOTO #1\n", Id::LeadComputed),
+            ("N1 X1\nG65 H80 P#200\n", Id::LeadComputed),
+            ("N1 X1\nM99 P1\n", Id::LeadToSeveral),
+            ("N1 X1\n#1=#4114\n", Id::NumbersAreRead),
+        ] {
+            assert_eq!(numbered(text, false), (text.to_owned(), Some(why)));
+        }
+        let long = "N1 X1\n".repeat(1200);
+        assert_eq!(numbered(&long, false), (long, Some(Id::NumbersBeyond)));
+    }
+
+    #[test]
+    fn many_changes_are_one() {
+        let text = "g0x1\nG00 X2\n".repeat(2000);
+        let read = Text::new(text.as_str());
+        let structure = Structure::read(&read);
+        let style = Style::default();
+        let lines = 0..read.line_count();
+        let done = format(&read, &structure, style, lines, (&[], ModelId::Gsk980td));
+        assert_eq!(done.edits.len(), 1);
+        assert_eq!(formatted(&text, style).0, "G0 X1\nG00 X2\n".repeat(2000));
+    }
+}

@@ -1,0 +1,153 @@
+//! Where the words of a block lead to (manual I-2.4, I-3.2.6, I-3.3.1, I-3.7.3, and the
+//! jumps of macro B).
+
+use std::ops::Range;
+
+use crate::words::{Kind, Span, Word, word_of};
+
+/// What is aimed at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aim {
+    /// A block of the same program by its N: P and Q of G70 to G73, P of G65 H80 to H86,
+    /// GOTO.
+    Block(u16),
+    /// P of M99: a block of the program that called this one, or of this one where
+    /// nobody did.
+    Caller(u16),
+    /// A program by its O: P of M98, of G65 and of G66.
+    Program(u16),
+    /// A block of the same program whose number is worked out when it runs.
+    Computed,
+}
+
+/// Where a word or a statement of a block leads to, and the bytes of the number that says
+/// so. `block`: the pieces of the block, out of `line`.
+pub fn aim_of(line: &str, block: &[Span], span: &Span) -> Option<(Aim, Range<usize>)> {
+    if span.kind == Kind::Statement {
+        return goto(line, span);
+    }
+    if !matches!(span.kind, Kind::Other) {
+        return None;
+    }
+    let word = word_of(line, span)?;
+    let has = |address: char, numbers: &[u32]| {
+        let mut words = block.iter().filter(|it| it.kind.is_word());
+        words.any(|it| {
+            let other = word_of(line, it).filter(|other| other.address == address);
+            other
+                .and_then(|it| it.number())
+                .is_some_and(|it| numbers.contains(&it))
+        })
+    };
+    match word.address {
+        'P' if has('M', &[98]) || has('G', &[66]) => program(line, span, &word),
+        'P' if has('G', &[65]) => {
+            let operation = block.iter().filter_map(|it| word_of(line, it));
+            let operation = operation
+                .filter(|it| it.address == 'H')
+                .find_map(|it| it.number());
+            match operation {
+                Some(80..=86) => sequence(line, span, &word, Aim::Block),
+                Some(_) => None,
+                None => program(line, span, &word),
+            }
+        }
+        'P' if has('M', &[99]) => sequence(line, span, &word, Aim::Caller),
+        'P' | 'Q' if has('G', &[70, 71, 72, 73]) => sequence(line, span, &word, Aim::Block),
+        _ => None,
+    }
+}
+
+/// The program that P of a call names: its last four digits.
+fn called_program(value: &str) -> Option<u16> {
+    let digits = value.len().saturating_sub(4);
+    value.get(digits..)?.parse().ok()
+}
+
+fn program(line: &str, span: &Span, word: &Word<'_>) -> Option<(Aim, Range<usize>)> {
+    word.number()?;
+    let number = called_program(&word.value)?;
+    let digits = digits_at_end(line, &span.range);
+    let from = digits.start.max(digits.end.saturating_sub(4));
+    let from = if line.is_char_boundary(from) {
+        from
+    } else {
+        digits.start
+    };
+    Some((Aim::Program(number), from..digits.end))
+}
+
+/// A jump may have a sign: it says where the search begins.
+fn sequence(
+    line: &str,
+    span: &Span,
+    word: &Word<'_>,
+    aim: fn(u16) -> Aim,
+) -> Option<(Aim, Range<usize>)> {
+    let digits = word.value.trim_start_matches(['+', '-']);
+    let number = digits.bytes().all(|byte| byte.is_ascii_digit());
+    match number.then(|| digits.parse().ok()) {
+        Some(Some(number)) => Some((aim(number), digits_at_end(line, &span.range))),
+        // No block has such a number.
+        Some(None) => None,
+        None => Some((Aim::Computed, span.range.clone())),
+    }
+}
+
+/// The block that a GOTO in a statement names.
+fn goto(line: &str, span: &Span) -> Option<(Aim, Range<usize>)> {
+    const GOTO: &str = "GOTO";
+    let text = line.get(span.range.clone())?;
+    let at = text.to_ascii_uppercase().find(GOTO)? + GOTO.len();
+    let target = text[at..].trim_start();
+    let from = span.range.start + text.len() - target.len();
+    match target.bytes().all(|byte| byte.is_ascii_digit()) {
+        true => Some((Aim::Block(target.parse().ok()?), from..span.range.end)),
+        false => Some((Aim::Computed, from..span.range.end)),
+    }
+}
+
+/// The digits that a word ends with, full-width ones among them.
+pub(crate) fn digits_at_end(line: &str, word: &Range<usize>) -> Range<usize> {
+    let text = line.get(word.clone()).unwrap_or("");
+    let is_digit = |it: char| crate::words::narrow(it).is_ascii_digit();
+    let rest = text.trim_end_matches(is_digit);
+    word.start + rest.len()..word.end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::words::spans;
+
+    fn aims(line: &str) -> Vec<(Aim, &str)> {
+        let spans = spans(line);
+        let found = spans.iter().filter_map(|span| aim_of(line, &spans, span));
+        found.map(|(aim, digits)| (aim, &line[digits])).collect()
+    }
+
+    #[test]
+    fn words_lead_to_blocks_and_programs() {
+        assert_eq!(
+            aims("G71 P30 Q0050 U0.5"),
+            [(Aim::Block(30), "30"), (Aim::Block(50), "0050")]
+        );
+        assert_eq!(aims("M98 P20003"), [(Aim::Program(3), "0003")]);
+        assert_eq!(aims("m98p7"), [(Aim::Program(7), "7")]);
+        assert_eq!(aims("M99 P30"), [(Aim::Caller(30), "30")]);
+        assert_eq!(aims("G65 H80 P-12"), [(Aim::Block(12), "12")]);
+        assert_eq!(aims("G65 H81 P#200 Q1"), [(Aim::Computed, "P#200")]);
+        assert_eq!(aims("G65 P9010 A1.0"), [(Aim::Program(9010), "9010")]);
+        assert_eq!(aims("IF [#1 GT 5] GOTO 20"), [(Aim::Block(20), "20")]);
+        assert_eq!(aims("GOTO#1"), [(Aim::Computed, "#1")]);
+        for nothing in [
+            "G04 P300",
+            "G75 X10 Q3000",
+            "G65 H01 P#200 Q5",
+            "M99",
+            "M99 P99999",
+        ] {
+            assert_eq!(aims(nothing), [], "{nothing}");
+        }
+    }
+}

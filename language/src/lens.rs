@@ -1,0 +1,86 @@
+//! What is told above a program, a tool and a cycle: time, how far it reaches, what is
+//! left for finishing.
+
+use gsk_messages::{Language, say};
+use gsk_runner::moves::diameter_z;
+use gsk_runner::words::clock_in_seconds;
+
+use crate::diagnose::Analysis;
+use crate::structure::{Cycle, Structure};
+use crate::text::Place;
+
+/// A sentence above a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Lens {
+    /// What it belongs to.
+    pub place: Place,
+    /// The sentence.
+    pub text: String,
+}
+
+/// The lenses of a text that was looked through.
+pub fn lenses(structure: &Structure, analysis: &Analysis, language: Language) -> Vec<Lens> {
+    let mut lenses = Vec::new();
+    if let Some(part) = structure.parts.first() {
+        let first = Place {
+            line: structure.read.0,
+            from: 0,
+            to: 0,
+        };
+        lenses.push(Lens {
+            place: part.name.clone().unwrap_or(first),
+            text: whole(analysis, language),
+        });
+    }
+    for (tool, seconds) in structure.tools.iter().zip(&analysis.tool_times) {
+        // A tool that nothing was done with, or a word of a program that is not run.
+        if *seconds > 0.0 {
+            lenses.push(Lens {
+                place: tool.place.clone(),
+                text: say::lens_tool(clock_in_seconds(*seconds)).text(language),
+            });
+        }
+    }
+    let cycles = structure.cycles.iter();
+    lenses.extend(cycles.filter_map(|it| of_cycle(it, structure, language)));
+    lenses
+}
+
+/// Time, extents and tools of the program.
+fn whole(analysis: &Analysis, language: Language) -> String {
+    let time = clock_in_seconds(analysis.time_s);
+    let cutting = clock_in_seconds(analysis.cutting_s);
+    let mut parts = vec![say::lens_time(time, cutting).text(language)];
+    if let Some(bounds) = analysis.bounds {
+        let (least, greatest) = (diameter_z(bounds.least), diameter_z(bounds.greatest));
+        let extents = say::lens_extents(least.0, greatest.0, least.1, greatest.1);
+        parts.push(extents.text(language));
+    }
+    if !analysis.tools.is_empty() {
+        let tools = analysis.tools.iter();
+        let tools = tools.map(|(tool, offset)| format!("T{tool:02}{offset:02}"));
+        parts.push(tools.collect::<Vec<_>>().join(" "));
+    }
+    parts.join(" | ")
+}
+
+/// The profile of a cycle and what is left on it.
+fn of_cycle(cycle: &Cycle, structure: &Structure, language: Language) -> Option<Lens> {
+    let (p, q) = cycle.profile;
+    let line = |number| {
+        let found = structure.in_part(number, cycle.part).next();
+        found.map(|block| block.digits.line)
+    };
+    let lines = line(q)?.checked_sub(line(p)?)? + 1;
+    let mut text = say::lens_profile(p, q, lines).text(language);
+    let (u, w) = &cycle.leaves;
+    if cycle.code != 70 && (u.is_some() || w.is_some()) {
+        let left = |value: &Option<String>| value.clone().unwrap_or_else(|| "0".to_owned());
+        text.push_str(" | ");
+        text.push_str(&say::lens_leaves(left(u), left(w)).text(language));
+    }
+    Some(Lens {
+        place: cycle.place.clone(),
+        text,
+    })
+}

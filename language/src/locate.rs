@@ -1,0 +1,84 @@
+//! Where in a text an alarm stands: its line, and the characters that raise it.
+
+use std::ops::Range;
+
+use gsk_core::alarm::Alarm;
+
+use crate::words::{Kind, spans};
+
+/// The message of an alarm that a cycle raises in a block of its profile.
+const IN_PROFILE: &str = "in_profile";
+
+/// A place of a program.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Located {
+    /// Line of its file, from 1.
+    pub line: u32,
+    /// Bytes of the line.
+    pub bytes: Range<usize>,
+}
+
+/// The place of an alarm: the word at its column, where it knows that, else its block
+/// without blanks around it. A cycle reads its profile: what is wrong stands there.
+/// `line_of` gives the lines of the program it comes from. None without a line.
+pub fn locate<'a>(alarm: &Alarm, line_of: impl Fn(u32) -> &'a str) -> Option<Located> {
+    let source = alarm.source?;
+    let detail = alarm.detail.as_ref();
+    let profile = detail.filter(|detail| detail.id().name() == IN_PROFILE);
+    let profile = profile.and_then(|detail| detail.plain_value("line")?.parse().ok());
+    let line = profile.unwrap_or(source.line);
+    let column = detail.and_then(|detail| detail.value_within("column"));
+    let column = column.and_then(|column| column.parse().ok());
+    Some(Located {
+        line,
+        bytes: bytes_at(line_of(line), column),
+    })
+}
+
+/// The bytes of a line that raise an alarm: the word at a column (in characters, from 1),
+/// or the whole line without blanks around it.
+pub(crate) fn bytes_at(line: &str, column: Option<usize>) -> Range<usize> {
+    let pieces = spans(line);
+    // A column counts from the beginning of its block, and nobody says which it is.
+    let ends = |at: &usize| {
+        let span = pieces.get(*at).filter(|it| it.kind == Kind::Mark);
+        span.is_some_and(|it| line.get(it.range.clone()) != Some("/"))
+    };
+    let several = (0..pieces.len().saturating_sub(1)).any(|at| ends(&at));
+    let Some(column) = column.filter(|_| !several) else {
+        return whole(line);
+    };
+    let mut characters = line.char_indices().skip(column.saturating_sub(1));
+    let Some((at, character)) = characters.next() else {
+        // What is missing at the end of a line is told at its last piece.
+        let last = pieces.last();
+        return last.map_or(0..line.len(), |span| span.range.clone());
+    };
+    let word = spans(line)
+        .into_iter()
+        .find(|span| span.range.contains(&at));
+    word.map_or(at..at + character.len_utf8(), |span| span.range)
+}
+
+/// A line without the blanks around it.
+pub(crate) fn whole(line: &str) -> Range<usize> {
+    let from = line.len() - line.trim_start().len();
+    let to = line.trim_end().len();
+    from.min(to)..to
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_word_at_a_column_or_the_line() {
+        assert_eq!(bytes_at("G00 X20 ?", Some(9)), 8..9);
+        assert_eq!(bytes_at("(车) G00 X20.", Some(10)), 10..14);
+        assert_eq!(bytes_at("  G00 X20  ", None), 2..9);
+        assert_eq!(bytes_at("G00 X", Some(40)), 4..5);
+        assert_eq!(bytes_at("", Some(3)), 0..0);
+        assert_eq!(bytes_at("   ", None), 0..0);
+        assert_eq!(bytes_at("G00 X1; G1 ?", Some(4)), 0..12);
+    }
+}

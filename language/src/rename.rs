@@ -1,0 +1,168 @@
+//! Another number for a block, and for all that leads to it.
+
+use gsk_core::model::{GCode, ModelId};
+use gsk_messages::{Message, say};
+
+use crate::leads::Aim;
+use crate::refer::{Under, leading_to, under};
+use crate::structure::{Numbered, Structure};
+use crate::text::{Edit, Place, Position, Text};
+
+/// The number that a rename at a position changes: that of a block, or of what leads to
+/// one.
+pub fn renamable(structure: &Structure, at: Position) -> Option<Place> {
+    match under(structure, at)? {
+        Under::Block(block) => Some(block.digits.clone()),
+        Under::Lead(lead) => {
+            let leads = !structure.aimed_at(lead).is_empty();
+            leads.then(|| lead.digits.clone())
+        }
+        Under::Program(_) | Under::Loop(_) => None,
+    }
+}
+
+/// Gives the block under a position, or that the word there leads to, another number, and
+/// so all that lead to it. `outside`: numbers that P of M99 in programs of other files
+/// leads to.
+///
+/// # Errors
+/// Why it cannot be done without changing what the program does.
+pub fn rename(
+    text: &Text,
+    structure: &Structure,
+    at: Position,
+    name: &str,
+    (outside, model): (&[u16], ModelId),
+) -> Result<Vec<Edit>, Message> {
+    let block = block_at(structure, at)?;
+    let number = new_number(name).ok_or_else(|| say::rename_no_number(name))?;
+    if let Some(there) = structure.in_part(number, block.part).next()
+        && there != block
+    {
+        return Err(say::rename_exists(number, there.digits.line + 1));
+    }
+    settled(structure, outside, model)?;
+    if structure.in_part(block.number, block.part).count() > 1 {
+        return Err(say::number_of_several_blocks(block.number));
+    }
+    let mut places = vec![&block.digits];
+    for lead in leading_to(structure, block) {
+        if structure.aimed_at(lead).len() > 1 {
+            let line = lead.digits.line + 1;
+            return Err(say::lead_to_several(line));
+        }
+        places.push(&lead.digits);
+    }
+    let edits = places.into_iter();
+    Ok(edits
+        .map(|it| Edit::of(it, written(number, text, it)))
+        .collect())
+}
+
+/// The block under a position, or the one that the word there leads to.
+fn block_at(structure: &Structure, at: Position) -> Result<&Numbered, Message> {
+    match under(structure, at) {
+        Some(Under::Block(block)) => Ok(block),
+        Some(Under::Lead(lead)) => match structure.aimed_at(lead)[..] {
+            [block] => Ok(block),
+            [] => Err(say::lead_to_nothing(lead.digits.line + 1)),
+            _ => Err(say::lead_to_several(lead.digits.line + 1)),
+        },
+        _ => Err(say::rename_nothing()),
+    }
+}
+
+/// `N100`, `n 100`, `100`.
+fn new_number(name: &str) -> Option<u16> {
+    let name = name.trim().trim_start_matches(['N', 'n']).trim();
+    let digits = !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_digit());
+    let number = digits.then(|| name.parse::<u16>().ok())?;
+    number.filter(|number| *number <= 9999)
+}
+
+/// A number as it stands in a place: with zeros in front where there were some.
+pub(crate) fn written(number: u16, text: &Text, place: &Place) -> String {
+    let line = text.line(place.line);
+    let before = line
+        .get(place.from as usize..place.to as usize)
+        .unwrap_or("");
+    match before.starts_with('0') {
+        true => format!("{number:0width$}", width = before.len()),
+        false => number.to_string(),
+    }
+}
+
+/// Whether the text says where everything in it leads.
+///
+/// # Errors
+/// What says otherwise.
+pub(crate) fn settled(
+    structure: &Structure,
+    outside: &[u16],
+    model: ModelId,
+) -> Result<(), Message> {
+    // Huaxing: N after a code is a block, a subprogram or a count.
+    let counted = model.record().g.values();
+    if counted
+        .into_iter()
+        .any(|it| *it == GCode::RepeatAndComeBack)
+    {
+        return Err(say::numbers_of_model(&model.record().name));
+    }
+    let computed = structure
+        .leads
+        .iter()
+        .find(|lead| lead.aim == Aim::Computed);
+    if let Some(lead) = computed {
+        return Err(say::lead_computed(lead.digits.line + 1));
+    }
+    if let Some(number) = outside.first() {
+        return Err(say::lead_from_outside(number));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_messages::Id;
+
+    const TEXT: &str = "O0001\nG71 P10 Q0020\nN0010 G00 X20\nN20 G01 Z-30\nG70 P10 Q20\nN30 M30\n";
+
+    fn renamed(text: &str, line: u32, byte: u32, name: &str) -> Result<String, Id> {
+        let mut text = Text::new(text);
+        let structure = Structure::read(&text);
+        let at = Position { line, byte };
+        let edits = rename(&text, &structure, at, name, (&[], ModelId::Gsk980td));
+        text.apply_all(&edits.map_err(|said| said.id())?);
+        Ok(text.as_str().to_owned())
+    }
+
+    #[test]
+    fn a_number_changes_at_its_block_and_wherever_it_is_named() {
+        let wanted = "O0001\nG71 P100 Q0020\nN0100 G00 X20\nN20 G01 Z-30\nG70 P100 Q20\nN30 M30\n";
+        for (line, byte) in [(2, 2), (1, 5), (4, 6)] {
+            assert_eq!(renamed(TEXT, line, byte, "N100").as_deref(), Ok(wanted));
+        }
+        let structure = Structure::read(&Text::new(TEXT));
+        let place = renamable(&structure, Position { line: 2, byte: 0 });
+        assert_eq!(place.map(|it| (it.from, it.to)), Some((1, 5)));
+        assert_eq!(renamable(&structure, Position { line: 2, byte: 8 }), None);
+    }
+
+    #[test]
+    fn what_would_change_the_program_is_refused() {
+        assert_eq!(renamed(TEXT, 2, 2, "20"), Err(Id::RenameExists));
+        assert_eq!(renamed(TEXT, 2, 2, "N10000"), Err(Id::RenameNoNumber));
+        assert_eq!(renamed(TEXT, 2, 8, "5"), Err(Id::RenameNothing));
+        let twice = "N10 G0 X1\nN10 G0 X2\nM30\n";
+        assert_eq!(renamed(twice, 0, 1, "5"), Err(Id::NumberOfSeveralBlocks));
+        let computed = "N10 G0 X1\nGOTO #1\n";
+        assert_eq!(renamed(computed, 0, 1, "5"), Err(Id::LeadComputed));
+        assert_eq!(renamed("G71 P10 Q20\n", 0, 5, "5"), Err(Id::LeadToNothing));
+        assert_eq!(
+            renamed("N10 G0 X1\n", 0, 1, "10"),
+            Ok("N10 G0 X1\n".to_owned())
+        );
+    }
+}

@@ -1,0 +1,77 @@
+//! The blocks of a cycle with places to be filled in, and the words that codes take.
+
+use gsk_core::model::GCode;
+
+/// The blocks of a cycle as a snippet of editors: `${1:2}` is the first place, with 2 in
+/// it. None for codes of one word.
+pub(crate) const fn snippet(code: GCode) -> Option<&'static str> {
+    Some(match code {
+        GCode::Finishing => "G70 P${1:10} Q${2:20}",
+        GCode::TurningRough => {
+            "G71 U${1:2.0} R${2:1.0}\n\
+             G71 P${3:10} Q${4:20} U${5:0.5} W${6:0.1} F${7:150}\n\
+             N${3:10} G00 X${8}\n\
+             ${0}\n\
+             N${4:20} G01 X${9}"
+        }
+        GCode::FacingRough => {
+            "G72 W${1:2.0} R${2:1.0}\n\
+             G72 P${3:10} Q${4:20} U${5:0.5} W${6:0.1} F${7:150}\n\
+             N${3:10} G00 Z${8}\n\
+             ${0}\n\
+             N${4:20} G01 Z${9}"
+        }
+        GCode::Pattern => {
+            "G73 U${1:5.0} W${2:2.0} R${3:3}\n\
+             G73 P${4:10} Q${5:20} U${6:0.5} W${7:0.1} F${8:150}\n\
+             N${4:10} G00 X${9}\n\
+             ${0}\n\
+             N${5:20} G01 X${10}"
+        }
+        GCode::FacePecking => "G74 R${1:1.0}\nG74 Z${2:-30.0} Q${3:5000} F${4:60}",
+        GCode::Grooving => "G75 R${1:1.0}\nG75 X${2:20.0} Z${3} P${4:2000} Q${5:3000} F${6:60}",
+        GCode::CompoundThread => {
+            "G76 P${1:020060} Q${2:100} R${3:0.1}\n\
+             G76 X${4:18.05} Z${5:-30.0} P${6:975} Q${7:300} F${8:1.5}"
+        }
+        GCode::TurningCycle => "G90 X${1} Z${2} F${3:150}",
+        GCode::ThreadCycle => "G92 X${1} Z${2} F${3:1.5}",
+        GCode::FacingCycle => "G94 X${1} Z${2} F${3:150}",
+        GCode::Thread => "G32 Z${1} F${2:1.5}",
+        _ => return None,
+    })
+}
+
+/// The letters that a code takes besides M, S and T (manual I-3.2).
+pub(crate) const fn letters(code: GCode) -> &'static str {
+    match code {
+        GCode::Rapid
+        | GCode::StraightRapid
+        | GCode::Reference
+        | GCode::ReferenceByParameter
+        | GCode::ReferenceDirect => "XZUW",
+        GCode::Line => "XZUWFIK",
+        GCode::ArcClockwise
+        | GCode::ArcCounterclockwise
+        | GCode::LongArcClockwise
+        | GCode::LongArcCounterclockwise
+        | GCode::DiameterArcClockwise
+        | GCode::DiameterArcCounterclockwise => "XZUWRIKF",
+        GCode::Dwell | GCode::DwellSecondsFirst => "PXU",
+        GCode::Thread | GCode::VariableThread => "XZUWFIJKQ",
+        GCode::Tapping => "ZWFI",
+        GCode::Coordinates => "XZUWS",
+        GCode::MacroCommand => "HPQR",
+        GCode::Finishing => "PQ",
+        GCode::TurningRough => "URPQWFST",
+        GCode::FacingRough => "WRPQUFST",
+        GCode::Pattern => "UWRPQFST",
+        GCode::FacePecking | GCode::Grooving => "RXZUWPQF",
+        GCode::CompoundThread => "PQRXZUWFI",
+        GCode::TurningCycle | GCode::FacingCycle => "XZUWRF",
+        GCode::ThreadCycle => "XZUWRFIJKL",
+        GCode::SurfaceSpeed | GCode::SpindleSpeed => "S",
+        GCode::FeedPerMinute | GCode::FeedPerRevolution => "F",
+        _ => "XZUWF",
+    }
+}

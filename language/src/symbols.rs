@@ -1,0 +1,121 @@
+//! What a text has to go to: programs, tools, blocks that something leads to, titles.
+
+use crate::structure::Structure;
+use crate::text::{Place, Text};
+
+/// What a symbol is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SymbolKind {
+    /// O.
+    Program,
+    /// T.
+    Tool,
+    /// A block that a word leads to.
+    Block,
+    /// A comment alone on its line.
+    Title,
+}
+
+/// A symbol with those within it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Symbol {
+    /// How it is called: `O0001`, `T0101`, `N10`, the comment.
+    pub name: String,
+    /// What it is.
+    pub kind: SymbolKind,
+    /// Its name in the text.
+    pub place: Place,
+    /// The last line that belongs to it.
+    pub last_line: u32,
+    /// What stands within it.
+    pub within: Vec<Symbol>,
+}
+
+/// The symbols of a text; those of a program with an O word stand within it.
+pub fn symbols(text: &Text, structure: &Structure) -> Vec<Symbol> {
+    let mut all = Vec::new();
+    for (index, part) in structure.parts.iter().enumerate() {
+        let mut within = within(text, structure, index);
+        within.sort_by(|one, other| one.place.cmp(&other.place));
+        let Some((number, place)) = part.number.zip(part.name.clone()) else {
+            all.extend(within);
+            continue;
+        };
+        // The name of a program is often said in the comment beside it.
+        let line = text.line(place.line);
+        let comment = line.find('(').and_then(|at| line.get(at..)).unwrap_or("");
+        let comment = comment
+            .split(')')
+            .next()
+            .unwrap_or("")
+            .trim_start_matches('(');
+        all.push(Symbol {
+            name: format!("O{number:04} {}", comment.trim())
+                .trim_end()
+                .to_owned(),
+            kind: SymbolKind::Program,
+            place,
+            last_line: part.to.saturating_sub(1).max(part.from),
+            within,
+        });
+    }
+    all
+}
+
+fn within(text: &Text, structure: &Structure, part: usize) -> Vec<Symbol> {
+    let symbol = |name: String, kind, place: &Place| Symbol {
+        name,
+        kind,
+        place: place.clone(),
+        last_line: place.line,
+        within: Vec::new(),
+    };
+    let tools = structure.tools.iter().filter(|tool| tool.part == part);
+    let mut found: Vec<Symbol> = tools
+        .map(|tool| symbol(format!("T{}", tool.value), SymbolKind::Tool, &tool.place))
+        .collect();
+    let leads = structure.leads.iter();
+    let mut targets: Vec<&Place> = leads
+        .flat_map(|lead| structure.aimed_at(lead))
+        .filter(|block| block.part == part)
+        .map(|block| &block.digits)
+        .collect();
+    targets.sort();
+    targets.dedup();
+    found.extend(targets.into_iter().map(|digits| {
+        let line = text.line(digits.line);
+        let number = line.get(digits.from as usize..digits.to as usize);
+        symbol(
+            format!("N{}", number.unwrap_or("")),
+            SymbolKind::Block,
+            digits,
+        )
+    }));
+    let lines = structure.parts.get(part).map_or(0..0, |it| it.from..it.to);
+    let titles = structure.titles.iter();
+    let titles = titles.filter(|title| lines.contains(&title.place.line));
+    found.extend(titles.map(|it| symbol(it.text.clone(), SymbolKind::Title, &it.place)));
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn programs_hold_tools_targets_and_titles() {
+        let text = Text::new(
+            "O0001 (shaft)\n(ROUGHING)\nT0101\nG71 P10 Q20\nN10 G0 X1\nN20 X5\nN30 M98 P2\nM30\n\
+             O0002\nM99\n",
+        );
+        let symbols = symbols(&text, &Structure::read(&text));
+        let names: Vec<&str> = symbols.iter().map(|it| it.name.as_str()).collect();
+        assert_eq!(names, ["O0001 shaft", "O0002"]);
+        let within: Vec<&str> = symbols[0]
+            .within
+            .iter()
+            .map(|it| it.name.as_str())
+            .collect();
+        assert_eq!(within, ["ROUGHING", "T0101", "N10", "N20"]);
+    }
+}

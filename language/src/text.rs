@@ -1,0 +1,229 @@
+//! The text of a document, its lines and places.
+
+use std::ops::Range;
+
+/// A position between two characters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Position {
+    /// Line, from 0.
+    pub line: u32,
+    /// Byte of the line, from 0.
+    pub byte: u32,
+}
+
+/// A piece of one line.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Place {
+    /// Line, from 0.
+    pub line: u32,
+    /// Its first byte in the line.
+    pub from: u32,
+    /// The byte after its last one.
+    pub to: u32,
+}
+
+impl Place {
+    /// Bytes of a line.
+    pub fn new(line: u32, bytes: &Range<usize>) -> Self {
+        Self {
+            line,
+            from: narrow(bytes.start),
+            to: narrow(bytes.end),
+        }
+    }
+
+    /// Whether a position is in it or at its end, where a cursor touches it.
+    pub const fn touches(&self, at: Position) -> bool {
+        self.line == at.line && self.from <= at.byte && at.byte <= self.to
+    }
+
+    /// Where it begins and ends.
+    pub fn ends(&self) -> (Position, Position) {
+        let at = |byte| Position {
+            line: self.line,
+            byte,
+        };
+        (at(self.from), at(self.to))
+    }
+}
+
+/// A change of a text: what stands between two positions gives way to something else.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Edit {
+    /// From.
+    pub from: Position,
+    /// To.
+    pub to: Position,
+    /// What stands there afterwards.
+    pub text: String,
+}
+
+impl Edit {
+    /// Something else in the place of a piece of a line.
+    pub fn of(place: &Place, text: impl Into<String>) -> Self {
+        let (from, to) = place.ends();
+        Self {
+            from,
+            to,
+            text: text.into(),
+        }
+    }
+}
+
+/// A text and where its lines begin. A line ends as the control ends it, at LF, CR LF or
+/// CR, which is also how editors do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Text {
+    text: String,
+    /// The byte at which each line begins; the first one at 0.
+    starts: Vec<u32>,
+}
+
+/// Longer texts are cut here; files end at 256 MB.
+const MOST_BYTES: usize = u32::MAX as usize - 16;
+
+impl Text {
+    /// Finds the lines of a text.
+    pub fn new(text: impl Into<String>) -> Self {
+        let mut text = text.into();
+        if text.len() > MOST_BYTES {
+            text.truncate(text.floor_char_boundary(MOST_BYTES));
+        }
+        let mut starts = vec![0];
+        let bytes = text.as_bytes();
+        let ends = bytes.iter().enumerate();
+        let ends = ends.filter(|(_, byte)| matches!(byte, b'\n' | b'\r'));
+        let after = ends.map(|(at, _)| at + 1);
+        starts.extend(after.filter(|at| begins_line(bytes, *at)).map(narrow));
+        Self { text, starts }
+    }
+
+    /// The whole text.
+    pub fn as_str(&self) -> &str {
+        &self.text
+    }
+
+    /// How many lines it has; the one after the last line end counts.
+    pub fn line_count(&self) -> u32 {
+        narrow(self.starts.len())
+    }
+
+    /// A line without its end; empty after the last one.
+    pub fn line(&self, line: u32) -> &str {
+        let start = self.start(line);
+        let text = self.text.get(start..self.start(line.saturating_add(1)));
+        text.unwrap_or("").trim_end_matches(['\n', '\r'])
+    }
+
+    /// All lines in order.
+    pub fn lines(&self) -> impl Iterator<Item = (u32, &str)> {
+        (0..self.line_count()).map(|line| (line, self.line(line)))
+    }
+
+    /// The byte of the text at a position; the nearest one before it where there is none.
+    pub fn offset(&self, at: Position) -> usize {
+        let (start, line) = (self.start(at.line), self.line(at.line));
+        let within = (at.byte as usize).min(line.len());
+        start + line.floor_char_boundary(within)
+    }
+
+    /// Makes a change; of two positions the wrong way round none is deleted.
+    pub fn apply(&mut self, edit: &Edit) {
+        let from = self.offset(edit.from);
+        let to = self.offset(edit.to).max(from);
+        if self.text.len() - (to - from) + edit.text.len() > MOST_BYTES {
+            return;
+        }
+        self.text.replace_range(from..to, &edit.text);
+        // Whether a line begins at a byte, that byte and the one before it say.
+        let after = from + edit.text.len();
+        let tail = self.starts.partition_point(|start| *start as usize <= to);
+        let tail = self.starts.split_off(tail);
+        let head = self
+            .starts
+            .partition_point(|start| (*start as usize) < from);
+        self.starts.truncate(head.max(1));
+        let bytes = self.text.as_bytes();
+        let begin = |at: &usize| begins_line(bytes, *at);
+        let new = (from.max(1)..=after).filter(begin).map(narrow);
+        self.starts.extend(new);
+        let moved = tail.into_iter().map(|start| start as usize - to + after);
+        self.starts.extend(moved.map(narrow));
+    }
+
+    /// Makes changes that do not overlap, whatever their order.
+    pub fn apply_all(&mut self, edits: &[Edit]) {
+        let mut order: Vec<&Edit> = edits.iter().collect();
+        order.sort_by_key(|edit| edit.from);
+        for edit in order.into_iter().rev() {
+            self.apply(edit);
+        }
+    }
+
+    fn start(&self, line: u32) -> usize {
+        let start = self.starts.get(line as usize);
+        start.map_or(self.text.len(), |start| *start as usize)
+    }
+}
+
+/// Whether a line begins at a byte after the first one.
+fn begins_line(bytes: &[u8], at: usize) -> bool {
+    match bytes.get(at - 1) {
+        Some(b'\n') => true,
+        Some(b'\r') => bytes.get(at) != Some(&b'\n'),
+        _ => false,
+    }
+}
+
+pub(crate) fn narrow(at: usize) -> u32 {
+    u32::try_from(at).unwrap_or(u32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn lines_end_as_the_control_ends_them() {
+        let text = Text::new("O1\r\nN10\rN20\n\n车");
+        let lines: Vec<&str> = text.lines().map(|(_, line)| line).collect();
+        assert_eq!(lines, ["O1", "N10", "N20", "", "车"]);
+        assert_eq!(text.offset(Position { line: 4, byte: 1 }), 13);
+        assert_eq!(text.offset(Position { line: 9, byte: 9 }), 16);
+        assert_eq!(text.line(7), "");
+    }
+
+    fn piece() -> impl Strategy<Value = String> {
+        proptest::collection::vec(
+            prop_oneof![
+                Just("\r"),
+                Just("\n"),
+                Just("\r\n"),
+                Just("G1"),
+                Just("车"),
+                Just("")
+            ],
+            0..5,
+        )
+        .prop_map(|pieces| pieces.concat())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn a_changed_text_is_the_text_read_anew(
+            begin in piece(),
+            changes in proptest::collection::vec((0..6_u32, 0..6_u32, 0..6_u32, 0..6_u32, piece()), 1..6),
+        ) {
+            let mut text = Text::new(begin);
+            for (line, byte, to_line, to_byte, with) in changes {
+                let from = Position { line, byte };
+                let to = Position { line: to_line, byte: to_byte };
+                text.apply(&Edit { from, to, text: with });
+                prop_assert_eq!(&text, &Text::new(text.as_str()));
+            }
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! A line of a program as its words, for colours, for what the pointer is on, and for
+//! what is changed in it. It takes what the control takes and marks the rest; the control
+//! alone says what is wrong.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// What a piece of a line is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// N and O: where a block or a program begins.
+    Name,
+    /// G.
+    Code,
+    /// M.
+    Function,
+    /// S, T, F.
+    Setting,
+    /// X, Z, U, W.
+    Axis,
+    /// Any other letter with its number.
+    Other,
+    /// A statement of macro B, up to the end of its block.
+    Statement,
+    /// In parentheses.
+    Comment,
+    /// End of block, block skip, program mark.
+    Mark,
+    /// No word.
+    Foreign,
+}
+
+impl Kind {
+    /// Whether it is a letter with its number.
+    pub const fn is_word(self) -> bool {
+        !matches!(
+            self,
+            Self::Statement | Self::Comment | Self::Mark | Self::Foreign
+        )
+    }
+}
+
+/// A piece of a line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// Bytes of the line.
+    pub range: Range<usize>,
+    /// What it is.
+    pub kind: Kind,
+}
+
+/// The letter of a word and its number as it stands there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Word<'a> {
+    /// Upper case.
+    pub address: char,
+    /// Sign, digits, point, without blanks and in ASCII; a variable begins with `#`, a
+    /// formula with `[`.
+    pub value: Cow<'a, str>,
+}
+
+impl Word<'_> {
+    /// Its number, where it is a whole one without a sign.
+    pub fn number(&self) -> Option<u32> {
+        let digits = self.value.bytes().all(|byte| byte.is_ascii_digit());
+        digits.then(|| self.value.parse().ok())?
+    }
+}
+
+/// The words that begin a statement of macro B.
+const STATEMENTS: [&str; 5] = ["IF", "GOTO", "WHILE", "DO", "END"];
+
+/// The pieces of a line in order; blanks between them are none.
+pub fn spans(line: &str) -> Vec<Span> {
+    let mut spans = Vec::new();
+    let mut at = 0;
+    let mut begins_block = true;
+    while let Some(character) = line[at..].chars().next() {
+        let end = at + character.len_utf8();
+        let letter = narrow(character);
+        if is_blank(character) {
+            at = end;
+            continue;
+        }
+        let (end, kind) = match letter {
+            '(' => (comment_end(line, at), Kind::Comment),
+            _ if begins_block && begins_statement(&line[at..]) => {
+                (statement_end(line, at), Kind::Statement)
+            }
+            ';' | '*' | '/' | '%' => (end, Kind::Mark),
+            'a'..='z' | 'A'..='Z' => word(line, end, letter),
+            _ => (end, Kind::Foreign),
+        };
+        begins_block = match kind {
+            Kind::Mark | Kind::Name => true,
+            Kind::Comment => begins_block,
+            _ => false,
+        };
+        spans.push(Span {
+            range: at..end,
+            kind,
+        });
+        at = end;
+    }
+    spans
+}
+
+/// The word that a span is.
+pub fn word_of<'a>(line: &'a str, span: &Span) -> Option<Word<'a>> {
+    let text = line.get(span.range.clone())?;
+    let first = text.chars().next()?;
+    let address = narrow(first).to_ascii_uppercase();
+    let value = plain(text.get(first.len_utf8()..)?.trim_matches(is_blank));
+    (address.is_ascii_uppercase() && !value.is_empty()).then_some(Word { address, value })
+}
+
+/// The words of a line.
+pub fn words(line: &str) -> impl Iterator<Item = Word<'_>> {
+    let spans = spans(line).into_iter();
+    spans
+        .filter(|span| span.kind.is_word())
+        .filter_map(|span| word_of(line, &span))
+}
+
+/// What the control passes over between words.
+const fn is_blank(character: char) -> bool {
+    matches!(character, ' ' | '\t' | '\u{3000}' | '\u{A0}' | '\u{FEFF}')
+}
+
+/// A full-width character as the control reads it.
+pub(crate) fn narrow(character: char) -> char {
+    match u32::from(character) {
+        wide @ 0xFF01..=0xFF5E => char::from_u32(wide - 0xFEE0).unwrap_or(character),
+        0x3000 => ' ',
+        _ => character,
+    }
+}
+
+/// The same in ASCII, without blanks.
+fn plain(value: &str) -> Cow<'_, str> {
+    let is_plain = |byte: u8| byte.is_ascii_graphic();
+    if value.bytes().all(is_plain) {
+        return Cow::Borrowed(value);
+    }
+    let narrowed = value.chars().map(narrow);
+    Cow::Owned(narrowed.filter(|it| !is_blank(*it)).collect())
+}
+
+/// Where the comment that begins here ends; one that was opened by a full-width
+/// parenthesis is closed by either kind.
+fn comment_end(line: &str, at: usize) -> usize {
+    let wide = line[at..].starts_with('（');
+    let close = line[at..].find(|it| it == ')' || wide && it == '）');
+    close.map_or(line.len(), |close| {
+        let length = line[at + close..].chars().next().map_or(1, char::len_utf8);
+        at + close + length
+    })
+}
+
+/// Whether a statement of macro B begins here.
+fn begins_statement(rest: &str) -> bool {
+    if rest.starts_with('#') {
+        return true;
+    }
+    let letters = rest.bytes().take_while(u8::is_ascii_alphabetic).count();
+    let word = &rest[..letters];
+    STATEMENTS.iter().any(|it| word.eq_ignore_ascii_case(it))
+}
+
+/// Where a statement ends: at the end of its block, or before a comment.
+fn statement_end(line: &str, at: usize) -> usize {
+    let rest = &line[at..];
+    let end = rest
+        .find(|it| matches!(narrow(it), ';' | '%' | '('))
+        .unwrap_or(rest.len());
+    at + rest[..end].trim_end_matches(is_blank).len()
+}
+
+/// Where a word ends whose letter ends at a byte, and what it is.
+fn word(line: &str, from: usize, letter: char) -> (usize, Kind) {
+    let rest = &line[from..];
+    let blanks = rest.len() - rest.trim_start_matches(is_blank).len();
+    let number = &rest[blanks..];
+    let is_number = |it: char| matches!(narrow(it), '0'..='9' | '+' | '-' | '.' | '#');
+    let plain = number.find(|it| !is_number(it)).unwrap_or(number.len());
+    let length = match number[plain..].starts_with('[') {
+        true => plain + formula_length(&number[plain..]),
+        false => plain,
+    };
+    if length == 0 {
+        return (from, Kind::Foreign);
+    }
+    let kind = match letter.to_ascii_uppercase() {
+        'N' | 'O' => Kind::Name,
+        'G' => Kind::Code,
+        'M' => Kind::Function,
+        'S' | 'T' | 'F' => Kind::Setting,
+        'X' | 'Z' | 'U' | 'W' => Kind::Axis,
+        _ => Kind::Other,
+    };
+    (from + blanks + length, kind)
+}
+
+/// Bytes of the formula that begins with the bracket here; up to the end of the line
+/// where the bracket is not closed.
+fn formula_length(text: &str) -> usize {
+    let mut depth = 0_u32;
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'[' => depth += 1,
+            b']' => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return at + 1;
+        }
+    }
+    text.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(line: &str) -> Vec<(&str, Kind)> {
+        spans(line)
+            .into_iter()
+            .map(|span| (&line[span.range], span.kind))
+            .collect()
+    }
+
+    #[test]
+    fn a_block_falls_into_its_words() {
+        let line = "/N10 g1X-20.5 Z #201(到 20);车";
+        assert_eq!(
+            found(line),
+            [
+                ("/", Kind::Mark),
+                ("N10", Kind::Name),
+                ("g1", Kind::Code),
+                ("X-20.5", Kind::Axis),
+                ("Z #201", Kind::Axis),
+                ("(到 20)", Kind::Comment),
+                (";", Kind::Mark),
+                ("车", Kind::Foreign),
+            ]
+        );
+        let words: Vec<Word<'_>> = words(line).collect();
+        let second = Word {
+            address: 'G',
+            value: "1".into(),
+        };
+        assert_eq!(words[1], second);
+        assert_eq!(words[3].value, "#201");
+        assert_eq!(words.len(), 4);
+    }
+
+    #[test]
+    fn statements_of_macro_b_stand_in_one_piece() {
+        assert_eq!(
+            found("N10 IF [#1 GT 5] GOTO 20 (on);G1 X[#1/2]Z-#2"),
+            [
+                ("N10", Kind::Name),
+                ("IF [#1 GT 5] GOTO 20", Kind::Statement),
+                ("(on)", Kind::Comment),
+                (";", Kind::Mark),
+                ("G1", Kind::Code),
+                ("X[#1/2]", Kind::Axis),
+                ("Z-#2", Kind::Axis),
+            ]
+        );
+        assert_eq!(found("#1=#2*3"), [("#1=#2*3", Kind::Statement)]);
+        assert_eq!(found("end 1"), [("end 1", Kind::Statement)]);
+    }
+
+    #[test]
+    fn full_width_words_are_words() {
+        let line = "Ｇ０１　Ｘ５（中)";
+        let words: Vec<Word<'_>> = words(line).collect();
+        assert_eq!((words[0].address, words[0].number()), ('G', Some(1)));
+        assert_eq!((words[1].address, &*words[1].value), ('X', "5"));
+        assert_eq!(spans(line)[2].kind, Kind::Comment);
+    }
+
+    #[test]
+    fn what_is_no_word_stays_in_one_piece_each() {
+        for line in [
+            "",
+            "   ",
+            "G",
+            "(offen",
+            "X--1",
+            "%",
+            "（中）",
+            "G 0 1",
+            "X[",
+            "X][",
+        ] {
+            let spans = spans(line);
+            let covered = spans
+                .windows(2)
+                .all(|two| two[0].range.end <= two[1].range.start);
+            assert!(covered, "{line}");
+        }
+    }
+}

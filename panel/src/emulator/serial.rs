@@ -1,0 +1,289 @@
+//! What somebody at the serial port does with the files of the memory.
+
+use gsk_core::alarm::number;
+use gsk_core::cnc::{Received, Request};
+use gsk_core::program::Program;
+
+use super::Emulator;
+use crate::pages::Communication;
+use crate::panel::{FileId, FileRefusal, SerialFile, file_of, read_data};
+
+impl Emulator {
+    /// What a port of the computer does from now on: the word on the LCD, and F213.
+    pub fn show_line(&mut self, shown: Communication) {
+        let mut requests = Vec::new();
+        self.panel.show_line(shown, &mut requests);
+        self.ask(requests);
+    }
+
+    /// The files that somebody at the port may see, programs first.
+    pub fn files(&self) -> Vec<SerialFile> {
+        let cnc = &self.simulation.cnc;
+        let numbers = cnc.programs().iter().map(|(number, _)| number);
+        let seen = numbers.filter(|number| !cnc.rights().hides(*number));
+        seen.map(FileId::Program)
+            .chain(FileId::DATA)
+            .filter_map(|id| file_of(id, cnc))
+            .collect()
+    }
+
+    /// Whether a file may come in; a level that is too low raises its alarm.
+    ///
+    /// # Errors
+    /// What stands against it.
+    pub fn may_take(&mut self, id: FileId, overwrite: bool) -> Result<(), FileRefusal> {
+        self.store_edited();
+        let cnc = &mut self.simulation.cnc;
+        let FileId::Program(number) = id else {
+            cnc.rights().receive_data()?;
+            return if overwrite {
+                Ok(())
+            } else {
+                Err(FileRefusal::Exists)
+            };
+        };
+        if let Err(refusal) = cnc.rights().receive_program(number) {
+            // What it raises stands on the alarm page.
+            let _ = cnc.request(Request::AskToReceive(number));
+            return Err(refusal.into());
+        }
+        match cnc.programs().stored(number) {
+            Some(_) if !overwrite => Err(FileRefusal::Exists),
+            _ => Ok(()),
+        }
+    }
+
+    /// Takes a whole file, or nothing of it. A program gets the number of its name; one
+    /// that is there is replaced, or raises 073.
+    ///
+    /// # Errors
+    /// Why it is not taken.
+    pub fn take_file(
+        &mut self,
+        id: FileId,
+        file: SerialFile,
+        overwrite: bool,
+    ) -> Result<(), FileRefusal> {
+        self.store_edited();
+        let cnc = &mut self.simulation.cnc;
+        let received = match id {
+            FileId::Program(number) => {
+                cnc.rights().receive_program(number)?;
+                let program = Program::new(file.text);
+                let program = match program.number() {
+                    Some(own) if own == number => program,
+                    _ => program.renumbered(number),
+                };
+                let text = program.text().to_owned();
+                match overwrite {
+                    true => Received::Replacement(text),
+                    false => Received::Program(text),
+                }
+            }
+            _ => {
+                cnc.rights().receive_data()?;
+                read_data(&file).map_err(FileRefusal::Unreadable)?
+            }
+        };
+        self.carry_out(received)
+    }
+
+    /// A file for somebody who asks for it.
+    ///
+    /// # Errors
+    /// There is none, or what stands against it.
+    pub fn hand_out(&mut self, id: FileId) -> Result<SerialFile, FileRefusal> {
+        self.store_edited();
+        let cnc = &self.simulation.cnc;
+        match id {
+            FileId::Program(number) => cnc.rights().fetch_program(number)?,
+            _ => cnc.rights().fetch_data()?,
+        }
+        file_of(id, cnc).ok_or(FileRefusal::Missing)
+    }
+
+    /// Deletes a program for somebody at the port.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn delete_file(&mut self, id: FileId) -> Result<(), FileRefusal> {
+        let number = self.changeable(id)?;
+        self.carry_out(Received::Deletion(number))
+    }
+
+    /// Gives a program another number for somebody at the port.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn rename_file(&mut self, from: FileId, to: FileId) -> Result<(), FileRefusal> {
+        let from = self.changeable(from)?;
+        let FileId::Program(to) = to else {
+            return Err(FileRefusal::OnlyPrograms);
+        };
+        let cnc = &self.simulation.cnc;
+        cnc.rights().receive_program(to)?;
+        if cnc.programs().stored(to).is_some() {
+            return Err(FileRefusal::Exists);
+        }
+        self.carry_out(Received::Renaming { from, to })
+    }
+
+    /// The number of a program that may be deleted or renamed.
+    fn changeable(&mut self, id: FileId) -> Result<u16, FileRefusal> {
+        self.store_edited();
+        let FileId::Program(number) = id else {
+            return Err(FileRefusal::OnlyPrograms);
+        };
+        let cnc = &self.simulation.cnc;
+        cnc.rights().receive_program(number)?;
+        match cnc.programs().stored(number) {
+            Some(_) => Ok(number),
+            None => Err(FileRefusal::Missing),
+        }
+    }
+
+    fn carry_out(&mut self, received: Received) -> Result<(), FileRefusal> {
+        let done = self.simulation.cnc.request(Request::Receive(received));
+        done.map_err(|alarm| match alarm.number {
+            number::PROGRAM_STORED => FileRefusal::Exists,
+            _ => FileRefusal::Alarm(Box::new(alarm)),
+        })
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::expect_used, reason = "tests fail by panicking")]
+mod tests {
+    use gsk_core::memory::Refusal;
+    use gsk_core::setup::Setup;
+
+    use super::*;
+    use crate::emulator::{Condition, Outcome};
+    use crate::keys::Key;
+
+    fn file(name: &str, text: &str) -> SerialFile {
+        SerialFile {
+            name: name.to_owned(),
+            text: text.to_owned(),
+        }
+    }
+
+    /// Switched on, with O0001 and O9500.
+    fn emulator() -> Emulator {
+        let mut setup = Setup::default();
+        for text in ["O0001;\nM30;\n", "O9500;\nM99;\n"] {
+            setup
+                .memory
+                .programs
+                .store(text)
+                .expect("room for a program");
+        }
+        let mut emulator = Emulator::new(setup);
+        emulator.run_until(&Condition::SelfTestOver, 10_000);
+        emulator.panel.connect_line();
+        emulator
+    }
+
+    #[test]
+    fn names_of_the_control_are_known_and_no_others() {
+        for (name, id) in [
+            ("O0331.CNC", Some(FileId::Program(331))),
+            ("o1.cnc", Some(FileId::Program(1))),
+            ("paraw.PAR", Some(FileId::Parameters)),
+            ("Tofs.ofs", Some(FileId::Offsets)),
+            ("Wcomp.wmp", Some(FileId::Pitch)),
+            ("O0001.NC", None),
+            ("other.par", None),
+            ("lad.ldx", None),
+        ] {
+            assert_eq!(FileId::of(name), id, "{name}");
+        }
+    }
+
+    #[test]
+    fn rights_stand_in_the_way_as_at_the_panel() {
+        let mut emulator = emulator();
+        let one = FileId::Program(1);
+        assert_eq!(emulator.may_take(one, false), Err(FileRefusal::Exists));
+        assert_eq!(emulator.may_take(one, true), Ok(()));
+        let switch = Err(FileRefusal::Refused(Refusal::ParameterSwitch));
+        assert_eq!(emulator.may_take(FileId::Offsets, true), switch);
+        assert!(emulator.hand_out(FileId::Parameters).is_err());
+        assert_eq!(
+            emulator.delete_file(FileId::Offsets),
+            Err(FileRefusal::OnlyPrograms)
+        );
+        assert_eq!(
+            emulator.delete_file(FileId::Program(7)),
+            Err(FileRefusal::Missing)
+        );
+        let renamed = emulator.rename_file(one, FileId::Program(9500));
+        assert!(renamed.is_err());
+        let cnc = &mut emulator.simulation.cnc;
+        cnc.request(Request::SetProgramSwitch(false))
+            .expect("the switch");
+        let switch = FileRefusal::Refused(Refusal::ProgramSwitch);
+        assert_eq!(emulator.may_take(one, true), Err(switch.clone()));
+        assert_eq!(emulator.hand_out(one), Err(switch.clone()));
+        assert_eq!(emulator.delete_file(one), Err(switch));
+    }
+
+    #[test]
+    fn a_program_comes_under_the_number_of_its_name() {
+        let mut emulator = emulator();
+        let two = FileId::Program(2);
+        let text = "O0001;\nG00 X1.;\nM30;\n%\n";
+        emulator
+            .take_file(two, file("O0002.CNC", text), false)
+            .expect("taken");
+        let out = emulator.hand_out(two).expect("handed out");
+        assert_eq!(out.text, text.replace("O0001", "O0002"));
+        // Unasked it replaces none, and 073 says so.
+        let again = emulator.take_file(two, file("O0002.CNC", "O0002;\n"), false);
+        assert_eq!(again, Err(FileRefusal::Exists));
+        assert_eq!(emulator.hand_out(two).expect("handed out").text, out.text);
+        let alarm = emulator.simulation.cnc.alarms().first();
+        assert_eq!(
+            alarm.map(|alarm| alarm.number),
+            Some(number::PROGRAM_STORED)
+        );
+        emulator.press(Key::Reset);
+        emulator
+            .take_file(two, file("O0002.CNC", "O0002;\nM99;\n"), true)
+            .expect("taken");
+        emulator
+            .rename_file(two, FileId::Program(3))
+            .expect("renamed");
+        let names: Vec<String> = emulator.files().into_iter().map(|file| file.name).collect();
+        assert_eq!(names[..2], ["O0001.CNC", "O0003.CNC"]);
+        emulator.delete_file(FileId::Program(3)).expect("deleted");
+        assert_eq!(
+            emulator.hand_out(FileId::Program(3)),
+            Err(FileRefusal::Missing)
+        );
+    }
+
+    #[test]
+    fn out_hands_files_to_the_line_and_reset_breaks_it_off() {
+        let mut emulator = emulator();
+        emulator.press(Key::Edit);
+        emulator.press(Key::Program);
+        emulator.type_text("O1");
+        emulator.press(Key::Output);
+        let sent = emulator.panel.take_for_line();
+        assert_eq!(sent, [file("O0001.CNC", "O0001;\nM30;\n%\n")]);
+        // It flashes.
+        let sending = |emulator: &mut Emulator| {
+            emulator.run_until(&Condition::Text("输出".to_owned()), 1000) == Outcome::Reached
+        };
+        assert!(sending(&mut emulator));
+        // The line is busy until it says otherwise.
+        emulator.run(60_000);
+        assert!(sending(&mut emulator) && !emulator.panel.take_broken_off());
+        emulator.press(Key::Reset);
+        assert!(!sending(&mut emulator) && emulator.panel.take_broken_off());
+        assert!(!emulator.panel.take_broken_off());
+        emulator.show_line(Communication::Failed);
+        assert!(emulator.screen().text().contains("通信出错"));
+    }
+}

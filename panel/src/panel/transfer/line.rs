@@ -1,0 +1,163 @@
+//! The memory as whoever speaks through a port of the computer sees it: files by their
+//! names, and what may be done with them when (manual III-9.8.2, V-3.5).
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_core::cnc::{Cnc, Received, Request, SerialPort};
+use gsk_core::memory::Refusal;
+use gsk_messages::{Message, say};
+
+use super::{LineError, Panel, Partner, SerialFile, files, reason};
+use crate::pages::Communication;
+
+/// A file of the control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileId {
+    /// A program of the memory.
+    Program(u16),
+    /// All tool offsets.
+    Offsets,
+    /// The pitch error table.
+    Pitch,
+    /// All parameters.
+    Parameters,
+}
+
+impl FileId {
+    /// The data files, beside the programs.
+    pub const DATA: [Self; 3] = [Self::Offsets, Self::Pitch, Self::Parameters];
+
+    /// From its name, in capital or small letters; none for one that the control never has.
+    pub fn of(name: &str) -> Option<Self> {
+        let data = [
+            (files::OFFSETS, Self::Offsets),
+            (files::PITCH, Self::Pitch),
+            (files::PARAMETERS, Self::Parameters),
+        ];
+        let known = data
+            .into_iter()
+            .find(|(known, _)| known.eq_ignore_ascii_case(name));
+        let program = || {
+            let (_, ending) = name.split_once('.')?;
+            let number = number_of_name(name)?;
+            ending
+                .eq_ignore_ascii_case("CNC")
+                .then_some(Self::Program(number))
+        };
+        known.map(|(_, id)| id).or_else(program)
+    }
+}
+
+/// Why the control does not do with a file what it is asked for.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum FileRefusal {
+    /// A right, a switch, a mode.
+    Refused(Refusal),
+    /// There is none.
+    Missing,
+    /// There is one already.
+    Exists,
+    /// Data have no other name, and are never deleted.
+    OnlyPrograms,
+    /// It cannot be read.
+    Unreadable(LineError),
+    /// The control raises an alarm.
+    Alarm(Box<Alarm>),
+}
+
+impl FileRefusal {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Refused(refusal) => reason(*refusal),
+            Self::Missing => say::transfer_fault_not_found(),
+            Self::Exists => say::transfer_fault_exists(),
+            Self::OnlyPrograms => say::transfer_only_programs(),
+            Self::Unreadable(error) => error.message(),
+            Self::Alarm(alarm) => say::as_written(alarm),
+        }
+    }
+
+    /// Whether the memory has no room for it.
+    pub fn is_for_room(&self) -> bool {
+        match self {
+            Self::Alarm(alarm) => {
+                [number::MEMORY_FULL, number::TOO_MANY_PROGRAMS].contains(&alarm.number)
+            }
+            _ => false,
+        }
+    }
+}
+
+/// What a data file holds.
+///
+/// # Errors
+/// The line that cannot be read.
+pub fn read_data(file: &SerialFile) -> Result<Received, LineError> {
+    files::read(file)
+}
+
+/// A file of the memory; none for a program that is not there.
+pub fn file_of(id: FileId, cnc: &Cnc) -> Option<SerialFile> {
+    files::one(id, cnc)
+}
+
+/// The program number in the name of a file (`O0001`, `o12.nc`).
+pub fn number_of_name(name: &str) -> Option<u16> {
+    let stem = name.rsplit(['/', '\\']).next()?;
+    let stem = stem.split_once('.').map_or(stem, |(stem, _)| stem);
+    let digits = stem.strip_prefix(['O', 'o'])?;
+    let number: u16 = digits.parse().ok()?;
+    (digits.len() <= 4).then_some(number)
+}
+
+impl From<Refusal> for FileRefusal {
+    fn from(refusal: Refusal) -> Self {
+        Self::Refused(refusal)
+    }
+}
+
+impl Panel {
+    /// Whoever speaks through a port of the computer is the partner: what is sent is
+    /// fetched by [`Self::take_for_line`].
+    pub const fn connect_line(&mut self) {
+        self.transfer.partner = Partner::Line;
+    }
+
+    /// Fetches what 输出 sends through a port of the computer.
+    pub fn take_for_line(&mut self) -> Vec<SerialFile> {
+        core::mem::take(&mut self.transfer.for_line)
+    }
+
+    /// Whether 复位 has broken off what the port does, since the last call.
+    pub const fn take_broken_off(&mut self) -> bool {
+        core::mem::replace(&mut self.transfer.broken_off, false)
+    }
+
+    /// The rate at which the control is at its port, bits a second; none when it is off,
+    /// or the port is (002.5).
+    pub fn line_rate(&self, cnc: &Cnc) -> Option<u32> {
+        let on = self.awake() && cnc.parameters().has_serial_port();
+        on.then(|| cnc.parameters().baud())
+    }
+
+    /// What a port of the computer does from now on: the word on the LCD, and F213.
+    pub fn show_line(&mut self, shown: Communication, requests: &mut Vec<Request>) {
+        let port = match shown {
+            Communication::Sending => SerialPort::Sending,
+            Communication::Receiving => SerialPort::Receiving,
+            _ => SerialPort::Idle,
+        };
+        self.show_transfer(shown, port, requests);
+    }
+
+    /// Whether a port of the computer is sending or receiving.
+    pub(super) fn line_is_busy(&self) -> bool {
+        self.transfer.partner == Partner::Line
+            && self.transfer.incoming.is_none()
+            && matches!(
+                self.view.communication,
+                Communication::Sending | Communication::Receiving
+            )
+    }
+}

@@ -1,0 +1,276 @@
+//! What an editor does to a program changes nothing that the program does, and no text
+//! is too strange for it.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::model::ModelId;
+use gsk_core::preview::{End, Preview, preview_while};
+use gsk_core::program::{Program, split};
+use gsk_core::setup::Setup;
+use gsk_language::{
+    Edit, Numbering, Position, Reader, Spacing, Structure, Style, Text, analyse, complete,
+    definition, folds, format, hover, lenses, references, rename, symbols,
+};
+use gsk_messages::Language;
+use gsk_tests::repository;
+use proptest::prelude::*;
+
+/// Moves after which a program is given up.
+const MOST_MOVES: u64 = 20_000;
+
+/// All part programs of the repository: samples and cases.
+fn programs() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    for folder in ["assets/programs", "tests/cases"] {
+        collect(&repository().join(folder), &mut found);
+    }
+    found.sort();
+    assert!(found.len() > 400, "{} programs", found.len());
+    found
+}
+
+fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
+    for entry in std::fs::read_dir(folder).expect("folder") {
+        let path = entry.expect("entry").path();
+        if path.is_dir() {
+            collect(&path, found);
+            continue;
+        }
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        if (ending == "nc" || ending == "cnc")
+            && let Ok(text) = std::fs::read_to_string(&path)
+        {
+            found.push((path.display().to_string(), text));
+        }
+    }
+}
+
+/// A move but for the line and the number of its block.
+fn motion(executed: &ExecutedMove) -> String {
+    let ExecutedMove { source, .. } = executed;
+    let mut same = *executed;
+    same.source.line = 0;
+    same.source.sequence = None;
+    format!("{:?} {same:?}", source.program)
+}
+
+/// What a text does under two sets of options: its moves, and how it ends. With `alarms`
+/// the number of the alarm counts; else only that there is one.
+fn done(text: &str, alarms: bool) -> Vec<(Vec<String>, String)> {
+    let all = [false, true].map(|macro_b| {
+        let mut setup = Setup::default();
+        setup.memory.settings.macro_b = macro_b;
+        let bits = setup.memory.parameters.set_bit(2, 1, true);
+        assert!(bits.is_ok());
+        let mut parts = split(text).into_iter();
+        setup
+            .memory
+            .programs
+            .open_external(parts.next().unwrap_or_else(|| Program::new("")));
+        for part in parts {
+            let _ = setup.memory.programs.store(part.text());
+        }
+        setup.memory.programs.select(ProgramId::External);
+        let mut moves = Vec::new();
+        let programs = &setup.memory.programs;
+        let mut take = |executed: &ExecutedMove| moves.push(motion(executed));
+        let seen = preview_while(&setup, programs, &mut take, &mut |it| {
+            it.moves < MOST_MOVES && it.motionless < MOST_MOVES
+        });
+        (moves, ended(&seen, alarms))
+    });
+    all.into()
+}
+
+/// The end, the number of its alarm, and what is left behind.
+fn ended(seen: &Preview, alarms: bool) -> String {
+    let alarm = seen
+        .alarm
+        .as_ref()
+        .filter(|_| alarms)
+        .map(|alarm| alarm.number);
+    // Where a watcher gives up depends on nothing but the moves.
+    let place = (seen.end != End::Limit).then_some((seen.machine, seen.time_s, seen.parts));
+    format!("{:?} {alarm:?} {place:?} {:?}", seen.end, seen.modal)
+}
+
+fn formatted(text: &str, style: Style) -> (String, bool) {
+    let mut text = Text::new(text);
+    let structure = Structure::read(&text);
+    let lines = 0..text.line_count();
+    let made = format(&text, &structure, style, lines, (&[], ModelId::Gsk980td));
+    text.apply_all(&made.edits);
+    (text.as_str().to_owned(), made.refused.is_none())
+}
+
+fn styles() -> [Style; 3] {
+    let (start, step) = (7, 3);
+    [
+        Style::default(),
+        Style {
+            numbering: Numbering::Present { start, step },
+            spacing: Spacing::None,
+            ..Style::default()
+        },
+        Style {
+            numbering: Numbering::All { start, step },
+            ..Style::default()
+        },
+    ]
+}
+
+/// Whether a block that is refused is refused with the same alarm: after a number one that
+/// begins wrongly is wrong within.
+fn same_alarms(style: Style) -> bool {
+    !matches!(style.numbering, Numbering::All { .. })
+}
+
+#[test]
+fn a_program_does_the_same_however_it_is_written() {
+    let mut renumbered = 0;
+    for (name, text) in programs() {
+        let before = [false, true].map(|alarms| done(&text, alarms));
+        for style in styles() {
+            let (written, taken) = formatted(&text, style);
+            renumbered += usize::from(taken && style.numbering != Numbering::AsTheyAre);
+            if written != text {
+                let alarms = same_alarms(style);
+                let before = &before[usize::from(alarms)];
+                assert_eq!(
+                    &done(&written, alarms),
+                    before,
+                    "{name} under {style:?}:\n{written}"
+                );
+            }
+            let (again, _) = formatted(&written, style);
+            assert_eq!(
+                again, written,
+                "{name} under {style:?}: not the same a second time"
+            );
+        }
+    }
+    assert!(renumbered > 400, "only {renumbered} were numbered anew");
+}
+
+#[test]
+fn a_program_does_the_same_under_other_numbers() {
+    let mut renamed = 0;
+    for (name, text) in programs() {
+        let read = Text::new(text.as_str());
+        let structure = Structure::read(&read);
+        let mut changed = Text::new(text.as_str());
+        // Each number moves to one that is free; the structure is read anew each time.
+        for (index, block) in structure.blocks.iter().take(12).enumerate() {
+            let line = block.digits.line;
+            let anew = Structure::read(&changed);
+            let Some(block) = anew.blocks.iter().find(|it| it.digits.line == line) else {
+                continue;
+            };
+            let at = Position {
+                line,
+                byte: block.digits.from,
+            };
+            let to = format!("N{}", 9000 + index);
+            let site: (&[u16], ModelId) = (&[], ModelId::Gsk980td);
+            if let Ok(edits) = rename(&changed, &anew, at, &to, site) {
+                changed.apply_all(&edits);
+                renamed += 1;
+            }
+        }
+        if changed.as_str() != text {
+            // P of M99 names a block of whoever calls: a caller in another file is not here.
+            assert_eq!(
+                done(changed.as_str(), true),
+                done(&text, true),
+                "{name}:\n{}",
+                changed.as_str()
+            );
+        }
+    }
+    assert!(renamed > 300, "only {renamed} numbers");
+}
+
+/// Words that look like a program, and what spoils one.
+fn word() -> impl Strategy<Value = String> {
+    prop_oneof![
+        6 => "[GMTSNXZUWRIKFPQLOH][0-9]{1,4}",
+        3 => "[xzuwXZ] ?-? ?[0-9]{1,3}\\.[0-9]{0,3}",
+        2 => "G(65 H8[0-6]|7[0-3]|98|99) P[0-9]{1,2} Q[0-9]{1,2}",
+        2 => "(M98 P[0-9]{1,8}|M99 P[0-9]{1,2}|GOTO ?[0-9]{1,2}|IF \\[#1 GT 2\\] GOTO 1)",
+        1 => "(WHILE \\[#1 LT 3\\] DO 1|END 1|#1=#1\\+1|X\\[#1\\*2\\])",
+        1 => "[;%/()*#.+\\-\\[\\]]",
+        1 => "\\PC{1,3}",
+        1 => "[\u{FF01}-\u{FF5E}]{1,2}",
+    ]
+}
+
+fn text() -> impl Strategy<Value = String> {
+    let line = proptest::collection::vec(word(), 0..6).prop_map(|words| words.join(" "));
+    let end = prop_oneof![Just("\n"), Just("\r\n"), Just("\r"), Just(";\n")];
+    let lines = proptest::collection::vec((line, end), 0..12);
+    lines.prop_map(|lines| lines.into_iter().map(|(line, end)| line + end).collect())
+}
+
+/// Whether an edit lies in a text, from its beginning to its end.
+fn lies_in(text: &Text, edit: &Edit) -> bool {
+    let in_line = |at: Position| {
+        let line = text.line(at.line);
+        at.line < text.line_count() && line.is_char_boundary(at.byte as usize)
+    };
+    in_line(edit.from) && in_line(edit.to) && edit.from <= edit.to
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text_can_be_asked_about(
+        text in text(), line in 0..14_u32, byte in 0..30_u32, macro_b: bool, model in 0..4_usize,
+    ) {
+        let read = Text::new(text);
+        let structure = Structure::read(&read);
+        let at = Position { line, byte };
+        for language in [Language::Zh, Language::En] {
+            let reader = Reader { model: ModelId::ALL[model], macro_b, language };
+            hover(&read, &structure, at, reader, &|_| Some("(`````)".to_owned()));
+            for item in complete(&read, &structure, at, reader, &BTreeSet::from([1])) {
+                prop_assert!(item.place.from <= item.place.to);
+            }
+        }
+        for place in definition(&structure, at).blocks {
+            prop_assert!(lies_in(&read, &Edit::of(&place, "")));
+        }
+        references(&structure, at, true);
+        symbols(&read, &structure);
+        for (from, to) in folds(&read, &structure) {
+            prop_assert!(from < to && to < read.line_count());
+        }
+        let site: (&[u16], ModelId) = (&[], ModelId::ALL[model]);
+        for edit in rename(&read, &structure, at, "N7", site).unwrap_or_default() {
+            prop_assert!(lies_in(&read, &edit));
+        }
+        let mut setup = Setup::default();
+        setup.memory.programs.open_external(Program::new(read.as_str()));
+        setup.memory.programs.select(ProgramId::External);
+        let seen = analyse(&setup, &structure, Language::En, &mut |it| {
+            it.moves < 1000 && it.motionless < 1000
+        });
+        for finding in &seen.findings {
+            let Some(at) = &finding.at else { continue };
+            let line = read.line(at.line.saturating_sub(1));
+            prop_assert!(line.get(at.bytes.clone()).is_some(), "{finding:?} in {line:?}");
+        }
+        lenses(&structure, &seen, Language::Zh);
+    }
+
+    #[test]
+    fn any_text_does_the_same_however_it_is_written(text in text()) {
+        for style in styles() {
+            let (written, _) = formatted(&text, style);
+            let alarms = same_alarms(style);
+            prop_assert_eq!(done(&written, alarms), done(&text, alarms), "under {:?}: {:?}", style, written);
+        }
+    }
+}

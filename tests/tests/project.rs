@@ -1,0 +1,719 @@
+//! The project folder: what is written is read again bit for bit, differences are exactly
+//! what was changed, and no damaged folder is taken for a good one.
+//!
+//! `PROPTEST_CASES=1000 cargo test -p gsk980td-tests --test subjects project` runs more.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use gsk_core::battery::Memory;
+use gsk_core::command::ProgramId;
+use gsk_core::memory::{Counters, Disk, DiskContent, Level, ToolOffset, rows};
+use gsk_core::model::{ControlModel, ModelId};
+use gsk_core::plc::{Area, ByteAddress, Ladder, Plc, Retained};
+use gsk_core::setup::{STANDARD_LADDER, Setup, standard_ladder};
+use gsk_core::units::Axis;
+use gsk_messages::Language;
+use gsk_panel::panel::PanelRetained;
+use gsk_project::{
+    Difference, Files, Key, OffsetWord, PanelWord, Section, Set, State, Switch, Value, apply,
+    denied, details, diff, export, import, label,
+};
+use proptest::prelude::*;
+
+fn config() -> ProptestConfig {
+    let mut config = ProptestConfig {
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    if std::env::var_os("PROPTEST_CASES").is_none() {
+        config.cases = 16;
+    }
+    config
+}
+
+/// Numbers that follow from a seed.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, end: u64) -> u64 {
+        self.next() % end
+    }
+
+    fn of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[self.below(all.len() as u64) as usize]
+    }
+}
+
+/// A control that is changed by what the control itself offers.
+#[derive(Clone)]
+struct Control {
+    memory: Memory,
+    plc: Plc,
+    panel: Option<PanelRetained>,
+}
+
+/// A key with its values before and after.
+type Change = (Key, Option<Value>, Option<Value>);
+
+impl Control {
+    fn new() -> Self {
+        Self {
+            memory: Memory::default(),
+            plc: Plc::new(standard_ladder()),
+            panel: None,
+        }
+    }
+
+    fn of(seed: u64) -> Self {
+        let numbers = &mut Numbers(seed);
+        let mut control = Self::new();
+        if numbers.below(4) == 0 {
+            control.memory.model = ControlModel::new(ModelId::Ncb08);
+        }
+        if numbers.below(2) == 0 {
+            control.panel = Some(PanelRetained {
+                brightness: 8,
+                graphic: Default::default(),
+            });
+        }
+        if numbers.below(3) == 0 {
+            let text = format!("{STANDARD_LADDER}\n; number {}\n", numbers.next());
+            control.plc = Plc::new(Arc::new(Ladder::compile(&text).unwrap()));
+        }
+        for _ in 0..numbers.below(120) {
+            control.change(numbers);
+        }
+        for disk in [Disk::N1, Disk::N3] {
+            if numbers.below(3) == 0 {
+                let content = DiskContent {
+                    parameters: control.memory.parameters.clone(),
+                    offsets: control.memory.offsets.clone(),
+                    pitch: control.memory.pitch.clone(),
+                };
+                control.memory.disks.save(disk, content);
+            }
+        }
+        for _ in 0..numbers.below(120) {
+            control.change(numbers);
+        }
+        control
+    }
+
+    fn state(&self) -> State {
+        let retained: Retained = self.plc.memory().retained();
+        let ladder = self.plc.ladder();
+        State::new(
+            &self.memory,
+            Some(&retained),
+            Arc::clone(ladder),
+            self.panel,
+        )
+    }
+
+    fn selected(&self) -> Option<Value> {
+        let number = match self.memory.programs.current() {
+            Some(ProgramId::Stored(number)) => Some(number),
+            _ => None,
+        };
+        Some(Value::Selected(number))
+    }
+
+    /// Changes one thing.
+    fn change(&mut self, numbers: &mut Numbers) -> Vec<Change> {
+        let memory = &mut self.memory;
+        let whole = |value: i64| Some(Value::Whole(value));
+        match numbers.below(11) {
+            0 | 1 => {
+                let data: Vec<_> = rows()
+                    .iter()
+                    .filter(|it| it.bit.is_none() && !it.state)
+                    .collect();
+                let row = numbers.of(&data);
+                let old = memory.parameters.value(row.number);
+                let value = match &row.range {
+                    gsk_core::memory::Range::Span(low, high) => {
+                        low + numbers.below((high - low) as u64 + 1) as i32
+                    }
+                    gsk_core::memory::Range::List(values) => numbers.of(values),
+                };
+                memory.parameters.set(row.number, value).unwrap();
+                let key = Key::Parameter(Set::Control, row.number, None);
+                vec![(key, whole(old.into()), whole(value.into()))]
+            }
+            2 => {
+                let states: Vec<_> = rows().iter().filter(|it| it.state).collect();
+                let number = numbers.of(&states).number;
+                let bit = numbers.below(8) as u8;
+                let old = memory.parameters.bit(number, bit);
+                memory.parameters.set_bit(number, bit, !old).unwrap();
+                let key = Key::Parameter(Set::Control, number, Some(bit));
+                vec![(key, whole(old.into()), whole((!old).into()))]
+            }
+            3 => {
+                let number = 1 + numbers.below(32) as u8;
+                let length =
+                    |numbers: &mut Numbers| (numbers.below(20_000_000) as f64 - 1e7) / 1000.0;
+                let old = memory.offsets.get(number);
+                let new = ToolOffset {
+                    x: length(numbers),
+                    z: length(numbers),
+                    r: length(numbers),
+                    t: numbers.below(10) as u8,
+                };
+                memory.offsets.set(number, new).unwrap();
+                let new = memory.offsets.get(number);
+                let key = |word| Key::Offset(Set::Control, number, word);
+                let real = |value| Some(Value::Real(value));
+                vec![
+                    (key(OffsetWord::X), real(old.x), real(new.x)),
+                    (key(OffsetWord::Z), real(old.z), real(new.z)),
+                    (key(OffsetWord::R), real(old.r), real(new.r)),
+                    (key(OffsetWord::T), whole(old.t.into()), whole(new.t.into())),
+                ]
+            }
+            4 => {
+                let number = match numbers.below(2) {
+                    0 => 200 + numbers.below(32) as u16,
+                    _ => 500 + numbers.below(500) as u16,
+                };
+                let old = memory.variables.real(number);
+                let value = match numbers.below(4) {
+                    0 => None,
+                    1 => Some(numbers.below(1 << 33) as f64 - 4_294_967_296.0),
+                    2 => Some((numbers.next() as i64) as f64 / 9.3e10),
+                    _ if number > 515 => Some(f64::from_bits(numbers.next())),
+                    _ => Some(0.1),
+                };
+                let value = value.filter(|value| value.is_finite());
+                memory.variables.set_real(number, value).unwrap();
+                let new = memory.variables.real(number);
+                let (old, new) = (old.map(Value::Real), new.map(Value::Real));
+                vec![(Key::Variable(number), old, new)]
+            }
+            5 => {
+                let (point, axis) = (numbers.next() as u8, numbers.of(&[Axis::X, Axis::Z]));
+                let value = numbers.below(511) as i16 - 255;
+                let old = memory.pitch.value(axis, point);
+                memory.pitch.set(axis, point, value).unwrap();
+                let key = Key::Pitch(Set::Control, point, axis);
+                vec![(key, whole(old.into()), whole(value.into()))]
+            }
+            6 => {
+                let old = memory.settings.macro_b;
+                memory.settings.macro_b = !old;
+                let key = Key::Switch(Switch::MacroB);
+                vec![(key, Some(Value::Switch(old)), Some(Value::Switch(!old)))]
+            }
+            7 => {
+                let old = memory.counters.parts;
+                memory.counters.parts = numbers.below(Counters::PARTS.into()) as u32;
+                let key = Key::Count(gsk_project::Count::Parts);
+                vec![(key, whole(old.into()), whole(memory.counters.parts.into()))]
+            }
+            8 => self.change_programs(numbers),
+            9 => {
+                let areas = [
+                    (Area::K, 0),
+                    (Area::D, 300),
+                    (Area::T, 80),
+                    (Area::C, 0),
+                    (Area::Dt, 0),
+                ];
+                let (area, first) = numbers.of(&areas);
+                let byte = first + numbers.below((area.count() - first).into()) as u16;
+                let address = ByteAddress::new(area, byte);
+                let plc = self.plc.memory_mut();
+                let read = |plc: &gsk_core::plc::Memory| match area.is_entry() {
+                    true => plc.long(address).into(),
+                    false => plc.byte(address).into(),
+                };
+                let old = read(plc);
+                match area.is_entry() {
+                    true => plc.set_long(address, numbers.next() as i32),
+                    false => plc.set_byte(address, numbers.next() as u8),
+                }
+                let new = read(plc);
+                vec![(Key::Data(address), whole(old), whole(new))]
+            }
+            _ => {
+                let Some(panel) = &mut self.panel else {
+                    return Vec::new();
+                };
+                let old = panel.graphic.min_z;
+                panel.graphic.min_z = numbers.next() as i32;
+                let new = panel.graphic.min_z;
+                vec![(
+                    Key::Panel(PanelWord::MinZ),
+                    whole(old.into()),
+                    whole(new.into()),
+                )]
+            }
+        }
+    }
+
+    fn change_programs(&mut self, numbers: &mut Numbers) -> Vec<Change> {
+        let number = numbers.below(6) as u16 * 1999;
+        let selected = self.selected();
+        let programs = &mut self.memory.programs;
+        let text = |programs: &gsk_core::program::ProgramMemory| {
+            let program = programs.stored(number);
+            program.map(|program| Value::Text(program.text().into()))
+        };
+        let old = text(programs);
+        if numbers.below(3) == 0 && old.is_some() {
+            programs.delete(number).unwrap();
+        } else {
+            let end = numbers.of(&["\n", "\r\n", ";\n"]);
+            let mut new = format!("O{number:04}{end}(车 {}){end}", numbers.next());
+            for _ in 0..numbers.below(5) {
+                new.push_str(&format!("G01 X{} F0.2{end}", numbers.below(99)));
+            }
+            programs
+                .store(new + numbers.of(&["M30", "M30;\n%\n", "M99\r"]))
+                .unwrap();
+        }
+        let new = text(programs);
+        vec![
+            (Key::Program(number), old, new),
+            (Key::Selected, selected, self.selected()),
+        ]
+    }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn what_is_written_is_read_again_bit_for_bit(seed: u64) {
+        let state = Control::of(seed).state();
+        for language in [Language::En, Language::Zh] {
+            let files = export(&state, language);
+            let read = import(&files);
+            prop_assert!(read.is_ok(), "{:?}", read.err());
+            let read = read.unwrap();
+            prop_assert_eq!(&read, &state);
+            // What the control itself compares.
+            prop_assert_eq!(&read.memory().parameters, &state.memory().parameters);
+            prop_assert_eq!(&read.memory().offsets, &state.memory().offsets);
+            prop_assert_eq!(&read.memory().pitch, &state.memory().pitch);
+            prop_assert_eq!(&read.memory().variables, &state.memory().variables);
+            prop_assert_eq!(&read.memory().settings, &state.memory().settings);
+            prop_assert_eq!(&read.memory().disks, &state.memory().disks);
+            prop_assert_eq!(&read.memory().programs, &state.memory().programs);
+            prop_assert_eq!(&read.memory().counters, &state.memory().counters);
+            prop_assert_eq!(&read.memory().model, &state.memory().model);
+            prop_assert_eq!(read.retained(), state.retained());
+            prop_assert_eq!(read.ladder(), state.ladder());
+            prop_assert_eq!(read.panel(), state.panel());
+            prop_assert_eq!(export(&read, language), files, "the same bytes again");
+        }
+    }
+
+    #[test]
+    fn differences_are_exactly_what_was_changed(seed: u64, changes in 0..60u64) {
+        let mut control = Control::of(seed);
+        let before = control.state();
+        let mut planted: BTreeMap<Key, (Option<Value>, Option<Value>)> = BTreeMap::new();
+        let numbers = &mut Numbers(seed ^ 1);
+        for _ in 0..changes {
+            for (key, old, new) in control.change(numbers) {
+                planted.entry(key).or_insert((old, None)).1 = new;
+            }
+        }
+        let after = control.state();
+        let planted: Vec<Difference> = planted
+            .into_iter()
+            .filter(|(_, (old, new))| old != new)
+            .map(|(key, (old, new))| Difference { key, old, new })
+            .collect();
+        let found = diff(&before, &after);
+        prop_assert_eq!(&found, &planted);
+        prop_assert_eq!(apply(&before, &found).unwrap(), after.clone());
+        prop_assert_eq!(diff(&after, &before).len(), found.len());
+        for difference in &found {
+            for language in [Language::En, Language::Zh] {
+                prop_assert!(!label(difference.key, &after, language).is_empty());
+            }
+            let is_text = matches!(difference.old, Some(Value::Text(_)))
+                || matches!(difference.new, Some(Value::Text(_)));
+            prop_assert_eq!(details(difference).is_empty(), !is_text);
+        }
+        // Two random ones as well: applying what differs makes them equal.
+        let other = Control::of(seed ^ 2).state();
+        let found = diff(&before, &other);
+        let panel = other.panel().or(before.panel());
+        prop_assert_eq!(apply(&before, &found).unwrap(), other.with_panel(panel));
+    }
+
+    #[test]
+    fn no_damaged_line_passes_unnoticed(seed: u64, garbage in "\\PC{0,12}") {
+        let state = Control::of(seed).state();
+        let files = export(&state, Language::En);
+        let numbers = &mut Numbers(seed);
+        let names: Vec<&String> = files.keys().filter(|name| is_table(name)).collect();
+        for _ in 0..8 {
+            let name = numbers.of(&names).clone();
+            let lines: Vec<&str> = files[&name].lines().collect();
+            let at = 1 + numbers.below(lines.len() as u64 - 1) as usize;
+            let mut damaged = lines.clone();
+            match numbers.below(4) {
+                0 => drop(damaged.remove(at)),
+                1 => damaged.insert(at + 1, lines[at]),
+                2 => damaged.insert(at, "no line of a table"),
+                _ => damaged[at] = &garbage,
+            }
+            let mut files = files.clone();
+            files.insert(name.clone(), damaged.join("\n"));
+            match import(&files) {
+                Err(problems) => {
+                    prop_assert!(problems.iter().all(|it| it.file == name), "{problems:?}");
+                }
+                // A variable of macro B that has no line is null; garbage may be a value.
+                Ok(read) => {
+                    let expected = name == "variables.txt" || garbage.contains('=');
+                    prop_assert!(expected || read == state, "{name}:{at}: {damaged:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_folder_panics(texts in proptest::collection::vec(("[a-zO0-9./]{0,20}", "\\PC{0,60}"), 0..6)) {
+        let mut files = export(&State::of(&Setup::delivered()), Language::En);
+        for (name, text) in texts {
+            let known: Vec<String> = files.keys().cloned().collect();
+            let name = match text.len() % 2 {
+                0 => known[text.len() % known.len()].clone(),
+                _ => name,
+            };
+            files.insert(name, text);
+        }
+        if let Err(problems) = import(&files) {
+            for problem in problems {
+                prop_assert!(!problem.file.is_empty() || files.contains_key(""));
+                let _ = problem.message().text(Language::Zh);
+            }
+        }
+    }
+}
+
+fn is_table(name: &str) -> bool {
+    name.ends_with(".txt") || name.ends_with(".gpr")
+}
+
+fn exported() -> Files {
+    export(&State::of(&Setup::delivered()), Language::En)
+}
+
+/// The problems of a folder in which one file is another.
+fn problems_with(name: &str, text: &str) -> Vec<String> {
+    let mut files = exported();
+    files.insert(name.to_owned(), text.to_owned());
+    let problems = import(&files).expect_err(name);
+    problems.iter().map(ToString::to_string).collect()
+}
+
+fn edited(name: &str, old: &str, new: &str) -> Vec<String> {
+    let text = exported()[name].clone();
+    assert!(text.contains(old), "{name}: {old}");
+    problems_with(name, &text.replacen(old, new, 1))
+}
+
+#[test]
+fn every_rule_is_said_with_file_and_line() {
+    let line_of = |name: &str, text: &str| {
+        let files = exported();
+        let at = files[name].lines().position(|line| line.starts_with(text));
+        at.unwrap() + 1
+    };
+    let at = line_of("parameters.txt", "022 ");
+    for (name, old, new, said) in [
+        (
+            "parameters.txt",
+            "022 = 3800",
+            "022 = 99999",
+            format!("parameters.txt:{at}: parameter 022: 99999 is outside 6..15000"),
+        ),
+        (
+            "parameters.txt",
+            "022 = 3800",
+            "022 = x",
+            format!("parameters.txt:{at}: `x` is not a whole number"),
+        ),
+        (
+            "parameters.txt",
+            "022 = 3800",
+            "022 : 3800",
+            format!("parameters.txt:{at}: write NAME = VALUE"),
+        ),
+        (
+            "parameters.txt",
+            "022 = 3800",
+            "021 = 1",
+            format!("parameters.txt:{at}: 021 stands in line {} already", at - 1),
+        ),
+        (
+            "parameters.txt",
+            "022 = 3800",
+            "0220 = 3800",
+            format!("parameters.txt:{at}: there is no parameter 220"),
+        ),
+        (
+            "parameters.txt",
+            "001.4 = ",
+            "001.4 = 7",
+            "is outside 0 to 1".to_owned(),
+        ),
+        (
+            "offsets.txt",
+            "001.X = 0",
+            "001.X = 1.2345",
+            "offsets.txt:6: 1.2345 is finer than 0.001 mm".to_owned(),
+        ),
+        (
+            "offsets.txt",
+            "001.X = 0",
+            "001.X = 99999",
+            "offsets.txt:6: offset X 99999 is outside".to_owned(),
+        ),
+        (
+            "offsets.txt",
+            "001.T = 0",
+            "001.T = 12",
+            "offsets.txt:9: 12 is outside 0 to 9".to_owned(),
+        ),
+        (
+            "pitch.txt",
+            "000.X = 0",
+            "000.X = 256",
+            "pitch.txt:2: pitch error point 000: 256 is outside".to_owned(),
+        ),
+        (
+            "variables.txt",
+            "#200 = 0",
+            "#200 = 1e12",
+            "variables.txt:2: ".to_owned(),
+        ),
+        (
+            "variables.txt",
+            "#200 = 0",
+            "#200 = 0\n#100 = 5",
+            "variables.txt:3: #100 is no variable that outlasts power-off".to_owned(),
+        ),
+        (
+            "project.gpr",
+            "model = gsk980td",
+            "model = gsk980",
+            "project.gpr:3: `gsk980` is not one of".to_owned(),
+        ),
+        (
+            "project.gpr",
+            "model = gsk980td",
+            "model = gsk980mdi",
+            "project.gpr:3: programs of the GSK980MDi are not carried out".to_owned(),
+        ),
+        (
+            "project.gpr",
+            "format = 1",
+            "format = 2",
+            "project.gpr:2: 2 is outside 1 to 1".to_owned(),
+        ),
+        (
+            "project.gpr",
+            "selected = none",
+            "selected = O0007",
+            "O0007 is not in the memory".to_owned(),
+        ),
+        (
+            "project.gpr",
+            "iso = on",
+            "iso = maybe",
+            "`maybe` is not on or off".to_owned(),
+        ),
+        (
+            "ladder/data.txt",
+            "K0000 = 0",
+            "K0000 = 256",
+            "ladder/data.txt:2: 256 is outside 0 to 255".to_owned(),
+        ),
+        (
+            "ladder/main.il",
+            "END2",
+            "END3",
+            "ladder/main.il:".to_owned(),
+        ),
+    ] {
+        let problems = edited(name, old, new);
+        assert!(
+            problems.iter().any(|it| it.contains(&said)),
+            "{said}\n{problems:#?}"
+        );
+    }
+    for (name, text, said) in [
+        (
+            "programs/O0001.CNC",
+            "O0002;\nM30;\n",
+            "programs/O0001.CNC: its O number is O0002",
+        ),
+        (
+            "programs/O0001.CNC",
+            "M30;\n",
+            "programs/O0001.CNC: the text has no program number",
+        ),
+        (
+            "programs/notes.txt",
+            "x",
+            "programs/notes.txt: no file of a project belongs here",
+        ),
+        (
+            "disks/N1/offsets.txt",
+            "",
+            "disks/N1/parameters.txt: the file is missing",
+        ),
+        (
+            "disks/N5/offsets.txt",
+            "",
+            "disks/N5/offsets.txt: no file of a project belongs here",
+        ),
+    ] {
+        let problems = problems_with(name, text);
+        assert!(
+            problems.iter().any(|it| it.contains(said)),
+            "{said}\n{problems:#?}"
+        );
+    }
+    for name in exported().into_keys() {
+        let mut files = exported();
+        files.remove(&name);
+        let problems = import(&files).expect_err(&name);
+        assert_eq!(problems.len(), 1, "{problems:?}");
+        assert_eq!(
+            problems[0].to_string(),
+            format!("{name}: the file is missing")
+        );
+    }
+}
+
+#[test]
+fn all_problems_are_said_at_once_up_to_a_bound() {
+    let mut files = exported();
+    for name in ["parameters.txt", "pitch.txt"] {
+        let text = files[name].replace(" = ", " is ");
+        files.insert(name.to_owned(), text);
+    }
+    let problems = import(&files).unwrap_err();
+    assert_eq!(problems.len(), gsk_project::MOST_PROBLEMS + 1);
+    let last = problems.last().unwrap().to_string();
+    assert!(last.ends_with("more problems"), "{last}");
+}
+
+#[test]
+fn names_stand_as_remarks_in_both_languages_and_are_not_read() {
+    let state = State::of(&Setup::delivered());
+    let [en, zh] = [Language::En, Language::Zh].map(|language| export(&state, language));
+    for (files, wanted) in [(&en, "rapid"), (&zh, "快速")] {
+        let line = files["parameters.txt"]
+            .lines()
+            .find(|line| line.starts_with("022 "));
+        assert!(line.unwrap().contains(wanted), "{line:?}");
+        assert!(files["ladder/data.txt"].contains("DT0004 = 15000"));
+    }
+    assert_ne!(en, zh);
+    assert_eq!(import(&en).unwrap(), import(&zh).unwrap());
+    // Line ends as Windows and git write them.
+    let crlf = en.into_iter().map(|(name, text)| match is_table(&name) {
+        true => (name, text.replace('\n', "\r\n")),
+        false => (name, text),
+    });
+    assert_eq!(import(&crlf.collect()).unwrap(), state);
+}
+
+#[test]
+fn a_ladder_is_compared_by_meaning() {
+    let with = |from: &str, to: &str| {
+        assert!(STANDARD_LADDER.contains(from), "{from}");
+        let mut files = exported();
+        files.insert(
+            "ladder/main.il".to_owned(),
+            STANDARD_LADDER.replacen(from, to, 1),
+        );
+        let found = diff(&State::of(&Setup::delivered()), &import(&files).unwrap());
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].section(), Section::Ladder);
+        let said = details(&found[0]);
+        said.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        with("压力低报警", "油压低"),
+        ["A0001.5: 1014 压力低报警 → 1014 油压低"]
+    );
+    assert_eq!(
+        with(".INIT DT4 15000", ".INIT DT4 9000"),
+        [".INIT DT0004: 15000 → 9000"]
+    );
+    assert_eq!(
+        with("\nEND1", "\n; one\nEND1"),
+        ["only remarks of its text differ"]
+    );
+    let rungs = with("\nEND2", "\nLD R500.0\nOUT R501.0\nEND2");
+    assert!(rungs[0].contains("0 rungs become 1"), "{rungs:?}");
+}
+
+#[test]
+fn machine_and_jobs_are_compared_between_folders_alone() {
+    let texts = |text: &str| {
+        let machine = (Key::Machine, Arc::from(text));
+        State::of(&Setup::delivered()).with_texts([machine, (Key::Job(7), Arc::from("()"))])
+    };
+    let (one, other) = (texts("(name: \"a\")"), texts("(name: \"b\")"));
+    let found = diff(&one, &other);
+    assert_eq!(
+        found.iter().map(|it| it.key).collect::<Vec<_>>(),
+        [Key::Machine]
+    );
+    assert_eq!(diff(&one, &State::of(&Setup::delivered())), []);
+    let files = export(&one, Language::En);
+    assert_eq!(files["machine.ron"], "(name: \"a\")");
+    assert_eq!(import(&files).unwrap(), one);
+}
+
+/// Manual III-2.5.1: levels 3 and up for parameters and ladder, 4 for offsets and programs.
+#[test]
+fn rights_are_those_of_the_control() {
+    let mut after = Control::new();
+    after.memory.parameters.set(22, 4000).unwrap();
+    let offset = ToolOffset {
+        x: 1.0,
+        ..ToolOffset::default()
+    };
+    after.memory.offsets.set(1, offset).unwrap();
+    after.memory.variables.set(200, 1).unwrap();
+    after.memory.programs.store("O0001;\nM30;\n").unwrap();
+    after.memory.programs.store("O9001;\nM30;\n").unwrap();
+    let before = Control::new();
+    let found = diff(&before.state(), &after.state());
+    let refused = |parameters: &_, level: Level| -> Vec<Key> {
+        let denied = denied(&found, parameters, level);
+        denied.into_iter().map(|it| it.key).collect()
+    };
+    let level = |password: &str| before.memory.authority.level_of(password).unwrap();
+    let parameter = Key::Parameter(Set::Control, 22, None);
+    let offset = Key::Offset(Set::Control, 1, OffsetWord::X);
+    let (low, high) = (Key::Program(1), Key::Program(9001));
+    let parameters = &before.memory.parameters;
+    assert_eq!(refused(parameters, level("123456")), []);
+    assert_eq!(refused(parameters, level("12345")), [high]);
+    // Without 参数开关 no parameter; the level does not open it.
+    assert_eq!(refused(parameters, level("1234")), [parameter, high]);
+    let nobody = [parameter, offset, Key::Variable(200), low, high];
+    assert_eq!(refused(parameters, Level::NONE), nobody);
+}
