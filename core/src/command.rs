@@ -5,6 +5,8 @@ mod modal;
 
 pub use modal::Modal;
 
+use core::num::NonZeroU32;
+
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +25,24 @@ pub enum ProgramId {
     Dnc,
 }
 
+/// The number N of a block. With none it takes no more room than alone: commands are
+/// copied often.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "u32", into = "u32")]
+pub struct BlockNumber(NonZeroU32);
+
+impl From<u32> for BlockNumber {
+    fn from(number: u32) -> Self {
+        Self(NonZeroU32::MIN.saturating_add(number))
+    }
+}
+
+impl From<BlockNumber> for u32 {
+    fn from(number: BlockNumber) -> Self {
+        number.0.get() - 1
+    }
+}
+
 /// Where a command or an alarm comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
@@ -31,7 +51,7 @@ pub struct Source {
     /// Line of the file, from 1.
     pub line: u32,
     /// The last sequence number N met, if any.
-    pub sequence: Option<u16>,
+    pub sequence: Option<BlockNumber>,
 }
 
 /// The coordinate frame in force: `machine = program + zero + offset`.
@@ -41,6 +61,52 @@ pub struct Frame {
     pub zero: Point,
     /// Tool offset in force.
     pub offset: Point,
+    /// How far zero offsets (G55 to G57 of the Huaxing lathes) have moved the origin, a
+    /// part of `zero`.
+    #[serde(default, skip_serializing_if = "ZeroOffset::is_none")]
+    pub zero_offset: ZeroOffset,
+}
+
+/// A zero offset in half micrometres, X as a radius. Whole numbers, and small ones:
+/// frames are copied with every command.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ZeroOffset {
+    x: i32,
+    z: i32,
+}
+
+impl ZeroOffset {
+    /// Half micrometres in a millimetre.
+    const PER_MM: f64 = 2000.0;
+
+    /// The nearest one.
+    pub fn from_point(point: Point) -> Self {
+        let whole = |mm: f64| libm::round(mm * Self::PER_MM) as i32;
+        Self {
+            x: whole(point.x),
+            z: whole(point.z),
+        }
+    }
+
+    /// In mm, X as a radius.
+    pub fn point(self) -> Point {
+        Point::new(
+            f64::from(self.x) / Self::PER_MM,
+            f64::from(self.z) / Self::PER_MM,
+        )
+    }
+
+    /// None of an axis from here on.
+    pub(crate) const fn clear(&mut self, axis: Axis) {
+        match axis {
+            Axis::X => self.x = 0,
+            Axis::Z => self.z = 0,
+        }
+    }
+
+    fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Frame {
@@ -464,6 +530,7 @@ pub struct ThreadPhase {
 
 impl Conditions {
     /// Of a command in a frame, with the spindle at a speed.
+    #[inline]
     pub(crate) fn of(command: &Command, frame: &Frame, rpm: f64) -> Self {
         let thread = match command.action {
             Action::Thread {

@@ -276,7 +276,7 @@ fn frame_at_start(setup: &Setup) -> Frame {
         zero: setup
             .absolute
             .map_or_else(Point::default, |absolute| start - absolute),
-        offset: Point::default(),
+        ..Frame::default()
     }
 }
 

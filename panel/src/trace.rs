@@ -327,6 +327,7 @@ mod tests {
                 frame: Frame {
                     zero: Point::new(0.0, 5.0),
                     offset: Point::new(2.0, 0.0),
+                    ..Frame::default()
                 },
                 piece: Piece {
                     from: Point::new(0.0, z(tick - 1)),

@@ -30,7 +30,7 @@ pub fn write_move(out: &mut dyn Write, executed: &ExecutedMove) -> io::Result<()
     let mut line = Line::default();
     line.number("{\"line\":", executed.source.line.into());
     match executed.source.sequence {
-        Some(sequence) => line.number(",\"n\":", sequence.into()),
+        Some(sequence) => line.number(",\"n\":", u32::from(sequence).into()),
         None => line.text(",\"n\":null"),
     }
     line.text(",\"kind\":\"");
@@ -89,7 +89,7 @@ mod tests {
             source: Source {
                 program: ProgramId::External,
                 line: 12,
-                sequence: Some(50),
+                sequence: Some(50.into()),
             },
             kind,
             from: Point::new(25.0, 0.0),

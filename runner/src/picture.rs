@@ -148,7 +148,7 @@ mod tests {
             source: Source {
                 program: ProgramId::External,
                 line: 1,
-                sequence: Some(30),
+                sequence: Some(30.into()),
             },
             kind,
             from,

@@ -46,7 +46,7 @@ pub struct AlarmReport {
     pub line: Option<u32>,
     /// Its sequence number; not part of the JSON.
     #[serde(skip)]
-    pub sequence: Option<u16>,
+    pub sequence: Option<u32>,
     /// The program it stands in; not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
@@ -232,7 +232,9 @@ impl AlarmReport {
             },
             text: alarm.text(language.unwrap_or(Language::Zh)),
             line: alarm.source.map(|source| source.line),
-            sequence: alarm.source.and_then(|source| source.sequence),
+            sequence: alarm
+                .source
+                .and_then(|source| source.sequence.map(u32::from)),
             program: alarm.source.map(|source| source.program),
             block,
             detail: (alarm.further_detail())

@@ -5,6 +5,14 @@ use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::preview::preview;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use gsk_runner::curves::RapidRates;
+use gsk_runner::machining::Machining;
+use gsk_runner::report::PartReport;
+use gsk_tests::case::Case;
+use gsk_tests::execute::{Seen, check, run};
+use gsk_tests::{repository, setup};
+use gsk_workpiece::job::Job;
+use gsk_workpiece::measure::Feature;
 
 /// G codes as chapter and table give them, those taken over from the GSK980TD among them.
 const LATHES: [(ModelId, &[i64]); 3] = [
@@ -22,12 +30,11 @@ const LATHES: [(ModelId, &[i64]); 3] = [
             97, 98, 99,
         ],
     ),
-    // Without G30, G31, G33, G34, G74 to G76 and G81 to G87, which are not carried out.
     (
         ModelId::Hx31,
         &[
-            0, 1, 2, 3, 4, 9, 20, 22, 24, 25, 26, 27, 40, 41, 42, 54, 55, 56, 57, 71, 72, 73, 90,
-            91, 92, 96, 97, 98, 99,
+            0, 1, 2, 3, 4, 9, 20, 22, 24, 25, 26, 27, 30, 31, 33, 34, 40, 41, 42, 54, 55, 56, 57,
+            71, 72, 73, 74, 75, 76, 81, 82, 83, 84, 85, 86, 87, 90, 91, 92, 96, 97, 98, 99,
         ],
     ),
 ];
@@ -87,4 +94,112 @@ fn the_same_contour_is_the_same_path() {
     for other in [ModelId::Ncb08, ModelId::Hx31] {
         assert_eq!(moves(ModelId::Gsk980td), moves(other), "{other:?}");
     }
+}
+
+/// The program of a shop, as its case has it, and its job.
+fn shop_program() -> (Setup, Job) {
+    let folder = repository().join("tests/cases/models/hx31/shop-program");
+    let text = |name: &str| std::fs::read_to_string(folder.join(name)).expect(name);
+    let case = Case::read(&folder).expect("case.ron");
+    let mut start = case.setup.setup().expect("set-up");
+    start.memory.programs = setup::memory(&[text("main.nc")]).expect("program");
+    let job: Job = ron::from_str(&text("main.job.ron")).expect("job");
+    job.check().expect("job");
+    (start, job)
+}
+
+/// Seconds of cuts and threads by tool, as they are worked out in the program. Every cut
+/// takes a little more to begin and to end, every thread waits for its angle: at most a
+/// turn, 0.2 s.
+#[test]
+fn the_shop_program_takes_its_time() {
+    const TURNING: f64 = 32.7 + 112.75 + 53.75 + 38.828;
+    const BY_HAND: [(&str, f64, f64); 4] = [
+        ("0101", TURNING, 0.0),
+        ("0202", 18.4 + 18.4, 0.0),
+        ("0303", 5.625, 14.2),
+        ("0404", 40.8, 0.0),
+    ];
+    let (start, _) = shop_program();
+    let [checked, executed] = [check(&start), run(&start)];
+    let times = checked.result["tool_times"].as_array().expect("tools");
+    assert_eq!(times.len(), BY_HAND.len());
+    for (time, (tool, feed, thread)) in times.iter().zip(BY_HAND) {
+        assert_eq!(time["tool"], tool);
+        let seconds = |kind: &str| time[kind].as_f64().expect("seconds");
+        // T3 makes three little strokes out and back: most of their time is in the ends.
+        let more = if tool == "0303" { 1.2 } else { feed * 0.035 };
+        assert!((feed..feed + more).contains(&seconds("feed")), "{time}");
+        let turns = if thread > 0.0 { 6.0 * 0.2 } else { 0.001 };
+        assert!(
+            (thread..thread + turns).contains(&seconds("thread")),
+            "{time}"
+        );
+    }
+    let whole = |seen: &Seen| seen.result["time_s"].as_f64().expect("time");
+    let (one, other) = (whole(&checked), whole(&executed));
+    assert!((one / other - 1.0).abs() < 0.01, "{one} s, {other} s");
+}
+
+/// What is left of the bar: the sizes that the program names, and nothing was hit.
+#[test]
+fn the_shop_program_makes_its_part() {
+    let (start, job) = shop_program();
+    let mut machining = Machining::new(job);
+    let rates = RapidRates::of(&start.memory);
+    let end = preview(&start, &start.memory.programs, &mut |executed| {
+        machining.moved(executed, rates);
+    });
+    assert_eq!(end.alarm, None);
+    let part = PartReport::new(&machining, None, true, None);
+    assert_eq!(part.collisions, []);
+    // From front to back: the pin, the relief, the head with its two grooves, the bar;
+    // then the bore. Corners of the grooving insert have 0.1 mm.
+    let cylinders: Vec<_> = part
+        .features
+        .iter()
+        .filter_map(|it| match it {
+            Feature::Cylinder { diameter, z } if diameter.0 > 0.0 => Some((diameter.0, *z)),
+            _ => None,
+        })
+        .collect();
+    let grooves = [
+        (26.0, (-27.1, -29.9)),
+        (34.0, (-35.1, -37.9)),
+        (34.0, (-43.1, -45.9)),
+    ];
+    for groove in grooves {
+        assert!(cylinders.contains(&groove), "{groove:?} of {cylinders:?}");
+    }
+    let diameters: Vec<f64> = cylinders.iter().map(|(diameter, _)| *diameter).collect();
+    assert_eq!(
+        diameters,
+        [30.0, 26.0, 40.0, 34.0, 40.0, 34.0, 40.0, 50.0, 10.0]
+    );
+    let faces: Vec<f64> = part
+        .features
+        .iter()
+        .filter_map(|it| match it {
+            Feature::Face { z, .. } => Some(*z),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(
+        faces,
+        [0.0, -27.0, -30.0, -35.0, -38.0, -43.0, -46.0, -50.0, -129.0]
+    );
+    // M30 x 2, and the three marks.
+    let threads: Vec<_> = part
+        .features
+        .iter()
+        .filter_map(|it| match it {
+            Feature::Thread {
+                pitch,
+                diameters: (crest, root),
+                ..
+            } => Some((*pitch, crest.0, root.0)),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(threads, [(2.0, 30.0, 27.4), (0.5, 40.0, 39.5)]);
 }

@@ -55,7 +55,7 @@ fn place(alarm: &Alarm, language: Language) -> Option<String> {
     };
     let sequence = source
         .sequence
-        .map_or_else(String::new, |number| format!("N{number:04} "));
+        .map_or_else(String::new, |it| format!("N{:04} ", u32::from(it)));
     let line = say::window_at_line(source.line).text(language);
     Some(format!("{program}{sequence}{line}"))
 }
@@ -73,7 +73,7 @@ mod tests {
             .at(Source {
                 program: ProgramId::Stored(12),
                 line: 7,
-                sequence: Some(60),
+                sequence: Some(60.into()),
             });
         let zh = short(&alarm, Language::Zh);
         assert_eq!(

@@ -39,7 +39,7 @@ pub struct Cursor {
     /// Line, from 1.
     pub line: u32,
     /// The last sequence number met.
-    pub sequence: Option<u16>,
+    pub sequence: Option<u32>,
 }
 
 impl Cnc {
@@ -302,7 +302,7 @@ impl Cnc {
             }) => Cursor {
                 program: Some(program),
                 line,
-                sequence,
+                sequence: sequence.map(u32::from),
             },
             None => Cursor {
                 program: self.memory.programs.current(),

@@ -12,17 +12,14 @@ use crate::interpreter::calls::special_call;
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::canned_cycle::Maker;
 use crate::interpreter::codes::arc;
-use crate::interpreter::codes::coordinates;
 use crate::interpreter::codes::corner;
-use crate::interpreter::codes::dwell;
 use crate::interpreter::codes::miscellaneous::{self, Function};
 use crate::interpreter::codes::nose_radius::{check_arc_block, check_call, check_option};
 use crate::interpreter::codes::positioning;
 use crate::interpreter::codes::positioning::within_stroke;
-use crate::interpreter::codes::reference::Reference;
+use crate::interpreter::codes::scale;
 use crate::interpreter::codes::spindle_speed;
 use crate::interpreter::codes::tool::{self, Execution, ToolWord};
-use crate::interpreter::codes::zero_offset;
 use crate::interpreter::compound;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::flow::Flow;
@@ -31,6 +28,7 @@ use crate::interpreter::context::words::{ArcWords, AxisWords, OneShot, Words};
 use crate::interpreter::context::{Compensated, Context};
 use crate::interpreter::cycles::facing_cycle;
 use crate::interpreter::cycles::turning_cycle;
+use crate::interpreter::one_shot;
 use crate::interpreter::plan::{Motion, Plan};
 use crate::interpreter::threads::tapping;
 use crate::interpreter::threads::thread;
@@ -68,6 +66,14 @@ pub(crate) fn evaluate(
         }
         None => words,
     };
+    let scaled;
+    let words = match state.scale {
+        Some(factor) => {
+            scaled = scale::scaled(words, factor, context.model.record());
+            &scaled
+        }
+        None => words,
+    };
     let (function, interface) = match words.m {
         Some(code) => (
             Some(miscellaneous::function(code, context)?),
@@ -79,14 +85,24 @@ pub(crate) fn evaluate(
     set_modal(state, words)?;
     // Increments count from the position shown before a T of the same block.
     let base = state.position + state.ahead;
-    let axes = words.axes(context.x_factor, base).under(state.incremental);
+    // Coordinates that the tip gets are no way, also under G91.
+    let incremental = state.incremental && words.one_shot != Some(OneShot::Coordinates);
+    let axes = words.axes(context.x_factor, base).under(incremental);
+    let without_k;
+    let (all, words) = match words.k {
+        Some(_) if miscellaneous::takes_k(words, context.model.record()) => {
+            without_k = Words { k: None, ..*words };
+            (words, &without_k)
+        }
+        _ => (words, words),
+    };
     let kind = kind(state, words, &axes);
 
     plan.modal = state.modal;
     let mut travels = false;
     let word = match words.t {
         Some(t) => Some(ToolWord::of_block(t, context)?),
-        None if words.m.is_some() => miscellaneous::offset(words, context)?,
+        None if words.m.is_some() => miscellaneous::offset(all, context)?,
         None => None,
     };
     if let Some(word) = word {
@@ -273,7 +289,7 @@ fn motion(
             Some(tapping) => Motion::cycle(state, Maker::Tapping(tapping)),
             None => Ok(Motion::None),
         },
-        Kind::OneShot(code) => one_shot(code, state, context, words, axes),
+        Kind::OneShot(code) => one_shot::motion(code, state, context, words, axes),
         Kind::Nothing => Ok(Motion::None),
         Kind::Rapid => {
             let end = end_point(state, axes, context.x_factor)?;
@@ -344,31 +360,6 @@ pub(super) fn arc(
     }))
 }
 
-/// The motion of a code of group 00: G70 to G76 have plans of their own, calls none.
-fn one_shot(
-    code: OneShot,
-    state: &mut State,
-    context: &Context<'_>,
-    words: &Words,
-    axes: &AxisWords,
-) -> Result<Motion, Alarm> {
-    match code {
-        OneShot::Dwell => Ok(Motion::One(dwell::dwell(words, context.model.record())?)),
-        OneShot::Coordinates => {
-            let relative_follows = context.parameters.g50_sets_relative();
-            zero_offset::forget(state);
-            let action = coordinates::set(state, words, axes, relative_follows)?;
-            Ok(action.map_or(Motion::None, Motion::One))
-        }
-        OneShot::Reference(way) => {
-            let reference = Reference::plan(state, context, way, axes)?;
-            Ok(reference.map_or(Motion::None, |it| Motion::Reference(Box::new(it))))
-        }
-        OneShot::ZeroOffset(code) => Ok(Motion::One(zero_offset::set(state, code, axes))),
-        _ => Ok(Motion::None),
-    }
-}
-
 fn end_point(state: &State, axes: &AxisWords, x_factor: i64) -> Result<Exact, Alarm> {
     within_stroke(axes.target(state.position), x_factor)
 }
@@ -386,6 +377,11 @@ fn follow_call(
         OneShot::Repeat { comes_back } => block_call::repeat(context, words, comes_back)?,
         OneShot::EndlessLoop => block_call::endless(context, words)?,
         OneShot::SubprogramEnd => subprogram::back(context, None)?,
+        // The way back is along no contour.
+        OneShot::StartReturn(_) => {
+            plan.apart = true;
+            return Ok(());
+        }
         _ => return Ok(()),
     };
     check_call(state, context, plan.motion.is_contour())?;

@@ -20,7 +20,10 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::pattern::Pattern;
 use crate::interpreter::cycles::pecking::Pecking;
 use crate::interpreter::cycles::roughing::Roughing;
+use crate::interpreter::cycles::stepped::Stepped;
 use crate::interpreter::threads::compound_thread::CompoundThread;
+use crate::interpreter::threads::counted_thread::CountedThread;
+use crate::interpreter::threads::single_pass::SinglePass;
 use crate::interpreter::threads::tapping::Tapping;
 use crate::interpreter::threads::thread_cycle::ThreadCycle;
 use crate::units::Point;
@@ -28,7 +31,7 @@ use crate::units::Point;
 /// What makes the moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Maker {
-    /// G33 with several starts.
+    /// G33 with several starts; G84 and G85 of the Huaxing lathes.
     Tapping(Tapping),
     /// G92.
     Thread(ThreadCycle),
@@ -38,8 +41,14 @@ pub(crate) enum Maker {
     Roughing(Roughing),
     /// G73.
     Pattern(Pattern),
-    /// G74, G75.
+    /// G74, G75, G83 of the Huaxing lathes.
     Pecking(Pecking),
+    /// G81, G82 of the Huaxing lathes.
+    Stepped(Stepped),
+    /// G33, G34 of the Huaxing lathes.
+    SinglePass(SinglePass),
+    /// G86, G87.
+    CountedThread(CountedThread),
 }
 
 impl Maker {
@@ -51,6 +60,9 @@ impl Maker {
             Self::Roughing(cycle) => cycle.make(),
             Self::Pattern(cycle) => cycle.make(),
             Self::Pecking(cycle) => cycle.make(),
+            Self::Stepped(cycle) => cycle.make(),
+            Self::SinglePass(cycle) => cycle.make(),
+            Self::CountedThread(cycle) => cycle.make(),
         }
     }
 }
@@ -123,6 +135,8 @@ impl Cycle {
         match &self.maker {
             Maker::Thread(cycle) => Some(cycle.per_revolution(tied)),
             Maker::CompoundThread(cycle) => Some(cycle.per_revolution(tied)),
+            Maker::SinglePass(cycle) => Some(cycle.per_revolution()),
+            Maker::CountedThread(cycle) => Some(cycle.per_revolution(tied)),
             _ => None,
         }
     }
@@ -132,6 +146,7 @@ impl Cycle {
         match &self.maker {
             Maker::Thread(cycle) => cycle.beyond_pass(),
             Maker::CompoundThread(cycle) => cycle.beyond_pass(),
+            Maker::CountedThread(cycle) => cycle.beyond_pass(),
             _ => None,
         }
     }

@@ -20,6 +20,7 @@ mod cycles;
 mod immediate;
 mod macros;
 mod nose_compensation;
+mod one_shot;
 mod pass_over;
 mod plain_move;
 mod plan;

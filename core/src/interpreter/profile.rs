@@ -120,7 +120,7 @@ pub(crate) fn following(context: &Context<'_>, words: &Words) -> Result<Range, A
     if context.place.program == ProgramId::Dnc {
         return Err(Alarm::new(number::PROFILE_MISSING).because(say::profile_in_dnc()));
     }
-    let count = words.n.map(u32::from);
+    let count = words.n;
     let Some(count @ 2..) = count else {
         return Err(Alarm::new(number::PROFILE_WORDS).because(say::cycle_count_wrong()));
     };
@@ -150,7 +150,7 @@ pub(crate) fn program<'a>(context: &Context<'a>) -> Result<&'a Program, Alarm> {
 }
 
 fn find(program: &Program, number: i64, range: core::ops::Range<u32>) -> Option<u32> {
-    program.find_sequence_block(u16::try_from(number).ok()?, range)
+    program.find_sequence_block(u32::try_from(number).ok()?, range)
 }
 
 /// The numbers of P and Q must not coincide in the program (manual I-3.2.6.7).

@@ -13,7 +13,7 @@ use crate::interpreter::context::explanation::{Explanation, Note};
 use crate::interpreter::context::host::{Host, Step};
 use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::Place;
-use crate::interpreter::context::state::State;
+use crate::interpreter::context::state::{Begun, State};
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
 use crate::model::{ControlModel, Record};
@@ -209,7 +209,13 @@ impl Interpreter {
         self.mdi = None;
         self.drop_compensation();
         self.jumps = Jumps::default();
+        self.state.scale = None;
         self.resync(host);
+        if self.record().returns_to_start() {
+            let work = self.state.position;
+            let machine = self.state.machine(work);
+            self.state.begun = Some(Begun { machine, work });
+        }
     }
 
     /// Starts a run over the block keyed in on the MDI page. After its end
@@ -257,12 +263,8 @@ impl Interpreter {
     /// Puts another coordinate frame into force: at power-on, or after a
     /// manual reference return sets coordinates.
     pub(crate) fn set_frame(&mut self, frame: Frame, host: &impl Host) {
-        let zero = Exact::from_point(frame.zero);
-        if zero != self.state.zero {
-            // What G55 to G57 had moved it by is not in the new one.
-            self.state.zero_offset = Exact::default();
-        }
-        self.state.zero = zero;
+        self.state.zero = Exact::from_point(frame.zero);
+        self.state.zero_offset = Exact::from_point(frame.zero_offset.point());
         self.state.offset = Exact::from_point(frame.offset);
         self.resync(host);
     }
@@ -297,6 +299,7 @@ impl Interpreter {
         self.drop_compensation();
         self.state.modal.nose_compensation = 40;
         self.state.cycle.clear();
+        self.state.scale = None;
         if !host.parameters().reset_keeps_offset() {
             self.state.offset = Exact::default();
             self.state.cancel_offset_number();

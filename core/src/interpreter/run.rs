@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::command::{Command, ProgramId, Source};
+use crate::command::{BlockNumber, Command, ProgramId, Source};
 use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::flow::{Finishing, Flow, MacroEntry};
 use crate::interpreter::context::place::{Call, CallKind, Place};
@@ -21,7 +21,7 @@ pub(crate) struct Run {
     #[serde(default, skip_serializing_if = "Levels::is_empty")]
     pub(crate) levels: Levels,
     /// The last N met.
-    pub(crate) sequence: Option<u16>,
+    pub(crate) sequence: Option<BlockNumber>,
     /// The block read last.
     pub(crate) source: Option<Source>,
     /// Its commands not taken yet.

@@ -219,6 +219,8 @@ meanings! {
         DrillingDwell => g_is_drilling_dwell,
         /// G83.
         PeckDrilling => g_is_peck_drilling,
+        /// G83 of the Huaxing lathe.
+        DeepHole => g_is_deep_hole,
         /// G84 of the mill.
         RightTapping => g_is_right_tapping,
         /// G85 of the mill.

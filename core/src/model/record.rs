@@ -36,6 +36,9 @@ pub struct Record {
     /// N after a G code is a block, a subprogram or a count, no sequence number.
     #[serde(default)]
     pub(crate) n_after_g: bool,
+    /// The greatest number of a block.
+    #[serde(default = "last_of_four_digits")]
+    pub(crate) last_sequence: u32,
     /// Letters that are addresses besides those of the GSK980TD.
     #[serde(default)]
     addresses: String,
@@ -93,6 +96,10 @@ const fn four() -> u8 {
     4
 }
 
+const fn last_of_four_digits() -> u32 {
+    9999
+}
+
 fn four_digits() -> String {
     "O0001".to_owned()
 }
@@ -129,6 +136,14 @@ impl Record {
     /// Whether a letter is an address that the GSK980TD does not have.
     pub(crate) fn has_address(&self, letter: u8) -> bool {
         self.addresses.bytes().any(|it| it == letter)
+    }
+
+    /// Whether it has a code that leads back to where the run began.
+    pub(crate) fn returns_to_start(&self) -> bool {
+        matches!(
+            self.g_code(76),
+            Some(GCode::StartByMachine | GCode::StartByWork)
+        )
     }
 
     /// Whether both axes arrive together in G00.

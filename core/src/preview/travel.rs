@@ -134,6 +134,7 @@ impl Walk<'_> {
     }
 
     /// What holds while the move of a command is made.
+    #[inline]
     pub(super) fn conditions(&self, command: &Command) -> Conditions {
         let frame = &self.so_far.frame;
         let rpm = self.spindle.rpm(frame.program(self.so_far.machine).x);

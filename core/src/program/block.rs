@@ -37,7 +37,7 @@ impl Word {
 #[serde(into = "Plain", try_from = "Plain")]
 pub struct Block {
     /// Sequence number N.
-    pub n: Option<u16>,
+    pub n: Option<u32>,
     /// Program name O.
     pub o: Option<u16>,
     /// Whether `/` stands before it.
@@ -56,7 +56,7 @@ pub struct Block {
 /// The same for storage.
 #[derive(Serialize, Deserialize)]
 struct Plain {
-    n: Option<u16>,
+    n: Option<u32>,
     o: Option<u16>,
     skip: bool,
     line: u32,
@@ -444,6 +444,11 @@ fn range(block: &Block, word: &Word, g65: bool) -> (i64, i64) {
         b'R' if block.has_g(76) && !word.value.has_point() => (-9_999_999 * ONE, 9_999_999 * ONE),
         // Vector of an arc, or threads per inch.
         b'I' => (-LENGTH, 25_400 * ONE),
+        // After a G code it names a block, a subprogram or a count.
+        b'N' => (0, 99_999 * ONE),
+        // The factor of G31, and the approach of the threads of the Huaxing lathes.
+        b'L' if block.has_g(31) => (ONE / 1000, 99_999_000),
+        b'D' if block.has_g(33) || block.has_g(34) => (-LENGTH, LENGTH),
         // The input that the M01 of an NC-B08 waits for.
         b'L' if block.word(b'M').is_some_and(|it| it.value.integer() == 1) => (0, 99 * ONE),
         address => usual_range(address),

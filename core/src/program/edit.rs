@@ -24,9 +24,9 @@ pub struct Completion {
 }
 
 /// The first automatic sequence number.
-const FIRST_NUMBER: u16 = 10;
+const FIRST_NUMBER: u32 = 10;
 /// The highest sequence number.
-const LAST_NUMBER: u16 = 9999;
+const LAST_NUMBER: u32 = 9999;
 
 /// A program being edited.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -349,12 +349,12 @@ impl Editing {
         self.numbered = self.open;
     }
 
-    fn next_number(&self, step: u16) -> Option<u16> {
+    fn next_number(&self, step: u16) -> Option<u32> {
         let first = self.program.first_listed();
         let above = (first..self.line)
             .rev()
             .find_map(|line| Head::read(self.program.line(line)).n);
-        let next = above.map_or(FIRST_NUMBER, |number| number.saturating_add(step));
+        let next = above.map_or(FIRST_NUMBER, |number| number.saturating_add(step.into()));
         (next <= LAST_NUMBER).then_some(next)
     }
 
@@ -437,7 +437,7 @@ impl Editing {
 
     /// Removes everything from the cursor to the end of the next block with a
     /// sequence number. `false` when there is none.
-    pub fn delete_to(&mut self, sequence: u16) -> bool {
+    pub fn delete_to(&mut self, sequence: u32) -> bool {
         if !self.editable() {
             return false;
         }
@@ -546,7 +546,7 @@ impl Editing {
 }
 
 /// The number of a text that is a sequence number.
-fn sequence_number(wanted: &str) -> Option<u16> {
+fn sequence_number(wanted: &str) -> Option<u32> {
     wanted.strip_prefix('N')?.parse().ok()
 }
 

@@ -6,7 +6,7 @@ use super::lexer::Lexer;
 #[derive(Default)]
 pub(super) struct Head {
     pub(super) o: Option<u16>,
-    pub(super) n: Option<u16>,
+    pub(super) n: Option<u32>,
     /// Whether it begins with `/`.
     pub(super) skip: bool,
     /// Byte range of the O word.
@@ -35,14 +35,14 @@ impl Head {
             match byte {
                 b'/' if head.o.is_none() && head.n.is_none() => head.skip = true,
                 b'O' | b'o' if head.o.is_none() => {
-                    head.o = number(&mut lexer);
+                    head.o = number(&mut lexer, 9999).and_then(|it| u16::try_from(it).ok());
                     head.o_span = head.o.map(|_| (start, lexer.at));
                     if head.o.is_none() {
                         return head;
                     }
                 }
                 b'N' | b'n' if head.n.is_none() => {
-                    head.n = number(&mut lexer);
+                    head.n = number(&mut lexer, LAST_SEQUENCE);
                     return head;
                 }
                 _ => return head,
@@ -51,17 +51,20 @@ impl Head {
     }
 }
 
-/// An unsigned number up to 9999.
-fn number(lexer: &mut Lexer<'_>) -> Option<u16> {
+/// The greatest number of a block of any model.
+const LAST_SEQUENCE: u32 = 99_999;
+
+/// An unsigned number up to the greatest one.
+fn number(lexer: &mut Lexer<'_>, most: u32) -> Option<u32> {
     lexer.skip_blanks().ok()?;
     let mut value = None;
     while let (byte @ b'0'..=b'9', len) = lexer.peek() {
         lexer.at += len;
         let next = value.unwrap_or(0) * 10 + u32::from(byte - b'0');
-        if next > 9999 {
+        if next > most {
             return None;
         }
         value = Some(next);
     }
-    value.and_then(|value| u16::try_from(value).ok())
+    value
 }

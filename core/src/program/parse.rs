@@ -10,6 +10,7 @@ use super::number::{Number, Variable, is_length};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
 use crate::dialect::{self, advised};
+use crate::model::GCode;
 
 /// Reads one block: up to the first `;`, `*`, `%` or end of line outside
 /// comments. Does not allocate unless it fails.
@@ -68,7 +69,7 @@ fn plain_words(lexer: &mut Lexer<'_>, seen: &mut u32, syntax: Syntax, block: &mu
             b'G' if value.integer() == 65 => return false,
             // After a G code it is no sequence number on the Huaxing lathes.
             b'N' if !block.is_empty() => return false,
-            b'N' => block.n = Some(value.integer() as u16),
+            b'N' => block.n = Some(value.integer() as u32),
             _ => {
                 let word = Word {
                     address,
@@ -230,15 +231,16 @@ fn read_words(
         };
         let value = match formula {
             Some(value) => value,
-            None => read_number(&mut lexer, address, start, g65, syntax)?,
+            None => {
+                let by_code = has_point_by_code(address, syntax, block);
+                read_number(&mut lexer, address, start, (g65, by_code), syntax)?
+            }
         };
         if matches!(address, b'N' | b'O') {
-            let number = program_number(address, value, start)?;
-            *(if address == b'N' {
-                &mut block.n
-            } else {
-                &mut block.o
-            }) = Some(number);
+            match address {
+                b'N' => block.n = Some(sequence_number(value, syntax, start)?),
+                _ => block.o = Some(program_number(value, start)?),
+            }
             continue;
         }
         if syntax.macro_b
@@ -279,6 +281,31 @@ fn read_words(
 #[inline]
 fn is_count(address: u8, syntax: Syntax, block: &Block) -> bool {
     address == b'N' && block.has(b'G') && syntax.model.record().n_after_g
+}
+
+/// Whether a G code before it makes a length or a factor of a word that is a whole
+/// number otherwise (Huaxing): L of G31, D of its threads, P as their lead.
+#[inline]
+fn has_point_by_code(address: u8, syntax: Syntax, block: &Block) -> bool {
+    let record = syntax.model.record();
+    let means = |codes: &[GCode]| {
+        let mut written = block.g_codes();
+        written.any(|code| {
+            let meaning = record.g_code(code.into());
+            meaning.is_some_and(|it| codes.contains(&it))
+        })
+    };
+    match address {
+        _ if !record.n_after_g => false,
+        b'L' => means(&[GCode::ScaleOn]),
+        b'D' => means(&[GCode::MetricThreadPass, GCode::InchThreadPass]),
+        b'P' => means(&[
+            GCode::MetricThreadPass,
+            GCode::MetricRigidTapping,
+            GCode::MetricThreadCycle,
+        ]),
+        _ => false,
+    }
 }
 
 /// N after a code of the Huaxing lathes: a block, a subprogram or a count, with up to
@@ -446,7 +473,7 @@ fn read_number(
     lexer: &mut Lexer<'_>,
     address: u8,
     start: usize,
-    g65: bool,
+    (g65, point_by_code): (bool, bool),
     syntax: Syntax,
 ) -> Result<Number, BlockError> {
     let name = char::from(address);
@@ -473,7 +500,7 @@ fn read_number(
         return Err(no_digits(lexer, name, start, signed || point.is_some()));
     }
     if let Some(at) = point
-        && (g65 || !takes_point(address))
+        && (g65 || !(takes_point(address) || point_by_code))
     {
         let rule = say::point_not_allowed(name);
         return Err(BlockError::at(number::BAD_POINT, at, rule));
@@ -716,13 +743,25 @@ fn read_variable(lexer: &mut Lexer<'_>, address: u8, negative: bool) -> Result<N
     Ok(Number::from_variable(Variable { number, negative }))
 }
 
-fn program_number(address: u8, value: Number, at: usize) -> Result<u16, BlockError> {
+fn program_number(value: Number, at: usize) -> Result<u16, BlockError> {
     match u16::try_from(value.integer()) {
         Ok(number @ ..=9999) => Ok(number),
-        _ => {
-            let rule = say::number_out_of_four_digits(char::from(address), value);
-            let detail = advised(rule, dialect::instead_of_number(address));
-            Err(BlockError::at(number::OUT_OF_RANGE, at, detail))
-        }
+        _ => Err(number_too_great(b'O', value, at, 9999)),
     }
+}
+
+/// The number of a block, as far as the model counts.
+fn sequence_number(value: Number, syntax: Syntax, at: usize) -> Result<u32, BlockError> {
+    let last = syntax.model.record().last_sequence;
+    match u32::try_from(value.integer()) {
+        Ok(number) if number <= last => Ok(number),
+        _ => Err(number_too_great(b'N', value, at, last)),
+    }
+}
+
+#[cold]
+fn number_too_great(address: u8, value: Number, at: usize, most: u32) -> BlockError {
+    let rule = say::number_too_great(char::from(address), value, most);
+    let detail = advised(rule, dialect::instead_of_number(address));
+    BlockError::at(number::OUT_OF_RANGE, at, detail)
 }

@@ -235,7 +235,7 @@ impl Program {
 
     /// The line of the first block with this sequence number, in `from_line` or
     /// after it. Only N at the start of a block counts (manual I-2.1).
-    pub fn find_sequence(&self, number: u16, from_line: u32) -> Option<u32> {
+    pub fn find_sequence(&self, number: u32, from_line: u32) -> Option<u32> {
         let from = self.block_from_line(from_line);
         self.find_sequence_block(number, from..self.block_count())
             .map(|index| self.block_line(index))
@@ -244,7 +244,7 @@ impl Program {
     /// The first block of a range with this sequence number.
     pub(crate) fn find_sequence_block(
         &self,
-        number: u16,
+        number: u32,
         range: core::ops::Range<u32>,
     ) -> Option<u32> {
         let mut range = range.start..range.end.min(self.block_count());
@@ -252,7 +252,7 @@ impl Program {
     }
 
     /// The sequence number at the start of a block.
-    pub fn sequence(&self, index: u32) -> Option<u16> {
+    pub fn sequence(&self, index: u32) -> Option<u32> {
         Head::read(self.block(index)).n
     }
 

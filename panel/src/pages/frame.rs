@@ -153,7 +153,7 @@ fn program_number(cnc: &Cnc) -> u16 {
 }
 
 /// The sequence number of the block in execution or of the block at the cursor.
-fn sequence(view: &View, cnc: &Cnc) -> u16 {
+fn sequence(view: &View, cnc: &Cnc) -> u32 {
     let cursor = cnc.cursor();
     if let Some(sequence) = cursor.sequence {
         return sequence;
@@ -168,7 +168,7 @@ fn sequence(view: &View, cnc: &Cnc) -> u16 {
 }
 
 /// The N word at the head of a block.
-fn sequence_of(line: &str) -> Option<u16> {
+fn sequence_of(line: &str) -> Option<u32> {
     let head = line.trim_start_matches(|c: char| c == '/' || c.is_whitespace());
     let digits = head.strip_prefix(['N', 'n'])?.trim_start();
     let end = digits

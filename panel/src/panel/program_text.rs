@@ -152,7 +152,7 @@ impl Panel {
         if !self.may_edit(cnc, requests) {
             return;
         }
-        if self.edit(cnc, requests, |editing| editing.delete_to(sequence)) {
+        if self.edit(cnc, requests, |editing| editing.delete_to(sequence.into())) {
             self.clear_input();
         } else {
             requests.push(Request::NotFound { sequence: true });

@@ -1,7 +1,7 @@
 //! The part while the control runs: tick by tick, by hand as in automatic operation.
 
 use gsk_core::cnc::Event;
-use gsk_core::command::{ProgramId, Source};
+use gsk_core::command::{BlockNumber, ProgramId, Source};
 use gsk_core::operation::RunState;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
@@ -209,7 +209,7 @@ pub fn running(simulation: &Simulation) -> Option<Source> {
     program.map(|program| Source {
         program,
         line: cursor.line,
-        sequence: cursor.sequence,
+        sequence: cursor.sequence.map(BlockNumber::from),
     })
 }
 

@@ -10,7 +10,8 @@ use gsk_workpiece::job::{Job, Place};
 ///
 /// What the job does not say is taken from the control, once: when a tool first cuts, it
 /// is believed to stand where the control has it. From then on the lathe is as it is; an
-/// offset or a work zero that is changed later moves the cut, as on the machine.
+/// offset or a work zero that is changed later moves the cut, as on the machine. A zero
+/// offset is no other zero of the part: it counts from there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mounting {
     zero: Option<Point>,
@@ -37,7 +38,8 @@ impl Mounting {
             return *settled;
         }
         let length = self.lengths.get(&tool).copied();
-        self.zero.unwrap_or(frame.zero) + length.unwrap_or(frame.offset)
+        let zero = frame.zero - frame.zero_offset.point();
+        self.zero.unwrap_or(zero) + length.unwrap_or(frame.offset)
     }
 
     /// A tool's tip in the part, with the slide at a machine position.
@@ -55,13 +57,29 @@ impl Mounting {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gsk_core::command::ZeroOffset;
     use gsk_workpiece::stock::Stock;
 
     fn frame(offset: f64) -> Frame {
         Frame {
             zero: Point::new(-100.0, -300.0),
             offset: Point::new(offset, 0.0),
+            ..Frame::default()
         }
+    }
+
+    #[test]
+    fn a_zero_offset_leaves_the_part_where_it_is() {
+        let mounting = Mounting::of(&Job::new(Stock::bar(50.0, 0.0, 60.0)));
+        let slide = Point::new(-80.0, -310.0);
+        let by = Point::new(1.0, -30.0);
+        let moved = Frame {
+            zero: frame(0.0).zero + by,
+            zero_offset: ZeroOffset::from_point(by),
+            ..frame(0.0)
+        };
+        let tip = mounting.tip(1, slide, &moved);
+        assert_eq!(tip, mounting.tip(1, slide, &frame(0.0)));
     }
 
     #[test]

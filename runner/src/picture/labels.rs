@@ -18,7 +18,7 @@ const FINEST_MM: f64 = 1.0 / 1024.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Number {
     /// Its N word.
-    Sequence(u16),
+    Sequence(u32),
     /// Its line, of a block without one.
     Line(u32),
 }
@@ -41,7 +41,7 @@ pub(super) struct Labels {
     /// The block in work, and where it has come to.
     current: Option<(Source, Point)>,
     /// Where the sequence number in force was met.
-    met: Option<(ProgramId, Option<u16>, u32)>,
+    met: Option<(ProgramId, Option<u32>, u32)>,
     count: u64,
 }
 
@@ -95,14 +95,15 @@ impl Labels {
 
     fn keep(&mut self, block: Source, at: Point) {
         // A block without N has the number of one before it.
-        let now = (block.program, block.sequence, block.line);
+        let sequence = block.sequence.map(u32::from);
+        let now = (block.program, sequence, block.line);
         let same = self
             .met
             .is_some_and(|(program, sequence, _)| (program, sequence) == (now.0, now.1));
         if !same {
             self.met = Some(now);
         }
-        let number = match block.sequence {
+        let number = match sequence {
             Some(sequence) if self.met == Some(now) => Number::Sequence(sequence),
             _ => Number::Line(block.line),
         };
@@ -142,12 +143,13 @@ impl Labels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gsk_core::command::BlockNumber;
 
-    fn source(line: u32, sequence: Option<u16>) -> Source {
+    fn source(line: u32, sequence: Option<u32>) -> Source {
         Source {
             program: ProgramId::External,
             line,
-            sequence,
+            sequence: sequence.map(BlockNumber::from),
         }
     }
 

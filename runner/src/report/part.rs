@@ -34,7 +34,7 @@ pub struct CollisionReport {
     /// Line of its block, from 1; none by hand.
     pub line: Option<u32>,
     /// Sequence number of its block.
-    pub n: Option<u16>,
+    pub n: Option<u32>,
     /// The program of its block; not part of the JSON.
     #[serde(skip)]
     pub program: Option<ProgramId>,
@@ -177,7 +177,9 @@ impl CollisionReport {
         let collision = &finding.collision;
         Self {
             line: finding.source.map(|source| source.line),
-            n: finding.source.and_then(|source| source.sequence),
+            n: finding
+                .source
+                .and_then(|source| source.sequence.map(u32::from)),
             program: finding.source.map(|source| source.program),
             tool: finding.tool,
             text: said(&collision.message(), language),

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use crate::alarm::{Alarm, number};
 use crate::cnc::Cnc;
-use crate::command::{BeyondPass, ProgramId, Source};
+use crate::command::{BeyondPass, BlockNumber, ProgramId, Source};
 use crate::program::Program;
 use gsk_link::{Lacks, ThreadRights};
 use gsk_messages::{Message, say};
@@ -86,7 +86,7 @@ fn alarm(id: ProgramId, program: &Program, index: u32, refused: Refused) -> Alar
         .at(Source {
             program: id,
             line: program.block_line(index),
-            sequence: program.sequence(index),
+            sequence: program.sequence(index).map(BlockNumber::from),
         })
 }
 

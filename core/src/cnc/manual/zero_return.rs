@@ -303,6 +303,7 @@ impl Cnc {
             let shown = self.coordinates.frame.program(self.position()).get(axis);
             let coordinate = self.memory.parameters.reference_coordinate(axis);
             *self.coordinates.frame.zero.get_mut(axis) = at - coordinate;
+            self.coordinates.frame.zero_offset.clear(axis);
             let relative = self.coordinates.relative_zero.get_mut(axis);
             if self.memory.parameters.g50_sets_relative() {
                 *relative = 0.0;

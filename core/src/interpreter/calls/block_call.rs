@@ -109,14 +109,14 @@ fn program<'a>(context: &Context<'a>) -> Result<&'a Program, Alarm> {
 
 fn block(context: &Context<'_>, n: i64) -> Result<u32, Alarm> {
     let program = program(context)?;
-    let found = u16::try_from(n)
+    let found = u32::try_from(n)
         .ok()
         .and_then(|n| program.find_sequence_block(n, 0..program.block_count()));
     found.ok_or_else(|| Alarm::new(number::TARGET_MISSING).because(say::block_call_missing(n)))
 }
 
 /// The block `G22 Nnn`.
-fn definition(program: &Program, name: u16, context: &Context<'_>) -> Option<u32> {
+fn definition(program: &Program, name: u32, context: &Context<'_>) -> Option<u32> {
     let syntax = Syntax {
         model: context.model.id(),
         ..Syntax::default()
@@ -132,8 +132,10 @@ fn definition(program: &Program, name: u16, context: &Context<'_>) -> Option<u32
     })
 }
 
-fn own_program(context: &Context<'_>, name: u16) -> Result<ProgramId, Alarm> {
-    context.programs.find(name).ok_or_else(|| {
+fn own_program(context: &Context<'_>, name: u32) -> Result<ProgramId, Alarm> {
+    let found = u16::try_from(name).ok();
+    let found = found.and_then(|name| context.programs.find(name));
+    found.ok_or_else(|| {
         Alarm::new(number::TARGET_MISSING).because(say::subprogram_not_defined(name))
     })
 }

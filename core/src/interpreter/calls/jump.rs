@@ -33,7 +33,7 @@ pub(crate) struct Jumps {
 impl Jumps {
     /// The block that a jump leads to; alarm 128.
     pub(crate) fn target(&mut self, program: &Program, from: Place, p: i64) -> Result<u32, Alarm> {
-        let number = u16::try_from(p.unsigned_abs()).ok();
+        let number = u32::try_from(p.unsigned_abs()).ok();
         let Some(number) = number.filter(|number| *number <= 9999) else {
             return Err(Alarm::new(number::BAD_JUMP).because(say::jump_out_of_range(p)));
         };
@@ -53,7 +53,7 @@ impl Jumps {
     }
 }
 
-fn search(program: &Program, from: u32, number: u16, backward: bool) -> Option<u32> {
+fn search(program: &Program, from: u32, number: u32, backward: bool) -> Option<u32> {
     let found = |block: &u32| program.sequence(*block) == Some(number);
     let count = program.block_count();
     if backward {

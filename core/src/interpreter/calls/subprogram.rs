@@ -114,7 +114,7 @@ fn find_block(context: &Context<'_>, program: ProgramId, n: i64) -> Result<u32, 
     }
     let block = u16::try_from(n).ok().and_then(|n| {
         let text = context.programs.get(program)?;
-        text.find_sequence_block(n, 0..text.block_count())
+        text.find_sequence_block(n.into(), 0..text.block_count())
     });
     block.ok_or_else(|| Alarm::new(number::TARGET_MISSING).because(say::return_target_missing(n)))
 }

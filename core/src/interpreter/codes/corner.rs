@@ -21,6 +21,7 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::Modal;
 use crate::interpreter::codes::positioning::{feed, line};
+use crate::interpreter::codes::scale;
 use crate::interpreter::context::Context;
 use crate::interpreter::context::exact::along;
 use crate::interpreter::context::exact::{Exact, mm};
@@ -130,6 +131,7 @@ fn next_end(
     let Some(next) = context.next else {
         return Err(fault(say::corner_without_next_block()));
     };
+    let next = scale::applied(next, state.scale, context.model.record());
     let motion = next.motion.unwrap_or(state.modal.motion);
     let thread = matches!(motion, 32 | 34);
     let axes = next

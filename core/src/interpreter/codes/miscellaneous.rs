@@ -9,7 +9,7 @@ use crate::interpreter::codes::tool::ToolWord;
 use crate::interpreter::context::Context;
 use crate::interpreter::context::exact::PER_MM;
 use crate::interpreter::context::words::Words;
-use crate::model::{MCode, MFunction, hx31, ncb08};
+use crate::model::{MCode, MFunction, Record, hx31, ncb08};
 
 /// What an M code is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +92,7 @@ pub(crate) fn interface(
     match does {
         MCode::InputWait => input_wait(words).map(Some),
         // D: milliseconds, 0 for as long as nothing else is said.
-        MCode::OutputOn => switched(1 << output(words)?, 0, words.d.unwrap_or(0)),
+        MCode::OutputOn => switched(1 << output(words)?, 0, milliseconds(words)),
         MCode::OutputOff => switched(0, 1 << output(words)?, 0),
         MCode::RelayOn => switched(1 << relay(words)?, 0, 0),
         MCode::RelayOff => switched(0, 1 << relay(words)?, 0),
@@ -108,6 +108,23 @@ pub(crate) fn interface(
         _ if on.is_empty() && off.is_empty() => Ok(None),
         _ => switched(bits(on), bits(off), 0),
     }
+}
+
+/// Whether K names a relay or an offset: it says nothing about a motion then.
+pub(crate) fn takes_k(words: &Words, record: &Record) -> bool {
+    let function = words.m.and_then(|code| record.m_function(code));
+    function.is_some_and(|it| {
+        matches!(
+            it.does,
+            MCode::RelayOn | MCode::RelayOff | MCode::OffsetNumber
+        )
+    })
+}
+
+/// D of M10.
+fn milliseconds(words: &Words) -> u32 {
+    let ms = words.d_exact.map_or(0, whole);
+    u32::try_from(ms).unwrap_or(0)
 }
 
 /// P: outputs 0 to 15.

@@ -9,6 +9,8 @@ pub(super) mod miscellaneous;
 pub(super) mod nose_radius;
 pub(super) mod positioning;
 pub(super) mod reference;
+pub(super) mod scale;
 pub(super) mod spindle_speed;
+pub(super) mod start_return;
 pub(super) mod tool;
 pub(super) mod zero_offset;

@@ -11,7 +11,8 @@
 //! nothing is read until the return is finished.
 //!
 //! On the NC-B08 R is the reference point of its parameters P108 and P109, G27 goes
-//! there without I, and an axis without a reference is not sought.
+//! there without I, and an axis without a reference is not sought. G74 of the Huaxing
+//! lathes goes straight to machine zero, in the axes named or in both.
 
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
@@ -35,6 +36,13 @@ fn reference_point(model: &ControlModel, axis: Axis) -> i64 {
         Axis::Z => ncb08::REFERENCE_Z,
     };
     i64::from(model.parameter(number)) * (PER_MM / 1000)
+}
+
+impl Return {
+    /// Whether it leads to machine zero, which is sought where it is not known.
+    const fn seeks(self) -> bool {
+        matches!(self, Self::MachineZero | Self::Named)
+    }
 }
 
 /// A return under way.
@@ -62,25 +70,29 @@ impl Reference {
             let rule = say::return_with_axis_words();
             return Err(Alarm::new(number::TOO_MANY_WORDS).because(rule));
         }
-        if !direct && !axes.any() {
+        if !matches!(way, Return::Direct | Return::Named) && !axes.any() {
             return Ok(None);
         }
-        let takes = |target| direct || target != Target::None;
+        let named = way == Return::Named;
+        let all = direct || (named && !axes.any());
+        let takes = |target| all || target != Target::None;
         let moved = PerAxis::new(takes(axes.x), takes(axes.z));
         let referenced = context.referenced;
         let sought = PerAxis::new(moved.x && !referenced.x, moved.z && !referenced.z);
         for (axis, name) in [(Axis::X, "X"), (Axis::Z, "Z")] {
-            let cannot_seek =
-                way != Return::MachineZero || !context.parameters.has_zero_switch(axis);
+            let cannot_seek = !way.seeks() || !context.parameters.has_zero_switch(axis);
             if *sought.get(axis) && cannot_seek {
                 let number = match way {
-                    Return::MachineZero => number::ZERO_UNDEFINED,
+                    Return::MachineZero | Return::Named => number::ZERO_UNDEFINED,
                     Return::Parameters | Return::Direct => number::ZERO_RETURN,
                 };
                 return Err(Alarm::new(number).because(say::zero_undefined_of_axis(name)));
             }
         }
-        let through = positioning::within_stroke(axes.target(state.position), context.x_factor)?;
+        let through = match named {
+            true => state.position,
+            false => positioning::within_stroke(axes.target(state.position), context.x_factor)?,
+        };
         let intermediate = state.machine(through);
         let mut reference = intermediate;
         let before = (state.zero, state.offset);
@@ -93,14 +105,14 @@ impl Reference {
             }
             if !*sought.get(axis) {
                 let at = match way {
-                    Return::MachineZero => 0,
+                    Return::MachineZero | Return::Named => 0,
                     Return::Parameters | Return::Direct => reference_point(context.model, axis),
                 };
                 reference.set(axis, at);
             }
             state.offset.set(axis, 0);
             *state.untravelled.get_mut(axis) = false;
-            if way == Return::MachineZero && context.parameters.reference_sets_coordinates() {
+            if way.seeks() && context.parameters.reference_sets_coordinates() {
                 // In 0.001 mm, or 0.0001 inch (004.0 SCW).
                 let increment = if context.parameters.inch_machine() {
                     PER_MM * 254 / 100_000
@@ -110,6 +122,7 @@ impl Reference {
                 let coordinate = i64::from(context.parameters.value(number)) * increment;
                 let factor = if axis == Axis::X { context.x_factor } else { 1 };
                 state.zero.set(axis, -coordinate * factor);
+                state.zero_offset.set(axis, 0);
             }
         }
         if state.offset == Exact::default() {
@@ -122,7 +135,7 @@ impl Reference {
         let frame = changes.then(|| Action::Frame {
             frame: state.frame(),
             program_zero: None,
-            relative: way == Return::MachineZero
+            relative: way.seeks()
                 && context.parameters.reference_sets_coordinates()
                 && context.parameters.g50_sets_relative(),
         });
@@ -132,7 +145,7 @@ impl Reference {
             axes: moved,
             seeks,
             frame,
-            step: u8::from(direct),
+            step: u8::from(direct || named),
         }))
     }
 

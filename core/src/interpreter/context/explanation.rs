@@ -70,6 +70,9 @@ pub(crate) enum Note {
         starts: u32,
         a: i64,
         bottom: i64,
+        /// Its G code; 0 stands for G33.
+        #[serde(default)]
+        code: u8,
     },
     /// A pass of G76; depths are radii.
     ThreadPass {
@@ -123,6 +126,42 @@ pub(crate) enum Note {
         /// Peck depth, signed.
         feed: i64,
         bottom: i64,
+        /// G83 of the Huaxing lathes.
+        #[serde(default)]
+        deep_hole: bool,
+    },
+    /// A box of G81 (levels in X) or G82 (levels in Z) of the Huaxing lathes.
+    Stepped {
+        axis: Axis,
+        pass: i64,
+        passes: i64,
+        /// Level of the start.
+        a: i64,
+        /// From there: of this box with its sign, and of the last one.
+        depth: i64,
+        whole: i64,
+        step: i64,
+        finish: i64,
+    },
+    /// G33 or G34 of the Huaxing lathes.
+    SinglePass {
+        code: u8,
+        a: Exact,
+        begin: Exact,
+        end: Exact,
+    },
+    /// A pass of G86 or G87; depths are differences of diameters.
+    CountedThread {
+        code: u8,
+        pass: i64,
+        passes: i64,
+        /// Counted from 0.
+        start: u32,
+        starts: u32,
+        /// X of the start.
+        crest: i64,
+        depth: i64,
+        whole: i64,
     },
 }
 
@@ -172,15 +211,20 @@ impl Note {
                 starts,
                 a,
                 bottom,
+                code,
             } => Some(Explanation {
-                code: 33,
+                code: if code == 0 { 33 } else { code },
                 pass: start.into(),
                 passes: Some(starts.into()),
                 level: None,
                 depth: mm(bottom - a).abs(),
                 remaining: 0.0,
                 formula: with_start_angle(say::explain_tap(mm(a), mm(bottom)), start, starts),
-                words: "Z(W), F(I), L",
+                words: match code {
+                    84 => "Z, K",
+                    85 => "Z, I",
+                    _ => "Z(W), F(I), L",
+                },
             }),
             Self::ThreadPass {
                 number,
@@ -306,6 +350,7 @@ impl Note {
                 pecks,
                 feed,
                 bottom,
+                deep_hole,
             } => {
                 let reached = if peck >= pecks {
                     bottom
@@ -314,6 +359,7 @@ impl Note {
                 };
                 Some(Explanation {
                     code: match axis {
+                        _ if deep_hole => 83,
                         Axis::Z => 74,
                         Axis::X => 75,
                     },
@@ -331,9 +377,113 @@ impl Note {
                         columns,
                         mm(step),
                     ),
-                    words: "P(Δi), Q(Δk), R(e), 056, R(Δd)",
+                    words: match deep_hole {
+                        true => "Z, I, K",
+                        false => "P(Δi), Q(Δk), R(e), 056, R(Δd)",
+                    },
                 })
             }
+            Self::Stepped { .. } => self.stepped(),
+            Self::SinglePass { .. } | Self::CountedThread { .. } => self.thread_of_words(),
+        }
+    }
+
+    /// A box of G81 or G82.
+    fn stepped(self) -> Option<Explanation> {
+        let Self::Stepped {
+            axis,
+            pass,
+            passes,
+            a,
+            depth,
+            whole,
+            step,
+            finish,
+        } = self
+        else {
+            return None;
+        };
+        let (level, left, at) = (a + depth, whole - depth.abs(), name(axis));
+        let formula = match depth.abs() {
+            full if full == whole => format!("{at}{pass} = {:.3}", mm(level)),
+            rough if rough == whole - finish => format!(
+                "{at}{pass} = {:.3} {:+.3} = {:.3}",
+                mm(a + whole * depth.signum()),
+                mm(-finish * depth.signum()),
+                mm(level)
+            ),
+            _ => format!(
+                "{at}{pass} = {:.3} {:+.3}·{pass} = {:.3}",
+                mm(a),
+                mm(step * depth.signum()),
+                mm(level)
+            ),
+        };
+        Some(Explanation {
+            code: match axis {
+                Axis::X => 81,
+                Axis::Z => 82,
+            },
+            pass: pass.unsigned_abs(),
+            passes: Some(passes.unsigned_abs()),
+            level: Some(mm(level)),
+            depth: depth_on(axis, depth).abs(),
+            remaining: depth_on(axis, left).abs(),
+            formula: plain(formula),
+            words: "X, Z, R, I, K",
+        })
+    }
+
+    /// A thread of the Huaxing lathes.
+    fn thread_of_words(self) -> Option<Explanation> {
+        match self {
+            Self::SinglePass {
+                code,
+                a,
+                begin,
+                end,
+            } => Some(Explanation {
+                code,
+                pass: 1,
+                passes: Some(1),
+                level: Some(mm(end.x)),
+                depth: depth_on(Axis::X, begin.x - a.x).abs(),
+                remaining: 0.0,
+                formula: plain(format!(
+                    "X_B = {:.3} {:+.3} = {:.3}",
+                    mm(a.x),
+                    mm(begin.x - a.x),
+                    mm(begin.x)
+                )),
+                words: "D, X, Z, K, I",
+            }),
+            Self::CountedThread {
+                code,
+                pass,
+                passes,
+                start,
+                starts,
+                crest,
+                depth,
+                whole,
+            } => {
+                let formula = plain(format!(
+                    "d{pass} = {:.3}·√({pass}/{passes}) = {:.3}",
+                    mm(whole),
+                    mm(depth)
+                ));
+                Some(Explanation {
+                    code,
+                    pass: pass.unsigned_abs(),
+                    passes: Some(passes.unsigned_abs()),
+                    level: Some(mm(crest)),
+                    depth: depth_on(Axis::X, depth),
+                    remaining: depth_on(Axis::X, whole - depth),
+                    formula: with_start_angle(formula, start + 1, starts),
+                    words: "R, L, N, K, I, J",
+                })
+            }
+            _ => None,
         }
     }
 }

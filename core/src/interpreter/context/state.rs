@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::command::Frame;
+use crate::command::{Frame, ZeroOffset};
 use crate::compensation::Nose;
 use crate::interpreter::Modal;
 use crate::interpreter::context::cycle_words::CycleWords;
@@ -43,6 +43,21 @@ pub(crate) struct State {
     /// How far G55 to G57 have moved the zero; a part of `zero`.
     #[serde(default)]
     pub(crate) zero_offset: Exact,
+    /// The factor of G31, in millionths.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) scale: Option<i64>,
+    /// Where the run began, for a model that returns there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) begun: Option<Begun>,
+}
+
+/// Where the tool stood at cycle start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Begun {
+    /// In machine coordinates.
+    pub(crate) machine: Exact,
+    /// In work coordinates; G92 names them anew.
+    pub(crate) work: Exact,
 }
 
 impl State {
@@ -63,6 +78,8 @@ impl State {
             spindle_limit: None,
             incremental: false,
             zero_offset: Exact::default(),
+            scale: None,
+            begun: None,
         }
     }
 
@@ -70,6 +87,7 @@ impl State {
         Frame {
             zero: self.zero.point(),
             offset: self.offset.point(),
+            zero_offset: ZeroOffset::from_point(self.zero_offset.point()),
         }
     }
 

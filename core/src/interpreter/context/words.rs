@@ -20,6 +20,23 @@ pub(crate) enum OneShot {
     Coordinates,
     /// G54 to G57 of the Huaxing lathes.
     ZeroOffset(ZeroOffset),
+    /// G31, and G30, which ends it.
+    Scale {
+        /// Whether values are scaled from here on.
+        on: bool,
+    },
+    /// G75 and G76 of the Huaxing lathes.
+    StartReturn(StartReturn),
+    /// G33 and G34 of the Huaxing lathes.
+    ThreadPass(LeadUnit),
+    /// G86 and G87.
+    CountedThread(LeadUnit),
+    /// G84 and G85.
+    RigidTap(LeadUnit),
+    /// G81 (levels in X) and G82 (levels in Z) of the Huaxing lathes.
+    Stepped(Axis),
+    /// G83 of the Huaxing lathes.
+    DeepHole,
     /// G20 of the Huaxing lathes.
     BlockCall,
     /// G22.
@@ -87,6 +104,24 @@ pub(crate) enum ZeroOffset {
     Here,
 }
 
+/// How the lead of a thread is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LeadUnit {
+    /// mm a revolution.
+    Millimetres,
+    /// Threads an inch.
+    PerInch,
+}
+
+/// By which coordinates the tool goes back to where the run began.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StartReturn {
+    /// G75: those of the machine.
+    Machine,
+    /// G76: those of the work, as they were then or G92 has named them.
+    Work,
+}
+
 /// Which way back to the reference point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Return {
@@ -96,6 +131,8 @@ pub(crate) enum Return {
     Parameters,
     /// Straight there.
     Direct,
+    /// Straight to machine zero, in the axes named or in both (G74 of the Huaxing lathes).
+    Named,
 }
 
 /// A block's words. Lengths are millionths of a millimetre, `x` and `u` as
@@ -131,9 +168,12 @@ pub(crate) struct Words {
     pub(crate) q: Option<i64>,
     pub(crate) l: Option<i64>,
     pub(crate) h: Option<u8>,
-    pub(crate) d: Option<u32>,
+    /// L, P and D as they are written, in millionths: a factor, a lead, a length.
+    pub(crate) l_exact: Option<i64>,
+    pub(crate) p_exact: Option<i64>,
+    pub(crate) d_exact: Option<i64>,
     /// N after a code of calls or cycles (Huaxing).
-    pub(crate) n: Option<u16>,
+    pub(crate) n: Option<u32>,
     /// G90 or G91 where they say so.
     pub(crate) incremental: Option<bool>,
     /// G09.
@@ -169,17 +209,23 @@ impl Words {
                     words.t = Some(value.integer());
                     words.t_digits = value.digits();
                 }
-                b'P' => words.p = Some(value.integer()),
+                b'P' => {
+                    words.p = Some(value.integer());
+                    words.p_exact = Some(value.millionths());
+                }
                 b'F' => words.f = Some(value.mm()),
                 b'X' => words.x = Some(value.millionths()),
                 b'U' => words.u = Some(value.millionths()),
                 b'Z' => words.z = Some(value.millionths()),
                 b'W' => words.w = Some(value.millionths()),
                 b'Q' => words.q = Some(value.integer()),
-                b'L' => words.l = Some(value.integer()),
-                b'N' => words.n = u16::try_from(value.integer()).ok(),
+                b'L' => {
+                    words.l = Some(value.integer());
+                    words.l_exact = Some(value.millionths());
+                }
+                b'N' => words.n = u32::try_from(value.integer()).ok(),
                 b'H' => words.h = u8::try_from(value.integer()).ok(),
-                b'D' => words.d = u32::try_from(value.integer()).ok(),
+                b'D' => words.d_exact = Some(value.millionths()),
                 b'R' => {
                     words.r = Some(value.millionths());
                     words.r_has_point = value.has_point();
@@ -226,6 +272,30 @@ impl Words {
                 self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Added));
             }
             GCode::ZeroOffsetHere => self.one_shot = Some(OneShot::ZeroOffset(ZeroOffset::Here)),
+            GCode::ScaleOff => self.one_shot = Some(OneShot::Scale { on: false }),
+            GCode::ScaleOn => self.one_shot = Some(OneShot::Scale { on: true }),
+            GCode::MachineZero => self.one_shot = Some(OneShot::Reference(Return::Named)),
+            GCode::StartByMachine => {
+                self.one_shot = Some(OneShot::StartReturn(StartReturn::Machine));
+            }
+            GCode::StartByWork => self.one_shot = Some(OneShot::StartReturn(StartReturn::Work)),
+            GCode::MetricThreadPass => {
+                self.one_shot = Some(OneShot::ThreadPass(LeadUnit::Millimetres));
+            }
+            GCode::InchThreadPass => self.one_shot = Some(OneShot::ThreadPass(LeadUnit::PerInch)),
+            GCode::SteppedTurning => self.one_shot = Some(OneShot::Stepped(Axis::X)),
+            GCode::SteppedFacing => self.one_shot = Some(OneShot::Stepped(Axis::Z)),
+            GCode::DeepHole => self.one_shot = Some(OneShot::DeepHole),
+            GCode::MetricRigidTapping => {
+                self.one_shot = Some(OneShot::RigidTap(LeadUnit::Millimetres));
+            }
+            GCode::InchRigidTapping => self.one_shot = Some(OneShot::RigidTap(LeadUnit::PerInch)),
+            GCode::MetricThreadCycle => {
+                self.one_shot = Some(OneShot::CountedThread(LeadUnit::Millimetres));
+            }
+            GCode::InchThreadCycle => {
+                self.one_shot = Some(OneShot::CountedThread(LeadUnit::PerInch));
+            }
             GCode::SubprogramCall => self.one_shot = Some(OneShot::BlockCall),
             GCode::SubprogramBegin => self.one_shot = Some(OneShot::SubprogramBegin),
             GCode::SubprogramEnd => self.one_shot = Some(OneShot::SubprogramEnd),

@@ -7,4 +7,5 @@ pub(super) mod finishing;
 pub(super) mod pattern;
 pub(super) mod pecking;
 pub(super) mod roughing;
+pub(super) mod stepped;
 pub(super) mod turning_cycle;

@@ -1,5 +1,5 @@
 //! G74 and G75: pecking along Z or along X, column by column (manual I-3.2.6.5,
-//! I-3.2.6.6).
+//! I-3.2.6.6); G83 of the Huaxing lathes, a single hole.
 //!
 //! ```text
 //!   X ^                     A_1 = A   G74: 1 feed Δk, 2 rapid back e, …, to Z_Bf
@@ -63,6 +63,9 @@ pub(crate) struct Pecking {
     pecked: i64,
     pecks: i64,
     phase: Phase,
+    /// G83 of the Huaxing lathes.
+    #[serde(default)]
+    deep_hole: bool,
 }
 
 /// A G74 (`axis` Z) or G75 (`axis` X) block: with axes, P or Q the cycle,
@@ -86,6 +89,50 @@ pub(crate) fn plan(
     }
     let end = within_stroke(axes.target(state.position), context.x_factor)?;
     Pecking::new(axis, state, context.parameters, words, axes, end).map(Some)
+}
+
+/// G83 of the Huaxing lathes: one hole along Z, I a peck, K back after each but not
+/// beyond the start, and out. The signs of I and K say nothing.
+pub(crate) fn deep_hole(
+    state: &State,
+    context: &Context<'_>,
+    words: &Words,
+    axes: &AxisWords,
+) -> Result<Pecking, Alarm> {
+    let start = state.position;
+    let end = within_stroke(axes.target(start), context.x_factor)?;
+    let deep = end.z - start.z;
+    let peck = words.i.unwrap_or(0).saturating_abs();
+    let broken = if end.x != start.x {
+        Some(say::hole_moves_x())
+    } else if deep == 0 {
+        Some(say::cycle_end_at_start("Z"))
+    } else if peck == 0 {
+        Some(say::cycle_peck_missing("I"))
+    } else {
+        None
+    };
+    if let Some(rule) = broken {
+        let rule = say::dialect_decided(say::cycle_in_code(83, rule));
+        return Err(Alarm::new(number::CYCLE_DATA).because(rule));
+    }
+    Ok(Pecking {
+        axis: Axis::Z,
+        shift: Shift::of(state),
+        start,
+        end,
+        feed: feed(&state.modal)?,
+        peck: peck * deep.signum(),
+        retract: words.k.unwrap_or(0).saturating_abs() * deep.signum(),
+        step: 0,
+        relief: 0,
+        column: 1,
+        columns: 1,
+        pecked: 0,
+        pecks: whole(deep, peck),
+        phase: Phase::Feed,
+        deep_hole: true,
+    })
 }
 
 impl Pecking {
@@ -146,6 +193,7 @@ impl Pecking {
             pecked: 0,
             pecks: whole(deep, peck),
             phase: Phase::Feed,
+            deep_hole: false,
         })
     }
 
@@ -164,6 +212,14 @@ impl Pecking {
             return self.end.get(self.axis);
         }
         self.start.get(self.axis) + self.peck * peck
+    }
+
+    /// Where the tool goes after a peck.
+    fn back_from(&self, peck: i64) -> i64 {
+        let back = self.peck_end(peck) - self.retract;
+        let top = self.start.get(self.axis);
+        let beyond = (top - back).signum() == self.peck.signum();
+        if self.deep_hole && beyond { top } else { back }
     }
 
     fn point(&self, deep: i64, across: i64) -> Point {
@@ -192,6 +248,7 @@ impl Pecking {
             pecks: self.pecks,
             feed: self.peck,
             bottom: self.end.get(self.axis),
+            deep_hole: self.deep_hole,
         };
         let rapid = |deep, across| Move::rapid(self.point(deep, across), note);
         let (made, phase) = match self.phase {
@@ -204,7 +261,7 @@ impl Pecking {
                 };
                 (Move::line(to, self.feed, note), phase)
             }
-            Phase::Back => (rapid(self.peck_end(pecked) - self.retract, at), Phase::Feed),
+            Phase::Back => (rapid(self.back_from(pecked), at), Phase::Feed),
             Phase::Relief => (rapid(self.end.get(self.axis), aside), Phase::Out),
             Phase::Out => {
                 let phase = if self.column >= self.columns {

@@ -104,7 +104,7 @@ impl Known<'_> {
             4004 => modal.nose_compensation.into(),
             4109 => modal.feed,
             4113 => modal.m.unwrap_or(0).into(),
-            4114 => self.source.sequence.unwrap_or(0).into(),
+            4114 => self.source.sequence.map_or(0, u32::from).into(),
             4115 => match self.source.program {
                 ProgramId::Stored(number) => number.into(),
                 _ => {

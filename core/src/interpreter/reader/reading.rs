@@ -3,7 +3,7 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::command::{Action, Command, ProgramId, Source};
+use crate::command::{Action, BlockNumber, Command, ProgramId, Source};
 use crate::interpreter::Modal;
 use crate::interpreter::block;
 use crate::interpreter::calls::subprogram;
@@ -147,7 +147,8 @@ impl Interpreter {
             Ok(block) => block,
             Err(error) => {
                 source.line = program.block_line(place.block);
-                source.sequence = program.sequence(place.block).or(source.sequence);
+                let number = program.sequence(place.block).map(BlockNumber::from);
+                source.sequence = number.or(source.sequence);
                 if !(skipping && program.has_skip_mark(place.block)) {
                     return Err(Alarm::from(error).at(source));
                 }
@@ -156,7 +157,7 @@ impl Interpreter {
             }
         };
         source.line = block.line;
-        source.sequence = block.n.or(source.sequence);
+        source.sequence = block.n.map(BlockNumber::from).or(source.sequence);
         let skipped = skipping && block.skip;
         if skipped || block.is_name() {
             self.note(source);
@@ -169,7 +170,11 @@ impl Interpreter {
             }
             return self.operate(block, source, place, host);
         }
-        let plain = match mdi.is_some() || syntax.inch || run.levels.has_modal_call() {
+        let plain = match mdi.is_some()
+            || syntax.inch
+            || self.state.scale.is_some()
+            || run.levels.has_modal_call()
+        {
             true => None,
             false => PlainMove::of(block, self.state.modal.motion, self.record()),
         };

@@ -138,7 +138,7 @@ fn alarms_name_the_sequence_number() {
     bench.open("N10 G00 X10;\n\nN30 G01 Z1;");
     let (_, alarm) = bench.rest();
     let source = alarm.unwrap().source.unwrap();
-    assert_eq!((source.line, source.sequence), (3, Some(30)));
+    assert_eq!((source.line, source.sequence), (3, Some(30.into())));
 }
 
 #[test]
@@ -162,6 +162,6 @@ fn an_alarm_of_the_syntax_names_the_number_of_its_block() {
     let source = alarm.and_then(|alarm| alarm.source);
     assert_eq!(
         source.map(|source| (source.line, source.sequence)),
-        Some((2, Some(20)))
+        Some((2, Some(20.into())))
     );
 }

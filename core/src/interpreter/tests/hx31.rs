@@ -243,12 +243,23 @@ fn dwells_relays_and_tools() {
     }
 }
 
+/// Blocks are numbered up to 99999, in front of a block and after a code.
 #[test]
-fn codes_that_are_not_carried_out_say_so() {
-    for code in [30, 31, 33, 34, 74, 75, 76, 81, 82, 83, 84, 85, 86, 87] {
-        assert_eq!(bench().fault(&format!("G{code} X1\n")), (10, 1), "G{code}");
-    }
-    for foreign in ["G28", "G50", "G70", "G94", "M98"] {
+fn block_numbers_have_five_digits() {
+    let text = "N10010 G26 N70000.99999.2\nN10020 G27 N99998\nN70000 G91 G00 X1\n\
+                N99999 Z1\nN99998 M02\n";
+    assert_eq!(lines(text), [3, 4, 3, 4]);
+    assert_eq!(bench().fault("G27 N65546\nN10 M02\n"), (78, 1));
+    assert_eq!(bench().fault("N100000 G00 X1\nM02\n"), (43, 1));
+    assert_eq!(
+        Bench::at(100.0, 50.0).fault("N10000 G00 X1;\nM30;\n"),
+        (43, 1)
+    );
+}
+
+#[test]
+fn codes_of_other_controls_are_not_there() {
+    for foreign in ["G28", "G32", "G50", "G70", "G94", "M98"] {
         assert!(
             matches!(bench().fault(&format!("{foreign}\n")).0, 10 | 19),
             "{foreign}"

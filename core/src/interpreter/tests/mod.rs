@@ -8,6 +8,7 @@ mod cycles;
 mod dialect;
 mod explanations;
 mod hx31;
+mod hx31_cycles;
 mod macro_b;
 mod macros;
 mod motion;

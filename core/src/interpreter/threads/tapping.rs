@@ -1,4 +1,4 @@
-//! G33: tapping in Z (manual I-3.2.4.3).
+//! G33: tapping in Z (manual I-3.2.4.3); G84 and G85 of the Huaxing lathes.
 //!
 //! ```text
 //!   X ^   bottom <======1====== A      1 feed in with the spindle, M05, stop
@@ -12,10 +12,12 @@ use serde::{Deserialize, Serialize};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning::within_stroke;
+use crate::interpreter::context::Context;
 use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::moves::{Move, Shift};
 use crate::interpreter::context::state::State;
-use crate::interpreter::context::words::{AxisWords, Words};
+use crate::interpreter::context::words::{AxisWords, LeadUnit, Words};
+use crate::interpreter::threads::lead_word;
 use crate::interpreter::threads::thread;
 use crate::units::Point;
 
@@ -28,6 +30,14 @@ pub(crate) struct Tapping {
     lead: f64,
     start: u32,
     starts: u32,
+    /// Its G code.
+    #[serde(default = "tapping_code")]
+    code: u8,
+}
+
+/// G33, the one code for taps of the GSK980TD.
+const fn tapping_code() -> u8 {
+    33
 }
 
 /// A G33 block. The tool ends where it began.
@@ -52,9 +62,47 @@ pub(crate) fn plan(
         lead,
         start: 0,
         starts,
+        code: tapping_code(),
     };
     state.arrive(axes, state.position);
     Ok(Some(tapping))
+}
+
+/// A G84 or G85 block of the Huaxing lathes: the same with its lead in its own words.
+pub(crate) fn rigid(
+    state: &mut State,
+    context: &Context<'_>,
+    words: &Words,
+    axes: &AxisWords,
+    unit: LeadUnit,
+) -> Result<Tapping, Alarm> {
+    let code = match unit {
+        LeadUnit::Millimetres => 84,
+        LeadUnit::PerInch => 85,
+    };
+    let from = state.position;
+    let to = within_stroke(axes.target(from), context.x_factor)?;
+    let broken = if to.x != from.x {
+        Some(say::hole_moves_x())
+    } else if to.z == from.z {
+        Some(say::cycle_end_at_start("Z"))
+    } else {
+        None
+    };
+    if let Some(rule) = broken {
+        let rule = say::dialect_decided(say::cycle_in_code(code, rule));
+        return Err(Alarm::new(number::CYCLE_DATA).because(rule));
+    }
+    let tapping = Tapping {
+        bottom: Shift::of(state).machine(to),
+        way: (from.z, to.z),
+        lead: lead_word::tap_lead(words, unit, code)?,
+        start: 0,
+        starts: 1,
+        code,
+    };
+    state.arrive(axes, from);
+    Ok(tapping)
 }
 
 impl Tapping {
@@ -75,6 +123,7 @@ impl Tapping {
             starts: self.starts,
             a: self.way.0,
             bottom: self.way.1,
+            code: self.code,
         };
         let action = self.tap();
         self.start += 1;

@@ -22,12 +22,12 @@ use crate::interpreter::context::words::{AxisWords, OneShot, Words};
 use crate::units::{Axis, Point};
 
 /// Leads of threads, mm a revolution.
-const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
+pub(super) const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 /// Threads an inch, in millionths.
-const PER_INCH: core::ops::RangeInclusive<i64> = 60_000..=25_400 * PER_MM;
+pub(super) const PER_INCH: core::ops::RangeInclusive<i64> = 60_000..=25_400 * PER_MM;
 /// Change of the lead a revolution, in millionths of a millimetre.
 const CHANGES: core::ops::RangeInclusive<i64> = 1_000..=500 * PER_MM;
-const MM_PER_INCH: f64 = 25.4;
+pub(super) const MM_PER_INCH: f64 = 25.4;
 
 /// Whether F and I of a block are a thread lead.
 pub(crate) fn takes_lead(words: &Words, motion: u8) -> bool {
@@ -133,7 +133,7 @@ impl Cut {
         )
     }
 
-    fn action(&self, shift: Shift, to: Exact, lead: f64, start: ThreadStart) -> Action {
+    pub(super) fn action(&self, shift: Shift, to: Exact, lead: f64, start: ThreadStart) -> Action {
         Action::Thread {
             to: shift.machine(to),
             long: self.long,

@@ -7,7 +7,7 @@ use crate::memory::Parameters;
 
 #[derive(Debug, PartialEq)]
 struct Meaning {
-    n: Option<u16>,
+    n: Option<u32>,
     o: Option<u16>,
     skip: bool,
     words: Vec<(u8, Number)>,

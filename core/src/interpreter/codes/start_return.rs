@@ -1,0 +1,54 @@
+//! G75 and G76 of the Huaxing lathes: back to where the run began.
+//!
+//! ```text
+//!   cycle start      the tool stands at A: machine (a, b), work (x, z)
+//!   G92 X100 Z50     the work coordinates of the start are (100, 50) from here on
+//!   G75              rapid to machine (a, b), whatever the coordinates are now
+//!   G76              rapid to work (100, 50) in the coordinates in force
+//! ```
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::Action;
+use crate::interpreter::codes::positioning::{self, within_stroke};
+use crate::interpreter::context::Context;
+use crate::interpreter::context::state::State;
+use crate::interpreter::context::words::{AxisWords, StartReturn};
+
+/// The rapid back.
+///
+/// # Errors
+/// 012 with axis words, 090 without a start or, for G75, without a reference point.
+pub(crate) fn plan(
+    state: &mut State,
+    context: &Context<'_>,
+    axes: &AxisWords,
+    by: StartReturn,
+) -> Result<Action, Alarm> {
+    let code = match by {
+        StartReturn::Machine => 75,
+        StartReturn::Work => 76,
+    };
+    if axes.any() {
+        let rule = say::dialect_decided(say::start_return_with_axis_words(code));
+        return Err(Alarm::new(number::TOO_MANY_WORDS).because(rule));
+    }
+    let Some(begun) = state.begun else {
+        let rule = say::start_return_without_start(code);
+        return Err(Alarm::new(number::ZERO_RETURN).because(rule));
+    };
+    let referenced = context.referenced.x && context.referenced.z;
+    if by == StartReturn::Machine && !referenced {
+        let rule = say::dialect_decided(say::start_return_without_reference());
+        return Err(Alarm::new(number::ZERO_RETURN).because(rule));
+    }
+    let to = match by {
+        StartReturn::Machine => begun.machine - state.zero - state.offset,
+        StartReturn::Work => begun.work,
+    };
+    let to = within_stroke(to, context.x_factor)?;
+    state.position = to;
+    state.return_here();
+    Ok(positioning::rapid(state, to))
+}
