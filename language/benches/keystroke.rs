@@ -83,10 +83,10 @@ fn keystroke(criterion: &mut Criterion) {
     });
     let structure = Structure::read(&text);
     group.bench_function("symbols", |bench| {
-        bench.iter(|| black_box(symbols(&text, &structure)))
+        bench.iter(|| black_box(symbols(&text, &structure)));
     });
     group.bench_function("folds", |bench| {
-        bench.iter(|| black_box(folds(&text, &structure)))
+        bench.iter(|| black_box(folds(&text, &structure)));
     });
     group.finish();
 }
