@@ -325,14 +325,8 @@ const fn stays(code: GCode) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::READER;
     use gsk_core::model::ModelId;
-    use gsk_messages::Language;
-
-    const READER: Reader = Reader {
-        model: ModelId::Gsk980td,
-        macro_b: false,
-        language: Language::En,
-    };
 
     fn labels(text: &str, line: u32, byte: u32, reader: Reader) -> Vec<String> {
         let text = Text::new(text);

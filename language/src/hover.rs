@@ -274,13 +274,8 @@ fn listing<'a>(lines: impl Iterator<Item = &'a str>) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::READER;
     use gsk_core::model::ModelId;
-
-    const READER: Reader = Reader {
-        model: ModelId::Gsk980td,
-        macro_b: false,
-        language: Language::En,
-    };
 
     fn said(text: &str, line: u32, byte: u32, reader: Reader) -> Option<String> {
         let text = Text::new(text);

@@ -60,3 +60,11 @@ pub struct Reader {
     /// The language of texts.
     pub language: Language,
 }
+
+/// The reader of most tests.
+#[cfg(test)]
+const READER: Reader = Reader {
+    model: ModelId::Gsk980td,
+    macro_b: false,
+    language: Language::En,
+};

@@ -42,13 +42,7 @@ pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
         Some(folder) => Some(DataDir::open(folder)?),
         None => None,
     };
-    let restored = data.as_ref().map(|data| retained::load(data, &mut setup));
-    for complaint in restored.iter().flat_map(|restored| &restored.complaints) {
-        complain!("gsk980td: {complaint}");
-    }
-    if let Some(restored) = &restored {
-        restored.place(&mut setup);
-    }
+    let restored = retained::bring_back(data.as_ref(), &mut setup);
     loading::apply(&mut setup, &args.setup)?;
     if let Some(program) = &args.program {
         loading::open(&mut setup, core::slice::from_ref(program))?.print(None);

@@ -86,6 +86,17 @@ impl Restored {
     }
 }
 
+/// Puts the memory of a data directory, if there is one, into the setup of a command; what
+/// is wrong with it is said on standard error.
+pub fn bring_back(data: Option<&DataDir>, setup: &mut Setup) -> Option<Restored> {
+    let restored = load(data?, setup);
+    for complaint in &restored.complaints {
+        complain!("gsk980td: {complaint}");
+    }
+    restored.place(setup);
+    Some(restored)
+}
+
 /// Puts the memory of a data directory into a setup.
 pub fn load(data: &DataDir, setup: &mut Setup) -> Restored {
     let mut complaints = Vec::new();

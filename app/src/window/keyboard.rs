@@ -90,11 +90,13 @@ fn panel_key(key: PcKey, modifiers: Modifiers) -> Option<Key> {
         }
     }
     combined.push_str(name);
-    // Shift makes no difference for letters and signs: `x` and `X` are one key.
+    // Shift makes no difference for letters and signs: `x` and `X` are one key. Feed hold
+    // and emergency stop stop whatever else is held.
     let only_shift = modifiers.shift && !modifiers.ctrl && !modifiers.alt;
+    let stops = matches!(key, PcKey::F10 | PcKey::F12);
     Key::of_pc(&combined).or_else(|| {
         let character = name.chars().count() == 1;
-        if only_shift && character {
+        if stops || (only_shift && character) {
             Key::of_pc(name)
         } else {
             None
@@ -204,6 +206,36 @@ mod tests {
             action(&event(PcKey::X, plain, false, false)),
             Some(PcAction::Release(Holder::Keyboard(PcKey::X)))
         );
+    }
+
+    #[test]
+    fn stops_stop_with_every_modifier() {
+        for modifiers in [Modifiers::SHIFT, Modifiers::CTRL, Modifiers::ALT] {
+            for (pc, panel) in [
+                (PcKey::F12, Key::EmergencyStop),
+                (PcKey::F10, Key::FeedHold),
+            ] {
+                let done = action(&event(pc, modifiers, true, false));
+                assert!(
+                    matches!(done, Some(PcAction::Press(_, key)) if key == panel),
+                    "{modifiers:?} {pc:?}: {done:?}"
+                );
+            }
+        }
+    }
+
+    /// A key that stops opens no view and no layout.
+    #[test]
+    fn views_and_layouts_leave_the_stops_alone() {
+        use crate::window::layout::LAYOUTS;
+        use crate::window::view::VIEWS;
+        let keys = (VIEWS.iter().map(|row| row.key)).chain(LAYOUTS.iter().map(|row| row.key));
+        for key in keys {
+            assert!(
+                !matches!(key, PcKey::F10 | PcKey::F12 | PcKey::Escape),
+                "{key:?}"
+            );
+        }
     }
 
     #[test]

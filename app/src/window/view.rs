@@ -99,7 +99,7 @@ pub static VIEWS: [ViewRow; 7] = [
     ViewRow {
         view: View::Lesson,
         name: say::window_view_lesson,
-        key: Key::F12,
+        key: Key::Home,
         size: [420.0, 520.0],
         least: [220.0, 260.0],
     },

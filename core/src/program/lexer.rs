@@ -159,6 +159,11 @@ impl<'a> Lexer<'a> {
     }
 }
 
+/// A byte of a block, or a count in it, as words keep it; the greatest one for all beyond.
+pub(super) fn narrow(at: usize) -> u16 {
+    u16::try_from(at).unwrap_or(u16::MAX)
+}
+
 /// Passes blanks and comments.
 pub(super) fn skip_blanks(lexer: &mut Lexer<'_>) -> Result<(), BlockError> {
     lexer

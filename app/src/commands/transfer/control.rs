@@ -37,13 +37,7 @@ pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
         Some(folder) => Some(Arc::new(DataDir::open(folder)?)),
         None => None,
     };
-    let restored = data.as_ref().map(|data| retained::load(data, &mut setup));
-    for complaint in restored.iter().flat_map(|restored| &restored.complaints) {
-        complain!("gsk980td: {complaint}");
-    }
-    if let Some(restored) = &restored {
-        restored.place(&mut setup);
-    }
+    let restored = retained::bring_back(data.as_deref(), &mut setup);
     loading::apply(&mut setup, &args.setup)?;
     let out = args.out.as_deref().map(|file| load(file, &mut setup));
     let mut out = out.transpose()?;

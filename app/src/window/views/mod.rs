@@ -382,12 +382,12 @@ fn for_panel(event: &Event, view: View, typing: bool) -> bool {
     !own_keys && !typing && !modifiers.shift && (function || combined)
 }
 
-/// Whether a key is the panel's wherever it is typed: feed hold, emergency stop, and
-/// every release.
+/// Whether a key is the panel's wherever it is typed and whatever else is held: feed hold,
+/// emergency stop, and every release.
 pub fn stops(event: &Event) -> bool {
     match event {
         Event::Key { pressed: false, .. } => true,
-        Event::Key { key, modifiers, .. } => matches!(key, Key::F10 | Key::F12) && !modifiers.any(),
+        Event::Key { key, .. } => matches!(key, Key::F10 | Key::F12),
         _ => false,
     }
 }
@@ -430,6 +430,7 @@ mod tests {
             for typing in [false, true] {
                 for key in [Key::F10, Key::F12] {
                     assert!(for_panel(&press(key, plain), view, typing));
+                    assert!(for_panel(&press(key, Modifiers::SHIFT), view, typing));
                 }
                 assert!(!for_panel(&press(Key::X, plain), view, typing));
             }

@@ -1,0 +1,289 @@
+//! The number of a word, as it is written.
+
+use gsk_messages::say;
+
+use super::lexer::{FOREIGN, Lexer, skip_blanks};
+use super::number::{Number, Variable, is_length};
+use super::syntax::{BlockError, Syntax};
+use crate::alarm::number;
+
+/// Addresses whose numbers may have a decimal point.
+const fn takes_point(address: u8) -> bool {
+    is_length(address) || address == b'F'
+}
+
+/// The number after an address letter that stands at `start`.
+pub(super) fn read_number(
+    lexer: &mut Lexer<'_>,
+    address: u8,
+    start: usize,
+    (g65, point_by_code): (bool, bool),
+    syntax: Syntax,
+) -> Result<Number, BlockError> {
+    let name = char::from(address);
+    let (mut negative, mut signed) = (false, false);
+    if !matches!(lexer.rest(), [b'0'..=b'9', ..]) {
+        skip_blanks(lexer)?;
+        let (first, len) = lexer.peek();
+        negative = first == b'-';
+        signed = negative || first == b'+';
+        if signed {
+            lexer.at += len;
+            skip_blanks(lexer)?;
+        }
+        if lexer.peek().0 == b'#' {
+            return read_variable(lexer, address, negative);
+        }
+    }
+    let digits = match plain_digits(lexer) {
+        Some(digits) => digits,
+        None => any_digits(lexer)?,
+    };
+    let Digits { point, places, .. } = digits;
+    if digits.count == 0 && places == 0 {
+        return Err(no_digits(lexer, name, start, signed || point.is_some()));
+    }
+    if let Some(at) = point
+        && (g65 || !(takes_point(address) || point_by_code))
+    {
+        let rule = say::point_not_allowed(name);
+        return Err(BlockError::at(number::BAD_POINT, at, rule));
+    }
+    if point.is_none() && syntax.point_required && takes_point(address) && !g65 {
+        let detail = say::point_missing(name);
+        return Err(BlockError::at(number::BAD_POINT, start, detail));
+    }
+    let written = usize::from(digits.count) + usize::from(places);
+    if address == b'F'
+        && written > FEED_DIGITS
+        && significant_digits(lexer, digits.at) > FEED_DIGITS
+    {
+        return Err(BlockError::at(
+            number::OUT_OF_RANGE,
+            start,
+            say::feed_digits_too_many(),
+        ));
+    }
+    if point.is_none() {
+        let whole = if negative {
+            -digits.whole
+        } else {
+            digits.whole
+        };
+        return Ok(Number::from_integer(whole, digits.count.min(MAX_DIGITS)));
+    }
+    let size = digits.whole * 1_000_000 + digits.fraction;
+    let number = Number::from_millionths(if negative { -size } else { size });
+    Ok(match is_length(address) && places > syntax.places() {
+        true => number.rounded_to_increment(syntax.increment()),
+        false => number,
+    })
+}
+
+/// The digits of a number as they are written.
+struct Digits {
+    /// Where they begin, and where their point stands.
+    at: usize,
+    point: Option<usize>,
+    /// What stands before the point, and its digits.
+    whole: i64,
+    count: u8,
+    /// What stands after it, in millionths, and its digits.
+    fraction: i64,
+    places: u8,
+}
+
+/// Digits as most are written: ASCII, and not very many. Anything else is left to
+/// [`any_digits`].
+#[inline]
+fn plain_digits(lexer: &mut Lexer<'_>) -> Option<Digits> {
+    /// Digits before the point.
+    const MOST: usize = 12;
+    let at = lexer.at;
+    let (whole, mut rest) = leading(lexer.rest());
+    let count = lexer.rest().len() - rest.len();
+    let (mut point, mut fraction, mut places) = (None, 0, 0);
+    if let [b'.', after @ ..] = rest {
+        point = Some(at + count);
+        (fraction, rest) = leading(after);
+        places = after.len() - rest.len();
+    }
+    let others = matches!(rest, [b'.' | 0x80..=0xFF, ..]);
+    if count > MOST || others {
+        return None;
+    }
+    let fraction = fraction * LAST_PLACE.get(places)?;
+    lexer.at = lexer.end() - rest.len();
+    Some(Digits {
+        at,
+        point,
+        whole,
+        count: count as u8,
+        fraction,
+        places: places as u8,
+    })
+}
+
+/// The value of the ASCII digits in front, whatever it is of very many, and what follows.
+#[inline]
+fn leading(mut bytes: &[u8]) -> (i64, &[u8]) {
+    let mut value = 0_i64;
+    while let [byte, rest @ ..] = bytes {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
+        bytes = rest;
+    }
+    (value, bytes)
+}
+
+/// Digits however they are written.
+#[cold]
+fn any_digits(lexer: &mut Lexer<'_>) -> Result<Digits, BlockError> {
+    let at = lexer.at;
+    let mut count = 0_u8;
+    let mut whole = 0_i64;
+    while let Some(digit) = lexer.digit() {
+        count = count.saturating_add(1);
+        if whole < HUGE {
+            whole = whole * 10 + i64::from(digit);
+        }
+    }
+    let mut digits = Digits {
+        at,
+        point: None,
+        whole: whole.min(HUGE),
+        count,
+        fraction: 0,
+        places: 0,
+    };
+    let (mark, len) = lexer.peek();
+    if mark != b'.' {
+        return Ok(digits);
+    }
+    digits.point = Some(lexer.at);
+    lexer.at += len;
+    while let Some(digit) = lexer.digit() {
+        if digits.places < PLACES {
+            digits.fraction = digits.fraction * 10 + i64::from(digit);
+        }
+        digits.places = digits.places.saturating_add(1);
+    }
+    digits.fraction *= LAST_PLACE[usize::from(digits.places.min(PLACES))];
+    if lexer.peek().0 == b'.' {
+        let rule = say::point_twice();
+        return Err(BlockError::at(number::BAD_POINT, lexer.at, rule));
+    }
+    Ok(digits)
+}
+
+/// Numbers this large are out of every range; reading stops to grow there.
+pub(super) const HUGE: i64 = 1_000_000_000_000;
+
+/// Decimal places of a millionth; what is written after them is dropped.
+const PLACES: u8 = 6;
+
+/// What one in the last of so many places is worth, in millionths.
+pub(super) const LAST_PLACE: [i64; PLACES as usize + 1] =
+    [1_000_000, 100_000, 10_000, 1000, 100, 10, 1];
+
+/// So many digits the number of a feed may have, but for zeros that say nothing.
+const FEED_DIGITS: usize = 7;
+
+/// Digits of the number that was read last, from here on, without the zeros in front and
+/// those at the end of a fraction.
+fn significant_digits(lexer: &Lexer<'_>, at: usize) -> usize {
+    let mut lexer = lexer.moved_to(at);
+    let mut significant = 0_usize;
+    while let Some(digit) = lexer.digit() {
+        significant += usize::from(significant > 0 || digit != 0);
+    }
+    let (mark, len) = lexer.peek();
+    if mark != b'.' {
+        return significant;
+    }
+    lexer.at += len;
+    let mut zeros = 0;
+    while let Some(digit) = lexer.digit() {
+        if digit == 0 {
+            zeros += usize::from(significant > 0);
+        } else {
+            significant += zeros + 1;
+            zeros = 0;
+        }
+    }
+    significant
+}
+
+/// Leading zeros beyond these are not kept.
+const MAX_DIGITS: u8 = 20;
+
+#[cold]
+fn no_digits(lexer: &Lexer<'_>, name: char, start: usize, marks: bool) -> BlockError {
+    if marks {
+        return BlockError::at(number::BAD_VALUE, start, say::number_without_digits(name));
+    }
+    match lexer.peek().0 {
+        FOREIGN
+        | b'!'..=b'$'
+        | b'&'..=b'\''
+        | b')'
+        | b','
+        | b'/'
+        | b':'
+        | b'<'..=b'@'
+        | b'['..=b'`'
+        | b'{'.. => BlockError::at(
+            number::BAD_CHARACTER,
+            lexer.at,
+            say::number_foreign_character(name),
+        ),
+        _ => BlockError::at(number::NO_VALUE, start, say::number_missing(name)),
+    }
+}
+
+/// `#i` after an address; the lexer stands on `#`.
+#[cold]
+fn read_variable(lexer: &mut Lexer<'_>, address: u8, negative: bool) -> Result<Number, BlockError> {
+    let at = lexer.at;
+    let name = char::from(address);
+    if matches!(address, b'N' | b'O' | b'J' | b'L') {
+        return Err(BlockError::at(
+            number::BAD_VALUE,
+            at,
+            say::variable_not_allowed(name),
+        ));
+    }
+    lexer.at += lexer.peek().1;
+    let mut digits = 0;
+    let mut number = 0_u16;
+    while let (byte @ b'0'..=b'9', len) = lexer.peek() {
+        lexer.at += len;
+        digits += 1;
+        if digits > 4 {
+            return Err(BlockError::at(
+                number::BAD_VARIABLE,
+                at,
+                say::variable_number_too_long(),
+            ));
+        }
+        number = number * 10 + u16::from(byte - b'0');
+    }
+    if digits == 0 {
+        return Err(BlockError::at(
+            number::BAD_VALUE,
+            at,
+            say::variable_number_missing(),
+        ));
+    }
+    if lexer.peek().0 == b'.' {
+        return Err(BlockError::at(
+            number::BAD_POINT,
+            lexer.at,
+            say::variable_number_with_point(),
+        ));
+    }
+    Ok(Number::from_variable(Variable { number, negative }))
+}
