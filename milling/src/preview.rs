@@ -13,7 +13,7 @@ pub use gsk_core::preview::Progress;
 use crate::block::{self, Flow};
 use crate::cutter::Cutter;
 use crate::memory::{MillMemory, WordError, parameter, position};
-use crate::modal::{LengthOffset, Modal, Motion};
+use crate::modal::{Modal, Motion};
 use crate::moves::{Arc, Move, MoveKind};
 use crate::space::{Axis, Flat, Length, Position};
 use crate::state::State;
@@ -401,8 +401,6 @@ impl<'a> Run<'a> {
     fn reset(&mut self) {
         self.state.modal.hole = None;
         self.state.modal.cutter = Side::On;
-        self.state.modal.length = LengthOffset::Off;
-        self.state.length = Length::ZERO;
         self.state.transform = Transform::default();
         self.state.polar = None;
     }

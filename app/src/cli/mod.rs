@@ -115,7 +115,7 @@ pub struct WindowArgs {
     pub macro_b: Option<bool>,
     /// The control model; each has a memory of its own in the data folder, which keeps the choice
     /// [default: as it was, gsk980td at first]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT")]

@@ -15,7 +15,7 @@ use gsk_runner::moves;
 use gsk_runner::report::annotations::{annotations, github, sarif};
 use gsk_runner::report::{self, PartReport, Report};
 
-use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
+use super::{ALARM, COLLISION, CommandError, FINE, USAGE, mill, output};
 use crate::apart::{Read, keep_apart, results};
 use crate::cli::{CheckArgs, Format, Language};
 use crate::files::folders;
@@ -24,6 +24,9 @@ use crate::loading;
 
 /// Checks programs.
 pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
+    if args.setup.model().is_mill() {
+        return mill::check(args);
+    }
     let (files, mut wrong) = folders::programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
         return Err(CommandError::OneProgram);
@@ -63,13 +66,18 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
         let aside = output::is_standard(Some(path));
         return print(&[Ok(report)], args.format(), aside, args.look.lang);
     }
-    let mut results = all(&setup, &files, args);
+    let mut results = all(&files, &|file, alone| {
+        check_file(&setup, file, args, alone, &mut |_| {})
+    });
     results.extend(wrong.into_iter().map(|error| Err(error.into())));
     print(&results, args.format(), false, args.look.lang)
 }
 
+/// Looks a file through; whether it is the only one.
+pub(super) type Look<'a> = dyn Fn(&Path, bool) -> Result<Report, CommandError> + Sync + 'a;
+
 /// Checks files on all cores; the results keep the order of the files.
-fn all(setup: &Setup, files: &[PathBuf], args: &CheckArgs) -> Vec<Result<Report, CommandError>> {
+pub(super) fn all(files: &[PathBuf], look: &Look<'_>) -> Vec<Result<Report, CommandError>> {
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<Report, CommandError>>>> =
         files.iter().map(|_| Mutex::new(None)).collect();
@@ -81,7 +89,7 @@ fn all(setup: &Setup, files: &[PathBuf], args: &CheckArgs) -> Vec<Result<Report,
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(file) = files.get(index) else { break };
-                    let result = check_file(setup, file, args, alone, &mut |_| {});
+                    let result = look(file, alone);
                     if let Ok(mut place) = results[index].lock() {
                         *place = Some(result);
                     }
@@ -134,7 +142,7 @@ fn check_file(
 }
 
 /// `aside`: on standard error, as the moves are on standard output.
-fn print(
+pub(super) fn print(
     results: &[Result<Report, CommandError>],
     format: Format,
     aside: bool,

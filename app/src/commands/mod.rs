@@ -9,6 +9,7 @@ mod lesson;
 mod link;
 mod lsp;
 mod manual;
+mod mill;
 mod operate;
 mod plot;
 mod project;

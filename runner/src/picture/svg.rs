@@ -21,7 +21,7 @@ pub fn render(drawing: &Drawing, language: Language) -> String {
     for (made, points) in drawing.pieces().strokes() {
         let points = points.map(|point| layout.place(point));
         clipped(points, layout.frame, |part| {
-            polyline(&mut out, Pen::of(made), part)
+            polyline(&mut out, Pen::of(made), part);
         });
     }
     for mark in drawing
