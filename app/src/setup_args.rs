@@ -47,12 +47,12 @@ pub struct SetupArgs {
     /// A parameter that only this model has, for instance 17=6000 (may be repeated)
     #[arg(long = "model-param", value_name = "N=V", allow_hyphen_values = true, value_parser = model_parameter)]
     pub model_parameters: Vec<(u16, i32)>,
-    /// Options of the mill.
-    #[command(flatten)]
-    pub mill: MillArgs,
     /// Take parameters, offsets and programs from this data directory, and write them back
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// Options of the mill.
+    #[command(flatten)]
+    pub mill: MillArgs,
 }
 
 impl SetupArgs {

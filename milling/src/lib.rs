@@ -12,6 +12,7 @@
 mod arc;
 mod block;
 mod codes;
+pub mod commissioning;
 mod cutter;
 mod cycles;
 mod memory;

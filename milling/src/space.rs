@@ -30,6 +30,11 @@ impl Length {
         Self(libm::round(mm * PER_MM) as i64)
     }
 
+    /// In nanometres.
+    pub const fn nm(self) -> i64 {
+        self.0
+    }
+
     /// In mm.
     pub const fn mm(self) -> f64 {
         self.0 as f64 / PER_MM

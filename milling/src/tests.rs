@@ -417,7 +417,7 @@ fn inches_are_exact() {
     let (preview, _) = run(&text);
     assert_eq!(preview.work.mm()[0], 2.54);
     let (_, moves) = run("G20 G01 X1 F10\nM30\n");
-    assert!((moves[0].duration_s - 6.0).abs() < 1e-9);
+    assert!((moves[0].duration_s - 6.1).abs() < 1e-9);
 }
 
 #[test]

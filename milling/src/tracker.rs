@@ -44,8 +44,8 @@ pub(crate) struct Tracker<'a> {
     pub(crate) moves: u64,
     pub(crate) lengths: Lengths,
     pub(crate) bounds: Option<Bounds>,
-    /// A cut has not come to a stand yet.
-    running: bool,
+    /// The last cut: whether the slides stand at its end depends on what follows.
+    running: Option<Move>,
     on_move: &'a mut OnMove<'a>,
 }
 
@@ -63,7 +63,7 @@ impl<'a> Tracker<'a> {
             moves: 0,
             lengths: Lengths::default(),
             bounds: None,
-            running: false,
+            running: None,
             on_move,
         }
     }
@@ -110,10 +110,6 @@ impl<'a> Tracker<'a> {
                     None => 0.0,
                 };
                 made.duration_s = length / self.rates.cutting(feed);
-                if step.exact {
-                    made.duration_s += self.rates.settling();
-                }
-                self.running = !step.exact;
                 self.cutting_s += made.duration_s;
                 *match step.kind {
                     MoveKind::Clockwise => &mut self.lengths.clockwise,
@@ -129,15 +125,27 @@ impl<'a> Tracker<'a> {
         if step.kind != MoveKind::Dwell {
             Bounds::reach(&mut self.bounds, &made);
         }
-        (self.on_move)(&made);
+        if matches!(step.kind, MoveKind::Rapid | MoveKind::Dwell) {
+            (self.on_move)(&made);
+        } else {
+            if let Some(before) = self.running.replace(made) {
+                (self.on_move)(&before);
+            }
+            if step.exact {
+                self.stand();
+            }
+        }
         Ok(())
     }
 
     /// Waits until the slides stand.
     pub(crate) fn stand(&mut self) {
-        if core::mem::take(&mut self.running) {
-            self.now += self.rates.settling();
-            self.cutting_s += self.rates.settling();
+        if let Some(mut last) = self.running.take() {
+            let settling = self.rates.settling();
+            last.duration_s += settling;
+            self.now += settling;
+            self.cutting_s += settling;
+            (self.on_move)(&last);
         }
     }
 

@@ -8,6 +8,7 @@ mod lesson;
 mod link;
 mod looks;
 mod lsp;
+mod mill;
 mod packages;
 mod picture;
 mod project;
@@ -32,6 +33,7 @@ pub use link::{
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use lsp::LspArgs;
+pub use mill::{GearArgs, MillCommand, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use project::{
@@ -188,6 +190,9 @@ pub enum Command {
     /// meaning. docs/project.md describes the folder.
     #[command(subcommand)]
     Project(ProjectCommand),
+    /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors
+    #[command(subcommand)]
+    Mill(MillCommand),
     /// Find, try, watch or play a pulse board
     #[command(subcommand)]
     Link(LinkCommand),
