@@ -111,7 +111,9 @@ impl Known<'_> {
             4009 => modal.hole.map_or(80, Hole::code).into(),
             4010 => (98 + u8::from(modal.to_r)).into(),
             4011 => (50 + u8::from(transform.scaling.is_some())).into(),
-            4014 => f64::from(54 + modal.zero.0.min(WorkZero::FIRST_ADDITIONAL - 1)),
+            4014 if modal.zero.0 < WorkZero::FIRST_ADDITIONAL => (54 + modal.zero.0).into(),
+            // G54.1.
+            4014 => 54.0,
             4015 => {
                 if modal.exact_stop {
                     61.0

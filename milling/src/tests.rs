@@ -459,6 +459,8 @@ fn returns_and_further_points() {
             [0., 10., 4.],
         ],
     );
+    let (_, moves) = run("G90 G00 X5\nG0 G91 G28 Z0 X0\nM30\n");
+    near(&ends(&moves), &[[5., 0., 100.], [0., 0., 0.]]);
     assert_eq!(alarm("G27 X5\n"), (90, 1));
     assert_eq!(alarm("G51 P500\nG28 X0\n"), (10, 2));
 }

@@ -204,9 +204,15 @@ impl Words {
     /// What the words of a block must not go together with.
     pub(crate) fn check(&self) -> Result<(), Alarm> {
         let holes = self.hole.is_some_and(|hole| hole.is_some());
-        let motion = self
-            .motion
-            .filter(|_| self.one_shot != Some(OneShot::Machine));
+        // A return is a rapid, and G53 the one or the other.
+        let together = |motion: &Motion| match self.one_shot {
+            Some(OneShot::Machine) => true,
+            Some(OneShot::Reference | OneShot::FurtherReference | OneShot::ReferenceBack) => {
+                *motion == Motion::Rapid
+            }
+            _ => false,
+        };
+        let motion = self.motion.filter(|motion| !together(motion));
         let apart = self.one_shot.is_some() && (motion.is_some() || holes);
         if apart || (holes && self.motion.is_some()) {
             let detail = say::mill_one_shots();

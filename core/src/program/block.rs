@@ -383,8 +383,8 @@ fn check_mill(block: &Block) -> Result<(), BlockError> {
         let (low, high) = match word.address {
             b'D' | b'H' => (0, 400 * ONE),
             b'G' => (0, 999 * ONE),
-            b'L' | b'M' => (0, 9999 * ONE),
-            b'S' | b'T' => (0, 99_999 * ONE),
+            b'L' | b'M' | b'T' => (0, 9999 * ONE),
+            b'S' => (0, 99_999 * ONE),
             b'F' | b'P' => usual_range(word.address),
             _ => (-MILL_LENGTH, MILL_LENGTH),
         };
