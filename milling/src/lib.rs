@@ -11,6 +11,7 @@
 
 mod arc;
 mod block;
+mod bounds;
 mod codes;
 pub mod commissioning;
 mod cutter;
@@ -31,8 +32,9 @@ mod words;
 #[cfg(test)]
 mod tests;
 
+pub use bounds::{Bounds, Lengths};
 pub use memory::{MillMemory, Offset, WordError, parameter};
 pub use modal::{Modal, Spindle};
 pub use moves::{Arc, Move, MoveKind};
-pub use preview::{Bounds, End, Lengths, MillSetup, Preview, Progress, preview_while};
+pub use preview::{End, MillSetup, Preview, Progress, preview_while};
 pub use space::{Axis, Each, Flat, Length, Plane, Position};

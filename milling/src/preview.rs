@@ -11,11 +11,11 @@ use gsk_messages::say;
 pub use gsk_core::preview::Progress;
 
 use crate::block::{self, Flow};
+use crate::bounds::{Bounds, Lengths};
 use crate::cutter::Cutter;
 use crate::memory::{MillMemory, WordError, parameter, position};
 use crate::modal::{Modal, Motion};
-use crate::moves::{Arc, Move, MoveKind};
-use crate::space::{Axis, Flat, Length, Position};
+use crate::space::{Axis, Length, Position};
 use crate::state::State;
 use crate::system::{Common, Known};
 use crate::tracker::{OnMove, Tracker};
@@ -87,58 +87,6 @@ pub enum End {
     Alarm,
     /// Given up.
     Limit,
-}
-
-/// Path lengths, mm; a rapid counts as its chord.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lengths {
-    /// Rapids.
-    pub rapid: f64,
-    /// Straight cuts.
-    pub feed: f64,
-    /// Clockwise cuts.
-    pub clockwise: f64,
-    /// Counter-clockwise cuts.
-    pub counter_clockwise: f64,
-    /// Taps.
-    pub tap: f64,
-}
-
-/// A box around a path, work coordinates, mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
-    /// Least X, Y, Z.
-    pub least: [f64; 3],
-    /// Greatest.
-    pub greatest: [f64; 3],
-}
-
-impl Bounds {
-    /// Widens a box around a move.
-    pub(crate) fn reach(bounds: &mut Option<Self>, made: &Move) {
-        let mut take = |point: [f64; 3]| {
-            let bounds = bounds.get_or_insert(Self {
-                least: point,
-                greatest: point,
-            });
-            for (axis, value) in point.into_iter().enumerate() {
-                bounds.least[axis] = bounds.least[axis].min(value);
-                bounds.greatest[axis] = bounds.greatest[axis].max(value);
-            }
-        };
-        take(made.from.mm());
-        take(made.to.mm());
-        let (Some(Arc { plane, center }), Some(sweep)) = (made.arc, made.sweep()) else {
-            return;
-        };
-        let begin = made.from.flat(plane) - center;
-        for way in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
-            let turn = begin.sweep(Flat::new(way.0, way.1), made.kind == MoveKind::Clockwise);
-            if turn < sweep {
-                take(made.at(turn / sweep));
-            }
-        }
-    }
 }
 
 /// What a program does.
@@ -352,9 +300,10 @@ impl<'a> Run<'a> {
         if tool > 0 && !self.tools.contains(&tool) {
             self.tools.push(tool);
         }
-        if !outcome.moved {
+        let calls = !matches!(outcome.flow, Flow::Next | Flow::Stop | Flow::End);
+        if !outcome.moved && !calls && words.letters.m.is_some() {
             // What it switches waits until the slides stand.
-            self.wait_for_m(&words);
+            self.tracker.stand();
         }
         match outcome.flow {
             Flow::Next if outcome.moved => self.walker.moved(),
@@ -389,12 +338,6 @@ impl<'a> Run<'a> {
             },
         }
         Ok(None)
-    }
-
-    fn wait_for_m(&mut self, words: &Words) {
-        if words.letters.m.is_some() {
-            self.tracker.stand();
-        }
     }
 
     /// M30: what a reset cancels.

@@ -5,9 +5,9 @@ use gsk_core::command::Source;
 use gsk_core::units::Feed;
 use gsk_messages::say;
 
+use crate::bounds::{Bounds, Lengths};
 use crate::memory::{MillMemory, parameter};
 use crate::moves::{Arc, Move, MoveKind};
-use crate::preview::{Bounds, Lengths};
 use crate::space::{Axis, Position};
 use crate::time::Rates;
 

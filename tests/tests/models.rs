@@ -171,7 +171,7 @@ fn the_shop_program_of_the_mill_takes_its_time() {
         ("04", 20.4),
         ("05", 16.5),
     ];
-    let folder = repository().join("tests/cases/models/gsk980mdi/shop-program");
+    let folder = repository().join("tests/cases/models/gsk980mdi/shop-program-of-a-mill");
     let case = Case::read(&folder).expect("case.ron");
     let start = case.setup.setup().expect("set-up");
     let mill = case.setup.mill(&start).expect("set-up").expect("a mill");

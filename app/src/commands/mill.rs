@@ -11,7 +11,7 @@ use gsk_runner::picture::Format;
 use gsk_runner::picture::mill::{MillDrawing, encode};
 use gsk_runner::report::{self, AlarmReport, Report};
 
-use super::check::{all, print};
+use super::results::{all, print};
 use super::run::title;
 use super::{ALARM, CommandError, FINE, output};
 use crate::apart::{Read, keep_apart, results};

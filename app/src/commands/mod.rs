@@ -13,6 +13,7 @@ mod mill;
 mod operate;
 mod plot;
 mod project;
+mod results;
 mod run;
 mod screen;
 mod tables;
