@@ -117,7 +117,7 @@ impl Interpreter {
 
 /// The turn of the control between many silent blocks: no command of a block.
 fn is_a_turn_only(command: &Command) -> bool {
-    command.action == Action::Nothing && !command.block_end
+    matches!(command.action, Action::Nothing) && !command.block_end
 }
 
 /// The host while moves wait for their ends: nothing is finished then.

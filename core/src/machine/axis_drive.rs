@@ -11,7 +11,7 @@ use super::config::AxisConfig;
 use super::io::OverLimit;
 use crate::axis::{motor_reversed, pulse_weight};
 use crate::memory::Parameters;
-use crate::units::{Axis, Pulses, TICK_S};
+use crate::units::{Axis, Pulses, TICK_S, nearest};
 
 /// Part of a motor turn for which the zero signal stands.
 const INDEX_PART: i64 = 50;
@@ -117,7 +117,7 @@ impl AxisDrive {
 
     /// Where the motor stands.
     fn motor(&self) -> i64 {
-        self.commanded - self.behind.round() as i64
+        self.commanded - nearest(self.behind)
     }
 
     /// Follows the command count for a tick. A drive that is not enabled, or has
