@@ -121,6 +121,8 @@ pub fn set_up(context: &egui::Context) {
     install(context);
     surroundings::install(context);
     context.set_theme(egui::Theme::Dark);
+    // The window has a setting for it.
+    context.options_mut(|options| options.zoom_with_keyboard = false);
     context.all_styles_mut(|style| {
         style.visuals.override_text_color = Some(Color32::from_gray(225));
         style.spacing.button_padding = vec2(8.0, 3.0);

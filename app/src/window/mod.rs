@@ -7,6 +7,7 @@ mod badge;
 mod face;
 mod figures;
 mod files;
+mod first_start;
 pub mod fonts;
 mod held;
 mod help;
@@ -28,6 +29,7 @@ mod surroundings;
 mod top_bar;
 pub mod view;
 mod views;
+mod zoom;
 
 use std::path::PathBuf;
 
@@ -42,6 +44,7 @@ use crate::files::lessons::Lessons;
 use crate::kernel::{Command, Console, LessonOrder, Notice, Snapshot};
 use crate::platform;
 use files::Browser;
+use first_start::{FirstStart, Left};
 use gsk_messages::{Language, say};
 use held::{Change, Held};
 use help::Help;
@@ -90,6 +93,7 @@ pub struct Window {
     projects: project::Desk,
     /// Values of a project that the control is to take over.
     chosen: Option<Chosen>,
+    first_start: Option<FirstStart>,
 }
 
 /// The control model, and the one that was asked for.
@@ -127,7 +131,39 @@ impl Window {
             models: Models::default(),
             projects: project::Desk::default(),
             chosen: None,
+            first_start: None,
         }
+    }
+
+    /// Asks the questions of the first start in place of the panel.
+    pub fn ask_first(&mut self) {
+        let (model, machine) = (self.models.shown, self.settings.machine.clone());
+        self.first_start = Some(FirstStart::new(model, machine, self.models.changeable));
+    }
+
+    /// Draws the questions of the first start, and does what they are answered with.
+    /// Whether they are on the screen: never in front of real slides.
+    fn asks_first(&mut self, ui: &mut Ui) -> bool {
+        if self.board().is_some() {
+            return false;
+        }
+        let Some(asked) = &mut self.first_start else {
+            return false;
+        };
+        let left = asked.show(ui, &mut self.settings.language, &self.console);
+        self.pointer = None;
+        let Some(left) = left else { return true };
+        self.first_start = None;
+        self.settings.first_start = false;
+        if let Left::Answered(answers) = left {
+            answers.purpose.open(&mut self.settings.layouts);
+            let same = answers.machine == self.settings.machine;
+            self.settings.machine = answers.machine;
+            if !same || answers.model != self.models.shown {
+                self.models.asked = Some(answers.model);
+            }
+        }
+        true
     }
 
     /// Says which control model this is, and whether another one may be asked for.
@@ -244,6 +280,7 @@ impl Window {
         self.receive();
         self.views.follow(&self.settings.layouts);
         self.take_files(ui);
+        zoom::follow(ui.ctx(), &self.settings);
         let language = self.settings.language;
         badge::show(ui, "panel", self.board(), language);
         let slim = Frame::new()
@@ -269,13 +306,20 @@ impl Window {
         // What the panel leaves free is the colour that a picture is cleared with.
         egui::CentralPanel::default()
             .frame(Frame::NONE)
-            .show(ui, |ui| self.panes(ui));
+            .show(ui, |ui| {
+                if !self.asks_first(ui) {
+                    self.panes(ui);
+                }
+            });
         self.settings.solid = self.views.lathe().is_solid();
         let finished = self.views.lessons().finished();
         if self.settings.lessons != *finished {
             self.settings.lessons.clone_from(finished);
         }
         if let Some(asked) = asked {
+            if asked.shows_something() {
+                self.first_start = None;
+            }
             self.answer(asked, ui);
         }
         if self.key_map {
@@ -445,6 +489,8 @@ impl Window {
                 surroundings::set(ui.ctx(), self.settings.light);
             }
             top_bar::Asked::Model(model) => self.models.asked = Some(model),
+            top_bar::Asked::Zoom(per_cent) => self.settings.zoom = per_cent,
+            top_bar::Asked::FirstStart => self.ask_first(),
             top_bar::Asked::Keys => self.key_map = !self.key_map,
             top_bar::Asked::Help => self.help.ask(None),
             top_bar::Asked::Language => {
@@ -504,11 +550,12 @@ impl Window {
     /// The PC keyboard; while a text is being typed the panel has its stops alone.
     fn keyboard(&mut self, ui: &Ui) {
         let events: Vec<Event> = ui.input(|input| input.events.clone());
-        if ui.ctx().text_edit_focused() {
+        if ui.ctx().text_edit_focused() || self.first_start.is_some() {
             let stops: Vec<Event> = events.into_iter().filter(views::stops).collect();
             self.typed(&stops);
             return;
         }
+        zoom::typed(ui.ctx(), &events, &mut self.settings);
         if let Some(view) = view::toggled(&events) {
             self.settings.layouts.toggle(view);
         }

@@ -14,6 +14,7 @@ use super::layout::{LAYOUTS, Layout};
 use super::project::{COMMANDS, ProjectCommand};
 use super::samples::{SAMPLES, Sample};
 use super::view::{VIEWS, View, key_name};
+use super::zoom;
 use crate::kernel::{Imposed, Snapshot, Times};
 use crate::pace::Speed;
 use crate::platform;
@@ -40,6 +41,8 @@ pub enum Asked {
     Layout(Layout),
     /// Light surroundings, or dark ones again.
     Light,
+    /// Everything so large, per cent; none: as the monitor asks for.
+    Zoom(Option<u16>),
     /// Open a view, or close it.
     View(View),
     /// Open the lessons, or close them.
@@ -54,12 +57,31 @@ pub enum Asked {
     Mend,
     /// Turn another control model on.
     Model(ModelId),
+    /// Ask the questions of the first start again.
+    FirstStart,
     /// Show the key map.
     Keys,
     /// Open the help.
     Help,
     /// The other language.
     Language,
+}
+
+impl Asked {
+    /// Whether something comes onto the screen that the questions of the first start would
+    /// hide.
+    pub const fn shows_something(&self) -> bool {
+        matches!(
+            self,
+            Self::Choose
+                | Self::Open(_)
+                | Self::Sample(_)
+                | Self::Layout(_)
+                | Self::View(_)
+                | Self::Lessons
+                | Self::Model(_)
+        )
+    }
 }
 
 /// The control models to choose from.
@@ -152,6 +174,17 @@ pub fn show(
                 asked = Some(Asked::Light);
                 ui.close();
             }
+            asked = zooms(ui, language, settings.zoom).or(asked.take());
+            ui.separator();
+            let entry = egui::Button::new(say::window_first_start().text(language));
+            let mut entry = ui.add_enabled(models.why_not.is_none(), entry);
+            if let Some(why_not) = &models.why_not {
+                entry = entry.on_disabled_hover_text(why_not.text(language));
+            }
+            if entry.clicked() {
+                asked = Some(Asked::FirstStart);
+                ui.close();
+            }
             if models.offered {
                 ui.separator();
                 asked = models_of(ui, language, models).or(asked.take());
@@ -201,6 +234,28 @@ pub fn show(
                 asked = standing(ui, language, imposed, &is_open).or(asked.take());
             }
         });
+    });
+    asked
+}
+
+/// How large everything is.
+fn zooms(ui: &mut Ui, language: Language, chosen: Option<u16>) -> Option<Asked> {
+    let mut asked = None;
+    ui.menu_button(say::window_zoom().text(language), |ui| {
+        let choices = core::iter::once(None).chain(zoom::CHOICES.map(Some));
+        for per_cent in choices {
+            let name = match per_cent {
+                Some(per_cent) => format!("{per_cent} %"),
+                None => say::window_zoom_monitor().text(language),
+            };
+            if ui
+                .add(egui::Button::selectable(chosen == per_cent, name))
+                .clicked()
+            {
+                asked = Some(Asked::Zoom(per_cent));
+                ui.close();
+            }
+        }
     });
     asked
 }
