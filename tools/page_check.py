@@ -208,7 +208,7 @@ async def use(browser, base, check, expected_lcd, golden):
         raise SystemExit(f"{name}: the session hashes to\n{hashes}\ninstead of\n{golden}")
     print(f"{name}: {hashes.split('ticks: ')[1].rstrip(' }')} ticks hash as on this system")
 
-    page = f"{base}/page/index.html?lang=en"
+    page = f"{base}/page/index.html?lang=en&first-start=off"
     await browser.go(page)
     await browser.until("power-on", lambda text: "现在位置" in text)
     await browser.press(SAMPLES)

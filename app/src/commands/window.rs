@@ -254,3 +254,86 @@ fn without_display(program: Option<&Path>) -> Message {
         None => say::window_no_display("FILE"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::test_folder;
+
+    fn turned_on(folder: &Path, settings: Option<&Settings>, fresh: bool) -> Start {
+        let opener = Opener {
+            args: WindowArgs::default(),
+            path: folder.to_owned(),
+        };
+        let data = DataDir::open(folder).expect("a data directory");
+        let model = ModelId::Gsk980td;
+        let start = opener.turn_on(data, model, settings, fresh);
+        start.map_err(|error| error.message()).expect("turns on")
+    }
+
+    #[test]
+    fn a_fresh_data_directory_asks_once() {
+        let folder = test_folder("first-start");
+        let start = turned_on(&folder, None, true);
+        assert!(start.settings.first_start && start.stored.is_none());
+        // Closed without an answer, it asks again.
+        start.data.store("window", &start.settings).expect("store");
+        drop(start);
+        let start = turned_on(&folder, None, false);
+        assert!(start.settings.first_start);
+        let answered = Settings {
+            first_start: false,
+            ..start.settings.clone()
+        };
+        start.data.store("window", &answered).expect("store");
+        drop(start);
+        let start = turned_on(&folder, None, false);
+        assert_eq!(start.stored.as_ref(), Some(&answered));
+        assert!(!start.settings.first_start);
+        drop(start);
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn a_start_that_says_what_it_is_for_is_not_held_up() {
+        let plain = WindowArgs::default();
+        assert!(asks_first(&plain, true) && !asks_first(&plain, false));
+        let program = WindowArgs {
+            program: Some(PathBuf::from("shaft.CNC")),
+            ..WindowArgs::default()
+        };
+        assert!(!asks_first(&program, true));
+        for wanted in [false, true] {
+            let said = WindowArgs {
+                first_start: Some(wanted),
+                ..WindowArgs::default()
+            };
+            assert_eq!(asks_first(&said, !wanted), wanted);
+        }
+    }
+
+    #[test]
+    fn the_lathe_that_was_chosen_is_turned_on_and_one_that_is_gone_is_named() {
+        let folder = test_folder("chosen-lathe");
+        let machines = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/machines");
+        let chosen = |name: &str| Settings {
+            machine: Some(machines.join(name)),
+            ..Settings::default()
+        };
+        let start = turned_on(&folder, Some(&chosen("small-flat-bed.ron")), false);
+        let lathe = |start: &Start| start.kernel.emulator().simulation.lathe.config().clone();
+        let read = loading::machine(&machines.join("small-flat-bed.ron")).expect("a machine");
+        assert_eq!(lathe(&start), read);
+        drop(start);
+        let start = turned_on(&folder, Some(&chosen("no-such-lathe.ron")), false);
+        assert_eq!(lathe(&start), Setup::delivered().lathe);
+        let said = start.restored.complaints.iter();
+        let said: Vec<String> = said.map(|it| it.text(Language::En)).collect();
+        assert!(
+            said.iter().any(|it| it.contains("no-such-lathe.ron")),
+            "{said:?}"
+        );
+        drop(start);
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+}

@@ -15,6 +15,7 @@ mod key_map;
 mod keyboard;
 pub mod layout;
 mod lcd;
+mod long_press;
 mod message;
 mod opener;
 mod panel_view;
@@ -26,6 +27,7 @@ pub mod refusal;
 mod samples;
 mod settings;
 mod surroundings;
+mod tips;
 mod top_bar;
 pub mod view;
 mod views;
@@ -41,15 +43,16 @@ use gsk_link::LinkState;
 use gsk_panel::keys::Key;
 
 use crate::files::lessons::Lessons;
-use crate::kernel::{Command, Console, LessonOrder, Notice, Snapshot};
+use crate::kernel::{Command, Console, KeysReversed, LessonOrder, Notice, Snapshot};
 use crate::platform;
 use files::Browser;
 use first_start::{FirstStart, Left};
-use gsk_messages::{Language, say};
+use gsk_messages::say;
 use held::{Change, Held};
 use help::Help;
 use keyboard::PcAction;
 use layout::Pane;
+use long_press::LongPress;
 use message::Message;
 use opener::Opener;
 use pointing::Pointing;
@@ -94,6 +97,11 @@ pub struct Window {
     /// Values of a project that the control is to take over.
     chosen: Option<Chosen>,
     first_start: Option<FirstStart>,
+    long_press: LongPress,
+    /// Which way the axis keys move, for their tips.
+    reversed: KeysReversed,
+    /// The kernel hands out the LCD in the other language, too.
+    translates: bool,
 }
 
 /// The control model, and the one that was asked for.
@@ -132,6 +140,9 @@ impl Window {
             projects: project::Desk::default(),
             chosen: None,
             first_start: None,
+            long_press: LongPress::default(),
+            reversed: KeysReversed::default(),
+            translates: false,
         }
     }
 
@@ -271,6 +282,7 @@ impl Window {
     /// Lets everything go: the window is hidden or has lost the focus.
     pub fn let_go(&mut self) {
         self.pointing.forget();
+        self.long_press.forget();
         let changes = self.held.release_all();
         self.send(&changes);
     }
@@ -494,10 +506,7 @@ impl Window {
             top_bar::Asked::Keys => self.key_map = !self.key_map,
             top_bar::Asked::Help => self.help.ask(None),
             top_bar::Asked::Language => {
-                self.settings.language = match self.settings.language {
-                    Language::Zh => Language::En,
-                    Language::En => Language::Zh,
-                };
+                self.settings.language = self.settings.language.other();
             }
         }
     }
