@@ -243,6 +243,7 @@ impl Part {
         let arrow = matches!(key, Key::Up | Key::Down | Key::Left | Key::Right);
         let height = match (key.row().role, lines.len()) {
             _ if arrow => 32.0,
+            _ if self.colour == Colour::Direction && key != Key::Rapid => 21.0,
             (Role::Character(..), 1) => 32.0,
             (Role::Character(..), _) => 24.0,
             _ => LINE_HEIGHT,

@@ -11,7 +11,7 @@ use web_time::{Duration, Instant};
 
 use super::figures::Figures;
 use super::layout::floating;
-use super::{Chosen, Settings, TITLE, Window, fonts, surroundings};
+use super::{Chosen, Settings, TITLE, Window, fonts, surroundings, zoom};
 use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::files::lessons;
@@ -88,7 +88,6 @@ struct App {
     /// What is not written yet, and since when.
     changed: Option<(Settings, Instant)>,
     sized: bool,
-    zoomed: bool,
     title: String,
     figures: Option<Figures>,
     another: Option<Another>,
@@ -163,7 +162,6 @@ impl App {
             saved: stored,
             changed: None,
             sized: false,
-            zoomed: false,
             title: TITLE.to_owned(),
             figures: figures.map(Figures::new),
             another,
@@ -264,17 +262,9 @@ impl App {
             self.window.remember_place(context);
             return;
         }
-        let Some(monitor) = context.input(|input| input.viewport().monitor_size) else {
+        let Some(monitor) = zoom::follow(context, self.window.settings()) else {
             return;
         };
-        if !context.input(|input| input.viewport().native_pixels_per_point.is_some()) {
-            return;
-        }
-        // The zoom that the monitor asks for is in force from the next picture on.
-        if !core::mem::replace(&mut self.zoomed, true) {
-            context.request_repaint();
-            return;
-        }
         self.sized = true;
         let last = self.window.settings().layouts.window;
         let (corner, size) = floating::main_window(last, monitor, MOST);

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use egui::{Align, Button, Color32, Context, Key, Layout as Flow, RichText, ScrollArea, Ui, vec2};
 use gsk_core::model::ModelId;
 
+use super::Window;
 use super::files::{self, Wanted};
 use super::layout::{Layout, Layouts};
 use super::view::View;
@@ -303,4 +304,37 @@ fn option(ui: &mut Ui, chosen: bool, name: &str, width: f32) -> egui::Response {
             .min_size(vec2(width, ANSWER))
             .frame_when_inactive(true),
     )
+}
+
+impl Window {
+    /// Asks the questions of the first start in place of the panel.
+    pub fn ask_first(&mut self) {
+        let (model, machine) = (self.models.shown, self.settings.machine.clone());
+        self.first_start = Some(FirstStart::new(model, machine, self.models.changeable));
+    }
+
+    /// Draws the questions of the first start, and does what they are answered with.
+    /// Whether they are on the screen: never in front of real slides.
+    pub(super) fn asks_first(&mut self, ui: &mut Ui) -> bool {
+        if self.board().is_some() {
+            return false;
+        }
+        let Some(asked) = &mut self.first_start else {
+            return false;
+        };
+        let left = asked.show(ui, &mut self.settings.language, &self.console);
+        self.pointer = None;
+        let Some(left) = left else { return true };
+        self.first_start = None;
+        self.settings.first_start = false;
+        if let Left::Answered(answers) = left {
+            answers.purpose.open(&mut self.settings.layouts);
+            let same = answers.machine == self.settings.machine;
+            self.settings.machine = answers.machine;
+            if !same || answers.model != self.models.shown {
+                self.models.asked = Some(answers.model);
+            }
+        }
+        true
+    }
 }

@@ -46,7 +46,7 @@ use crate::files::lessons::Lessons;
 use crate::kernel::{Command, Console, KeysReversed, LessonOrder, Notice, Snapshot};
 use crate::platform;
 use files::Browser;
-use first_start::{FirstStart, Left};
+use first_start::FirstStart;
 use gsk_messages::say;
 use held::{Change, Held};
 use help::Help;
@@ -144,37 +144,6 @@ impl Window {
             reversed: KeysReversed::default(),
             translates: false,
         }
-    }
-
-    /// Asks the questions of the first start in place of the panel.
-    pub fn ask_first(&mut self) {
-        let (model, machine) = (self.models.shown, self.settings.machine.clone());
-        self.first_start = Some(FirstStart::new(model, machine, self.models.changeable));
-    }
-
-    /// Draws the questions of the first start, and does what they are answered with.
-    /// Whether they are on the screen: never in front of real slides.
-    fn asks_first(&mut self, ui: &mut Ui) -> bool {
-        if self.board().is_some() {
-            return false;
-        }
-        let Some(asked) = &mut self.first_start else {
-            return false;
-        };
-        let left = asked.show(ui, &mut self.settings.language, &self.console);
-        self.pointer = None;
-        let Some(left) = left else { return true };
-        self.first_start = None;
-        self.settings.first_start = false;
-        if let Left::Answered(answers) = left {
-            answers.purpose.open(&mut self.settings.layouts);
-            let same = answers.machine == self.settings.machine;
-            self.settings.machine = answers.machine;
-            if !same || answers.model != self.models.shown {
-                self.models.asked = Some(answers.model);
-            }
-        }
-        true
     }
 
     /// Says which control model this is, and whether another one may be asked for.

@@ -60,9 +60,12 @@ fn row_of(screen: &Screen, row: usize) -> String {
 }
 
 /// What is said of a cell of the LCD: the row in the other language, and what stands there.
-/// Nothing where both are the same figures.
+/// Nothing where no text is.
 pub fn lcd(picture: &Snapshot, row: usize, column: usize, language: Language) -> Vec<String> {
     let mut lines = Vec::new();
+    if row_of(&picture.screen, row).is_empty() {
+        return lines;
+    }
     if let Some(translated) = &picture.translated {
         let [shown, other] = [&picture.screen, &**translated].map(|it| row_of(it, row));
         if shown != other && !other.is_empty() {

@@ -1,6 +1,6 @@
 //! How large everything is: as the monitor asks for, or as somebody has chosen.
 
-use egui::{Context, Event, Key, Vec2};
+use egui::{Context, Event, Id, Key, Vec2};
 
 use super::Settings;
 
@@ -17,24 +17,49 @@ pub fn by_monitor(pixels: Vec2, native: f32) -> u16 {
     (halves * 50.0) as u16
 }
 
-/// Draws everything as large as it is to be from the next picture on.
-pub fn follow(context: &Context, settings: &Settings) {
-    let per_cent = settings.zoom.unwrap_or_else(|| asked_for(context));
-    let wanted = f32::from(per_cent) / 100.0;
-    if (context.zoom_factor() - wanted).abs() > 0.001 {
-        context.set_zoom_factor(wanted);
+/// The monitor that the window opened on.
+#[derive(Clone, Copy, Debug)]
+struct Monitor {
+    pixels: Vec2,
+    /// Pixels a point, as the system wants them.
+    native: f32,
+}
+
+impl Monitor {
+    /// As soon as it is known.
+    fn of(context: &Context) -> Option<Self> {
+        let id = Id::unique("monitor");
+        let known = context.data(|data| data.get_temp(id));
+        // Once there is a zoom, its size in points lags behind.
+        if known.is_some() || (context.zoom_factor() - 1.0).abs() > 0.001 {
+            return known;
+        }
+        let per_point = context.pixels_per_point();
+        let found = context.input(|input| {
+            let viewport = input.viewport();
+            Some(Self {
+                pixels: viewport.monitor_size? * per_point,
+                native: viewport.native_pixels_per_point?,
+            })
+        });
+        if let Some(found) = found {
+            context.data_mut(|data| data.insert_temp(id, found));
+        }
+        found
     }
 }
 
-/// What this monitor asks for; 100 as long as it is not known.
-fn asked_for(context: &Context) -> u16 {
-    let per_point = context.pixels_per_point();
-    context.input(|input| {
-        let viewport = input.viewport();
-        let pixels = viewport.monitor_size.map(|size| size * per_point);
-        let native = viewport.native_pixels_per_point.unwrap_or(1.0);
-        pixels.map_or(100, |pixels| by_monitor(pixels, native))
-    })
+/// Draws everything as large as it is to be from the next picture on. The monitor in points
+/// of that size, once they are in force.
+pub fn follow(context: &Context, settings: &Settings) -> Option<Vec2> {
+    let monitor = Monitor::of(context);
+    let asked = monitor.map_or(100, |it| by_monitor(it.pixels, it.native));
+    let wanted = f32::from(settings.zoom.unwrap_or(asked)) / 100.0;
+    if (context.zoom_factor() - wanted).abs() > 0.001 {
+        context.set_zoom_factor(wanted);
+        return None;
+    }
+    Some(monitor?.pixels / context.pixels_per_point())
 }
 
 /// The next choice above or below, when Ctrl and plus or minus are pressed; Ctrl+0 leaves it

@@ -27,16 +27,16 @@ pub(super) const APART: [Area; 6] = [
         rect: Rect::new(686.0, 2.0, 588.0, 76.0),
     },
     Area {
-        rect: Rect::new(686.0, 70.0, 588.0, 492.0),
+        rect: Rect::new(686.0, 72.0, 588.0, 488.0),
     },
     Area {
-        rect: Rect::new(6.0, 554.0, 608.0, 200.0),
+        rect: Rect::new(6.0, 555.0, 608.0, 198.0),
     },
     Area {
-        rect: Rect::new(606.0, 554.0, 362.0, 200.0),
+        rect: Rect::new(606.0, 555.0, 362.0, 198.0),
     },
     Area {
-        rect: Rect::new(962.0, 554.0, 312.0, 200.0),
+        rect: Rect::new(962.0, 555.0, 312.0, 198.0),
     },
 ];
 
