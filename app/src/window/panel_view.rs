@@ -9,7 +9,7 @@ use gsk_panel::keys::{Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
 
 use super::placing::{self, View};
-use super::{Command, Message, Window, tips};
+use super::{Command, Message, Window, reader, tips};
 use gsk_messages::{Language, say};
 
 /// The ring around a key that is kept for the next one.
@@ -102,6 +102,7 @@ impl Window {
                     say::window_lcd().text(self.settings.language),
                 )
             });
+            reader::rows(ui, &lcd, place, &picture.screen);
             let tip = self
                 .cell(self.pointer)
                 .map(|(row, column)| tips::lcd(picture, row, column, self.settings.language));
@@ -158,6 +159,9 @@ impl Window {
                     current_text_value: kept.then(|| say::window_key_is_kept().text(language)),
                     ..WidgetInfo::labeled(Role::Button, true, name)
                 });
+                if kept {
+                    reader::state(ui, &response, &say::window_key_is_kept().text(language));
+                }
                 let by_screen_reader =
                     response.clicked() && response.interact_pointer_pos().is_none();
                 let reversed = self.reversed;
@@ -181,6 +185,7 @@ impl Window {
                     current_text_value: Some(word.text(language)),
                     ..WidgetInfo::labeled(Role::Status, true, &name)
                 });
+                reader::state(ui, &response, &word.text(language));
                 response.on_hover_ui(|ui| tips::lamp(ui, language, lamp, lit));
                 None
             }
