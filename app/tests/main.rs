@@ -26,6 +26,7 @@ mod project;
 mod serial;
 mod speed;
 mod streams;
+mod tips;
 mod transfer;
 mod trial_cuts;
 #[cfg(unix)]

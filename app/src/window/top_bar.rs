@@ -113,7 +113,7 @@ pub fn show(
     let mut asked = None;
     ui.horizontal_centered(|ui| {
         // What does not fit beside the right side is scrolled: nothing lies over anything.
-        let known = egui::Id::unique("right side of the bar");
+        let known = egui::Id::unique("bar right");
         let right: f32 = ui.data(|data| data.get_temp(known)).unwrap_or(320.0);
         let room = (ui.available_width() - right - ui.spacing().item_spacing.x).max(40.0);
         ScrollArea::horizontal()
