@@ -11,6 +11,7 @@ mod acceptance;
 mod command_line;
 mod common;
 
+mod first_start;
 mod layouts;
 mod lease;
 mod lessons;
@@ -25,6 +26,7 @@ mod project;
 mod serial;
 mod speed;
 mod streams;
+mod tips;
 mod transfer;
 mod trial_cuts;
 #[cfg(unix)]

@@ -88,6 +88,11 @@ pub struct WindowArgs {
     /// Program to open at the start
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
+    /// Ask the three questions of the first start (language, what for, which lathe) again, or
+    /// do not ask them now [default: asked once, unless this start names a program, a lathe, a
+    /// control model or a port]
+    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on", value_parser = crate::setup_args::switch)]
+    pub first_start: Option<bool>,
     /// Print the time to the first frame and frames a second on standard error
     #[arg(long)]
     pub figures: bool,
@@ -118,7 +123,7 @@ pub struct WindowArgs {
     #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
-    #[arg(long, value_name = "PORT")]
+    #[arg(long, value_name = "PORT", conflicts_with = "first_start")]
     pub link: Option<String>,
 }
 

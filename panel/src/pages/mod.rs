@@ -55,9 +55,14 @@ pub fn language(cnc: &Cnc) -> Language {
     }
 }
 
-/// Draws a page.
+/// Draws a page in the language of the LCD.
 pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
-    let mut screen = Screen::in_language(language(cnc));
+    draw_in(language(cnc), page, view, cnc)
+}
+
+/// Draws a page in a language.
+pub fn draw_in(language: Language, page: PageId, view: &View, cnc: &Cnc) -> Screen {
+    let mut screen = Screen::in_language(language);
     let target = &mut screen;
     frame::draw(target, page, view, cnc);
     match page {
