@@ -59,6 +59,11 @@ impl ModelId {
     pub const fn is_main(&self) -> bool {
         matches!(self, Self::Gsk980td)
     }
+
+    /// Whether it is a mill: its programs are checked and drawn, and not run.
+    pub const fn is_mill(self) -> bool {
+        matches!(self, Self::Gsk980mdi)
+    }
 }
 
 /// The model that a control is, with the values of the parameters that only it has.

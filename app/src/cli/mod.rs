@@ -8,6 +8,7 @@ mod lesson;
 mod link;
 mod looks;
 mod lsp;
+mod mill;
 mod packages;
 mod picture;
 mod project;
@@ -32,6 +33,7 @@ pub use link::{
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use lsp::LspArgs;
+pub use mill::{GearArgs, MillCommand, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use project::{
@@ -120,7 +122,7 @@ pub struct WindowArgs {
     pub macro_b: Option<bool>,
     /// The control model; each has a memory of its own in the data folder, which keeps the choice
     /// [default: as it was, gsk980td at first]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT", conflicts_with = "first_start")]
@@ -193,6 +195,9 @@ pub enum Command {
     /// meaning. docs/project.md describes the folder.
     #[command(subcommand)]
     Project(ProjectCommand),
+    /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors
+    #[command(subcommand)]
+    Mill(MillCommand),
     /// Find, try, watch or play a pulse board
     #[command(subcommand)]
     Link(LinkCommand),

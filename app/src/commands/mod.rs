@@ -9,9 +9,11 @@ mod lesson;
 mod link;
 mod lsp;
 mod manual;
+mod mill;
 mod operate;
 mod plot;
 mod project;
+mod results;
 mod run;
 mod screen;
 mod tables;
@@ -91,6 +93,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Signals(args)) => tables::signals(&args),
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
+        Some(Command::Mill(command)) => mill::work_out(&command),
         Some(Command::Link(command)) => link::link(&command),
         Some(Command::Project(command)) => project::project(&command),
         Some(Command::Transfer(command)) => transfer::transfer(&command),

@@ -115,6 +115,14 @@ impl Trails {
         self.kept.get(last)
     }
 
+    /// Forgets all but the last one.
+    pub(super) fn keep_last(&mut self) {
+        if let Some(last) = self.last().copied() {
+            self.clear();
+            self.push(last);
+        }
+    }
+
     pub(super) fn push(&mut self, trail: Trail) {
         match self.kept.get_mut(self.next) {
             Some(oldest) => *oldest = trail,

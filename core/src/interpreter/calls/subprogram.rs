@@ -17,7 +17,7 @@ use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::place::{Call, CallKind, Place};
 
 /// Levels of calls.
-const LEVELS: usize = 4;
+pub(crate) const LEVELS: usize = 4;
 
 /// M98.
 pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {

@@ -173,9 +173,21 @@ fn runs(call: &MacroCall, most: i64, read: Read<'_>) -> Result<u16, NotNow> {
 /// I, J and K count in groups: one that does not follow the last of them in the alphabet
 /// begins the next group. So both ways of writing arguments are read by one rule.
 fn arguments(call: &MacroCall, read: Read<'_>) -> Result<Locals, NotNow> {
+    let arguments = call.arguments.iter().map(|(address, value)| {
+        let value = evaluate(value, 0.001, read)?;
+        Ok((*address, value))
+    });
+    arguments_of(arguments)
+}
+
+/// The same, their values worked out.
+pub(crate) fn arguments_of(
+    arguments: impl Iterator<Item = Result<(u8, Option<f64>), NotNow>>,
+) -> Result<Locals, NotNow> {
     let mut locals = Locals::new();
     let (mut group, mut last) = (0_u8, None);
-    for (address, value) in &call.arguments {
+    for argument in arguments {
+        let (address, value) = argument?;
         let variable = match address {
             b'I' | b'J' | b'K' => {
                 let rank = address - b'I';
@@ -193,11 +205,11 @@ fn arguments(call: &MacroCall, read: Read<'_>) -> Result<Locals, NotNow> {
             b'M' => 13,
             b'Q'..=b'Z' => address - b'Q' + 17,
             _ => {
-                let detail = say::macro_argument_address(char::from(*address));
+                let detail = say::macro_argument_address(char::from(address));
                 return Err(Alarm::new(number::BAD_ARGUMENT).because(detail).into());
             }
         };
-        match evaluate(value, 0.001, read)? {
+        match value {
             Some(value) => locals.insert(variable, formula::kept(value)),
             None => locals.remove(&variable),
         };

@@ -64,18 +64,7 @@ impl Known<'_> {
         host: &impl Host,
     ) -> Result<Block, NotNow> {
         let read = |number| self.read(number, host);
-        let mut values = vec![None; formulas.len()];
-        for word in block.words() {
-            let Some(formula) = word.value.variable() else {
-                continue;
-            };
-            let index = usize::from(formula.number);
-            let (Some(value), Some(formula)) = (values.get_mut(index), formulas.get(index)) else {
-                continue;
-            };
-            *value = formula::evaluate(formula, syntax.unit(word.address), &read)?;
-        }
-        let block = block.with_values(&values, syntax)?;
+        let block = formula::in_words(block, formulas, syntax, &read)?;
         if block.has_g(65) {
             let detail = say::macro_code_from_variable();
             return Err(Alarm::new(number::BAD_IN_MACRO).because(detail).into());
