@@ -131,7 +131,7 @@ impl Cnc {
         let message = ToPlc {
             mode: self.run.mode,
             started: state == RunState::Run,
-            holding: state == RunState::Hold,
+            holding: state == RunState::Hold || self.run.automatic.hold_put_off,
             operating: self.run.automatic.operating(),
             alarm: self.alarm_state(),
             reset: self.resetting(),

@@ -3,19 +3,27 @@
 use core::cell::LazyCell;
 
 use super::Host;
-use crate::memory::{Offsets, Parameters, Variables};
+use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
 /// What a program is interpreted against when no time is to pass: it may write to
-/// parameters, variables and outputs, and every command is finished when it is given.
+/// parameters, offsets, variables and outputs, and every command is finished when it is given.
 pub struct Immediate<'a> {
     /// Parameters, its own.
     pub parameters: Parameters,
-    /// Tool offsets.
-    pub offsets: &'a Offsets,
+    /// Tool offsets, its own.
+    pub offsets: Offsets,
     /// Macro variables, its own.
     pub variables: Variables,
+    /// Timer, date and what the program switches off, its own.
+    pub registers: Registers,
+    /// Part counter and times, its own.
+    pub counters: Counters,
+    /// The rows of the setting page, its own.
+    pub settings: Settings,
+    /// Machine time so far, s.
+    pub now_s: f64,
     /// What the ladder gives to macros; worked out when a program asks for it.
     pub inputs: LazyCell<u16, Box<dyn FnOnce() -> u16 + 'a>>,
     /// What macros give to the ladder.
@@ -30,6 +38,15 @@ pub struct Immediate<'a> {
     pub block_skip: bool,
 }
 
+impl Immediate<'_> {
+    /// Time passes up to so many seconds of machine time, with cycle start on.
+    pub(crate) fn pass_to(&mut self, now_s: f64) {
+        let before = self.now_ms();
+        self.now_s = now_s;
+        self.counters.started_ms += self.now_ms().saturating_sub(before);
+    }
+}
+
 impl Host for Immediate<'_> {
     fn parameters(&self) -> &Parameters {
         &self.parameters
@@ -38,7 +55,31 @@ impl Host for Immediate<'_> {
         &mut self.parameters
     }
     fn offsets(&self) -> &Offsets {
-        self.offsets
+        &self.offsets
+    }
+    fn offsets_mut(&mut self) -> &mut Offsets {
+        &mut self.offsets
+    }
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+    fn counters(&self) -> &Counters {
+        &self.counters
+    }
+    fn counters_mut(&mut self) -> &mut Counters {
+        &mut self.counters
+    }
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+    fn settings_mut(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+    fn now_ms(&self) -> u64 {
+        (self.now_s * 1000.0) as u64
     }
     fn variables(&self) -> &Variables {
         &self.variables

@@ -7,6 +7,7 @@ use crate::alarm::Alarm;
 use crate::command::{Command, Frame, ProgramId, Source};
 use crate::compensation::Compensation;
 use crate::interpreter::Modal;
+use crate::interpreter::calls::code_call::CodeCalls;
 use crate::interpreter::calls::jump::Jumps;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::explanation::{Explanation, Note};
@@ -44,8 +45,11 @@ pub struct Interpreter {
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
     /// Whose programs are read.
-    #[serde(default, skip_serializing_if = "ControlModel::is_main")]
+    #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     model: ControlModel,
+    /// Codes of macro B that call a program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    code_calls: Option<Box<CodeCalls>>,
     #[serde(skip)]
     recent: Recent,
 }
@@ -87,6 +91,7 @@ impl Interpreter {
             machine_codes: MachineCodes::default(),
             macro_b: false,
             model: ControlModel::default(),
+            code_calls: None,
             recent: Recent::default(),
         }
     }
@@ -97,13 +102,23 @@ impl Interpreter {
     }
 
     /// The option of macro B, from the next block on.
-    pub const fn set_macro_b(&mut self, on: bool) {
+    pub fn set_macro_b(&mut self, on: bool) {
         self.macro_b = on;
+        self.find_code_calls();
+    }
+
+    /// The codes that call a program, which belong to macro B.
+    fn find_code_calls(&mut self) {
+        self.code_calls = match self.macro_b {
+            true => CodeCalls::of(&self.model),
+            false => None,
+        };
     }
 
     /// Whose programs are read, from the next block on.
     pub fn set_model(&mut self, model: &ControlModel) {
         self.model.clone_from(model);
+        self.find_code_calls();
     }
 
     /// What the model is whose programs are read.

@@ -6,6 +6,7 @@ use crate::alarm::{Alarm, number};
 use crate::command::{Action, BlockNumber, Command, ProgramId, Source};
 use crate::interpreter::Modal;
 use crate::interpreter::block;
+use crate::interpreter::calls::code_call::{self, CodeCalls};
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::codes::corner;
 use crate::interpreter::codes::inch;
@@ -143,6 +144,37 @@ impl Interpreter {
             sequence: run.sequence,
         };
         let skipping = host.block_skip() && mdi.is_none();
+        if let Some(calls) = calls_by_codes(self.code_calls.as_deref(), run, place) {
+            let call = program.code_call(place.block, &|letter, code| calls.called(letter, code));
+            let call = match call {
+                Ok(call) => call.filter(|call| !(skipping && call.skip)),
+                Err(_) if skipping && program.has_skip_mark(place.block) => None,
+                Err(error) => {
+                    source.line = program.block_line(place.block);
+                    return Err(Alarm::from(error).at(source));
+                }
+            };
+            if let Some(call) = call {
+                source.line = program.block_line(place.block);
+                source.sequence = call.n.map(BlockNumber::from).or(source.sequence);
+                let known = Known {
+                    levels: &run.levels,
+                    state: self.state,
+                    source,
+                };
+                let here = Here {
+                    program,
+                    programs: host.programs(),
+                    place,
+                    calls: &run.calls,
+                    syntax,
+                    within: None,
+                };
+                let read = |it| known.read(it, &*host);
+                let outcome = statement::carry_out_code_call(&call, &here, &read);
+                return self.follow_statement(outcome, source, place, host);
+            }
+        }
         let mut block = match recent.read(program, place.block, syntax) {
             Ok(block) => block,
             Err(error) => {
@@ -258,9 +290,12 @@ impl Interpreter {
             None
         };
         let read = |index, motion| reading.words_at(index, motion).map_err(lookahead::alarm);
+        let code_calls = calls_by_codes(self.code_calls.as_deref(), run, place);
+        let t_calls = code_calls.and_then(|calls| calls.plain(&words));
         let context = Context {
             compensated: self.compensated(),
             machine_codes: self.machine_codes,
+            code_calls,
             next: next.as_ref(),
             ..context(
                 &*host,
@@ -280,6 +315,13 @@ impl Interpreter {
         if let Err(alarm) = outcome {
             self.state = before;
             return Err(alarm.at(source));
+        }
+        if let Some(call) = t_calls
+            && call.address == 'T'
+        {
+            let variables = host.variables_mut();
+            let set = variables.set_real(code_call::T_VARIABLE, Some(call.code as f64));
+            set.map_err(|alarm| alarm.at(source))?;
         }
         self.stand_as(&before);
         self.note(source);
@@ -339,7 +381,12 @@ impl Interpreter {
         let levels = &mut self.run_mut().levels;
         match outcome {
             Outcome::Nothing => {}
-            Outcome::Assign(number, value) => system::write(number, value, levels, host)?,
+            Outcome::Assign(number, value) => {
+                system::write(number, value, levels, host)?;
+                if number == system::SETTINGS {
+                    self.set_inch_input(host.settings().inch);
+                }
+            }
             Outcome::Enter(entered) => levels.enter_loop(entered),
             Outcome::Repeat(first) => return Ok(to(first)),
             Outcome::Leave(last) => return Ok(to(last.saturating_add(1))),
@@ -477,6 +524,17 @@ impl Interpreter {
     }
 }
 
+/// The codes that call a program where a run stands; none where they are ordinary.
+#[inline]
+fn calls_by_codes<'a>(
+    calls: Option<&'a CodeCalls>,
+    run: &Run,
+    place: Place,
+) -> Option<&'a CodeCalls> {
+    let stored = !matches!(place.program, ProgramId::Mdi | ProgramId::Dnc);
+    calls.filter(|_| stored && !code_call::are_ordinary(&run.calls))
+}
+
 /// A block with numbers in the place of its variables and formulas; none where it has
 /// numbers only.
 fn resolve<H: Host>(
@@ -538,6 +596,7 @@ fn context<'a, H: Host>(
         place,
         mdi,
         machine_codes: MachineCodes::default(),
+        code_calls: None,
         x_factor: x_factor(parameters),
         compensated: Compensated::Never,
         read,
