@@ -12,7 +12,7 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 pub use meaning::{GCode, MCode};
-pub(crate) use record::MFunction;
+pub(crate) use record::{Edge, MFunction};
 pub use record::{ModelParameter, Record};
 
 /// A control model.

@@ -244,6 +244,35 @@ impl Cnc {
         &self.memory.variables
     }
 
+    /// The numbers of the variables that the page lists.
+    pub fn variable_numbers(&self) -> Vec<u16> {
+        if self.memory.model.record().own_variables {
+            Variables::numbers_of_huaxing().collect()
+        } else if self.memory.settings.macro_b {
+            Variables::numbers_of_macro_b().collect()
+        } else {
+            Variables::numbers().collect()
+        }
+    }
+
+    /// Whether the variables of the page are reals: those of macro B and of the Huaxing
+    /// lathes.
+    pub fn variables_are_real(&self) -> bool {
+        self.memory.settings.macro_b || self.memory.model.record().own_variables
+    }
+
+    /// The value of one of them; `None`: null.
+    pub fn real_variable(&self, number: u16) -> Option<f64> {
+        let variables = &self.memory.variables;
+        if self.memory.model.record().own_variables {
+            return variables.counted(number);
+        }
+        match u8::try_from(number) {
+            Ok(local @ 1..=33) => self.run.interpreter.local(local),
+            _ => variables.real(number),
+        }
+    }
+
     /// Whether programs are in inches (英制编程 of the setting page).
     pub const fn inch_input(&self) -> bool {
         self.memory.settings.inch

@@ -136,7 +136,9 @@ impl Interpreter {
         Syntax {
             inch: self.state.modal.inch,
             // What comes in through the line has no place to jump to.
-            macro_b: self.macro_b && program != ProgramId::Dnc && text.uses_macro_b(),
+            macro_b: (self.macro_b || self.record().own_variables)
+                && program != ProgramId::Dnc
+                && text.uses_macro_b(),
             model: self.model.id(),
             ..Syntax::from(parameters)
         }
@@ -206,6 +208,16 @@ impl Interpreter {
     /// So many blocks in front of that one are gone.
     pub(crate) const fn blocks_gone(&mut self, count: u32) {
         self.main.place.block = self.main.place.block.saturating_sub(count);
+    }
+
+    /// A local variable of macro B in the innermost call of the automatic run; `None`: null.
+    pub fn local(&self, number: u8) -> Option<f64> {
+        self.main.levels.get(number)
+    }
+
+    /// Gives it a value.
+    pub(crate) fn set_local(&mut self, number: u8, value: f64) {
+        self.main.levels.set(number, Some(value));
     }
 
     /// Whether commands of the block read last are still to come.

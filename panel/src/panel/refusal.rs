@@ -21,6 +21,9 @@ impl Panel {
             return None;
         }
         match (key.row().role, key) {
+            (_, Key::Input | Key::Delete) if self.is_teaching(cnc) => {
+                cnc.is_moving().then(say::key_teaches_at_rest)
+            }
             (Role::Character(first, _), _) => self.refuses_character(first, cnc),
             (_, Key::Insert | Key::Delete) if self.page() != PageId::Prg => {
                 Some(say::key_edits_programs())

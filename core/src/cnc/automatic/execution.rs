@@ -202,7 +202,7 @@ impl Cnc {
         Ok(())
     }
 
-    fn output_m(&mut self, code: u8) {
+    pub(in crate::cnc) fn output_m(&mut self, code: u8) {
         if self.plc.signals.auxiliary_lock {
             return;
         }

@@ -42,11 +42,20 @@ pub(crate) struct Known<'a> {
     /// After the block before.
     pub(crate) state: State,
     pub(crate) source: Source,
+    /// The variables are those of the Huaxing lathes.
+    pub(crate) counted: bool,
 }
 
 impl Known<'_> {
     /// The value of a variable.
     pub(crate) fn read(&self, number: u32, host: &impl Host) -> Result<Value, NotNow> {
+        if self.counted {
+            return match u16::try_from(number) {
+                Ok(0) => Ok(None),
+                Ok(number @ 1..=99) => Ok(host.variables().counted(number)),
+                _ => Err(unknown_there(number)),
+            };
+        }
         match number {
             0 => Ok(None),
             1..=LOCALS => Ok(self.levels.get(number as u8)),
@@ -156,6 +165,32 @@ fn common(number: u32) -> Result<u16, NotNow> {
     let common = u16::try_from(number).ok();
     let common = common.filter(|it| Variables::has_real(*it));
     common.ok_or_else(|| unknown(number))
+}
+
+/// No variable of the Huaxing lathes.
+pub(crate) fn unknown_there(number: u32) -> NotNow {
+    Alarm::new(number::BAD_VARIABLE)
+        .because(say::variable_of_huaxing_unknown(number))
+        .into()
+}
+
+/// Gives a variable of the Huaxing lathes its value.
+///
+/// # Errors
+/// 115 for a number that is none, 116 for #0.
+pub(crate) fn write_counted(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
+    match u16::try_from(number) {
+        Ok(0) => {
+            let detail = say::variable_of_macro_read_only(number);
+            Err(Alarm::new(number::READ_ONLY).because(detail).into())
+        }
+        Ok(number @ 1..=99) => {
+            let kept = value.map(formula::kept);
+            host.variables_mut().set_counted(number, kept);
+            Ok(())
+        }
+        _ => Err(unknown_there(number)),
+    }
 }
 
 fn unknown(number: u32) -> NotNow {

@@ -31,7 +31,7 @@ use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
 use crate::model::ControlModel;
-use crate::program::{Block, Recent, Syntax};
+use crate::program::{Block, Recent, Statement, Syntax};
 
 use super::{Advance, Interpreter};
 
@@ -161,6 +161,7 @@ impl Interpreter {
                     levels: &run.levels,
                     state: self.state,
                     source,
+                    counted: false,
                 };
                 let here = Here {
                     program,
@@ -229,10 +230,15 @@ impl Interpreter {
                 levels: &run.levels,
                 state: self.state,
                 source,
+                counted: self.record().own_variables,
             }),
             false => None,
         };
         if let (Some(statement), Some(known)) = (block.macro_statement(), &known) {
+            if known.counted && !matches!(statement, Statement::Assign(_)) {
+                let rule = say::statement_not_of_huaxing();
+                return Err(Alarm::new(number::BAD_OPERATION).because(rule).at(source));
+            }
             let here = Here {
                 program,
                 programs: host.programs(),
@@ -378,9 +384,13 @@ impl Interpreter {
         host: &mut H,
     ) -> Result<Flow, NotNow> {
         let to = |block| Flow::Jump(Place { block, ..place });
+        let counted = self.record().own_variables;
         let levels = &mut self.run_mut().levels;
         match outcome {
             Outcome::Nothing => {}
+            Outcome::Assign(number, value) if counted => {
+                system::write_counted(number, value, host)?;
+            }
             Outcome::Assign(number, value) => {
                 system::write(number, value, levels, host)?;
                 if number == system::SETTINGS {
@@ -543,6 +553,12 @@ fn resolve<H: Host>(
     syntax: Syntax,
     host: &H,
 ) -> Result<Option<Block>, NotNow> {
+    if known.is_none()
+        && syntax.model.record().own_variables
+        && let Some(number) = block.first_variable()
+    {
+        return Err(system::unknown_there(number.into()));
+    }
     match (block.formulas(), known) {
         (Some(formulas), Some(known)) => known.words(block, formulas, syntax, host).map(Some),
         _ if block.has_variables() => variable::resolve(block.clone(), syntax, host).map(Some),

@@ -3,6 +3,7 @@
 use super::Bench;
 use crate::memory::{DayTime, Registers, ToolOffset};
 use crate::model::{ControlModel, ModelId};
+use crate::program::MdiBlock;
 
 fn bench() -> Bench {
     let mut bench = Bench::new();
@@ -231,4 +232,85 @@ fn calls_that_are_wrong() {
     // Nesting: four macros.
     let nested = calling(&[(230, 70)], &["O9020;\nM70;\nM99;"]).fault("M70;");
     assert_eq!(nested.0, 77);
+}
+
+/// Statements and formulas on the MDI page.
+#[test]
+fn keyed_in() {
+    let mut bench = bench();
+    let mut mdi = MdiBlock::default();
+    let mut enter = |bench: &mut Bench, words: &[&str]| {
+        mdi.clear();
+        for word in words {
+            mdi.enter(word, &bench.parameters, true).unwrap();
+        }
+        bench.mdi(&mdi.text());
+        let (_, alarm) = bench.rest();
+        (
+            mdi.statement().map(str::to_owned),
+            alarm.map(|it| it.number),
+        )
+    };
+    let statement = "#100=SIN[30]*40".to_owned();
+    // A word that was keyed in before goes.
+    assert_eq!(
+        enter(&mut bench, &["X5", "#100=sin[30]*40;"]),
+        (Some(statement), None)
+    );
+    assert_eq!(bench.variables.real(100), Some(20.0));
+    assert_eq!(
+        enter(&mut bench, &["G00 X[#100+SQRT[4]]", "Z#100"]),
+        (None, None)
+    );
+    assert_eq!((bench.machine.x, bench.machine.z), (11.0, 20.0));
+    let (_, alarm) = enter(&mut bench, &["IF[#100EQ20]THEN#101=7"]);
+    assert_eq!((alarm, bench.variables.real(101)), (None, Some(7.0)));
+    assert_eq!(enter(&mut bench, &["G65 P9010"]).1, Some(10));
+    assert_eq!(enter(&mut bench, &["G66 P9010"]).1, Some(10));
+    assert_eq!(enter(&mut bench, &["GOTO5"]).1, Some(128));
+    // G65 H is words, and a word takes the place of a statement.
+    assert_eq!(
+        enter(&mut bench, &["#100=1", "G65", "H1", "P#200", "Q7"]).0,
+        None
+    );
+    assert_eq!(bench.variables.get(200), Some(7));
+    let mut mdi = MdiBlock::default();
+    let mut fault = |text| mdi.enter(text, &bench.parameters, true).unwrap_err().number;
+    assert_eq!(
+        (fault("#100=1+"), fault("X[1"), fault("G01#100=1")),
+        (114, 114, 127)
+    );
+    let mut mdi = MdiBlock::default();
+    let without = mdi.enter("#100=1", &bench.parameters, false);
+    assert!(without.is_err() && mdi.is_empty());
+}
+
+/// The Huaxing lathes: #1 to #99, values and formulas, no statement besides.
+#[test]
+fn variables_of_the_huaxing_lathes() {
+    let bench = || Bench::new().of_model(ModelId::Hx31);
+    let mut some = bench();
+    let trace = some.trace("#99=12.5;\n#1=#99*2;\nG00 X#1 Z[#1-#99];\n#2=#0;\nG00 X#2 Z1;\n");
+    assert_eq!(trace[2], "3: rapid X25 Z12.5 |");
+    assert_eq!(trace[4], "5: rapid X25 Z1 |");
+    assert_eq!(some.variables.counted(99), Some(12.5));
+    for text in [
+        "#100=1;",
+        "#1=#100;",
+        "G00 X#100;",
+        "G00 X#200;",
+        "G00 X#500;",
+        "#1=#5001;",
+    ] {
+        assert_eq!(bench().fault(text), (115, 1), "{text}");
+    }
+    assert_eq!(bench().fault("#0=1;"), (116, 1));
+    assert_eq!(bench().fault("#1=1/0;"), (112, 1));
+    for text in ["IF[1EQ1]GOTO5;", "GOTO5;", "WHILE[1EQ1]DO1;", "G65 P9010;"] {
+        let (number, line) = bench().fault(text);
+        assert!(matches!(number, 10 | 114) && line == 1, "{text}: {number}");
+    }
+    let mut option = bench();
+    option.interpreter.set_macro_b(true);
+    assert_eq!(option.fault("#100=1;"), (115, 1));
 }
