@@ -308,6 +308,9 @@ impl Builder<'_> {
         for (number, parameter) in &id.record().parameters {
             let (low, high) = parameter.range;
             let key = Key::ModelParameter(*number);
+            if id.is_main() && !self.left.contains_key(&key) {
+                continue;
+            }
             let value = self.whole(key, low.into()..=high.into());
             // A value out of its range was said.
             let _ = model.set_parameter(*number, value as i32);

@@ -143,8 +143,12 @@ impl State {
         let mut all = BTreeMap::new();
         all.insert(Key::Format, Value::Whole(FORMAT));
         all.insert(Key::Model, Value::Model(memory.model.id()));
-        for number in memory.model.record().parameters.keys() {
+        for (number, parameter) in &memory.model.record().parameters {
             let value = memory.model.parameter(*number);
+            // Older folders of the GSK980TD have none of them.
+            if memory.model.is_main() && value == parameter.delivered {
+                continue;
+            }
             all.insert(Key::ModelParameter(*number), Value::Whole(value.into()));
         }
         let settings = &memory.settings;

@@ -151,8 +151,10 @@ impl Cnc {
         }
         self.follow_mode();
         self.follow_tool(was.current_tool);
-        if self.plc.signals.feed_hold || self.plc.message {
+        if self.plc.message {
             self.feed_hold();
+        } else if self.plc.signals.feed_hold {
+            self.feed_hold_signal();
         }
         if was.start && !self.plc.signals.start {
             self.cycle_start();

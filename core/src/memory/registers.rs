@@ -153,7 +153,7 @@ impl Registers {
 
     /// The timer counts on from this value.
     pub(crate) const fn set_timer(&mut self, ms: i64, now: u64) {
-        self.timer_from = now as i64 - ms;
+        self.timer_from = now as i64 - ms / STEP_MS * STEP_MS;
     }
 
     /// The date, YYYYMMDD, `now` ms after power-on.
@@ -221,7 +221,7 @@ mod tests {
         registers.set_timer(65_535, 1000);
         assert_eq!(registers.timer(1000), 65_520);
         assert_eq!(registers.timer(1016), 0);
-        assert_eq!(registers.timer(1033), 32);
+        assert_eq!(registers.timer(1033), 16);
         registers.set_timer(0, 5000);
         assert_eq!(registers.timer(5031), 16);
     }

@@ -20,6 +20,7 @@ mod program;
 mod program_text;
 mod settings;
 mod table;
+mod taught;
 mod teaching;
 mod view;
 
@@ -42,8 +43,8 @@ pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub(crate) use program::directory_screens;
 pub(crate) use program_text::PAGE_ROWS;
 pub use table::{PAGES, PageId, PageKey, PageRow};
+pub use taught::{Taught, Teaching};
 pub(crate) use teaching::teaches;
-pub use teaching::{Taught, Teaching};
 pub use view::BRIGHTNESS_STEPS;
 pub use view::{Communication, Cursor, Cursors, Editor, FLASH_TICKS, View};
 

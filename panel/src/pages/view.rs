@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::graphic_settings::GraphicSettings;
 use super::password_entry::PasswordEntry;
 use super::table::{PAGE_COUNT, PageId};
-use super::teaching::Teaching;
+use super::taught::Teaching;
 use crate::trace::Trace;
 
 /// Ticks of one half of a flashing period.

@@ -47,7 +47,7 @@ impl Panel {
         cnc: &Cnc,
         requests: &mut Vec<Request>,
     ) {
-        let in_text = self.edits(cnc) && !self.keyed_beside_text(first);
+        let in_text = self.edits(cnc) && !self.keyed_beside_text(first, cnc);
         if in_text && !self.is_held(Key::Cancel) {
             let again = before == Some(key);
             if let Some(second) = second.filter(|_| again)
@@ -93,7 +93,7 @@ impl Panel {
             }
             PageId::Graph if self.is_teaching(cnc) => self.teaching_character(character),
             PageId::Graph => self.graphic_command(character, cnc),
-            PageId::Prg if self.edits(cnc) && !self.keyed_beside_text(character) => {
+            PageId::Prg if self.edits(cnc) && !self.keyed_beside_text(character, cnc) => {
                 self.type_into_text(character, None, cnc, requests);
             }
             _ if self.takes_input(cnc) => self.append(character),

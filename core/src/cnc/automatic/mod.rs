@@ -231,13 +231,19 @@ impl Cnc {
         self.plc.signals.single_block && !self.run.registers.off.single_block()
     }
 
-    /// Feed hold: the axes decelerate; a block without motion finishes, and so does
-    /// a thread with the first thing after it. A program of macro B may put it off
-    /// (#3004).
-    pub(crate) fn feed_hold(&mut self) {
+    /// The signal of feed hold, which a program of macro B may put off (#3004).
+    pub(crate) fn feed_hold_signal(&mut self) {
         if self.run.automatic.state == RunState::Run && self.run.registers.off.feed_hold() {
             self.run.automatic.hold_put_off = true;
-        } else if self.run.automatic.state == RunState::Run {
+        } else {
+            self.feed_hold();
+        }
+    }
+
+    /// Feed hold: the axes decelerate; a block without motion finishes, and so does
+    /// a thread with the first thing after it.
+    pub(crate) fn feed_hold(&mut self) {
+        if self.run.automatic.state == RunState::Run {
             self.run.automatic.state = RunState::Hold;
         } else if self.run.automatic.protection == (Protection::After { again: true }) {
             self.run.automatic.protection = Protection::None;

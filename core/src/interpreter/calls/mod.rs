@@ -1,7 +1,6 @@
 //! Calls of subprograms (M98, M99; M, S and T by 006.5) and jumps.
 
 pub(super) mod block_call;
-pub(super) mod code_call;
 pub(super) mod jump;
 pub(super) mod special_call;
 pub(super) mod subprogram;

@@ -10,9 +10,9 @@
 use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
-use crate::interpreter::calls::code_call::PlainCall;
 use crate::interpreter::codes::miscellaneous;
 use crate::interpreter::context::Context;
+use crate::interpreter::context::code_calls::PlainCall;
 use crate::interpreter::context::words::{OneShot, Words};
 
 /// What S and T of such calls may be.

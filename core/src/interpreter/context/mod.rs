@@ -1,5 +1,6 @@
 //! What a block finds when it is read.
 
+pub(super) mod code_calls;
 pub(super) mod cycle_words;
 pub(super) mod emission;
 pub(super) mod exact;
@@ -15,7 +16,7 @@ pub(super) mod writes;
 
 use crate::alarm::Alarm;
 use crate::command::Source;
-use crate::interpreter::calls::code_call::CodeCalls;
+use crate::interpreter::context::code_calls::CodeCalls;
 use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::{Call, Place};
 use crate::interpreter::context::words::Words;

@@ -6,11 +6,11 @@ use crate::alarm::{Alarm, number};
 use crate::command::{Action, BlockNumber, Command, ProgramId, Source};
 use crate::interpreter::Modal;
 use crate::interpreter::block;
-use crate::interpreter::calls::code_call::{self, CodeCalls};
 use crate::interpreter::calls::subprogram;
 use crate::interpreter::codes::corner;
 use crate::interpreter::codes::inch;
 use crate::interpreter::codes::nose_radius::{self, check_call};
+use crate::interpreter::context::code_calls::{self, CodeCalls};
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::flow::{Flow, MacroEntry};
 use crate::interpreter::context::host::Host;
@@ -235,9 +235,10 @@ impl Interpreter {
             false => None,
         };
         if let (Some(statement), Some(known)) = (block.macro_statement(), &known) {
-            if known.counted && !matches!(statement, Statement::Assign(_)) {
-                let rule = say::statement_not_of_huaxing();
-                return Err(Alarm::new(number::BAD_OPERATION).because(rule).at(source));
+            if known.counted
+                && let Some(alarm) = refused_by_huaxing(statement)
+            {
+                return Err(alarm.at(source));
             }
             let here = Here {
                 program,
@@ -326,7 +327,7 @@ impl Interpreter {
             && call.address == 'T'
         {
             let variables = host.variables_mut();
-            let set = variables.set_real(code_call::T_VARIABLE, Some(call.code as f64));
+            let set = variables.set_real(code_calls::T_VARIABLE, Some(call.code as f64));
             set.map_err(|alarm| alarm.at(source))?;
         }
         self.stand_as(&before);
@@ -534,6 +535,22 @@ impl Interpreter {
     }
 }
 
+/// What the Huaxing lathes say to a statement other than a value for a variable.
+#[cold]
+fn refused_by_huaxing(statement: &Statement) -> Option<Alarm> {
+    let code = match statement {
+        Statement::Assign(_) => return None,
+        Statement::Call(_) => 65,
+        Statement::ModalCall(_) => 66,
+        Statement::CancelModalCall => 67,
+        _ => {
+            let rule = say::statement_not_of_huaxing();
+            return Some(Alarm::new(number::BAD_OPERATION).because(rule));
+        }
+    };
+    Some(Alarm::new(number::BAD_G).because(say::g_unknown(code)))
+}
+
 /// The codes that call a program where a run stands; none where they are ordinary.
 #[inline]
 fn calls_by_codes<'a>(
@@ -542,7 +559,7 @@ fn calls_by_codes<'a>(
     place: Place,
 ) -> Option<&'a CodeCalls> {
     let stored = !matches!(place.program, ProgramId::Mdi | ProgramId::Dnc);
-    calls.filter(|_| stored && !code_call::are_ordinary(&run.calls))
+    calls.filter(|_| stored && !code_calls::are_ordinary(&run.calls))
 }
 
 /// A block with numbers in the place of its variables and formulas; none where it has
