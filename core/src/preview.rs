@@ -407,8 +407,8 @@ impl<'a> Walk<'a> {
                     }
                     match self.carry_out(&command) {
                         Ok(None) => {
-                            host.pass_to(self.clock.now());
-                            if command.action == Action::Repeat {
+                            host.now_s = self.clock.now();
+                            if matches!(command.action, Action::Repeat) {
                                 host.counters.count_part();
                             }
                         }

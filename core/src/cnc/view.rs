@@ -13,12 +13,12 @@ use crate::machine::pins;
 use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
 };
-use crate::model::ControlModel;
+use crate::model::{ControlModel, GCode};
 use crate::motion::JogRate;
 use crate::operation::{Mode, Return, RunState, Sensors, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
-use crate::units::{Axis, PerAxis, Point, Pulses};
+use crate::units::{Axis, PerAxis, Point, Pulses, TICK_S};
 use gsk_link::SpindleDirection;
 
 /// How far a pulse board is behind the control.
@@ -242,6 +242,13 @@ impl Cnc {
     /// Macro variables.
     pub const fn variables(&self) -> &Variables {
         &self.memory.variables
+    }
+
+    /// What is left of a dwell, s, on a model whose overall page shows it (NC-B08).
+    pub fn dwell_shown(&self) -> Option<f64> {
+        let shows = self.memory.model.record().g_code(4) == Some(GCode::DwellSecondsFirst);
+        let left = f64::from(self.run.automatic.dwell_left) * TICK_S;
+        (shows && self.run.automatic.dwelling()).then_some(left)
     }
 
     /// The numbers of the variables that the page lists.

@@ -38,15 +38,6 @@ pub struct Immediate<'a> {
     pub block_skip: bool,
 }
 
-impl Immediate<'_> {
-    /// Time passes up to so many seconds of machine time, with cycle start on.
-    pub(crate) fn pass_to(&mut self, now_s: f64) {
-        let before = self.now_ms();
-        self.now_s = now_s;
-        self.counters.started_ms += self.now_ms().saturating_sub(before);
-    }
-}
-
 impl Host for Immediate<'_> {
     fn parameters(&self) -> &Parameters {
         &self.parameters
@@ -71,6 +62,13 @@ impl Host for Immediate<'_> {
     }
     fn counters_mut(&mut self) -> &mut Counters {
         &mut self.counters
+    }
+    // Cycle start is on all the time.
+    fn started_ms(&self) -> u64 {
+        self.counters.started_ms.wrapping_add(self.now_ms())
+    }
+    fn set_started_ms(&mut self, ms: u64) {
+        self.counters.started_ms = ms.wrapping_sub(self.now_ms());
     }
     fn settings(&self) -> &Settings {
         &self.settings

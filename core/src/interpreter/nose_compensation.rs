@@ -142,6 +142,12 @@ impl<H: Host> Host for Ahead<'_, H> {
     fn counters_mut(&mut self) -> &mut Counters {
         self.host.counters_mut()
     }
+    fn started_ms(&self) -> u64 {
+        self.host.started_ms()
+    }
+    fn set_started_ms(&mut self, ms: u64) {
+        self.host.set_started_ms(ms);
+    }
     fn settings(&self) -> &Settings {
         self.host.settings()
     }

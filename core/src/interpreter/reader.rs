@@ -47,6 +47,9 @@ pub struct Interpreter {
     /// Whose programs are read.
     #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     model: ControlModel,
+    /// Whether that model has variables of its own.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    own_variables: bool,
     /// Codes of macro B that call a program.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code_calls: Option<Box<CodeCalls>>,
@@ -91,6 +94,7 @@ impl Interpreter {
             machine_codes: MachineCodes::default(),
             macro_b: false,
             model: ControlModel::default(),
+            own_variables: false,
             code_calls: None,
             recent: Recent::default(),
         }
@@ -118,6 +122,7 @@ impl Interpreter {
     /// Whose programs are read, from the next block on.
     pub fn set_model(&mut self, model: &ControlModel) {
         self.model.clone_from(model);
+        self.own_variables = model.record().own_variables;
         self.find_code_calls();
     }
 
@@ -136,7 +141,7 @@ impl Interpreter {
         Syntax {
             inch: self.state.modal.inch,
             // What comes in through the line has no place to jump to.
-            macro_b: (self.macro_b || self.record().own_variables)
+            macro_b: (self.macro_b || self.own_variables)
                 && program != ProgramId::Dnc
                 && text.uses_macro_b(),
             model: self.model.id(),

@@ -28,6 +28,14 @@ pub trait Host {
     fn counters(&self) -> &Counters;
     /// The same, to be written.
     fn counters_mut(&mut self) -> &mut Counters;
+    /// Time with cycle start on, ms. Meaningful when [`Host::settled`].
+    fn started_ms(&self) -> u64 {
+        self.counters().started_ms
+    }
+    /// Sets it.
+    fn set_started_ms(&mut self, ms: u64) {
+        self.counters_mut().started_ms = ms;
+    }
     /// The rows of the setting page.
     fn settings(&self) -> &Settings;
     /// The same, to be written.

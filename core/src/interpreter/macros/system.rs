@@ -315,7 +315,7 @@ fn machine(number: u32, host: &impl Host) -> Result<f64, NotNow> {
             let now = host.now_ms();
             match number {
                 3001 => registers.timer(now) as f64,
-                3002 => host.counters().started_ms as f64 / HOUR_MS,
+                3002 => host.started_ms() as f64 / HOUR_MS,
                 3011 => registers.date(now).into(),
                 3012 => registers.time_of_day(now).into(),
                 _ => host.counters().parts.into(),
@@ -343,7 +343,7 @@ fn write_machine(number: u32, value: Value, host: &mut impl Host) -> Result<(), 
                 return Err(Alarm::new(number::MACRO_RANGE).because(detail).into());
             }
             when_settled(host)?;
-            host.counters_mut().started_ms = formula::rounded(value * HOUR_MS) as u64;
+            host.set_started_ms(formula::rounded(value * HOUR_MS) as u64);
         }
         3003 => {
             let bits = whole(number, value, stops.into())?;

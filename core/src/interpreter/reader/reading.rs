@@ -230,7 +230,7 @@ impl Interpreter {
                 levels: &run.levels,
                 state: self.state,
                 source,
-                counted: self.record().own_variables,
+                counted: self.own_variables,
             }),
             false => None,
         };
@@ -385,7 +385,7 @@ impl Interpreter {
         host: &mut H,
     ) -> Result<Flow, NotNow> {
         let to = |block| Flow::Jump(Place { block, ..place });
-        let counted = self.record().own_variables;
+        let counted = self.own_variables;
         let levels = &mut self.run_mut().levels;
         match outcome {
             Outcome::Nothing => {}
@@ -570,15 +570,16 @@ fn resolve<H: Host>(
     syntax: Syntax,
     host: &H,
 ) -> Result<Option<Block>, NotNow> {
-    if known.is_none()
-        && syntax.model.record().own_variables
-        && let Some(number) = block.first_variable()
-    {
-        return Err(system::unknown_there(number.into()));
-    }
     match (block.formulas(), known) {
         (Some(formulas), Some(known)) => known.words(block, formulas, syntax, host).map(Some),
-        _ if block.has_variables() => variable::resolve(block.clone(), syntax, host).map(Some),
+        _ if block.has_variables() => {
+            if syntax.model.record().own_variables
+                && let Some(number) = block.first_variable()
+            {
+                return Err(system::unknown_there(number.into()));
+            }
+            variable::resolve(block.clone(), syntax, host).map(Some)
+        }
         _ => Ok(None),
     }
 }
