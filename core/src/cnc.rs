@@ -142,6 +142,7 @@ impl Cnc {
         }
         if self.run.automatic.state == RunState::Run {
             self.memory.counters.count_cutting_ms(1);
+            self.memory.counters.count_started_ms(1);
         }
         self.outputs()
     }
