@@ -25,7 +25,7 @@ const LARGEST_BACKLASH: f64 = 2000.0;
 /// Intervals that are tried, thousandths of a millimetre, the coarsest first.
 const INTERVALS: [i64; 8] = [20_000, 10_000, 5_000, 4_000, 2_500, 2_000, 1_500, 1_000];
 /// The deviation that is left may be so much, µm, before a finer interval is taken.
-const FINE_UM: f64 = 1.0;
+const FINE_UM: f64 = 0.8;
 /// An interval is to last so long at the rapid rate, s (decision COMMISSION-3).
 const LEAST_TIME_S: f64 = 0.008;
 
@@ -522,7 +522,7 @@ mod tests {
                 );
             }
             assert!(
-                plan.after.0 <= 1.0 || plan.interval.0 <= 1.0,
+                plan.after.0 <= FINE_UM || plan.interval.0 <= 1.0,
                 "{}",
                 plan.after.0
             );

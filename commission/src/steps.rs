@@ -162,12 +162,19 @@ fn gear(axis: Axis, wanted: f64, parameters: &Parameters) -> Result<Proposal, Me
     for change in &changes {
         change.apply(&mut then, &mut none)?;
     }
-    if let Some(limit) = gear_speed_limit(axis, &then)
-        && parameters.rapid_rate(axis) > limit
-    {
-        let limit = limit.floor();
-        changes.push(value(of(axis, 22, 23), limit as i32));
-        notes.push(say::commission_gear_slow(name(axis), limit));
+    if let Some(limit) = gear_speed_limit(axis, &then) {
+        // 113 is halved for X.
+        let approach = match axis {
+            Axis::X => 2.0 * limit,
+            Axis::Z => limit,
+        };
+        let rapid = of(axis, 22, 23);
+        for (number, most) in [(rapid, limit), (113, approach)] {
+            if f64::from(parameters.value(number)) > most {
+                changes.push(value(number, most.floor() as i32));
+            }
+        }
+        notes.push(say::commission_gear_slow(name(axis), limit.floor()));
     }
     notes.push(say::pitch_zero_return_needed());
     proposal(changes, notes, parameters)
@@ -426,7 +433,7 @@ mod tests {
             measured: Travel(measured),
         };
         let half = gear_measured(Axis::Z, made(-100.0, -50.0), &parameters).unwrap();
-        assert_eq!(changed(&half), [(16, 2), (23, 3800)]);
+        assert_eq!(changed(&half), [(16, 2), (23, 3800), (113, 3800)]);
         let twice = gear_measured(Axis::X, made(100.0, 200.0), &parameters).unwrap();
         assert_eq!(changed(&twice), [(17, 2)]);
         for (commanded, measured) in [(100.0, -100.0), (100.0, 0.0), (0.0, 0.0), (f64::NAN, 1.0)] {

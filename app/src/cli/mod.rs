@@ -10,6 +10,7 @@ mod looks;
 mod lsp;
 mod packages;
 mod picture;
+mod pitch;
 mod project;
 mod run;
 mod transfer;
@@ -34,6 +35,7 @@ pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use lsp::LspArgs;
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
+pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
 pub use project::{
     DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
     ProjectNewArgs,
@@ -181,6 +183,9 @@ pub enum Command {
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
+    /// Pitch errors of the screws: measurements into the table of the control, and the table itself
+    #[command(subcommand)]
+    Pitch(PitchCommand),
     /// All that the control holds as one folder of readable text
     ///
     /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a

@@ -10,6 +10,7 @@ mod link;
 mod lsp;
 mod manual;
 mod operate;
+mod pitch;
 mod plot;
 mod project;
 mod run;
@@ -71,6 +72,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Plot(args)) => args.look.lang,
         Some(Command::Dialect(args)) => args.lang,
         Some(Command::Help(args)) => args.lang,
+        Some(Command::Pitch(command)) => command.lang(),
         Some(Command::Project(command)) => command.lang(),
         Some(Command::Lsp(args)) => args.lang,
         Some(Command::Lesson(command)) => command.language(),
@@ -92,6 +94,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Link(command)) => link::link(&command),
+        Some(Command::Pitch(command)) => pitch::pitch(&command),
         Some(Command::Project(command)) => project::project(&command),
         Some(Command::Transfer(command)) => transfer::transfer(&command),
         Some(Command::Help(args)) => help::help(&args),
