@@ -84,7 +84,7 @@ fn import(args: &PitchImportArgs) -> Result<u8, CommandError> {
         );
     }
     if args.dry_run {
-        compare(axis, &own, &found.proposal().changes);
+        compare(axis, &own, &found);
     }
     list(&taken.differences, &taken.old, &taken.new, args.lang);
     for note in &found.proposal().notes {
@@ -112,19 +112,24 @@ fn fitted(readings: usize, runs: usize, fit: &Fit) -> Message {
 }
 
 /// Corrections in force and to be, point by point.
-fn compare(axis: Axis, (parameters, table): &(Parameters, PitchTable), changes: &[Change]) {
+fn compare(axis: Axis, (parameters, table): &(Parameters, PitchTable), found: &Found) {
     let (mut then, mut new) = (parameters.clone(), table.clone());
-    for change in changes {
+    for change in &found.proposal().changes {
         // They were tried before.
         let _ = change.apply(&mut then, &mut new);
     }
-    let positions = points(axis, &then);
+    let mut positions = points(axis, &then);
+    if let Found::Measured(_, fit, plan) = found {
+        let (first, last) = fit.curve.range();
+        let within = first.0 - plan.interval.0..=last.0 + plan.interval.0;
+        positions.retain(|(_, at)| within.contains(&at.0));
+    }
     let before = correction(axis, parameters, table, positions.iter().map(|(_, at)| *at));
     let after = correction(axis, &then, &new, positions.iter().map(|(_, at)| *at));
     let mut out = String::from("position,correction,proposed\n");
     let mut last = None;
     for ((at, old), (_, value)) in before.points().iter().zip(after.points()) {
-        // Beyond the measured travel nothing changes.
+        // One line for all points with the same correction.
         let row = (old.0, value.0);
         if last != Some(row) {
             out.push_str(&format!("{:.3},{:.3},{:.3}\n", at.0, row.0, row.1));

@@ -39,7 +39,7 @@ impl Dice {
 }
 
 /// A slide whose screw is long or short, bent, and worn.
-fn badly_set(axis: AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> AxisConfig {
+fn badly_set(axis: &AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> AxisConfig {
     let (slope, height) = (dice.between(-0.05, 0.05), dice.between(4.0, 9.0));
     let (period, phase) = (dice.between(180.0, 260.0), dice.between(0.0, 6.0));
     // mm of slide travel and µm; the file counts diameters of X.
@@ -56,15 +56,15 @@ fn badly_set(axis: AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> Axis
         pulse: Some(dice.between(0.000_25, 0.000_6)),
         backlash: (dice.between(5.0, 60.0) / 1000.0) * scale,
         pitch_errors: points.collect(),
-        ..axis
+        ..axis.clone()
     }
 }
 
 fn lathe(seed: u64) -> Simulation {
     let mut dice = Dice(seed);
     let mut setup = Setup::delivered();
-    setup.lathe.x = badly_set(setup.lathe.x, 2.0, 150.0, &mut dice);
-    setup.lathe.z = badly_set(setup.lathe.z, 1.0, 500.0, &mut dice);
+    setup.lathe.x = badly_set(&setup.lathe.x, 2.0, 150.0, &mut dice);
+    setup.lathe.z = badly_set(&setup.lathe.z, 1.0, 500.0, &mut dice);
     setup.lathe.check().unwrap();
     let mut simulation = Simulation::new(setup);
     ticks(&mut simulation, 300);
@@ -151,6 +151,10 @@ impl Person {
     /// The machine zero return; the laser is set to zero there.
     #[track_caller]
     fn home(&mut self, axis: Axis) {
+        // Before the dog: from beyond it the return leads into the limit switch.
+        if self.machine(axis) > -50.0 {
+            self.go_to(axis, -55.0);
+        }
         press(&mut self.simulation, ZERO);
         let key = match axis {
             Axis::X => X_PLUS,
