@@ -47,11 +47,12 @@ impl Drive {
     }
 }
 
-/// The ratio that comes nearest, with the smallest numbers.
+/// The ratio with the smallest numbers that is at most so far off, as a part of itself; where
+/// none is, the one that comes nearest.
 ///
 /// # Errors
 /// It is out of reach of 1 to 127 on both sides.
-pub fn nearest_ratio(wanted: f64) -> Result<Ratio, Message> {
+pub fn nearest_ratio(wanted: f64, tolerance: f64) -> Result<Ratio, Message> {
     let largest = f64::from(LARGEST);
     if !(wanted.is_finite() && wanted >= 0.999 / largest && wanted <= 1.001 * largest) {
         return Err(say::commission_gear_out_of_reach(wanted, LARGEST));
@@ -63,6 +64,9 @@ pub fn nearest_ratio(wanted: f64) -> Result<Ratio, Message> {
         // A larger pair has to be better by more than the last bits.
         if off < best.2 - 1e-12 {
             best = (multiply as i32, divide, off);
+        }
+        if off <= tolerance {
+            break;
         }
     }
     let (multiply, divide, _) = best;
@@ -89,7 +93,7 @@ mod tests {
         };
         let wanted = drive.ratio(Travel(0.001)).unwrap();
         assert!((wanted - 0.16).abs() < 1e-12);
-        let ratio = nearest_ratio(wanted).unwrap();
+        let ratio = nearest_ratio(wanted, 0.0).unwrap();
         assert_eq!((ratio.multiply, ratio.divide), (4, 25));
         assert!(ratio.off.abs() < 1e-6);
         let none = Drive {
@@ -101,15 +105,18 @@ mod tests {
 
     #[test]
     fn a_ratio_between_has_its_error_told() {
-        let ratio = nearest_ratio(1.0 / 3.1717).unwrap();
+        let ratio = nearest_ratio(1.0 / 3.1717, 0.0).unwrap();
         let made = f64::from(ratio.multiply) / f64::from(ratio.divide);
         assert!((made * 3.1717 - 1.0 - ratio.off * 1e-6).abs() < 1e-12);
         for out in [0.0, 1e-3, 200.0, f64::NAN, f64::INFINITY] {
-            assert!(nearest_ratio(out).is_err());
+            assert!(nearest_ratio(out, 0.0).is_err());
         }
         assert_eq!(
-            nearest_ratio(1.0).map(|it| (it.multiply, it.divide)),
+            nearest_ratio(1.0, 0.0).map(|it| (it.multiply, it.divide)),
             Ok((1, 1))
         );
+        // As it is measured: a screw is long by 100 µm a metre.
+        let simple = nearest_ratio(2.0002, 200e-6).map(|it| (it.multiply, it.divide));
+        assert_eq!(simple, Ok((2, 1)));
     }
 }

@@ -122,8 +122,12 @@ pub fn gear_from_drive(
 ) -> Result<Proposal, Message> {
     let (multiply, divide) = parameters.gear(axis);
     let increment = pulse_weight(axis, parameters) * f64::from(multiply) / f64::from(divide);
-    gear(axis, drive.ratio(Travel(increment))?, parameters)
+    gear(axis, drive.ratio(Travel(increment))?, 0.0, parameters)
 }
+
+/// What the lead of a screw, and a measurement of it, may be off: a ratio of small numbers
+/// within that is the one the wheels have (decision COMMISSION-2).
+const LEAD_TOLERANCE: f64 = 200e-6;
 
 /// The gear of an axis from a long move.
 ///
@@ -143,11 +147,21 @@ pub fn gear_measured(
     }
     let (multiply, divide) = parameters.gear(axis);
     let stands = f64::from(multiply) / f64::from(divide);
-    gear(axis, stands * commanded / measured, parameters)
+    gear(
+        axis,
+        stands * commanded / measured,
+        LEAD_TOLERANCE,
+        parameters,
+    )
 }
 
-fn gear(axis: Axis, wanted: f64, parameters: &Parameters) -> Result<Proposal, Message> {
-    let ratio = nearest_ratio(wanted)?;
+fn gear(
+    axis: Axis,
+    wanted: f64,
+    tolerance: f64,
+    parameters: &Parameters,
+) -> Result<Proposal, Message> {
+    let ratio = nearest_ratio(wanted, tolerance)?;
     let mut changes = vec![
         value(of(axis, 15, 16), ratio.multiply),
         value(of(axis, 17, 18), ratio.divide),
