@@ -171,7 +171,7 @@ fn pack(root: &Path, page: &Path) -> Result<(), TaskError> {
     }
     let folder = folder(root)?;
     let zip = folder.join(format!("{name}.zip"));
-    archive::zip(&zip, &name, &files)?;
+    archive::zip(&zip, &name, &files, archive::Effort::Small)?;
     let size = on(&zip, fs::metadata(&zip))?.len();
     println!("{}: {} kB", zip.display(), size / 1000);
     if size > LARGEST {

@@ -99,7 +99,7 @@ fn pack(root: &Path, folder: &Path, program: &Path) -> Result<(), TaskError> {
         files.extend(archive::entries(root, beside)?);
     }
     let zip = folder.join(format!("{name}.zip"));
-    archive::zip(&zip, &name, &files)?;
+    archive::zip(&zip, &name, &files, archive::Effort::Quick)?;
     let both = ["gsk980td.exe".to_owned(), format!("{name}.zip")];
     print!("{}", sum(folder, &format!("{name}.sha256"), &both)?);
     Ok(())
