@@ -134,6 +134,9 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
         Request::SetParameterSwitch(true),
     )));
     bench.run(100);
+    let control = egui::Modifiers::CTRL;
+    bench.harness.key_press_modifiers(control, egui::Key::Num1);
+    bench.run(300);
     // Not in MDI: it says why not, and the button is dead.
     let value = |bench: &Bench| {
         let cnc = &bench.kernel.emulator().simulation.cnc;
@@ -156,7 +159,6 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
     bench.run(100);
     assert_eq!(*bench.kernel.emulator().simulation.cnc.parameters(), before);
     // In MDI it is written, and taken back.
-    let control = egui::Modifiers::CTRL;
     bench.harness.key_press_modifiers(control, egui::Key::Num3);
     bench.run(300);
     bench.run(100);

@@ -21,8 +21,9 @@ mod measurement;
 mod plan;
 mod ren;
 mod steps;
+mod undo;
 
-pub use change::{Change, Proposal, Undo, Undone};
+pub use change::{Change, Proposal};
 pub use csv::write as write_csv;
 pub use fit::{Curve, Fit, fit};
 pub use gear::{Drive, Ratio, nearest_ratio};
@@ -34,3 +35,4 @@ pub use steps::{
     Backlash, DriveKind, GearMeasured, Lag, SpindleSpeed, Step, ZeroMethod, acceleration, backlash,
     direction, gear_from_drive, gear_measured, largest_lag, reference, spindle,
 };
+pub use undo::{Undo, Undone};

@@ -413,8 +413,8 @@ pub fn backlash(
     }
     let mean = plays.iter().sum::<f64>() / plays.len() as f64;
     let mut notes = vec![say::commission_backlash_mean(
-        mean,
         plays.len(),
+        mean,
         largest - least,
     )];
     if largest - least > SPREAD_UM {
@@ -523,7 +523,13 @@ mod tests {
         };
         let readings = [reading(0.0, 0.022), reading(1.001, 1.025)];
         let play = backlash(Axis::X, &readings, &parameters).unwrap();
-        assert_eq!((changed(&play), play.notes.len()), (vec![(34, 23)], 1));
+        assert_eq!(changed(&play), [(34, 23)]);
+        let said = play
+            .notes
+            .iter()
+            .map(ToString::to_string)
+            .collect::<Vec<_>>();
+        assert_eq!(said, ["mean of 2 readings 23.0 µm, spread 2.0 µm"]);
         parameters.set(34, 5).unwrap();
         assert!(backlash(Axis::X, &readings, &parameters).is_err());
         assert_eq!(

@@ -47,7 +47,7 @@ fn the_example_is_another_lathe() {
     assert_eq!(ticks, Some(855));
     // Its drives give no one-turn signal.
     for place in 0..100 {
-        lathe.put_slides(gsk_core::units::Point::new(0.0, f64::from(place) * -0.5));
+        lathe.put_slides(Point::new(0.0, f64::from(place) * -0.5));
         let inputs = lathe.inputs();
         assert!(!inputs.index_pulse.z);
     }

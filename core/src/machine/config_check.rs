@@ -156,7 +156,7 @@ impl Check {
             self.rule(
                 next.at > one.at,
                 field("pitch_errors"),
-                say::machine_screw_order(one.at, next.at),
+                say::machine_screw_order(next.at, one.at),
             );
             let change = (next.error - one.error).abs();
             self.rule(
