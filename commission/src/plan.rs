@@ -118,6 +118,12 @@ impl Task<'_> {
         self.old(at) - self.deviation(at) * self.units / 1000.0
     }
 
+    /// How many points a table of this interval has.
+    fn points(&self, interval: f64) -> i64 {
+        let side = |end: f64| (end.max(0.0) / interval + 1e-9).floor() as i64;
+        side(self.range.1) + side(-self.range.0)
+    }
+
     /// Corrections of the intervals of one side; `sign`: which one.
     fn side(&self, interval: i64, sign: f64) -> Vec<i64> {
         let end = match sign > 0.0 {
@@ -241,11 +247,11 @@ pub fn plan(
             if !(1.0..=999_999.0).contains(&interval) {
                 return Err(say::pitch_interval_wrong(interval / units));
             }
-            let steps = task.steps(interval as i64);
-            let points = steps.plus.len() + steps.minus.len();
-            if points > LAST as usize {
+            let points = task.points(interval);
+            if points > LAST {
                 return Err(say::pitch_too_many_points(points, LAST));
             }
+            let steps = task.steps(interval as i64);
             if !task.fits(&steps) {
                 return Err(say::pitch_step_too_large(LARGEST * task.factor));
             }
@@ -288,6 +294,9 @@ pub fn plan(
 fn finest(task: &Task<'_>) -> Option<Steps> {
     let mut best: Option<Steps> = None;
     for interval in INTERVALS {
+        if task.points(interval as f64) > LAST {
+            continue;
+        }
         let steps = task.steps(interval);
         if !task.fits(&steps) {
             continue;
@@ -553,6 +562,7 @@ mod tests {
         assert!(planned(&steep, wish(10.0)).is_err());
         assert!(planned(&steep, wish(0.1)).is_err());
         assert!(planned(&steep, wish(0.0)).is_err());
+        assert!(planned(&steep, wish(0.001)).is_err());
         assert!(planned(&steep, wish(4.0)).is_ok());
     }
 
