@@ -11,6 +11,7 @@ mod lsp;
 mod mill;
 mod packages;
 mod picture;
+mod pitch;
 mod project;
 mod run;
 mod transfer;
@@ -36,6 +37,7 @@ pub use lsp::LspArgs;
 pub use mill::{GearArgs, MillCommand, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
+pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
 pub use project::{
     DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
     ProjectNewArgs,
@@ -188,6 +190,9 @@ pub enum Command {
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
+    /// Pitch errors of the screws: measurements into the table of the control, and the table itself
+    #[command(subcommand)]
+    Pitch(PitchCommand),
     /// All that the control holds as one folder of readable text
     ///
     /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a

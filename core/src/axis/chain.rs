@@ -30,7 +30,7 @@ pub(crate) fn motor_reversed(axis: Axis, parameters: &Parameters) -> bool {
 
 /// The highest speed an axis can be given when the gear multiplies (CMR > CMD),
 /// mm/min; beyond it alarm 097 (manual III-12.4).
-pub(crate) fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
+pub fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
     let (multiply, divide) = parameters.gear(axis);
     let base = match axis {
         Axis::X => 3800.0,
