@@ -23,6 +23,7 @@ use crate::files::data_dir::DataDir;
 use crate::files::data_dir::DataError;
 use crate::files::program_file::{self, FileError, ProgramFile};
 use crate::files::subprograms::{self, Found};
+use crate::platform;
 use crate::retained;
 use crate::saying::{lines, of_ladder};
 use crate::setup_args::{OfMill, OffsetWord, ParameterWord, SetupArgs};
@@ -238,6 +239,7 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
         let set = model.set_parameter(*number, *value);
         set.map_err(LoadError::ModelParameter)?;
     }
+    setup.day_time = args.clock.unwrap_or_else(platform::day_time);
     if let Some(on) = args.macro_b {
         setup.memory.settings.macro_b = on;
     }

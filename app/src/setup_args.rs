@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gsk_core::memory::DayTime;
 use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
 
@@ -47,6 +48,10 @@ pub struct SetupArgs {
     /// A parameter that only this model has, for instance 17=6000 (may be repeated)
     #[arg(long = "model-param", value_name = "N=V", allow_hyphen_values = true, value_parser = model_parameter)]
     pub model_parameters: Vec<(u16, i32)>,
+    /// Date and time of day with which the control's clock begins (#3011, #3012 of macro B),
+    /// for instance 1993-03-28T15:34:56 [default: the computer's]
+    #[arg(long, value_name = "DATETIME", value_parser = moment)]
+    pub clock: Option<DayTime>,
     /// Take parameters, offsets and programs from this data directory, and write them back
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
@@ -325,6 +330,11 @@ fn models(taken: fn(&ModelId) -> bool) -> impl TypedValueParser<Value = ModelId>
     let words = ModelId::ALL.into_iter().filter(taken);
     let words = words.map(|id| PossibleValue::new(id.word()).help(&*id.record().name));
     PossibleValuesParser::new(words).map(|word| ModelId::from_word(&word).unwrap_or_default())
+}
+
+/// `--clock`.
+fn moment(word: &str) -> Result<DayTime, WordError> {
+    DayTime::from_text(word).ok_or(WordError::Form("YYYY-MM-DDThh:mm:ss"))
 }
 
 fn model_parameter(word: &str) -> Result<(u16, i32), WordError> {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use gsk_core::command::ProgramId;
 use gsk_core::machine::LatheConfig;
-use gsk_core::memory::ToolOffset;
+use gsk_core::memory::{DayTime, ToolOffset};
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::plc::Ladder;
 use gsk_core::program::{Program, ProgramMemory};
@@ -53,6 +53,8 @@ pub struct SetupWords {
     pub model_params: Vec<String>,
     /// Of a mill: slides, zeros, tools.
     pub mill: MillWords,
+    /// Date and time of day at the start: `"1993-03-28 15:34:56"`.
+    pub clock: Option<String>,
     /// The part counter.
     pub parts: u32,
     /// The cutting time: `"05:28:08"`.
@@ -154,6 +156,10 @@ impl SetupWords {
         }
         if self.as_built {
             setup.wired = Some(setup.memory.parameters.clone());
+        }
+        if let Some(text) = &self.clock {
+            let moment = DayTime::from_text(text);
+            setup.day_time = moment.ok_or_else(|| format!("clock {text}: no such moment"))?;
         }
         setup.memory.counters.parts = self.parts;
         if let Some(clock) = &self.cutting {

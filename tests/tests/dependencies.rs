@@ -13,7 +13,7 @@ use paths::{Source, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 17] = [
+const PACKAGES: [&str; 18] = [
     "messages",
     "units",
     "plc",
@@ -23,6 +23,7 @@ const PACKAGES: [&str; 17] = [
     "workpiece",
     "core",
     "milling",
+    "commission",
     "panel",
     "project",
     "runner",

@@ -194,13 +194,75 @@ fn the_shop_program_of_the_mill_takes_its_time() {
     }
 }
 
+/// What a case with these programs starts from.
+fn program_of(case: &str, names: &[&str]) -> Setup {
+    let folder = repository().join("tests/cases").join(case);
+    let text = |name: &&str| std::fs::read_to_string(folder.join(name)).expect("text");
+    let texts: Vec<String> = names.iter().map(text).collect();
+    let case = Case::read(&folder).expect("case.ron");
+    let mut start = case.setup.setup().expect("set-up");
+    start.memory.programs = setup::memory(&texts).expect("program");
+    start
+}
+
+/// Times by tool at feed and in threads, s, against those worked out in the program. Every
+/// cut takes a little more to begin and to end, 0.25 s at most, every pass of a thread a
+/// turn and its ends. The preview and the control agree.
+fn takes_its_time(start: &Setup, by_hand: &[(&str, f64, f64, u8)], a_pass: f64) {
+    const A_CUT: f64 = 0.25;
+    let [checked, executed] = [check(start), run(start)];
+    for seen in [&checked, &executed] {
+        assert_eq!(seen.result["end"], "M30");
+        assert!(seen.result["alarm"].is_null());
+    }
+    let times = checked.result["tool_times"].as_array().expect("tools");
+    assert_eq!(times.len(), by_hand.len(), "{times:?}");
+    for (time, (tool, feed, thread, strokes)) in times.iter().zip(by_hand) {
+        let strokes = f64::from(*strokes);
+        assert_eq!(time["tool"], *tool);
+        let seconds = |kind: &str| time[kind].as_f64().expect("seconds");
+        let (seen_feed, seen_thread) = (seconds("feed"), seconds("thread"));
+        let feeds = *feed - 0.001..feed + strokes * A_CUT + 0.001;
+        let threads = *thread - 0.001..thread + strokes * a_pass + 0.001;
+        assert!(feeds.contains(&seen_feed), "{time}: by hand {feed}");
+        assert!(threads.contains(&seen_thread), "{time}: by hand {thread}");
+    }
+    let whole = |seen: &Seen| seen.result["time_s"].as_f64().expect("time");
+    let (one, other) = (whole(&checked), whole(&executed));
+    assert!((one / other - 1.0).abs() < 0.01, "{one} s, {other} s");
+}
+
+#[test]
+fn the_shop_program_of_the_ncb08_takes_its_time() {
+    let start = program_of("models/ncb08/flanged-pin", &["main.nc", "o0002.nc"]);
+    let by_hand = [
+        ("0101", 18.9 + 103.5 + 46.25 + 58.478, 0.0, 1 + 10 + 7),
+        ("0202", 31.2 + 30.133, 0.0, 6 + 2),
+        ("0303", 0.0, 5.867, 4),
+        ("0404", 34.8, 0.0, 3),
+    ];
+    // At 600 r/min.
+    takes_its_time(&start, &by_hand, 0.1 + 0.05);
+}
+
+#[test]
+fn the_shop_program_in_macro_b_takes_its_time() {
+    let programs = ["main.nc", "o9100.nc", "o9110.nc", "o9010.nc"];
+    let start = program_of("macros/macro-b/family-of-parts", &programs);
+    let by_hand = [
+        ("0101", 110.375 + 20.026 + 22.5, 0.0, 8 + 10 + 1),
+        ("0202", 4.0 * 7.2 + 3.0 * 1.2, 0.0, 8 + 3),
+        ("0303", 0.0, 8.8, 4),
+    ];
+    // At 300 r/min.
+    takes_its_time(&start, &by_hand, 0.2 + 0.05);
+}
+
 /// The program of a shop, as its case has it, and its job.
 fn shop_program() -> (Setup, Job) {
     let folder = repository().join("tests/cases/models/hx31/shop-program");
+    let start = program_of("models/hx31/shop-program", &["main.nc"]);
     let text = |name: &str| std::fs::read_to_string(folder.join(name)).expect(name);
-    let case = Case::read(&folder).expect("case.ron");
-    let mut start = case.setup.setup().expect("set-up");
-    start.memory.programs = setup::memory(&[text("main.nc")]).expect("program");
     let job: Job = ron::from_str(&text("main.job.ron")).expect("job");
     job.check().expect("job");
     (start, job)

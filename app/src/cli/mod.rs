@@ -11,6 +11,7 @@ mod lsp;
 mod mill;
 mod packages;
 mod picture;
+mod pitch;
 mod project;
 mod run;
 mod transfer;
@@ -36,6 +37,7 @@ pub use lsp::LspArgs;
 pub use mill::{GearArgs, MillCommand, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
+pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
 pub use project::{
     DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
     ProjectNewArgs,
@@ -90,6 +92,11 @@ pub struct WindowArgs {
     /// Program to open at the start
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
+    /// Ask the three questions of the first start (language, what for, which lathe) again, or
+    /// do not ask them now [default: asked once, unless this start names a program, a lathe, a
+    /// control model or a port]
+    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on", value_parser = crate::setup_args::switch)]
+    pub first_start: Option<bool>,
     /// Print the time to the first frame and frames a second on standard error
     #[arg(long)]
     pub figures: bool,
@@ -120,7 +127,7 @@ pub struct WindowArgs {
     #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
-    #[arg(long, value_name = "PORT")]
+    #[arg(long, value_name = "PORT", conflicts_with = "first_start")]
     pub link: Option<String>,
 }
 
@@ -183,6 +190,9 @@ pub enum Command {
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
+    /// Pitch errors of the screws: measurements into the table of the control, and the table itself
+    #[command(subcommand)]
+    Pitch(PitchCommand),
     /// All that the control holds as one folder of readable text
     ///
     /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a

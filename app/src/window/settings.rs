@@ -27,6 +27,12 @@ pub struct Settings {
     pub solid: bool,
     /// Lessons that were done to their end, by name.
     pub lessons: BTreeSet<String>,
+    /// The questions of the first start wait to be answered.
+    pub first_start: bool,
+    /// The lathe that was chosen at the first start; none: the simulated one as delivered.
+    pub machine: Option<PathBuf>,
+    /// How large everything is, per cent; none: as the monitor asks for.
+    pub zoom: Option<u16>,
 }
 
 impl Default for Settings {
@@ -38,6 +44,9 @@ impl Default for Settings {
             light: false,
             solid: false,
             lessons: BTreeSet::new(),
+            first_start: false,
+            machine: None,
+            zoom: None,
         }
     }
 }

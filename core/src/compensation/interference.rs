@@ -201,7 +201,10 @@ fn interferes(piece: &Piece, way: &Way) -> bool {
     match &piece.circle {
         Some(circle) if !way.straight => turns_over(piece, circle, p, q),
         _ => {
-            let along = (piece.end - piece.start).unit().unwrap_or(piece.exit);
+            let along = match piece.circle {
+                None => piece.exit,
+                Some(_) => (piece.end - piece.start).unit().unwrap_or(piece.exit),
+            };
             (q - p).dot(along) < -BACKWARDS
         }
     }

@@ -107,6 +107,13 @@ impl Block {
         (self.len, self.addresses, self.codes) = (0, 0, 0);
     }
 
+    /// The number of the first variable that stands for the number of a word.
+    pub(crate) fn first_variable(&self) -> Option<u16> {
+        let variable = |word: &Word| word.value.variable();
+        let found = self.words().iter().find_map(variable);
+        found.map(|variable| variable.number)
+    }
+
     /// The words in order, without N and O.
     pub fn words(&self) -> &[Word] {
         &self.words[..usize::from(self.len)]
