@@ -168,6 +168,9 @@ impl PitchTable {
             return Err(say::mill_pitch_turn(turn, self.interval));
         }
         let end = self.origin + turn / self.interval;
+        if !NUMBERS.contains(&end) {
+            return Err(say::mill_pitch_number());
+        }
         let sum: i64 = (self.origin + 1..=end)
             .map(|number| self.value(number))
             .sum();
@@ -250,6 +253,7 @@ mod tests {
         four.values.insert(64, 0);
         assert!(four.end_of_turn(360_000).is_err());
         assert!(four.end_of_turn(100_000).is_err());
+        assert!(four.end_of_turn(45_000_000_000).is_err());
     }
 
     /// Fact C41.

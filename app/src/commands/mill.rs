@@ -185,7 +185,9 @@ fn gear(args: &GearArgs) -> Result<u8, CommandError> {
 }
 
 fn pitch(args: &PitchArgs) -> Result<u8, CommandError> {
-    let thousandths = |mm: f64| (mm * 1000.0).round() as i64;
+    // Farther than any axis reaches.
+    const FARTHEST: f64 = 1e12;
+    let thousandths = |mm: f64| (mm * 1000.0).round().clamp(-FARTHEST, FARTHEST) as i64;
     let interval = thousandths(args.interval);
     let table = PitchTable::new(args.origin, interval, args.window, &args.values);
     let table = table.map_err(wrong)?;
