@@ -349,6 +349,7 @@ impl Kernel {
                     self.say(Notice::Refused(alarm));
                 }
             }
+            Command::Write(requests) => self.write(requests),
             Command::Job(chosen) => {
                 let part = match &mut self.lesson {
                     Some(lesson) => lesson.own_part(),
@@ -396,6 +397,22 @@ impl Kernel {
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}
             Command::Quit => self.quit = true,
+        }
+    }
+
+    /// Asks for parameters and pitch errors as one; where the control takes none, none.
+    fn write(&mut self, requests: Vec<Request>) {
+        let cnc = &mut self.emulator.simulation.cnc;
+        if let Err(refusal) = cnc.rights().parameters() {
+            let why = gsk_project::refused(refusal);
+            self.say(Notice::Said(say::commission_refused(why)));
+            return;
+        }
+        for request in requests {
+            if let Err(alarm) = self.emulator.simulation.cnc.request(request) {
+                self.say(Notice::Refused(alarm));
+                return;
+            }
         }
     }
 

@@ -23,6 +23,7 @@ pub mod pace;
 pub mod patience;
 pub mod person;
 pub mod picture;
+pub mod pitch;
 pub mod platform;
 pub mod ports;
 pub mod project;

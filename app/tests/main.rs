@@ -20,6 +20,7 @@ mod machine_view;
 mod notices;
 mod overwriting;
 mod part;
+mod pitch;
 mod program_view;
 mod project;
 #[cfg(unix)]

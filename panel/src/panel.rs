@@ -329,6 +329,9 @@ impl Panel {
         self.read_transfer_error();
         let compound = self.compound.take();
         let flashing = self.view.flashing.take();
+        if self.is_teaching(cnc) && self.teaching_key(key, cnc, requests) {
+            return;
+        }
         match (key.row().role, key) {
             (Role::Page, _) => self.page_key(key, cnc),
             (Role::Character(first, second), _) => {

@@ -8,8 +8,10 @@ mod lesson;
 mod link;
 mod looks;
 mod lsp;
+mod mill;
 mod packages;
 mod picture;
+mod pitch;
 mod project;
 mod run;
 mod transfer;
@@ -32,8 +34,10 @@ pub use link::{
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use lsp::LspArgs;
+pub use mill::{GearArgs, MillCommand, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
+pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
 pub use project::{
     DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
     ProjectNewArgs,
@@ -120,7 +124,7 @@ pub struct WindowArgs {
     pub macro_b: Option<bool>,
     /// The control model; each has a memory of its own in the data folder, which keeps the choice
     /// [default: as it was, gsk980td at first]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
     #[arg(long, value_name = "PORT", conflicts_with = "first_start")]
@@ -186,6 +190,9 @@ pub enum Command {
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
+    /// Pitch errors of the screws: measurements into the table of the control, and the table itself
+    #[command(subcommand)]
+    Pitch(PitchCommand),
     /// All that the control holds as one folder of readable text
     ///
     /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a
@@ -193,6 +200,9 @@ pub enum Command {
     /// meaning. docs/project.md describes the folder.
     #[command(subcommand)]
     Project(ProjectCommand),
+    /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors
+    #[command(subcommand)]
+    Mill(MillCommand),
     /// Find, try, watch or play a pulse board
     #[command(subcommand)]
     Link(LinkCommand),

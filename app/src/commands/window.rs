@@ -16,6 +16,7 @@ use crate::dnc::{self, Source};
 use crate::files::data_dir::{self, DataDir, DataError};
 use crate::files::models;
 use crate::kernel::{Connection, Kernel};
+use crate::loading::LoadError;
 use crate::serial::{End, SerialLine};
 use crate::setup_args::SetupArgs;
 use crate::window::app::{self, Start};
@@ -31,6 +32,12 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     {
         return Err(CommandError::NoFile(program.clone()));
     }
+    // Before a window is opened or a directory made.
+    let asked = SetupArgs {
+        model: args.model,
+        ..SetupArgs::default()
+    };
+    asked.refuse_mill().map_err(LoadError::from)?;
     if !platform::has_display() {
         let said = without_display(args.program.as_deref());
         complain!("gsk980td: {}", report::said(&said, language));

@@ -23,12 +23,14 @@ pub enum View {
     Machine,
     /// Guided lessons.
     Lesson,
+    /// Commissioning.
+    Commission,
 }
 
 impl View {
     /// Whether it shows the machine and the PLC as they are.
     pub const fn monitors(self) -> bool {
-        matches!(self, Self::Bench | Self::Ladder)
+        matches!(self, Self::Bench | Self::Ladder | Self::Commission)
     }
 
     /// Its row of the table.
@@ -53,7 +55,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 7] = [
+pub static VIEWS: [ViewRow; 8] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
@@ -102,6 +104,13 @@ pub static VIEWS: [ViewRow; 7] = [
         key: Key::Home,
         size: [420.0, 520.0],
         least: [220.0, 260.0],
+    },
+    ViewRow {
+        view: View::Commission,
+        name: say::window_view_commission,
+        key: Key::End,
+        size: [860.0, 700.0],
+        least: [520.0, 320.0],
     },
 ];
 

@@ -20,6 +20,8 @@ mod program;
 mod program_text;
 mod settings;
 mod table;
+mod taught;
+mod teaching;
 mod view;
 
 use gsk_core::cnc::Cnc;
@@ -41,6 +43,8 @@ pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub(crate) use program::directory_screens;
 pub(crate) use program_text::PAGE_ROWS;
 pub use table::{PAGES, PageId, PageKey, PageRow};
+pub use taught::{Taught, Teaching};
+pub(crate) use teaching::teaches;
 pub use view::BRIGHTNESS_STEPS;
 pub use view::{Communication, Cursor, Cursors, Editor, FLASH_TICKS, View};
 
@@ -82,6 +86,7 @@ pub fn draw_in(language: Language, page: PageId, view: &View, cnc: &Cnc) -> Scre
         PageId::Edisk => settings::disk(target, view),
         PageId::Password => password::draw(target, view, cnc),
         PageId::GraphPar => graphic::parameters(target, view),
+        PageId::Graph if teaches(cnc) => teaching::draw(target, view, cnc),
         PageId::Graph => graphic::picture(target, view, cnc),
         PageId::ParBit => parameters::states(target, view, cnc),
         PageId::ParData => parameters::data(target, view, cnc),

@@ -1,8 +1,9 @@
-//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons. They stand in panes
+//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons, commissioning. They stand in panes
 //! of the window or in windows of their own; closed they cost nothing.
 
 mod aside;
 mod bench;
+mod commission;
 pub mod header;
 mod ladder;
 mod lesson;
@@ -28,6 +29,7 @@ use super::view::{VIEWS, View, ViewRow, toggled};
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use bench::Bench;
+use commission::CommissionView;
 use gsk_messages::Language;
 use ladder::LadderView;
 use lesson::LessonView;
@@ -49,6 +51,7 @@ pub struct Views {
     program: ProgramView,
     lathe: LatheView,
     lessons: LessonView,
+    commission: CommissionView,
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// A view that another one wants to be open.
@@ -69,6 +72,7 @@ impl Views {
             program: ProgramView::new(console.clone()),
             lathe: LatheView::new(console.clone(), solid),
             lessons: LessonView::new(console.clone(), finished),
+            commission: CommissionView::new(console.clone()),
             console: console.clone(),
             machine: None,
             wanted: None,
@@ -96,7 +100,15 @@ impl Views {
                 (View::Link, true) => self.link.open(),
                 (View::Link, false) => self.link.close(),
                 (View::Machine, false) => self.lathe.close(),
-                (View::Bench | View::Ladder | View::Program | View::Machine | View::Lesson, _) => {}
+                (
+                    View::Bench
+                    | View::Ladder
+                    | View::Program
+                    | View::Machine
+                    | View::Lesson
+                    | View::Commission,
+                    _,
+                ) => {}
             }
         }
         let after = self.monitors();
@@ -151,6 +163,13 @@ impl Views {
                 self.carry_out_wish();
             }
             View::Lesson => self.lessons.show(ui, language),
+            View::Commission => {
+                let machine = self.machine.as_ref();
+                if self.commission.show(ui, language, machine) && !self.shown.contains(&View::Scope)
+                {
+                    self.wanted = Some(View::Scope);
+                }
+            }
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();
