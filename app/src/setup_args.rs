@@ -57,7 +57,7 @@ pub struct SetupArgs {
     pub data: Option<PathBuf>,
     /// Options of the mill.
     #[command(flatten)]
-    pub mill: MillArgs,
+    pub mill: Box<MillArgs>,
 }
 
 impl SetupArgs {
@@ -316,9 +316,18 @@ fn number(word: &str) -> Result<f64, WordError> {
     Ok(value)
 }
 
+/// The words of the models whose programs are run.
+pub fn model() -> impl TypedValueParser<Value = ModelId> {
+    models(|id| id.record().executes)
+}
+
 /// The words of all models.
 pub fn any_model() -> impl TypedValueParser<Value = ModelId> {
-    let words = ModelId::ALL.into_iter();
+    models(|_| true)
+}
+
+fn models(taken: fn(&ModelId) -> bool) -> impl TypedValueParser<Value = ModelId> {
+    let words = ModelId::ALL.into_iter().filter(taken);
     let words = words.map(|id| PossibleValue::new(id.word()).help(&*id.record().name));
     PossibleValuesParser::new(words).map(|word| ModelId::from_word(&word).unwrap_or_default())
 }

@@ -153,8 +153,6 @@ impl Drilling<'_> {
         }
         if feeds_out {
             parts.push(Part::Feed(in_r));
-        } else {
-            parts.push(Part::Rapid(in_r));
         }
         parts.push(Part::Rapid(self.at(self.back())));
         if matches!(self.hole, Hole::BoreStop | Hole::BoreByHand) {
@@ -240,7 +238,7 @@ impl Drilling<'_> {
     fn tap(&self, parts: &mut Vec<Part>) {
         let (in_r, end) = (self.at(self.r), self.at(self.bottom));
         if self.memory.value(parameter::ENCODER) == 0 {
-            parts.extend([Part::Feed(end), Part::Rapid(in_r)]);
+            parts.push(Part::Feed(end));
         } else {
             let (in_turn, out_turn) = match self.hole {
                 Hole::LeftTap => (Spindle::Reverse, Spindle::Forward),

@@ -20,6 +20,8 @@ import tempfile
 from pathlib import Path
 
 NEAR = 0.0011
+# What it keeps in its files is in inches.
+INCH = 25.4
 PLANES = {"G17": ("X", "Y", "Z"), "G18": ("Z", "X", "Y"), "G19": ("Y", "Z", "X")}
 CENTERS = {"X": "I", "Y": "J", "Z": "K"}
 ZEROS = {54: (0, 0, 0), 55: (10, -20, 5), 56: (-3.5, 7.25, 0), 57: (100, 50, -10),
@@ -75,16 +77,16 @@ def length(draw):
 
 
 def zero(draw):
-    kind = draw.random()
-    if kind < 0.6:
+    if draw.random() < 0.6:
         return [f"G{draw.choice(list(ZEROS))}"]
     axes = {axis: draw.uniform(-30, 30) for axis in draw.sample("XYZ", 2)}
-    return [("G92 " if kind < 0.8 else "G90 G52 ") + words(**axes), "G1"]
+    return [f"G90 {draw.shift} " + words(**axes), "G1"]
 
 
 def holes(draw):
     code = draw.choice(["G81", "G82", "G85", "G89", "G73", "G83"])
-    back = draw.choice(["G98", "G99"])
+    # Under G98 the other side feeds as far as the initial level; here only to R.
+    back = "G99" if code in ("G85", "G89") else draw.choice(["G98", "G99"])
     top, r, bottom = draw.uniform(20, 40), draw.uniform(1, 15), draw.uniform(-30, -1)
     extra = {"G82": " P{dwell}", "G89": " P{dwell}", "G73": " Q2.", "G83": " Q2."}.get(code, "")
     out = [f"G90 G0 Z{number(top)}"]
@@ -99,6 +101,8 @@ def holes(draw):
 
 
 def program(draw):
+    # There both share one offset.
+    draw.shift = draw.choice(["G52", "G92"])
     lines = ["G21 G17 G90 G94 G54 G40 G49", "G0 X0. Y0. Z50.", "G1 F200"]
     for _ in range(draw.randrange(5, 40)):
         lines += draw.choices([line, arc, length, zero, holes], [5, 5, 1, 1, 2])[0](draw)
@@ -130,7 +134,7 @@ CALL = re.compile(r"(\w+)\(([^)]*)\)")
 
 def theirs(folder, lines):
     (folder / "their.ngc").write_text("\n".join(lines).replace("{dwell}", "0.5") + "\n")
-    rows = [f"{5201 + 20 * (code - 53) + axis} {point[axis]}" for code, point in ZEROS.items() for axis in range(3)]
+    rows = [f"{5201 + 20 * (code - 53) + axis} {point[axis] / INCH:.12f}" for code, point in ZEROS.items() for axis in range(3)]
     needed = [5161, 5181, 5210, 5211, 5212, 5213, 5214, 5215, 5216, 5217, 5218, 5219, 5220]
     numbers = {int(row.split()[0]): row.split()[1] for row in rows}
     for base in needed:
@@ -143,7 +147,7 @@ def theirs(folder, lines):
         for index in range(10):
             numbers.setdefault(start + index, "0")
     (folder / "their.var").write_text("".join(f"{key} {numbers[key]}\n" for key in sorted(numbers)))
-    (folder / "their.tbl").write_text("".join(f"T{key} P{key} Z{value}\n" for key, value in LENGTHS.items()))
+    (folder / "their.tbl").write_text("".join(f"T{key} P{key} Z{value / INCH:.12f}\n" for key, value in LENGTHS.items()))
     done = subprocess.run(["rs274", "-g", "-v", "their.var", "-t", "their.tbl", "their.ngc"], cwd=folder,
                           capture_output=True, text=True, input="")
     made, at, plane = [], None, "XY"

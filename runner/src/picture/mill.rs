@@ -171,15 +171,21 @@ impl MillDrawing {
         u8::try_from(index).unwrap_or(u8::MAX)
     }
 
-    fn cube(&self) -> Cube {
+    /// Around what is shown.
+    fn reach(&self) -> Cube {
         let shown = match self.look.whole {
             true => self.all,
             false => self.cuts.or(self.all),
         };
-        let mut cube = shown.unwrap_or(Cube {
+        shown.unwrap_or(Cube {
             low: [-50.0; 3],
             high: [50.0; 3],
-        });
+        })
+    }
+
+    /// The same with some room.
+    fn cube(&self) -> Cube {
+        let mut cube = self.reach();
         for axis in 0..3 {
             let room = ((cube.high[axis] - cube.low[axis]) * 0.05).max(0.5);
             cube.low[axis] -= room;
@@ -335,7 +341,7 @@ fn parts(drawing: &MillDrawing, language: Language) -> Vec<Part> {
             words: pane.view.name(language),
             align: Place::Left,
         });
-        figures(&pane, &cube, &mut parts);
+        figures(&pane, &drawing.reach(), &mut parts);
         for rapid in [true, false] {
             let strokes = drawing.strokes.iter();
             for stroke in strokes.filter(|it| (it.made == Made::Rapid) == rapid) {
