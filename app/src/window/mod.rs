@@ -21,6 +21,7 @@ mod placing;
 mod pointing;
 mod project;
 mod questions;
+mod reader;
 pub mod refusal;
 mod samples;
 mod settings;

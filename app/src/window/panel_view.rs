@@ -10,7 +10,7 @@ use gsk_panel::screen::{COLUMNS, ROWS};
 
 use super::key_map::pc_name;
 use super::placing::{self, View};
-use super::{Command, Message, Window};
+use super::{Command, Message, Window, reader};
 use gsk_messages::{Language, say};
 
 /// The ring around a key that is kept for the next one.
@@ -98,6 +98,7 @@ impl Window {
                     say::window_lcd().text(self.settings.language),
                 )
             });
+            reader::rows(ui, &lcd, place, &picture.screen);
         }
         for key in self.views.lessons().marked() {
             if let Some(part) = faceplate::part_of(key)
@@ -144,6 +145,9 @@ impl Window {
                     current_text_value: kept.then(|| say::window_key_is_kept().text(language)),
                     ..WidgetInfo::labeled(Role::Button, true, name)
                 });
+                if kept {
+                    reader::state(ui, &response, &say::window_key_is_kept().text(language));
+                }
                 let by_screen_reader =
                     response.clicked() && response.interact_pointer_pos().is_none();
                 if !row.pc.is_empty() {
@@ -170,6 +174,7 @@ impl Window {
                     current_text_value: Some(word.text(language)),
                     ..WidgetInfo::labeled(Role::Status, true, &name)
                 });
+                reader::state(ui, &response, &word.text(language));
                 None
             }
             What::Handwheel => {

@@ -13,6 +13,7 @@ use gsk_panel::pages::{signal_meaning, signal_name};
 
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
+use crate::window::reader;
 use gsk_messages::{Language, Message, say};
 
 /// Height of a line, points.
@@ -278,6 +279,7 @@ fn lamp(ui: &mut Ui, lit: bool, name: &str, width: f32) {
         current_text_value: Some(text.to_owned()),
         ..egui::WidgetInfo::labeled(egui::Role::Status, true, name)
     });
+    reader::state(ui, &response, text);
 }
 
 /// What the machine does and what the control says to it.
