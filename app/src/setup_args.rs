@@ -321,6 +321,11 @@ pub fn model() -> impl TypedValueParser<Value = ModelId> {
     models(|id| id.record().executes)
 }
 
+/// The words of the models whose programs run.
+pub fn model() -> impl TypedValueParser<Value = ModelId> {
+    models(|id| id.record().executes)
+}
+
 /// The words of all models.
 pub fn any_model() -> impl TypedValueParser<Value = ModelId> {
     models(|_| true)
