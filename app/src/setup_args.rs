@@ -316,7 +316,7 @@ fn number(word: &str) -> Result<f64, WordError> {
     Ok(value)
 }
 
-/// The words of the models whose programs are run.
+/// The words of the models whose programs run.
 pub fn model() -> impl TypedValueParser<Value = ModelId> {
     models(|id| id.record().executes)
 }

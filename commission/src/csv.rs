@@ -11,7 +11,7 @@
 use gsk_messages::say;
 
 use crate::fit::Curve;
-use crate::import::{self, FileFault, MOST_READINGS, lines};
+use crate::line::{self as line_of, FileFault, MOST_READINGS, lines};
 use crate::measurement::{Deviation, Direction, Measurement, Reading, Travel};
 
 /// What a column holds.
@@ -103,12 +103,12 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
         };
         let needed = |wanted| field(wanted).filter(|it| !it.is_empty());
         let missing = || FileFault::new(line, say::pitch_csv_field_missing(columns.len()));
-        let target = import::position(line, needed(Column::Target).ok_or_else(missing)?)?;
+        let target = line_of::position(line, needed(Column::Target).ok_or_else(missing)?)?;
         let deviation = match needed(Column::Measured) {
-            Some(measured) => (import::position(line, measured)? - target) * 1000.0,
-            None => import::number(line, needed(Column::Deviation).ok_or_else(missing)?)?,
+            Some(measured) => (line_of::position(line, measured)? - target) * 1000.0,
+            None => line_of::number(line, needed(Column::Deviation).ok_or_else(missing)?)?,
         };
-        let deviation = import::microns(line, deviation)?;
+        let deviation = line_of::microns(line, deviation)?;
         let run = match field(Column::Run) {
             Some(run) => {
                 let run = run.parse().ok().filter(|run| *run > 0);
@@ -120,7 +120,7 @@ pub(crate) fn read(text: &str) -> Result<Measurement, FileFault> {
             .filter(|(last, _)| *last == run)
             .map(|(_, last)| target - last);
         let direction = match (field(Column::Direction), moved) {
-            (Some(word), _) => import::direction(line, word)?,
+            (Some(word), _) => line_of::direction(line, word)?,
             (None, Some(moved)) if moved > 0.0 => Direction::Plus,
             (None, Some(moved)) if moved < 0.0 => Direction::Minus,
             // Turned round at the end: it comes from the other side.

@@ -17,6 +17,7 @@ mod csv;
 mod fit;
 mod gear;
 mod import;
+mod line;
 mod measurement;
 mod plan;
 mod ren;
@@ -27,10 +28,11 @@ pub use change::{Change, Proposal};
 pub use csv::write as write_csv;
 pub use fit::{Curve, Fit, fit};
 pub use gear::{Drive, Ratio, nearest_ratio};
-pub use import::{FileFault, Imported, read};
+pub use import::read;
+pub use line::FileFault;
 pub use measurement::{Deviation, Direction, Measurement, Reading, Travel};
 pub use plan::{Plan, PlanWish, add_table, correction, interval_of, plan};
-pub use ren::{Table, write as write_ren};
+pub use ren::{Imported, Table, write as write_ren};
 pub use steps::{
     Backlash, DriveKind, GearMeasured, Lag, SpindleSpeed, Step, ZeroMethod, acceleration, backlash,
     direction, gear_from_drive, gear_measured, largest_lag, reference, spindle,

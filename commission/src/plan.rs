@@ -475,8 +475,9 @@ pub fn add_table(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::{Imported, read};
+    use crate::import::read;
     use crate::measurement::{Direction, Measurement, Reading};
+    use crate::ren::Imported;
 
     fn table_of(text: &str) -> Table {
         match read(text).unwrap() {

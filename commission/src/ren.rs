@@ -13,7 +13,7 @@
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
-use crate::import::{self, FileFault, Imported, MOST_READINGS, lines};
+use crate::line::{self as line_of, FileFault, MOST_READINGS, lines};
 use crate::measurement::{Deviation, Direction, Measurement, Reading, Travel};
 
 /// A row of a table.
@@ -40,6 +40,25 @@ pub struct Table {
     pub backlash: Option<(u32, Deviation)>,
     /// The rows.
     pub rows: Vec<Row>,
+}
+
+/// What a file holds.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Imported {
+    /// Values for the pitch error table.
+    Table(Table),
+    /// Readings to be fitted.
+    Measured(Measurement),
+}
+
+impl Imported {
+    /// The axis that the file names, if it does.
+    pub const fn axis(&self) -> Option<Axis> {
+        match self {
+            Self::Table(table) => table.axis,
+            Self::Measured(measured) => measured.axis,
+        }
+    }
 }
 
 /// What was read so far.
@@ -69,14 +88,14 @@ fn key_of(line: &str) -> Option<(String, &str)> {
 impl Reader {
     fn key(&mut self, line: u32, key: &str, value: &str) -> Result<(), FileFault> {
         match key {
-            "axis" => self.table.axis = Some(import::axis(line, value)?),
+            "axis" => self.table.axis = Some(line_of::axis(line, value)?),
             "type" if value.eq_ignore_ascii_case("rotary") => {
                 return Err(FileFault::new(line, say::pitch_ren_rotary()));
             }
-            "start" => self.start = Some(import::position(line, value)?),
-            "end" => self.end = Some(import::position(line, value)?),
+            "start" => self.start = Some(line_of::position(line, value)?),
+            "end" => self.end = Some(line_of::position(line, value)?),
             "spacing" => {
-                let spacing = import::position(line, value)?.abs();
+                let spacing = line_of::position(line, value)?.abs();
                 self.table.spacing = Some((line, Travel(spacing)));
             }
             "points" => {
@@ -86,7 +105,7 @@ impl Reader {
                 self.points = Some((line, points));
             }
             "backlash" => {
-                let backlash = import::microns(line, import::number(line, value)?)?;
+                let backlash = line_of::microns(line, line_of::number(line, value)?)?;
                 self.table.backlash = Some((line, Deviation(backlash)));
             }
             "run" => {
@@ -94,7 +113,7 @@ impl Reader {
                 let run = words.next().and_then(|word| word.parse().ok());
                 let run = run.filter(|run| *run > 0);
                 let run = run.ok_or_else(|| FileFault::new(line, say::pitch_run_wrong()))?;
-                let direction = import::direction(line, words.next().unwrap_or_default())?;
+                let direction = line_of::direction(line, words.next().unwrap_or_default())?;
                 self.run = Some((run, direction));
             }
             // Whatever else a calibration says of itself.
@@ -117,8 +136,8 @@ impl Reader {
             [position, value] => (None, position, value),
             _ => return Err(FileFault::new(line, say::pitch_ren_row())),
         };
-        let position = import::position(line, position)?;
-        let value = import::microns(line, import::number(line, value)?)?;
+        let position = line_of::position(line, position)?;
+        let value = line_of::microns(line, line_of::number(line, value)?)?;
         match self.run {
             Some((run, direction)) => self.readings.push(Reading {
                 run,

@@ -317,6 +317,7 @@ impl Walker {
             kind,
             first: 0,
             blocks: None,
+            codes_ordinary: false,
         })
     }
 
@@ -332,6 +333,7 @@ impl Walker {
             kind: CallKind::Modal(index),
             first: 0,
             blocks: None,
+            codes_ordinary: false,
         };
         let arguments = modal.arguments.clone();
         self.enter(call, Some(arguments));
