@@ -26,6 +26,10 @@ mod serial;
 mod speed;
 mod streams;
 mod transfer;
+#[cfg(unix)]
+mod transfer_faults;
+#[cfg(unix)]
+mod transfer_view;
 mod trial_cuts;
 #[cfg(unix)]
 mod unix_files;

@@ -74,8 +74,13 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Project(command)) => command.lang(),
         Some(Command::Lsp(args)) => args.lang,
         Some(Command::Lesson(command)) => command.language(),
+        Some(Command::Transfer(args)) => args.lang,
+        Some(Command::Link(args)) => args.lang,
         Some(_) => None,
     };
+    if let Some(language) = language {
+        output::speak(language);
+    }
     let result = match cli.command {
         None => window::open(cli.window, cli.log),
         Some(Command::Run(args)) => run::run(&args),
@@ -91,9 +96,9 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Signals(args)) => tables::signals(&args),
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
-        Some(Command::Link(command)) => link::link(&command),
+        Some(Command::Link(args)) => link::link(&args.command),
         Some(Command::Project(command)) => project::project(&command),
-        Some(Command::Transfer(command)) => transfer::transfer(&command),
+        Some(Command::Transfer(args)) => transfer::transfer(&args.command),
         Some(Command::Help(args)) => help::help(&args),
         Some(Command::Lsp(args)) => lsp::lsp(&args),
         Some(Command::Notices) => Ok(notices()),

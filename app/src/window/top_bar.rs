@@ -158,7 +158,7 @@ pub fn show(
             }
         });
         ui.menu_button(say::window_views().text(language), |ui| {
-            for row in &VIEWS {
+            for row in VIEWS.iter().filter(|row| row.view.is_there()) {
                 let entry =
                     egui::Button::selectable(is_open(row.view), (row.name)().text(language))
                         .shortcut_text(key_name(row.key));

@@ -4,6 +4,7 @@
 use egui::{Event, Key};
 use serde::{Deserialize, Serialize};
 
+use crate::platform;
 use gsk_messages::{Message, say};
 
 /// A view.
@@ -23,12 +24,19 @@ pub enum View {
     Machine,
     /// Guided lessons.
     Lesson,
+    /// The PC's side of the serial port.
+    Transfer,
 }
 
 impl View {
     /// Whether it shows the machine and the PLC as they are.
     pub const fn monitors(self) -> bool {
         matches!(self, Self::Bench | Self::Ladder)
+    }
+
+    /// Whether there is one here: a page in a browser has no ports.
+    pub const fn is_there(self) -> bool {
+        !matches!(self, Self::Transfer) || platform::has_ports()
     }
 
     /// Its row of the table.
@@ -53,7 +61,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 7] = [
+pub static VIEWS: [ViewRow; 8] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
@@ -103,11 +111,19 @@ pub static VIEWS: [ViewRow; 7] = [
         size: [420.0, 520.0],
         least: [220.0, 260.0],
     },
+    ViewRow {
+        view: View::Transfer,
+        name: say::window_view_transfer,
+        key: Key::End,
+        size: [860.0, 560.0],
+        least: [520.0, 360.0],
+    },
 ];
 
 /// The view that a key opens or closes.
 pub fn toggled(events: &[Event]) -> Option<View> {
-    let row = VIEWS.iter().find(|row| shifted(events, row.key));
+    let mut rows = VIEWS.iter().filter(|row| row.view.is_there());
+    let row = rows.find(|row| shifted(events, row.key));
     row.map(|row| row.view)
 }
 

@@ -1,5 +1,5 @@
-//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons. They stand in panes
-//! of the window or in windows of their own; closed they cost nothing.
+//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons,
+//! transfer. They stand in panes of the window or in windows of their own; closed they cost nothing.
 
 mod aside;
 mod bench;
@@ -10,6 +10,7 @@ mod link;
 mod machine;
 pub mod program;
 mod scope;
+mod transfer;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -27,6 +28,7 @@ use super::questions::Unsaved;
 use super::view::{VIEWS, View, ViewRow, toggled};
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
+use crate::pc::Remembered;
 use bench::Bench;
 use gsk_messages::Language;
 use ladder::LadderView;
@@ -35,6 +37,7 @@ use link::LinkPage;
 use machine::{LatheView, Wish};
 use program::ProgramView;
 use scope::Scope;
+use transfer::TransferView;
 
 /// The views.
 pub struct Views {
@@ -49,6 +52,7 @@ pub struct Views {
     program: ProgramView,
     lathe: LatheView,
     lessons: LessonView,
+    transfer: TransferView,
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// A view that another one wants to be open.
@@ -57,8 +61,13 @@ pub struct Views {
 
 impl Views {
     /// All closed. `solid`: the machine view shows the part as a solid; `finished`: lessons
-    /// that were done before.
-    pub fn new(console: &Console, solid: bool, finished: BTreeSet<String>) -> Self {
+    /// that were done before; `transfer`: port, speed and files of the last time.
+    pub fn new(
+        console: &Console,
+        solid: bool,
+        finished: BTreeSet<String>,
+        transfer: Remembered,
+    ) -> Self {
         Self {
             shown: Vec::new(),
             opened: Vec::new(),
@@ -69,6 +78,7 @@ impl Views {
             program: ProgramView::new(console.clone()),
             lathe: LatheView::new(console.clone(), solid),
             lessons: LessonView::new(console.clone(), finished),
+            transfer: TransferView::new(console.clone(), transfer),
             console: console.clone(),
             machine: None,
             wanted: None,
@@ -96,7 +106,16 @@ impl Views {
                 (View::Link, true) => self.link.open(),
                 (View::Link, false) => self.link.close(),
                 (View::Machine, false) => self.lathe.close(),
-                (View::Bench | View::Ladder | View::Program | View::Machine | View::Lesson, _) => {}
+                (View::Transfer, false) => self.transfer.close(),
+                (
+                    View::Bench
+                    | View::Ladder
+                    | View::Program
+                    | View::Machine
+                    | View::Lesson
+                    | View::Transfer,
+                    _,
+                ) => {}
             }
         }
         let after = self.monitors();
@@ -122,6 +141,11 @@ impl Views {
     /// The lessons.
     pub const fn lessons(&mut self) -> &mut LessonView {
         &mut self.lessons
+    }
+
+    /// The PC's side of the serial port.
+    pub const fn transfer(&self) -> &TransferView {
+        &self.transfer
     }
 
     /// What closing the window would lose.
@@ -151,6 +175,7 @@ impl Views {
                 self.carry_out_wish();
             }
             View::Lesson => self.lessons.show(ui, language),
+            View::Transfer => self.transfer.show(ui, language),
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();

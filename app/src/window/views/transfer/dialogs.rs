@@ -1,0 +1,420 @@
+//! The dialogs beside a job: 发送文件设置, CNC文件重命名, and what is asked before something
+//! is lost.
+
+use std::path::PathBuf;
+
+use egui::{
+    Align2, Button, ComboBox, Context, Grid, Label, RichText, ScrollArea, TextEdit, Ui, Window,
+};
+use gsk_messages::{Language, say};
+use gsk_transfer::{Entry, FileName, NewFile, Partition, Place};
+
+use super::job::Wish;
+use super::{BAD, Chosen, TransferView};
+use crate::pc::Item;
+use crate::pc::worker::Order;
+use crate::window::files::{self, Wanted};
+use crate::window::questions::ask;
+
+/// Width of a field, points.
+const FIELD: f32 = 300.0;
+
+/// A dialog.
+pub enum Dialog {
+    /// A file of the list: the row that it changes, else it is a new one.
+    File {
+        /// The row.
+        at: Option<usize>,
+        /// Path, name and partition as they are typed.
+        item: Item,
+        /// The path as it is typed.
+        path: String,
+    },
+    /// A file of the control gets another name.
+    Rename {
+        /// Its partition, in [`Partition::ALL`].
+        partition: usize,
+        /// Old and new name as they are typed.
+        naming: Naming,
+    },
+    /// Before files of the control are deleted.
+    Delete(Vec<Place>),
+    /// Before a whole set goes to the control.
+    Restore(PathBuf),
+    /// What becomes of a file that the control has sent.
+    Keep(NewFile),
+}
+
+impl Dialog {
+    /// A new file of the list.
+    pub fn of_file(path: PathBuf, name: Option<FileName>) -> Self {
+        Self::File {
+            at: None,
+            path: path.display().to_string(),
+            item: Item {
+                path,
+                name: name.map(|it| it.to_string()).unwrap_or_default(),
+                partition: 0,
+            },
+        }
+    }
+
+    /// A row of the list that is changed.
+    pub fn change(at: usize, item: &Item) -> Self {
+        Self::File {
+            at: Some(at),
+            path: item.path.display().to_string(),
+            item: item.clone(),
+        }
+    }
+
+    /// A file that is renamed: the first that is ticked.
+    pub fn rename(first: Option<&Place>) -> Self {
+        let old = first.map(|place| place.name.to_string());
+        let partition = first.map(|place| place.partition).unwrap_or_default();
+        Self::Rename {
+            partition: position(partition),
+            naming: Naming::new(old.unwrap_or_default(), String::new()),
+        }
+    }
+
+    /// Whether it makes sense only while there is a connection.
+    pub const fn is_of_control(&self) -> bool {
+        matches!(
+            self,
+            Self::Rename { .. } | Self::Delete(_) | Self::Restore(_)
+        )
+    }
+}
+
+fn position(partition: Partition) -> usize {
+    let mut all = Partition::ALL.into_iter();
+    all.position(|it| it == partition).unwrap_or_default()
+}
+
+/// CNC文件重命名 (manual V-3.5): old and new name, and what there is.
+pub struct Naming {
+    old: String,
+    new: String,
+}
+
+impl Naming {
+    /// A name that is given up, and the new one as it is proposed.
+    pub const fn new(old: String, new: String) -> Self {
+        Self { old, new }
+    }
+
+    /// Draws it while a file on its way stands against a name; none: it is given up.
+    pub fn show(
+        &mut self,
+        context: &Context,
+        language: Language,
+        partition: Partition,
+        entries: &[Entry],
+    ) -> Option<Option<FileName>> {
+        let mut done = None;
+        window(
+            context,
+            say::transfer_view_rename_title().text(language),
+            "transfer naming",
+            |ui| {
+                self.fields(ui, language, false);
+                ui.label(RichText::new(partition.name()).weak());
+                self.entries(ui, entries, false);
+                if let Some(agreed) = ended(ui, language, self.is_good()) {
+                    done = Some(agreed.then(|| FileName::new(&self.new).ok()).flatten());
+                }
+            },
+        );
+        done
+    }
+
+    fn is_good(&self) -> bool {
+        FileName::new(&self.old).is_ok() && FileName::new(&self.new).is_ok()
+    }
+
+    fn fields(&mut self, ui: &mut Ui, language: Language, free: bool) {
+        Grid::new("transfer naming").num_columns(2).show(ui, |ui| {
+            ui.label(say::transfer_view_old_name().text(language));
+            let line = TextEdit::singleline(&mut self.old).desired_width(FIELD);
+            ui.add_enabled(free, line);
+            ui.end_row();
+            ui.label(say::transfer_view_new_name().text(language));
+            let label = say::transfer_view_new_name().text(language);
+            let line = TextEdit::singleline(&mut self.new).desired_width(FIELD);
+            ui.add(line.hint_text("O0001.CNC")).on_hover_text(label);
+            ui.end_row();
+        });
+        complaint(ui, language, &self.new);
+    }
+
+    /// A click on a file puts its name into the field above.
+    fn entries(&mut self, ui: &mut Ui, entries: &[Entry], free: bool) {
+        ScrollArea::vertical()
+            .id_salt("transfer naming")
+            .max_height(150.0)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                for entry in entries {
+                    let name = entry.name.as_str();
+                    let words = format!("{name:<12} {:>8}", entry.size);
+                    let row = RichText::new(words).monospace();
+                    if ui.selectable_label(free && name == self.old, row).clicked() && free {
+                        name.clone_into(&mut self.old);
+                    }
+                }
+            });
+    }
+}
+
+/// Says what is wrong with a name.
+fn complaint(ui: &mut Ui, language: Language, name: &str) {
+    if name.is_empty() {
+        return;
+    }
+    if let Err(error) = FileName::new(name) {
+        let text = RichText::new(error.message().text(language)).color(BAD);
+        ui.add(Label::new(text).wrap());
+    }
+}
+
+fn window(context: &Context, title: String, id: &str, content: impl FnOnce(&mut Ui)) {
+    Window::new(title)
+        .id(egui::Id::unique(id))
+        .collapsible(false)
+        .resizable(false)
+        .anchor(Align2::CENTER_CENTER, [0.0, -20.0])
+        .order(egui::Order::Foreground)
+        .show(context, |ui| {
+            ui.set_max_width(FIELD + 160.0);
+            content(ui);
+        });
+}
+
+/// 确定 and 取消: whether it was agreed to.
+fn ended(ui: &mut Ui, language: Language, good: bool) -> Option<bool> {
+    let mut done = None;
+    ui.add_space(6.0);
+    ui.horizontal(|ui| {
+        let words = say::transfer_view_ok().text(language);
+        if ui.add_enabled(good, Button::new(words)).clicked() {
+            done = Some(true);
+        }
+        if ui.button(say::window_cancel().text(language)).clicked() {
+            done = Some(false);
+        }
+    });
+    done
+}
+
+fn partitions(ui: &mut Ui, id: &str, chosen: &mut usize) {
+    let name = Partition::ALL.get(*chosen).map_or("", |it| it.name());
+    ComboBox::from_id_salt(id)
+        .selected_text(name)
+        .show_ui(ui, |ui| {
+            for (at, partition) in Partition::ALL.into_iter().enumerate() {
+                ui.selectable_value(chosen, at, partition.name());
+            }
+        });
+}
+
+impl TransferView {
+    /// Draws what stands over the view.
+    pub(super) fn dialogs(&mut self, context: &Context, language: Language) {
+        if let Some(job) = &mut self.job {
+            match job.show(context, language) {
+                Some(Wish::Cancel) => {
+                    if let Some(worker) = &self.worker {
+                        worker.cancel();
+                    }
+                }
+                Some(Wish::Answer(answer)) => self.order(Order::Answer(answer)),
+                Some(Wish::Close) => self.job = None,
+                None => {}
+            }
+            if let Some(said) = self.job.as_ref().and_then(super::job::Job::all_well) {
+                self.said = Some((said, false));
+                self.job = None;
+            }
+            return;
+        }
+        let Some(dialog) = self.dialog.take() else {
+            return;
+        };
+        self.dialog = match dialog {
+            Dialog::File { at, item, path } => self.file(context, language, at, item, path),
+            Dialog::Rename { partition, naming } => {
+                self.rename(context, language, partition, naming)
+            }
+            Dialog::Delete(places) => self.delete(context, language, places),
+            Dialog::Restore(folder) => self.restore(context, language, folder),
+            Dialog::Keep(file) => self.keep(context, language, file),
+        };
+    }
+
+    /// 发送文件设置; what stays of the dialog.
+    fn file(
+        &mut self,
+        context: &Context,
+        language: Language,
+        at: Option<usize>,
+        mut item: Item,
+        mut path: String,
+    ) -> Option<Dialog> {
+        let mut done = None;
+        let mut browse = false;
+        window(
+            context,
+            say::transfer_view_add_title().text(language),
+            "transfer file",
+            |ui| {
+                Grid::new("transfer file").num_columns(2).show(ui, |ui| {
+                    ui.label(say::transfer_view_path().text(language));
+                    ui.horizontal(|ui| {
+                        let line = TextEdit::singleline(&mut path).desired_width(FIELD - 80.0);
+                        ui.add(line);
+                        let words = say::transfer_view_browse().text(language);
+                        browse = at.is_none() && ui.button(words).clicked();
+                    });
+                    ui.end_row();
+                    ui.label(say::transfer_view_name().text(language));
+                    let line = TextEdit::singleline(&mut item.name).desired_width(FIELD);
+                    ui.add(line.hint_text("O0001.CNC"));
+                    ui.end_row();
+                    ui.label(say::transfer_view_partition().text(language));
+                    partitions(ui, "transfer file partition", &mut item.partition);
+                    ui.end_row();
+                });
+                complaint(ui, language, &item.name);
+                let good = FileName::new(&item.name).is_ok() && !path.trim().is_empty();
+                done = ended(ui, language, good);
+            },
+        );
+        if browse {
+            self.choose_file(context, language);
+            return None;
+        }
+        match done {
+            None => Some(Dialog::File { at, item, path }),
+            Some(false) => None,
+            Some(true) => {
+                item.path = PathBuf::from(path.trim());
+                match at.and_then(|at| self.remembered.list.get_mut(at)) {
+                    Some(row) => *row = item,
+                    None => self.remembered.list.push(item),
+                }
+                self.measure();
+                None
+            }
+        }
+    }
+
+    /// Lets the user choose a file for the list.
+    pub(super) fn choose_file(&self, context: &Context, language: Language) {
+        let deliver = self.chosen.0.clone();
+        let name = say::window_part_programs().text(language);
+        let wanted = Wanted::Open(name, super::buttons::ENDINGS.to_vec());
+        files::choose(context, language, &self.console.say, wanted, move |path| {
+            let name = crate::pc::folder::named(&path);
+            // A view that is gone needs no file.
+            let _ = deliver.send(Chosen::File(path, name));
+            None
+        });
+    }
+
+    /// CNC文件重命名.
+    fn rename(
+        &self,
+        context: &Context,
+        language: Language,
+        mut partition: usize,
+        mut naming: Naming,
+    ) -> Option<Dialog> {
+        let listed = self.listing.partitions.get(partition);
+        let entries = listed.map_or([].as_slice(), |(_, entries)| entries);
+        let mut done = None;
+        window(
+            context,
+            say::transfer_view_rename_title().text(language),
+            "transfer rename",
+            |ui| {
+                naming.fields(ui, language, true);
+                ui.horizontal(|ui| {
+                    ui.label(say::transfer_view_partition().text(language));
+                    partitions(ui, "transfer rename partition", &mut partition);
+                    let words = say::transfer_view_directory().text(language);
+                    if ui.button(words).clicked() {
+                        self.order(Order::List);
+                    }
+                });
+                naming.entries(ui, entries, true);
+                done = ended(ui, language, naming.is_good());
+            },
+        );
+        match done {
+            None => return Some(Dialog::Rename { partition, naming }),
+            Some(false) => {}
+            Some(true) => {
+                let place = Partition::ALL.get(partition).copied().unwrap_or_default();
+                if let (Ok(old), Ok(to)) = (FileName::new(&naming.old), FileName::new(&naming.new))
+                {
+                    let from = Place {
+                        partition: place,
+                        name: old,
+                    };
+                    self.order(Order::Rename { from, to });
+                }
+            }
+        }
+        None
+    }
+
+    fn delete(&self, context: &Context, language: Language, places: Vec<Place>) -> Option<Dialog> {
+        let title = say::transfer_view_delete_ask(places.len()).text(language);
+        let names: Vec<String> = places.iter().map(|place| place.name.to_string()).collect();
+        let hint = say::transfer_view_delete_gone(names.join(", ")).text(language);
+        let answers = [say::transfer_view_delete(), say::window_cancel()];
+        let answers = answers.map(|words| words.text(language));
+        match ask(context, "transfer delete", &title, &hint, &answers) {
+            None => return Some(Dialog::Delete(places)),
+            Some(0) => self.order(Order::Delete(places)),
+            Some(_) => {}
+        }
+        None
+    }
+
+    fn restore(&self, context: &Context, language: Language, folder: PathBuf) -> Option<Dialog> {
+        let title = say::transfer_view_restore_ask(folder.display()).text(language);
+        let hint = say::transfer_view_restore_replaces().text(language);
+        let answers = [say::transfer_view_send(), say::window_cancel()];
+        let answers = answers.map(|words| words.text(language));
+        match ask(context, "transfer restore", &title, &hint, &answers) {
+            None => return Some(Dialog::Restore(folder)),
+            Some(0) => self.order(Order::Restore(folder)),
+            Some(_) => {}
+        }
+        None
+    }
+
+    /// 接收到CNC上传的文件,保存在硬盘上吗?
+    fn keep(&self, context: &Context, language: Language, file: NewFile) -> Option<Dialog> {
+        let title = say::transfer_view_keep().text(language);
+        let name = file.place.name.clone();
+        let what = say::transfer_view_keep_what(&name, file.bytes.len()).text(language);
+        let answers = [say::transfer_view_yes(), say::transfer_view_no()];
+        let answers = answers.map(|words| words.text(language));
+        match ask(context, "transfer keep", &title, &what, &answers) {
+            None => return Some(Dialog::Keep(file)),
+            Some(0) => {
+                let deliver = self.chosen.0.clone();
+                let wanted = Wanted::Save(name.to_string(), "cnc");
+                files::choose(context, language, &self.console.say, wanted, move |path| {
+                    let _ = deliver.send(Chosen::Keep(path, file));
+                    None
+                });
+            }
+            Some(_) => {}
+        }
+        None
+    }
+}
