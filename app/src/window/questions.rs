@@ -154,7 +154,7 @@ fn loss(picture: Option<&Snapshot>, unsaved: Option<Unsaved>) -> Option<[Message
 }
 
 /// Draws a question; the answer that was clicked.
-pub fn ask(
+fn ask(
     context: &Context,
     id: &str,
     title: &str,

@@ -4,9 +4,10 @@
 use std::path::PathBuf;
 
 use egui::{
-    Align2, Button, ComboBox, Context, Grid, Label, RichText, ScrollArea, TextEdit, Ui, Window,
+    Align2, Button, ComboBox, Context, Grid, Label, Rect, RichText, ScrollArea, TextEdit, Ui,
+    Window,
 };
-use gsk_messages::{Language, say};
+use gsk_messages::{Language, Message, say};
 use gsk_transfer::{Entry, FileName, NewFile, Partition, Place};
 
 use super::job::Wish;
@@ -14,10 +15,11 @@ use super::{BAD, Chosen, TransferView};
 use crate::pc::Item;
 use crate::pc::worker::Order;
 use crate::window::files::{self, Wanted};
-use crate::window::questions::ask;
 
 /// Width of a field, points.
 const FIELD: f32 = 300.0;
+/// Width of a dialog, points.
+pub const WIDTH: f32 = 460.0;
 
 /// A dialog.
 pub enum Dialog {
@@ -108,6 +110,7 @@ impl Naming {
     pub fn show(
         &mut self,
         context: &Context,
+        room: Rect,
         language: Language,
         partition: Partition,
         entries: &[Entry],
@@ -115,8 +118,9 @@ impl Naming {
         let mut done = None;
         window(
             context,
-            say::transfer_view_rename_title().text(language),
-            "transfer naming",
+            room,
+            &say::transfer_view_rename_title(),
+            language,
             |ui| {
                 self.fields(ui, language, false);
                 ui.label(RichText::new(partition.name()).weak());
@@ -178,17 +182,49 @@ fn complaint(ui: &mut Ui, language: Language, name: &str) {
     }
 }
 
-fn window(context: &Context, title: String, id: &str, content: impl FnOnce(&mut Ui)) {
-    Window::new(title)
-        .id(egui::Id::unique(id))
+/// A dialog in the middle of the view: the keys of the panel stay free.
+pub fn window(
+    context: &Context,
+    room: Rect,
+    title: &Message,
+    language: Language,
+    content: impl FnOnce(&mut Ui),
+) {
+    Window::new(title.text(language))
+        .id(egui::Id::unique(("transfer", title.id())))
         .collapsible(false)
         .resizable(false)
-        .anchor(Align2::CENTER_CENTER, [0.0, -20.0])
+        .pivot(Align2::CENTER_CENTER)
+        .fixed_pos(room.center())
         .order(egui::Order::Foreground)
         .show(context, |ui| {
-            ui.set_max_width(FIELD + 160.0);
+            ui.set_max_width(WIDTH.min(room.width() - 24.0));
             content(ui);
         });
+}
+
+/// A question with its answers; which was clicked.
+fn ask(
+    context: &Context,
+    room: Rect,
+    language: Language,
+    title: &Message,
+    said: &Message,
+    answers: &[Message; 2],
+) -> Option<usize> {
+    let mut clicked = None;
+    window(context, room, title, language, |ui| {
+        ui.label(said.text(language));
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            for (at, words) in answers.iter().enumerate() {
+                if ui.button(words.text(language)).clicked() {
+                    clicked = Some(at);
+                }
+            }
+        });
+    });
+    clicked
 }
 
 /// 确定 and 取消: whether it was agreed to.
@@ -222,7 +258,7 @@ impl TransferView {
     /// Draws what stands over the view.
     pub(super) fn dialogs(&mut self, context: &Context, language: Language) {
         if let Some(job) = &mut self.job {
-            match job.show(context, language) {
+            match job.show(context, self.room, language) {
                 Some(Wish::Cancel) => {
                     if let Some(worker) = &self.worker {
                         worker.cancel();
@@ -261,12 +297,14 @@ impl TransferView {
         mut item: Item,
         mut path: String,
     ) -> Option<Dialog> {
+        let room = self.room;
         let mut done = None;
         let mut browse = false;
         window(
             context,
-            say::transfer_view_add_title().text(language),
-            "transfer file",
+            room,
+            &say::transfer_view_add_title(),
+            language,
             |ui| {
                 Grid::new("transfer file").num_columns(2).show(ui, |ui| {
                     ui.label(say::transfer_view_path().text(language));
@@ -330,13 +368,15 @@ impl TransferView {
         mut partition: usize,
         mut naming: Naming,
     ) -> Option<Dialog> {
+        let room = self.room;
         let listed = self.listing.partitions.get(partition);
         let entries = listed.map_or([].as_slice(), |(_, entries)| entries);
         let mut done = None;
         window(
             context,
-            say::transfer_view_rename_title().text(language),
-            "transfer rename",
+            room,
+            &say::transfer_view_rename_title(),
+            language,
             |ui| {
                 naming.fields(ui, language, true);
                 ui.horizontal(|ui| {
@@ -370,12 +410,11 @@ impl TransferView {
     }
 
     fn delete(&self, context: &Context, language: Language, places: Vec<Place>) -> Option<Dialog> {
-        let title = say::transfer_view_delete_ask(places.len()).text(language);
+        let title = say::transfer_view_delete_ask(places.len());
         let names: Vec<String> = places.iter().map(|place| place.name.to_string()).collect();
-        let hint = say::transfer_view_delete_gone(names.join(", ")).text(language);
+        let said = say::transfer_view_delete_gone(names.join(", "));
         let answers = [say::transfer_view_delete(), say::window_cancel()];
-        let answers = answers.map(|words| words.text(language));
-        match ask(context, "transfer delete", &title, &hint, &answers) {
+        match ask(context, self.room, language, &title, &said, &answers) {
             None => return Some(Dialog::Delete(places)),
             Some(0) => self.order(Order::Delete(places)),
             Some(_) => {}
@@ -384,11 +423,10 @@ impl TransferView {
     }
 
     fn restore(&self, context: &Context, language: Language, folder: PathBuf) -> Option<Dialog> {
-        let title = say::transfer_view_restore_ask(folder.display()).text(language);
-        let hint = say::transfer_view_restore_replaces().text(language);
+        let title = say::transfer_view_restore();
+        let said = say::transfer_view_restore_ask(folder.display());
         let answers = [say::transfer_view_send(), say::window_cancel()];
-        let answers = answers.map(|words| words.text(language));
-        match ask(context, "transfer restore", &title, &hint, &answers) {
+        match ask(context, self.room, language, &title, &said, &answers) {
             None => return Some(Dialog::Restore(folder)),
             Some(0) => self.order(Order::Restore(folder)),
             Some(_) => {}
@@ -398,12 +436,11 @@ impl TransferView {
 
     /// 接收到CNC上传的文件,保存在硬盘上吗?
     fn keep(&self, context: &Context, language: Language, file: NewFile) -> Option<Dialog> {
-        let title = say::transfer_view_keep().text(language);
+        let title = say::transfer_view_keep();
         let name = file.place.name.clone();
-        let what = say::transfer_view_keep_what(&name, file.bytes.len()).text(language);
+        let said = say::transfer_view_keep_what(&name, file.bytes.len());
         let answers = [say::transfer_view_yes(), say::transfer_view_no()];
-        let answers = answers.map(|words| words.text(language));
-        match ask(context, "transfer keep", &title, &what, &answers) {
+        match ask(context, self.room, language, &title, &said, &answers) {
             None => return Some(Dialog::Keep(file)),
             Some(0) => {
                 let deliver = self.chosen.0.clone();

@@ -1,17 +1,17 @@
 //! A job under way: the dialog 文件传输 (manual V-3.3), and its question about a name that
 //! is taken.
 
-use egui::{Align2, Context, Label, ProgressBar, RichText, ScrollArea, Ui, Window};
+use egui::{Context, Label, ProgressBar, Rect, RichText, ScrollArea, Ui};
 use gsk_messages::{Language, Message, say};
 use gsk_transfer::{FileName, Progress};
 
-use super::dialogs::Naming;
+use super::dialogs::{Naming, window};
 use super::{BAD, GOOD};
 use crate::pc::Traffic;
 use crate::pc::worker::{Answer, Choice, Fate, Kind, News, Question};
 
-/// Size of the list of files, points.
-const SIZE: [f32; 2] = [460.0, 170.0];
+/// Height of the list of files, points.
+const HEIGHT: f32 = 160.0;
 
 /// A job.
 pub struct Job {
@@ -19,6 +19,8 @@ pub struct Job {
     rows: Vec<(String, Option<Fate>)>,
     at: usize,
     progress: Option<Progress>,
+    /// When it was first seen on its way, seconds of the window's clock.
+    since: Option<f64>,
     retries: u64,
     traffic: Traffic,
     last_error: Option<Message>,
@@ -53,6 +55,7 @@ impl Job {
             rows: names.into_iter().map(|name| (name, None)).collect(),
             at: 0,
             progress: None,
+            since: None,
             retries: 0,
             traffic: Traffic::default(),
             last_error: None,
@@ -76,6 +79,7 @@ impl Job {
             News::At(at) => {
                 self.at = at;
                 self.progress = None;
+                self.since = None;
             }
             News::Moves(progress, retries) => {
                 self.progress = Some(progress);
@@ -120,35 +124,30 @@ impl Job {
     }
 
     /// Draws it.
-    pub fn show(&mut self, context: &Context, language: Language) -> Option<Wish> {
+    pub fn show(&mut self, context: &Context, room: Rect, language: Language) -> Option<Wish> {
         let title = match self.kind {
             Kind::Send => say::transfer_view_job_send(),
             Kind::Receive => say::transfer_view_job_receive(),
             Kind::Delete => say::transfer_view_job_delete(),
         };
         let mut wish = None;
-        Window::new(title.text(language))
-            .id(egui::Id::unique("transfer job"))
-            .collapsible(false)
-            .resizable(false)
-            .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
-            .show(context, |ui| {
-                ui.set_width(SIZE[0]);
-                self.list(ui, language);
-                ui.separator();
-                self.figures(ui, language);
-                ui.add_space(6.0);
-                ui.vertical_centered(|ui| {
-                    let (words, asked) = match self.over {
-                        Some(_) => (say::transfer_view_close(), Wish::Close),
-                        None => (say::window_cancel(), Wish::Cancel),
-                    };
-                    if ui.button(words.text(language)).clicked() {
-                        wish = Some(asked);
-                    }
-                });
+        window(context, room, &title, language, |ui| {
+            ui.set_min_width(ui.available_width());
+            self.list(ui, language);
+            ui.separator();
+            self.figures(ui, language);
+            ui.add_space(6.0);
+            ui.vertical_centered(|ui| {
+                let (words, asked) = match self.over {
+                    Some(_) => (say::transfer_view_close(), Wish::Close),
+                    None => (say::window_cancel(), Wish::Cancel),
+                };
+                if ui.button(words.text(language)).clicked() {
+                    wish = Some(asked);
+                }
             });
-        if let Some(answer) = self.question(context, language) {
+        });
+        if let Some(answer) = self.question(context, room, language) {
             self.question = None;
             wish = Some(Wish::Answer(answer));
         }
@@ -158,7 +157,7 @@ impl Job {
     fn list(&self, ui: &mut Ui, language: Language) {
         ScrollArea::vertical()
             .id_salt("transfer job")
-            .max_height(SIZE[1])
+            .max_height(HEIGHT)
             .auto_shrink([false, false])
             .show(ui, |ui| {
                 for (at, (name, fate)) in self.rows.iter().enumerate() {
@@ -188,7 +187,7 @@ impl Job {
             });
     }
 
-    fn figures(&self, ui: &mut Ui, language: Language) {
+    fn figures(&mut self, ui: &mut Ui, language: Language) {
         let done = self.rows.iter().filter(|(_, fate)| fate.is_some()).count();
         let moved = self.kind != Kind::Delete;
         if moved {
@@ -211,7 +210,7 @@ impl Job {
             ui.horizontal(|ui| {
                 ui.label(say::transfer_view_retries(self.retries).text(language));
                 ui.separator();
-                let rate = self.traffic.rate().round();
+                let rate = self.rate(ui.input(|input| input.time)).round();
                 ui.label(say::transfer_view_rate(rate).text(language));
             });
         }
@@ -221,8 +220,22 @@ impl Job {
         }
     }
 
+    /// Bytes a second: of the file under way, else of all before it.
+    fn rate(&mut self, now: f64) -> f64 {
+        let progress = self
+            .progress
+            .filter(|it| it.done > 0 && self.over.is_none());
+        let Some(progress) = progress else {
+            return self.traffic.rate();
+        };
+        match now - *self.since.get_or_insert(now) {
+            passed if passed > 0.3 => progress.done as f64 / passed,
+            _ => self.traffic.rate(),
+        }
+    }
+
     /// 是, 否, 取消; 否 at the control chooses its new name first.
-    fn question(&mut self, context: &Context, language: Language) -> Option<Answer> {
+    fn question(&mut self, context: &Context, room: Rect, language: Language) -> Option<Answer> {
         let asking = self.question.as_mut()?;
         let (place, free, entries) = match &asking.question {
             Question::AtControl {
@@ -233,7 +246,7 @@ impl Job {
             Question::OnDisk(_) => (None, None, [].as_slice()),
         };
         if let (Some(naming), Some(place)) = (&mut asking.naming, place) {
-            let rename = naming.show(context, language, place.partition, entries)?;
+            let rename = naming.show(context, room, language, place.partition, entries)?;
             return Some(Answer {
                 // Given up: the file is left out (manual V-3.3).
                 choice: rename.map_or(Choice::Skip, |to| Choice::Rename(Some(to))),
@@ -253,6 +266,7 @@ impl Job {
         let can_rename = place.is_none() || free.is_some();
         let clicked = three(
             context,
+            room,
             [&title, &hint],
             language,
             can_rename,
@@ -286,22 +300,23 @@ fn share(progress: Progress) -> f32 {
 /// The question with its three answers; which was clicked.
 fn three(
     context: &Context,
+    room: Rect,
     words: [&Message; 2],
     language: Language,
     can_rename: bool,
     of_all: &mut bool,
 ) -> Option<usize> {
     let mut clicked = None;
-    let [title, hint] = words.map(|said| said.text(language));
-    Window::new(title)
-        .id(egui::Id::unique("transfer exists"))
-        .collapsible(false)
-        .resizable(false)
-        .anchor(Align2::CENTER_CENTER, [0.0, -40.0])
-        .order(egui::Order::Foreground)
-        .show(context, |ui| {
-            ui.set_max_width(SIZE[0]);
-            ui.label(hint);
+    let [asked, hint] = words.map(|said| said.text(language));
+    window(
+        context,
+        room,
+        &say::transfer_view_exists(),
+        language,
+        |ui| {
+            ui.label(asked);
+            ui.add_space(4.0);
+            ui.label(RichText::new(hint).weak());
             ui.add_space(6.0);
             ui.checkbox(of_all, say::transfer_view_all_same().text(language));
             ui.add_space(6.0);
@@ -318,6 +333,7 @@ fn three(
                     }
                 }
             });
-        });
+        },
+    );
     clicked
 }

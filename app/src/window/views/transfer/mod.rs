@@ -10,7 +10,9 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::PathBuf;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
-use egui::{CentralPanel, Color32, ComboBox, Panel, RichText, ScrollArea, TextEdit, Ui, vec2};
+use egui::{
+    CentralPanel, Color32, ComboBox, Panel, Rect, RichText, ScrollArea, TextEdit, Ui, vec2,
+};
 use gsk_messages::{Language, Message, say};
 use gsk_transfer::{BLOCK, Entry, FileName, NewFile, Partition, Place};
 use web_time::Duration;
@@ -83,6 +85,8 @@ pub struct TransferView {
     /// What was said last, and whether something is wrong.
     said: Option<(Message, bool)>,
     chosen: (Sender<Chosen>, Receiver<Chosen>),
+    /// Where the view is: its dialogs stand there.
+    room: Rect,
 }
 
 impl TransferView {
@@ -102,6 +106,7 @@ impl TransferView {
             pushed: VecDeque::new(),
             said: None,
             chosen: unbounded(),
+            room: Rect::ZERO,
         }
     }
 
@@ -147,6 +152,7 @@ impl TransferView {
 
     /// Draws the view and takes its input.
     pub fn show(&mut self, ui: &mut Ui, language: Language) {
+        self.room = ui.max_rect();
         self.begin(ui);
         self.hear();
         Panel::top("transfer line")
@@ -298,7 +304,7 @@ impl TransferView {
             None => match self.stage {
                 Stage::Closed => (say::transfer_view_stage_closed(), WAITS),
                 Stage::Open => (say::transfer_view_stage_open(), WAITS),
-                Stage::Connected => (say::transfer_view_more_connected(), GOOD),
+                Stage::Connected => (say::transfer_view_stage_connected(), GOOD),
             },
         };
         ui.set_min_height(ui.spacing().interact_size.y);
