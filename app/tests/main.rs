@@ -30,6 +30,8 @@ mod transfer;
 mod transfer_faults;
 #[cfg(unix)]
 mod transfer_view;
+#[cfg(unix)]
+mod transfer_worker;
 mod trial_cuts;
 #[cfg(unix)]
 mod unix_files;

@@ -149,7 +149,7 @@ pub enum Fate {
     Done,
     /// It was left out.
     Skipped,
-    /// It was refused.
+    /// It was refused: which file, and why.
     Refused(Message),
 }
 

@@ -32,12 +32,11 @@ impl Desk {
             self.tell.tell(News::At(at));
             let fate = match one(self, file) {
                 Ok(fate) => fate,
-                Err(PcError::Files(FilesError::Refused { fault, .. })) => {
-                    Fate::Refused(fault.message())
-                }
-                Err(error @ (PcError::File(_) | PcError::Write(_))) => {
-                    Fate::Refused(error.message())
-                }
+                Err(
+                    error @ (PcError::File(_)
+                    | PcError::Write(_)
+                    | PcError::Files(FilesError::Refused { .. })),
+                ) => Fate::Refused(error.message()),
                 Err(error) => {
                     self.falls_back(&error);
                     ended = Some(say::transfer_unfinished(at, all, error.message()));

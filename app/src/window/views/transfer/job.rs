@@ -19,8 +19,9 @@ pub struct Job {
     rows: Vec<(String, Option<Fate>)>,
     at: usize,
     progress: Option<Progress>,
-    /// When it was first seen on its way, seconds of the window's clock.
-    since: Option<f64>,
+    /// When it was first seen on its way, seconds of the window's clock, and how much of it
+    /// had come by then, bytes.
+    since: Option<(f64, usize)>,
     retries: u64,
     traffic: Traffic,
     last_error: Option<Message>,
@@ -172,7 +173,7 @@ impl Job {
                         };
                         ui.label(RichText::new(sign).monospace().color(ink));
                         let words = match fate {
-                            Some(Fate::Refused(why)) => say::subject_reason(name, why.clone()),
+                            Some(Fate::Refused(why)) => why.clone(),
                             Some(Fate::Skipped) => {
                                 say::subject_reason(name, say::transfer_view_skipped())
                             }
@@ -228,8 +229,9 @@ impl Job {
         let Some(progress) = progress else {
             return self.traffic.rate();
         };
-        match now - *self.since.get_or_insert(now) {
-            passed if passed > 0.3 => progress.done as f64 / passed,
+        let (since, before) = *self.since.get_or_insert((now, progress.done));
+        match now - since {
+            passed if passed > 0.3 => progress.done.saturating_sub(before) as f64 / passed,
             _ => self.traffic.rate(),
         }
     }

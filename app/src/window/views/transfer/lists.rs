@@ -9,10 +9,23 @@ use super::{BAD, Dialog, TransferView};
 /// take so much.
 const PATH: [f32; 2] = [120.0, 420.0];
 const AFTER: f32 = 300.0;
+/// Width of a letter of a path, about, points.
+const LETTER: f32 = 8.0;
 
 /// Kilobytes as the list has them: a file that is begun counts.
 fn kilobytes(bytes: u64) -> u64 {
     bytes.div_ceil(1024)
+}
+
+/// A path that is longer than its column, without its beginning: files are known by its end.
+fn ending(path: &str, width: f32) -> String {
+    let most = (width / LETTER) as usize;
+    let letters = path.chars().count();
+    if letters <= most {
+        return path.to_owned();
+    }
+    let end = path.chars().skip(letters + 1 - most);
+    core::iter::once('…').chain(end).collect()
 }
 
 impl TransferView {
@@ -42,9 +55,10 @@ impl TransferView {
                 for (at, item) in self.remembered.list.iter().enumerate() {
                     let path = item.path.display().to_string();
                     let length = self.lengths.get(&item.path).copied();
+                    let text = RichText::new(ending(&path, width));
                     let text = match length {
-                        Some(None) => RichText::new(&path).color(BAD),
-                        _ => RichText::new(&path),
+                        Some(None) => text.color(BAD),
+                        _ => text,
                     };
                     let label = Label::new(text).truncate().sense(Sense::CLICK);
                     let row = ui.scope(|ui| {
@@ -143,5 +157,16 @@ impl TransferView {
                     });
             });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_path_keeps_its_end() {
+        assert_eq!(ending("/a/b.nc", 80.0), "/a/b.nc");
+        assert_eq!(ending("/programs/轴/O0001.CNC", 88.0), "…/O0001.CNC");
     }
 }
