@@ -36,7 +36,6 @@ KINDS = [
     # It points to the text, which another package has.
     ("MPL-2.0", "mozilla public license, v. 2.0"),
     ("OFL-1.1", "sil open font license"),
-    ("Ubuntu-font-1.0", "ubuntu font licence"),
     ("Unicode-3.0", "unicode license v3"),
     ("MIT", "to any person obtaining a copy of this software and associated documentation"),
     ("Zlib", "this software is provided 'as-is', without any express or implied"),
@@ -51,7 +50,6 @@ NAMES = {
     "BSD-2-Clause": "BSD 2-Clause License",
     "MPL-2.0": "Mozilla Public License, Version 2.0",
     "OFL-1.1": "SIL Open Font License, Version 1.1",
-    "Ubuntu-font-1.0": "Ubuntu Font Licence, Version 1.0",
     "Unicode-3.0": "Unicode License V3",
     "Zlib": "zlib License",
     "ISC": "ISC License",
@@ -148,7 +146,7 @@ def authors(folder):
 MIT_BODY = re.compile(r"Permission is hereby granted.*?DEALINGS\s+IN\s+THE\s+SOFTWARE\.", re.S)
 # Characters of a title and its holders.
 MOST_HOLDERS = 1000
-FONTS = {"OFL-1.1", "Ubuntu-font-1.0"}
+FONTS = {"OFL-1.1"}
 
 
 def is_usual(licence, text, mit):
@@ -224,6 +222,8 @@ def main():
     out += ["", "## Glyphs of GNU Unifont", ""]
     out += ["The crate `unifont` contains glyphs of GNU Unifont 15.1.05, under this licence:", ""]
     out += quoted((ROOT / "assets/fonts/OFL.txt").read_text())
+    out += ["", "## Characters of Noto Sans", ""]
+    out += quoted((ROOT / "assets/fonts/NOTO.txt").read_text())
     for licence, text in [("MIT", mit), ("Apache-2.0", apache)]:
         out += ["", f"## {NAMES[licence]}", ""]
         for name, version, own in holders[licence]:

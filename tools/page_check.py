@@ -33,7 +33,7 @@ SIZE = {"width": 1280, "height": 800}
 SAMPLES, FIRST_SAMPLE = (227, 14), (280, 44)
 SPEED, FASTEST = (1069, 14), (1094, 272)
 OPEN = (55, 14)
-AUTO, START, POSITION, PROGRAM = (56, 701), (448, 756), (181, 645), (227, 645)
+AUTO, START, POSITION, PROGRAM = (75, 514), (448, 569), (370, 466), (409, 466)
 PAGE_DOWN = "\ue00f"
 # The same sample from power-on to its end, by the same keys.
 SCRIPT = "load 01-stepped-shaft.CNC\npress AUTO\npress CS\nwait idle 600s\nshow\n"
@@ -208,7 +208,7 @@ async def use(browser, base, check, expected_lcd, golden):
         raise SystemExit(f"{name}: the session hashes to\n{hashes}\ninstead of\n{golden}")
     print(f"{name}: {hashes.split('ticks: ')[1].rstrip(' }')} ticks hash as on this system")
 
-    page = f"{base}/page/index.html?lang=en"
+    page = f"{base}/page/index.html?lang=en&first-start=off"
     await browser.go(page)
     await browser.until("power-on", lambda text: "现在位置" in text)
     await browser.press(SAMPLES)

@@ -37,8 +37,8 @@ use crate::pace::Speed;
 use crate::retained;
 use crate::serial::SerialLine;
 pub use console::{
-    Command, Console, Imposed, LinkOrder, NotStored, Notice, Opened, Place, Snapshot, Storing,
-    Times,
+    Command, Console, Imposed, KeysReversed, LinkOrder, NotStored, Notice, Opened, Place, Snapshot,
+    Storing, Times,
 };
 pub use drive::Connection;
 use drive::Drive;
@@ -85,6 +85,8 @@ pub struct Kernel {
     serial: Option<SerialLine>,
     links: Arc<ArrayQueue<LinkView>>,
     link_watched: bool,
+    /// The LCD is shown in the other language, too.
+    translates: bool,
     /// A practice machine stands in the place of the learner's own.
     lesson: Option<Practising>,
     /// The program that was opened last.
@@ -127,6 +129,7 @@ impl Kernel {
             serial: None,
             links: Arc::clone(&links),
             link_watched: false,
+            translates: false,
             lesson: None,
             opened: None,
             notices: notices.clone(),
@@ -276,7 +279,14 @@ impl Kernel {
         let panel = &self.emulator.panel;
         Snapshot {
             screen: self.emulator.screen(),
+            translated: self
+                .translates
+                .then(|| Box::new(self.emulator.translated_screen())),
             page: panel.page(),
+            keys_reversed: KeysReversed {
+                x: self.emulator.simulation.cnc.parameters().up_is_positive(),
+                z: self.emulator.simulation.cnc.parameters().left_is_positive(),
+            },
             brightness: panel.view().brightness,
             y: self.emulator.lamps(),
             pressed: panel.pressed(),
@@ -339,6 +349,7 @@ impl Kernel {
                     self.say(Notice::Refused(alarm));
                 }
             }
+            Command::Write(requests) => self.write(requests),
             Command::Job(chosen) => {
                 let part = match &mut self.lesson {
                     Some(lesson) => lesson.own_part(),
@@ -362,6 +373,7 @@ impl Kernel {
             Command::Speed(speed) => self.speed = speed,
             Command::Mend => self.emulator.simulation.lathe.mend(),
             Command::Link(order) => self.order(order),
+            Command::Translate(on) => self.translates = on,
             Command::WatchLink(on) => {
                 self.link_watched = on;
                 if let Some(drive) = &mut self.drive {
@@ -385,6 +397,22 @@ impl Kernel {
             Command::ReleaseAll => self.release_all(),
             Command::Alive => {}
             Command::Quit => self.quit = true,
+        }
+    }
+
+    /// Asks for parameters and pitch errors as one; where the control takes none, none.
+    fn write(&mut self, requests: Vec<Request>) {
+        let cnc = &mut self.emulator.simulation.cnc;
+        if let Err(refusal) = cnc.rights().parameters() {
+            let why = gsk_project::refused(refusal);
+            self.say(Notice::Said(say::commission_refused(why)));
+            return;
+        }
+        for request in requests {
+            if let Err(alarm) = self.emulator.simulation.cnc.request(request) {
+                self.say(Notice::Refused(alarm));
+                return;
+            }
         }
     }
 

@@ -24,6 +24,7 @@ pub mod patience;
 pub mod pc;
 pub mod person;
 pub mod picture;
+pub mod pitch;
 pub mod platform;
 pub mod ports;
 pub mod project;

@@ -16,15 +16,17 @@ use gsk_core::program::{self, Program, ProgramMemory};
 use gsk_core::setup::{Setup, dnc_teach_ladder, standard_ladder};
 use gsk_core::units::Point;
 use gsk_messages::{Language, Message, say};
+use gsk_milling::{MillSetup, WordError};
 use gsk_runner::report;
 
 use crate::files::data_dir::DataDir;
 use crate::files::data_dir::DataError;
 use crate::files::program_file::{self, FileError, ProgramFile};
 use crate::files::subprograms::{self, Found};
+use crate::platform;
 use crate::retained;
 use crate::saying::{lines, of_ladder};
-use crate::setup_args::{OffsetWord, ParameterWord, SetupArgs};
+use crate::setup_args::{OfMill, OffsetWord, ParameterWord, SetupArgs};
 
 /// Why something that a control starts from cannot be had.
 #[derive(Debug, thiserror::Error)]
@@ -51,6 +53,10 @@ pub enum LoadError {
     Parameter(#[from] ParameterError),
     /// `--model-param`.
     ModelParameter(Message),
+    /// What does not go together with a mill.
+    OfMill(#[from] OfMill),
+    /// `--mill-start`, `--mill-zero`, `--mill-offset`.
+    MillWord(Message),
     /// `--offset`.
     Offset(Box<Alarm>),
     /// An address of the PLC.
@@ -110,6 +116,8 @@ impl LoadError {
                 plus,
             } => say::start_beyond_ends(name, minus, plus, section),
             Self::Parameter(error) => say::subject_reason("--param", error.message()),
+            Self::OfMill(error) => error.message(),
+            Self::MillWord(said) => said.clone(),
             Self::ModelParameter(said) => say::subject_reason("--model-param", said.clone()),
             Self::Offset(alarm) => say::subject_reason("--offset", alarm.reason()),
             Self::Address { text, error } => say::ladder_address_of_plc(text, error.message()),
@@ -160,6 +168,7 @@ pub fn setup(
     work_zero: Option<(f64, f64)>,
     language: Option<Language>,
 ) -> Result<Setup, LoadError> {
+    args.refuse_mill()?;
     let mut setup = fitted(Setup::default(), args.machine.as_ref());
     if let Some(path) = &args.data_folder() {
         let data = DataDir::read_only(path)?;
@@ -170,8 +179,34 @@ pub fn setup(
     Ok(setup)
 }
 
+/// What `check` and `plot` start from with a mill, and a set-up for its programs.
+pub fn mill(args: &SetupArgs) -> Result<(MillSetup, Setup), LoadError> {
+    args.lathe_words()?;
+    let mut setup = Setup::default();
+    let mut model = ControlModel::new(args.model());
+    for (number, value) in &args.model_parameters {
+        let set = model.set_parameter(*number, *value);
+        set.map_err(LoadError::ModelParameter)?;
+    }
+    let mut mill = MillSetup::default().with(&model);
+    let words = &args.mill;
+    let wrong = |error: WordError| LoadError::MillWord(error.0);
+    if let Some(start) = &words.mill_start {
+        mill.take_start(start).map_err(wrong)?;
+    }
+    for zero in &words.mill_zeros {
+        mill.memory.take_zero(zero).map_err(wrong)?;
+    }
+    for offset in &words.mill_offsets {
+        mill.memory.take_offset(offset).map_err(wrong)?;
+    }
+    setup.memory.model = model;
+    Ok((mill, setup))
+}
+
 /// Applies the options of control and lathe.
 pub fn apply(setup: &mut Setup, args: &SetupArgs) -> Result<(), LoadError> {
+    args.refuse_mill()?;
     apply_from(setup, args, None)
 }
 
@@ -204,6 +239,7 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
         let set = model.set_parameter(*number, *value);
         set.map_err(LoadError::ModelParameter)?;
     }
+    setup.day_time = args.clock.unwrap_or_else(platform::day_time);
     if let Some(on) = args.macro_b {
         setup.memory.settings.macro_b = on;
     }

@@ -42,13 +42,19 @@ impl WriteError {
     }
 }
 
+/// Bytes that are written at once.
+const AT_ONCE: usize = 64 * 1024;
+
 /// A file to be written to, or standard output for `-`.
 pub fn open(path: &Path) -> Result<Box<dyn Write>, WriteError> {
     if path.as_os_str() == "-" {
-        return Ok(Box::new(BufWriter::new(io::stdout().lock())));
+        return Ok(Box::new(BufWriter::with_capacity(
+            AT_ONCE,
+            io::stdout().lock(),
+        )));
     }
     let file = File::create(path).map_err(|error| WriteError::new(path, error))?;
-    Ok(Box::new(BufWriter::new(file)))
+    Ok(Box::new(BufWriter::with_capacity(AT_ONCE, file)))
 }
 
 /// Whether results go to standard output by this name.

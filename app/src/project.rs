@@ -26,7 +26,7 @@ use crate::platform;
 use crate::retained::NotSaved;
 use crate::retained::project::{Held, held};
 use crate::saying::lines;
-pub use take_over::{Taken, Taking, Who, take_over};
+pub use take_over::{OpenedMemory, Taken, Taking, Target, Who, open, take_over};
 
 /// The file that makes a folder a project.
 pub const HEAD: &str = "project.gpr";

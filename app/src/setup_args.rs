@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gsk_core::memory::DayTime;
 use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
 
@@ -42,14 +43,21 @@ pub struct SetupArgs {
     pub macro_b: Option<bool>,
     /// The control model whose programs are read; each has a memory of its own in the data
     /// directory [default: as the data directory says, else gsk980td]
-    #[arg(long, value_name = "MODEL", value_parser = model())]
+    #[arg(long, value_name = "MODEL", value_parser = any_model())]
     pub model: Option<ModelId>,
     /// A parameter that only this model has, for instance 17=6000 (may be repeated)
     #[arg(long = "model-param", value_name = "N=V", allow_hyphen_values = true, value_parser = model_parameter)]
     pub model_parameters: Vec<(u16, i32)>,
+    /// Date and time of day with which the control's clock begins (#3011, #3012 of macro B),
+    /// for instance 1993-03-28T15:34:56 [default: the computer's]
+    #[arg(long, value_name = "DATETIME", value_parser = moment)]
+    pub clock: Option<DayTime>,
     /// Take parameters, offsets and programs from this data directory, and write them back
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// Options of the mill.
+    #[command(flatten)]
+    pub mill: Box<MillArgs>,
 }
 
 impl SetupArgs {
@@ -63,6 +71,55 @@ impl SetupArgs {
     pub fn data_folder(&self) -> Option<PathBuf> {
         let data = self.data.as_deref()?;
         Some(models::folder(data, self.model()))
+    }
+
+    /// Programs of a mill are not run.
+    ///
+    /// # Errors
+    /// The model is one.
+    pub fn refuse_mill(&self) -> Result<(), OfMill> {
+        self.mill_words()?;
+        match self.model() {
+            model if model.is_mill() => Err(OfMill::NotRun(model)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Options of a mill where the model is none.
+    ///
+    /// # Errors
+    /// One that is given.
+    pub fn mill_words(&self) -> Result<(), OfMill> {
+        let mill = &self.mill;
+        let given = [
+            (mill.mill_start.is_some(), "--mill-start"),
+            (!mill.mill_zeros.is_empty(), "--mill-zero"),
+            (!mill.mill_offsets.is_empty(), "--mill-offset"),
+        ];
+        match given.into_iter().find(|(given, _)| *given) {
+            Some((_, option)) if !self.model().is_mill() => Err(OfMill::MillsAlone(option)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Options of a lathe where the model is a mill.
+    ///
+    /// # Errors
+    /// One that is given.
+    pub fn lathe_words(&self) -> Result<(), OfMill> {
+        let given = [
+            (self.start.is_some(), "--start"),
+            (self.spindle.is_some(), "--spindle"),
+            (!self.parameters.is_empty(), "--param"),
+            (!self.offsets.is_empty(), "--offset"),
+            (!self.inputs.is_empty(), "--input"),
+            (self.machine.is_some(), "--machine"),
+            (self.ladder.is_some(), "--ladder"),
+        ];
+        match given.into_iter().find(|(given, _)| *given) {
+            Some((_, option)) => Err(OfMill::LathesAlone(option)),
+            None => Ok(()),
+        }
     }
 
     /// The files that these options read.
@@ -86,6 +143,27 @@ impl SetupArgs {
     }
 }
 
+/// Options of a mill (`--model gsk980mdi`) for `check` and `plot`.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Mill (--model gsk980mdi, check and plot)")]
+pub struct MillArgs {
+    /// Where the slides stand before the first block, machine coordinates [default: 0,0,100]
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub mill_start: Option<String>,
+    /// A zero of the work, machine coordinates: 54=X,Y,Z to 59, 54.1P1 to 54.1P48, 0 for the
+    /// external one (may be repeated)
+    #[arg(
+        long = "mill-zero",
+        value_name = "54=X,Y,Z",
+        allow_hyphen_values = true
+    )]
+    pub mill_zeros: Vec<String>,
+    /// The length and the radius of a tool, with the wear of both behind: N=H,D or N=H,D,W,W
+    /// (may be repeated)
+    #[arg(long = "mill-offset", value_name = "N=H,D", allow_hyphen_values = true)]
+    pub mill_offsets: Vec<String>,
+}
+
 /// An option that says what a real machine is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}", self.message())]
@@ -102,6 +180,29 @@ impl SetByTheMachine {
         match self {
             Self::Slides => say::option_slides_stand(),
             Self::Spindle => say::option_spindle_started(),
+        }
+    }
+}
+
+/// What does not go together with a mill.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum OfMill {
+    /// Its programs are not run.
+    NotRun(ModelId),
+    /// An option of lathes.
+    LathesAlone(&'static str),
+    /// An option of mills.
+    MillsAlone(&'static str),
+}
+
+impl OfMill {
+    /// What is said of it.
+    pub fn message(self) -> Message {
+        match self {
+            Self::NotRun(model) => say::mill_not_run(&model.record().name),
+            Self::LathesAlone(option) => say::mill_option_of_lathe(option),
+            Self::MillsAlone(option) => say::mill_option_of_mill(option),
         }
     }
 }
@@ -215,7 +316,7 @@ fn number(word: &str) -> Result<f64, WordError> {
     Ok(value)
 }
 
-/// The words of the models whose programs are carried out.
+/// The words of the models whose programs run.
 pub fn model() -> impl TypedValueParser<Value = ModelId> {
     models(|id| id.record().executes)
 }
@@ -229,6 +330,11 @@ fn models(taken: fn(&ModelId) -> bool) -> impl TypedValueParser<Value = ModelId>
     let words = ModelId::ALL.into_iter().filter(taken);
     let words = words.map(|id| PossibleValue::new(id.word()).help(&*id.record().name));
     PossibleValuesParser::new(words).map(|word| ModelId::from_word(&word).unwrap_or_default())
+}
+
+/// `--clock`.
+fn moment(word: &str) -> Result<DayTime, WordError> {
+    DayTime::from_text(word).ok_or(WordError::Form("YYYY-MM-DDThh:mm:ss"))
 }
 
 fn model_parameter(word: &str) -> Result<(u16, i32), WordError> {

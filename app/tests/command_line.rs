@@ -3,6 +3,7 @@
 // A file that cannot be written or a program that cannot be started ends the test.
 mod lessons;
 mod looks;
+mod mill;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

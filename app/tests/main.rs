@@ -11,6 +11,7 @@ mod acceptance;
 mod command_line;
 mod common;
 
+mod first_start;
 mod layouts;
 mod lease;
 mod lessons;
@@ -19,12 +20,14 @@ mod machine_view;
 mod notices;
 mod overwriting;
 mod part;
+mod pitch;
 mod program_view;
 mod project;
 #[cfg(unix)]
 mod serial;
 mod speed;
 mod streams;
+mod tips;
 mod transfer;
 #[cfg(unix)]
 mod transfer_faults;

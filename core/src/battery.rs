@@ -31,7 +31,7 @@ pub struct Memory {
     /// Part counter and cutting time.
     pub counters: Counters,
     /// Which control it is, with the parameters that only this one has.
-    #[serde(default, skip_serializing_if = "ControlModel::is_main")]
+    #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     pub model: ControlModel,
 }
 

@@ -142,17 +142,22 @@ impl Cnc {
         }
         if self.run.automatic.state == RunState::Run {
             self.memory.counters.count_cutting_ms(1);
+            self.memory.counters.count_started_ms(1);
         }
         self.outputs()
     }
 
     fn outputs(&self) -> Outputs {
-        Outputs {
-            y: core::array::from_fn(|index| self.plc.y.get(index).copied().unwrap_or(0)),
+        let mut outputs = Outputs {
             pulses: self.pulses(),
             spindle_volts: self.spindle.control.volts(),
             enable: PerAxis::new(!self.emergency_stop, !self.emergency_stop),
             board: self.drives.board.map(|_| self.board_orders()),
+            ..Outputs::default()
+        };
+        for (output, byte) in outputs.y.iter_mut().zip(&self.plc.y) {
+            *output = *byte;
         }
+        outputs
     }
 }

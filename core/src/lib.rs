@@ -8,7 +8,7 @@ pub mod battery;
 pub(crate) mod board;
 pub mod cnc;
 pub mod command;
-pub(crate) mod compensation;
+pub mod compensation;
 pub(crate) mod dialect;
 pub mod interpreter;
 pub mod linked;

@@ -12,7 +12,7 @@ use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
 pub use meaning::{GCode, MCode};
-pub(crate) use record::MFunction;
+pub(crate) use record::{Edge, MFunction};
 pub use record::{ModelParameter, Record};
 
 /// A control model.
@@ -59,6 +59,11 @@ impl ModelId {
     pub const fn is_main(&self) -> bool {
         matches!(self, Self::Gsk980td)
     }
+
+    /// Whether it is a mill: its programs are checked and drawn, and not run.
+    pub const fn is_mill(self) -> bool {
+        matches!(self, Self::Gsk980mdi)
+    }
 }
 
 /// The model that a control is, with the values of the parameters that only it has.
@@ -94,6 +99,11 @@ impl ControlModel {
         self.id.is_main()
     }
 
+    /// Whether it is the GSK980TD as delivered.
+    pub(crate) fn is_delivered_main(&self) -> bool {
+        self.is_main() && self.parameters.is_empty()
+    }
+
     /// The value of one of its own parameters; 0 of one that it does not have.
     pub fn parameter(&self, number: u16) -> i32 {
         let delivered = || self.record().parameters.get(&number).map(|it| it.delivered);
@@ -120,6 +130,18 @@ impl ControlModel {
         self.parameters.insert(number, value);
         Ok(())
     }
+}
+
+/// Parameters of macro B: the codes that call a program.
+pub(crate) mod code_calls {
+    /// Ten G codes that call as G65 does.
+    pub(crate) const G: u16 = 220;
+    /// Ten M codes that call as G65 does.
+    pub(crate) const M: u16 = 230;
+    /// Three M codes that call as M98 does.
+    pub(crate) const PLAIN_M: u16 = 240;
+    /// T calls as M98 does.
+    pub(crate) const T: u16 = 243;
 }
 
 /// Numbers of the Huaxing lathes.

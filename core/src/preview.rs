@@ -19,14 +19,14 @@ mod written;
 use core::cell::LazyCell;
 
 use crate::alarm::{Alarm, number};
-use crate::command::{ExecutedMove, Frame, Source};
+use crate::command::{Action, ExecutedMove, Frame, Source};
 use crate::interpreter::Advance;
 use crate::interpreter::Explanation;
 use crate::interpreter::Immediate;
 use crate::interpreter::Interpreter;
 use crate::interpreter::MachineCodes;
 use crate::interpreter::Modal;
-use crate::memory::Parameters;
+use crate::memory::{Parameters, Registers};
 use crate::motion::{MotionLimits, Sequel};
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
@@ -217,7 +217,11 @@ fn interpret(
     let frame = frame_at_start(setup);
     let mut host = Immediate {
         parameters: setup.memory.parameters.clone(),
-        offsets: &setup.memory.offsets,
+        offsets: setup.memory.offsets.clone(),
+        registers: Registers::new(setup.day_time),
+        counters: setup.memory.counters,
+        settings: setup.memory.settings,
+        now_s: 0.0,
         variables: setup.memory.variables.clone(),
         inputs: LazyCell::new(Box::new(|| idle_inputs(setup))),
         outputs: 0,
@@ -402,7 +406,12 @@ impl<'a> Walk<'a> {
                         self.explanation = interpreter.explanation();
                     }
                     match self.carry_out(&command) {
-                        Ok(None) => {}
+                        Ok(None) => {
+                            host.now_s = self.clock.now();
+                            if matches!(command.action, Action::Repeat) {
+                                host.counters.count_part();
+                            }
+                        }
                         Ok(Some(end)) => {
                             self.so_far.end = end;
                             self.ended = true;

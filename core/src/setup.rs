@@ -8,7 +8,7 @@ use gsk_plc::{Ladder, Plc, Retained};
 use crate::alarm::Alarm;
 use crate::battery::Memory;
 use crate::machine::{LatheConfig, SlideEnds};
-use crate::memory::Parameters;
+use crate::memory::{DayTime, Parameters};
 use crate::units::{Axis, PerAxis, Point};
 
 /// K12: the tool in position, kept by the ladder.
@@ -46,6 +46,8 @@ pub struct Setup {
     pub zero_kept: PerAxis<bool>,
     /// Speed of a spindle that already turns forward, r/min.
     pub spindle_rpm: Option<f64>,
+    /// Date and time of day, from which the control counts on by its ticks.
+    pub day_time: DayTime,
     /// Machine inputs held at a value.
     pub forced_inputs: Vec<(BitAddress, bool)>,
 }
@@ -160,6 +162,7 @@ impl Default for Setup {
             referenced: true,
             zero_kept: PerAxis::default(),
             spindle_rpm: None,
+            day_time: DayTime::default(),
             forced_inputs: Vec::new(),
         }
     }

@@ -32,6 +32,16 @@ pub enum Language {
     En,
 }
 
+impl Language {
+    /// The other one.
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Zh => Self::En,
+            Self::En => Self::Zh,
+        }
+    }
+}
+
 /// A row of the table.
 #[derive(Debug)]
 struct Row {

@@ -250,6 +250,11 @@ impl Emulator {
         self.panel.screen(&self.simulation.cnc)
     }
 
+    /// The same in the language that the LCD does not speak.
+    pub fn translated_screen(&self) -> Screen {
+        self.panel.translated(&self.simulation.cnc)
+    }
+
     /// The whole panel as a picture, so many pixels a panel unit; the LCD has
     /// two units a dot.
     pub fn panel_picture(&self, scale: f32) -> Option<Pixmap> {

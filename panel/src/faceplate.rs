@@ -1,6 +1,6 @@
 //! The geometry of the panel: one table of parts in panel units, from which the
 //! window and the painter here draw, and the pointer is looked up
-//! (manual III-1.2). Where a window is too narrow for the whole panel, its three
+//! (manual III-1.2). Where a window is too narrow for the whole panel, its
 //! [areas](Area::APART) stand by themselves.
 //!
 //! One panel unit is half a dot of the LCD, so that the LCD is drawn with whole
@@ -240,7 +240,10 @@ impl Part {
             return Vec::new(); // Printed beside the button.
         }
         let lines = key.row().legend;
+        let arrow = matches!(key, Key::Up | Key::Down | Key::Left | Key::Right);
         let height = match (key.row().role, lines.len()) {
+            _ if arrow => 32.0,
+            _ if self.colour == Colour::Direction && key != Key::Rapid => 21.0,
             (Role::Character(..), 1) => 32.0,
             (Role::Character(..), _) => 24.0,
             _ => LINE_HEIGHT,
@@ -275,8 +278,9 @@ impl Area {
         rect: Rect::new(0.0, 0.0, SIZE.0, SIZE.1),
     };
 
-    /// LCD, edit keyboard, and machine keys with the additional panel.
-    pub const APART: [Self; 3] = layout::APART;
+    /// LCD, name plate, edit keyboard, modes and directions, spindle and start, additional
+    /// panel.
+    pub const APART: [Self; 6] = layout::APART;
 
     /// Whether a part stands in it.
     pub fn holds(&self, part: &Part) -> bool {

@@ -5,6 +5,7 @@
 pub mod bitmap;
 pub mod emulator;
 pub mod faceplate;
+pub mod fonts;
 pub mod glyphs;
 pub mod keys;
 pub mod lcd;

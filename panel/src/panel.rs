@@ -16,6 +16,7 @@ use gsk_core::cnc::{Cnc, Request};
 use gsk_core::command::{Frame, ProgramId};
 use gsk_core::operation::Mode;
 use gsk_core::units::Point;
+use gsk_messages::Language;
 use serde::{Deserialize, Serialize};
 use transfer::Transfer;
 pub use transfer::{
@@ -233,13 +234,22 @@ impl Panel {
 
     /// What the LCD shows; nothing while the power is off.
     pub fn screen(&self, cnc: &Cnc) -> Screen {
+        self.screen_in(pages::language(cnc), cnc)
+    }
+
+    /// The same in the language that the LCD does not speak: for who cannot read it.
+    pub fn translated(&self, cnc: &Cnc) -> Screen {
+        self.screen_in(pages::language(cnc).other(), cnc)
+    }
+
+    fn screen_in(&self, language: Language, cnc: &Cnc) -> Screen {
         if !self.powered {
             return Screen::new();
         }
         if self.in_self_test() {
-            return pages::power_on(pages::language(cnc), cnc.model().record());
+            return pages::power_on(language, cnc.model().record());
         }
-        pages::draw(self.page, &self.view, cnc)
+        pages::draw_in(language, self.page, &self.view, cnc)
     }
 
     /// The keys that look pressed: those held, and the latched emergency stop.
@@ -319,6 +329,9 @@ impl Panel {
         self.read_transfer_error();
         let compound = self.compound.take();
         let flashing = self.view.flashing.take();
+        if self.is_teaching(cnc) && self.teaching_key(key, cnc, requests) {
+            return;
+        }
         match (key.row().role, key) {
             (Role::Page, _) => self.page_key(key, cnc),
             (Role::Character(first, second), _) => {

@@ -225,6 +225,13 @@ struct Parts {
     bit: Option<u8>,
 }
 
+/// A text before and after the first of an ASCII character: `str::split_once` without its
+/// preparations, which take longer than a look at a short text.
+pub(crate) fn cut(text: &str, mark: u8) -> Option<(&str, &str)> {
+    let at = text.bytes().position(|byte| byte == mark)?;
+    Some((text.get(..at)?, text.get(at + 1..)?))
+}
+
 /// A decimal number of any length, leading zeros allowed; too large ones saturate.
 pub(crate) fn digits(text: &str) -> Option<u32> {
     if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
@@ -245,7 +252,7 @@ fn parts(text: &str) -> Result<Parts, AddressError> {
         .unwrap_or(text.len());
     let (letter, rest) = text.split_at(end);
     let area = Area::of_letter(letter).ok_or_else(malformed)?;
-    let (number, bit) = match rest.split_once('.') {
+    let (number, bit) = match cut(rest, b'.') {
         Some((number, bit)) => (number, Some(bit)),
         None => (rest, None),
     };

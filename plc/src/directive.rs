@@ -3,7 +3,7 @@
 use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
-use crate::address::{AddressError, Area, BitAddress, ByteAddress, digits};
+use crate::address::{AddressError, Area, BitAddress, ByteAddress, cut, digits};
 use crate::diagnostic::{Finding, Rule};
 
 /// What the version page says about the ladder.
@@ -157,7 +157,7 @@ fn tokens(code: &str) -> Result<Vec<Token<'_>>, Finding> {
     let mut rest = code.trim_start();
     while !rest.is_empty() {
         if let Some(quoted) = rest.strip_prefix('"') {
-            let Some((text, after)) = quoted.split_once('"') else {
+            let Some((text, after)) = cut(quoted, b'"') else {
                 return Err((Rule::E00, say::ladder_quote_missing()));
             };
             tokens.push(Token::Text(text));

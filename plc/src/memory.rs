@@ -38,6 +38,7 @@ const NEW_PRESET: i32 = i32::MAX;
 /// them must not freeze the machine.
 const INACTIVE_AT_1: [(usize, u8); 3] = [(8, 0b0011_0001), (114, 0b1111), (116, 0b1111)];
 
+#[inline]
 const fn base(area: Area) -> usize {
     match area {
         Area::X => X,
@@ -56,6 +57,7 @@ const fn base(area: Area) -> usize {
 }
 
 /// Place of a byte or entry in the flat array; `None` outside its area.
+#[inline]
 pub(crate) fn offset(address: ByteAddress) -> Option<usize> {
     if address.byte >= address.area.count() {
         return None;
@@ -75,11 +77,13 @@ macro_rules! byte_area {
     ($get:ident, $set:ident, $area:ident, $doc:literal) => {
         #[doc = concat!("Byte `byte` of ", $doc, ".")]
         #[must_use]
+        #[inline]
         pub fn $get(&self, byte: u16) -> u8 {
             self.byte(ByteAddress::new(Area::$area, byte))
         }
 
         #[doc = concat!("Writes byte `byte` of ", $doc, ".")]
+        #[inline]
         pub fn $set(&mut self, byte: u16, value: u8) {
             self.set_byte(ByteAddress::new(Area::$area, byte), value);
         }
@@ -134,6 +138,7 @@ impl Memory {
 
     /// One bit.
     #[must_use]
+    #[inline]
     pub fn bit(&self, address: BitAddress) -> bool {
         address.area.has_bits()
             && address.bit < 8
@@ -141,6 +146,7 @@ impl Memory {
     }
 
     /// Writes one bit.
+    #[inline]
     pub fn set_bit(&mut self, address: BitAddress, value: bool) {
         if !address.area.has_bits() || address.bit > 7 {
             return;
@@ -153,11 +159,13 @@ impl Memory {
 
     /// One byte; the lowest one of an entry of T, C, DC or DT.
     #[must_use]
+    #[inline]
     pub fn byte(&self, address: ByteAddress) -> u8 {
         offset(address).map_or(0, |at| self.bytes[at])
     }
 
     /// Writes one byte; the lowest one of an entry of T, C, DC or DT.
+    #[inline]
     pub fn set_byte(&mut self, address: ByteAddress, value: u8) {
         if let Some(at) = offset(address) {
             self.bytes[at] = value;

@@ -6,7 +6,7 @@
 
 use gsk_messages::{Message, say};
 
-use crate::address::{AddressError, Area, BitAddress, ByteAddress, digits};
+use crate::address::{AddressError, Area, BitAddress, ByteAddress, cut, digits};
 use crate::diagnostic::{CompileError, Finding, Rule};
 use crate::directive::{self, Directives};
 use crate::instruction::{Kind, Mnemonic, Operand, Role, Statement};
@@ -31,7 +31,7 @@ pub(crate) struct Parsed {
 pub(crate) fn parse(source: &str) -> Parsed {
     let mut parsed = Parsed::default();
     let source = source.strip_prefix('\u{feff}').unwrap_or(source);
-    for (index, line) in source.lines().enumerate() {
+    for (index, line) in lines(source).enumerate() {
         let number = u32::try_from(index).map_or(u32::MAX, |index| index.saturating_add(1));
         let code = without_comment(line).trim();
         if code.is_empty() {
@@ -55,21 +55,32 @@ pub(crate) fn parse(source: &str) -> Parsed {
     parsed
 }
 
+/// The lines of a text; blanks at their ends count for nothing.
+fn lines(source: &str) -> impl Iterator<Item = &str> {
+    let mut rest = Some(source);
+    core::iter::from_fn(move || {
+        let text = rest?;
+        let (line, after) = match cut(text, b'\n') {
+            Some((line, after)) => (line, Some(after)),
+            None => (text, None),
+        };
+        rest = after;
+        Some(line)
+    })
+}
+
 /// The line up to the first `;` that is not inside a string.
 fn without_comment(line: &str) -> &str {
     let mut quoted = false;
-    for (at, c) in line.char_indices() {
-        match c {
-            '"' => quoted = !quoted,
-            ';' if !quoted => return &line[..at],
-            _ => {}
-        }
-    }
-    line
+    let end = line.bytes().position(|byte| {
+        quoted ^= byte == b'"';
+        byte == b';' && !quoted
+    });
+    end.and_then(|end| line.get(..end)).unwrap_or(line)
 }
 
 fn statement(code: &str, line: u32, parsed: &mut Parsed) -> Result<(), Finding> {
-    let (head, table) = match code.split_once(',') {
+    let (head, table) = match cut(code, b',') {
         Some((head, table)) => (head, Some(table)),
         None => (code, None),
     };

@@ -287,61 +287,70 @@ impl Plc {
         // with the operations that led to them.
         let mut from = first;
         while at < limit {
-            let Some(op) = ops.get(at) else { break };
-            let act = stack & 1 == 1;
-            let mut next = at + 1;
-            match *op {
-                Op::Ld(bit) => stack = stack << 1 | u32::from(is_set(bytes, bit)),
-                Op::Ldi(bit) => stack = stack << 1 | u32::from(!is_set(bytes, bit)),
-                Op::And(bit) => stack &= !1 | u32::from(is_set(bytes, bit)),
-                Op::Ani(bit) => stack &= !1 | u32::from(!is_set(bytes, bit)),
-                Op::Or(bit) => stack |= u32::from(is_set(bytes, bit)),
-                Op::Ori(bit) => stack |= u32::from(!is_set(bytes, bit)),
-                Op::Orb => stack = stack >> 1 | stack & 1,
-                Op::Anb => stack = (stack >> 1) & (!1 | stack & 1),
-                Op::Out(bit) => {
-                    let byte = &mut bytes[usize::from(bit.at)];
-                    // All ones or all zeros, so that the coil needs no branch.
-                    let all = 0u8.wrapping_sub(u8::from(act));
-                    *byte = *byte & !bit.mask | all & bit.mask;
+            // Straight on, until an operation leads elsewhere.
+            let mut leads_to = None;
+            for op in ops.get(at..limit.min(ops.len())).unwrap_or_default() {
+                let act = stack & 1 == 1;
+                at += 1;
+                match *op {
+                    Op::Ld(bit) => stack = stack << 1 | u32::from(is_set(bytes, bit)),
+                    Op::Ldi(bit) => stack = stack << 1 | u32::from(!is_set(bytes, bit)),
+                    Op::And(bit) => stack &= !1 | u32::from(is_set(bytes, bit)),
+                    Op::Ani(bit) => stack &= !1 | u32::from(!is_set(bytes, bit)),
+                    Op::Or(bit) => stack |= u32::from(is_set(bytes, bit)),
+                    Op::Ori(bit) => stack |= u32::from(!is_set(bytes, bit)),
+                    Op::Orb => stack = stack >> 1 | stack & 1,
+                    Op::Anb => stack = (stack >> 1) & (!1 | stack & 1),
+                    Op::Out(bit) => {
+                        let byte = &mut bytes[usize::from(bit.at)];
+                        // All ones or all zeros, so that the coil needs no branch.
+                        let all = 0u8.wrapping_sub(u8::from(act));
+                        *byte = *byte & !bit.mask | all & bit.mask;
+                    }
+                    Op::Set(bit) if act => bytes[usize::from(bit.at)] |= bit.mask,
+                    Op::Rst(bit) if act => bytes[usize::from(bit.at)] &= !bit.mask,
+                    Op::Function(index) => {
+                        if let Some(function) = code.functions.get(usize::from(index)) {
+                            execute(function, act, bytes, &mut remembered);
+                        }
+                    }
+                    Op::Jump(target) if act => leads_to = Some(usize::from(target)),
+                    Op::Call(target) if act => {
+                        if let Some(place) = returns.get_mut(depth) {
+                            *place = at;
+                            depth += 1;
+                            limit = ops.len();
+                            leads_to = Some(usize::from(target));
+                        }
+                    }
+                    Op::Return => {
+                        depth = depth.saturating_sub(1);
+                        leads_to = Some(returns[depth]);
+                        if depth == 0 {
+                            limit = end;
+                        }
+                    }
+                    Op::Set(_) | Op::Rst(_) | Op::Jump(_) | Op::Call(_) | Op::Mark => {}
                 }
-                Op::Set(bit) if act => bytes[usize::from(bit.at)] |= bit.mask,
-                Op::Rst(bit) if act => bytes[usize::from(bit.at)] &= !bit.mask,
-                Op::Function(index) => {
-                    if let Some(function) = code.functions.get(usize::from(index)) {
-                        execute(function, act, bytes, &mut remembered);
+                if WATCHED {
+                    forces.apply(bytes);
+                    let next = leads_to.unwrap_or(at);
+                    if stop == Stop::AfterRung && depth == 0 && rung_of(next) != rung {
+                        *executed += at - from;
+                        return Ok(next);
                     }
                 }
-                Op::Jump(target) if act => next = usize::from(target),
-                Op::Call(target) if act => {
-                    if let Some(place) = returns.get_mut(depth) {
-                        *place = next;
-                        depth += 1;
-                        limit = ops.len();
-                        next = usize::from(target);
-                    }
+                if leads_to.is_some() {
+                    break;
                 }
-                Op::Return => {
-                    depth = depth.saturating_sub(1);
-                    next = returns[depth];
-                    if depth == 0 {
-                        limit = end;
-                    }
-                }
-                Op::Set(_) | Op::Rst(_) | Op::Jump(_) | Op::Call(_) | Op::Mark => {}
             }
-            if WATCHED {
-                forces.apply(bytes);
-                if stop == Stop::AfterRung && depth == 0 && rung_of(next) != rung {
-                    *executed += at + 1 - from;
-                    return Ok(next);
-                }
-            }
-            if next != at + 1 {
-                *executed += at + 1 - from;
+            let Some(next) = leads_to else { break };
+            if next != at {
+                *executed += at - from;
                 from = next;
                 if *executed > WATCHDOG {
-                    let line = ladder.statements().get(at).map_or(0, |s| s.line);
+                    let jump = ladder.statements().get(at.saturating_sub(1));
+                    let line = jump.map_or(0, |statement| statement.line);
                     return Err(Fault::Watchdog { line });
                 }
             }

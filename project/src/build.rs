@@ -273,16 +273,23 @@ impl Builder<'_> {
     }
 
     fn counters(&mut self) -> Counters {
-        let [parts, cutting_ms] = Count::ALL.map(|(count, _)| {
+        let [parts, cutting_ms, required, started_ms] = Count::ALL.map(|(count, _)| {
             let end = match count {
                 Count::Parts => i64::from(Counters::PARTS),
                 Count::CuttingMs => Counters::CUTTING_MS as i64,
+                Count::Required => i64::from(Counters::REQUIRED),
+                Count::StartedMs => Counters::STARTED_MS as i64,
             };
+            if count.may_be_missing() && !self.left.contains_key(&Key::Count(count)) {
+                return 0;
+            }
             self.whole(Key::Count(count), 0..=end - 1)
         });
         Counters {
             parts: parts as u32,
             cutting_ms: cutting_ms as u64,
+            required: required as u32,
+            started_ms: started_ms as u64,
         }
     }
 
@@ -301,6 +308,9 @@ impl Builder<'_> {
         for (number, parameter) in &id.record().parameters {
             let (low, high) = parameter.range;
             let key = Key::ModelParameter(*number);
+            if id.is_main() && !self.left.contains_key(&key) {
+                continue;
+            }
             let value = self.whole(key, low.into()..=high.into());
             // A value out of its range was said.
             let _ = model.set_parameter(*number, value as i32);

@@ -92,12 +92,25 @@ pub enum Count {
     Parts,
     /// Time in cutting feed, ms.
     CuttingMs,
+    /// Parts to be made, 0 to 9999; no line: 0.
+    Required,
+    /// Time with cycle start on, ms; no line: 0.
+    StartedMs,
 }
 
 impl Count {
     /// All of them, by their names in the file.
-    pub const ALL: [(Self, &'static str); 2] =
-        [(Self::Parts, "parts"), (Self::CuttingMs, "cutting-ms")];
+    pub const ALL: [(Self, &'static str); 4] = [
+        (Self::Parts, "parts"),
+        (Self::CuttingMs, "cutting-ms"),
+        (Self::Required, "required"),
+        (Self::StartedMs, "started-ms"),
+    ];
+
+    /// Whether it is left out where it is 0: older folders have none of it.
+    pub const fn may_be_missing(self) -> bool {
+        matches!(self, Self::Required | Self::StartedMs)
+    }
 }
 
 /// What the panel keeps: brightness, and the setting of the graphic in thousandths of a

@@ -123,6 +123,8 @@ pub fn label(key: Key, state: &State, language: Language) -> String {
         }
         Key::Count(Count::Parts) => say::project_of_parts(),
         Key::Count(Count::CuttingMs) => say::project_of_cutting_time(),
+        Key::Count(Count::Required) => say::project_of_required_parts(),
+        Key::Count(Count::StartedMs) => say::project_of_started_time(),
         Key::Panel(word) => match word {
             PanelWord::Brightness => say::project_of_brightness(),
             PanelWord::Zx => say::project_of_zx(),

@@ -22,8 +22,6 @@ pub(crate) const FORMAT: i64 = 1;
 
 /// Variables that macro B alone has and that outlast power-off (manual III-11).
 pub(crate) const REAL: core::ops::RangeInclusive<u16> = 500..=999;
-/// Those that do not.
-const PASSING: core::ops::RangeInclusive<u16> = 100..=199;
 
 /// What a control holds: all that its battery keeps but for the operation level with its
 /// passwords, the ladder with what the PLC keeps, what the panel keeps. The position of the
@@ -57,13 +55,12 @@ impl State {
     ) -> Self {
         let mut memory = memory.clone();
         memory.authority = Authority::default();
-        for number in PASSING {
-            // Cannot fail: macro B has them.
-            let _ = memory.variables.set_real(number, None);
-        }
+        memory.variables.power_on();
         memory.counters = Counters {
             parts: memory.counters.parts % Counters::PARTS,
             cutting_ms: memory.counters.cutting_ms % Counters::CUTTING_MS,
+            required: memory.counters.required % Counters::REQUIRED,
+            started_ms: memory.counters.started_ms % Counters::STARTED_MS,
         };
         memory.model = as_delivered_but_for(&memory.model);
         memory.programs = memory.programs.retained();
@@ -146,8 +143,12 @@ impl State {
         let mut all = BTreeMap::new();
         all.insert(Key::Format, Value::Whole(FORMAT));
         all.insert(Key::Model, Value::Model(memory.model.id()));
-        for number in memory.model.record().parameters.keys() {
+        for (number, parameter) in &memory.model.record().parameters {
             let value = memory.model.parameter(*number);
+            // Older folders of the GSK980TD have none of them.
+            if memory.model.is_main() && value == parameter.delivered {
+                continue;
+            }
             all.insert(Key::ModelParameter(*number), Value::Whole(value.into()));
         }
         let settings = &memory.settings;
@@ -186,7 +187,12 @@ impl State {
             let value = match count {
                 Count::Parts => memory.counters.parts.into(),
                 Count::CuttingMs => memory.counters.cutting_ms as i64,
+                Count::Required => memory.counters.required.into(),
+                Count::StartedMs => memory.counters.started_ms as i64,
             };
+            if value == 0 && count.may_be_missing() {
+                continue;
+            }
             all.insert(Key::Count(count), Value::Whole(value));
         }
         list_retained(&mut all, &self.retained);

@@ -1,9 +1,9 @@
 //! A line of JSON put together number by number: files of moves hold millions of them.
 
+use gsk_core::units::nearest;
+
 /// Millionths in one.
 const ONE: u64 = 1_000_000;
-/// Decimal places of a millionth.
-const PLACES: usize = 6;
 /// Below this many millionths a number has at most fifteen digits, and its decimal form
 /// is the shortest one that reads back as the same number.
 const EXACT: f64 = 1e15;
@@ -26,11 +26,13 @@ impl Default for Line {
 
 impl Line {
     /// Text as it is.
+    #[inline]
     pub(crate) fn text(&mut self, text: &str) {
         self.bytes.extend_from_slice(text.as_bytes());
     }
 
     /// A whole number behind a text.
+    #[inline]
     pub(crate) fn number(&mut self, before: &str, number: u64) {
         self.text(before);
         self.digits(number);
@@ -38,13 +40,21 @@ impl Line {
 
     /// A number rounded to a millionth behind a text, as JSON writes it: `50.0`, `-0.25`;
     /// `null` for none and for what is no number.
+    #[inline]
     pub(crate) fn value(&mut self, before: &str, value: Option<f64>) {
         self.text(before);
-        let millionths = value.map_or(f64::NAN, |value| (value * ONE as f64).round());
+        match value {
+            Some(value) => self.decimal(value),
+            None => self.text("null"),
+        }
+    }
+
+    fn decimal(&mut self, value: f64) {
+        let millionths = value * ONE as f64;
         if millionths.abs() < EXACT {
-            self.millionths(millionths as i64);
+            self.millionths(nearest(millionths));
         } else if millionths.is_finite() {
-            self.text(&serde_json::Value::from(millionths / ONE as f64).to_string());
+            self.text(&serde_json::Value::from(millionths.round() / ONE as f64).to_string());
         } else {
             self.text("null");
         }
@@ -62,34 +72,67 @@ impl Line {
         }
         self.digits(size / ONE);
         self.text(".");
-        self.fraction(size % ONE);
+        self.fraction((size % ONE) as u32);
     }
 
     /// Decimal places without the zeros at the end, one at least.
-    fn fraction(&mut self, mut millionths: u64) {
-        let mut places = [b'0'; PLACES];
-        for place in places.iter_mut().rev() {
-            *place += (millionths % 10) as u8;
-            millionths /= 10;
-        }
-        let last = places.iter().rposition(|place| *place != b'0');
-        self.bytes.extend_from_slice(&places[..=last.unwrap_or(0)]);
+    fn fraction(&mut self, millionths: u32) {
+        let [a, b] = pair(millionths / 10_000);
+        let [c, d] = pair(millionths / 100 % 100);
+        let [e, f] = pair(millionths % 100);
+        let places = [a, b, c, d, e, f, b'0', b'0'];
+        // Zero bits where there are zeros at the end, which are the highest bytes.
+        let zeros = (u64::from_le_bytes(places) ^ u64::from_le_bytes([b'0'; 8])).leading_zeros();
+        self.front_of(places, 8 - (zeros as usize / 8).min(7));
     }
 
-    fn digits(&mut self, mut number: u64) {
-        let mut digits = [b'0'; 20];
-        let mut first = digits.len();
-        loop {
-            first -= 1;
-            digits[first] += (number % 10) as u8;
-            number /= 10;
-            if number == 0 {
-                break;
-            }
+    fn digits(&mut self, number: u64) {
+        if number >= 10_000 {
+            self.digits(number / 10_000);
+            return self.four_digits((number % 10_000) as u32, 4);
         }
-        self.bytes.extend_from_slice(&digits[first..]);
+        let number = number as u32;
+        let count = match number {
+            0..10 => 1,
+            10..100 => 2,
+            100..1000 => 3,
+            _ => 4,
+        };
+        self.four_digits(number, count);
+    }
+
+    /// The last digits of a number below ten thousand.
+    fn four_digits(&mut self, number: u32, count: usize) {
+        let ([a, b], [c, d]) = (pair(number / 100), pair(number % 100));
+        let leading = 8 * (4 - count as u32);
+        self.front_of(
+            (u32::from_le_bytes([a, b, c, d]) >> leading).to_le_bytes(),
+            count,
+        );
+    }
+
+    /// The first of these bytes: all are copied at once, which is quicker than a few.
+    fn front_of<const N: usize>(&mut self, bytes: [u8; N], count: usize) {
+        let length = self.bytes.len() + count;
+        self.bytes.extend_from_slice(&bytes);
+        self.bytes.truncate(length);
     }
 }
+
+/// The two digits of a number below a hundred.
+fn pair(number: u32) -> [u8; 2] {
+    PAIRS[number as usize % PAIRS.len()]
+}
+
+static PAIRS: [[u8; 2]; 100] = {
+    let mut pairs = [[b'0'; 2]; 100];
+    let mut number = 0;
+    while number < pairs.len() {
+        pairs[number] = [b'0' + (number / 10) as u8, b'0' + (number % 10) as u8];
+        number += 1;
+    }
+    pairs
+};
 
 #[cfg(test)]
 mod tests {
@@ -149,6 +192,13 @@ mod tests {
         ) {
             let value: f64 = size * scale;
             prop_assert_eq!(written(value), of_json(value));
+        }
+
+        #[test]
+        fn whole_numbers_have_all_their_digits((number, bits) in (any::<u64>(), 0..64_u32)) {
+            let mut line = Line::default();
+            line.number("", number >> bits);
+            prop_assert_eq!(line.bytes, (number >> bits).to_string().into_bytes());
         }
     }
 }

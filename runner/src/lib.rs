@@ -10,6 +10,7 @@ pub mod execution;
 pub mod first_look;
 pub mod lesson;
 pub mod machining;
+pub mod mill;
 pub mod moves;
 pub mod narration;
 pub mod partner;

@@ -10,6 +10,7 @@ mod labels;
 mod layout;
 mod legend;
 mod lit;
+pub mod mill;
 mod numbers;
 mod pens;
 mod pieces;

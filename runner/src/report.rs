@@ -93,24 +93,41 @@ impl Serialize for WarningReport {
     }
 }
 
-/// Positions at the end: X as a diameter.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+/// A position: in JSON a list of its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Place {
+    /// X as a diameter, Z.
+    Lathe(f64, f64),
+    /// X, Y, Z.
+    Mill([f64; 3]),
+}
+
+impl From<(f64, f64)> for Place {
+    fn from((x, z): (f64, f64)) -> Self {
+        Self::Lathe(x, z)
+    }
+}
+
+/// Positions at the end: X of a lathe as a diameter.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Final {
     /// Absolute coordinates.
-    pub abs: (f64, f64),
+    pub abs: Place,
     /// Machine coordinates.
-    pub machine: (f64, f64),
-    /// Relative coordinates.
-    pub rel: (f64, f64),
+    pub machine: Place,
+    /// Relative coordinates; a mill has none here.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rel: Option<Place>,
 }
 
 impl Final {
     /// From points as the control holds them.
     pub fn new(absolute: Point, machine: Point, relative: Point) -> Self {
         Self {
-            abs: diameter_z(absolute),
-            machine: diameter_z(machine),
-            rel: diameter_z(relative),
+            abs: diameter_z(absolute).into(),
+            machine: diameter_z(machine).into(),
+            rel: Some(diameter_z(relative).into()),
         }
     }
 }
@@ -187,11 +204,14 @@ pub struct PathReport {
     pub tool_times: Vec<ToolSeconds>,
 }
 
-/// A box; X as diameters.
+/// A box; X of a lathe as diameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bounds {
     /// From, to.
     pub x: (f64, f64),
+    /// From, to; of a mill.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<(f64, f64)>,
     /// From, to.
     pub z: (f64, f64),
 }

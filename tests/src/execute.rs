@@ -2,10 +2,12 @@
 
 use gsk_core::command::{ExecutedMove, ProgramId};
 use gsk_core::interpreter::{Explanation, Modal};
+use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
 use gsk_core::units::Point;
 use gsk_messages::Message;
+use gsk_milling::MillSetup;
 use gsk_runner::execution::{self, Limits, Watcher};
 use gsk_runner::moves;
 use gsk_runner::report::{self, AlarmReport, Report};
@@ -103,6 +105,23 @@ pub fn check(setup: &Setup) -> Seen {
         &mut |progress| progress.motionless < MOTIONLESS_BLOCKS,
     );
     Seen::read(&moves.written, &report)
+}
+
+/// The path of `check` with a mill.
+pub fn check_mill(setup: &MillSetup, programs: &ProgramMemory) -> Seen {
+    let mut written = Vec::new();
+    let report = gsk_runner::mill::check(
+        "",
+        setup,
+        programs,
+        None,
+        &mut |made| {
+            // Memory takes everything.
+            let _ = gsk_runner::mill::write_move(&mut written, made);
+        },
+        &mut |progress| progress.motionless < MOTIONLESS_BLOCKS,
+    );
+    Seen::read(&written, &report)
 }
 
 /// The path of `run`.

@@ -28,7 +28,11 @@ pub(crate) fn run(case: &Case, folder: &Path, update: bool) -> Result<(), String
     let mut all = Vec::new();
     for &path in &case.paths {
         let seen = match path {
-            ProgramPath::Check => execute::check(&start),
+            ProgramPath::Check => match case.setup.mill(&start)? {
+                Some(mill) => execute::check_mill(&mill, &start.memory.programs),
+                None => execute::check(&start),
+            },
+            ProgramPath::Run if start.memory.model.id().is_mill() => continue,
             ProgramPath::Run => execute::run(&start),
         };
         let found = expected.differences(path, &seen, case.time_tolerance);
@@ -105,7 +109,10 @@ impl Expected {
 
     /// Rewrites the values of the fields named; a new case gets the usual fields.
     fn update(&self, folder: &Path, seen: &Seen) -> Result<(), String> {
-        let fields = json!({"line": 0, "kind": 0, "x0": 0, "z0": 0, "x": 0, "z": 0});
+        let mut fields = json!({"line": 0, "kind": 0, "x0": 0, "z0": 0, "x": 0, "z": 0});
+        if seen.moves.iter().any(|it| !it["y"].is_null()) {
+            fields = json!({"line": 0, "kind": 0, "x": 0, "y": 0, "z": 0});
+        }
         if self.moves.is_some() || self.result.is_none() {
             let mut text = String::new();
             for (index, seen) in seen.moves.iter().enumerate() {

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use gsk_core::command::ProgramId;
 use gsk_core::machine::LatheConfig;
-use gsk_core::memory::ToolOffset;
+use gsk_core::memory::{DayTime, ToolOffset};
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::plc::Ladder;
 use gsk_core::program::{Program, ProgramMemory};
 use gsk_core::setup::Setup;
 use gsk_core::units::{Axis, Diameter, Point};
+use gsk_milling::{MillSetup, WordError};
 use serde::Deserialize;
 
 /// Head of the program that fills the memory.
@@ -50,6 +51,10 @@ pub struct SetupWords {
     pub model: Option<String>,
     /// Parameters that only this model has: `"17=6000"`.
     pub model_params: Vec<String>,
+    /// Of a mill: slides, zeros, tools.
+    pub mill: MillWords,
+    /// Date and time of day at the start: `"1993-03-28 15:34:56"`.
+    pub clock: Option<String>,
     /// The part counter.
     pub parts: u32,
     /// The cutting time: `"05:28:08"`.
@@ -60,7 +65,42 @@ pub struct SetupWords {
     pub machine: Option<String>,
 }
 
+/// The words of a mill, in the form of the command line.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MillWords {
+    /// Where the slides stand: `"0,0,100"`.
+    pub start: Option<String>,
+    /// Zeros of the work: `"54=100,50,0"`.
+    pub zeros: Vec<String>,
+    /// Tools: `"1=50,5"`.
+    pub offsets: Vec<String>,
+}
+
 impl SetupWords {
+    /// The set-up of a mill; none where the model is no mill.
+    ///
+    /// # Errors
+    /// A word that cannot be read.
+    pub fn mill(&self, setup: &Setup) -> Result<Option<MillSetup>, String> {
+        let model = &setup.memory.model;
+        if !model.id().is_mill() {
+            return Ok(None);
+        }
+        let mut mill = MillSetup::default().with(model);
+        let said = |error: WordError| error.0.to_string();
+        if let Some(start) = &self.mill.start {
+            mill.take_start(start).map_err(said)?;
+        }
+        for zero in &self.mill.zeros {
+            mill.memory.take_zero(zero).map_err(said)?;
+        }
+        for offset in &self.mill.offsets {
+            mill.memory.take_offset(offset).map_err(said)?;
+        }
+        Ok(Some(mill))
+    }
+
     /// The set-up.
     ///
     /// # Errors
@@ -116,6 +156,10 @@ impl SetupWords {
         }
         if self.as_built {
             setup.wired = Some(setup.memory.parameters.clone());
+        }
+        if let Some(text) = &self.clock {
+            let moment = DayTime::from_text(text);
+            setup.day_time = moment.ok_or_else(|| format!("clock {text}: no such moment"))?;
         }
         setup.memory.counters.parts = self.parts;
         if let Some(clock) = &self.cutting {

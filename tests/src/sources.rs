@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::repository;
 
 /// The packages whose tests a table may name.
-const PACKAGES: [&str; 5] = ["core", "panel", "app", "twins", "tests"];
+const PACKAGES: [&str; 6] = ["core", "milling", "panel", "app", "twins", "tests"];
 
 /// Whether a Rust test function of this name exists.
 pub fn has_test(name: &str) -> bool {
@@ -40,7 +40,7 @@ pub struct Source {
 /// The sources of control, link, panel and program, without their tests.
 pub fn control_sources() -> Vec<Source> {
     let mut sources = Vec::new();
-    for package in ["core", "link", "panel", "app"] {
+    for package in ["core", "link", "milling", "panel", "app"] {
         collect(&repository().join(package).join("src"), &mut sources);
     }
     sources

@@ -10,8 +10,17 @@ use gsk_tests::repository;
 /// The register.
 const REGISTER: &str = "docs/decisions.md";
 /// Where decisions are cited: the packages, the documents, the tables.
-const PLACES: [&str; 9] = [
-    "app", "assets", "core", "docs", "panel", "plc", "project", "tests", "twins",
+const PLACES: [&str; 10] = [
+    "app",
+    "assets",
+    "commission",
+    "core",
+    "docs",
+    "panel",
+    "plc",
+    "project",
+    "tests",
+    "twins",
 ];
 /// Files that people write.
 const TEXTS: [&str; 7] = ["il", "md", "nc", "ron", "rs", "tsv", "txt"];

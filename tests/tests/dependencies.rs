@@ -13,7 +13,7 @@ use paths::{Source, sources};
 /// The modules of `core`, from leaf to root, and what each uses.
 const CORE_MODULES: &str = "tests/core-modules.tsv";
 /// The folders of the packages that have a library.
-const PACKAGES: [&str; 16] = [
+const PACKAGES: [&str; 18] = [
     "messages",
     "units",
     "plc",
@@ -22,6 +22,8 @@ const PACKAGES: [&str; 16] = [
     "twins",
     "workpiece",
     "core",
+    "milling",
+    "commission",
     "panel",
     "project",
     "runner",

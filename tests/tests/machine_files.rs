@@ -3,15 +3,18 @@
 
 use gsk_core::machine::{Lathe, LatheConfig, Outputs};
 use gsk_core::memory::Parameters;
+use gsk_core::units::{PerAxis, Point, Pulses};
 
-const EXAMPLES: [&str; 5] = [
+const EXAMPLES: [&str; 6] = [
     EXAMPLE,
+    BADLY_SET,
     include_str!("../../assets/machines/servo-slant-bed.ron"),
     include_str!("../../assets/machines/stepper-drives.ron"),
     include_str!("../../assets/machines/virtual-line.ron"),
     include_str!("../../assets/machines/virtual-klipper.ron"),
 ];
 const EXAMPLE: &str = include_str!("../../assets/machines/small-flat-bed.ron");
+const BADLY_SET: &str = include_str!("../../assets/machines/badly-set.ron");
 const DOCUMENT: &str = include_str!("../../docs/machine-file.md");
 
 fn read(text: &str) -> Result<LatheConfig, String> {
@@ -44,7 +47,7 @@ fn the_example_is_another_lathe() {
     assert_eq!(ticks, Some(855));
     // Its drives give no one-turn signal.
     for place in 0..100 {
-        lathe.put_slides(gsk_core::units::Point::new(0.0, f64::from(place) * -0.5));
+        lathe.put_slides(Point::new(0.0, f64::from(place) * -0.5));
         let inputs = lathe.inputs();
         assert!(!inputs.index_pulse.z);
     }
@@ -55,6 +58,43 @@ fn every_example_is_a_lathe() {
     for text in EXAMPLES {
         let config = read(text).unwrap();
         config.check().unwrap();
+    }
+}
+
+/// Z at -240: half way between errors of 23 and 8 µm; X at -50, a diameter of -100: a
+/// quarter of the way from 4 to -9 µm on the diameter.
+#[test]
+fn a_slide_is_off_by_the_errors_of_its_screw() {
+    let mut lathe = Lathe::new(read(BADLY_SET).unwrap(), &Parameters::default());
+    for (said, stands) in [
+        (
+            Point::new(-50.0, -240.0),
+            Point::new(-50.0 + 0.000_375, -240.0 + 0.0155),
+        ),
+        (Point::new(0.0, 0.0), Point::new(0.0, 0.0)),
+        (
+            Point::new(-165.0, -514.0),
+            Point::new(-165.0 - 0.009, -514.0 + 0.034),
+        ),
+    ] {
+        // A place is one of the slide; the pulses stand where the screw says.
+        lathe.put_slides(stands);
+        let at = lathe.slides();
+        assert!((at.x - stands.x).abs() < 0.0002 + 1e-9, "{at:?}");
+        assert!((at.z - stands.z).abs() < 0.0004 + 1e-9, "{at:?}");
+        lathe.stand_at(PerAxis::default());
+        // From there to the machine zero by the pulses that the screw needs.
+        let pulses = PerAxis::new(
+            Pulses((-said.x / 0.0004).round() as i64),
+            Pulses((-said.z / 0.0008).round() as i64),
+        );
+        let mut outputs = Outputs::default();
+        outputs.enable = PerAxis::new(true, true);
+        outputs.pulses = pulses;
+        lathe.tick(&outputs);
+        let zero = lathe.slides();
+        assert!(zero.x.abs() < 0.0005 && zero.z.abs() < 0.0009, "{zero:?}");
+        lathe = Lathe::new(read(BADLY_SET).unwrap(), &Parameters::default());
     }
 }
 
@@ -122,6 +162,18 @@ fn what_cannot_be_is_refused_by_field_and_rule() {
         (
             "(x: (pulse: -0.001))",
             "x.pulse: -0.001 is not above 0 and at most 1 mm; `reversed` gives the direction",
+        ),
+        (
+            "(x: (pitch_errors: [(at: 0, error: 2)]))",
+            "x.pitch_errors.error: 2 is not within ±1 mm",
+        ),
+        (
+            "(z: (pitch_errors: [(at: 0, error: 0), (at: -5, error: 0)]))",
+            "z.pitch_errors: -5 must lie above 0: errors stand from minus to plus",
+        ),
+        (
+            "(z: (pitch_errors: [(at: 0, error: 0), (at: 5, error: 0.1)]))",
+            "z.pitch_errors: 0.1 mm from 0 to 5 is more than 0.01 mm a mm",
         ),
         (
             "(x: (servo: (gain: 0)))",

@@ -5,11 +5,12 @@ use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::preview::preview;
 use gsk_core::program::Program;
 use gsk_core::setup::Setup;
+use gsk_milling::{MillSetup, preview_while};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::machining::Machining;
 use gsk_runner::report::PartReport;
 use gsk_tests::case::Case;
-use gsk_tests::execute::{Seen, check, run};
+use gsk_tests::execute::{Seen, check, check_mill, run};
 use gsk_tests::{repository, setup};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::measure::Feature;
@@ -96,13 +97,172 @@ fn the_same_contour_is_the_same_path() {
     }
 }
 
+/// The same contour once more, in the plane G18 of the mill: its X are radii, its R is
+/// written with I and K as well.
+#[test]
+fn the_same_contour_is_the_same_path_on_the_mill() {
+    let lathe = "G00 X40 Z2;\nG01 Z-10 F100;\nG02 X60 Z-20 R10;\nG03 X80 Z-30 R10;\nG01 X100 Z-50;\nG00 X120 Z5;\nM30;\n";
+    let mill = "G18 G00 X20 Z2\nG01 Z-10 F100\nG02 X30 Z-20 R10\nG03 X40 Z-30 I0 K-10\nG01 X50 Z-50\nG00 X60 Z5\nM30\n";
+    let setup = Setup::default();
+    let mut programs = setup.memory.programs.clone();
+    programs.open_external(Program::new(lathe));
+    let mut turned = Vec::new();
+    let end = preview(&setup, &programs, &mut |it| {
+        let center = it.center.map(|center| (center.x, center.z));
+        turned.push((it.source.line, it.kind.name(), (it.to.x, it.to.z), center));
+    });
+    assert_eq!(end.alarm, None);
+    programs.open_external(Program::new(mill));
+    let mut milled = Vec::new();
+    let end = preview_while(
+        &MillSetup::default(),
+        &programs,
+        &mut |it| {
+            let [x, _, z] = it.to.mm();
+            // Of G18 the first axis is Z.
+            let center = it.arc.map(|arc| (arc.center.second, arc.center.first));
+            milled.push((it.source.line, it.kind.name(), (x, z), center));
+        },
+        &mut |_| true,
+    );
+    assert_eq!(end.alarm, None);
+    assert_eq!(turned.len(), milled.len());
+    let near = |(x, z): (f64, f64), other: (f64, f64)| {
+        (x - other.0).abs() < 0.001 && (z - other.1).abs() < 0.001
+    };
+    for (one, other) in turned.into_iter().zip(milled) {
+        assert_eq!((one.0, one.1), (other.0, other.1));
+        assert!(near(one.2, other.2), "{one:?} {other:?}");
+        match (one.3, other.3) {
+            (Some(one), Some(other)) => assert!(near(one, other), "{one:?} {other:?}"),
+            (one, other) => assert_eq!(one, other),
+        }
+    }
+}
+
+/// Codes that the mill carries out; the others that it knows are alarm 010, too.
+const MILL: [i64; 57] = [
+    0, 1, 2, 3, 4, 9, 10, 15, 16, 17, 18, 19, 20, 21, 27, 28, 29, 30, 31, 37, 40, 41, 42, 43, 44,
+    49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 61, 64, 65, 66, 67, 68, 69, 73, 74, 76, 80, 81, 82,
+    83, 84, 85, 86, 87, 88, 89, 90,
+];
+
+#[test]
+fn every_g_code_of_the_mill_is_there_or_alarm_010() {
+    let beyond = [91, 92, 94, 95, 98, 99];
+    for code in 0..200 {
+        let mut programs = Setup::default().memory.programs;
+        programs.open_external(Program::new(format!("G{code:02}\nM30\n")));
+        let setup = MillSetup::default();
+        let end = preview_while(&setup, &programs, &mut |_| {}, &mut |_| true);
+        let unknown = end.alarm.is_some_and(|alarm| alarm.number == 10);
+        let there = MILL.contains(&code) || beyond.contains(&code);
+        assert_eq!(unknown, !there, "G{code:02}");
+    }
+}
+
+/// Seconds of the tools of the mill's program of a shop, as its case works them out.
+#[test]
+fn the_shop_program_of_the_mill_takes_its_time() {
+    const BY_HAND: [(&str, f64); 5] = [
+        ("01", 74.475),
+        ("02", 84.737),
+        ("03", 80.4),
+        ("04", 20.4),
+        ("05", 16.5),
+    ];
+    let folder = repository().join("tests/cases/models/gsk980mdi/shop-program-of-a-mill");
+    let case = Case::read(&folder).expect("case.ron");
+    let start = case.setup.setup().expect("set-up");
+    let mill = case.setup.mill(&start).expect("set-up").expect("a mill");
+    let text = |name: &String| std::fs::read_to_string(folder.join(name)).expect("program");
+    let texts: Vec<String> = case.programs.iter().map(text).collect();
+    let programs = setup::memory(&texts).expect("programs");
+    let seen = check_mill(&mill, &programs);
+    let times = seen.result["tool_times"].as_array().expect("tools");
+    // T0 is what the spindle holds before the first change: it cuts nothing.
+    let cutting = |time: &serde_json::Value| {
+        let seconds = |kind: &str| time[kind].as_f64().expect("seconds");
+        seconds("feed") + seconds("thread")
+    };
+    let times: Vec<_> = times.iter().filter(|time| cutting(time) > 0.0).collect();
+    assert_eq!(times.len(), BY_HAND.len());
+    for (time, (tool, by_hand)) in times.into_iter().zip(BY_HAND) {
+        assert_eq!(time["tool"], tool);
+        let seconds = cutting(time);
+        assert!((seconds - by_hand).abs() < 0.002, "{tool}: {seconds}");
+    }
+}
+
+/// What a case with these programs starts from.
+fn program_of(case: &str, names: &[&str]) -> Setup {
+    let folder = repository().join("tests/cases").join(case);
+    let text = |name: &&str| std::fs::read_to_string(folder.join(name)).expect("text");
+    let texts: Vec<String> = names.iter().map(text).collect();
+    let case = Case::read(&folder).expect("case.ron");
+    let mut start = case.setup.setup().expect("set-up");
+    start.memory.programs = setup::memory(&texts).expect("program");
+    start
+}
+
+/// Times by tool at feed and in threads, s, against those worked out in the program. Every
+/// cut takes a little more to begin and to end, 0.25 s at most, every pass of a thread a
+/// turn and its ends. The preview and the control agree.
+fn takes_its_time(start: &Setup, by_hand: &[(&str, f64, f64, u8)], a_pass: f64) {
+    const A_CUT: f64 = 0.25;
+    let [checked, executed] = [check(start), run(start)];
+    for seen in [&checked, &executed] {
+        assert_eq!(seen.result["end"], "M30");
+        assert!(seen.result["alarm"].is_null());
+    }
+    let times = checked.result["tool_times"].as_array().expect("tools");
+    assert_eq!(times.len(), by_hand.len(), "{times:?}");
+    for (time, (tool, feed, thread, strokes)) in times.iter().zip(by_hand) {
+        let strokes = f64::from(*strokes);
+        assert_eq!(time["tool"], *tool);
+        let seconds = |kind: &str| time[kind].as_f64().expect("seconds");
+        let (seen_feed, seen_thread) = (seconds("feed"), seconds("thread"));
+        let feeds = *feed - 0.001..feed + strokes * A_CUT + 0.001;
+        let threads = *thread - 0.001..thread + strokes * a_pass + 0.001;
+        assert!(feeds.contains(&seen_feed), "{time}: by hand {feed}");
+        assert!(threads.contains(&seen_thread), "{time}: by hand {thread}");
+    }
+    let whole = |seen: &Seen| seen.result["time_s"].as_f64().expect("time");
+    let (one, other) = (whole(&checked), whole(&executed));
+    assert!((one / other - 1.0).abs() < 0.01, "{one} s, {other} s");
+}
+
+#[test]
+fn the_shop_program_of_the_ncb08_takes_its_time() {
+    let start = program_of("models/ncb08/flanged-pin", &["main.nc", "o0002.nc"]);
+    let by_hand = [
+        ("0101", 18.9 + 103.5 + 46.25 + 58.478, 0.0, 1 + 10 + 7),
+        ("0202", 31.2 + 30.133, 0.0, 6 + 2),
+        ("0303", 0.0, 5.867, 4),
+        ("0404", 34.8, 0.0, 3),
+    ];
+    // At 600 r/min.
+    takes_its_time(&start, &by_hand, 0.1 + 0.05);
+}
+
+#[test]
+fn the_shop_program_in_macro_b_takes_its_time() {
+    let programs = ["main.nc", "o9100.nc", "o9110.nc", "o9010.nc"];
+    let start = program_of("macros/macro-b/family-of-parts", &programs);
+    let by_hand = [
+        ("0101", 110.375 + 20.026 + 22.5, 0.0, 8 + 10 + 1),
+        ("0202", 4.0 * 7.2 + 3.0 * 1.2, 0.0, 8 + 3),
+        ("0303", 0.0, 8.8, 4),
+    ];
+    // At 300 r/min.
+    takes_its_time(&start, &by_hand, 0.2 + 0.05);
+}
+
 /// The program of a shop, as its case has it, and its job.
 fn shop_program() -> (Setup, Job) {
     let folder = repository().join("tests/cases/models/hx31/shop-program");
+    let start = program_of("models/hx31/shop-program", &["main.nc"]);
     let text = |name: &str| std::fs::read_to_string(folder.join(name)).expect(name);
-    let case = Case::read(&folder).expect("case.ron");
-    let mut start = case.setup.setup().expect("set-up");
-    start.memory.programs = setup::memory(&[text("main.nc")]).expect("program");
     let job: Job = ron::from_str(&text("main.job.ron")).expect("job");
     job.check().expect("job");
     (start, job)

@@ -250,3 +250,15 @@ pub const TICK_MS: u32 = 1;
 
 /// Seconds of machine time in one interpolation tick.
 pub const TICK_S: f64 = 0.001;
+
+/// The nearest whole number, halves away from zero: `value.round() as i64` without the call
+/// that `round` is where the processor cannot be asked for it.
+#[inline]
+pub fn nearest(value: f64) -> i64 {
+    let whole = value as i64;
+    // Exact. Beyond 2^53 it is 0, and beyond an `i64`, where the last one is kept, it is
+    // no part of one.
+    let rest = (value - whole as f64).abs();
+    let up = i64::from((0.5..1.0).contains(&rest));
+    whole + if value < 0.0 { -up } else { up }
+}

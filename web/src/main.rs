@@ -21,7 +21,13 @@ mod page {
                 Some("zh") => Some(Language::Zh),
                 _ => None,
             };
+            let first_start = match asked.first_start.as_deref() {
+                Some("on") => Some(true),
+                Some("off") => Some(false),
+                _ => None,
+            };
             let args = WindowArgs {
+                first_start,
                 program: asked.program,
                 lang,
                 ..WindowArgs::default()

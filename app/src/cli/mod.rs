@@ -8,8 +8,10 @@ mod lesson;
 mod link;
 mod looks;
 mod lsp;
+mod mill;
 mod packages;
 mod picture;
+mod pitch;
 mod project;
 mod run;
 mod transfer;
@@ -32,8 +34,10 @@ pub use link::{
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use lsp::LspArgs;
+pub use mill::{GearArgs, MillCommand, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
+pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
 pub use project::{
     DiffFormat, ProjectCommand, ProjectDiffArgs, ProjectExportArgs, ProjectImportArgs,
     ProjectNewArgs,
@@ -88,6 +92,11 @@ pub struct WindowArgs {
     /// Program to open at the start
     #[arg(long, value_name = "FILE")]
     pub program: Option<PathBuf>,
+    /// Ask the three questions of the first start (language, what for, which lathe) again, or
+    /// do not ask them now [default: asked once, unless this start names a program, a lathe, a
+    /// control model or a port]
+    #[arg(long, value_name = "on|off", num_args = 0..=1, require_equals = true, default_missing_value = "on", value_parser = crate::setup_args::switch)]
+    pub first_start: Option<bool>,
     /// Print the time to the first frame and frames a second on standard error
     #[arg(long)]
     pub figures: bool,
@@ -115,10 +124,10 @@ pub struct WindowArgs {
     pub macro_b: Option<bool>,
     /// The control model; each has a memory of its own in the data folder, which keeps the choice
     /// [default: as it was, gsk980td at first]
-    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::model())]
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
-    #[arg(long, value_name = "PORT")]
+    #[arg(long, value_name = "PORT", conflicts_with = "first_start")]
     pub link: Option<String>,
 }
 
@@ -181,6 +190,9 @@ pub enum Command {
     /// Check, print or scan a ladder (instruction list)
     #[command(subcommand)]
     Ladder(LadderCommand),
+    /// Pitch errors of the screws: measurements into the table of the control, and the table itself
+    #[command(subcommand)]
+    Pitch(PitchCommand),
     /// All that the control holds as one folder of readable text
     ///
     /// Programs, parameters, offsets, variables, pitch errors, ladder and the rest, a value a
@@ -188,6 +200,9 @@ pub enum Command {
     /// meaning. docs/project.md describes the folder.
     #[command(subcommand)]
     Project(ProjectCommand),
+    /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors
+    #[command(subcommand)]
+    Mill(MillCommand),
     /// Find, try, watch or play a pulse board
     Link(LinkArgs),
     /// Files to and from a control through its serial port: the PC's side

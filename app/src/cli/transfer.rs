@@ -79,7 +79,7 @@ pub enum TransferCommand {
     /// Receive one plain text between `%`: the programs that a control punches out
     ReceiveText(TransferReceiveTextArgs),
     /// Be the control at the other end, without a window, until Ctrl-C; its port is printed first
-    Control(TransferControlArgs),
+    Control(Box<TransferControlArgs>),
 }
 
 /// The port of the PC.

@@ -1,29 +1,27 @@
 //! `check`: programs interpreted without running the machine.
 
-use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 use gsk_core::command::ExecutedMove;
 use gsk_core::preview::Progress;
 use gsk_core::setup::Setup;
-use gsk_messages::say;
 use gsk_runner::curves::RapidRates;
 use gsk_runner::moves;
-use gsk_runner::report::annotations::{annotations, github, sarif};
 use gsk_runner::report::{self, PartReport, Report};
 
-use super::{ALARM, COLLISION, CommandError, FINE, USAGE, output};
+use super::results::{all, print};
+use super::{CommandError, mill, output};
 use crate::apart::{Read, keep_apart, results};
-use crate::cli::{CheckArgs, Format, Language};
+use crate::cli::CheckArgs;
 use crate::files::folders;
 use crate::job::{self, write_section};
 use crate::loading;
 
 /// Checks programs.
 pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
+    if args.setup.model().is_mill() {
+        return mill::check(args);
+    }
     let (files, mut wrong) = folders::programs(&args.files);
     if args.moves.is_some() && files.len() > 1 {
         return Err(CommandError::OneProgram);
@@ -63,37 +61,11 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
         let aside = output::is_standard(Some(path));
         return print(&[Ok(report)], args.format(), aside, args.look.lang);
     }
-    let mut results = all(&setup, &files, args);
+    let mut results = all(&files, &|file, alone| {
+        check_file(&setup, file, args, alone, &mut |_| {})
+    });
     results.extend(wrong.into_iter().map(|error| Err(error.into())));
     print(&results, args.format(), false, args.look.lang)
-}
-
-/// Checks files on all cores; the results keep the order of the files.
-fn all(setup: &Setup, files: &[PathBuf], args: &CheckArgs) -> Vec<Result<Report, CommandError>> {
-    let next = AtomicUsize::new(0);
-    let results: Vec<Mutex<Option<Result<Report, CommandError>>>> =
-        files.iter().map(|_| Mutex::new(None)).collect();
-    let alone = files.len() == 1;
-    let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
-    thread::scope(|scope| {
-        for _ in 0..cores.min(files.len()) {
-            scope.spawn(|| {
-                loop {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(file) = files.get(index) else { break };
-                    let result = check_file(setup, file, args, alone, &mut |_| {});
-                    if let Ok(mut place) = results[index].lock() {
-                        *place = Some(result);
-                    }
-                }
-            });
-        }
-    });
-    let missing = || Err(CommandError::NotChecked);
-    results
-        .into_iter()
-        .map(|result| result.into_inner().ok().flatten().unwrap_or_else(missing))
-        .collect()
 }
 
 fn check_file(
@@ -131,50 +103,4 @@ fn check_file(
         look.lang,
     ));
     Ok(report)
-}
-
-/// `aside`: on standard error, as the moves are on standard output.
-fn print(
-    results: &[Result<Report, CommandError>],
-    format: Format,
-    aside: bool,
-    language: Option<Language>,
-) -> Result<u8, CommandError> {
-    let reports = results.iter().flatten();
-    match format {
-        Format::Human | Format::Json => {
-            for report in reports {
-                output::report(report, format == Format::Json, aside, language)?;
-            }
-        }
-        Format::Github | Format::Sarif => {
-            let all: Vec<_> = reports.flat_map(|it| annotations(it, language)).collect();
-            let text = match format {
-                Format::Github => github(&all),
-                _ => sarif(&all, env!("CARGO_PKG_VERSION")),
-            };
-            output::print_or_aside(&text, aside);
-        }
-    }
-    for error in results.iter().filter_map(|result| result.as_ref().err()) {
-        complain!("gsk980td: {}", report::said(&error.message(), language));
-    }
-    let codes: Vec<u8> = results.iter().map(code).collect();
-    if format == Format::Human && results.len() > 1 {
-        let of = |code| codes.iter().filter(|it| **it == code).count();
-        let summary =
-            say::check_summary(codes.len(), of(FINE), of(ALARM), of(COLLISION), of(USAGE));
-        output::print_or_aside(&(report::said(&summary, language) + "\n"), aside);
-    }
-    Ok(codes.into_iter().max().unwrap_or(FINE))
-}
-
-/// The exit code of one program alone.
-fn code(result: &Result<Report, CommandError>) -> u8 {
-    match result {
-        Ok(report) if report.collided() => COLLISION,
-        Ok(report) if report.failed() => ALARM,
-        Ok(_) => FINE,
-        Err(_) => USAGE,
-    }
 }

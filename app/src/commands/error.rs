@@ -59,6 +59,8 @@ pub enum CommandError {
     Ending(#[from] NoPicture),
     /// A port is to be held for nobody.
     NoProgram(#[from] NoProgram),
+    /// A measurement of pitch errors.
+    Pitch(Message),
     /// A picture that is not made.
     Picture(#[from] PictureError),
     /// A port.
@@ -156,7 +158,7 @@ impl CommandError {
             Self::Editor(reason) => say::lsp_ended(reason),
             Self::File(error) => error.message(),
             Self::Job(error) => error.message(),
-            Self::Lesson(said) => said.clone(),
+            Self::Lesson(said) | Self::Pitch(said) => said.clone(),
             Self::Json(error) => say::as_written(error),
             Self::Link(error) => say::as_written(error),
             Self::Load(error) => error.message(),

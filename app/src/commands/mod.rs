@@ -9,9 +9,12 @@ mod lesson;
 mod link;
 mod lsp;
 mod manual;
+mod mill;
 mod operate;
+mod pitch;
 mod plot;
 mod project;
+mod results;
 mod run;
 mod screen;
 mod tables;
@@ -71,6 +74,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Plot(args)) => args.look.lang,
         Some(Command::Dialect(args)) => args.lang,
         Some(Command::Help(args)) => args.lang,
+        Some(Command::Pitch(command)) => command.lang(),
         Some(Command::Project(command)) => command.lang(),
         Some(Command::Lsp(args)) => args.lang,
         Some(Command::Lesson(command)) => command.language(),
@@ -96,7 +100,9 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Signals(args)) => tables::signals(&args),
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
+        Some(Command::Mill(command)) => mill::work_out(&command),
         Some(Command::Link(args)) => link::link(&args.command),
+        Some(Command::Pitch(command)) => pitch::pitch(&command),
         Some(Command::Project(command)) => project::project(&command),
         Some(Command::Transfer(args)) => transfer::transfer(&args.command),
         Some(Command::Help(args)) => help::help(&args),

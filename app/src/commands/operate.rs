@@ -22,11 +22,13 @@ use crate::ending::ENDED;
 use crate::files::data_dir::DataDir;
 use crate::files::program_file;
 use crate::kernel::live::Live;
+use crate::loading::LoadError;
 use crate::picture::check_png;
 use crate::{loading, retained, transfer};
 
 /// Runs a script. Exit code 1 if an expectation is not met.
 pub fn operate(args: &OperateArgs) -> Result<u8, CommandError> {
+    args.setup.refuse_mill().map_err(LoadError::from)?;
     let path = &args.script;
     if args.link.is_some() {
         args.setup.refuse_at_a_board()?;

@@ -7,7 +7,7 @@ use gsk_runner::picture::{self, Drawing, Format};
 use gsk_runner::report::{self, AlarmReport};
 
 use super::run::title;
-use super::{ALARM, COLLISION, CommandError, FINE, output};
+use super::{ALARM, COLLISION, CommandError, FINE, mill, output};
 use crate::apart::{Read, keep_apart};
 use crate::cli::PlotArgs;
 use crate::picture::{NameError, check_name};
@@ -15,6 +15,9 @@ use crate::{job, loading};
 
 /// Draws a program. What comes before an alarm is drawn, too.
 pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
+    if args.setup.model().is_mill() {
+        return mill::plot(args);
+    }
     check_name(&args.output)?;
     let format = Format::of(&args.output)?;
     if args.solid && format != Format::Png {

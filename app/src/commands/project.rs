@@ -16,7 +16,7 @@ use crate::cli::{
     ProjectNewArgs,
 };
 use crate::files::data_dir::{self, DataError};
-use crate::project::{self, ProjectError, Taking, Who, Written};
+use crate::project::{self, ProjectError, Taken, Taking, Who, Written};
 use crate::retained::project::Held;
 
 /// Carries out a command about projects.
@@ -60,7 +60,7 @@ fn tell_written(written: Written, folder: &Path, language: Option<Language>) {
     );
 }
 
-fn directory(data: Option<&PathBuf>) -> Result<PathBuf, DataError> {
+pub(super) fn directory(data: Option<&PathBuf>) -> Result<PathBuf, DataError> {
     match data {
         Some(path) => Ok(path.clone()),
         None => data_dir::default_path(),
@@ -115,15 +115,8 @@ fn take_over(args: &ProjectImportArgs) -> Result<u8, CommandError> {
     for complaint in &taken.complaints {
         complain!("gsk980td: {}", said(complaint, args.lang));
     }
-    let spoken = args.lang.unwrap_or(Language::En);
     if !taken.denied.is_empty() {
-        for it in &taken.denied {
-            let name = label(it.key, &taken.old, spoken);
-            let said = said(&say::subject_reason(name, refused(it.refusal)), args.lang);
-            complain!("gsk980td: {said}");
-        }
-        let count = said(&say::project_not_applied(taken.denied.len()), args.lang);
-        complain!("gsk980td: {count}");
+        tell_denied(&taken, args.lang);
         return Ok(ALARM);
     }
     list(&taken.differences, &taken.old, &taken.new, args.lang);
@@ -140,6 +133,17 @@ fn take_over(args: &ProjectImportArgs) -> Result<u8, CommandError> {
         ),
     }
     Ok(FINE)
+}
+
+/// Says what the rights of the control refuse.
+pub(super) fn tell_denied(taken: &Taken, language: Option<Language>) {
+    for it in &taken.denied {
+        let name = label(it.key, &taken.old, language.unwrap_or(Language::En));
+        let said = said(&say::subject_reason(name, refused(it.refusal)), language);
+        complain!("gsk980td: {said}");
+    }
+    let count = said(&say::project_not_applied(taken.denied.len()), language);
+    complain!("gsk980td: {count}");
 }
 
 /// A project, or what a data directory holds.
@@ -183,7 +187,12 @@ fn known<'a>(difference: &Difference, old: &'a State, new: &'a State) -> &'a Sta
 }
 
 /// Prints differences, a line each; a disk that comes or goes as a whole is one line.
-fn list(differences: &[Difference], old: &State, new: &State, language: Option<Language>) {
+pub(super) fn list(
+    differences: &[Difference],
+    old: &State,
+    new: &State,
+    language: Option<Language>,
+) {
     let spoken = language.unwrap_or(Language::En);
     let mut out = String::new();
     let mut whole: Vec<Set> = Vec::new();

@@ -27,6 +27,7 @@ use crate::cli::RunArgs;
 use crate::dnc::{self, Source};
 use crate::ending::ENDED;
 use crate::files::data_dir::DataDir;
+use crate::loading::LoadError;
 use crate::person::Person;
 use crate::picture::check_name;
 use crate::{job, kernel, loading, retained};
@@ -36,6 +37,7 @@ const PROGRESS_MS: u64 = 4096;
 
 /// Runs a program.
 pub fn run(args: &RunArgs) -> Result<u8, CommandError> {
+    args.setup.refuse_mill().map_err(LoadError::from)?;
     if let Some(path) = &args.plot {
         check_name(path)?;
     }

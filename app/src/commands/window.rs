@@ -16,6 +16,7 @@ use crate::dnc::{self, Source};
 use crate::files::data_dir::{self, DataDir, DataError};
 use crate::files::models;
 use crate::kernel::{Connection, Kernel};
+use crate::loading::LoadError;
 use crate::serial::{End, SerialLine};
 use crate::setup_args::SetupArgs;
 use crate::window::app::{self, Start};
@@ -31,6 +32,12 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     {
         return Err(CommandError::NoFile(program.clone()));
     }
+    // Before a window is opened or a directory made.
+    let asked = SetupArgs {
+        model: args.model,
+        ..SetupArgs::default()
+    };
+    asked.refuse_mill().map_err(LoadError::from)?;
     if !platform::has_display() {
         let said = without_display(args.program.as_deref());
         complain!("gsk980td: {}", report::said(&said, language));
@@ -45,6 +52,7 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
         },
     };
     let asked = args.model;
+    let fresh = !platform::is_taken(&path.join("window.ron"));
     let model = asked.unwrap_or_else(|| models::chosen(&path));
     let folder = models::folder(&path, model);
     let data = match DataDir::open(&folder) {
@@ -63,10 +71,14 @@ pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandE
     let start = Start {
         program: opener.args.program.clone(),
         figures: opener.args.figures.then_some(begun),
-        ..opener.turn_on(data, model)?
+        ..opener.turn_on(data, model, None, fresh)?
     };
+    let asks = asks_first(&opener.args, start.settings.first_start);
     let start = Start {
-        another: Some(Box::new(move |model| opener.another(model))),
+        asks,
+        another: Some(Box::new(move |model, settings| {
+            opener.another(model, settings)
+        })),
         ..start
     };
     match app::run(start) {
@@ -86,15 +98,43 @@ struct Opener {
 }
 
 impl Opener {
-    /// A control as its directory has kept it.
-    fn turn_on(&self, data: DataDir, model: ModelId) -> Result<Start, CommandError> {
+    /// A control as its directory has kept it, in a window with `settings` or what was
+    /// remembered; `fresh`: nothing is, in the whole data directory.
+    fn turn_on(
+        &self,
+        data: DataDir,
+        model: ModelId,
+        settings: Option<&Settings>,
+        fresh: bool,
+    ) -> Result<Start, CommandError> {
         let (args, path) = (&self.args, data.path().to_owned());
-        let mut setup = loading::fitted(Setup::delivered(), args.machine.as_ref());
-        let restored = retained::load(&data, &mut setup);
+        let stored = match data.load::<Settings>("window") {
+            data_dir::Loaded::Value(settings) => Some(settings),
+            // What the window remembers is not worth a complaint.
+            _ => None,
+        };
+        let remembered = || stored.clone().unwrap_or_default();
+        let settings = settings.cloned().unwrap_or_else(|| Settings {
+            language: args.lang.unwrap_or(remembered().language),
+            first_start: fresh || remembered().first_start,
+            ..remembered()
+        });
+        // The one that was chosen in the window need not be there any more.
+        let chosen = args.machine.is_none().then(|| settings.machine.clone());
+        let chosen = chosen.flatten();
+        let wrong = chosen.as_ref().map(|path| loading::machine(path).err());
+        let wrong = wrong.flatten().map(|error| error.message());
+        let lathe = args.machine.clone();
+        let lathe = lathe.or(chosen.filter(|_| wrong.is_none()));
+        let mut setup = loading::fitted(Setup::delivered(), lathe.as_ref());
+        let mut restored = retained::load(&data, &mut setup);
+        if let Some(said) = wrong {
+            restored.complaints.push(say::first_lathe_missing(said));
+        }
         restored.place(&mut setup);
         let machine = SetupArgs {
             ladder: args.ladder.clone(),
-            machine: args.machine.clone(),
+            machine: lathe,
             macro_b: args.macro_b,
             model: Some(model),
             ..SetupArgs::default()
@@ -106,15 +146,6 @@ impl Opener {
                 Source::of(name)
             }
             None => Source::File(path.join(transfer::FOLDER).join(dnc::IN_FOLDER)),
-        };
-        let settings = match data.load::<Settings>("window") {
-            data_dir::Loaded::Value(settings) => settings,
-            // What the window remembers is not worth a complaint.
-            _ => Settings::default(),
-        };
-        let settings = Settings {
-            language: args.lang.unwrap_or(settings.language),
-            ..settings
         };
         let link = connection(args.link.clone(), &setup, Some(&path))?;
         let mut emulator = Emulator::new(setup);
@@ -137,22 +168,40 @@ impl Opener {
             kernel,
             console,
             settings,
+            stored,
             data,
             restored,
             program: None,
             figures: None,
             model,
             another: None,
+            asks: false,
         })
     }
 
     /// Another model, which the window opens with from now on.
-    fn another(&self, model: ModelId) -> Result<Start, Message> {
+    fn another(&self, model: ModelId, settings: &Settings) -> Result<Start, Message> {
         let folder = models::folder(&self.path, model);
         let data = DataDir::open(&folder).map_err(|error| error.message())?;
-        let start = self.turn_on(data, model).map_err(|error| error.message())?;
+        let start = self
+            .turn_on(data, model, Some(settings), false)
+            .map_err(|error| error.message())?;
         keep_choice(&self.path, model, self.args.lang);
         Ok(start)
+    }
+}
+
+/// Whether the questions of the first start are asked: when somebody wants them to be, and
+/// when they wait for an answer, unless this start says already what it is for.
+const fn asks_first(args: &WindowArgs, wait: bool) -> bool {
+    let named = args.program.is_some()
+        || args.link.is_some()
+        || args.dnc.is_some()
+        || args.machine.is_some()
+        || args.model.is_some();
+    match args.first_start {
+        Some(wanted) => wanted,
+        None => wait && !named,
     }
 }
 
@@ -210,5 +259,88 @@ fn without_display(program: Option<&Path>) -> Message {
     match program {
         Some(path) => say::window_no_display(path.display()),
         None => say::window_no_display("FILE"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::test_folder;
+
+    fn turned_on(folder: &Path, settings: Option<&Settings>, fresh: bool) -> Start {
+        let opener = Opener {
+            args: WindowArgs::default(),
+            path: folder.to_owned(),
+        };
+        let data = DataDir::open(folder).expect("a data directory");
+        let model = ModelId::Gsk980td;
+        let start = opener.turn_on(data, model, settings, fresh);
+        start.map_err(|error| error.message()).expect("turns on")
+    }
+
+    #[test]
+    fn a_fresh_data_directory_asks_once() {
+        let folder = test_folder("first-start");
+        let start = turned_on(&folder, None, true);
+        assert!(start.settings.first_start && start.stored.is_none());
+        // Closed without an answer, it asks again.
+        start.data.store("window", &start.settings).expect("store");
+        drop(start);
+        let start = turned_on(&folder, None, false);
+        assert!(start.settings.first_start);
+        let answered = Settings {
+            first_start: false,
+            ..start.settings.clone()
+        };
+        start.data.store("window", &answered).expect("store");
+        drop(start);
+        let start = turned_on(&folder, None, false);
+        assert_eq!(start.stored.as_ref(), Some(&answered));
+        assert!(!start.settings.first_start);
+        drop(start);
+        std::fs::remove_dir_all(folder).expect("clean");
+    }
+
+    #[test]
+    fn a_start_that_says_what_it_is_for_is_not_held_up() {
+        let plain = WindowArgs::default();
+        assert!(asks_first(&plain, true) && !asks_first(&plain, false));
+        let program = WindowArgs {
+            program: Some(PathBuf::from("shaft.CNC")),
+            ..WindowArgs::default()
+        };
+        assert!(!asks_first(&program, true));
+        for wanted in [false, true] {
+            let said = WindowArgs {
+                first_start: Some(wanted),
+                ..WindowArgs::default()
+            };
+            assert_eq!(asks_first(&said, !wanted), wanted);
+        }
+    }
+
+    #[test]
+    fn the_lathe_that_was_chosen_is_turned_on_and_one_that_is_gone_is_named() {
+        let folder = test_folder("chosen-lathe");
+        let machines = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/machines");
+        let chosen = |name: &str| Settings {
+            machine: Some(machines.join(name)),
+            ..Settings::default()
+        };
+        let start = turned_on(&folder, Some(&chosen("small-flat-bed.ron")), false);
+        let lathe = |start: &Start| start.kernel.emulator().simulation.lathe.config().clone();
+        let read = loading::machine(&machines.join("small-flat-bed.ron")).expect("a machine");
+        assert_eq!(lathe(&start), read);
+        drop(start);
+        let start = turned_on(&folder, Some(&chosen("no-such-lathe.ron")), false);
+        assert_eq!(lathe(&start), Setup::delivered().lathe);
+        let said = start.restored.complaints.iter();
+        let said: Vec<String> = said.map(|it| it.text(Language::En)).collect();
+        assert!(
+            said.iter().any(|it| it.contains("no-such-lathe.ron")),
+            "{said:?}"
+        );
+        drop(start);
+        std::fs::remove_dir_all(folder).expect("clean");
     }
 }

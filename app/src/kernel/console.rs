@@ -71,6 +71,8 @@ pub enum Command {
     Fault(Fault, bool),
     /// Ask the control for something; a refusal is said.
     Ask(Box<Request>),
+    /// Ask the control for parameters and pitch errors, all of them or none; a refusal is said.
+    Write(Vec<Request>),
     /// Switch the control off and on again.
     PowerCycle,
     /// Hold a machine input at a value, or give it back to its sensor.
@@ -85,6 +87,8 @@ pub enum Command {
     Lesson(LessonOrder),
     /// Do something with the pulse board.
     Link(LinkOrder),
+    /// Hand out what the LCD shows in the other language, too, or no more.
+    Translate(bool),
     /// Hand out the state of the pulse board, or no more.
     WatchLink(bool),
     /// Store a text as a program of the memory, and say what came of it.
@@ -198,8 +202,12 @@ pub enum Notice {
 pub struct Snapshot {
     /// The LCD.
     pub screen: Screen,
+    /// The same in the language that it does not speak, while that is asked for.
+    pub translated: Option<Box<Screen>>,
     /// The page on it.
     pub page: PageId,
+    /// Which way the axis keys move the slides.
+    pub keys_reversed: KeysReversed,
     /// Brightness of the LCD.
     pub brightness: u8,
     /// Lamps: the Y memory.
@@ -227,6 +235,16 @@ pub struct Snapshot {
     pub run: RunState,
     /// The lesson under way: all that is shown is its practice machine.
     pub lesson: Option<LessonState>,
+}
+
+/// Whether the axis keys move the slides the other way round than on a lathe with its chuck
+/// on the left and its tool post in front.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KeysReversed {
+    /// The upper key is X+ (175.0).
+    pub x: bool,
+    /// The left key is Z+ (175.1).
+    pub z: bool,
 }
 
 /// Machine time over wall time, in steps so that pictures do not change for nothing.

@@ -1,10 +1,10 @@
-//! What the fault bench and the ladder view see: the machine and the PLC as they are.
+//! What fault bench, ladder view and commissioning see: the machine and the PLC as they are.
 
 use std::sync::Arc;
 
 use gsk_core::alarm::Alarm;
 use gsk_core::machine::{Inputs, Lathe};
-use gsk_core::memory::Refusal;
+use gsk_core::memory::{Parameters, PitchTable, Refusal};
 use gsk_core::plc::{Ladder, Plc};
 use gsk_panel::emulator::Emulator;
 
@@ -24,6 +24,12 @@ pub struct MachineView {
     pub next_ladder: Option<Arc<Ladder>>,
     /// Why the control would not take a ladder now.
     pub ladder_refused: Option<Refusal>,
+    /// The parameters.
+    pub parameters: Parameters,
+    /// The pitch error table.
+    pub pitch: PitchTable,
+    /// Why the control would not take parameters now.
+    pub parameters_refused: Option<Refusal>,
     /// Alarms and messages that stand, the newest first.
     pub alarms: Vec<String>,
 }
@@ -44,6 +50,9 @@ impl MachineView {
             halted: cnc.ladder_halted(),
             next_ladder: cnc.next_ladder().cloned(),
             ladder_refused: cnc.rights().ladder().err(),
+            parameters: cnc.parameters().clone(),
+            pitch: cnc.pitch().clone(),
+            parameters_refused: cnc.rights().parameters().err(),
             alarms: alarms.chain(messages).collect(),
         }
     }

@@ -17,9 +17,12 @@
 //! | `turns` | what goes on beside the window: threads, or turns between two frames |
 //! | `view` | the window itself, dialogs for files, files dropped on it |
 //! | `log_file` | the file of the log |
+//!
+//! `day_time` is the clock on the wall, which a library knows on all of them.
 
 #[cfg(any(unix, windows))]
 mod computer;
+mod day_time;
 #[cfg(unix)]
 mod unix;
 #[cfg(target_arch = "wasm32")]
@@ -29,6 +32,7 @@ mod windows;
 
 #[cfg(any(unix, windows))]
 pub use computer::*;
+pub use day_time::day_time;
 #[cfg(unix)]
 pub use unix::*;
 #[cfg(target_arch = "wasm32")]

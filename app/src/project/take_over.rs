@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use gsk_core::battery::Memory;
 use gsk_core::memory::{Authority, Level};
 use gsk_core::model::ModelId;
 use gsk_messages::{Message, say};
 use gsk_project::{Denied, Difference, State, apply, denied, diff};
 
-use super::{ProjectError, back_up, delivered, read};
+use super::{Encodings, ProjectError, back_up, delivered, read};
 use crate::files::data_dir::DataDir;
 use crate::files::models;
-use crate::retained::project::held;
+use crate::retained::project::{Held, held};
 
 /// Whose rights count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,31 +102,103 @@ pub fn take_over(
     if taking.model.is_some_and(|it| it != model) {
         return Err(ProjectError::OtherModel(taking.project.to_owned(), model));
     }
-    let folder = models::folder(taking.directory, model);
-    let data = match taking.dry_run {
+    let mut opened = open(&Target {
+        directory: taking.directory,
+        model: Some(model),
+        who: taking.who,
+        dry_run: taking.dry_run,
+    })?;
+    opened.encodings = encodings;
+    let mut differences = diff(opened.state(), &state.without_texts());
+    differences.retain(wanted);
+    opened.take_over(differences, taking.dry_run)
+}
+
+/// A control that is off and is to take something over.
+#[derive(Clone, Copy, Debug)]
+pub struct Target<'a> {
+    /// Its data directory.
+    pub directory: &'a Path,
+    /// The model whose memory is written; none: the one of the directory.
+    pub model: Option<ModelId>,
+    /// Whose rights count.
+    pub who: Who<'a>,
+    /// Nothing is written.
+    pub dry_run: bool,
+}
+
+/// Its memory, opened.
+#[derive(Debug)]
+pub struct OpenedMemory {
+    data: DataDir,
+    folder: PathBuf,
+    held: Held,
+    level: Level,
+    encodings: Encodings,
+}
+
+/// Opens what a control holds; unless nothing is to be written, nobody else can meanwhile.
+///
+/// # Errors
+/// The data directory cannot be used, a password that opens nothing.
+pub fn open(target: &Target<'_>) -> Result<OpenedMemory, ProjectError> {
+    let model = target
+        .model
+        .unwrap_or_else(|| models::chosen(target.directory));
+    let folder = models::folder(target.directory, model);
+    let data = match target.dry_run {
         true => DataDir::read_only(&folder)?,
         false => DataDir::open(&folder)?,
     };
     let held = held(&data, delivered(model, None));
-    let mut differences = diff(&held.state, &state.without_texts());
-    differences.retain(wanted);
-    let level = taking.who.level(&held.memory.authority)?;
-    let mut taken = Taken {
-        denied: denied(&differences, &held.memory.parameters, level),
-        old: held.state.clone(),
-        new: held.state.clone(),
+    let level = target.who.level(&held.memory.authority)?;
+    Ok(OpenedMemory {
+        data,
         folder,
-        backup: None,
-        complaints: held.complaints().to_vec(),
-        differences,
-    };
-    if taken.differences.is_empty() || !taken.denied.is_empty() {
-        return Ok(taken);
+        held,
+        level,
+        encodings: Encodings::new(),
+    })
+}
+
+impl OpenedMemory {
+    /// All that it keeps.
+    pub const fn memory(&self) -> &Memory {
+        &self.held.memory
     }
-    taken.new = apply(&held.state, &taken.differences).map_err(ProjectError::Faults)?;
-    if !taking.dry_run {
-        taken.backup = Some(back_up(&taken.folder, &held)?);
-        held.replace(data, &taken.new, &encodings)?;
+
+    /// The same as a project has it.
+    pub const fn state(&self) -> &State {
+        &self.held.state
     }
-    Ok(taken)
+
+    /// Takes over values, all of them or none; what was there before is kept as a project.
+    ///
+    /// # Errors
+    /// What the whole would break, what could not be written.
+    pub fn take_over(
+        self,
+        differences: Vec<Difference>,
+        dry_run: bool,
+    ) -> Result<Taken, ProjectError> {
+        let held = self.held;
+        let mut taken = Taken {
+            denied: denied(&differences, &held.memory.parameters, self.level),
+            old: held.state.clone(),
+            new: held.state.clone(),
+            folder: self.folder,
+            backup: None,
+            complaints: held.complaints().to_vec(),
+            differences,
+        };
+        if taken.differences.is_empty() || !taken.denied.is_empty() {
+            return Ok(taken);
+        }
+        taken.new = apply(&held.state, &taken.differences).map_err(ProjectError::Faults)?;
+        if !dry_run {
+            taken.backup = Some(back_up(&taken.folder, &held)?);
+            held.replace(self.data, &taken.new, &self.encodings)?;
+        }
+        Ok(taken)
+    }
 }

@@ -1,6 +1,6 @@
 //! The window on a real display: eframe around [`Window`].
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crossbeam::channel::{RecvTimeoutError, bounded};
@@ -11,7 +11,7 @@ use web_time::{Duration, Instant};
 
 use super::figures::Figures;
 use super::layout::floating;
-use super::{Chosen, Settings, TITLE, Window, fonts, surroundings};
+use super::{Chosen, Settings, TITLE, Window, fonts, surroundings, zoom};
 use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::files::lessons;
@@ -35,8 +35,10 @@ pub struct Start {
     pub kernel: Kernel,
     /// Its console.
     pub console: Console,
-    /// What was remembered.
+    /// What the window begins with.
     pub settings: Settings,
+    /// What the data directory remembers of that; none: nothing yet.
+    pub stored: Option<Settings>,
     /// The data directory.
     pub data: DataDir,
     /// What it held.
@@ -49,10 +51,12 @@ pub struct Start {
     pub model: ModelId,
     /// How another model is turned on, if it can be.
     pub another: Option<Another>,
+    /// The questions of the first start are asked.
+    pub asks: bool,
 }
 
-/// Turns another model on, beside the one that runs.
-pub type Another = Box<dyn Fn(ModelId) -> Result<Start, Message>>;
+/// Turns another model on, beside the one that runs, in a window with these settings.
+pub type Another = Box<dyn Fn(ModelId, &Settings) -> Result<Start, Message>>;
 
 /// Opens the window and returns when it is closed.
 pub fn run(start: Start) -> Result<(), Message> {
@@ -80,7 +84,7 @@ struct App {
     /// None while the control is off.
     data: Option<Arc<DataDir>>,
     model: ModelId,
-    saved: Settings,
+    saved: Option<Settings>,
     /// What is not written yet, and since when.
     changed: Option<(Settings, Instant)>,
     sized: bool,
@@ -113,12 +117,14 @@ impl App {
             kernel,
             console,
             settings,
+            stored,
             data,
             restored,
             program,
             figures,
             model,
             another,
+            asks,
         } = start;
         let data = Arc::new(data);
         let keeper = Keeper::start(Arc::clone(&data), &restored, kernel.emulator())?;
@@ -132,6 +138,9 @@ impl App {
         let mut window = Window::new(console, settings.clone());
         window.paint_panel();
         window.set_model(model, another.is_some());
+        if asks {
+            window.ask_first();
+        }
         window.set_lessons(lessons::all(Some(data.path())));
         surroundings::set(context, settings.light);
         let complaints = restored.complaints;
@@ -150,7 +159,7 @@ impl App {
             ending,
             data: Some(data),
             model,
-            saved: settings,
+            saved: stored,
             changed: None,
             sized: false,
             title: TITLE.to_owned(),
@@ -159,15 +168,17 @@ impl App {
         })
     }
 
-    /// Turns the control off and another model on, with the memory that this one has.
+    /// Turns the control off and another model on, with the memory that this one has; or
+    /// the same again, with another lathe.
     fn change_model(&mut self, model: ModelId, context: &egui::Context) {
+        if model == self.model {
+            let said = say::first_lathe_is_on();
+            return self.turn_on_again(context, |_| said);
+        }
         let Some(another) = self.another.take() else {
             return;
         };
-        let started = another(model).map(|start| Start {
-            settings: self.window.settings().clone(),
-            ..start
-        });
+        let started = another(model, self.window.settings());
         self.another = Some(another);
         let ending = self.ending.clone();
         let app =
@@ -188,6 +199,26 @@ impl App {
     /// Turns the control off, lets it take over what was chosen of a project, and turns it on
     /// again.
     fn take_over(&mut self, chosen: &Chosen, context: &egui::Context) {
+        let model = self.model;
+        self.turn_on_again(context, |directory| {
+            let taking = Taking {
+                project: &chosen.folder,
+                directory,
+                model: Some(model),
+                who: Who::LoggedOn,
+                dry_run: false,
+            };
+            let taken = project::take_over(&taking, &|it| chosen.has(it));
+            match &taken {
+                Ok(taken) => taken.message(),
+                Err(error) => error.message(),
+            }
+        });
+    }
+
+    /// Turns the control off and on again; in between `then` has the data directory to
+    /// itself, and gives what is said of it.
+    fn turn_on_again(&mut self, context: &egui::Context, then: impl FnOnce(&Path) -> Message) {
         let Some(another) = self.another.take() else {
             return;
         };
@@ -198,22 +229,8 @@ impl App {
         };
         let directory = models::directory(data.path(), self.model);
         drop(data);
-        let taking = Taking {
-            project: &chosen.folder,
-            directory: &directory,
-            model: Some(self.model),
-            who: Who::LoggedOn,
-            dry_run: false,
-        };
-        let taken = project::take_over(&taking, &|it| chosen.has(it));
-        let said = match &taken {
-            Ok(taken) => taken.message(),
-            Err(error) => error.message(),
-        };
-        let started = another(self.model).map(|start| Start {
-            settings: self.window.settings().clone(),
-            ..start
-        });
+        let said = then(&directory);
+        let started = another(self.model, self.window.settings());
         let ending = self.ending.clone();
         let app =
             started.and_then(|start| App::new(start, ending, context).map_err(say::as_written));
@@ -245,7 +262,7 @@ impl App {
             self.window.remember_place(context);
             return;
         }
-        let Some(monitor) = context.input(|input| input.viewport().monitor_size) else {
+        let Some(monitor) = zoom::follow(context, self.window.settings()) else {
             return;
         };
         self.sized = true;
@@ -267,7 +284,7 @@ impl App {
     /// Writes what is remembered, once it has stood a while.
     fn keep_settings(&mut self, context: &egui::Context) {
         let settings = self.window.settings();
-        if *settings == self.saved {
+        if self.saved.as_ref() == Some(settings) {
             self.changed = None;
             return;
         }
@@ -284,11 +301,12 @@ impl App {
     }
 
     fn save_settings(&mut self) {
-        if *self.window.settings() == self.saved {
+        let settings = self.window.settings().clone();
+        if self.saved.as_ref() == Some(&settings) {
             return;
         }
-        self.saved = self.window.settings().clone();
-        let stored = self.data.as_ref().map(|it| it.store("window", &self.saved));
+        let stored = self.data.as_ref().map(|it| it.store("window", &settings));
+        self.saved = Some(settings);
         if let Some(Err(said)) = stored {
             self.window.say(said);
         }

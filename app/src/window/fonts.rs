@@ -1,20 +1,34 @@
-//! Chinese legends and menus: glyphs of GNU Unifont, drawn at the size asked
-//! for, for every character that the built-in Latin fonts do not have.
+//! The fonts of the window: the program's own outlines, and glyphs of GNU Unifont, drawn at
+//! the size asked for, for every character that they do not have: users write what they like.
 
 use std::sync::Arc;
 
 use super::surroundings;
 use egui::epaint::text::{GlyphBitmap, GlyphRasterizer, GlyphRasterizerRequest, RasterizedGlyph};
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Color32, ColorImage, FontId, vec2};
+use egui::{Color32, ColorImage, FontData, FontDefinitions, FontFamily, FontId, vec2};
+use gsk_panel::fonts::{CHINESE, LATIN, MONO};
 
 /// Dots of a glyph from top to bottom.
 const DOTS: f32 = 16.0;
 /// Rows above the base line.
 const ASCENT: f32 = 14.0;
 
-/// Teaches a context the Chinese characters. It may be called again.
+/// Teaches a context the fonts. It may be called again.
 pub fn install(context: &egui::Context) {
+    let mut fonts = FontDefinitions::empty();
+    for (name, file) in [("latin", LATIN), ("mono", MONO), ("chinese", CHINESE)] {
+        let data = Arc::new(FontData::from_static(file));
+        fonts.font_data.insert(name.to_owned(), data);
+    }
+    for (family, order) in [
+        (FontFamily::Proportional, ["latin", "mono", "chinese"]),
+        (FontFamily::Monospace, ["mono", "latin", "chinese"]),
+    ] {
+        let order = order.map(str::to_owned).to_vec();
+        fonts.families.insert(family, order);
+    }
+    context.set_fonts(fonts);
     context.add_glyph_rasterizer(GlyphRasterizer::new("gsk980td::unifont", rasterize));
 }
 
@@ -121,6 +135,8 @@ pub fn set_up(context: &egui::Context) {
     install(context);
     surroundings::install(context);
     context.set_theme(egui::Theme::Dark);
+    // The window has a setting for it.
+    context.options_mut(|options| options.zoom_with_keyboard = false);
     context.all_styles_mut(|style| {
         style.visuals.override_text_color = Some(Color32::from_gray(225));
         style.spacing.button_padding = vec2(8.0, 3.0);

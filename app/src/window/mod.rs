@@ -7,6 +7,7 @@ mod badge;
 mod face;
 mod figures;
 mod files;
+mod first_start;
 pub mod fonts;
 mod held;
 mod help;
@@ -14,6 +15,7 @@ mod key_map;
 mod keyboard;
 pub mod layout;
 mod lcd;
+mod long_press;
 mod message;
 mod opener;
 mod panel_view;
@@ -26,9 +28,11 @@ pub mod refusal;
 mod samples;
 mod settings;
 mod surroundings;
+mod tips;
 mod top_bar;
 pub mod view;
 mod views;
+mod zoom;
 
 use std::path::PathBuf;
 
@@ -40,14 +44,16 @@ use gsk_link::LinkState;
 use gsk_panel::keys::Key;
 
 use crate::files::lessons::Lessons;
-use crate::kernel::{Command, Console, LessonOrder, Notice, Snapshot};
+use crate::kernel::{Command, Console, KeysReversed, LessonOrder, Notice, Snapshot};
 use crate::platform;
 use files::Browser;
-use gsk_messages::{Language, say};
+use first_start::FirstStart;
+use gsk_messages::say;
 use held::{Change, Held};
 use help::Help;
 use keyboard::PcAction;
 use layout::Pane;
+use long_press::LongPress;
 use message::Message;
 use opener::Opener;
 use pointing::Pointing;
@@ -91,6 +97,12 @@ pub struct Window {
     projects: project::Desk,
     /// Values of a project that the control is to take over.
     chosen: Option<Chosen>,
+    first_start: Option<FirstStart>,
+    long_press: LongPress,
+    /// Which way the axis keys move, for their tips.
+    reversed: KeysReversed,
+    /// The kernel hands out the LCD in the other language, too.
+    translates: bool,
 }
 
 /// The control model, and the one that was asked for.
@@ -133,6 +145,10 @@ impl Window {
             models: Models::default(),
             projects: project::Desk::default(),
             chosen: None,
+            first_start: None,
+            long_press: LongPress::default(),
+            reversed: KeysReversed::default(),
+            translates: false,
         }
     }
 
@@ -241,6 +257,7 @@ impl Window {
     /// Lets everything go: the window is hidden or has lost the focus.
     pub fn let_go(&mut self) {
         self.pointing.forget();
+        self.long_press.forget();
         let changes = self.held.release_all();
         self.send(&changes);
     }
@@ -250,6 +267,7 @@ impl Window {
         self.receive();
         self.views.follow(&self.settings.layouts);
         self.take_files(ui);
+        zoom::follow(ui.ctx(), &self.settings);
         let language = self.settings.language;
         badge::show(ui, "panel", self.board(), language);
         let slim = Frame::new()
@@ -275,7 +293,11 @@ impl Window {
         // What the panel leaves free is the colour that a picture is cleared with.
         egui::CentralPanel::default()
             .frame(Frame::NONE)
-            .show(ui, |ui| self.panes(ui));
+            .show(ui, |ui| {
+                if !self.asks_first(ui) {
+                    self.panes(ui);
+                }
+            });
         self.settings.solid = self.views.lathe().is_solid();
         let finished = self.views.lessons().finished();
         if self.settings.lessons != *finished {
@@ -286,6 +308,9 @@ impl Window {
             self.settings.transfer.clone_from(transfer);
         }
         if let Some(asked) = asked {
+            if asked.shows_something() {
+                self.first_start = None;
+            }
             self.answer(asked, ui);
         }
         if self.key_map {
@@ -455,13 +480,12 @@ impl Window {
                 surroundings::set(ui.ctx(), self.settings.light);
             }
             top_bar::Asked::Model(model) => self.models.asked = Some(model),
+            top_bar::Asked::Zoom(per_cent) => self.settings.zoom = per_cent,
+            top_bar::Asked::FirstStart => self.ask_first(),
             top_bar::Asked::Keys => self.key_map = !self.key_map,
             top_bar::Asked::Help => self.help.ask(None),
             top_bar::Asked::Language => {
-                self.settings.language = match self.settings.language {
-                    Language::Zh => Language::En,
-                    Language::En => Language::Zh,
-                };
+                self.settings.language = self.settings.language.other();
             }
         }
     }
@@ -514,11 +538,12 @@ impl Window {
     /// The PC keyboard; while a text is being typed the panel has its stops alone.
     fn keyboard(&mut self, ui: &Ui) {
         let events: Vec<Event> = ui.input(|input| input.events.clone());
-        if ui.ctx().text_edit_focused() {
+        if ui.ctx().text_edit_focused() || self.first_start.is_some() {
             let stops: Vec<Event> = events.into_iter().filter(views::stops).collect();
             self.typed(&stops);
             return;
         }
+        zoom::typed(ui.ctx(), &events, &mut self.settings);
         if let Some(view) = view::toggled(&events) {
             self.settings.layouts.toggle(view);
         }

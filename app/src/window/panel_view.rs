@@ -8,9 +8,8 @@ use gsk_panel::faceplate::{self, FaceState, Outline, Part, What};
 use gsk_panel::keys::{Key, STRIP};
 use gsk_panel::screen::{COLUMNS, ROWS};
 
-use super::key_map::pc_name;
 use super::placing::{self, View};
-use super::{Command, Message, Window, reader};
+use super::{Command, Message, Window, reader, tips};
 use gsk_messages::{Language, say};
 
 /// The ring around a key that is kept for the next one.
@@ -63,6 +62,10 @@ impl Window {
         self.point(ui, &views);
         let painter = ui.painter().clone();
         let picture = self.picture.take();
+        self.reversed = picture
+            .as_ref()
+            .map(|it| it.keys_reversed)
+            .unwrap_or_default();
         let mut pressed: Vec<Key> = self.held.keys().collect();
         if let Some(picture) = &picture {
             pressed.extend(&picture.pressed);
@@ -90,6 +93,7 @@ impl Window {
             self.lcd
                 .paint(&painter, place, &picture.screen, picture.brightness);
             let lcd = ui.interact(place, ui.scope_id().with("lcd"), Sense::HOVER);
+            self.translate(lcd.hovered());
             lcd.widget_info(|| WidgetInfo {
                 current_text_value: Some(picture.screen.text()),
                 ..WidgetInfo::labeled(
@@ -99,6 +103,16 @@ impl Window {
                 )
             });
             reader::rows(ui, &lcd, place, &picture.screen);
+            let tip = self
+                .cell(self.pointer)
+                .map(|(row, column)| tips::lcd(picture, row, column, self.settings.language));
+            if let Some(tip) = tip.filter(|tip| !tip.is_empty()) {
+                lcd.on_hover_ui_at_pointer(|ui| {
+                    for line in tip {
+                        ui.label(line);
+                    }
+                });
+            }
         }
         for key in self.views.lessons().marked() {
             if let Some(part) = faceplate::part_of(key)
@@ -150,11 +164,8 @@ impl Window {
                 }
                 let by_screen_reader =
                     response.clicked() && response.interact_pointer_pos().is_none();
-                if !row.pc.is_empty() {
-                    response.on_hover_ui(|ui| {
-                        ui.label(format!("{name}   [{}]", pc_name(row.pc)));
-                    });
-                }
+                let reversed = self.reversed;
+                response.on_hover_ui(|ui| tips::key(ui, language, row, reversed));
                 by_screen_reader.then_some(key)
             }
             What::Strip(index) => {
@@ -175,6 +186,7 @@ impl Window {
                     ..WidgetInfo::labeled(Role::Status, true, &name)
                 });
                 reader::state(ui, &response, &word.text(language));
+                response.on_hover_ui(|ui| tips::lamp(ui, language, lamp, lit));
                 None
             }
             What::Handwheel => {
@@ -197,19 +209,57 @@ impl Window {
     /// The topic about what lies at a place of the window: a key, a lamp, what the LCD
     /// shows there.
     pub(super) fn pointed_at(&self, at: Pos2) -> Option<&'static Topic> {
-        let (x, y) = placing::units(&self.placed, at)?;
-        let lcd = faceplate::lcd();
-        if lcd.contains(x, y) {
+        if let Some((row, column)) = self.cell(Some(at)) {
             let picture = self.picture.as_ref()?;
-            let cell = |from: f32, size: f32, count: usize| (from / size * count as f32) as usize;
-            let row = cell(y - lcd.y, lcd.h, ROWS);
-            let column = cell(x - lcd.x, lcd.w, COLUMNS);
             return on_screen(picture.page, &picture.screen, row, column);
         }
+        let (x, y) = placing::units(&self.placed, at)?;
         match faceplate::part_at(x, y)?.what {
             What::Key(key) => topic(Subject::Key(key.id())),
             What::Strip(index) => topic(Subject::Lamp(STRIP.get(index)?.id)),
             _ => None,
+        }
+    }
+
+    /// The row and the column of the LCD at a place of the window.
+    fn cell(&self, at: Option<Pos2>) -> Option<(usize, usize)> {
+        let (x, y) = placing::units(&self.placed, at?)?;
+        let lcd = faceplate::lcd();
+        let cell = |from: f32, size: f32, count: usize| (from / size * count as f32) as usize;
+        let row = cell(y - lcd.y, lcd.h, ROWS);
+        let column = cell(x - lcd.x, lcd.w, COLUMNS);
+        lcd.contains(x, y).then_some((row, column))
+    }
+
+    /// The LCD is handed out in the other language, too, as long as somebody points at it.
+    fn translate(&mut self, wanted: bool) {
+        if self.translates != wanted {
+            self.translates = wanted;
+            self.console.send(Command::Translate(wanted));
+        }
+    }
+
+    /// A finger that stays on the panel asks for help about what lies under it.
+    fn press_long(&mut self, ui: &Ui, events: &[Event], free: &dyn Fn(Pos2) -> bool) {
+        let now = ui.input(|input| input.time);
+        let stayed = self.long_press.follow(events, now);
+        if self.long_press.watches() {
+            let soon = std::time::Duration::from_millis(100);
+            ui.ctx().request_repaint_after(soon);
+        }
+        let Some(at) = stayed.filter(|at| free(*at)) else {
+            return;
+        };
+        let key = placing::units(&self.placed, at);
+        let key = key.and_then(|(x, y)| faceplate::part_at(x, y)?.key());
+        if let (Some((row, column)), Some(picture)) = (self.cell(Some(at)), &self.picture) {
+            let lines = tips::lcd(picture, row, column, self.settings.language);
+            self.message = Some(Message::Said(say::as_written(lines.join("   "))));
+        }
+        if key.is_none_or(tips::explains_when_held)
+            && let Some(about) = self.pointed_at(at)
+        {
+            self.help.ask(Some(about));
         }
     }
 
@@ -224,6 +274,7 @@ impl Window {
         let pointer = ui.input(|input| input.pointer.latest_pos());
         self.pointer = pointer.filter(|at| free(*at));
         self.placed = views.to_vec();
+        self.press_long(ui, &events, &free);
         if self.help.explains() {
             events.retain(|event| {
                 let Some(at) = pressed_at(event).filter(|at| free(*at)) else {

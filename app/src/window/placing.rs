@@ -1,11 +1,15 @@
-//! Where the panel lies in the window: whole, or its three areas below each other
-//! where a narrow window leaves the whole panel much less room.
+//! Where the panel lies in the window: whole, or its areas by themselves where an upright
+//! window leaves the whole panel much less room.
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_panel::faceplate::{self, Area, Part, SIZE};
 
-/// The areas stand apart when that makes the LCD larger at least by this factor.
+/// The areas stand apart when that makes the keys larger at least by this factor.
 const WORTH_IT: f32 = 1.15;
+/// Height over width of a room that is upright.
+const UPRIGHT: f32 = 1.25;
+/// Share of the width that the keys beside the LCD take at most.
+const MOST_BESIDE: f32 = 0.52;
 
 /// Where an area of the panel lies in the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,48 +67,61 @@ impl View {
     }
 }
 
-/// The panel in a room: as it is built, or in three areas below each other.
+/// The panel in a room: as it is built, or its areas by themselves.
 pub fn views(room: Rect, pixels_per_point: f32) -> Vec<View> {
     let whole = View::fit(Area::WHOLE, room, pixels_per_point);
-    let Some(apart) = below_each_other(room) else {
-        return vec![whole];
-    };
-    let screen = apart[0].width() / Area::APART[0].rect.w;
-    if screen < whole.scale * WORTH_IT {
+    let (keys, rooms) = by_themselves(room);
+    if room.height() < room.width() * UPRIGHT || keys < whole.scale * WORTH_IT {
         return vec![whole];
     }
-    let areas = Area::APART.into_iter().zip(apart);
+    let areas = Area::APART.into_iter().zip(rooms);
     areas
         .map(|(area, room)| View::fit(area, room, pixels_per_point))
         .collect()
 }
 
-/// Rooms for LCD, edit keyboard and machine keys below each other: the machine keys as
-/// wide as the room, LCD and edit keyboard alike in what they leave.
-fn below_each_other(room: Rect) -> Option<[Rect; 3]> {
-    let [screen, keys, machine] = Area::APART.map(|area| vec2(area.rect.w, area.rect.h));
-    let width = room.width();
-    let together = screen.y + keys.y + machine.y;
-    let machine_scale = (width / machine.x).min(room.height() / together);
-    let rest = room.height() - machine.y * machine_scale;
-    let screen_scale = (width / screen.x).min(rest / (screen.y + keys.y));
-    let rest = rest - screen.y * screen_scale;
-    let keys_scale = (width / keys.x).min(rest / keys.y);
-    let sizes: [Vec2; 3] = [
-        screen * screen_scale,
-        keys * keys_scale,
-        machine * machine_scale,
+/// Rooms for the areas in an upright room, and points a unit of their keys: the LCD with the
+/// name plate beside what runs and stops the machine, below that the edit keyboard, then modes
+/// and directions. All keys are as large as the room allows, for fingers.
+fn by_themselves(room: Rect) -> (f32, [Rect; 6]) {
+    let [screen, name, edit, modes, run, additional] =
+        Area::APART.map(|area| vec2(area.rect.w, area.rect.h));
+    let beside = run.x.max(additional.x);
+    let high = run.y + additional.y + edit.y + modes.y;
+    let keys = (room.height() / high)
+        .min(room.width() / edit.x.max(modes.x))
+        .min(room.width() * MOST_BESIDE / beside)
+        .max(0.01);
+    let left = room.width() - beside * keys;
+    let (screen, name) = (screen * (left / screen.x), name * (left / name.x));
+    let upper = (run.y + additional.y) * keys;
+    // A room that is higher still has its space between the rows.
+    let rest = (room.height() - high * keys).max(0.0) / 4.0;
+    let top = room.top() + rest;
+    let right = room.left() + left;
+    let at = |x: f32, y: f32, size: Vec2| Rect::from_min_size(pos2(x, y), size);
+    let below = |y: f32, size: Vec2| {
+        let x = room.center().x - size.x * keys / 2.0;
+        at(x, y, size * keys)
+    };
+    let free = (upper - screen.y - name.y).max(0.0) / 2.0;
+    let rooms = [
+        at(
+            room.left(),
+            top + free,
+            vec2(left, screen.y.min(upper - name.y)),
+        ),
+        at(room.left(), top + upper - free - name.y, name),
+        below(top + upper + rest, edit),
+        below(top + upper + edit.y * keys + 2.0 * rest, modes),
+        at(right, top + additional.y * keys, run * keys),
+        at(
+            right + (beside - additional.x) * keys / 2.0,
+            top,
+            additional * keys,
+        ),
     ];
-    if !sizes.iter().all(|size| size.min_elem() > 1.0) {
-        return None;
-    }
-    let height: f32 = sizes.iter().map(|size| size.y).sum();
-    let mut top = room.center().y - height / 2.0;
-    Some(sizes.map(|size| {
-        let centre = pos2(room.center().x, top + size.y / 2.0);
-        top += size.y;
-        Rect::from_center_size(centre, size)
-    }))
+    (keys, rooms)
 }
 
 /// A place of the window in panel units, if the panel lies there.
@@ -145,21 +162,41 @@ mod tests {
         }
     }
 
+    /// A tablet of 10.1 inches upright: 800 x 1280 pixels, 149 of them an inch; the bars of the
+    /// window take 50.
     #[test]
-    fn in_a_narrow_window_the_areas_stand_below_each_other_and_hold_every_part() {
+    fn keys_are_as_large_as_a_finger_on_a_tablet() {
+        let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(800.0, 1230.0));
+        let views = views(room, 1.0);
+        for part in parts().iter().filter(|part| part.key().is_some()) {
+            if part.key() == Some(gsk_panel::keys::Key::OvertravelRelease) {
+                continue; // A button to be pressed on purpose, as small as it is built.
+            }
+            let rect = of_part(&views, part).unwrap().rect(part.rect);
+            let side = rect.size().min_elem() / 149.0 * 25.4;
+            assert!(side >= 9.0, "{part:?} is {side} mm");
+        }
+        let screen = views[0].rect(faceplate::lcd());
+        assert!(screen.width() >= 320.0, "a pixel a dot: {screen:?}");
+    }
+
+    #[test]
+    fn in_an_upright_window_the_areas_stand_by_themselves_and_hold_every_part() {
         for (width, height) in [(400.0, 900.0), (800.0, 1230.0), (1080.0, 1870.0)] {
             let room = Rect::from_min_size(pos2(3.0, 28.0), vec2(width, height));
             let views = views(room, 1.0);
-            assert_eq!(views.len(), 3, "{width} x {height}");
-            let mut bottom = room.top();
-            for view in &views {
+            assert_eq!(views.len(), 6, "{width} x {height}");
+            for (index, view) in views.iter().enumerate() {
                 let place = view.whole();
                 assert!(room.expand(1.01).contains_rect(place), "{place:?}");
-                assert!(place.top() >= bottom - 1.01);
-                bottom = place.bottom();
+                let mut others = views[index + 1..].iter().map(View::whole);
+                assert!(
+                    !others.any(|it| it.shrink(1.01).intersects(place)),
+                    "{place:?}"
+                );
             }
             let used: f32 = views.iter().map(|view| view.whole().area()).sum();
-            assert!(used > 0.6 * room.area(), "{used} of {}", room.area());
+            assert!(used > 0.5 * room.area(), "{used} of {}", room.area());
             for part in parts().iter().filter(|part| part.what != What::Housing) {
                 let place = of_part(&views, part).unwrap().rect(part.rect);
                 let (x, y) = units(&views, place.center()).unwrap();

@@ -30,6 +30,12 @@ pub struct Settings {
     pub lessons: BTreeSet<String>,
     /// Port, speed and files of the view that is the PC's side of the serial port.
     pub transfer: Remembered,
+    /// The questions of the first start wait to be answered.
+    pub first_start: bool,
+    /// The lathe that was chosen at the first start; none: the simulated one as delivered.
+    pub machine: Option<PathBuf>,
+    /// How large everything is, per cent; none: as the monitor asks for.
+    pub zoom: Option<u16>,
 }
 
 impl Default for Settings {
@@ -42,6 +48,9 @@ impl Default for Settings {
             solid: false,
             lessons: BTreeSet::new(),
             transfer: Remembered::default(),
+            first_start: false,
+            machine: None,
+            zoom: None,
         }
     }
 }

@@ -1,8 +1,11 @@
 //! The slim bar above the panel and the line of messages below it.
 
+mod menus;
+
 use std::path::PathBuf;
 
-use egui::{Align2, Area, Color32, Frame, Order, Rect, RichText, Tooltip, Ui};
+use egui::scroll_area::ScrollBarVisibility;
+use egui::{Align2, Area, Color32, Frame, Order, Rect, RichText, ScrollArea, Tooltip, Ui};
 
 use gsk_core::alarm::Alarm;
 use gsk_core::model::ModelId;
@@ -10,14 +13,16 @@ use gsk_core::model::ModelId;
 use super::Settings;
 use super::alarm_line;
 use super::fonts;
-use super::layout::{LAYOUTS, Layout};
-use super::project::{COMMANDS, ProjectCommand};
-use super::samples::{SAMPLES, Sample};
-use super::view::{VIEWS, View, key_name};
+use super::layout::Layout;
+use super::project::ProjectCommand;
+use super::samples::Sample;
+use super::view::{VIEWS, View};
 use crate::kernel::{Imposed, Snapshot, Times};
 use crate::pace::Speed;
-use crate::platform;
 use gsk_messages::{Language, Message, say};
+
+/// Where less room is left for the menus, points, those of programs are one.
+const NARROW: f32 = 620.0;
 
 /// Ground of the sign that something is imposed.
 const IMPOSED: Color32 = Color32::from_rgb(255, 196, 90);
@@ -40,6 +45,8 @@ pub enum Asked {
     Layout(Layout),
     /// Light surroundings, or dark ones again.
     Light,
+    /// Everything so large, per cent; none: as the monitor asks for.
+    Zoom(Option<u16>),
     /// Open a view, or close it.
     View(View),
     /// Open the lessons, or close them.
@@ -54,12 +61,31 @@ pub enum Asked {
     Mend,
     /// Turn another control model on.
     Model(ModelId),
+    /// Ask the questions of the first start again.
+    FirstStart,
     /// Show the key map.
     Keys,
     /// Open the help.
     Help,
     /// The other language.
     Language,
+}
+
+impl Asked {
+    /// Whether something comes onto the screen that the questions of the first start would
+    /// hide.
+    pub const fn shows_something(&self) -> bool {
+        matches!(
+            self,
+            Self::Choose
+                | Self::Open(_)
+                | Self::Sample(_)
+                | Self::Layout(_)
+                | Self::View(_)
+                | Self::Lessons
+                | Self::Model(_)
+        )
+    }
 }
 
 /// The control models to choose from.
@@ -84,101 +110,45 @@ pub fn show(
     let (language, layouts) = (settings.language, &settings.layouts);
     let imposed = picture.map(|picture| picture.imposed).unwrap_or_default();
     let is_open = |view| layouts.is_open(view);
-    let layout = layouts.current();
     let mut asked = None;
     ui.horizontal_centered(|ui| {
-        if ui
-            .button(say::window_open_program().text(language))
-            .clicked()
-        {
-            asked = Some(Asked::Choose);
-        }
-        ui.menu_button(say::window_recent().text(language), |ui| {
-            if settings.recent.is_empty() {
-                ui.label(say::window_recent_empty().text(language));
-            }
-            for path in &settings.recent {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                let entry = ui
-                    .button(name.as_ref())
-                    .on_hover_text(path.display().to_string());
-                if entry.clicked() {
-                    asked = Some(Asked::Open(path.clone()));
-                    ui.close();
-                }
-            }
-        });
-        ui.menu_button(say::window_samples().text(language), |ui| {
-            for sample in &SAMPLES {
-                let shows = sample.shows(language);
-                let entry = egui::Button::new(shows).shortcut_text(sample.name);
-                if ui.add(entry).clicked() {
-                    asked = Some(Asked::Sample(sample));
-                    ui.close();
-                }
-            }
-        });
-        if ui.button(say::window_lessons().text(language)).clicked() {
-            asked = Some(Asked::Lessons);
-        }
-        let reload = egui::Button::new(say::window_reload().text(language));
-        if ui.add_enabled(opened.is_some(), reload).clicked() {
-            asked = opened.cloned().map(Asked::Open);
-        }
-        if platform::has_folders() {
-            ui.menu_button(say::project_menu().text(language), |ui| {
-                for (command, name) in COMMANDS {
-                    if ui.button(name().text(language)).clicked() {
-                        asked = Some(Asked::Project(command));
-                        ui.close();
+        // What does not fit beside the right side is scrolled: nothing lies over anything.
+        let known = egui::Id::unique("bar right");
+        let right: f32 = ui.data(|data| data.get_temp(known)).unwrap_or(320.0);
+        let room = (ui.available_width() - right - ui.spacing().item_spacing.x).max(40.0);
+        ScrollArea::horizontal()
+            .id_salt("bar")
+            .max_width(room)
+            .scroll_bar_visibility(ScrollBarVisibility::AlwaysHidden)
+            .show(ui, |ui| {
+                ui.horizontal_centered(|ui| {
+                    if room < NARROW {
+                        ui.menu_button(say::program_file().text(language), |ui| {
+                            asked = menus::programs(ui, settings, opened);
+                        });
+                    } else {
+                        asked = menus::programs(ui, settings, opened);
                     }
-                }
+                    ui.menu_button(say::window_layouts().text(language), |ui| {
+                        asked = menus::looks(ui, settings, models).or(asked.take());
+                    });
+                    ui.menu_button(say::window_views().text(language), |ui| {
+                        asked = menus::views(ui, settings).or(asked.take());
+                    });
+                    if !models.shown.is_main() {
+                        let name = RichText::new(&models.shown.record().name).color(IMPOSED);
+                        ui.label(name).on_hover_text(
+                            say::model_is_on(&models.shown.record().name).text(language),
+                        );
+                    }
+                    if let Some(opened) = opened {
+                        let name = opened.file_name().unwrap_or_default().to_string_lossy();
+                        ui.label(RichText::new(name.as_ref()).color(Color32::from_gray(170)))
+                            .on_hover_text(opened.display().to_string());
+                    }
+                });
             });
-        }
-        ui.menu_button(say::window_layouts().text(language), |ui| {
-            for row in &LAYOUTS {
-                let chosen = row.layout == layout;
-                let entry = egui::Button::selectable(chosen, (row.name)().text(language))
-                    .shortcut_text(key_name(row.key));
-                if ui.add(entry).clicked() {
-                    asked = Some(Asked::Layout(row.layout));
-                    ui.close();
-                }
-            }
-            ui.separator();
-            let entry =
-                egui::Button::selectable(settings.light, say::window_light().text(language));
-            if ui.add(entry).clicked() {
-                asked = Some(Asked::Light);
-                ui.close();
-            }
-            if models.offered {
-                ui.separator();
-                asked = models_of(ui, language, models).or(asked.take());
-            }
-        });
-        ui.menu_button(say::window_views().text(language), |ui| {
-            for row in VIEWS.iter().filter(|row| row.view.is_there()) {
-                let entry =
-                    egui::Button::selectable(is_open(row.view), (row.name)().text(language))
-                        .shortcut_text(key_name(row.key));
-                if ui.add(entry).clicked() {
-                    asked = Some(Asked::View(row.view));
-                    ui.close();
-                }
-            }
-        });
-        if !models.shown.is_main() {
-            let name = RichText::new(&models.shown.record().name).color(IMPOSED);
-            ui.label(name)
-                .on_hover_text(say::model_is_on(&models.shown.record().name).text(language));
-        }
-        if let Some(opened) = opened {
-            let name = opened.file_name().unwrap_or_default().to_string_lossy();
-            ui.label(RichText::new(name.as_ref()).color(Color32::from_gray(170)))
-                .on_hover_text(opened.display().to_string());
-        }
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+        let side = ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui
                 .button(say::window_other_language().text(language))
                 .clicked()
@@ -200,27 +170,10 @@ pub fn show(
             if imposed != Imposed::default() {
                 asked = standing(ui, language, imposed, &is_open).or(asked.take());
             }
+            ui.min_rect().width()
         });
+        ui.data_mut(|data| data.insert_temp(known, side.inner));
     });
-    asked
-}
-
-/// The control models; another one is turned on while nothing runs.
-fn models_of(ui: &mut Ui, language: Language, models: &ModelChoice) -> Option<Asked> {
-    let mut asked = None;
-    for id in ModelId::ALL.into_iter().filter(|id| id.record().executes) {
-        let chosen = id == models.shown;
-        let name = say::window_model(&id.record().name).text(language);
-        let enabled = chosen || models.why_not.is_none();
-        let mut entry = ui.add_enabled(enabled, egui::Button::selectable(chosen, name));
-        if let Some(why_not) = &models.why_not {
-            entry = entry.on_disabled_hover_text(why_not.text(language));
-        }
-        if entry.clicked() {
-            asked = (!chosen).then_some(Asked::Model(id));
-            ui.close();
-        }
-    }
     asked
 }
 

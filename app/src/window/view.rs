@@ -26,12 +26,14 @@ pub enum View {
     Lesson,
     /// The PC's side of the serial port.
     Transfer,
+    /// Commissioning.
+    Commission,
 }
 
 impl View {
     /// Whether it shows the machine and the PLC as they are.
     pub const fn monitors(self) -> bool {
-        matches!(self, Self::Bench | Self::Ladder)
+        matches!(self, Self::Bench | Self::Ladder | Self::Commission)
     }
 
     /// Whether there is one here: a page in a browser has no ports.
@@ -61,7 +63,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 8] = [
+pub static VIEWS: [ViewRow; 9] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
@@ -114,9 +116,16 @@ pub static VIEWS: [ViewRow; 8] = [
     ViewRow {
         view: View::Transfer,
         name: say::window_view_transfer,
-        key: Key::End,
+        key: Key::PageDown,
         size: [860.0, 560.0],
         least: [520.0, 360.0],
+    },
+    ViewRow {
+        view: View::Commission,
+        name: say::window_view_commission,
+        key: Key::End,
+        size: [860.0, 700.0],
+        least: [520.0, 320.0],
     },
 ];
 

@@ -82,6 +82,11 @@ impl Bench {
         self.harness.get_by_label("LCD").value().unwrap_or_default()
     }
 
+    /// What the kernel shows, whatever the window draws.
+    pub fn lcd_of_kernel(&self) -> String {
+        self.kernel.snapshot().screen.text()
+    }
+
     #[track_caller]
     pub fn lcd_shows(&self, text: &str) {
         let lcd = self.lcd();

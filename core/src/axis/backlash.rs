@@ -13,7 +13,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::memory::Parameters;
-use crate::units::{Axis, TICK_S};
+use crate::units::{Axis, TICK_S, nearest};
 
 /// How the compensation is given out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -119,7 +119,7 @@ impl Backlash {
 
     /// What is given out now, whole increments.
     pub fn given(&self) -> i64 {
-        libm::round(self.given) as i64
+        nearest(self.given)
     }
 
     /// New parameters at standstill: the play lies where the last motion left it,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::backlash::Backlash;
 use super::pitch::PitchCurve;
 use crate::memory::{Parameters, PitchTable};
-use crate::units::{Axis, PerAxis, Point, Pulses};
+use crate::units::{Axis, PerAxis, Point, Pulses, nearest};
 
 /// The least output increment of an axis, mm of slide travel: X 0.0005 with
 /// diameter programming (001.2 = 0), 0.001 with radius programming; Z 0.001. With
@@ -30,7 +30,7 @@ pub(crate) fn motor_reversed(axis: Axis, parameters: &Parameters) -> bool {
 
 /// The highest speed an axis can be given when the gear multiplies (CMR > CMD),
 /// mm/min; beyond it alarm 097 (manual III-12.4).
-pub(crate) fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
+pub fn gear_speed_limit(axis: Axis, parameters: &Parameters) -> Option<f64> {
     let (multiply, divide) = parameters.gear(axis);
     let base = match axis {
         Axis::X => 3800.0,
@@ -102,14 +102,18 @@ impl Chain {
         if self.pitch.is_off() {
             return 0;
         }
-        self.pitch.at((self.slide() * self.per_mm).round() as i64)
+        self.pitch.at(nearest(self.slide() * self.per_mm))
     }
 
     /// The position in whole increments with its corrections, then geared; the part
     /// of a pulse that is left over counts again with the next increment.
     fn pulses(&self) -> i64 {
         let increments = self.increments + self.corrections() - self.without;
-        let geared = increments * self.multiply / self.divide;
+        let geared = match self.divide {
+            // Most often; a division takes longest of all here.
+            1 => increments * self.multiply,
+            divide => increments * self.multiply / divide,
+        };
         self.base + if self.reversed { -geared } else { geared }
     }
 
@@ -143,7 +147,7 @@ impl Chain {
             self.locked_away += moved;
             return;
         }
-        let increments = ((self.slide() - self.origin) * self.per_mm).round() as i64;
+        let increments = nearest((self.slide() - self.origin) * self.per_mm);
         self.backlash.tick(increments - self.increments);
         self.increments = increments;
         self.correction = self.pitch_here();
@@ -151,7 +155,7 @@ impl Chain {
 
     /// The axis is about to go this way: its backlash is given out beforehand.
     fn lean(&mut self, way: f64) {
-        let increments = (way * self.per_mm).round() as i64;
+        let increments = nearest(way * self.per_mm);
         self.backlash.tick(increments.signum());
     }
 
@@ -167,7 +171,7 @@ impl Chain {
         self.origin = 0.0;
         self.base = count;
         self.locked_away = 0.0;
-        self.increments = (self.commanded * self.per_mm).round() as i64;
+        self.increments = nearest(self.commanded * self.per_mm);
         self.correction = self.pitch_here();
         // At zero no pitch error is made up for.
         self.without = self.backlash.given();
@@ -520,6 +524,16 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn the_nearest_number_is_that_of_the_standard_library(
+            (bits, halves) in (any::<u64>(), any::<i64>().prop_flat_map(|it| (Just(it), 0..64_u32)))
+        ) {
+            let half = (halves.0 >> halves.1) as f64 / 2.0;
+            for value in [f64::from_bits(bits), half.next_down(), half, half.next_up()] {
+                prop_assert_eq!(nearest(value), value.round() as i64, "{}", value);
+            }
+        }
+
         #[test]
         fn pulses_are_the_rounded_end_position(ways in prop::collection::vec(-50_000i32..50_000, 1..60)) {
             let mut chain = geared(1, 1);

@@ -18,7 +18,7 @@ const POINTS: usize = 256;
 
 /// Corrections of one axis by position; nothing at all when it is off.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct PitchCurve {
+pub struct PitchCurve {
     /// Correction from each point on, counted from the reference point, increments.
     sums: Vec<i32>,
     /// The point at the reference position.
@@ -28,7 +28,8 @@ pub(super) struct PitchCurve {
 }
 
 impl PitchCurve {
-    /// `per_thousandth`: least output increments in 0.001 mm (or 0.0001 inch).
+    /// `per_thousandth`: least output increments in 0.001 mm (or 0.0001 inch); 1: positions
+    /// and corrections are counted in 0.001 mm.
     pub fn new(
         axis: Axis,
         parameters: &Parameters,
@@ -62,7 +63,7 @@ impl PitchCurve {
     }
 
     /// Whether it does nothing.
-    pub(crate) const fn is_off(&self) -> bool {
+    pub const fn is_off(&self) -> bool {
         self.sums.is_empty()
     }
 

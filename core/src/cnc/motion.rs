@@ -43,7 +43,7 @@ impl Cnc {
 
     /// The feed override that acts, as a factor: 1 when OVC (G6.4) cancels it.
     pub fn feed_override_factor(&self) -> f64 {
-        if self.plc.signals.override_cancel {
+        if self.plc.signals.override_cancel || self.run.registers.off.feed_override() {
             return 1.0;
         }
         f64::from(self.plc.signals.feed_override) / 100.0

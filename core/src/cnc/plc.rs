@@ -5,9 +5,15 @@ use super::{Cnc, SerialPort};
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::machine::Inputs;
+use crate::model::{Edge, MCode, ncb08};
 use crate::operation::{FromPlc, InputFilter, Mode, RunState, ToPlc};
 use crate::program::Inflow;
 use crate::units::{Axis, PerAxis};
+
+/// Outputs as bits.
+fn mask(outputs: &[u8]) -> u32 {
+    outputs.iter().fold(0, |bits, output| bits | 1 << output)
+}
 
 /// F54 to F56: outputs that a program switches by itself.
 const PROGRAM_OUTPUTS: u16 = 54;
@@ -43,8 +49,60 @@ impl Cnc {
 
     /// Whether a machine input has a level: 0 is X0.0, 8 is X1.0.
     pub(super) fn input_is(&self, input: u8, high: bool) -> bool {
-        let byte = self.plc.engine.memory().x(u16::from(input / 8));
-        (byte >> (input % 8) & 1 == 1) == high
+        self.input(input) == high
+    }
+
+    /// The level of an input as the model counts them.
+    fn input(&self, input: u8) -> bool {
+        let contact = self.memory.model.record().first_input + input;
+        let byte = self.plc.engine.memory().x(u16::from(contact / 8));
+        byte >> (contact % 8) & 1 == 1
+    }
+
+    /// Inputs that act by themselves while the machine is moved by hand: their edges
+    /// change outputs over, or start an M function.
+    fn watch_edges(&mut self) {
+        let record = self.memory.model.record();
+        if record.edges.is_empty() {
+            return;
+        }
+        let levels = record.edges.keys().fold(0_u32, |levels, input| {
+            levels | u32::from(self.input(*input)) << input
+        });
+        let risen = levels & !core::mem::replace(&mut self.plc.input_levels, levels);
+        let by_hand = self.run.mode.is_manual() && !self.run.automatic.operating();
+        if !by_hand || self.alarm_state() {
+            return;
+        }
+        for (input, edge) in &record.edges {
+            if risen >> input & 1 == 0 {
+                continue;
+            }
+            match *edge {
+                Edge::Toggles(first, second) => {
+                    let on = record.m_function(first).map_or(0, |it| mask(&it.on));
+                    let stands = self.program_outputs() & on == on;
+                    self.act_by_hand(if stands { second } else { first });
+                }
+                Edge::Does(code) => {
+                    self.act_by_hand(code);
+                    self.output_m(code);
+                }
+            }
+        }
+    }
+
+    /// The outputs of an M code, as in a program.
+    fn act_by_hand(&mut self, code: u8) {
+        let model = &self.memory.model;
+        let Some(function) = model.record().m_function(code) else {
+            return;
+        };
+        let ms = match function.does {
+            MCode::Clamp => model.parameter(ncb08::CLAMP_TIME).unsigned_abs(),
+            _ => 0,
+        };
+        self.switch_outputs(mask(&function.on), mask(&function.off), ms);
     }
 
     pub(super) fn sample_contacts(&mut self, inputs: &Inputs) {
@@ -61,6 +119,7 @@ impl Cnc {
         for (index, byte) in self.plc.filter.accepted().iter().enumerate() {
             self.plc.engine.memory_mut().set_x(index as u16, *byte);
         }
+        self.watch_edges();
         for (index, byte) in self.plc.y.iter_mut().enumerate() {
             *byte = self.plc.engine.memory().y(index as u16);
         }
@@ -92,8 +151,10 @@ impl Cnc {
         }
         self.follow_mode();
         self.follow_tool(was.current_tool);
-        if self.plc.signals.feed_hold || self.plc.message {
+        if self.plc.message {
             self.feed_hold();
+        } else if self.plc.signals.feed_hold {
+            self.feed_hold_signal();
         }
         if was.start && !self.plc.signals.start {
             self.cycle_start();
@@ -131,7 +192,7 @@ impl Cnc {
         let message = ToPlc {
             mode: self.run.mode,
             started: state == RunState::Run,
-            holding: state == RunState::Hold,
+            holding: state == RunState::Hold || self.run.automatic.hold_put_off,
             operating: self.run.automatic.operating(),
             alarm: self.alarm_state(),
             reset: self.resetting(),

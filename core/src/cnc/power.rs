@@ -9,6 +9,7 @@ use super::{Cnc, DncLine, SerialPort};
 use crate::command::SpindleCommand;
 use crate::interpreter::Interpreter;
 use crate::interpreter::MachineCodes;
+use crate::memory::Registers;
 use crate::operation::ActiveAlarms;
 use crate::setup::{Setup, TOOL_IN_POSITION};
 use crate::units::{Axis, PerAxis};
@@ -55,7 +56,7 @@ impl Cnc {
             plc: PlcPort::new(plc),
             serial_port: SerialPort::Idle,
             dnc: DncLine::default(),
-            run: Run::new(interpreter, tool),
+            run: Run::new(interpreter, tool, Registers::new(setup.day_time)),
             drives: Drives::new(&memory, start),
             hand: HandMotion::default(),
             spindle,
@@ -92,6 +93,7 @@ impl Cnc {
             absolute: Some(self.coordinates.frame.program(position)),
             referenced: false,
             zero_kept: self.reference_without_switch(),
+            day_time: self.run.registers.day_time(self.ticks),
             ..Setup::default()
         };
         *self = Self::new(setup);

@@ -82,6 +82,13 @@ pub enum Request {
         /// −2³² to 2³² − 1.
         value: i64,
     },
+    /// A macro variable where programs are in macro B, or of the Huaxing lathes.
+    SetMacroVariable {
+        /// #1–#33 of the run that stands, #100–#231, #500–#999; or #1–#99.
+        number: u16,
+        /// Its value.
+        value: f64,
+    },
     /// A point of the pitch error table.
     SetPitch {
         /// Axis.
@@ -240,11 +247,19 @@ impl Cnc {
                 self.memory.programs.open_external(program);
                 self.select(ProgramId::External)?;
             }
-            Request::MdiWord(word) => self.run.mdi.enter(&word, &self.memory.parameters)?,
+            Request::MdiWord(word) => {
+                let macro_b = self.variables_are_real();
+                self.run
+                    .mdi
+                    .enter(&word, &self.memory.parameters, macro_b)?;
+            }
             Request::SetVariable { number, value } => {
                 if self.rights().variables().is_ok() {
                     self.memory.variables.set(number, value)?;
                 }
+            }
+            Request::SetMacroVariable { number, value } => {
+                self.set_macro_variable(number, value)?;
             }
             Request::SetPitch { axis, point, value } => self.set_pitch(axis, point, value)?,
             Request::SetOffset { number, entry } => self.set_offset(number, entry)?,

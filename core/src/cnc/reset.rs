@@ -3,6 +3,7 @@
 use crate::alarm::{Alarm, AlarmClass, number};
 use crate::cnc::{Cnc, Event};
 use crate::machine::Inputs;
+use crate::memory::SwitchedOff;
 use crate::operation::RunState;
 use crate::units::PerAxis;
 
@@ -58,6 +59,7 @@ impl Cnc {
             // A board tells of a chain that opened too shortly to be seen here.
             self.alarms.remove(number::EMERGENCY_STOP);
         }
+        self.run.registers.off = SwitchedOff::default();
         self.run.mdi.clear();
         self.coordinates.programmed_ahead = 0.0;
         let (interpreter, world) = self.interpreter_and_world(true);

@@ -13,12 +13,12 @@ use crate::machine::pins;
 use crate::memory::{
     Authority, Counters, Disks, Offsets, Parameters, PitchTable, Settings, Variables,
 };
-use crate::model::ControlModel;
+use crate::model::{ControlModel, GCode};
 use crate::motion::JogRate;
 use crate::operation::{Mode, Return, RunState, Sensors, jog_rate};
 use crate::program::{MdiBlock, ProgramMemory};
 use crate::spindle::SpindleControl;
-use crate::units::{Axis, PerAxis, Point, Pulses};
+use crate::units::{Axis, PerAxis, Point, Pulses, TICK_S};
 use gsk_link::SpindleDirection;
 
 /// How far a pulse board is behind the control.
@@ -242,6 +242,42 @@ impl Cnc {
     /// Macro variables.
     pub const fn variables(&self) -> &Variables {
         &self.memory.variables
+    }
+
+    /// What is left of a dwell, s, on a model whose overall page shows it (NC-B08).
+    pub fn dwell_shown(&self) -> Option<f64> {
+        let shows = self.memory.model.record().g_code(4) == Some(GCode::DwellSecondsFirst);
+        let left = f64::from(self.run.automatic.dwell_left) * TICK_S;
+        (shows && self.run.automatic.dwelling()).then_some(left)
+    }
+
+    /// The numbers of the variables that the page lists.
+    pub fn variable_numbers(&self) -> Vec<u16> {
+        if self.memory.model.record().own_variables {
+            Variables::numbers_of_huaxing().collect()
+        } else if self.memory.settings.macro_b {
+            Variables::numbers_of_macro_b().collect()
+        } else {
+            Variables::numbers().collect()
+        }
+    }
+
+    /// Whether the variables of the page are reals: those of macro B and of the Huaxing
+    /// lathes.
+    pub fn variables_are_real(&self) -> bool {
+        self.memory.settings.macro_b || self.memory.model.record().own_variables
+    }
+
+    /// The value of one of them; `None`: null.
+    pub fn real_variable(&self, number: u16) -> Option<f64> {
+        let variables = &self.memory.variables;
+        if self.memory.model.record().own_variables {
+            return variables.counted(number);
+        }
+        match u8::try_from(number) {
+            Ok(local @ 1..=33) => self.run.interpreter.local(local),
+            _ => variables.real(number),
+        }
     }
 
     /// Whether programs are in inches (英制编程 of the setting page).

@@ -2,8 +2,9 @@
 
 use gsk_plc::Memory;
 
+use crate::battery;
 use crate::interpreter::Host;
-use crate::memory::{Offsets, Parameters, Variables};
+use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
@@ -14,10 +15,10 @@ const MACRO_OUTPUTS: core::ops::RangeInclusive<u16> = 54..=59;
 
 /// A view of the control for the interpreter, at one instant.
 pub(crate) struct World<'a> {
-    pub parameters: &'a mut Parameters,
-    pub offsets: &'a Offsets,
-    pub variables: &'a mut Variables,
-    pub programs: &'a ProgramMemory,
+    pub memory: &'a mut battery::Memory,
+    pub registers: &'a mut Registers,
+    /// Milliseconds since power-on.
+    pub now_ms: u64,
     pub plc: &'a mut Memory,
     pub machine_position: Point,
     pub referenced: PerAxis<bool>,
@@ -30,23 +31,55 @@ pub(crate) struct World<'a> {
 
 impl Host for World<'_> {
     fn parameters(&self) -> &Parameters {
-        self.parameters
+        &self.memory.parameters
     }
 
     fn parameters_mut(&mut self) -> &mut Parameters {
-        self.parameters
+        &mut self.memory.parameters
     }
 
     fn offsets(&self) -> &Offsets {
-        self.offsets
+        &self.memory.offsets
+    }
+
+    fn offsets_mut(&mut self) -> &mut Offsets {
+        &mut self.memory.offsets
+    }
+
+    fn registers(&self) -> &Registers {
+        self.registers
+    }
+
+    fn registers_mut(&mut self) -> &mut Registers {
+        self.registers
+    }
+
+    fn counters(&self) -> &Counters {
+        &self.memory.counters
+    }
+
+    fn counters_mut(&mut self) -> &mut Counters {
+        &mut self.memory.counters
+    }
+
+    fn settings(&self) -> &Settings {
+        &self.memory.settings
+    }
+
+    fn settings_mut(&mut self) -> &mut Settings {
+        &mut self.memory.settings
+    }
+
+    fn now_ms(&self) -> u64 {
+        self.now_ms
     }
 
     fn variables(&self) -> &Variables {
-        self.variables
+        &self.memory.variables
     }
 
     fn variables_mut(&mut self) -> &mut Variables {
-        self.variables
+        &mut self.memory.variables
     }
 
     fn interface_inputs(&self) -> u16 {
@@ -68,7 +101,7 @@ impl Host for World<'_> {
     }
 
     fn programs(&self) -> &ProgramMemory {
-        self.programs
+        &self.memory.programs
     }
 
     fn machine_position(&self) -> Point {

@@ -47,12 +47,13 @@ struct Arc {
 
 impl Curve {
     pub(super) const fn line(from: Point, to: Point) -> Self {
+        let (x, z) = (ordered(from.x, to.x), ordered(from.z, to.z));
         Self {
             from,
             to,
             arc: None,
-            low: Point::new(from.x.min(to.x), from.z.min(to.z)),
-            high: Point::new(from.x.max(to.x), from.z.max(to.z)),
+            low: Point::new(x.0, z.0),
+            high: Point::new(x.1, z.1),
         }
     }
 
@@ -122,7 +123,7 @@ impl Curve {
     /// point has.
     fn reaches(&self, direction: Point, along: impl Fn(Point) -> f64) -> (f64, f64) {
         let (from, to) = (along(self.from), along(self.to));
-        let (mut least, mut most) = (from.min(to), from.max(to));
+        let (mut least, mut most) = ordered(from, to);
         if let Some(arc) = &self.arc {
             let (center, length) = (along(arc.center), direction.length());
             let (reach, loose) = ((arc.radius + arc.loose()) * length, arc.loose() * length);
@@ -172,6 +173,15 @@ impl Arc {
     }
 }
 
+/// The smaller of two numbers and the larger one. Neither is NaN: that spares what `min`
+/// and `max` do for it.
+#[inline]
+const fn ordered(one: f64, other: f64) -> (f64, f64) {
+    let smaller = if one < other { one } else { other };
+    let larger = if one > other { one } else { other };
+    (smaller, larger)
+}
+
 /// Whether a path comes nearer to a surface than this.
 pub(super) fn cuts(path: &Curve, surface: &Curve, least: f64) -> bool {
     least > 0.0
@@ -199,7 +209,7 @@ fn nearer(a: &Curve, b: &Curve, least: f64) -> bool {
 
 /// Whether the boxes about two curves are this far from each other already.
 fn far_apart(a: &Curve, b: &Curve, least: f64) -> bool {
-    let gap = |one: f64, other: f64| one.max(other).max(0.0);
+    let gap = |one: f64, other: f64| ordered(ordered(one, other).1, 0.0).1;
     let x = gap(a.low.x - b.high.x, b.low.x - a.high.x);
     let z = gap(a.low.z - b.high.z, b.low.z - a.high.z);
     x * x + z * z >= least * least
@@ -219,9 +229,11 @@ fn beside(line: &Curve, other: &Curve, least: f64) -> bool {
         return false;
     }
     let along = line.to - line.from;
-    let length = along.length();
     let (right, left) = other.reaches(along.left(), |point| along.cross(point - line.from));
-    right >= least * length || left <= -least * length
+    // Times the length of the line, like the reaches; squares are compared, without a root.
+    let square = least * least * along.dot(along);
+    let is_beyond = |reach: f64| reach >= 0.0 && reach * reach >= square;
+    is_beyond(right) || is_beyond(-left)
 }
 
 /// The least distance of two curves, arcs with the radius of their middle.

@@ -120,7 +120,8 @@ enum Angle {
 /// The angle between two directions of travel with the nose on the left
 /// (`rho` > 0) or on the right.
 fn angle(exit: Point, entry: Point, rho: f64) -> Angle {
-    if (exit - entry).length() * rho.abs() <= ONE_VECTOR {
+    let turned = (exit - entry) * rho;
+    if turned.dot(turned) <= ONE_VECTOR * ONE_VECTOR {
         return Angle::Straight;
     }
     let along = exit.dot(entry);
@@ -165,7 +166,7 @@ pub(super) fn vectors(
     let finite = vectors
         .all()
         .iter()
-        .all(|vector| vector.length().is_finite());
+        .all(|vector| vector.x.is_finite() && vector.z.is_finite());
     if finite {
         Ok(vectors)
     } else {
@@ -193,16 +194,17 @@ fn one_side(a: &Piece, b: &Piece, rho: f64, role: Role) -> Result<Vectors, Fault
     let around = role != Role::Both;
     let lines = a.circle.is_none() && b.circle.is_none();
     let bow = |first: bool, last: bool| bow(a, b, rho, first, last);
-    let apart = (square_a - square_b).length();
+    let apart = square_a - square_b;
+    let is_within = |distance: f64| apart.dot(apart) <= distance * distance;
     if role == Role::Both
-        && apart <= TANGENT
+        && is_within(TANGENT)
         && let Some(rests) = rests(a, b, rho)
     {
         return Ok(rests);
     }
     let meeting = || {
         let met = meet(a, rho, b, rho);
-        if role == Role::Both && apart <= TANGENT_IF_SHORT {
+        if role == Role::Both && is_within(TANGENT_IF_SHORT) {
             near_tangent(a, b, rho, met)
         } else {
             met.map(|meeting| Vectors::of(&[meeting]))

@@ -115,6 +115,14 @@ impl Trails {
         self.kept.get(last)
     }
 
+    /// Forgets all but the last one.
+    pub(super) fn keep_last(&mut self) {
+        if let Some(last) = self.last().copied() {
+            self.clear();
+            self.push(last);
+        }
+    }
+
     pub(super) fn push(&mut self, trail: Trail) {
         match self.kept.get_mut(self.next) {
             Some(oldest) => *oldest = trail,
@@ -193,7 +201,10 @@ fn interferes(piece: &Piece, way: &Way) -> bool {
     match &piece.circle {
         Some(circle) if !way.straight => turns_over(piece, circle, p, q),
         _ => {
-            let along = (piece.end - piece.start).unit().unwrap_or(piece.exit);
+            let along = match piece.circle {
+                None => piece.exit,
+                Some(_) => (piece.end - piece.start).unit().unwrap_or(piece.exit),
+            };
             (q - p).dot(along) < -BACKWARDS
         }
     }

@@ -22,6 +22,14 @@ const ROOT_OF_ZERO: f64 = -1e-9;
 /// The displacement from the end of `a`, which is the start of `b`. The nose
 /// runs `rho_a` left of the one and `rho_b` left of the other.
 pub(super) fn meet(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point, Fault> {
+    match (&a.circle, &b.circle) {
+        (None, None) => of_lines(a.exit.left(), rho_a, b.entry.left(), rho_b),
+        _ => meet_of_sides(a, rho_a, b, rho_b),
+    }
+}
+
+/// The same for moves of any kind.
+fn meet_of_sides(a: &Piece, rho_a: f64, b: &Piece, rho_b: f64) -> Result<Point, Fault> {
     let side_a = Side::of(a, a.end, a.exit.left(), rho_a);
     let side_b = Side::of(b, b.start, b.entry.left(), rho_b);
     let meeting = side_a.meet(&side_b)?;
@@ -148,4 +156,31 @@ fn of_arcs(center_a: Point, radius_a: f64, center_b: Point, radius_b: f64) -> Re
     } else {
         other
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn two_lines_meet_as_moves_of_any_kind_do(
+            (x, z, rho_a, rho_b) in (
+                prop::array::uniform3(-9..10_i32),
+                prop::array::uniform3(-9..10_i32),
+                -3..4_i32,
+                -3..4_i32,
+            )
+        ) {
+            let point = |at: usize| Point::new(f64::from(x[at]) / 7.0, f64::from(z[at]) / 3.0);
+            let lines = (Piece::line(point(0), point(1)), Piece::line(point(1), point(2)));
+            let (Ok(a), Ok(b)) = lines else { return Ok(()) };
+            let (rho_a, rho_b) = (f64::from(rho_a) * 0.4, f64::from(rho_b) * 0.4);
+            let (quick, long) = (meet(&a, rho_a, &b, rho_b), meet_of_sides(&a, rho_a, &b, rho_b));
+            let bits = |met: Result<Point, Fault>| met.map(|it| (it.x.to_bits(), it.z.to_bits()));
+            prop_assert_eq!(bits(quick), bits(long));
+        }
+    }
 }

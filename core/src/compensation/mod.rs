@@ -22,6 +22,7 @@
 
 mod clearance;
 mod corner;
+pub mod cutter;
 mod fault;
 mod interference;
 mod intersection;

@@ -73,32 +73,33 @@ impl Moving {
 
     /// Its command with another action: straight, or an arc about the centre of
     /// its own.
-    pub(super) fn command(&self, action: Action) -> Command {
-        let programmed_x = || {
-            let to = self.piece.end.x + self.offset.x;
-            let from = self.piece.start.x + self.offset.x;
-            match (&action, &self.piece.circle) {
-                (
-                    Action::Arc {
-                        to: tip, center, ..
-                    },
-                    Some(circle),
-                ) => ProgrammedX::Round {
-                    tip_center: center.x,
-                    center: circle.center.x + self.offset.x,
-                    ratio: circle.radius / (*tip - *center).length(),
-                    to,
+    pub(super) fn give_out(self, action: Action) -> Command {
+        let programmed_x = || Box::new(self.programmed_x(&action));
+        Command {
+            programmed_x: self.command.modal.surface_speed.then(programmed_x),
+            action,
+            ..self.command
+        }
+    }
+
+    /// The programmed X while the tip makes this of it.
+    fn programmed_x(&self, action: &Action) -> ProgrammedX {
+        let to = self.piece.end.x + self.offset.x;
+        let from = self.piece.start.x + self.offset.x;
+        match (action, &self.piece.circle) {
+            (
+                Action::Arc {
+                    to: tip, center, ..
                 },
-                _ => ProgrammedX::Even { from, to },
-            }
-        };
-        with_programmed_x(
-            Command {
-                action,
-                ..self.command.clone()
+                Some(circle),
+            ) => ProgrammedX::Round {
+                tip_center: center.x,
+                center: circle.center.x + self.offset.x,
+                ratio: circle.radius / (*tip - *center).length(),
+                to,
             },
-            programmed_x,
-        )
+            _ => ProgrammedX::Even { from, to },
+        }
     }
 
     /// A corner move at its head, on which the programmed point stands.

@@ -58,12 +58,19 @@ pub(super) struct Circle {
     pub(super) turn: f64,
 }
 
+/// Whether two points lie so near to each other that they are one.
+#[inline]
+pub(super) fn are_same(one: Point, other: Point) -> bool {
+    let between = other - one;
+    between.dot(between) <= SAME * SAME
+}
+
 impl Piece {
     /// A straight move.
     pub(super) fn line(start: Point, end: Point) -> Result<Self, Fault> {
         let along = (end - start)
             .unit()
-            .filter(|_| (end - start).length() > SAME)
+            .filter(|_| !are_same(start, end))
             .ok_or(Fault::SamePoint)?;
         Ok(Self {
             start,

@@ -7,7 +7,7 @@ use super::moves::{
     End, Held, Moving, Next, Stand, corner_move, destination, shifted_arc, straight_action,
     with_programmed_x,
 };
-use super::piece::{Piece, SAME};
+use super::piece::{Piece, are_same};
 use super::rounded;
 use super::stream::Compensation;
 use crate::alarm::Alarm;
@@ -16,7 +16,7 @@ use crate::units::Point;
 
 impl Compensation {
     /// The open move gets its end from the next one, which becomes the open one.
-    pub(super) fn next_move(&mut self, mut next: Moving) {
+    pub(super) fn next_move(&mut self, mut next: Box<Moving>) {
         let source = next.command.source;
         if let Some(moving) = self.moving.take() {
             // The side cannot change right after the start-up.
@@ -32,11 +32,8 @@ impl Compensation {
             match corner::vectors(&moving.piece, rho, &next.piece, next_rho, role) {
                 Ok(vectors) => {
                     let surface = Some((&next.piece, next_rho));
-                    self.end_move(
-                        &moving,
-                        &End::Vectors(vectors),
-                        Some(Next { source, surface }),
-                    );
+                    let next = Some(Next { source, surface });
+                    self.end_move(moving, End::Vectors(vectors), next);
                 }
                 Err(fault) => {
                     self.refuse_move(&moving, fault.at_corner(moving.command.source, source));
@@ -76,7 +73,7 @@ impl Compensation {
         }
         let vector = self.stand.vectors.first();
         let square = corner::square_to_start(&next.piece, rho);
-        if (square - vector).length() > SAME {
+        if !are_same(vector, square) {
             self.stand.vectors = Vectors::of(&[vector, square]);
         }
     }
@@ -85,7 +82,7 @@ impl Compensation {
     /// no direction.
     pub(super) fn cancel(&mut self, command: Command, from_x: f64, piece: Option<&Piece>) {
         let moving = self.moving.take();
-        match (&moving, piece) {
+        match (moving, piece) {
             (Some(moving), Some(piece)) => {
                 let role = if moving.starts {
                     Role::StartUp
@@ -99,11 +96,11 @@ impl Compensation {
                             source: command.source,
                             surface: None,
                         };
-                        self.end_move(moving, &End::Vectors(vectors), Some(next));
+                        self.end_move(moving, End::Vectors(vectors), Some(next));
                     }
                     Err(fault) => {
                         let alarm = fault.at_corner(moving.command.source, command.source);
-                        self.refuse_move(moving, alarm);
+                        self.refuse_move(&moving, alarm);
                     }
                 }
             }
@@ -141,35 +138,35 @@ impl Compensation {
     }
 
     /// Gives a move out, ended square to itself.
-    pub(super) fn end_square(&mut self, moving: &Moving) {
+    pub(super) fn end_square(&mut self, moving: Box<Moving>) {
         let square = corner::square_to_end(&moving.piece, moving.rho());
-        self.end_move(moving, &End::Vectors(Vectors::of(&[square])), None);
+        self.end_move(moving, End::Vectors(Vectors::of(&[square])), None);
     }
 
     /// Gives the open move out, ended on its programmed point.
     pub(super) fn end_on_point(&mut self) {
         if let Some(moving) = self.moving.take() {
-            self.end_move(&moving, &End::Cancelled, None);
+            self.end_move(moving, End::Cancelled, None);
         }
     }
 
     /// Gives the move that was the open one out, with this end, and what was held after
     /// it.
-    fn end_move(&mut self, moving: &Moving, end: &End, next: Option<Next<'_>>) {
+    fn end_move(&mut self, moving: Box<Moving>, end: End, next: Option<Next<'_>>) {
         let start = self.stand.vectors;
         let inside = !moving.starts && !moving.from_point;
         let way = match end {
-            End::Vectors(end) if inside => match self.check(moving, start, *end, next) {
+            End::Vectors(end) if inside => match self.check(&moving, start, end, next) {
                 Ok(way) => way,
                 Err(fault) => {
                     let source = moving.command.source;
                     let alarm = fault.at_corner(source, next.map_or(source, |next| next.source));
-                    return self.refuse_move(moving, alarm);
+                    return self.refuse_move(&moving, alarm);
                 }
             },
             End::Vectors(end) => {
                 self.before.clear();
-                Way::whole(start, *end)
+                Way::whole(start, end)
             }
             End::Cancelled => {
                 self.before.clear();
@@ -177,8 +174,7 @@ impl Compensation {
                 Way::whole(start, Vectors::of(&[square]))
             }
         };
-        self.corner_moves(moving, &way.start);
-        self.main_move(moving, &way, *end == End::Cancelled);
+        self.corner_moves(&moving, &way.start);
         self.stand = match end {
             End::Vectors(_) => Stand {
                 base: moving.base(),
@@ -188,6 +184,7 @@ impl Compensation {
             },
             End::Cancelled => Stand::on_point(moving.piece.end + moving.offset),
         };
+        self.main_move(moving, &way, matches!(end, End::Cancelled));
         self.release();
     }
 
@@ -206,7 +203,7 @@ impl Compensation {
         let goes_on = self
             .before
             .last()
-            .is_none_or(|before| (before.end() - moving.piece.start).length() <= SAME);
+            .is_none_or(|before| are_same(before.end(), moving.piece.start));
         if !goes_on {
             self.before.clear();
         }
@@ -215,9 +212,8 @@ impl Compensation {
         if same_nose && !moving.square_start {
             let before = self.before.all().iter().filter(|before| before.rho == rho);
             let surface = next.as_ref().and_then(|next| next.surface.as_ref());
-            let surface = surface.filter(|(piece, by)| {
-                *by == rho && (piece.start - moving.piece.end).length() <= SAME
-            });
+            let surface =
+                surface.filter(|(piece, by)| *by == rho && are_same(moving.piece.end, piece.start));
             let next = surface.map(|(piece, _)| *piece);
             if interference::cuts_into(&before, moving.piece.start, &way, &trail, next) {
                 return Err(Fault::Interference);
@@ -241,28 +237,27 @@ impl Compensation {
     }
 
     /// The move itself, to the first vector of its end or to the point.
-    fn main_move(&mut self, moving: &Moving, way: &Way, cancelled: bool) {
+    fn main_move(&mut self, moving: Box<Moving>, way: &Way, cancelled: bool) {
         let to = rounded(moving.base() + way.end.first());
-        let point = destination(&moving.command.action, to).unwrap_or(to);
         let arc = if way.straight {
             None
         } else {
-            shifted_arc(moving, way, to)
+            shifted_arc(&moving, way, to)
         };
-        let straight = |to| straight_action(&moving.command.action, to);
-        match (arc, cancelled) {
-            (Some(arc), false) => self.ready.push_back(moving.command(arc)),
-            (None, false) => self.ready.push_back(moving.command(straight(to))),
-            (None, true) => self.ready.push_back(moving.command(straight(point))),
-            (Some(arc), true) => {
-                self.ready.push_back(Command {
-                    block_end: false,
-                    stop_point: false,
-                    ..moving.command(arc)
-                });
-                self.ready.push_back(moving.command(straight(point)));
-            }
+        if !cancelled {
+            let action = arc.unwrap_or_else(|| straight_action(&moving.command.action, to));
+            return self.ready.push_back(moving.give_out(action));
         }
+        if let Some(arc) = arc {
+            self.ready.push_back(Command {
+                block_end: false,
+                stop_point: false,
+                ..moving.clone().give_out(arc)
+            });
+        }
+        let point = destination(&moving.command.action, to).unwrap_or(to);
+        let straight = straight_action(&moving.command.action, point);
+        self.ready.push_back(moving.give_out(straight));
     }
 
     /// What was held after a move follows it.

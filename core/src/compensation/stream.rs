@@ -8,7 +8,7 @@ use super::fault::Fault;
 use super::interference::Trails;
 use super::moves::{Held, Moving, Stand, cuts, destination, piece, side};
 use super::nose::Nose;
-use super::piece::SAME;
+use super::piece::are_same;
 use crate::alarm::Alarm;
 use crate::command::{Action, Command, Frame};
 use crate::units::Point;
@@ -38,7 +38,8 @@ pub(crate) struct Compensation {
     at: Point,
     offset: Point,
     pub(super) stand: Stand,
-    pub(super) moving: Option<Moving>,
+    /// Boxed: it is handed on more often than it is looked into.
+    pub(super) moving: Option<Box<Moving>>,
     /// The compensated moves before it, the last one at the end, while the
     /// corners between them were regular.
     pub(super) before: Trails,
@@ -109,7 +110,7 @@ impl Compensation {
     /// ends square to itself.
     pub(crate) fn flush(&mut self) {
         if let Some(moving) = self.moving.take() {
-            self.end_square(&moving);
+            self.end_square(moving);
         }
     }
 
@@ -126,10 +127,11 @@ impl Compensation {
     /// The tool was moved aside while the run stood: the vectors are carried
     /// along. Returns how far.
     pub(crate) fn displace(&mut self, machine: Point) -> Point {
-        let by = machine - self.stand.tip();
-        if by.length() <= SAME {
+        let tip = self.stand.tip();
+        if are_same(tip, machine) {
             return Point::default();
         }
+        let by = machine - tip;
         self.stand.base = self.stand.base + by;
         let Some(moving) = &mut self.moving else {
             self.machine = self.machine + by;
@@ -210,12 +212,12 @@ impl Compensation {
         self.at = end;
         let side = side(&command.modal);
         let arc = matches!(command.action, Action::Arc { .. });
-        let rests = !arc && (end - start).length() <= SAME;
+        let rests = !arc && are_same(start, end);
         if !self.on && (rests || side == 0.0 || command.modal.offset == 0) {
             self.moved = true;
             return self.ready.push_back(command);
         }
-        if self.on && rests && side != 0.0 && (to - from).length() > SAME {
+        if self.on && rests && side != 0.0 && !are_same(from, to) {
             return self.travel(command, to - from);
         }
         self.moved = true;
@@ -243,7 +245,7 @@ impl Compensation {
             self.stand = Stand::on_point(from);
         }
         self.on = true;
-        self.next_move(Moving {
+        self.next_move(Box::new(Moving {
             command,
             piece,
             side,
@@ -252,6 +254,6 @@ impl Compensation {
             starts,
             from_point: false,
             square_start: false,
-        });
+        }));
     }
 }

@@ -3,19 +3,27 @@
 use core::cell::LazyCell;
 
 use super::Host;
-use crate::memory::{Offsets, Parameters, Variables};
+use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
 /// What a program is interpreted against when no time is to pass: it may write to
-/// parameters, variables and outputs, and every command is finished when it is given.
+/// parameters, offsets, variables and outputs, and every command is finished when it is given.
 pub struct Immediate<'a> {
     /// Parameters, its own.
     pub parameters: Parameters,
-    /// Tool offsets.
-    pub offsets: &'a Offsets,
+    /// Tool offsets, its own.
+    pub offsets: Offsets,
     /// Macro variables, its own.
     pub variables: Variables,
+    /// Timer, date and what the program switches off, its own.
+    pub registers: Registers,
+    /// Part counter and times, its own.
+    pub counters: Counters,
+    /// The rows of the setting page, its own.
+    pub settings: Settings,
+    /// Machine time so far, s.
+    pub now_s: f64,
     /// What the ladder gives to macros; worked out when a program asks for it.
     pub inputs: LazyCell<u16, Box<dyn FnOnce() -> u16 + 'a>>,
     /// What macros give to the ladder.
@@ -38,7 +46,38 @@ impl Host for Immediate<'_> {
         &mut self.parameters
     }
     fn offsets(&self) -> &Offsets {
-        self.offsets
+        &self.offsets
+    }
+    fn offsets_mut(&mut self) -> &mut Offsets {
+        &mut self.offsets
+    }
+    fn registers(&self) -> &Registers {
+        &self.registers
+    }
+    fn registers_mut(&mut self) -> &mut Registers {
+        &mut self.registers
+    }
+    fn counters(&self) -> &Counters {
+        &self.counters
+    }
+    fn counters_mut(&mut self) -> &mut Counters {
+        &mut self.counters
+    }
+    // Cycle start is on all the time.
+    fn started_ms(&self) -> u64 {
+        self.counters.started_ms.wrapping_add(self.now_ms())
+    }
+    fn set_started_ms(&mut self, ms: u64) {
+        self.counters.started_ms = ms.wrapping_sub(self.now_ms());
+    }
+    fn settings(&self) -> &Settings {
+        &self.settings
+    }
+    fn settings_mut(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+    fn now_ms(&self) -> u64 {
+        (self.now_s * 1000.0) as u64
     }
     fn variables(&self) -> &Variables {
         &self.variables

@@ -28,6 +28,7 @@ mod profile;
 mod reader;
 mod run;
 mod threads;
+mod walker;
 
 #[cfg(test)]
 mod tests;
@@ -41,3 +42,4 @@ pub use immediate::Immediate;
 pub(crate) use pass_over::PassedOver;
 pub use reader::Interpreter;
 pub(crate) use reader::{Advance, ReadTo};
+pub use walker::{Back, Read, System, Walker};

@@ -10,7 +10,7 @@ use crate::interpreter::context::host::Host;
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::Words;
 use crate::interpreter::reader::{Advance, Interpreter};
-use crate::memory::{Offsets, Parameters, Variables};
+use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
@@ -117,7 +117,7 @@ impl Interpreter {
 
 /// The turn of the control between many silent blocks: no command of a block.
 fn is_a_turn_only(command: &Command) -> bool {
-    command.action == Action::Nothing && !command.block_end
+    matches!(command.action, Action::Nothing) && !command.block_end
 }
 
 /// The host while moves wait for their ends: nothing is finished then.
@@ -127,6 +127,36 @@ struct Ahead<'a, H> {
 }
 
 impl<H: Host> Host for Ahead<'_, H> {
+    fn offsets_mut(&mut self) -> &mut Offsets {
+        self.host.offsets_mut()
+    }
+    fn registers(&self) -> &Registers {
+        self.host.registers()
+    }
+    fn registers_mut(&mut self) -> &mut Registers {
+        self.host.registers_mut()
+    }
+    fn counters(&self) -> &Counters {
+        self.host.counters()
+    }
+    fn counters_mut(&mut self) -> &mut Counters {
+        self.host.counters_mut()
+    }
+    fn started_ms(&self) -> u64 {
+        self.host.started_ms()
+    }
+    fn set_started_ms(&mut self, ms: u64) {
+        self.host.set_started_ms(ms);
+    }
+    fn settings(&self) -> &Settings {
+        self.host.settings()
+    }
+    fn settings_mut(&mut self) -> &mut Settings {
+        self.host.settings_mut()
+    }
+    fn now_ms(&self) -> u64 {
+        self.host.now_ms()
+    }
     fn parameters(&self) -> &Parameters {
         self.host.parameters()
     }

@@ -8,6 +8,7 @@ use crate::command::{Command, Frame, ProgramId, Source};
 use crate::compensation::Compensation;
 use crate::interpreter::Modal;
 use crate::interpreter::calls::jump::Jumps;
+use crate::interpreter::context::code_calls::CodeCalls;
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::explanation::{Explanation, Note};
 use crate::interpreter::context::host::{Host, Step};
@@ -44,8 +45,14 @@ pub struct Interpreter {
     #[serde(default, skip_serializing_if = "core::ops::Not::not")]
     macro_b: bool,
     /// Whose programs are read.
-    #[serde(default, skip_serializing_if = "ControlModel::is_main")]
+    #[serde(default, skip_serializing_if = "ControlModel::is_delivered_main")]
     model: ControlModel,
+    /// Whether that model has variables of its own.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    own_variables: bool,
+    /// Codes of macro B that call a program.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    code_calls: Option<Box<CodeCalls>>,
     #[serde(skip)]
     recent: Recent,
 }
@@ -87,6 +94,8 @@ impl Interpreter {
             machine_codes: MachineCodes::default(),
             macro_b: false,
             model: ControlModel::default(),
+            own_variables: false,
+            code_calls: None,
             recent: Recent::default(),
         }
     }
@@ -97,13 +106,24 @@ impl Interpreter {
     }
 
     /// The option of macro B, from the next block on.
-    pub const fn set_macro_b(&mut self, on: bool) {
+    pub fn set_macro_b(&mut self, on: bool) {
         self.macro_b = on;
+        self.find_code_calls();
+    }
+
+    /// The codes that call a program, which belong to macro B.
+    fn find_code_calls(&mut self) {
+        self.code_calls = match self.macro_b {
+            true => CodeCalls::of(&self.model),
+            false => None,
+        };
     }
 
     /// Whose programs are read, from the next block on.
     pub fn set_model(&mut self, model: &ControlModel) {
         self.model.clone_from(model);
+        self.own_variables = model.record().own_variables;
+        self.find_code_calls();
     }
 
     /// What the model is whose programs are read.
@@ -121,7 +141,9 @@ impl Interpreter {
         Syntax {
             inch: self.state.modal.inch,
             // What comes in through the line has no place to jump to.
-            macro_b: self.macro_b && program != ProgramId::Dnc && text.uses_macro_b(),
+            macro_b: (self.macro_b || self.own_variables)
+                && program != ProgramId::Dnc
+                && text.uses_macro_b(),
             model: self.model.id(),
             ..Syntax::from(parameters)
         }
@@ -191,6 +213,16 @@ impl Interpreter {
     /// So many blocks in front of that one are gone.
     pub(crate) const fn blocks_gone(&mut self, count: u32) {
         self.main.place.block = self.main.place.block.saturating_sub(count);
+    }
+
+    /// A local variable of macro B in the innermost call of the automatic run; `None`: null.
+    pub fn local(&self, number: u8) -> Option<f64> {
+        self.main.levels.get(number)
+    }
+
+    /// Gives it a value.
+    pub(crate) fn set_local(&mut self, number: u8, value: f64) {
+        self.main.levels.set(number, Some(value));
     }
 
     /// Whether commands of the block read last are still to come.

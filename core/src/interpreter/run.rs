@@ -101,6 +101,7 @@ impl Run {
             kind: CallKind::Modal(index),
             first: 0,
             blocks: None,
+            codes_ordinary: false,
         };
         let arguments = modal.arguments.clone();
         Flow::MacroCall(Box::new(MacroEntry { call, arguments }))

@@ -7,11 +7,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::config::AxisConfig;
+use super::config::{AxisConfig, ScrewError};
 use super::io::OverLimit;
 use crate::axis::{motor_reversed, pulse_weight};
 use crate::memory::Parameters;
-use crate::units::{Axis, Pulses, TICK_S};
+use crate::units::{Axis, Pulses, TICK_S, nearest};
 
 /// Part of a motor turn for which the zero signal stands.
 const INDEX_PART: i64 = 50;
@@ -28,7 +28,7 @@ struct Servo {
 }
 
 /// A slide with its drive.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct AxisDrive {
     /// Slide travel of one pulse, mm; negative with a reversed motor.
     pulse: f64,
@@ -61,6 +61,10 @@ pub(super) struct AxisDrive {
     before: (i64, i64),
     /// It gives a one-turn signal.
     has_index: bool,
+    /// Errors of the screw, mm (X in radius): by how much the slide is beyond the place
+    /// that the pulses say. Switches and ends are met by the pulses.
+    #[serde(default)]
+    screw: Vec<ScrewError>,
 }
 
 impl AxisDrive {
@@ -107,6 +111,33 @@ impl AxisDrive {
             dog: config.dog.map(|dog| (place(dog.from), place(dog.to))),
             before: (place(config.start), place(config.start)),
             has_index: config.one_turn_signal,
+            screw: config
+                .pitch_errors
+                .iter()
+                .map(|point| ScrewError {
+                    at: point.at * scale,
+                    error: point.error * scale,
+                })
+                .collect(),
+        }
+    }
+
+    /// By how much the slide is beyond a place that the pulses say, mm.
+    fn screw_error(&self, place: f64) -> f64 {
+        if self.real {
+            return 0.0;
+        }
+        let after = self.screw.partition_point(|point| point.at <= place);
+        match (
+            after.checked_sub(1).and_then(|it| self.screw.get(it)),
+            self.screw.get(after),
+        ) {
+            (Some(one), Some(next)) => {
+                let share = (place - one.at) / (next.at - one.at);
+                one.error + share * (next.error - one.error)
+            }
+            (Some(only), None) | (None, Some(only)) => only.error,
+            (None, None) => 0.0,
         }
     }
 
@@ -117,7 +148,7 @@ impl AxisDrive {
 
     /// Where the motor stands.
     fn motor(&self) -> i64 {
-        self.commanded - self.behind.round() as i64
+        self.commanded - nearest(self.behind)
     }
 
     /// Follows the command count for a tick. A drive that is not enabled, or has
@@ -190,7 +221,12 @@ impl AxisDrive {
 
     /// Puts the slide elsewhere, mm from the reference point (X in radius).
     pub fn put(&mut self, place: f64) {
-        self.commanded = (place / self.pulse.abs()).round() as i64;
+        // What the screw must say for it: its errors change little from place to place.
+        let mut said = place;
+        for _ in 0..4 {
+            said = place - self.screw_error(said);
+        }
+        self.commanded = (said / self.pulse.abs()).round() as i64;
         self.behind = 0.0;
         self.slide = self.commanded;
         self.before = (self.commanded, self.slide);
@@ -198,7 +234,8 @@ impl AxisDrive {
 
     /// Where the slide stands, mm from the reference point (X in radius).
     pub fn place(&self) -> f64 {
-        self.slide as f64 * self.pulse.abs()
+        let said = self.slide as f64 * self.pulse.abs();
+        said + self.screw_error(said)
     }
 
     /// How far the motor is behind the command, mm (X in radius).

@@ -133,6 +133,9 @@ pub struct AxisConfig {
     pub pulse: Option<f64>,
     /// Play of the screw, mm: what 034 and 035 make up for.
     pub backlash: f64,
+    /// Errors of the screw, from minus to plus; in between they are evenly spread, beyond
+    /// the last ones they stay: what the pitch error table makes up for.
+    pub pitch_errors: Vec<ScrewError>,
     /// The drive's position loop; `None`: a stepper, which follows every pulse.
     pub servo: Option<ServoConfig>,
     /// The motor is mounted the other way round than 008 takes for granted: the
@@ -161,6 +164,7 @@ struct CrossSlide {
     motor_turn: f64,
     pulse: Option<f64>,
     backlash: f64,
+    pitch_errors: Vec<ScrewError>,
     servo: Option<ServoConfig>,
     reversed: bool,
     one_turn_signal: bool,
@@ -213,6 +217,7 @@ impl Default for AxisConfig {
             motor_turn: 10.0,
             pulse: None,
             backlash: 0.0,
+            pitch_errors: Vec::new(),
             servo: None,
             reversed: false,
             one_turn_signal: true,
@@ -238,6 +243,16 @@ impl Default for ServoConfig {
             largest_error: 10.0,
         }
     }
+}
+
+/// An error of the screw at one place, mm.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScrewError {
+    /// Where the turns of the screw say that the slide is.
+    pub at: f64,
+    /// How far the slide is beyond that, towards plus.
+    pub error: f64,
 }
 
 /// Where the limit switches trip, mm.

@@ -35,6 +35,9 @@ impl core::error::Error for ConfigError {}
 const LONGEST_MM: f64 = 9999.999;
 const FASTEST_RPM: f64 = 99_999.0;
 const LONGEST_MS: u32 = 600_000;
+/// The largest error of a screw, and its largest change, mm a mm: beyond that it is no screw.
+const LARGEST_SCREW_ERROR_MM: f64 = 1.0;
+const STEEPEST_SCREW: f64 = 0.01;
 
 /// Station contacts T01 to T08, and stations that 084 can say.
 const CONTACTS: u8 = 8;
@@ -118,6 +121,7 @@ impl Check {
             field("backlash"),
             say::machine_backlash_wrong(axis.backlash),
         );
+        self.screw(axis, &field);
         if let Some(servo) = axis.servo {
             self.rule(
                 servo.gain.is_finite() && (1.0..=1000.0).contains(&servo.gain),
@@ -134,6 +138,35 @@ impl Check {
 }
 
 impl Check {
+    /// Errors of a screw: in order, and none that would turn a motion round.
+    fn screw(&mut self, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
+        for point in &axis.pitch_errors {
+            self.length(point.at, field("pitch_errors.at"));
+            self.rule(
+                point.error.is_finite() && point.error.abs() <= LARGEST_SCREW_ERROR_MM,
+                field("pitch_errors.error"),
+                say::machine_screw_error_wrong(point.error, LARGEST_SCREW_ERROR_MM),
+            );
+        }
+        for (one, next) in axis
+            .pitch_errors
+            .iter()
+            .zip(axis.pitch_errors.iter().skip(1))
+        {
+            self.rule(
+                next.at > one.at,
+                field("pitch_errors"),
+                say::machine_screw_order(next.at, one.at),
+            );
+            let change = (next.error - one.error).abs();
+            self.rule(
+                next.at <= one.at || change <= STEEPEST_SCREW * (next.at - one.at),
+                field("pitch_errors"),
+                say::machine_screw_steep(change, one.at, next.at),
+            );
+        }
+    }
+
     /// Start, switches and dog lie where the slide can go.
     fn ends(&mut self, which: Axis, axis: &AxisConfig, field: &impl Fn(&str) -> String) {
         if let Some(ends) = axis.ends {

@@ -251,26 +251,27 @@ impl Lathe {
         (!self.real_slides && self.axes.get(axis).on_dog()) || self.faults.has(stuck)
     }
 
-    /// Whether the station switch T01, T02 … answers.
-    fn station_answers(&self, number: u8) -> bool {
+    /// The station switches that answer, T01 in bit 0, up to T08.
+    fn station_switches(&self) -> u8 {
+        if self.faults.has(Fault::TurretContactsOpen) {
+            return 0;
+        }
         let coded = self.config.turret.coded;
-        let tells = |station: Option<u8>| match station {
-            Some(station) if coded => station >> (number - 1) & 1 == 1,
-            station => station == Some(number),
+        let answering = |station: Option<u8>| match station {
+            Some(station) if coded => station,
+            Some(station @ 1..=8) => 1 << (station - 1),
+            _ => 0,
         };
-        let answers = tells(self.turret.station()) || tells(self.stuck_station);
-        answers && !self.faults.has(Fault::TurretContactsOpen)
+        answering(self.turret.station()) | answering(self.stuck_station)
     }
 
     fn contacts(&self) -> [u8; X_BYTES] {
         let wiring = &self.wiring;
         let mut x = [0u8; X_BYTES];
-        let mut set = |pin: Pin, level: bool| {
-            let mask = 1 << pin.1;
-            let byte = &mut x[usize::from(pin.0)];
-            *byte = if level { *byte | mask } else { *byte & !mask };
-        };
-        let station_at = |number| self.station_answers(number) == wiring.in_station;
+        // All are open at first.
+        let mut set = |pin: Pin, level: bool| x[usize::from(pin.0)] |= u8::from(level) << pin.1;
+        let switches = self.station_switches();
+        let station_at = |number: u8| (switches >> (number - 1) & 1 == 1) == wiring.in_station;
         // T01–T04 have their pins to themselves.
         for (number, pin) in (1u8..=4).zip(pins::STATIONS) {
             set(pin, station_at(number));
@@ -317,8 +318,10 @@ impl Lathe {
                 .door
                 .is_some_and(|closed| self.faults.has(Fault::DoorOpen) != closed),
         );
-        for (byte, (mask, value)) in x.iter_mut().zip(self.forced.iter().zip(&self.forced_to)) {
-            *byte = (*byte & !mask) | (value & mask);
+        if self.forced != [0; X_BYTES] {
+            for (byte, (mask, value)) in x.iter_mut().zip(self.forced.iter().zip(&self.forced_to)) {
+                *byte = (*byte & !mask) | (value & mask);
+            }
         }
         x
     }

@@ -24,7 +24,7 @@ mod wiring;
 mod tests;
 
 pub use config::{
-    AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, ServoConfig, SlideEnds,
+    AxisConfig, ChuckConfig, Dog, LatheConfig, LimitSwitches, ScrewError, ServoConfig, SlideEnds,
     SpindleConfig, TurretConfig,
 };
 pub use config_check::ConfigError;

@@ -4,6 +4,10 @@ use serde::{Deserialize, Serialize};
 
 /// The part counter has four digits (manual III-2.1.1).
 const PARTS: u32 = 10_000;
+/// Parts that may be required, as macro B names them.
+const REQUIRED: u32 = 10_000;
+/// Hours that the timer of cycle start counts, 1145324.612, as ms.
+const STARTED_MS: u64 = 4_123_168_603_200;
 /// The cutting time has two digits for the hours.
 const CUTTING_MS: u64 = 100 * 60 * 60 * 1000;
 
@@ -14,6 +18,28 @@ pub struct Counters {
     pub parts: u32,
     /// Time in cutting feed, ms.
     pub cutting_ms: u64,
+    /// Parts to be made: #3902 of macro B, which no page shows.
+    #[serde(default, skip_serializing_if = "is_zero_u32")]
+    pub required: u32,
+    /// Time with the lamp of cycle start on, ms: #3002 of macro B.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub started_ms: u64,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the form that serde asks for"
+)]
+const fn is_zero_u32(value: &u32) -> bool {
+    *value == 0
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the form that serde asks for"
+)]
+const fn is_zero(value: &u64) -> bool {
+    *value == 0
 }
 
 impl Counters {
@@ -21,6 +47,10 @@ impl Counters {
     pub const PARTS: u32 = PARTS;
     /// After as many milliseconds the cutting time is.
     pub const CUTTING_MS: u64 = CUTTING_MS;
+    /// As many parts and more cannot be required.
+    pub const REQUIRED: u32 = REQUIRED;
+    /// After as many milliseconds the time of cycle start is.
+    pub const STARTED_MS: u64 = STARTED_MS;
 
     /// One more part; after 9999 comes 0.
     pub(crate) const fn count_part(&mut self) {
@@ -30,6 +60,11 @@ impl Counters {
     /// More time in cutting feed; after 99:59:59 comes 00:00:00.
     pub(crate) const fn count_cutting_ms(&mut self, ms: u64) {
         self.cutting_ms = (self.cutting_ms % CUTTING_MS + ms) % CUTTING_MS;
+    }
+
+    /// More time with cycle start on.
+    pub(crate) const fn count_started_ms(&mut self, ms: u64) {
+        self.started_ms = (self.started_ms % STARTED_MS + ms) % STARTED_MS;
     }
 
     /// Parts to zero.
@@ -52,9 +87,12 @@ mod tests {
         let mut counters = Counters {
             parts: 9999,
             cutting_ms: CUTTING_MS - 1,
+            started_ms: STARTED_MS - 1,
+            required: 0,
         };
         counters.count_part();
         counters.count_cutting_ms(1);
+        counters.count_started_ms(1);
         assert_eq!(counters, Counters::default());
     }
 }

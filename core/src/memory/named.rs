@@ -134,7 +134,7 @@ impl Parameters {
     }
 
     /// The unit of lengths among the parameters, mm: 0.001, or 0.0001 inch (SCW).
-    pub(crate) fn least_increment(&self) -> f64 {
+    pub fn least_increment(&self) -> f64 {
         if self.inch_machine() { 0.00254 } else { 0.001 }
     }
 
@@ -249,7 +249,7 @@ impl Parameters {
     }
 
     /// 024, 025: time constant of the linear acceleration of rapids, ms.
-    pub(crate) fn rapid_time(&self, axis: Axis) -> f64 {
+    pub fn rapid_time(&self, axis: Axis) -> f64 {
         self.per_axis(axis, 24, 25).into()
     }
 
@@ -398,7 +398,7 @@ impl Parameters {
 
     /// 006.0 ZMX, 006.1 ZMZ: zero return and first backlash go in the negative
     /// direction.
-    pub(crate) fn reference_is_negative(&self, axis: Axis) -> bool {
+    pub fn reference_is_negative(&self, axis: Axis) -> bool {
         self.bit(
             6,
             match axis {
@@ -409,12 +409,12 @@ impl Parameters {
     }
 
     /// 003.5: the control compensates pitch errors (option).
-    pub(crate) fn pitch_compensated(&self) -> bool {
+    pub fn pitch_compensated(&self) -> bool {
         self.bit(3, 5)
     }
 
     /// 013.2–013.0 PML: factor of the pitch error table.
-    pub(crate) fn pitch_factor(&self) -> i32 {
+    pub fn pitch_factor(&self) -> i32 {
         match self.value(13) & 0b111 {
             code @ 0..4 => 1 << code,
             _ => 16,
@@ -422,13 +422,13 @@ impl Parameters {
     }
 
     /// 098, 099: point of the pitch error table at the reference position.
-    pub(crate) fn pitch_origin(&self, axis: Axis) -> u8 {
+    pub fn pitch_origin(&self, axis: Axis) -> u8 {
         self.per_axis(axis, 98, 99).clamp(0, 255) as u8
     }
 
     /// 090, 094 of X, 091, 095 of Z: lowest and highest point of the pitch error
     /// table that counts; all do while the highest is not above the lowest.
-    pub(crate) fn pitch_points(&self, axis: Axis) -> RangeInclusive<usize> {
+    pub fn pitch_points(&self, axis: Axis) -> RangeInclusive<usize> {
         let point = |number: i32| number.clamp(0, 255) as usize;
         let lowest = point(self.per_axis(axis, 90, 91));
         let highest = point(self.per_axis(axis, 94, 95));
@@ -441,7 +441,7 @@ impl Parameters {
 
     /// 102, 103: slide travel from point to point of the pitch error table, in
     /// 0.001 mm (0.0001 inch); 0: no compensation.
-    pub(crate) fn pitch_interval(&self, axis: Axis) -> i64 {
+    pub fn pitch_interval(&self, axis: Axis) -> i64 {
         i64::from(self.per_axis(axis, 102, 103)).abs()
     }
 }

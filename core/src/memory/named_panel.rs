@@ -89,6 +89,11 @@ impl Parameters {
         self.bit(175, 0)
     }
 
+    /// 175.1 ZVAL: the left arrow key is Z+.
+    pub fn left_is_positive(&self) -> bool {
+        self.bit(175, 1)
+    }
+
     /// 180.0 SPOS: the position page shows the way that remains.
     pub fn shows_remaining(&self) -> bool {
         self.bit(180, 0)

@@ -16,6 +16,8 @@ const COUNT: usize = 48;
 /// Real variables that outlast power-off, and those that do not.
 const REAL: core::ops::RangeInclusive<u16> = 500..=999;
 const PASSING: core::ops::RangeInclusive<u16> = 100..=199;
+/// Those of the Huaxing lathes, which do not outlast it either.
+const COUNTED: core::ops::RangeInclusive<u16> = 1..=99;
 
 /// The common variables. All programs share them and they are kept over power-off, but
 /// for #100 to #199. One that was never given a value is zero, and null if only macro B
@@ -91,6 +93,32 @@ impl Variables {
         REAL.contains(&number) || PASSING.contains(&number) || Self::has(number)
     }
 
+    /// The numbers that the page lists where programs are in macro B: the local variables
+    /// #1 to #33, and all common ones.
+    pub fn numbers_of_macro_b() -> impl Iterator<Item = u16> {
+        let (first, count) = GROUPS[0];
+        let of_both = (first..).take(count);
+        (1..=33).chain(PASSING).chain(of_both).chain(REAL)
+    }
+
+    /// The numbers of the variables of the Huaxing lathes.
+    pub fn numbers_of_huaxing() -> impl Iterator<Item = u16> {
+        COUNTED
+    }
+
+    /// The value of a variable of the Huaxing lathes; `None`: null.
+    pub(crate) fn counted(&self, number: u16) -> Option<f64> {
+        self.reals.get(&number).copied()
+    }
+
+    /// Gives one of them its value.
+    pub(crate) fn set_counted(&mut self, number: u16, value: Option<f64>) {
+        match value.filter(|_| COUNTED.contains(&number)) {
+            Some(value) => self.reals.insert(number, value),
+            None => self.reals.remove(&number),
+        };
+    }
+
     /// The value that macro B reads; `None`: null.
     pub fn real(&self, number: u16) -> Option<f64> {
         let real = self.reals.get(&number).copied();
@@ -122,8 +150,9 @@ impl Variables {
     }
 
     /// What does not outlast power-off goes.
-    pub(crate) fn power_on(&mut self) {
-        self.reals.retain(|number, _| !PASSING.contains(number));
+    pub fn power_on(&mut self) {
+        self.reals
+            .retain(|number, _| !PASSING.contains(number) && !COUNTED.contains(number));
     }
 }
 
@@ -160,6 +189,9 @@ impl TryFrom<BTreeMap<u16, Stored>> for Variables {
             match value {
                 Stored::Whole(value) if Self::has(number) => variables.set(number, value)?,
                 Stored::Whole(value) => variables.set_real(number, Some(value as f64))?,
+                Stored::Real(value) if COUNTED.contains(&number) => {
+                    variables.set_counted(number, Some(value));
+                }
                 Stored::Real(value) => variables.set_real(number, Some(value))?,
             }
         }

@@ -333,6 +333,8 @@ meanings! {
         SpeedMode => m_is_speed_mode,
         /// M29 of the Huaxing lathe.
         PositionMode => m_is_position_mode,
+        /// M06.
+        ToolChange => m_is_tool_change,
         /// M29 of the mill.
         RigidTapping => m_is_rigid_tapping,
         /// M71 to M85 of the Huaxing lathe.

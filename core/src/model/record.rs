@@ -36,6 +36,19 @@ pub struct Record {
     /// N after a G code is a block, a subprogram or a count, no sequence number.
     #[serde(default)]
     pub(crate) n_after_g: bool,
+    /// Whether it has variables of its own, #1 to #99, with formulas and no statement
+    /// but their values.
+    #[serde(default)]
+    pub own_variables: bool,
+    /// The contact of its input 0.
+    #[serde(default)]
+    pub(crate) first_input: u8,
+    /// What the edge of an input does while the machine is moved by hand.
+    #[serde(default)]
+    pub(crate) edges: BTreeMap<u8, Edge>,
+    /// Whether points are taught by hand, on the graphic page.
+    #[serde(default)]
+    pub teaches: bool,
     /// The greatest number of a block.
     #[serde(default = "last_of_four_digits")]
     pub(crate) last_sequence: u32,
@@ -58,6 +71,15 @@ pub struct Record {
     /// The G codes once more, to be found at once.
     #[serde(skip)]
     g_table: Vec<Option<GCode>>,
+}
+
+/// What a rising input does in a manual mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub(crate) enum Edge {
+    /// One of two M codes, the other one next time.
+    Toggles(u8, u8),
+    /// An M code.
+    Does(u8),
 }
 
 /// What an M code does.

@@ -25,6 +25,9 @@ pub struct MotionLimits {
     cutting: f64,
     cutting_law: Law,
     exact_corners: bool,
+    /// A program of macro B has switched exact corners off.
+    #[serde(default)]
+    corners_passed: bool,
     jog_law: Law,
     gear_law: GearLaw,
     tail_rate: f64,
@@ -47,6 +50,7 @@ impl From<&Parameters> for MotionLimits {
             cutting: per_second(parameters.feed_limit()),
             cutting_law: Law::exponential(time, lowest(parameters.feed_floor())),
             exact_corners: parameters.exact_corners(),
+            corners_passed: false,
             jog_law: Law::exponential(time, lowest(parameters.jog_floor())),
             gear_law: gear_law(parameters),
             tail_rate: parameters.run_out_rate() / 60.0,
@@ -139,9 +143,14 @@ impl MotionLimits {
         &self.cutting_law
     }
 
+    /// Whether a program of macro B lets cuts go over into each other (#3004).
+    pub(crate) const fn pass_corners(&mut self, on: bool) {
+        self.corners_passed = on;
+    }
+
     /// Whether every cut ends on its end point before the next begins (007.3).
     pub(crate) const fn exact_corners(&self) -> bool {
-        self.exact_corners
+        self.exact_corners && !self.corners_passed
     }
 
     /// Lead-in and tail of threads (028, 029, 175.4).

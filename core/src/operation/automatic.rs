@@ -76,6 +76,9 @@ pub struct Automatic {
     /// The stopped AUTO run that MDI blocks are keyed in between.
     pub(crate) aside: Option<Box<Aside>>,
     pub(crate) cycle_shift: CycleShift,
+    /// Feed hold was asked for while #3004 did not permit it.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub(crate) hold_put_off: bool,
 }
 
 /// A stopped AUTO run while MDI blocks are carried out (manual II, MDI; III-6).
@@ -113,6 +116,7 @@ impl Default for Automatic {
             arrival: Arrival::default(),
             aside: None,
             cycle_shift: CycleShift::default(),
+            hold_put_off: false,
         }
     }
 }
@@ -186,6 +190,7 @@ impl Automatic {
     pub(crate) const fn stop(&mut self) {
         self.state = RunState::Stop;
         self.stop_requested = false;
+        self.hold_put_off = false;
         self.protection = Protection::None;
     }
 

@@ -25,6 +25,9 @@ impl OutputTimers {
 
     /// A tick goes by: the outputs whose time is over.
     pub(crate) fn tick(&mut self) -> u32 {
+        if self.is_idle() {
+            return 0;
+        }
         let mut over = 0;
         for (output, left) in self.0.iter_mut().enumerate() {
             if *left > 0 {

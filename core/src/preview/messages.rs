@@ -1,31 +1,25 @@
 //! Messages with which the machine's ladder will hold a program, as far as program and
 //! parameters alone decide (manual I-3.3.2, II-2.8).
 
+use std::sync::Arc;
+
+use gsk_plc::Ladder;
+
 use super::spindle::Turning;
 use crate::alarm::{Alarm, number};
 use crate::setup::Setup;
 
 /// What the ladder of a setup has messages for.
 pub(super) struct Messages {
-    /// Numbers that stand in the ladder with the words of the table.
-    known: Vec<u16>,
+    ladder: Arc<Ladder>,
     chuck: bool,
     tailstock: bool,
 }
 
 impl Messages {
     pub(super) fn new(setup: &Setup) -> Self {
-        let messages = setup.ladder.messages().iter();
-        let known = messages
-            .filter(|message| {
-                Alarm::message(message.number, &message.text)
-                    .row()
-                    .is_some()
-            })
-            .map(|message| message.number)
-            .collect();
         Self {
-            known,
+            ladder: Arc::clone(&setup.ladder),
             chuck: setup.memory.parameters.has_chuck(),
             tailstock: setup.memory.parameters.has_tailstock(),
         }
@@ -43,10 +37,17 @@ impl Messages {
             13 if turns => number::CHUCK_WHILE_TURNING,
             _ => return Ok(()),
         };
-        if self.known.contains(&number) {
-            Err(Alarm::new(number))
-        } else {
-            Ok(())
+        match self.knows(number) {
+            true => Err(Alarm::new(number)),
+            false => Ok(()),
         }
+    }
+
+    /// Whether a message stands in the ladder with the words of the table.
+    fn knows(&self, number: u16) -> bool {
+        let mut messages = self.ladder.messages().iter();
+        messages.any(|message| {
+            message.number == number && Alarm::message(number, &message.text).row().is_some()
+        })
     }
 }

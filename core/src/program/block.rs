@@ -107,6 +107,13 @@ impl Block {
         (self.len, self.addresses, self.codes) = (0, 0, 0);
     }
 
+    /// The number of the first variable that stands for the number of a word.
+    pub(crate) fn first_variable(&self) -> Option<u16> {
+        let variable = |word: &Word| word.value.variable();
+        let found = self.words().iter().find_map(variable);
+        found.map(|variable| variable.number)
+    }
+
     /// The words in order, without N and O.
     pub fn words(&self) -> &[Word] {
         &self.words[..usize::from(self.len)]
@@ -147,7 +154,7 @@ impl Block {
     }
 
     /// Whether no other address occurs, and nothing of macro B.
-    pub(crate) const fn has_only(&self, addresses: &[u8]) -> bool {
+    pub const fn has_only(&self, addresses: &[u8]) -> bool {
         self.addresses & !bits(addresses) == 0 && self.statement.is_none()
     }
 
@@ -217,7 +224,7 @@ impl Block {
                 Number::from_integer(value, 0)
             };
         }
-        self.index()?;
+        self.index(syntax)?;
         Ok(self)
     }
 
@@ -248,11 +255,12 @@ impl Block {
                 let value = if formula.negative { -value } else { value };
                 let seconds = dwell && matches!(word.address, b'X' | b'U');
                 let increment = if seconds { 1000 } else { syntax.increment() };
-                word.value = Number::from_value(value, word.address, increment);
+                let length = syntax.is_length(word.address).then_some(increment);
+                word.value = Number::from_value(value, word.address, length);
             }
             block.push(word);
         }
-        check_values(&block)?;
+        check_values(&block, syntax)?;
         Ok(block)
     }
 
@@ -284,14 +292,14 @@ impl Block {
     }
 
     /// Rebuilds what depends on the words and checks their values.
-    fn index(&mut self) -> Result<(), BlockError> {
+    fn index(&mut self, syntax: Syntax) -> Result<(), BlockError> {
         let words = self.words;
         let len = usize::from(self.len);
         (self.len, self.addresses, self.codes, self.variables) = (0, 0, 0, false);
         for word in &words[..len] {
             self.push(*word);
         }
-        check_values(self)
+        check_values(self, syntax)
     }
 }
 
@@ -355,14 +363,17 @@ impl TryFrom<Plain> for Block {
         if !words.iter().all(|word| block.push(*word)) {
             return Err(BlockError::too_many_words());
         }
-        check_values(&block)?;
+        check_values(&block, Syntax::default())?;
         Ok(block)
     }
 }
 
 /// Checks every number of a block against table 2-1; references to variables are
 /// left out.
-pub(super) fn check_values(block: &Block) -> Result<(), BlockError> {
+pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
+    if syntax.model.is_mill() {
+        return check_mill(block);
+    }
     let all_usual = block.words().iter().all(|word| {
         let (low, high) = usual_range(word.address);
         word.value.variable().is_none() && (low..=high).contains(&word.value.millionths())
@@ -371,6 +382,24 @@ pub(super) fn check_values(block: &Block) -> Result<(), BlockError> {
         true => Ok(()),
         false => check_each(block),
     }
+}
+
+/// The same of a mill.
+fn check_mill(block: &Block) -> Result<(), BlockError> {
+    for word in block.words() {
+        let (low, high) = match word.address {
+            b'D' | b'H' => (0, 400 * ONE),
+            b'G' => (0, 999 * ONE),
+            b'L' | b'M' | b'T' => (0, 9999 * ONE),
+            b'S' => (0, 99_999 * ONE),
+            b'F' | b'P' => usual_range(word.address),
+            _ => (-MILL_LENGTH, MILL_LENGTH),
+        };
+        if !(low..=high).contains(&word.value.millionths()) && word.value.variable().is_none() {
+            return Err(out_of_range(word, low, high));
+        }
+    }
+    Ok(())
 }
 
 /// The same, each word against what its block allows.
@@ -392,6 +421,8 @@ fn check_each(block: &Block) -> Result<(), BlockError> {
 const ONE: i64 = 1_000_000;
 /// Largest length, ±9999.999 mm.
 const LENGTH: i64 = 9_999_999_000;
+/// The same of a mill, ±99999.999 mm; its angles and scales are within it, too.
+const MILL_LENGTH: i64 = 99_999_999_000;
 /// Largest dwell, 99999.999 s; a negative one is told when its block is carried out.
 const DWELL: i64 = 99_999_999_000;
 /// What a macro operation can hold, ±2³².

@@ -116,6 +116,15 @@ impl Editing {
         before.fold(false, |inside, c| c == '(' || inside && c != ')')
     }
 
+    /// Whether a letter typed here goes on with a statement or a formula of macro B: a
+    /// name, a variable or a bracket stands before it in its block.
+    pub fn in_statement(&self) -> bool {
+        let line = self.program.line(self.line);
+        let before: String = line.chars().take(self.column as usize).collect();
+        let letter = before.ends_with(|c: char| c.is_ascii_alphabetic());
+        letter || before.contains(['#', '[', '='])
+    }
+
     // Cursor.
 
     /// To the first line.

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
+use super::macro_b::uses_macro_b;
 use super::parse::parse_block;
 use super::points::with_points;
 use super::syntax::{BlockError, Syntax};
@@ -14,6 +15,9 @@ use crate::memory::Parameters;
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MdiBlock {
     words: Vec<(Slot, String)>,
+    /// They are read as macro B.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    macro_b: bool,
 }
 
 /// What a new word replaces: the word of its address; of the G codes the one that
@@ -22,6 +26,8 @@ pub struct MdiBlock {
 enum Slot {
     Address(u8),
     Group(u8),
+    /// A statement of macro B, which is a block alone.
+    Statement,
 }
 
 impl MdiBlock {
@@ -29,9 +35,17 @@ impl MdiBlock {
     ///
     /// # Errors
     /// The alarm of the syntax; the block is then as before.
-    pub fn enter(&mut self, text: &str, parameters: &Parameters) -> Result<(), Alarm> {
-        let syntax = Syntax::from(parameters);
+    pub fn enter(
+        &mut self,
+        text: &str,
+        parameters: &Parameters,
+        macro_b: bool,
+    ) -> Result<(), Alarm> {
+        if macro_b && is_statement(text) {
+            return self.enter_statement(text, parameters);
+        }
         let mut next = self.clone();
+        next.words.retain(|(slot, _)| *slot != Slot::Statement);
         let in_macro = self.words.iter().any(|(_, word)| is_macro(word));
         let pointed;
         let text = if parameters.point_is_appended() && !in_macro {
@@ -46,6 +60,11 @@ impl MdiBlock {
                 None => next.words.push((slot, word)),
             }
         }
+        let syntax = Syntax {
+            macro_b: macro_b && uses_macro_b(&next.text()),
+            ..Syntax::from(parameters)
+        };
+        next.macro_b = syntax.macro_b;
         // The whole block must be readable: ranges depend on the G codes.
         parse_block(&next.text(), syntax).map_err(|error| match parse_block(text, syntax) {
             Err(word) => word,
@@ -53,6 +72,27 @@ impl MdiBlock {
         })?;
         *self = next;
         Ok(())
+    }
+
+    /// A statement of macro B, in the place of whatever was keyed in.
+    fn enter_statement(&mut self, text: &str, parameters: &Parameters) -> Result<(), Alarm> {
+        let text = text.trim().trim_end_matches(';').to_ascii_uppercase();
+        let syntax = Syntax {
+            macro_b: true,
+            ..Syntax::from(parameters)
+        };
+        parse_block(&text, syntax)?;
+        self.words = vec![(Slot::Statement, text)];
+        self.macro_b = true;
+        Ok(())
+    }
+
+    /// The statement of macro B that was keyed in.
+    pub fn statement(&self) -> Option<&str> {
+        match self.words.as_slice() {
+            [(Slot::Statement, text)] => Some(text),
+            _ => None,
+        }
     }
 
     /// Forgets everything.
@@ -71,7 +111,12 @@ impl MdiBlock {
     /// As `parse_block`; not after a successful [`Self::enter`] with the same
     /// parameters.
     pub fn block(&self, parameters: &Parameters) -> Result<Block, BlockError> {
-        parse_block(&self.text(), Syntax::from(parameters))
+        let text = self.text();
+        let syntax = Syntax {
+            macro_b: self.macro_b,
+            ..Syntax::from(parameters)
+        };
+        parse_block(&text, syntax)
     }
 
     /// The block as text.
@@ -115,12 +160,35 @@ fn is_macro(word: &str) -> bool {
     code.and_then(|code| code.parse::<u8>().ok()) == Some(65)
 }
 
-/// Cuts a text before each address letter.
+/// Whether a text is a statement of macro B: it begins with a variable or a name, or
+/// with a call.
+fn is_statement(text: &str) -> bool {
+    let text = text.trim();
+    let code = |number: &str| {
+        let rest = text.strip_prefix(['G', 'g']).map(str::trim_start);
+        rest.and_then(|rest| rest.strip_prefix(number))
+    };
+    let call = code("65")
+        .is_some_and(|rest| !rest.trim_start().starts_with(['H', 'h']) && !rest.trim().is_empty());
+    let modal = code("66").or(code("67")).is_some();
+    let mut bytes = text.bytes();
+    let letters = |byte: Option<u8>| byte.is_some_and(|byte| byte.is_ascii_alphabetic());
+    call || modal || text.starts_with('#') || letters(bytes.next()) && letters(bytes.next())
+}
+
+/// Cuts a text before each address letter; those in brackets are none.
 fn cut(text: &str) -> Vec<(Slot, String)> {
     let mut words: Vec<(Slot, String)> = Vec::new();
+    let mut depth = 0_i32;
     for character in text.trim_end_matches([';', '*', ' ', '\n', '\r']).chars() {
         let character = character.to_ascii_uppercase();
-        match (character.is_ascii_uppercase(), words.last_mut()) {
+        match character {
+            '[' => depth += 1,
+            ']' => depth -= 1,
+            _ => {}
+        }
+        let begins = depth <= 0 && character.is_ascii_uppercase();
+        match (begins, words.last_mut()) {
             (false, Some((_, word))) => word.push(character),
             _ => {
                 let address = u8::try_from(character).unwrap_or(b'?');

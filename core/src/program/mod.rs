@@ -22,6 +22,7 @@
 //! ```
 
 mod block;
+mod code_call;
 mod edit;
 mod head;
 mod index;
@@ -44,6 +45,7 @@ mod tests;
 mod text;
 
 pub use block::{Block, Word, limits};
+pub(crate) use code_call::CodeCall;
 pub use edit::{Completion, Editing};
 pub use inflow::{Inflow, LineTooLong};
 pub use listing::without_end;

@@ -67,13 +67,13 @@ impl Number {
         }
     }
 
-    /// What a formula gives for a word: a length to the least `increment`, a feed as it is,
+    /// What a formula gives for a word: a `length` to its least increment, a feed as it is,
     /// anything else a whole number; halves away from zero.
-    pub(super) fn from_value(value: f64, address: u8, increment: i64) -> Self {
+    pub(super) fn from_value(value: f64, address: u8, length: Option<i64>) -> Self {
         if address == b'F' {
             return Self::from_millionths(rounded(value, 1));
         }
-        if is_length(address) {
+        if let Some(increment) = length {
             return Self::from_millionths(rounded(value, increment));
         }
         Self::from_integer(rounded(value, ONE) / ONE, 0)
@@ -130,7 +130,7 @@ impl Number {
     }
 
     /// Whether it was written with a decimal point.
-    pub(crate) const fn has_point(self) -> bool {
+    pub const fn has_point(self) -> bool {
         matches!(self.form, Form::Decimal)
     }
 
@@ -141,7 +141,7 @@ impl Number {
     }
 
     /// The same length or feed, given in inches, in millimetres.
-    pub(crate) const fn inches_to_mm(self) -> Self {
+    pub const fn inches_to_mm(self) -> Self {
         Self::from_millionths(self.millionths.saturating_mul(254) / 10)
     }
 

@@ -35,7 +35,7 @@ pub(super) fn read_block(text: &str, syntax: Syntax, block: &mut Block) -> Resul
         return Ok(());
     }
     read_words(text, lexer, seen, syntax, block)
-        .and_then(|()| check_values(block))
+        .and_then(|()| check_values(block, syntax))
         .map_err(|error| error.located(text))
 }
 
@@ -115,7 +115,7 @@ fn read_words(
         }
         if syntax.macro_b
             && address == b'G'
-            && let Some(statement) = call(&mut lexer, value)?
+            && let Some(statement) = call(&mut lexer, value, syntax)?
         {
             if !block.is_empty() {
                 return Err(shares_block(start));
@@ -123,7 +123,8 @@ fn read_words(
             block.statement = Some(Box::new(statement));
             return nothing_more(&mut lexer);
         }
-        if address == b'G' && value.integer() == 65 && value.variable().is_none() {
+        let code = address == b'G' && value.variable().is_none();
+        if code && value.integer() == 65 && !syntax.model.is_mill() {
             if !block.is_empty() {
                 return Err(BlockError::at(
                     number::BAD_IN_MACRO,
@@ -224,12 +225,16 @@ fn count_words(lexer: &mut Lexer<'_>, block: &mut Block, start: usize) -> Result
 
 /// The call that a G code of macro B makes: G66, G67, and G65 without H.
 #[cold]
-fn call(lexer: &mut Lexer<'_>, code: Number) -> Result<Option<Statement>, BlockError> {
+fn call(
+    lexer: &mut Lexer<'_>,
+    code: Number,
+    syntax: Syntax,
+) -> Result<Option<Statement>, BlockError> {
     if code.variable().is_some() {
         return Ok(None);
     }
     skip_blanks(lexer)?;
-    let macro_a = matches!(lexer.peek().0, b'H' | b'h');
+    let macro_a = matches!(lexer.peek().0, b'H' | b'h') && !syntax.model.is_mill();
     Ok(match code.integer() {
         65 if !macro_a => Some(Statement::Call(macro_b::arguments(lexer)?)),
         66 => Some(Statement::ModalCall(macro_b::arguments(lexer)?)),

@@ -3,14 +3,9 @@
 use gsk_messages::say;
 
 use super::lexer::{FOREIGN, Lexer, skip_blanks};
-use super::number::{Number, Variable, is_length};
+use super::number::{Number, Variable};
 use super::syntax::{BlockError, Syntax};
 use crate::alarm::number;
-
-/// Addresses whose numbers may have a decimal point.
-const fn takes_point(address: u8) -> bool {
-    is_length(address) || address == b'F'
-}
 
 /// The number after an address letter that stands at `start`.
 pub(super) fn read_number(
@@ -44,12 +39,12 @@ pub(super) fn read_number(
         return Err(no_digits(lexer, name, start, signed || point.is_some()));
     }
     if let Some(at) = point
-        && (g65 || !(takes_point(address) || point_by_code))
+        && (g65 || !(syntax.takes_point(address) || point_by_code))
     {
         let rule = say::point_not_allowed(name);
         return Err(BlockError::at(number::BAD_POINT, at, rule));
     }
-    if point.is_none() && syntax.point_required && takes_point(address) && !g65 {
+    if point.is_none() && syntax.point_required && syntax.takes_point(address) && !g65 {
         let detail = say::point_missing(name);
         return Err(BlockError::at(number::BAD_POINT, start, detail));
     }
@@ -74,10 +69,12 @@ pub(super) fn read_number(
     }
     let size = digits.whole * 1_000_000 + digits.fraction;
     let number = Number::from_millionths(if negative { -size } else { size });
-    Ok(match is_length(address) && places > syntax.places() {
-        true => number.rounded_to_increment(syntax.increment()),
-        false => number,
-    })
+    Ok(
+        match syntax.is_length(address) && places > syntax.places() {
+            true => number.rounded_to_increment(syntax.increment()),
+            false => number,
+        },
+    )
 }
 
 /// The digits of a number as they are written.

@@ -32,9 +32,21 @@ impl Syntax {
     pub(crate) const fn unit(self, address: u8) -> f64 {
         match address {
             b'F' => 0.0001,
-            address if is_length(address) => self.increment() as f64 / 1e6,
+            address if self.is_length(address) => self.increment() as f64 / 1e6,
             _ => 1.0,
         }
+    }
+
+    /// Whether the numbers of an address are lengths: on a mill those of Y, and those of
+    /// Q, the depth of a peck, too.
+    pub(super) const fn is_length(self, address: u8) -> bool {
+        is_length(address) || self.model.is_mill() && matches!(address, b'Y' | b'Q')
+    }
+
+    /// Whether the numbers of an address may have a decimal point: on a mill those of G,
+    /// too, for G54.1.
+    pub(super) const fn takes_point(self, address: u8) -> bool {
+        self.is_length(address) || address == b'F' || self.model.is_mill() && address == b'G'
     }
 
     /// Decimal places of the least input increment.

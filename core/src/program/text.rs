@@ -6,6 +6,7 @@ use gsk_messages::say;
 use serde::{Deserialize, Serialize};
 
 use super::block::Block;
+use super::code_call::{self, CodeCall};
 use super::head::Head;
 use super::index::{Index, line_end, line_start};
 use super::macro_b::uses_macro_b;
@@ -139,6 +140,19 @@ impl Program {
     pub(crate) fn uses_macro_b(&self) -> bool {
         let shared = &self.shared;
         *shared.macro_b.get_or_init(|| uses_macro_b(&shared.text))
+    }
+
+    /// The call that a block makes by the G or M code it begins with, as `program_of`
+    /// says.
+    ///
+    /// # Errors
+    /// 114, 129.
+    pub(crate) fn code_call(
+        &self,
+        index: u32,
+        program_of: &dyn Fn(char, u16) -> Option<u16>,
+    ) -> Result<Option<CodeCall>, BlockError> {
+        code_call::read(self.block(index), program_of)
     }
 
     /// Lines of the text.

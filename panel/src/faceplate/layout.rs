@@ -11,19 +11,32 @@ const STRIP_PLATE: Rect = Rect::new(14.0, 10.0, 668.0, 30.0);
 const NAME_PLATE: Rect = Rect::new(694.0, 10.0, 572.0, 60.0);
 const EDIT_PLATE: Rect = Rect::new(694.0, 78.0, 572.0, 372.0);
 const PAGE_PLATE: Rect = Rect::new(694.0, 458.0, 572.0, 96.0);
-const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 946.0, 184.0);
+/// Modes, toggles and directions.
+const MACHINE_PLATE: Rect = Rect::new(14.0, 562.0, 592.0, 184.0);
+/// Spindle and auxiliary functions, overrides, hold and start.
+const RUN_PLATE: Rect = Rect::new(614.0, 562.0, 346.0, 184.0);
 const ADDITIONAL_PLATE: Rect = Rect::new(970.0, 562.0, 296.0, 184.0);
 
-/// The panel in three, with a rim of its own around each.
-pub(super) const APART: [Area; 3] = [
+/// The panel in pieces, with a rim of its own around each: LCD, name plate, edit keyboard,
+/// modes and directions, spindle and start, additional panel.
+pub(super) const APART: [Area; 6] = [
     Area {
         rect: Rect::new(6.0, 2.0, 684.0, 560.0),
     },
     Area {
-        rect: Rect::new(686.0, 2.0, 588.0, 560.0),
+        rect: Rect::new(686.0, 2.0, 588.0, 76.0),
     },
     Area {
-        rect: Rect::new(6.0, 554.0, 1268.0, 200.0),
+        rect: Rect::new(686.0, 72.0, 588.0, 488.0),
+    },
+    Area {
+        rect: Rect::new(6.0, 555.0, 608.0, 198.0),
+    },
+    Area {
+        rect: Rect::new(606.0, 555.0, 362.0, 198.0),
+    },
+    Area {
+        rect: Rect::new(962.0, 555.0, 312.0, 198.0),
     },
 ];
 
@@ -49,6 +62,7 @@ pub(super) fn parts() -> Vec<Part> {
         EDIT_PLATE,
         PAGE_PLATE,
         MACHINE_PLATE,
+        RUN_PLATE,
         ADDITIONAL_PLATE,
     ] {
         parts.push(Part {
@@ -166,23 +180,14 @@ fn edit_keyboard(parts: &mut Vec<Part>) {
         Rect::new(left, top, both, h),
         Colour::Danger,
     );
-    let step = (3.0 * h + 2.0 * GAP + GAP) / 5.0;
-    let low = step - GAP;
-    let at = |index: f32| row(1.0) + index * step;
-    let full = |index: f32| Rect::new(left, at(index), both, low);
-    key(parts, Key::PageUp, full(0.0), Colour::Function);
-    key(parts, Key::PageDown, full(1.0), Colour::Function);
-    let middle = left + (both - w) / 2.0;
-    let single = |x: f32, index: f32| Rect::new(x, at(index), w, low);
-    key(parts, Key::Up, single(middle, 2.0), Colour::Function);
-    key(parts, Key::Left, single(left, 3.0), Colour::Function);
-    key(
-        parts,
-        Key::Right,
-        single(left + w + GAP, 3.0),
-        Colour::Function,
-    );
-    key(parts, Key::Down, single(middle, 4.0), Colour::Function);
+    // As large as letters: they are pressed as often.
+    let moves = [
+        [Key::PageUp, Key::Up],
+        [Key::PageDown, Key::Down],
+        [Key::Left, Key::Right],
+    ];
+    let first = Rect::new(left, row(1.0), w, h);
+    grid(parts, &moves, first, Colour::Function);
 
     let addresses = [
         [Key::O, Key::N, Key::G, Key::X, Key::Z],

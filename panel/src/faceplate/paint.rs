@@ -10,9 +10,8 @@ use tiny_skia::{
     Transform,
 };
 
-use super::text::{draw, opaque};
+use super::text::{draw, opaque, width};
 use super::{Area, Colour, LINE_HEIGHT, Outline, Part, Rect, What};
-use crate::glyphs::text_columns;
 use crate::keys::{Bit, Key, Role, STRIP, StripLamp};
 use additional::GRADUATIONS;
 
@@ -288,8 +287,8 @@ impl Painter {
         }
         let bulb = Rect::around(x, middle, 10.0);
         self.bulb(bulb, Outline::Round, lamp_colour(lamp.lamp, None, y));
-        let width = text_columns(lamp.label) as f32 * LINE_HEIGHT / 2.0;
-        let label = Rect::new(part.rect.x + 22.0, part.rect.y, width, part.rect.h);
+        let wide = width(lamp.label, LINE_HEIGHT);
+        let label = Rect::new(part.rect.x + 22.0, part.rect.y, wide, part.rect.h);
         self.text(lamp.label, LINE_HEIGHT, label, part.colour.rgb());
     }
 

@@ -40,7 +40,7 @@ fn legends_and_lamps_stay_inside_their_key() {
     for part in parts() {
         for (line, rect) in part.legend() {
             assert!(part.rect.encloses(&rect), "{line}");
-            let width = crate::glyphs::text_columns(line) as f32 * rect.h / 2.0;
+            let width = text::width(line, rect.h);
             assert!(width + 4.0 <= part.rect.w, "{line} is {width} wide");
             if let Some(lamp) = part.lamp() {
                 assert!(!lamp.overlaps(&rect), "{line}");
@@ -51,12 +51,33 @@ fn legends_and_lamps_stay_inside_their_key() {
 }
 
 #[test]
-fn every_part_stands_in_one_of_the_three_areas() {
+fn every_part_stands_in_one_of_the_areas() {
     for part in parts().iter().filter(|part| part.what != What::Housing) {
         let areas = Area::APART.iter().filter(|area| area.holds(part));
         assert_eq!(areas.count(), 1, "{part:?}");
         assert!(Area::WHOLE.holds(part));
     }
+}
+
+#[test]
+fn keys_of_the_cursor_are_no_smaller_than_letters() {
+    let letter = part_of(Key::O).unwrap();
+    for key in [
+        Key::Up,
+        Key::Down,
+        Key::Left,
+        Key::Right,
+        Key::PageUp,
+        Key::PageDown,
+    ] {
+        let rect = part_of(key).unwrap().rect;
+        assert!(
+            rect.w >= letter.rect.w && rect.h >= letter.rect.h,
+            "{key:?}"
+        );
+    }
+    let height = |key| part_of(key).unwrap().legend()[0].1.h;
+    assert!(height(Key::Up) >= height(Key::O));
 }
 
 #[test]

@@ -1,87 +1,64 @@
-//! Printed text: Unifont's dots, smoothed where they are enlarged.
+//! Printed text: outlines of the program's fonts.
 
-use tiny_skia::{Color, FilterQuality, Pixmap, PixmapPaint, PremultipliedColorU8, Transform};
+use skrifa::outline::OutlinePen;
+use tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, PixmapPaint, Shader, Transform};
 
 use super::Rect;
-use crate::glyphs;
+use crate::fonts;
 
-/// A text as a grid of dots, 16 high.
-struct Mask {
-    width: usize,
-    height: usize,
-    dots: Vec<bool>,
+/// Size of an em in heights of a line: Chinese characters leave a little of it free.
+const EM: f32 = 0.94;
+/// The middle of capitals and of Chinese characters above the base line, ems.
+const MIDDLE: f32 = 0.37;
+
+/// How wide a text is in a line of some height, in the same unit.
+pub(crate) fn width(text: &str, line: f32) -> f32 {
+    let size = line * EM;
+    text.chars().map(|it| fonts::advance(it, size)).sum()
 }
 
-impl Mask {
-    fn of(text: &str) -> Self {
-        let width = glyphs::text_columns(text) * 8;
-        let height = glyphs::GLYPH_HEIGHT;
-        let mut mask = Self {
-            width,
-            height,
-            dots: vec![false; width * height],
-        };
-        let mut left = 0;
-        for character in text.chars() {
-            let glyph = glyphs::dots(character);
-            for (y, row) in glyph.rows.iter().enumerate() {
-                for x in 0..glyph.columns * 8 {
-                    if row & (0x8000 >> x) != 0 {
-                        mask.dots[y * width + left + x] = true;
-                    }
-                }
-            }
-            left += glyph.columns * 8;
-        }
-        mask
-    }
+/// Puts outlines into a path, y downwards.
+struct Pen {
+    path: PathBuilder,
+    /// Where the character begins on the base line, pixels.
+    x: f32,
+    y: f32,
+}
 
-    fn get(&self, x: usize, y: usize) -> bool {
-        x < self.width && y < self.height && self.dots[y * self.width + x]
-    }
-
-    /// Twice the size with the steps of slanted strokes rounded (Scale2x).
-    fn doubled(&self) -> Self {
-        let (width, height) = (self.width * 2, self.height * 2);
-        let mut dots = vec![false; width * height];
-        for y in 0..self.height {
-            for x in 0..self.width {
-                let own = self.get(x, y);
-                let up = self.get(x, y.wrapping_sub(1));
-                let down = self.get(x, y + 1);
-                let left = self.get(x.wrapping_sub(1), y);
-                let right = self.get(x + 1, y);
-                let slanted = up != down && left != right;
-                let corner = |a: bool, b: bool| if slanted && a == b { a } else { own };
-                let at = 2 * y * width + 2 * x;
-                dots[at] = corner(left, up);
-                dots[at + 1] = corner(up, right);
-                dots[at + width] = corner(left, down);
-                dots[at + width + 1] = corner(down, right);
-            }
-        }
-        Self {
-            width,
-            height,
-            dots,
-        }
-    }
-
-    fn pixmap(&self, ink: [u8; 3]) -> Option<Pixmap> {
-        let mut pixmap = Pixmap::new(self.width as u32, self.height as u32)?;
-        let [red, green, blue] = ink;
-        let ink = PremultipliedColorU8::from_rgba(red, green, blue, u8::MAX)?;
-        for (pixel, dot) in pixmap.pixels_mut().iter_mut().zip(&self.dots) {
-            if *dot {
-                *pixel = ink;
-            }
-        }
-        Some(pixmap)
+impl Pen {
+    const fn at(&self, x: f32, y: f32) -> (f32, f32) {
+        (self.x + x, self.y - y)
     }
 }
 
-/// Draws a text centred in a rectangle of panel units; `size` is its height. The
-/// target begins at a `corner` of the whole picture, pixels.
+impl OutlinePen for Pen {
+    fn move_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.at(x, y);
+        self.path.move_to(x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        let (x, y) = self.at(x, y);
+        self.path.line_to(x, y);
+    }
+
+    fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
+        let [(cx, cy), (x, y)] = [self.at(cx, cy), self.at(x, y)];
+        self.path.quad_to(cx, cy, x, y);
+    }
+
+    fn curve_to(&mut self, cx: f32, cy: f32, dx: f32, dy: f32, x: f32, y: f32) {
+        let [(cx, cy), (dx, dy), (x, y)] = [self.at(cx, cy), self.at(dx, dy), self.at(x, y)];
+        self.path.cubic_to(cx, cy, dx, dy, x, y);
+    }
+
+    fn close(&mut self) {
+        self.path.close();
+    }
+}
+
+/// Draws a text centred in a rectangle of panel units; `size` is the height of its line.
+/// The target begins at a `corner` of the whole picture, pixels.
 pub(super) fn draw(
     target: &mut Pixmap,
     corner: (f32, f32),
@@ -91,30 +68,48 @@ pub(super) fn draw(
     rect: Rect,
     ink: [u8; 3],
 ) {
-    let mut mask = Mask::of(text);
-    let dot = size * scale / 16.0;
-    let mut left = dot;
-    while left > 1.0 && mask.height < 256 {
-        mask = mask.doubled();
-        left /= 2.0;
-    }
-    let Some(picture) = mask.pixmap(ink) else {
+    let em = size * scale * EM;
+    let wide = width(text, size * scale);
+    let (cx, cy) = rect.center();
+    // The base line lies between two pixels: horizontal strokes stay sharp.
+    let (x, y) = (
+        (cx * scale - wide / 2.0).round(),
+        (cy * scale + MIDDLE * em).round(),
+    );
+    // In a picture of its own: outlines that cross the edge of a pixmap come out otherwise.
+    let (left, top) = (x - 2.0, (y - 1.1 * em).floor());
+    let room = [wide + 4.0, 1.5 * em].map(|side| side.ceil().max(1.0) as u32);
+    let Some(mut picture) = Pixmap::new(room[0], room[1]) else {
         return;
     };
-    let (cx, cy) = rect.center();
-    let x = (cx * scale - mask.width as f32 * left / 2.0).round();
-    let y = (cy * scale - mask.height as f32 * left / 2.0).round();
-    let crisp = left.fract() == 0.0;
-    let paint = PixmapPaint {
-        quality: if crisp {
-            FilterQuality::Nearest
-        } else {
-            FilterQuality::Bilinear
-        },
-        ..PixmapPaint::default()
+    let mut pen = Pen {
+        path: PathBuilder::new(),
+        x: x - left,
+        y: y - top,
     };
-    let place = Transform::from_row(left, 0.0, 0.0, left, x - corner.0, y - corner.1);
-    target.draw_pixmap(0, 0, picture.as_ref(), &paint, place, None);
+    for character in text.chars() {
+        fonts::outline(character, em, &mut pen);
+        pen.x += fonts::advance(character, em);
+    }
+    // A text of spaces has no path.
+    let Some(path) = pen.path.finish() else {
+        return;
+    };
+    let paint = Paint {
+        shader: Shader::SolidColor(opaque(ink)),
+        anti_alias: true,
+        ..Paint::default()
+    };
+    picture.fill_path(
+        &path,
+        &paint,
+        FillRule::Winding,
+        Transform::identity(),
+        None,
+    );
+    let (x, y) = ((left - corner.0) as i32, (top - corner.1) as i32);
+    let (plain, place) = (PixmapPaint::default(), Transform::identity());
+    target.draw_pixmap(x, y, picture.as_ref(), &plain, place, None);
 }
 
 /// An opaque colour.

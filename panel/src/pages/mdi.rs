@@ -23,6 +23,9 @@ const WORD_END: usize = 18;
 const CODE_COLUMN: usize = 24;
 const MODAL_COLUMN: usize = 30;
 const MODAL_END: usize = 39;
+/// A statement of macro B stands above the input line, in the place of the words that
+/// it has none of.
+const STATEMENT_ROW: usize = 1;
 /// Highest speed that stands for none.
 const NO_LIMIT: f64 = 9999.0;
 
@@ -36,6 +39,11 @@ pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
         screen.put(row, WORD_COLUMN, &char::from(*address).to_string());
     }
     draw_modal(screen, cnc);
+    if let Some(statement) = cnc.mdi_block().statement()
+        && cnc.mode() == Mode::Mdi
+    {
+        screen.put(STATEMENT_ROW, 0, &format!("{statement:<22}"));
+    }
     if cnc.mode() == Mode::Mdi {
         frame::input_line(screen, &say::lcd_address_prompt(), view);
     }

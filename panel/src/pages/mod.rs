@@ -20,6 +20,8 @@ mod program;
 mod program_text;
 mod settings;
 mod table;
+mod taught;
+mod teaching;
 mod view;
 
 use gsk_core::cnc::Cnc;
@@ -41,6 +43,8 @@ pub use power_on::{POWER_ON_TICKS, draw as power_on};
 pub(crate) use program::directory_screens;
 pub(crate) use program_text::PAGE_ROWS;
 pub use table::{PAGES, PageId, PageKey, PageRow};
+pub use taught::{Taught, Teaching};
+pub(crate) use teaching::teaches;
 pub use view::BRIGHTNESS_STEPS;
 pub use view::{Communication, Cursor, Cursors, Editor, FLASH_TICKS, View};
 
@@ -55,9 +59,14 @@ pub fn language(cnc: &Cnc) -> Language {
     }
 }
 
-/// Draws a page.
+/// Draws a page in the language of the LCD.
 pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
-    let mut screen = Screen::in_language(language(cnc));
+    draw_in(language(cnc), page, view, cnc)
+}
+
+/// Draws a page in a language.
+pub fn draw_in(language: Language, page: PageId, view: &View, cnc: &Cnc) -> Screen {
+    let mut screen = Screen::in_language(language);
     let target = &mut screen;
     frame::draw(target, page, view, cnc);
     match page {
@@ -77,6 +86,7 @@ pub fn draw(page: PageId, view: &View, cnc: &Cnc) -> Screen {
         PageId::Edisk => settings::disk(target, view),
         PageId::Password => password::draw(target, view, cnc),
         PageId::GraphPar => graphic::parameters(target, view),
+        PageId::Graph if teaches(cnc) => teaching::draw(target, view, cnc),
         PageId::Graph => graphic::picture(target, view, cnc),
         PageId::ParBit => parameters::states(target, view, cnc),
         PageId::ParData => parameters::data(target, view, cnc),

@@ -1,7 +1,7 @@
 //! The offset pages and the macro variables (manual III-2.3).
 
 use gsk_core::cnc::Cnc;
-use gsk_core::memory::{OFFSETS, Variables};
+use gsk_core::memory::OFFSETS;
 use gsk_core::units::Axis;
 use gsk_messages::say;
 
@@ -18,6 +18,10 @@ const VARIABLE_SCREEN: usize = 16;
 const TOO_LONG: &str = "******";
 /// The greatest value that fits.
 const GREATEST_SHOWN: u64 = 9_999_999;
+
+/// Sizes of real values that fit.
+const LEAST_REAL: f64 = 0.000_000_1;
+const GREATEST_REAL: f64 = 99_999_999.0;
 
 const VARIABLE_COLUMNS: [Column; 2] = [
     Column {
@@ -55,13 +59,17 @@ pub fn offsets(screen: &mut Screen, view: &View, cnc: &Cnc) {
 
 /// 宏变量.
 pub fn variables(screen: &mut Screen, view: &View, cnc: &Cnc) {
-    let numbers: Vec<u16> = Variables::numbers().collect();
+    let numbers = cnc.variable_numbers();
+    let real = cnc.variables_are_real();
     let item = view.cursors.get(PageId::Macro).item.min(numbers.len() - 1);
     screen.say(HEADING_ROW, 0, &say::lcd_variables_heading());
     let shown = numbers
         .iter()
         .skip(item / VARIABLE_SCREEN * VARIABLE_SCREEN);
     let shown = shown.map(|number| {
+        if real {
+            return (number.to_string(), real_value(cnc.real_variable(*number)));
+        }
         let value = cnc.variables().get(*number).unwrap_or(0);
         let text = if value.unsigned_abs() <= GREATEST_SHOWN {
             value.to_string()
@@ -75,6 +83,31 @@ pub fn variables(screen: &mut Screen, view: &View, cnc: &Cnc) {
     frame::input_line(screen, &say::lcd_address_prompt(), view);
 }
 
+/// A real value with its eight digits; null is blank, and what has too many places is
+/// stars (manual of macro B, 2.3).
+fn real_value(value: Option<f64>) -> String {
+    /// Digits that a variable keeps.
+    const DIGITS: i32 = 8;
+    const STARS: &str = "********";
+    let Some(value) = value else {
+        return String::new();
+    };
+    let size = value.abs();
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !(LEAST_REAL..=GREATEST_REAL).contains(&size) {
+        return STARS.to_owned();
+    }
+    let before = (1..DIGITS).take_while(|places| size >= 10_f64.powi(*places));
+    let places = DIGITS - 1 - before.count() as i32;
+    let text = format!("{value:.0$}", places.unsigned_abs() as usize);
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
 fn relative_position(screen: &mut Screen, cnc: &Cnc) {
     let display = Display::of(cnc);
     let at = cnc.position_relative();
@@ -83,4 +116,27 @@ fn relative_position(screen: &mut Screen, cnc: &Cnc) {
     screen.put_right(11, 13, &display.coordinate(Axis::X, at.x));
     screen.put(11, 20, "W");
     screen.put_right(11, 31, &display.coordinate(Axis::Z, at.z));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::real_value;
+
+    #[test]
+    fn real_values_keep_eight_digits() {
+        for (value, shown) in [
+            (None, ""),
+            (Some(0.0), "0"),
+            (Some(-0.5), "-0.5"),
+            (Some(12.345_678), "12.345678"),
+            (Some(1234.5), "1234.5"),
+            (Some(99_999_999.0), "99999999"),
+            (Some(-10_000_000.0), "-10000000"),
+            (Some(0.000_000_1), "0.0000001"),
+            (Some(100_000_000.0), "********"),
+            (Some(0.000_000_05), "********"),
+        ] {
+            assert_eq!(real_value(value), shown);
+        }
+    }
 }

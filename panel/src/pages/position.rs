@@ -140,6 +140,9 @@ pub(crate) fn overall(screen: &mut Screen, cnc: &Cnc) {
     group(screen, 7, 2, MACHINE, cnc.position_machine(), cnc);
     if cnc.mode().runs_programs() {
         group(screen, 7, 22, REMAINING, cnc.distance_to_go(), cnc);
+        if let Some(seconds) = cnc.dwell_shown() {
+            screen.put_right(8, 36, &format!("{seconds:.3}"));
+        }
     }
 }
 

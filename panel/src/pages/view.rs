@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::graphic_settings::GraphicSettings;
 use super::password_entry::PasswordEntry;
 use super::table::{PAGE_COUNT, PageId};
+use super::taught::Teaching;
 use crate::trace::Trace;
 
 /// Ticks of one half of a flashing period.
@@ -48,6 +49,9 @@ pub struct View {
     pub trace: Trace,
     /// Serial communication, as the status row shows it.
     pub communication: Communication,
+    /// Points taught by hand.
+    #[serde(default)]
+    pub teaching: Teaching,
 }
 
 impl Default for View {
@@ -66,6 +70,7 @@ impl Default for View {
             graphic: GraphicSettings::default(),
             trace: Trace::default(),
             communication: Communication::Idle,
+            teaching: Teaching::default(),
         }
     }
 }

@@ -47,7 +47,7 @@ impl Panel {
         cnc: &Cnc,
         requests: &mut Vec<Request>,
     ) {
-        let in_text = self.edits(cnc) && !self.keyed_beside_text(first);
+        let in_text = self.edits(cnc) && !self.keyed_beside_text(first, cnc);
         if in_text && !self.is_held(Key::Cancel) {
             let again = before == Some(key);
             if let Some(second) = second.filter(|_| again)
@@ -91,8 +91,9 @@ impl Panel {
                     _ => None,
                 };
             }
+            PageId::Graph if self.is_teaching(cnc) => self.teaching_character(character),
             PageId::Graph => self.graphic_command(character, cnc),
-            PageId::Prg if self.edits(cnc) && !self.keyed_beside_text(character) => {
+            PageId::Prg if self.edits(cnc) && !self.keyed_beside_text(character, cnc) => {
                 self.type_into_text(character, None, cnc, requests);
             }
             _ if self.takes_input(cnc) => self.append(character),
@@ -165,7 +166,7 @@ impl Panel {
             _ if self.view.input.is_empty() => return,
             PageId::GraphPar if cnc.mode() == Mode::Mdi => self.set_graphic(cnc),
             _ if self.commit_value(cnc, requests) => {}
-            _ => self.search_item(),
+            _ => self.search_item(cnc),
         }
         self.clear_input();
     }
@@ -200,8 +201,8 @@ impl Panel {
             return;
         }
         match key {
-            Key::Up => self.move_item(false),
-            Key::Down => self.move_item(true),
+            Key::Up => self.move_item(false, cnc),
+            Key::Down => self.move_item(true, cnc),
             _ => {}
         }
     }

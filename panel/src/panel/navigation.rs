@@ -6,9 +6,8 @@ use super::{Panel, group};
 use crate::keys::Key;
 use crate::pages::{self, PageId, PageKey};
 
-/// Numbers of tool offsets, macro variables and diagnosis bytes listed.
+/// Numbers of tool offsets and diagnosis bytes listed.
 const OFFSETS: usize = 33;
-const VARIABLES: usize = 48;
 const DIAGNOSES: usize = 128;
 
 impl Panel {
@@ -68,7 +67,7 @@ impl Panel {
             if self.turn_directory(forward, cnc) {
                 return;
             }
-        } else if let Some(screen) = list_screen(self.page)
+        } else if let Some(screen) = list_screen(self.page, cnc)
             && let Some(item) = screen.turn(self.view.cursors.get(self.page).item, forward)
         {
             self.view.cursors.get_mut(self.page).item = item;
@@ -86,11 +85,11 @@ impl Panel {
             let last = pages::directory_screens(cnc) - 1;
             self.view.directory_screen = if forward { 0 } else { last };
         }
-        if let Some(list) = list_screen(page) {
+        if let Some(list) = list_screen(page, cnc) {
             let item = if forward {
                 0
             } else {
-                list.start(list.items() - 1)
+                list.start(list.items - 1)
             };
             self.view.cursors.get_mut(page).item = item;
         }
@@ -119,8 +118,8 @@ impl Panel {
     }
 
     /// Moves the cursor of a list page; the ends are joined.
-    pub(super) fn move_item(&mut self, forward: bool) {
-        let items = item_count(self.page);
+    pub(super) fn move_item(&mut self, forward: bool, cnc: &Cnc) {
+        let items = item_count(self.page, cnc);
         if items == 0 {
             return;
         }
@@ -138,10 +137,10 @@ impl Panel {
 }
 
 /// How many items the cursor of a page walks over.
-pub(super) fn item_count(page: PageId) -> usize {
+pub(super) fn item_count(page: PageId, cnc: &Cnc) -> usize {
     match page {
         PageId::Oft => OFFSETS,
-        PageId::Macro => VARIABLES,
+        PageId::Macro => cnc.variable_numbers().len(),
         PageId::SetCode | PageId::Password => 4,
         PageId::SetSwitch => 2,
         PageId::GraphPar => 8,
@@ -160,22 +159,20 @@ pub(super) fn item_count(page: PageId) -> usize {
 struct ListScreen {
     page: PageId,
     size: usize,
+    items: usize,
 }
 
-const fn list_screen(page: PageId) -> Option<ListScreen> {
+fn list_screen(page: PageId, cnc: &Cnc) -> Option<ListScreen> {
     let size = match page {
         PageId::Oft | PageId::Pitch | PageId::PlcValues => 8,
         PageId::Macro | PageId::ParBit | PageId::ParData | PageId::Dgn | PageId::PlcBits => 16,
         _ => return None,
     };
-    Some(ListScreen { page, size })
+    let items = item_count(page, cnc).max(1);
+    Some(ListScreen { page, size, items })
 }
 
 impl ListScreen {
-    fn items(self) -> usize {
-        item_count(self.page).max(1)
-    }
-
     /// The first item of the screen that shows an item. Each area of the PLC
     /// begins a new screen.
     fn start(self, item: usize) -> usize {
@@ -190,7 +187,7 @@ impl ListScreen {
     /// The first item of the next or previous screen; `None` beyond the ends of
     /// a page that has neighbours.
     fn turn(self, item: usize, forward: bool) -> Option<usize> {
-        let items = self.items();
+        let items = self.items;
         let start = self.start(item.min(items - 1));
         let alone = self.page.neighbour(true) == self.page;
         if forward {

@@ -21,10 +21,14 @@ impl Panel {
 
     /// Whether a character goes into the input line of the editor instead of the
     /// text: a search, or a program number.
-    pub(super) fn keyed_beside_text(&self, character: char) -> bool {
+    pub(super) fn keyed_beside_text(&self, character: char, cnc: &Cnc) -> bool {
         let editor = &self.view.editor;
-        let in_comment = editor.editing.as_ref().is_some_and(Editing::in_comment);
-        editor.searching || !self.view.input.is_empty() || character == 'O' && !in_comment
+        let editing = editor.editing.as_ref();
+        let in_comment = editing.is_some_and(Editing::in_comment);
+        // GOTO, ROUND, OR.
+        let in_statement = cnc.variables_are_real() && editing.is_some_and(Editing::in_statement);
+        let names_program = character == 'O' && !in_comment && !in_statement;
+        editor.searching || !self.view.input.is_empty() || names_program
     }
 
     /// A character for the text. `key`: a compound key, whose other character may

@@ -21,6 +21,9 @@ impl Panel {
             return None;
         }
         match (key.row().role, key) {
+            (_, Key::Input | Key::Delete) if self.is_teaching(cnc) => {
+                cnc.is_moving().then(say::key_teaches_at_rest)
+            }
             (Role::Character(first, _), _) => self.refuses_character(first, cnc),
             (_, Key::Insert | Key::Delete) if self.page() != PageId::Prg => {
                 Some(say::key_edits_programs())
@@ -43,7 +46,7 @@ impl Panel {
         }
         match self.page() {
             PageId::Prg if cnc.mode() == Mode::Auto => None,
-            PageId::Prg if self.edits(cnc) && self.keyed_beside_text(character) => None,
+            PageId::Prg if self.edits(cnc) && self.keyed_beside_text(character, cnc) => None,
             PageId::Prg => self.refuses_text(false, cnc),
             PageId::Mdi if cnc.mode() != Mode::Mdi => Some(say::key_mdi_block_in_mdi_mode()),
             PageId::GraphPar if cnc.mode() != Mode::Mdi => Some(say::key_graphic_in_mdi_mode()),

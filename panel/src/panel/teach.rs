@@ -6,6 +6,8 @@ use gsk_core::program::Editing;
 use gsk_core::units::Axis;
 
 use super::Panel;
+use crate::keys::Key;
+use crate::pages::{PageId, Taught, teaches};
 
 /// Millimetres of an inch.
 const MM_PER_INCH: f64 = 25.4;
@@ -23,6 +25,91 @@ impl Panel {
         };
         let value = programmed(cnc, axis);
         self.edit(cnc, requests, |editing| editing.teach(&value));
+    }
+}
+
+/// Digits of a feed and of a program number.
+const DIGITS: usize = 5;
+
+/// Points taught by hand (NC-B08, key 示教; the page is the graphic one).
+impl Panel {
+    /// Whether keys teach.
+    pub(super) fn is_teaching(&self, cnc: &Cnc) -> bool {
+        self.page == PageId::Graph && teaches(cnc)
+    }
+
+    /// A key that teaches; whether it was one.
+    pub(super) fn teaching_key(
+        &mut self,
+        key: Key,
+        cnc: &Cnc,
+        requests: &mut Vec<Request>,
+    ) -> bool {
+        match key {
+            Key::Input if !self.view.input.is_empty() => self.take_teaching_word(),
+            Key::Input if cnc.is_moving() => {}
+            Key::Input => {
+                let teaching = &mut self.view.teaching;
+                let feed = (!teaching.rapid).then(|| teaching.feed.clone());
+                teaching.points.push(Taught {
+                    feed,
+                    x: programmed(cnc, Axis::X),
+                    z: programmed(cnc, Axis::Z),
+                });
+            }
+            Key::Delete => {
+                self.view.teaching.points.pop();
+            }
+            Key::Change => {
+                let teaching = &mut self.view.teaching;
+                teaching.from_first = !teaching.from_first;
+            }
+            Key::Cancel if self.view.input.is_empty() => {
+                if !self.view.teaching.points.is_empty() {
+                    requests.push(Request::StoreProgram(self.view.teaching.text()));
+                }
+                self.go_to(PageId::PosRel);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// G changes between G00 and G01; F and P begin a word.
+    pub(super) fn teaching_character(&mut self, character: char) {
+        let input = &mut self.view.input;
+        match character {
+            'G' if input.is_empty() => {
+                let teaching = &mut self.view.teaching;
+                teaching.rapid = !teaching.rapid;
+            }
+            'F' | 'P' if input.is_empty() => input.push(character),
+            '0'..='9' if !input.is_empty() && input.len() <= DIGITS => input.push(character),
+            _ => {}
+        }
+    }
+
+    /// F: the feed of cuts; P: another program, which begins at its first line.
+    fn take_teaching_word(&mut self) {
+        let input = core::mem::take(&mut self.view.input);
+        let teaching = &mut self.view.teaching;
+        let Some(number) = input.get(1..).and_then(|it| it.parse::<u32>().ok()) else {
+            return;
+        };
+        match input.as_bytes().first() {
+            Some(b'F') if number > 0 => teaching.feed = number.to_string(),
+            Some(b'P') => {
+                let number = u16::try_from(number).ok();
+                let Some(number) = number.filter(|it| (1..=9999).contains(it)) else {
+                    return;
+                };
+                if number != teaching.program {
+                    teaching.points.clear();
+                }
+                teaching.program = number;
+            }
+            _ => {}
+        }
     }
 }
 

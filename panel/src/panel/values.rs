@@ -38,6 +38,13 @@ impl Panel {
                 number: cursor.item.min(usize::from(u8::MAX)) as u8,
                 entry,
             }),
+            PageId::Macro if cnc.variables_are_real() => {
+                let numbers = cnc.variable_numbers();
+                let variable = numbers.get(cursor.item).copied();
+                variable
+                    .zip(number(input))
+                    .map(|(number, value)| Request::SetMacroVariable { number, value })
+            }
             PageId::Macro => Variables::numbers()
                 .nth(cursor.item)
                 .zip(input.parse().ok())

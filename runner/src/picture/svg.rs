@@ -6,6 +6,7 @@ use gsk_messages::Language;
 
 use super::clip::clipped;
 use super::drawing::Drawing;
+use super::extent::Size;
 use super::layout::Layout;
 use super::legend::{EDGE, GAP, SAMPLE, width};
 use super::numbers::HEIGHT;
@@ -14,32 +15,13 @@ use super::pens::{ARM, DIMENSION, MARK, Pen};
 /// The whole file.
 pub fn render(drawing: &Drawing, language: Language) -> String {
     let layout = Layout::new(drawing, language);
-    let size = drawing.look().size;
-    let (wide, tall) = layout.size;
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" \
-         viewBox=\"0 0 {wide} {tall}\" font-family=\"sans-serif\" font-size=\"14\">\n\
-         <rect width=\"{wide}\" height=\"{tall}\" fill=\"#ffffff\"/>",
-        size.width(),
-        size.height()
-    );
+    let mut out = open(drawing.look().size);
     grid(&mut out, &layout);
     scenery(&mut out, drawing, &layout);
     for (made, points) in drawing.pieces().strokes() {
-        let style = style(Pen::of(made));
         let points = points.map(|point| layout.place(point));
         clipped(points, layout.frame, |part| {
-            let _ = write!(
-                out,
-                "<polyline fill=\"none\" stroke-linejoin=\"round\" {style} points=\""
-            );
-            for (index, (x, y)) in part.iter().enumerate() {
-                let between = if index == 0 { "" } else { " " };
-                let _ = write!(out, "{between}{x:.2},{y:.2}");
-            }
-            out.push_str("\"/>\n");
+            polyline(&mut out, Pen::of(made), part);
         });
     }
     for mark in drawing
@@ -63,6 +45,40 @@ pub fn render(drawing: &Drawing, language: Language) -> String {
     head(&mut out, &layout);
     out.push_str("</svg>\n");
     out
+}
+
+/// The begin of a file: a white ground.
+pub(super) fn open(size: Size) -> String {
+    let (wide, tall) = size.units();
+    let (width, height) = (size.width(), size.height());
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {wide} {tall}\" font-family=\"sans-serif\" font-size=\"14\">\n\
+         <rect width=\"{wide}\" height=\"{tall}\" fill=\"#ffffff\"/>\n"
+    )
+}
+
+/// A line of points.
+pub(super) fn polyline(out: &mut String, pen: Pen, points: &[(f64, f64)]) {
+    let style = style(pen);
+    let _ = write!(
+        out,
+        "<polyline fill=\"none\" stroke-linejoin=\"round\" {style} points=\""
+    );
+    for (index, (x, y)) in points.iter().enumerate() {
+        let between = if index == 0 { "" } else { " " };
+        let _ = write!(out, "{between}{x:.2},{y:.2}");
+    }
+    out.push_str("\"/>\n");
+}
+
+/// Words at a point, on which they begin, end or stand in the middle.
+pub(super) fn text(out: &mut String, (x, y): (f64, f64), words: &str, anchor: &str) {
+    let _ = writeln!(
+        out,
+        "<text x=\"{x:.2}\" y=\"{y:.2}\" text-anchor=\"{anchor}\">{}</text>",
+        safe(words)
+    );
 }
 
 /// Part and clamping.

@@ -95,6 +95,7 @@ fn path(preview: &Preview) -> PathReport {
             let (low, high) = (diameter_z(bounds.least), diameter_z(bounds.greatest));
             Bounds {
                 x: (low.0, high.0),
+                y: None,
                 z: (low.1, high.1),
             }
         }),

@@ -3,7 +3,7 @@
 use gsk_core::command::ProgramId;
 use gsk_messages::{Language, Message, say};
 
-use super::{AlarmReport, Bounds, End, PathReport, Report};
+use super::{AlarmReport, Bounds, End, PathReport, Place, Report};
 use crate::words::{beginning, clock};
 
 impl AlarmReport {
@@ -66,9 +66,12 @@ impl Report {
         if let Some(part) = &self.part {
             lines.extend(part.words(words));
         }
-        let (x, z) = self.position.abs;
         let modal = self.modal.join(" ");
-        lines.push(say::report_at_end(x, z, &self.t, modal).text(words));
+        let at_end = match self.position.abs {
+            Place::Lathe(x, z) => say::report_at_end(x, z, &self.t, modal),
+            Place::Mill([x, y, z]) => say::report_mill_at_end(x, y, z, &self.t, modal),
+        };
+        lines.push(at_end.text(words));
         lines.join("\n  ") + "\n"
     }
 
@@ -111,8 +114,12 @@ impl PathReport {
 
     fn words(&self, words: Language) -> Vec<String> {
         let mut lines = Vec::new();
-        if let Some(Bounds { x, z }) = self.bounds {
-            lines.push(say::report_path(x.0, x.1, z.0, z.1).text(words));
+        if let Some(Bounds { x, y, z }) = self.bounds {
+            let path = match y {
+                None => say::report_path(x.0, x.1, z.0, z.1),
+                Some(y) => say::report_mill_path(x.0, x.1, y.0, y.1, z.0, z.1),
+            };
+            lines.push(path.text(words));
         }
         let lengths: Vec<String> = self
             .lengths
@@ -159,6 +166,7 @@ fn kind_in_words(kind: &str) -> Message {
         "cw" => say::report_kind_clockwise(),
         "ccw" => say::report_kind_counter_clockwise(),
         "thread" => say::report_kind_thread(),
+        "tap" => say::report_kind_tap(),
         other => say::as_written(other),
     }
 }

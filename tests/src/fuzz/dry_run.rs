@@ -6,6 +6,7 @@ use core::mem::discriminant;
 use gsk_core::alarm::Alarm;
 use gsk_core::command::{Action, Command, ExecutedMove};
 use gsk_core::interpreter::{Immediate, Interpreter, Step};
+use gsk_core::memory::Registers;
 use gsk_core::preview::{End, preview_beyond_alarms};
 use gsk_core::setup::Setup;
 use gsk_core::units::{PerAxis, Point};
@@ -20,7 +21,11 @@ pub(super) fn step_through(setup: &Setup, limit: u32) -> bool {
     };
     let mut host = Immediate {
         parameters: setup.memory.parameters.clone(),
-        offsets: &setup.memory.offsets,
+        offsets: setup.memory.offsets.clone(),
+        registers: Registers::new(setup.day_time),
+        counters: setup.memory.counters,
+        settings: setup.memory.settings,
+        now_s: 0.0,
         variables: setup.memory.variables.clone(),
         inputs: LazyCell::new(Box::new(|| 0b1010)),
         outputs: 0,

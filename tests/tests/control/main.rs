@@ -8,6 +8,7 @@
 )]
 
 mod bench;
+mod commission;
 mod cycles;
 mod dnc;
 mod intervention;

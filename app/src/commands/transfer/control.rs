@@ -20,7 +20,7 @@ use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::files::{program_file, subprograms};
 use crate::kernel::{Command, Console, Kernel, Notice, Outside, start};
-use crate::loading;
+use crate::loading::{self, LoadError};
 use crate::pc::FilesError;
 use crate::retained::{self, Keeper};
 use crate::serial::{End, SerialLine};
@@ -32,6 +32,7 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// Plays the control until Ctrl-C.
 pub(super) fn control(args: &TransferControlArgs) -> Result<u8, CommandError> {
+    args.setup.refuse_mill().map_err(LoadError::from)?;
     let mut setup = loading::fitted(Setup::at_the_panel(), args.setup.machine.as_ref());
     let data = match &args.setup.data_folder() {
         Some(folder) => Some(Arc::new(DataDir::open(folder)?)),

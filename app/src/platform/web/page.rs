@@ -17,6 +17,8 @@ use super::view::{show, tell};
 pub struct Asked {
     /// The word of a language.
     pub language: Option<String>,
+    /// Whether the questions of the first start are asked: `on` or `off`.
+    pub first_start: Option<String>,
     /// The program to open.
     pub program: Option<PathBuf>,
 }
@@ -57,8 +59,10 @@ async fn asked() -> Result<Asked, Message> {
             bytes.map_err(|error| say::page_no_file(&address, error))?,
         ));
     }
+    let word = |name: &str| words.as_ref().and_then(|words| words.get(name));
     Ok(Asked {
-        language: words.and_then(|words| words.get("lang")),
+        language: word("lang"),
+        first_start: word("first-start"),
         program: disk::hand_in(files),
     })
 }

@@ -208,6 +208,8 @@ fn sentence(ui: &mut Ui, text: &str) {
 }
 
 fn nothing(ui: &mut Ui, language: Language) {
+    // Of a page that is wider than its pane only words are here: they are not scrolled.
+    ui.set_max_width(ui.max_rect().intersect(ui.clip_rect()).width() - 8.0);
     ui.add_space(12.0);
     ui.heading(say::link_page_no_board().text(language));
     sentence(ui, &say::link_page_no_board_how_to_link().text(language));

@@ -1,8 +1,10 @@
 //! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons,
-//! transfer. They stand in panes of the window or in windows of their own; closed they cost nothing.
+//! commissioning, transfer. They stand in panes of the window or in windows of their own;
+//! closed they cost nothing.
 
 mod aside;
 mod bench;
+mod commission;
 pub mod header;
 mod ladder;
 mod lesson;
@@ -30,6 +32,7 @@ use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::pc::Remembered;
 use bench::Bench;
+use commission::CommissionView;
 use gsk_messages::Language;
 use ladder::LadderView;
 use lesson::LessonView;
@@ -53,6 +56,7 @@ pub struct Views {
     lathe: LatheView,
     lessons: LessonView,
     transfer: TransferView,
+    commission: CommissionView,
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// A view that another one wants to be open.
@@ -79,6 +83,7 @@ impl Views {
             lathe: LatheView::new(console.clone(), solid),
             lessons: LessonView::new(console.clone(), finished),
             transfer: TransferView::new(console.clone(), transfer),
+            commission: CommissionView::new(console.clone()),
             console: console.clone(),
             machine: None,
             wanted: None,
@@ -113,7 +118,8 @@ impl Views {
                     | View::Program
                     | View::Machine
                     | View::Lesson
-                    | View::Transfer,
+                    | View::Transfer
+                    | View::Commission,
                     _,
                 ) => {}
             }
@@ -176,6 +182,13 @@ impl Views {
             }
             View::Lesson => self.lessons.show(ui, language),
             View::Transfer => self.transfer.show(ui, language),
+            View::Commission => {
+                let machine = self.machine.as_ref();
+                if self.commission.show(ui, language, machine) && !self.shown.contains(&View::Scope)
+                {
+                    self.wanted = Some(View::Scope);
+                }
+            }
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();

@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use crate::alarm::{Alarm, number};
 use crate::cnc::{Cnc, Event};
 use crate::command::{Action, Command, Conditions, ExecutedMove, MoveKind, SpindleCommand, Timing};
+use crate::memory::SwitchedOff;
 use crate::motion::ThreadMove;
 use crate::operation::{
     AfterThread, Current, Protection, RunState, Stage, Strobe, TapStage, is_cut,
@@ -201,7 +202,7 @@ impl Cnc {
         Ok(())
     }
 
-    fn output_m(&mut self, code: u8) {
+    pub(in crate::cnc) fn output_m(&mut self, code: u8) {
         if self.plc.signals.auxiliary_lock {
             return;
         }
@@ -262,7 +263,9 @@ impl Cnc {
                 }
                 _ => false,
             };
-            let comes_to_rest = current.command.stop_point && self.plc.signals.single_block;
+            let comes_to_rest = current.command.stop_point
+                && self.plc.signals.single_block
+                && !self.run.registers.off.single_block();
             if self.run.automatic.dwell_left > 0 || motion || (comes_to_rest && board_behind) {
                 return false;
             }
@@ -270,7 +273,8 @@ impl Cnc {
                 current.stage = Stage::Handshake;
             }
         }
-        if current.stage == Stage::Handshake && self.run.handshake.busy() {
+        let waits = !self.run.registers.off.completion();
+        if current.stage == Stage::Handshake && waits && self.run.handshake.busy() {
             return false;
         }
         let Some(current) = self.run.automatic.current.take() else {
@@ -298,7 +302,7 @@ impl Cnc {
             Action::Repeat => self.count_part(),
             _ => {}
         }
-        let single_block = command.stop_point && self.plc.signals.single_block;
+        let single_block = command.stop_point && self.single_block();
         match self.run.automatic.after_thread(command, single_block) {
             Some(AfterThread::GoesOn) => return,
             Some(AfterThread::Stops) => return self.stop_after_command(command),
@@ -308,6 +312,7 @@ impl Cnc {
         }
         let held = self.run.automatic.state == RunState::Hold;
         let stops = single_block
+            || command.block_end && self.takes_up_hold()
             || command.block_end
                 && (self.run.automatic.stop_requested || held && self.ends_hold(command));
         if stops {
@@ -315,6 +320,24 @@ impl Cnc {
         } else if held && (command.block_end || matches!(command.action, Action::Tap { .. })) {
             self.run.automatic.protection = Protection::None;
         }
+    }
+
+    /// A feed hold that #3004 has put off: at the end of a block the run stops as in single
+    /// block while the button is held; once #3004 permits it the hold begins. Whether
+    /// the run stops.
+    fn takes_up_hold(&mut self) -> bool {
+        if !self.run.automatic.hold_put_off {
+            return false;
+        }
+        let off = self.run.registers.off;
+        if !off.feed_hold() {
+            self.run.automatic.hold_put_off = false;
+            self.feed_hold();
+            return false;
+        }
+        let stops = self.plc.signals.feed_hold && !off.single_block();
+        self.run.automatic.hold_put_off &= !stops;
+        stops
     }
 
     /// Whether a hold ends with its block: one of M, S and T alone leaves a stop
@@ -355,6 +378,7 @@ impl Cnc {
         let rewind = self.memory.parameters.m30_rewinds();
         let end = self.run.automatic.last.map(|source| source.line);
         self.run.automatic.clear();
+        self.run.registers.off = SwitchedOff::default();
         let (interpreter, world) = self.interpreter_and_world(true);
         interpreter.reset(&world);
         self.run.modal = *self.run.interpreter.modal();

@@ -32,7 +32,7 @@ impl Cnc {
     /// Whether the next cut follows the one under way without a stop (007.3 = 0):
     /// neither single block nor an M, S or T function ends the block first.
     pub(crate) fn cut_continues(&self) -> bool {
-        let stops = |current: &Current| current.command.stop_point && self.plc.signals.single_block;
+        let stops = |current: &Current| current.command.stop_point && self.single_block();
         !self.drives.limits.exact_corners()
             && self.run.automatic.cut_continues()
             && !self.run.automatic.current.as_ref().is_some_and(stops)
@@ -116,7 +116,7 @@ impl Cnc {
         }
         self.settle_coordinates();
         let (interpreter, world) = self.interpreter_and_world(true);
-        let Some(program) = world.programs.current() else {
+        let Some(program) = world.memory.programs.current() else {
             return self.raise(Alarm::new(number::PROGRAM_MISSING));
         };
         interpreter.start(program, world.cursor_line, &world);
@@ -226,6 +226,20 @@ impl Cnc {
         self.run.automatic.state = RunState::Run;
     }
 
+    /// Whether single block stops, which a program of macro B may prevent (#3003).
+    pub(crate) const fn single_block(&self) -> bool {
+        self.plc.signals.single_block && !self.run.registers.off.single_block()
+    }
+
+    /// The signal of feed hold, which a program of macro B may put off (#3004).
+    pub(crate) fn feed_hold_signal(&mut self) {
+        if self.run.automatic.state == RunState::Run && self.run.registers.off.feed_hold() {
+            self.run.automatic.hold_put_off = true;
+        } else {
+            self.feed_hold();
+        }
+    }
+
     /// Feed hold: the axes decelerate; a block without motion finishes, and so does
     /// a thread with the first thing after it.
     pub(crate) fn feed_hold(&mut self) {
@@ -253,6 +267,9 @@ impl Cnc {
         if !self.run.automatic.operating() {
             return;
         }
+        self.drives
+            .limits
+            .pass_corners(self.run.registers.off.exact_stop());
         self.carry_out();
         let between_blocks = self.run.automatic.current.is_none()
             && !self.run.automatic.within_block
@@ -341,7 +358,7 @@ impl Cnc {
             && self.run.automatic.ahead.is_none()
             && self.run.automatic.fault_ahead.is_none()
             && !self.run.automatic.waiting
-            && (!self.plc.signals.single_block || threading);
+            && (!self.single_block() || threading);
         if may_read {
             self.run.automatic.ahead = self.read(false);
         }
@@ -417,10 +434,9 @@ impl Cnc {
         (
             &mut self.run.interpreter,
             World {
-                parameters: &mut self.memory.parameters,
-                offsets: &self.memory.offsets,
-                variables: &mut self.memory.variables,
-                programs: &self.memory.programs,
+                memory: &mut self.memory,
+                registers: &mut self.run.registers,
+                now_ms: self.ticks,
                 plc: self.plc.engine.memory_mut(),
                 machine_position,
                 referenced: self.coordinates.referenced,

@@ -38,7 +38,11 @@ impl Cnc {
         };
         let mut host = Immediate {
             parameters: self.memory.parameters.clone(),
-            offsets: &self.memory.offsets,
+            offsets: self.memory.offsets.clone(),
+            registers: self.run.registers,
+            counters: self.memory.counters,
+            settings: self.memory.settings,
+            now_s: self.now(),
             variables: self.memory.variables.clone(),
             inputs: LazyCell::new(Box::new(move || inputs)),
             outputs,

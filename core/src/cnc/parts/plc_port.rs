@@ -39,10 +39,21 @@ pub(crate) struct PlcPort {
     /// Outputs that a program has switched for a time.
     #[serde(default, skip_serializing_if = "OutputTimers::is_idle")]
     pub output_timers: OutputTimers,
+    /// Inputs that act by themselves, as they were sampled last.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub input_levels: u32,
     /// Axes whose last motion went minus.
     pub negative: PerAxis<bool>,
     /// The last motion was a rapid.
     pub last_rapid: bool,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the form that serde asks for"
+)]
+const fn is_zero(levels: &u32) -> bool {
+    *levels == 0
 }
 
 impl PlcPort {
@@ -61,6 +72,7 @@ impl PlcPort {
             message: false,
             y: vec![0; Y_BYTES],
             output_timers: OutputTimers::default(),
+            input_levels: 0,
             negative: PerAxis::default(),
             last_rapid: false,
         }

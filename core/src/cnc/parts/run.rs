@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::interpreter::Explanation;
 use crate::interpreter::Interpreter;
 use crate::interpreter::Modal;
+use crate::memory::Registers;
 use crate::motion::Interpolator;
 use crate::operation::{Automatic, Handshake, Mode};
 use crate::program::MdiBlock;
@@ -22,6 +23,9 @@ pub(crate) struct Run {
     pub handshake: Handshake,
     /// Reads the blocks.
     pub interpreter: Interpreter,
+    /// Timer, date and what a program has switched off, for macro B.
+    #[serde(default)]
+    pub registers: Registers,
     /// The block keyed in on the MDI page.
     pub mdi: MdiBlock,
     /// Modal state of the block in execution.
@@ -43,13 +47,14 @@ pub(crate) struct Run {
 
 impl Run {
     /// At power-on: nothing runs.
-    pub(crate) fn new(interpreter: Interpreter, tool: u8) -> Self {
+    pub(crate) fn new(interpreter: Interpreter, tool: u8, registers: Registers) -> Self {
         Self {
             mode: Mode::Mdi,
             automatic: Automatic::default(),
             handshake: Handshake::default(),
             modal: *interpreter.modal(),
             interpreter,
+            registers,
             mdi: MdiBlock::default(),
             held: None,
             tool: (tool, 0),

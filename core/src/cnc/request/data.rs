@@ -151,6 +151,25 @@ impl Cnc {
         }
     }
 
+    /// A variable of macro B, local ones while no program runs, or of the Huaxing lathes.
+    pub(super) fn set_macro_variable(&mut self, number: u16, value: f64) -> Result<(), Alarm> {
+        if self.rights().variables().is_err() {
+            return Ok(());
+        }
+        if self.memory.model.record().own_variables {
+            self.memory.variables.set_counted(number, Some(value));
+            return Ok(());
+        }
+        match u8::try_from(number) {
+            Ok(local @ 1..=33) if !self.run.automatic.operating() => {
+                self.run.interpreter.set_local(local, value);
+                Ok(())
+            }
+            Ok(1..=33) => Ok(()),
+            _ => self.memory.variables.set_real(number, Some(value)),
+        }
+    }
+
     /// A point of the pitch error table.
     pub(super) fn set_pitch(&mut self, axis: Axis, point: u8, value: i16) -> Result<(), Alarm> {
         if self.rights().parameters().is_ok() {

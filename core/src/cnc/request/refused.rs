@@ -61,7 +61,7 @@ impl Cnc {
             | Request::DeleteProgram(number)
             | Request::AskToEdit(number) => rights.program(*number),
             Request::DeleteAllPrograms => rights.program(0),
-            Request::SetVariable { .. } => rights.variables(),
+            Request::SetVariable { .. } | Request::SetMacroVariable { .. } => rights.variables(),
             Request::SetOffset { .. } => rights.offsets(),
             Request::SetParameter { .. }
             | Request::SetParameterBit { .. }

@@ -93,6 +93,7 @@ fn enter(
         kind: CallKind::Subprogram,
         first,
         blocks: NonZeroU32::new(count),
+        codes_ordinary: false,
     }))
 }
 

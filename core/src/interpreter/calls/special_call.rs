@@ -12,6 +12,7 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::interpreter::codes::miscellaneous;
 use crate::interpreter::context::Context;
+use crate::interpreter::context::code_calls::PlainCall;
 use crate::interpreter::context::words::{OneShot, Words};
 
 /// What S and T of such calls may be.
@@ -23,14 +24,26 @@ pub(crate) struct SpecialCall {
     pub(crate) program: u16,
     pub(crate) address: char,
     pub(crate) code: i64,
+    /// How many times it runs.
+    pub(crate) runs: u16,
+    /// The codes of macro B that call are ordinary ones in it.
+    pub(crate) codes_ordinary: bool,
 }
+
+/// Most runs of a call by a code of macro B.
+const RUNS: core::ops::RangeInclusive<i64> = 1..=9999;
 
 impl SpecialCall {
     /// The block without the calling word.
     pub(crate) const fn without(self, words: &Words) -> Words {
         let mut words = *words;
         match self.address {
-            'M' => words.m = None,
+            'M' => {
+                words.m = None;
+                if self.codes_ordinary {
+                    words.l = None;
+                }
+            }
             'S' => words.s = None,
             _ => words.t = None,
         }
@@ -40,6 +53,11 @@ impl SpecialCall {
 
 /// The call that a block makes by its M, S or T.
 pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<SpecialCall>, Alarm> {
+    if let Some(calls) = context.code_calls
+        && let Some(call) = calls.plain(words)
+    {
+        return by_parameter(call, words).map(Some);
+    }
     if !context.parameters.special_codes_call() {
         return Ok(None);
     }
@@ -68,9 +86,35 @@ pub(crate) fn find(words: &Words, context: &Context<'_>) -> Result<Option<Specia
             program: first + code as u16,
             address,
             code,
+            runs: 1,
+            codes_ordinary: false,
         });
     }
     Ok(found)
+}
+
+/// A call by 240 to 243: L counts the runs of one by M.
+fn by_parameter(call: PlainCall, words: &Words) -> Result<SpecialCall, Alarm> {
+    let PlainCall {
+        program,
+        address,
+        code,
+    } = call;
+    let runs = match words.l {
+        Some(runs) if address == 'M' => runs,
+        _ => 1,
+    };
+    if !RUNS.contains(&runs) {
+        let detail = say::macro_runs_out_of_range(runs, *RUNS.end());
+        return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+    }
+    Ok(SpecialCall {
+        program,
+        address,
+        code,
+        runs: runs as u16,
+        codes_ordinary: true,
+    })
 }
 
 /// Nothing is called from the MDI page.

@@ -17,7 +17,7 @@ use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::place::{Call, CallKind, Place};
 
 /// Levels of calls.
-const LEVELS: usize = 4;
+pub(crate) const LEVELS: usize = 4;
 
 /// M98.
 pub(crate) fn call(context: &Context<'_>, p: Option<i64>) -> Result<Flow, Alarm> {
@@ -35,9 +35,17 @@ pub(crate) fn call_special(context: &Context<'_>, call: SpecialCall) -> Result<F
         program,
         address,
         code,
+        ..
     } = call;
     let name = format_args!("{address}{code:02}");
-    enter(context, program.into(), 1, &name)
+    let flow = enter(context, program.into(), call.runs, &name)?;
+    Ok(match flow {
+        Flow::Call(entered) => Flow::Call(Call {
+            codes_ordinary: call.codes_ordinary,
+            ..entered
+        }),
+        other => other,
+    })
 }
 
 fn enter(
@@ -65,6 +73,7 @@ fn enter(
         kind: CallKind::Subprogram,
         first: 0,
         blocks: None,
+        codes_ordinary: false,
     }))
 }
 

@@ -1,7 +1,7 @@
 //! What the interpreter needs to know of the world, and what it answers.
 
 use crate::command::Command;
-use crate::memory::{Offsets, Parameters, Variables};
+use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, Variables};
 use crate::program::ProgramMemory;
 use crate::units::{PerAxis, Point};
 
@@ -14,10 +14,34 @@ pub trait Host {
     fn parameters_mut(&mut self) -> &mut Parameters;
     /// Tool offsets.
     fn offsets(&self) -> &Offsets;
+    /// Tool offsets, to be written by macro B.
+    fn offsets_mut(&mut self) -> &mut Offsets;
     /// Macro variables, to be read.
     fn variables(&self) -> &Variables;
     /// Macro variables, to be written by G65.
     fn variables_mut(&mut self) -> &mut Variables;
+    /// Timer, date and what programs have switched off, for macro B.
+    fn registers(&self) -> &Registers;
+    /// The same, to be written.
+    fn registers_mut(&mut self) -> &mut Registers;
+    /// Part counter and times. Meaningful when [`Host::settled`].
+    fn counters(&self) -> &Counters;
+    /// The same, to be written.
+    fn counters_mut(&mut self) -> &mut Counters;
+    /// Time with cycle start on, ms. Meaningful when [`Host::settled`].
+    fn started_ms(&self) -> u64 {
+        self.counters().started_ms
+    }
+    /// Sets it.
+    fn set_started_ms(&mut self, ms: u64) {
+        self.counters_mut().started_ms = ms;
+    }
+    /// The rows of the setting page.
+    fn settings(&self) -> &Settings;
+    /// The same, to be written.
+    fn settings_mut(&mut self) -> &mut Settings;
+    /// Milliseconds since power-on. Meaningful when [`Host::settled`].
+    fn now_ms(&self) -> u64;
     /// What the ladder gives to macros, G54 and G55: #1000 in bit 0. Meaningful
     /// when [`Host::settled`].
     fn interface_inputs(&self) -> u16;

@@ -1,5 +1,6 @@
 //! What a block finds when it is read.
 
+pub(super) mod code_calls;
 pub(super) mod cycle_words;
 pub(super) mod emission;
 pub(super) mod exact;
@@ -15,6 +16,7 @@ pub(super) mod writes;
 
 use crate::alarm::Alarm;
 use crate::command::Source;
+use crate::interpreter::context::code_calls::CodeCalls;
 use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::{Call, Place};
 use crate::interpreter::context::words::Words;
@@ -40,6 +42,8 @@ pub(crate) struct Context<'a> {
     pub(crate) mdi: bool,
     /// M codes of the machine's ladder.
     pub(crate) machine_codes: MachineCodes,
+    /// Codes of macro B that call here; none where they are ordinary ones.
+    pub(crate) code_calls: Option<&'a CodeCalls>,
     /// 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
     /// The nose radius compensation before the block.

@@ -42,6 +42,9 @@ pub(crate) struct Call {
     /// How many blocks each run has; none: up to the one that ends it.
     #[serde(default)]
     pub(crate) blocks: Option<NonZeroU32>,
+    /// Codes that call a program by parameters are ordinary ones in it.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub(crate) codes_ordinary: bool,
 }
 
 impl Call {

@@ -5,7 +5,7 @@ use gsk_messages::say;
 
 use crate::alarm::{Alarm, number};
 use crate::interpreter::macros::variable::NotNow;
-use crate::program::{Condition, Expression, Function, Operator, Relation, Step};
+use crate::program::{Block, Condition, Expression, Function, Operator, Relation, Step, Syntax};
 
 /// A number, or null.
 pub(crate) type Value = Option<f64>;
@@ -53,6 +53,27 @@ pub(crate) fn evaluate(
         stack.push(result);
     }
     Ok(stack.pop().flatten())
+}
+
+/// A block with values in the place of the formulas of its words.
+pub(crate) fn in_words(
+    block: &Block,
+    formulas: &[Expression],
+    syntax: Syntax,
+    read: Read<'_>,
+) -> Result<Block, NotNow> {
+    let mut values = vec![None; formulas.len()];
+    for word in block.words() {
+        let Some(formula) = word.value.variable() else {
+            continue;
+        };
+        let index = usize::from(formula.number);
+        let (Some(value), Some(formula)) = (values.get_mut(index), formulas.get(index)) else {
+            continue;
+        };
+        *value = evaluate(formula, syntax.unit(word.address), read)?;
+    }
+    Ok(block.with_values(&values, syntax)?)
 }
 
 /// Whether a condition holds. Null equals null alone; as more or less it counts as 0.

@@ -9,7 +9,8 @@ use crate::interpreter::macros::formula::{self, Read, evaluate};
 use crate::interpreter::macros::levels::{Locals, Loop, Modal};
 use crate::interpreter::macros::variable::NotNow;
 use crate::program::{
-    Assignment, Block, Expression, MacroCall, Program, ProgramMemory, Statement, Syntax, Then,
+    Assignment, Block, CodeCall, Expression, MacroCall, Program, ProgramMemory, Statement, Syntax,
+    Then,
 };
 
 /// Macro calls in each other.
@@ -94,22 +95,14 @@ pub(crate) fn carry_out(
             Ok(Outcome::Repeat(ended.first))
         }
         Statement::Call(call) => {
-            let nested = here.calls.iter().filter(|it| !it.kind.is_subprogram());
-            if nested.count() >= MACRO_LEVELS {
-                let detail = say::call_too_deep("G65", MACRO_LEVELS + 1, MACRO_LEVELS);
-                return Err(Alarm::new(number::CALL_TOO_DEEP).because(detail).into());
-            }
-            let program = here.called("G65", call, read)?;
-            let call_of = Call {
-                program,
-                runs: runs(call, 99, read)?,
-                back: here.place.after(),
-                kind: CallKind::Macro,
-                first: 0,
-                blocks: None,
+            let by = By {
+                name: "G65",
+                most: 99,
+                codes_ordinary: false,
             };
-            Ok(Outcome::Call(call_of, arguments(call, read)?))
+            macro_call(call, &by, here, read)
         }
+        Statement::ModalCall(_) if here.place.program == ProgramId::Mdi => Err(call_in_mdi("G66")),
         Statement::ModalCall(call) => Ok(Outcome::Modal(Modal {
             program: here.called("G66", call, read)?,
             runs: runs(call, 9999, read)?,
@@ -119,6 +112,61 @@ pub(crate) fn carry_out(
         // Words are no statement: they are read with their values.
         Statement::Words(_) => Ok(Outcome::Nothing),
     }
+}
+
+/// What calls a macro.
+struct By<'a> {
+    name: &'a str,
+    /// Most runs.
+    most: i64,
+    /// Codes that call are ordinary ones in it.
+    codes_ordinary: bool,
+}
+
+fn macro_call(
+    call: &MacroCall,
+    by: &By<'_>,
+    here: &Here<'_>,
+    read: Read<'_>,
+) -> Result<Outcome, NotNow> {
+    if here.place.program == ProgramId::Mdi {
+        return Err(call_in_mdi(by.name));
+    }
+    let nested = here.calls.iter().filter(|it| !it.kind.is_subprogram());
+    if nested.count() >= MACRO_LEVELS {
+        let detail = say::call_too_deep(by.name, MACRO_LEVELS + 1, MACRO_LEVELS);
+        return Err(Alarm::new(number::CALL_TOO_DEEP).because(detail).into());
+    }
+    let call_of = Call {
+        program: here.called(by.name, call, read)?,
+        runs: runs(call, by.most, read)?,
+        back: here.place.after(),
+        kind: CallKind::Macro,
+        first: 0,
+        blocks: None,
+        codes_ordinary: by.codes_ordinary,
+    };
+    Ok(Outcome::Call(call_of, arguments(call, read)?))
+}
+
+/// Works the call out that a G or M code makes by a parameter.
+pub(crate) fn carry_out_code_call(
+    code_call: &CodeCall,
+    here: &Here<'_>,
+    read: Read<'_>,
+) -> Result<Outcome, NotNow> {
+    let (letter, code) = code_call.code;
+    let by = By {
+        name: &format!("{letter}{code:02}"),
+        most: 9999,
+        codes_ordinary: letter == 'G',
+    };
+    macro_call(&code_call.call, &by, here, read)
+}
+
+fn call_in_mdi(name: &str) -> NotNow {
+    let detail = say::macro_call_in_mdi(name);
+    Alarm::new(number::BAD_G).because(detail).into()
 }
 
 fn assign(assignment: &Assignment, read: Read<'_>) -> Result<Outcome, NotNow> {
@@ -173,9 +221,21 @@ fn runs(call: &MacroCall, most: i64, read: Read<'_>) -> Result<u16, NotNow> {
 /// I, J and K count in groups: one that does not follow the last of them in the alphabet
 /// begins the next group. So both ways of writing arguments are read by one rule.
 fn arguments(call: &MacroCall, read: Read<'_>) -> Result<Locals, NotNow> {
+    let arguments = call.arguments.iter().map(|(address, value)| {
+        let value = evaluate(value, 0.001, read)?;
+        Ok((*address, value))
+    });
+    arguments_of(arguments)
+}
+
+/// The same, their values worked out.
+pub(crate) fn arguments_of(
+    arguments: impl Iterator<Item = Result<(u8, Option<f64>), NotNow>>,
+) -> Result<Locals, NotNow> {
     let mut locals = Locals::new();
     let (mut group, mut last) = (0_u8, None);
-    for (address, value) in &call.arguments {
+    for argument in arguments {
+        let (address, value) = argument?;
         let variable = match address {
             b'I' | b'J' | b'K' => {
                 let rank = address - b'I';
@@ -193,11 +253,11 @@ fn arguments(call: &MacroCall, read: Read<'_>) -> Result<Locals, NotNow> {
             b'M' => 13,
             b'Q'..=b'Z' => address - b'Q' + 17,
             _ => {
-                let detail = say::macro_argument_address(char::from(*address));
+                let detail = say::macro_argument_address(char::from(address));
                 return Err(Alarm::new(number::BAD_ARGUMENT).because(detail).into());
             }
         };
-        match evaluate(value, 0.001, read)? {
+        match value {
             Some(value) => locals.insert(variable, formula::kept(value)),
             None => locals.remove(&variable),
         };

@@ -5,6 +5,14 @@
 //!   #1–#33                of the call                        levels
 //!   #100–#199 #500–#999   of all programs; #200–#231 too     memory
 //!   #1000–#1133           signals of the ladder
+//!   #2001 #2101 #2201 #2301 and on   X, Z, R, T of the offsets 01 to 32
+//!   #2500 #2600           X, Z of the offset 00, the shift of the work coordinates
+//!   #3000                 an alarm                           statement
+//!   #3001 #3002           timers, ms and h
+//!   #3003 #3004           switch stops off
+//!   #3005                 rows of the setting page
+//!   #3011 #3012           date, time of day
+//!   #3901 #3902           parts made, parts required
 //!   #4001–#4004           G code of the groups 01 to 04      modal
 //!   #4109 #4113 #4114 #4115 #4119 #4120   F M N O S T
 //!   #5001 #5002           end of the last block              programmed
@@ -25,7 +33,7 @@ use crate::interpreter::context::state::State;
 use crate::interpreter::macros::formula::{self, Value};
 use crate::interpreter::macros::levels::{LOCALS, Levels};
 use crate::interpreter::macros::variable::{NotNow, Slot};
-use crate::memory::Variables;
+use crate::memory::{Counters, Registers, SwitchedOff, Variables};
 use crate::program::{Block, Expression, Program, Syntax};
 
 /// What variables are read from, besides the host.
@@ -34,11 +42,20 @@ pub(crate) struct Known<'a> {
     /// After the block before.
     pub(crate) state: State,
     pub(crate) source: Source,
+    /// The variables are those of the Huaxing lathes.
+    pub(crate) counted: bool,
 }
 
 impl Known<'_> {
     /// The value of a variable.
     pub(crate) fn read(&self, number: u32, host: &impl Host) -> Result<Value, NotNow> {
+        if self.counted {
+            return match u16::try_from(number) {
+                Ok(0) => Ok(None),
+                Ok(number @ 1..=99) => Ok(host.variables().counted(number)),
+                _ => Err(unknown_there(number)),
+            };
+        }
         match number {
             0 => Ok(None),
             1..=LOCALS => Ok(self.levels.get(number as u8)),
@@ -46,6 +63,8 @@ impl Known<'_> {
                 let slot = Slot::find(number as u16, host)?;
                 Ok(Some(slot.read(host)? as f64))
             }
+            2000..=2999 => offset(number, host).map(Some),
+            3000..=3999 => machine(number, host).map(Some),
             4000..=4999 => self
                 .modal(number, host)
                 .ok_or_else(|| unknown(number))
@@ -64,18 +83,7 @@ impl Known<'_> {
         host: &impl Host,
     ) -> Result<Block, NotNow> {
         let read = |number| self.read(number, host);
-        let mut values = vec![None; formulas.len()];
-        for word in block.words() {
-            let Some(formula) = word.value.variable() else {
-                continue;
-            };
-            let index = usize::from(formula.number);
-            let (Some(value), Some(formula)) = (values.get_mut(index), formulas.get(index)) else {
-                continue;
-            };
-            *value = formula::evaluate(formula, syntax.unit(word.address), &read)?;
-        }
-        let block = block.with_values(&values, syntax)?;
+        let block = formula::in_words(block, formulas, syntax, &read)?;
         if block.has_g(65) {
             let detail = say::macro_code_from_variable();
             return Err(Alarm::new(number::BAD_IN_MACRO).because(detail).into());
@@ -148,6 +156,32 @@ fn common(number: u32) -> Result<u16, NotNow> {
     common.ok_or_else(|| unknown(number))
 }
 
+/// No variable of the Huaxing lathes.
+pub(crate) fn unknown_there(number: u32) -> NotNow {
+    Alarm::new(number::BAD_VARIABLE)
+        .because(say::variable_of_huaxing_unknown(number))
+        .into()
+}
+
+/// Gives a variable of the Huaxing lathes its value.
+///
+/// # Errors
+/// 115 for a number that is none, 116 for #0.
+pub(crate) fn write_counted(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
+    match u16::try_from(number) {
+        Ok(0) => {
+            let detail = say::variable_of_macro_read_only(number);
+            Err(Alarm::new(number::READ_ONLY).because(detail).into())
+        }
+        Ok(number @ 1..=99) => {
+            let kept = value.map(formula::kept);
+            host.variables_mut().set_counted(number, kept);
+            Ok(())
+        }
+        _ => Err(unknown_there(number)),
+    }
+}
+
 fn unknown(number: u32) -> NotNow {
     Alarm::new(number::BAD_VARIABLE)
         .because(say::variable_of_macro_unknown(number))
@@ -168,7 +202,8 @@ pub(crate) fn write(
     let value = value.map(formula::kept);
     match number {
         1..=LOCALS => levels.set(number as u8, value),
-        0 | 4000..=5999 => {
+        2000..=2999 => write_offset(number, value, host)?,
+        0 | 3011 | 3012 | 4000..=5999 => {
             let detail = say::variable_of_macro_read_only(number);
             return Err(Alarm::new(number::READ_ONLY).because(detail).into());
         }
@@ -178,7 +213,175 @@ pub(crate) fn write(
             slot.check(whole, host)?;
             slot.write(whole, host)?;
         }
+        3000..=3999 => write_machine(number, value, host)?,
         _ => host.variables_mut().set_real(common(number)?, value)?,
     }
     Ok(())
+}
+
+/// A value of the offset table.
+#[derive(Clone, Copy)]
+enum OffsetValue {
+    X,
+    Z,
+    R,
+    T,
+}
+
+/// Row and column of the offset table that a variable names.
+fn offset_place(number: u32, host: &impl Host) -> Result<(u8, OffsetValue), NotNow> {
+    let place = match (number / 100, number % 100) {
+        (20, row @ 1..=32) => (row as u8, OffsetValue::X),
+        (21, row @ 1..=32) => (row as u8, OffsetValue::Z),
+        (22, row @ 1..=32) => (row as u8, OffsetValue::R),
+        (23, row @ 1..=32) => (row as u8, OffsetValue::T),
+        (25, 0) if host.parameters().work_shift() => (0, OffsetValue::X),
+        (26, 0) if host.parameters().work_shift() => (0, OffsetValue::Z),
+        _ => return Err(unknown(number)),
+    };
+    Ok(place)
+}
+
+/// As the offset page shows it, mm.
+fn offset(number: u32, host: &impl Host) -> Result<f64, NotNow> {
+    let (row, value) = offset_place(number, host)?;
+    let offset = host.offsets().get(row);
+    Ok(match value {
+        OffsetValue::X => offset.x,
+        OffsetValue::Z => offset.z,
+        OffsetValue::R => offset.r,
+        OffsetValue::T => offset.t.into(),
+    })
+}
+
+/// It acts with the next T that names its row.
+fn write_offset(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
+    let (row, place) = offset_place(number, host)?;
+    when_settled(host)?;
+    let value = value.unwrap_or(0.0);
+    let mut offset = host.offsets().get(row);
+    match place {
+        OffsetValue::X => offset.x = value,
+        OffsetValue::Z => offset.z = value,
+        OffsetValue::R => offset.r = value,
+        OffsetValue::T => offset.t = whole(number, value, i64::from(u8::MAX))? as u8,
+    }
+    match row {
+        0 => host.offsets_mut().set_work_shift(offset)?,
+        _ => host.offsets_mut().set(row, offset)?,
+    }
+    Ok(())
+}
+
+/// The rows of the setting page.
+pub(crate) const SETTINGS: u32 = 3005;
+/// Milliseconds of an hour.
+const HOUR_MS: f64 = 3.6e6;
+/// Rows of the setting page as bits of #3005.
+const PARITY: u8 = 2;
+const ISO: u8 = 3;
+const INCH: u8 = 4;
+const NUMBERING: u8 = 7;
+const SETTINGS_GREATEST: i64 = 0x3FF;
+
+fn machine(number: u32, host: &impl Host) -> Result<f64, NotNow> {
+    let registers = host.registers();
+    Ok(match number {
+        3003 => registers.off.stops().into(),
+        3004 => registers.off.motion().into(),
+        3005 => {
+            let settings = host.settings();
+            let bit = |on: bool, bit: u8| u16::from(on) << bit;
+            let rows = bit(settings.parity, PARITY)
+                | bit(settings.iso, ISO)
+                | bit(settings.inch, INCH)
+                | bit(settings.numbering, NUMBERING);
+            rows.into()
+        }
+        3902 => host.counters().required.into(),
+        3001 | 3002 | 3011 | 3012 | 3901 => {
+            when_settled(host)?;
+            let now = host.now_ms();
+            match number {
+                3001 => registers.timer(now) as f64,
+                3002 => host.started_ms() as f64 / HOUR_MS,
+                3011 => registers.date(now).into(),
+                3012 => registers.time_of_day(now).into(),
+                _ => host.counters().parts.into(),
+            }
+        }
+        _ => return Err(unknown(number)),
+    })
+}
+
+fn write_machine(number: u32, value: Value, host: &mut impl Host) -> Result<(), NotNow> {
+    let value = value.unwrap_or(0.0);
+    let (stops, motion) = SwitchedOff::GREATEST;
+    let last = |count: u32| i64::from(count) - 1;
+    match number {
+        3001 => {
+            let ms = whole(number, value, Registers::TIMER_GREATEST)?;
+            when_settled(host)?;
+            let now = host.now_ms();
+            host.registers_mut().set_timer(ms, now);
+        }
+        3002 => {
+            let greatest = (Counters::STARTED_MS - 1) as f64 / HOUR_MS;
+            if !(0.0..=greatest).contains(&value) {
+                let detail = say::variable_of_macro_out_of_range(number, value, greatest);
+                return Err(Alarm::new(number::MACRO_RANGE).because(detail).into());
+            }
+            when_settled(host)?;
+            host.set_started_ms(formula::rounded(value * HOUR_MS) as u64);
+        }
+        3003 => {
+            let bits = whole(number, value, stops.into())?;
+            when_settled(host)?;
+            host.registers_mut().off.set_stops(bits as u8);
+        }
+        3004 => {
+            let bits = whole(number, value, motion.into())?;
+            when_settled(host)?;
+            host.registers_mut().off.set_motion(bits as u8);
+        }
+        3005 => {
+            let bits = whole(number, value, SETTINGS_GREATEST)?;
+            when_settled(host)?;
+            let on = |bit: u8| bits >> bit & 1 == 1;
+            let settings = host.settings_mut();
+            settings.parity = on(PARITY);
+            settings.iso = on(ISO);
+            settings.inch = on(INCH);
+            settings.numbering = on(NUMBERING);
+        }
+        3901 => {
+            let parts = whole(number, value, last(Counters::PARTS))?;
+            when_settled(host)?;
+            host.counters_mut().parts = parts as u32;
+        }
+        3902 => {
+            let parts = whole(number, value, last(Counters::REQUIRED))?;
+            host.counters_mut().required = parts as u32;
+        }
+        _ => return Err(unknown(number)),
+    }
+    Ok(())
+}
+
+/// What the machine does meanwhile counts when its block comes, and not when it is read.
+fn when_settled(host: &impl Host) -> Result<(), NotNow> {
+    match host.settled() {
+        true => Ok(()),
+        false => Err(NotNow::Wait),
+    }
+}
+
+/// A whole number from 0 to the greatest; alarm 111.
+fn whole(number: u32, value: f64, greatest: i64) -> Result<i64, NotNow> {
+    let whole = formula::rounded(value) as i64;
+    if (0..=greatest).contains(&whole) {
+        return Ok(whole);
+    }
+    let detail = say::variable_of_macro_out_of_range(number, value, greatest);
+    Err(Alarm::new(number::MACRO_RANGE).because(detail).into())
 }

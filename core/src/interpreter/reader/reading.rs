@@ -10,6 +10,7 @@ use crate::interpreter::calls::subprogram;
 use crate::interpreter::codes::corner;
 use crate::interpreter::codes::inch;
 use crate::interpreter::codes::nose_radius::{self, check_call};
+use crate::interpreter::context::code_calls::{self, CodeCalls};
 use crate::interpreter::context::exact::Exact;
 use crate::interpreter::context::flow::{Flow, MacroEntry};
 use crate::interpreter::context::host::Host;
@@ -30,7 +31,7 @@ use crate::interpreter::plan::Plan;
 use crate::interpreter::run::Run;
 use crate::memory::Parameters;
 use crate::model::ControlModel;
-use crate::program::{Block, Recent, Syntax};
+use crate::program::{Block, Recent, Statement, Syntax};
 
 use super::{Advance, Interpreter};
 
@@ -143,6 +144,38 @@ impl Interpreter {
             sequence: run.sequence,
         };
         let skipping = host.block_skip() && mdi.is_none();
+        if let Some(calls) = calls_by_codes(self.code_calls.as_deref(), run, place) {
+            let call = program.code_call(place.block, &|letter, code| calls.called(letter, code));
+            let call = match call {
+                Ok(call) => call.filter(|call| !(skipping && call.skip)),
+                Err(_) if skipping && program.has_skip_mark(place.block) => None,
+                Err(error) => {
+                    source.line = program.block_line(place.block);
+                    return Err(Alarm::from(error).at(source));
+                }
+            };
+            if let Some(call) = call {
+                source.line = program.block_line(place.block);
+                source.sequence = call.n.map(BlockNumber::from).or(source.sequence);
+                let known = Known {
+                    levels: &run.levels,
+                    state: self.state,
+                    source,
+                    counted: false,
+                };
+                let here = Here {
+                    program,
+                    programs: host.programs(),
+                    place,
+                    calls: &run.calls,
+                    syntax,
+                    within: None,
+                };
+                let read = |it| known.read(it, &*host);
+                let outcome = statement::carry_out_code_call(&call, &here, &read);
+                return self.follow_statement(outcome, source, place, host);
+            }
+        }
         let mut block = match recent.read(program, place.block, syntax) {
             Ok(block) => block,
             Err(error) => {
@@ -197,10 +230,16 @@ impl Interpreter {
                 levels: &run.levels,
                 state: self.state,
                 source,
+                counted: self.own_variables,
             }),
             false => None,
         };
         if let (Some(statement), Some(known)) = (block.macro_statement(), &known) {
+            if known.counted
+                && let Some(alarm) = refused_by_huaxing(statement)
+            {
+                return Err(alarm.at(source));
+            }
             let here = Here {
                 program,
                 programs: host.programs(),
@@ -258,9 +297,12 @@ impl Interpreter {
             None
         };
         let read = |index, motion| reading.words_at(index, motion).map_err(lookahead::alarm);
+        let code_calls = calls_by_codes(self.code_calls.as_deref(), run, place);
+        let t_calls = code_calls.and_then(|calls| calls.plain(&words));
         let context = Context {
             compensated: self.compensated(),
             machine_codes: self.machine_codes,
+            code_calls,
             next: next.as_ref(),
             ..context(
                 &*host,
@@ -280,6 +322,13 @@ impl Interpreter {
         if let Err(alarm) = outcome {
             self.state = before;
             return Err(alarm.at(source));
+        }
+        if let Some(call) = t_calls
+            && call.address == 'T'
+        {
+            let variables = host.variables_mut();
+            let set = variables.set_real(code_calls::T_VARIABLE, Some(call.code as f64));
+            set.map_err(|alarm| alarm.at(source))?;
         }
         self.stand_as(&before);
         self.note(source);
@@ -336,10 +385,19 @@ impl Interpreter {
         host: &mut H,
     ) -> Result<Flow, NotNow> {
         let to = |block| Flow::Jump(Place { block, ..place });
+        let counted = self.own_variables;
         let levels = &mut self.run_mut().levels;
         match outcome {
             Outcome::Nothing => {}
-            Outcome::Assign(number, value) => system::write(number, value, levels, host)?,
+            Outcome::Assign(number, value) if counted => {
+                system::write_counted(number, value, host)?;
+            }
+            Outcome::Assign(number, value) => {
+                system::write(number, value, levels, host)?;
+                if number == system::SETTINGS {
+                    self.set_inch_input(host.settings().inch);
+                }
+            }
             Outcome::Enter(entered) => levels.enter_loop(entered),
             Outcome::Repeat(first) => return Ok(to(first)),
             Outcome::Leave(last) => return Ok(to(last.saturating_add(1))),
@@ -477,6 +535,33 @@ impl Interpreter {
     }
 }
 
+/// What the Huaxing lathes say to a statement other than a value for a variable.
+#[cold]
+fn refused_by_huaxing(statement: &Statement) -> Option<Alarm> {
+    let code = match statement {
+        Statement::Assign(_) => return None,
+        Statement::Call(_) => 65,
+        Statement::ModalCall(_) => 66,
+        Statement::CancelModalCall => 67,
+        _ => {
+            let rule = say::statement_not_of_huaxing();
+            return Some(Alarm::new(number::BAD_OPERATION).because(rule));
+        }
+    };
+    Some(Alarm::new(number::BAD_G).because(say::g_unknown(code)))
+}
+
+/// The codes that call a program where a run stands; none where they are ordinary.
+#[inline]
+fn calls_by_codes<'a>(
+    calls: Option<&'a CodeCalls>,
+    run: &Run,
+    place: Place,
+) -> Option<&'a CodeCalls> {
+    let stored = !matches!(place.program, ProgramId::Mdi | ProgramId::Dnc);
+    calls.filter(|_| stored && !code_calls::are_ordinary(&run.calls))
+}
+
 /// A block with numbers in the place of its variables and formulas; none where it has
 /// numbers only.
 fn resolve<H: Host>(
@@ -487,7 +572,14 @@ fn resolve<H: Host>(
 ) -> Result<Option<Block>, NotNow> {
     match (block.formulas(), known) {
         (Some(formulas), Some(known)) => known.words(block, formulas, syntax, host).map(Some),
-        _ if block.has_variables() => variable::resolve(block.clone(), syntax, host).map(Some),
+        _ if block.has_variables() => {
+            if syntax.model.record().own_variables
+                && let Some(number) = block.first_variable()
+            {
+                return Err(system::unknown_there(number.into()));
+            }
+            variable::resolve(block.clone(), syntax, host).map(Some)
+        }
         _ => Ok(None),
     }
 }
@@ -538,6 +630,7 @@ fn context<'a, H: Host>(
         place,
         mdi,
         machine_codes: MachineCodes::default(),
+        code_calls: None,
         x_factor: x_factor(parameters),
         compensated: Compensated::Never,
         read,

@@ -181,15 +181,15 @@ fn points_are_appended_on_the_mdi_page() {
     let bench = Bench::new().with_bit(13, 3, true).with_bit(13, 5, true);
     let mut mdi = MdiBlock::default();
     for word in ["G01", "X10", "F100", "Z1.5"] {
-        mdi.enter(word, &bench.parameters).unwrap();
+        mdi.enter(word, &bench.parameters, false).unwrap();
     }
     assert_eq!(mdi.text(), "G01 X10. F100. Z1.5");
     let mut mdi = MdiBlock::default();
     for word in ["G65", "H1", "P#200", "Q5", "R7"] {
-        mdi.enter(word, &bench.parameters).unwrap();
+        mdi.enter(word, &bench.parameters, false).unwrap();
     }
     assert_eq!(mdi.text(), "G65 H1 P#200 Q5 R7");
     let plain = Bench::new().with_bit(13, 5, true);
-    let refused = MdiBlock::default().enter("X10", &plain.parameters);
+    let refused = MdiBlock::default().enter("X10", &plain.parameters, false);
     assert_eq!(refused.unwrap_err().number, 7);
 }

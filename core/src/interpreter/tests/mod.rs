@@ -10,6 +10,7 @@ mod explanations;
 mod hx31;
 mod hx31_cycles;
 mod macro_b;
+mod macro_machine;
 mod macros;
 mod motion;
 mod ncb08;
@@ -29,7 +30,7 @@ use crate::command::{Action, Command, ProgramId, ThreadStart};
 use crate::interpreter::Host;
 use crate::interpreter::Interpreter;
 use crate::interpreter::Step;
-use crate::memory::{Offsets, Parameters, ToolOffset, Variables};
+use crate::memory::{Counters, Offsets, Parameters, Registers, Settings, ToolOffset, Variables};
 use crate::model::{ControlModel, ModelId};
 use crate::program::{Program, ProgramMemory};
 use crate::units::{Feed, PerAxis, Point};
@@ -39,6 +40,10 @@ pub(super) struct Bench {
     pub(super) parameters: Parameters,
     pub(super) offsets: Offsets,
     pub(super) variables: Variables,
+    pub(super) registers: Registers,
+    pub(super) counters: Counters,
+    pub(super) settings: Settings,
+    pub(super) now_ms: u64,
     pub(super) inputs: u16,
     pub(super) outputs: u64,
     pub(super) programs: ProgramMemory,
@@ -51,7 +56,11 @@ pub(super) struct Bench {
 
 struct World<'a> {
     parameters: &'a mut Parameters,
-    offsets: &'a Offsets,
+    offsets: &'a mut Offsets,
+    registers: &'a mut Registers,
+    counters: &'a mut Counters,
+    settings: &'a mut Settings,
+    now_ms: u64,
     variables: &'a mut Variables,
     inputs: u16,
     outputs: &'a mut u64,
@@ -63,6 +72,30 @@ struct World<'a> {
 }
 
 impl Host for World<'_> {
+    fn offsets_mut(&mut self) -> &mut Offsets {
+        self.offsets
+    }
+    fn registers(&self) -> &Registers {
+        self.registers
+    }
+    fn registers_mut(&mut self) -> &mut Registers {
+        self.registers
+    }
+    fn counters(&self) -> &Counters {
+        self.counters
+    }
+    fn counters_mut(&mut self) -> &mut Counters {
+        self.counters
+    }
+    fn settings(&self) -> &Settings {
+        self.settings
+    }
+    fn settings_mut(&mut self) -> &mut Settings {
+        self.settings
+    }
+    fn now_ms(&self) -> u64 {
+        self.now_ms
+    }
     fn parameters(&self) -> &Parameters {
         self.parameters
     }
@@ -135,6 +168,10 @@ impl Bench {
             parameters,
             offsets,
             variables: Variables::default(),
+            registers: Registers::default(),
+            counters: Counters::default(),
+            settings: Settings::default(),
+            now_ms: 0,
             inputs: 0,
             outputs: 0,
             programs: ProgramMemory::default(),
@@ -167,7 +204,11 @@ impl Bench {
     fn parts(&mut self) -> (&mut Interpreter, World<'_>) {
         let world = World {
             parameters: &mut self.parameters,
-            offsets: &self.offsets,
+            offsets: &mut self.offsets,
+            registers: &mut self.registers,
+            counters: &mut self.counters,
+            settings: &mut self.settings,
+            now_ms: self.now_ms,
             variables: &mut self.variables,
             inputs: self.inputs,
             outputs: &mut self.outputs,

@@ -96,6 +96,11 @@ impl Expression {
         &self.0
     }
 
+    /// A number alone.
+    pub(in crate::program) fn number(value: f64) -> Self {
+        Self(vec![Step::Number(value)])
+    }
+
     /// Reads a formula as long as it goes.
     ///
     /// # Errors

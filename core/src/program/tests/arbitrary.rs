@@ -170,7 +170,7 @@ proptest! {
         let parameters = Parameters::default();
         let mut mdi = MdiBlock::default();
         for word in words {
-            let _ = mdi.enter(&word, &parameters);
+            let _ = mdi.enter(&word, &parameters, false);
             prop_assert!(mdi.block(&parameters).is_ok(), "{:?}", mdi);
         }
     }

@@ -79,11 +79,11 @@ fn keying_in_an_mdi_block() {
     let parameters = Parameters::default();
     let mut mdi = MdiBlock::default();
     assert!(mdi.is_empty());
-    mdi.enter("G50", &parameters).unwrap();
-    mdi.enter("X50", &parameters).unwrap();
-    mdi.enter("z 100;", &parameters).unwrap();
+    mdi.enter("G50", &parameters, false).unwrap();
+    mdi.enter("X50", &parameters, false).unwrap();
+    mdi.enter("z 100;", &parameters, false).unwrap();
     assert_eq!(mdi.text(), "G50 X50 Z 100");
-    mdi.enter("X-12.5", &parameters).unwrap();
+    mdi.enter("X-12.5", &parameters, false).unwrap();
     assert_eq!(mdi.entered(b'X'), Some("-12.5"));
     assert_eq!(mdi.entered(b'U'), None);
     assert_eq!(
@@ -101,23 +101,23 @@ fn keying_in_an_mdi_block() {
     ] {
         let before = mdi.clone();
         assert_eq!(
-            mdi.enter(word, &parameters).unwrap_err().number,
+            mdi.enter(word, &parameters, false).unwrap_err().number,
             alarm,
             "{word}"
         );
         assert_eq!(mdi, before);
     }
-    mdi.enter("G0", &parameters).unwrap();
+    mdi.enter("G0", &parameters, false).unwrap();
     assert_eq!(mdi.text(), "G0 X-12.5 Z 100");
-    mdi.enter("G1 G98 F100", &parameters).unwrap();
+    mdi.enter("G1 G98 F100", &parameters, false).unwrap();
     assert_eq!(mdi.text(), "G1 X-12.5 Z 100 G98 F100");
     assert_eq!(mdi.program().block_count(), 1);
     mdi.clear();
     assert!(mdi.is_empty());
-    mdi.enter("G65", &parameters).unwrap();
-    mdi.enter("H31", &parameters).unwrap();
-    mdi.enter("P#201", &parameters).unwrap();
-    mdi.enter("R30000", &parameters).unwrap();
+    mdi.enter("G65", &parameters, false).unwrap();
+    mdi.enter("H31", &parameters, false).unwrap();
+    mdi.enter("P#201", &parameters, false).unwrap();
+    mdi.enter("R30000", &parameters, false).unwrap();
     assert_eq!(
         mdi.block(&parameters).unwrap().to_string(),
         "G65 H31 P#201 R30000;"

@@ -1,0 +1,83 @@
+//! `mill`: what is worked out when a GSK980MDi is set up.
+
+use clap::{Args, Subcommand};
+use gsk_messages::Language;
+
+use super::language;
+
+/// `mill`.
+#[derive(Debug, Subcommand)]
+pub enum MillCommand {
+    /// The electronic gear of an axis: parameters 015 and 016
+    Gear(GearArgs),
+    /// What the table of pitch errors makes of positions: parameters 3620 to 3624
+    Pitch(PitchArgs),
+}
+
+/// `mill gear`.
+#[derive(Args, Debug)]
+pub struct GearArgs {
+    /// Counts of the encoder in a turn: its lines, of an incremental encoder four times those
+    #[arg(long, value_name = "COUNTS")]
+    pub counts: u32,
+    /// Lead of the screw, mm
+    #[arg(long, value_name = "MM", required_unless_present = "pulses")]
+    pub lead: Option<f64>,
+    /// Of a rotary axis or a spindle instead: pulses in a turn
+    #[arg(long, value_name = "PULSES", conflicts_with = "lead")]
+    pub pulses: Option<u32>,
+    /// Output increment, mm: 0.001, or 0.0001 (001.1 = 1)
+    #[arg(long, value_name = "MM", default_value_t = 0.001)]
+    pub increment: f64,
+    /// Teeth on the screw or the table, on the motor
+    #[arg(long, value_name = "ZM,ZD", default_value = "1,1", value_parser = teeth)]
+    pub teeth: (u32, u32),
+    /// Language of what is said
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}
+
+/// `mill pitch`.
+#[derive(Args, Debug)]
+pub struct PitchArgs {
+    /// Positions from the reference point, mm (degrees)
+    #[arg(value_name = "POSITION", allow_negative_numbers = true)]
+    pub positions: Vec<f64>,
+    /// 3620: the number at the reference point
+    #[arg(long, value_name = "N")]
+    pub origin: i64,
+    /// 3624: the interval, mm (degrees)
+    #[arg(long, value_name = "MM")]
+    pub interval: f64,
+    /// 3621, 3622: the least and the greatest number
+    #[arg(long, value_name = "N,N", default_value = "0,1023", value_parser = window)]
+    pub window: (i64, i64),
+    /// Values of the table, 0.001 mm: 58=-7 (may be repeated)
+    #[arg(long = "value", value_name = "N=V", allow_hyphen_values = true, value_parser = value)]
+    pub values: Vec<(i64, i64)>,
+    /// 1260: a turn of a rotary axis, degrees; whether the table comes out even
+    #[arg(long, value_name = "DEGREES")]
+    pub turn: Option<f64>,
+    /// Language of what is said
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}
+
+fn two<T: core::str::FromStr>(word: &str, between: char) -> Result<(T, T), String> {
+    let form = || format!("write two whole numbers with {between} between them");
+    let (one, other) = word.split_once(between).ok_or_else(form)?;
+    let read = |text: &str| text.trim().parse().map_err(|_| form());
+    Ok((read(one)?, read(other)?))
+}
+
+fn teeth(word: &str) -> Result<(u32, u32), String> {
+    two(word, ',')
+}
+
+fn window(word: &str) -> Result<(i64, i64), String> {
+    two(word, ',')
+}
+
+fn value(word: &str) -> Result<(i64, i64), String> {
+    two(word, '=')
+}

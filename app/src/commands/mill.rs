@@ -1,0 +1,205 @@
+//! `check` and `plot` of programs of a mill, and `mill`.
+
+use std::path::{Path, PathBuf};
+
+use gsk_core::preview::Progress;
+use gsk_messages::{Language, Message, say};
+use gsk_milling::commissioning::{PitchTable, Teeth, linear_gear, rotary_gear};
+use gsk_milling::{End, Length, Move, preview_while};
+use gsk_runner::mill::{self, MillSetup};
+use gsk_runner::picture::Format;
+use gsk_runner::picture::mill::{MillDrawing, encode};
+use gsk_runner::report::{self, AlarmReport, Report};
+
+use super::results::{all, print};
+use super::run::title;
+use super::{ALARM, CommandError, FINE, output};
+use crate::apart::{Read, keep_apart, results};
+use crate::cli::{CheckArgs, GearArgs, MillCommand, PitchArgs, PlotArgs};
+use crate::files::folders;
+use crate::loading::{self, LoadError};
+use crate::picture::check_name;
+use crate::setup_args::OfMill;
+
+/// An option that is none of a mill.
+fn refuse(option: &'static str) -> CommandError {
+    LoadError::OfMill(OfMill::LathesAlone(option)).into()
+}
+
+/// Checks programs.
+pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
+    if args.part.wanted() {
+        return Err(refuse("--part"));
+    }
+    if args.look.work_zero.is_some() {
+        return Err(refuse("--work-zero"));
+    }
+    let (setup, _) = loading::mill(&args.setup)?;
+    let (files, mut wrong) = folders::programs(&args.files);
+    if args.moves.is_some() && files.len() > 1 {
+        return Err(CommandError::OneProgram);
+    }
+    if args.moves.is_some()
+        && let Some(error) = wrong.pop()
+    {
+        return Err(error.into());
+    }
+    let read = Read {
+        files: files.iter().map(PathBuf::as_path).collect(),
+        main: files.first().map(PathBuf::as_path),
+        data: None,
+    };
+    keep_apart(&read, &results(&[&args.moves]))?;
+    if let (Some(path), [file]) = (&args.moves, &files[..]) {
+        let mut out = output::open(path)?;
+        let mut failed = None;
+        let report = check_file(&setup, file, args, true, &mut |made| {
+            if failed.is_none() {
+                failed = mill::write_move(&mut *out, made).err();
+            }
+        })?;
+        let flushed = out.flush().err();
+        if let Some(error) = failed.or(flushed) {
+            return Err(output::WriteError::new(path, error).into());
+        }
+        drop(out);
+        let aside = output::is_standard(Some(path));
+        return print(&[Ok(report)], args.format(), aside, args.look.lang);
+    }
+    let mut results = all(&files, &|file, alone| {
+        check_file(&setup, file, args, alone, &mut |_| {})
+    });
+    results.extend(wrong.into_iter().map(|error| Err(error.into())));
+    print(&results, args.format(), false, args.look.lang)
+}
+
+fn check_file(
+    setup: &MillSetup,
+    file: &Path,
+    args: &CheckArgs,
+    alone: bool,
+    on_move: &mut dyn FnMut(&Move),
+) -> Result<Report, CommandError> {
+    let look = args.look;
+    let (_, mut programs) = loading::mill(&args.setup)?;
+    loading::open(&mut programs, &[file.to_owned()])?.print(look.lang);
+    let programs = &programs.memory.programs;
+    let mut watch = output::watch(programs, look.patience.begin(), alone);
+    let name = file.display().to_string();
+    let mut goes_on = |progress: &Progress| watch.goes_on(progress);
+    Ok(mill::check(
+        &name,
+        setup,
+        programs,
+        look.lang,
+        on_move,
+        &mut goes_on,
+    ))
+}
+
+/// Draws a program from four sides. What comes before an alarm is drawn, too.
+pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
+    check_name(&args.output)?;
+    let format = Format::of(&args.output)?;
+    let refused = [
+        (args.part.wanted() || args.picture.needs_part(), "--part"),
+        (args.solid, "--solid"),
+        (args.picture.labels, "--labels"),
+        (args.look.work_zero.is_some(), "--work-zero"),
+    ];
+    if let Some((_, option)) = refused.into_iter().find(|(given, _)| *given) {
+        return Err(refuse(option));
+    }
+    let language = args.look.lang;
+    let main = args.file.as_path();
+    let read = Read {
+        files: vec![main],
+        main: Some(main),
+        data: None,
+    };
+    keep_apart(&read, &[&args.output])?;
+    let (setup, mut programs) = loading::mill(&args.setup)?;
+    loading::open(&mut programs, std::slice::from_ref(&args.file))?.print(language);
+    let programs = &programs.memory.programs;
+    let target = output::reserve(&args.output)?;
+    let mut drawing = MillDrawing::new(title(&args.file), args.picture.look());
+    let mut watch = output::watch(programs, args.look.patience.begin(), true);
+    let preview = preview_while(
+        &setup,
+        programs,
+        &mut |made| drawing.push(made),
+        &mut |progress| watch.goes_on(progress),
+    );
+    drop(watch);
+    target.write(&encode(format, &drawing, language.unwrap_or(Language::En))?)?;
+    if drawing.left_out() > 0 {
+        let said = say::picture_not_complete(drawing.left_out());
+        complain!("gsk980td: {}", report::said(&said, language));
+    }
+    if let Some(alarm) = &preview.alarm {
+        let alarm = AlarmReport::new(alarm, programs, language);
+        complain!("gsk980td: {}", alarm.sentence(language));
+    }
+    if preview.end == End::Limit {
+        let said = report::said(&say::report_limit(), language);
+        complain!("gsk980td: {}: {said}", args.file.display());
+    }
+    Ok(match preview.end {
+        End::Alarm | End::Limit => ALARM,
+        End::M30 | End::M99 | End::Text => FINE,
+    })
+}
+
+/// What is worked out when a mill is set up.
+pub fn work_out(command: &MillCommand) -> Result<u8, CommandError> {
+    match command {
+        MillCommand::Gear(args) => gear(args),
+        MillCommand::Pitch(args) => pitch(args),
+    }
+}
+
+fn wrong(said: Message) -> CommandError {
+    LoadError::MillWord(said).into()
+}
+
+fn say_line(said: &Message, language: Option<Language>) {
+    output::print(&(report::said(said, language) + "\n"));
+}
+
+fn gear(args: &GearArgs) -> Result<u8, CommandError> {
+    let (screw, motor) = args.teeth;
+    let teeth = Teeth { screw, motor };
+    let found = match (args.lead, args.pulses) {
+        (_, Some(pulses)) => rotary_gear(args.counts, pulses, teeth),
+        (lead, None) => {
+            let increment = Length::from_mm(args.increment);
+            let lead = Length::from_mm(lead.unwrap_or_default());
+            linear_gear(args.counts, increment, lead, teeth)
+        }
+    };
+    let found = found.map_err(wrong)?;
+    let ratio = f64::from(found.multiplier) / f64::from(found.divider);
+    let said = say::mill_gear(found.multiplier, found.divider, format!("{ratio:.6}"));
+    say_line(&said, args.lang);
+    Ok(FINE)
+}
+
+fn pitch(args: &PitchArgs) -> Result<u8, CommandError> {
+    let thousandths = |mm: f64| (mm * 1000.0).round() as i64;
+    let interval = thousandths(args.interval);
+    let table = PitchTable::new(args.origin, interval, args.window, &args.values);
+    let table = table.map_err(wrong)?;
+    for (number, value) in &args.values {
+        let said = say::mill_pitch_row(number, table.label(*number), value);
+        say_line(&said, args.lang);
+    }
+    for position in &args.positions {
+        let commanded = table.commanded(thousandths(*position));
+        say_line(&say::mill_pitch_pulses(position, commanded), args.lang);
+    }
+    if let Some(turn) = args.turn {
+        let end = table.end_of_turn(thousandths(turn)).map_err(wrong)?;
+        say_line(&say::mill_pitch_end(end), args.lang);
+    }
+    Ok(FINE)
+}

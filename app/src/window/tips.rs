@@ -1,0 +1,139 @@
+//! What the pointer is told of the panel without a help window: the other language of what
+//! is printed there, and which way an axis key moves (WINDOW-18).
+
+use egui::{RichText, Ui};
+use gsk_help::{article, on_screen};
+use gsk_panel::keys::{Key, KeyRow, StripLamp};
+use gsk_panel::screen::Screen;
+
+use super::key_map::pc_name;
+use crate::kernel::{KeysReversed, Snapshot};
+use gsk_messages::{Language, Message, say};
+
+/// Where an axis key moves the tool.
+pub fn motion(key: Key, reversed: KeysReversed) -> Option<Message> {
+    let (positive, [minus, plus]): (bool, [fn() -> Message; 2]) = match key {
+        Key::XUp => (reversed.x, [say::tip_x_minus, say::tip_x_plus]),
+        Key::XDown => (!reversed.x, [say::tip_x_minus, say::tip_x_plus]),
+        Key::ZLeft => (reversed.z, [say::tip_z_minus, say::tip_z_plus]),
+        Key::ZRight => (!reversed.z, [say::tip_z_minus, say::tip_z_plus]),
+        _ => return None,
+    };
+    Some(if positive { plus() } else { minus() })
+}
+
+/// The names of something on the panel, that of the reader first.
+fn names(language: Language, zh: &str, en: &str) -> String {
+    match language {
+        Language::Zh => format!("{zh}   {en}"),
+        Language::En => format!("{en}   {zh}"),
+    }
+}
+
+/// What is said of a key.
+pub fn key(ui: &mut Ui, language: Language, row: &KeyRow, reversed: KeysReversed) {
+    let mut text = names(language, row.name_zh, row.name_en);
+    if !row.pc.is_empty() {
+        text = format!("{text}   [{}]", pc_name(row.pc));
+    }
+    ui.label(text);
+    if let Some(motion) = motion(row.key, reversed) {
+        ui.label(RichText::new(motion.text(language)).strong());
+    }
+}
+
+/// What is said of a lamp.
+pub fn lamp(ui: &mut Ui, language: Language, lamp: &StripLamp, lit: bool) {
+    let state = match lit {
+        true => say::window_lamp_on(),
+        false => say::window_lamp_off(),
+    };
+    let names = names(language, lamp.name_zh, lamp.name_en);
+    ui.label(format!("{names}   {}", state.text(language)));
+}
+
+/// A row of a screen without the space around it; empty where only a frame stands.
+fn row_of(screen: &Screen, row: usize) -> String {
+    let text = screen.row(row);
+    let text = text.trim_matches(|it: char| it.is_whitespace() || it == '_' || it == '|');
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// What is said of a cell of the LCD: the row in the other language, and what stands there.
+/// Nothing where no text is.
+pub fn lcd(picture: &Snapshot, row: usize, column: usize, language: Language) -> Vec<String> {
+    let mut lines = Vec::new();
+    if row_of(&picture.screen, row).is_empty() {
+        return lines;
+    }
+    if let Some(translated) = &picture.translated {
+        let [shown, other] = [&picture.screen, &**translated].map(|it| row_of(it, row));
+        if shown != other && !other.is_empty() {
+            lines.push(other);
+        }
+    }
+    if let Some(topic) = on_screen(picture.page, &picture.screen, row, column) {
+        let heading = article(topic, language).heading;
+        if lines.is_empty() || !lines.contains(&heading) {
+            lines.push(heading);
+        }
+    }
+    lines
+}
+
+/// Whether a finger that stays on a key asks for help: not where holding it down is what
+/// the key is for, or stops the machine, or starts it.
+pub const fn explains_when_held(key: Key) -> bool {
+    !matches!(
+        key,
+        Key::XUp
+            | Key::XDown
+            | Key::ZLeft
+            | Key::ZRight
+            | Key::YMinus
+            | Key::YPlus
+            | Key::Rapid
+            | Key::Reset
+            | Key::Cancel
+            | Key::CycleStart
+            | Key::FeedHold
+            | Key::EmergencyStop
+            | Key::OvertravelRelease
+            | Key::SpindleForward
+            | Key::SpindleReverse
+            | Key::SpindleStop
+            | Key::Lubrication
+            | Key::ToolChange
+            | Key::SpindleOverrideUp
+            | Key::SpindleOverrideDown
+            | Key::RapidOverrideUp
+            | Key::RapidOverrideDown
+            | Key::FeedOverrideUp
+            | Key::FeedOverrideDown
+            | Key::Up
+            | Key::Down
+            | Key::Left
+            | Key::Right
+            | Key::PageUp
+            | Key::PageDown
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_arrows_say_where_they_lead() {
+        let words = |key, x, z| {
+            let said = motion(key, KeysReversed { x, z });
+            said.map(|said| said.text(Language::En)).unwrap_or_default()
+        };
+        assert!(words(Key::XUp, false, false).starts_with("X-"));
+        assert!(words(Key::XUp, true, false).starts_with("X+"));
+        assert!(words(Key::XDown, true, false).starts_with("X-"));
+        assert!(words(Key::ZLeft, false, false).starts_with("Z-"));
+        assert!(words(Key::ZRight, false, true).starts_with("Z-"));
+        assert_eq!(words(Key::Rapid, false, false), "");
+    }
+}

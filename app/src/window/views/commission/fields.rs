@@ -1,0 +1,101 @@
+//! What is typed into the fields of the steps.
+
+use egui::{Role, TextEdit, Ui, WidgetInfo};
+use gsk_commission::{Backlash, DriveKind, Travel, ZeroMethod};
+use gsk_messages::{Language, Message, say};
+
+/// Width of a field, points.
+const WIDTH: f32 = 90.0;
+
+/// The texts and choices of all steps.
+#[derive(Clone, Debug)]
+pub struct Fields {
+    /// Gear: by measurement, or from the plates.
+    pub measured_gear: bool,
+    /// Gear from the plates: pulses, lead, teeth of screw and motor.
+    pub plates: [String; 4],
+    /// Gear by measurement: commanded and measured.
+    pub moved: [String; 2],
+    /// The kind of the drives.
+    pub kind: DriveKind,
+    /// Following error: seen and allowed.
+    pub lag: [String; 2],
+    /// How the machine zero is found.
+    pub method: ZeroMethod,
+    /// Spindle: gear, speed, voltage.
+    pub spindle: [String; 3],
+    /// Backlash: a pair of readings a line.
+    pub readings: String,
+    /// Pitch: the interval.
+    pub interval: String,
+    /// Pitch: measured with an empty table.
+    pub clear: bool,
+    /// Pitch: targets are diameters.
+    pub diameters: bool,
+}
+
+impl Default for Fields {
+    fn default() -> Self {
+        let own = |words: &str| words.to_owned();
+        Self {
+            measured_gear: true,
+            plates: [own("10000"), own("5"), own("1"), own("1")],
+            moved: [own("-100"), String::new()],
+            kind: DriveKind::Servo,
+            lag: [String::new(), String::new()],
+            method: ZeroMethod::SwitchAndSignal,
+            spindle: [own("1"), String::new(), String::new()],
+            readings: String::new(),
+            interval: String::new(),
+            clear: false,
+            diameters: false,
+        }
+    }
+}
+
+/// A number, with a point or a comma.
+pub fn number(text: &str) -> Result<f64, Message> {
+    let number: Option<f64> = text.trim().replace(',', ".").parse().ok();
+    let finite = number.filter(|number| number.is_finite());
+    finite.ok_or_else(say::commission_numbers)
+}
+
+/// A number that may be left out.
+pub fn optional(text: &str) -> Result<Option<f64>, Message> {
+    match text.trim().is_empty() {
+        true => Ok(None),
+        false => number(text).map(Some),
+    }
+}
+
+/// Pairs of readings, one a line.
+pub fn readings(text: &str) -> Result<Vec<Backlash>, Message> {
+    let lines = text.lines().filter(|line| !line.trim().is_empty());
+    lines
+        .map(|line| {
+            let mut words = line.split_whitespace();
+            let (Some(a), Some(b), None) = (words.next(), words.next(), words.next()) else {
+                return Err(say::commission_numbers());
+            };
+            Ok(Backlash {
+                a: Travel(number(a)?),
+                b: Travel(number(b)?),
+            })
+        })
+        .collect()
+}
+
+/// Rows of a name and a field; whether one was changed.
+pub fn rows(ui: &mut Ui, language: Language, rows: &mut [(Message, &mut String)]) {
+    for (name, text) in rows {
+        ui.horizontal(|ui| {
+            let name = name.text(language);
+            let field = ui.add(TextEdit::singleline(*text).desired_width(WIDTH));
+            field.widget_info(|| WidgetInfo {
+                current_text_value: Some(text.clone()),
+                ..WidgetInfo::labeled(Role::TextInput, true, &name)
+            });
+            ui.label(name.as_str());
+        });
+    }
+}

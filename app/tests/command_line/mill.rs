@@ -1,0 +1,106 @@
+//! Programs of a mill on the command line.
+
+use super::{Scratch, said};
+
+const COVER: &[u8] = b"O0001\nT1 M06\nG54 G90 G00 X0 Y0\nG43 H1 Z5\nG01 Z-2 F100\nG03 X0 Y0 I10 F300\nG00 Z50\nM30\n";
+
+#[test]
+fn check_and_plot_take_a_mill() {
+    let program = Scratch::new("cover.nc", COVER);
+    let options = [
+        "--model",
+        "gsk980mdi",
+        "--mill-zero",
+        "54=100,50,-200",
+        "--mill-offset",
+        "1=80,5",
+    ];
+    let mut words = vec!["check", program.path(), "--json"];
+    words.extend(options);
+    let (code, out, err) = said(&words);
+    assert_eq!(code, 0, "{err}");
+    let report: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(
+        report["final"]["machine"],
+        serde_json::json!([100.0, 50.0, -70.0])
+    );
+    assert_eq!(report["box"]["y"], serde_json::json!([-50.0, 10.0]));
+    words[2] = "--lang=zh";
+    let (_, out, _) = said(&words);
+    assert!(out.contains("Y -50 … 10"), "{out}");
+    let picture = Scratch::new("cover.svg", b"");
+    let mut words = vec!["plot", program.path(), "-o", picture.path()];
+    words.extend(options);
+    assert_eq!(said(&words).0, 0);
+    let svg = std::fs::read_to_string(picture.path()).unwrap();
+    for view in [">XY<", ">XZ<", ">YZ<", ">isometric<"] {
+        assert!(svg.contains(view), "{view}");
+    }
+}
+
+#[test]
+fn an_alarm_of_a_mill_names_its_block() {
+    let program = Scratch::new("wrong.nc", b"O0001\nG00 X1\nG71 P1 Q2\nM30\n");
+    let (code, out, _) = said(&["check", program.path(), "--model", "gsk980mdi"]);
+    assert_eq!(code, 1);
+    assert!(
+        out.contains("P/S 010") && out.contains("line 3: G71 P1 Q2"),
+        "{out}"
+    );
+}
+
+#[test]
+fn nothing_runs_a_mill() {
+    let program = Scratch::new("cover.nc", COVER);
+    for words in [
+        &["run", program.path(), "--model", "gsk980mdi"][..],
+        &["operate", program.path(), "--model", "gsk980mdi"],
+        &["--model", "gsk980mdi"],
+    ] {
+        let (code, _, err) = said(words);
+        assert_eq!(code, 2, "{words:?} {err}");
+        assert!(err.contains("checked and drawn"), "{words:?} {err}");
+    }
+    for (words, option) in [
+        (
+            &["check", program.path(), "--mill-start", "0,0,0"][..],
+            "--mill-start",
+        ),
+        (
+            &[
+                "check",
+                program.path(),
+                "--model",
+                "gsk980mdi",
+                "--start",
+                "1,1",
+            ],
+            "--start",
+        ),
+        (
+            &[
+                "check",
+                program.path(),
+                "--model",
+                "gsk980mdi",
+                "--mill-zero",
+                "53=1,2,3",
+            ],
+            "53=1,2,3",
+        ),
+    ] {
+        let (code, _, err) = said(words);
+        assert!(code == 2 && err.contains(option), "{words:?} {err}");
+    }
+}
+
+#[test]
+fn a_mill_is_set_up_by_figures() {
+    let (code, out, _) = said(&["mill", "gear", "--counts", "131072", "--lead", "4"]);
+    assert_eq!((code, out.trim()), (0, "015 = 4096, 016 = 125 (32.768000)"));
+    let words = "mill pitch --origin 60 --interval 10 --value 60=6 --value 61=4 -- -10 10";
+    let words: Vec<&str> = words.split(' ').collect();
+    let (code, out, _) = said(&words);
+    assert_eq!(code, 0);
+    assert!(out.contains("-10006") && out.contains("10004"), "{out}");
+}

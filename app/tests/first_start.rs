@@ -1,0 +1,127 @@
+//! The questions of the first start, answered with mouse, finger and keyboard.
+
+use crate::common::Bench;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable;
+use gsk_app::window::layout::Layout;
+use gsk_app::window::view::View;
+use gsk_core::model::ModelId;
+use gsk_messages::Language;
+
+fn asked() -> Bench {
+    let mut bench = Bench::new();
+    let window = bench.harness.state_mut();
+    window.set_model(ModelId::Gsk980td, true);
+    window.ask_first();
+    bench.run(50);
+    bench
+}
+
+fn click(bench: &mut Bench, label: &str) {
+    bench.harness.get_by_label(label).click();
+    bench.run(50);
+    bench.run(50);
+}
+
+#[test]
+fn each_purpose_opens_its_screen() {
+    for (purpose, layout, views) in [
+        ("I am learning", Layout::Panel, &[View::Lesson][..]),
+        (
+            "I check programs",
+            Layout::Programmer,
+            &[View::Program, View::Machine],
+        ),
+        ("I own a lathe", Layout::Panel, &[View::Link]),
+    ] {
+        let mut bench = asked();
+        assert!(bench.harness.query_by_label("Cycle start").is_none());
+        click(&mut bench, "Begin");
+        assert!(
+            bench
+                .harness
+                .query_by_label("What do you want to do?")
+                .is_some(),
+            "without an answer it does not begin"
+        );
+        click(&mut bench, purpose);
+        click(&mut bench, "Begin");
+        assert!(bench.harness.query_by_label("Cycle start").is_some());
+        let window = bench.harness.state_mut();
+        let layouts = &window.settings().layouts;
+        assert_eq!(layouts.current(), layout, "{purpose}");
+        for view in views {
+            assert!(layouts.docked().contains(view), "{purpose}: {view:?}");
+        }
+        assert_eq!(window.take_model(), None, "the control stays as it is");
+    }
+}
+
+#[test]
+fn language_and_control_are_taken() {
+    let mut bench = asked();
+    click(&mut bench, "NC-B08");
+    bench
+        .harness
+        .query_all_by_label("中文")
+        .last()
+        .expect("a language")
+        .click();
+    bench.run(50);
+    bench.run(50);
+    assert_eq!(bench.harness.state().settings().language, Language::Zh);
+    click(&mut bench, "我在学习");
+    click(&mut bench, "开始");
+    let window = bench.harness.state_mut();
+    assert_eq!(window.take_model(), Some(ModelId::Ncb08));
+}
+
+#[test]
+fn keys_of_the_pc_answer_and_reach_no_panel() {
+    let mut bench = asked();
+    let before = bench.lcd_of_kernel();
+    for key in [Key::F3, Key::F7, Key::Enter] {
+        bench.harness.key_press(key);
+        bench.run(100);
+    }
+    assert_eq!(bench.lcd_of_kernel(), before, "no key of the panel");
+    // From the language to the first purpose, and to the button.
+    for _ in 0..2 {
+        bench.harness.key_press(Key::Tab);
+        bench.run(50);
+    }
+    bench.harness.key_press(Key::Space);
+    bench.run(50);
+    let chosen = |bench: &Bench| bench.harness.query_by_label("Begin").is_some();
+    assert!(chosen(&bench));
+    bench.harness.key_press(Key::Escape);
+    bench.run(50);
+    bench.run(50);
+    assert!(bench.harness.query_by_label("Cycle start").is_some());
+    assert!(!bench.harness.state().settings().first_start);
+}
+
+#[test]
+fn the_menu_asks_again_and_what_is_opened_ends_it() {
+    let mut bench = Bench::new();
+    click(&mut bench, "Layout");
+    click(&mut bench, "First start …");
+    assert!(
+        bench
+            .harness
+            .query_by_label("What do you want to do?")
+            .is_some()
+    );
+    bench.harness.key_press_modifiers(Modifiers::NONE, Key::F12);
+    bench.run(100);
+    assert!(
+        bench
+            .kernel
+            .snapshot()
+            .pressed
+            .contains(&gsk_panel::keys::Key::EmergencyStop),
+        "stops act everywhere"
+    );
+    click(&mut bench, "Lessons");
+    assert!(bench.harness.query_by_label("Cycle start").is_some());
+}

@@ -1,0 +1,176 @@
+//! `pitch` and the view of commissioning: what is measured becomes parameters, with the
+//! control's rights.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+use egui_kittest::kittest::Queryable as _;
+use gsk_core::cnc::Request;
+use gsk_core::units::Axis;
+
+use crate::common::Bench;
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let name = format!("gsk980td-{}-pitch-{name}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    /// Exit code, standard output, standard error of `pitch …` in this folder.
+    fn pitch(&self, command: &str) -> (i32, String, String) {
+        let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+            .arg("pitch")
+            .args(command.split_whitespace())
+            .current_dir(&self.0)
+            .output()
+            .unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let code = output.status.code().unwrap_or(-1);
+        (code, text(&output.stdout), text(&output.stderr))
+    }
+
+    fn file(&self, name: &str, text: &str) {
+        fs::write(self.0.join(name), text).unwrap();
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// A screw that is 10 µm too long on 200 mm, with play of 12 µm.
+const LASER: &str = "run,direction,target,deviation\n1,+,-200,-10\n1,+,-100,-5\n1,+,0,0\n\
+                     1,-,0,12\n1,-,-100,7\n1,-,-200,2\n";
+
+#[test]
+fn a_measurement_is_written_with_a_backup_and_shown_again() {
+    let folder = Folder::new("written");
+    folder.file("laser.csv", LASER);
+    let dry = folder.pitch("import laser.csv --axis z --into data --dry-run");
+    assert_eq!(dry.0, 2, "there is no memory yet: {dry:?}");
+    let (code, out, error) = folder.pitch("import laser.csv --axis z --into data");
+    assert_eq!((code, error.as_str()), (0, ""), "{out}");
+    assert!(out.contains("play 12.0 µm"), "{out}");
+    assert!(folder.0.join("data/backups/before-import-0001").is_dir());
+    let (_, shown, _) = folder.pitch("show --axis z --data data");
+    assert!(shown.starts_with("Z: interval"), "{shown}");
+    let (_, ren, _) = folder.pitch("show --axis z --data data --format ren");
+    assert!(ren.contains("backlash: 12\n"), "{ren}");
+    // What it writes it reads: the same values over a cleared table change nothing.
+    folder.file("z.ren", &ren);
+    let (code, out, _) = folder.pitch("import z.ren --axis z --into data --clear");
+    assert_eq!(code, 0);
+    assert!(out.contains("the values stand there already"), "{out}");
+    // Added to those that stand there, they double.
+    let (code, out, _) = folder.pitch("import z.ren --axis z --into data --dry-run --json");
+    assert_eq!(code, 0);
+    assert!(out.contains("\"written\": false"), "{out}");
+    assert!(
+        out.contains("\"value\": 2") || out.contains("\"value\": -2"),
+        "{out}"
+    );
+}
+
+#[test]
+fn what_is_refused_names_file_and_line_and_writes_nothing() {
+    let folder = Folder::new("refused");
+    folder.file("laser.csv", LASER);
+    folder.file("bad.csv", "target,deviation\n0,0\n10,wide\n");
+    folder.file("x.ren", "axis: X\nspacing: 10\n10 2\n");
+    folder.file("grid.ren", "spacing: 10\n10 2\n14 2\n");
+    for (command, said) in [
+        (
+            "import bad.csv --axis z --into data",
+            "bad.csv: line 3: `wide` is not a number",
+        ),
+        (
+            "import x.ren --axis z --into data",
+            "x.ren: the file says that it is of X",
+        ),
+        (
+            "import grid.ren --axis z --into data",
+            "line 3: position 14.000",
+        ),
+        ("import none.csv --axis z --into data", "none.csv"),
+        (
+            "import x.ren --axis x --interval 5 --into data",
+            "a table has no options",
+        ),
+        (
+            "import laser.csv --axis z --interval -1 --into data",
+            "interval",
+        ),
+        (
+            "import laser.csv --axis z --password 0 --into data",
+            "password",
+        ),
+    ] {
+        let (code, _, error) = folder.pitch(command);
+        assert_eq!(code, 2, "{command}: {error}");
+        assert!(error.contains(said), "{command}: {error}");
+    }
+    let backups = folder.0.join("data/backups");
+    assert!(!backups.exists());
+}
+
+#[test]
+fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
+    let mut bench = Bench::new();
+    let shift = egui::Modifiers::SHIFT;
+    bench.harness.key_press_modifiers(shift, egui::Key::End);
+    bench.run(1);
+    bench.run(100);
+    bench.click("Backlash");
+    bench.run(1);
+    bench.console.send(gsk_app::kernel::Command::Ask(Box::new(
+        Request::SetParameterSwitch(true),
+    )));
+    bench.run(100);
+    let control = egui::Modifiers::CTRL;
+    bench.harness.key_press_modifiers(control, egui::Key::Num1);
+    bench.run(300);
+    // Not in MDI: it says why not, and the button is dead.
+    let value = |bench: &Bench| {
+        let cnc = &bench.kernel.emulator().simulation.cnc;
+        (cnc.parameters().value(33), cnc.pitch().value(Axis::Z, 1))
+    };
+    bench.click("Machine zero");
+    bench.run(1);
+    bench.click("C: one proximity switch");
+    bench.run(1);
+    bench.click("Propose");
+    bench.run(1);
+    assert!(
+        bench
+            .harness
+            .query_by_label_contains("not written:")
+            .is_some()
+    );
+    let before = bench.kernel.emulator().simulation.cnc.parameters().clone();
+    bench.harness.get_by_label_contains("Write ").click();
+    bench.run(100);
+    assert_eq!(*bench.kernel.emulator().simulation.cnc.parameters(), before);
+    // In MDI it is written, and taken back.
+    bench.harness.key_press_modifiers(control, egui::Key::Num3);
+    bench.run(300);
+    bench.run(100);
+    bench.harness.get_by_label_contains("Write ").click();
+    bench.run(1);
+    bench.run(100);
+    let now = bench.kernel.emulator().simulation.cnc.parameters().clone();
+    assert!(now.bit(7, 1) && now.value(113) == 5000, "{now:?}");
+    bench.run(100);
+    bench.harness.get_by_label_contains("Undo: ").click();
+    bench.run(1);
+    bench.run(100);
+    assert_eq!(*bench.kernel.emulator().simulation.cnc.parameters(), before);
+    assert_eq!(value(&bench), (before.value(33), 0));
+}

@@ -1,0 +1,101 @@
+//! Codes of macro B that call a program, by parameters (manual of macro B, 9).
+//!
+//! ```text
+//!   220–229   a G code    O9010–O9019   with arguments, as G65
+//!   230–239   an M code   O9020–O9029   with arguments, as G65
+//!   240–242   an M code   O9001–O9003   as M98
+//!   243       every T     O9000         as M98, T in #149
+//! ```
+//!
+//! In a program that a G code calls, and in one that an M or a T calls as M98 does, such
+//! codes are ordinary ones.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interpreter::context::place::Call;
+use crate::interpreter::context::words::Words;
+use crate::model::{ControlModel, code_calls};
+
+/// Where T stands when it calls.
+pub(crate) const T_VARIABLE: u16 = 149;
+/// What the first code of each kind calls.
+const OF_G: u16 = 9010;
+const OF_M: u16 = 9020;
+const OF_PLAIN_M: u16 = 9001;
+const OF_T: u16 = 9000;
+/// The calls of macro B itself.
+const CALLS: core::ops::RangeInclusive<u16> = 65..=67;
+
+/// The codes that call.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct CodeCalls {
+    g: [u16; 10],
+    m: [u16; 10],
+    plain_m: [u16; 3],
+    t: bool,
+}
+
+/// A program that a word calls as M98 does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PlainCall {
+    pub(crate) program: u16,
+    pub(crate) address: char,
+    pub(crate) code: i64,
+}
+
+impl CodeCalls {
+    /// Those of a model; none where no code calls.
+    pub(crate) fn of(model: &ControlModel) -> Option<Box<Self>> {
+        let codes = |first: u16, to: &mut [u16]| {
+            for (number, code) in (first..).zip(to) {
+                *code = u16::try_from(model.parameter(number)).unwrap_or(0);
+            }
+        };
+        let mut calls = Self::default();
+        codes(code_calls::G, &mut calls.g);
+        codes(code_calls::M, &mut calls.m);
+        codes(code_calls::PLAIN_M, &mut calls.plain_m);
+        calls.t = model.parameter(code_calls::T) != 0;
+        (calls != Self::default()).then(|| Box::new(calls))
+    }
+
+    /// The macro that a G or M code calls.
+    pub(crate) fn called(&self, letter: char, code: u16) -> Option<u16> {
+        let (codes, first) = match letter {
+            'G' if CALLS.contains(&code) => return None,
+            'G' => (&self.g, OF_G),
+            _ => (&self.m, OF_M),
+        };
+        nth(codes, code, first)
+    }
+
+    /// The subprogram that a word of a block calls: an M, or the T.
+    pub(crate) fn plain(&self, words: &Words) -> Option<PlainCall> {
+        let m = words.m.and_then(|code| {
+            let program = nth(&self.plain_m, code.into(), OF_PLAIN_M)?;
+            let (address, code) = ('M', code.into());
+            Some(PlainCall {
+                program,
+                address,
+                code,
+            })
+        });
+        let t = words.t.filter(|_| self.t).map(|code| PlainCall {
+            program: OF_T,
+            address: 'T',
+            code,
+        });
+        m.or(t)
+    }
+}
+
+fn nth(codes: &[u16], code: u16, first: u16) -> Option<u16> {
+    // 0: no call.
+    let place = (first..).zip(codes).find(|(_, it)| **it == code)?;
+    (code != 0).then_some(place.0)
+}
+
+/// Whether codes call nothing, because of the calls under way.
+pub(crate) fn are_ordinary(calls: &[Call]) -> bool {
+    calls.iter().any(|call| call.codes_ordinary)
+}

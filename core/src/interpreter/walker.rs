@@ -1,0 +1,407 @@
+//! A run over programs for a model whose codes are none of the lathe's: which block comes
+//! next, with loops, jumps, calls and formulas carried out. What the words of a block mean
+//! is left to whoever walks.
+//!
+//! ```text
+//!   Walker::next --> Read::Words(block) --> its words carried out --> call, back, end
+//!      |                                                                 |
+//!      +--- statements of macro B act here <-----------------------------+
+//! ```
+
+use gsk_messages::say;
+
+use crate::alarm::{Alarm, number};
+use crate::command::{BlockNumber, ProgramId, Source};
+use crate::interpreter::calls::jump::Jumps;
+use crate::interpreter::calls::subprogram::LEVELS;
+use crate::interpreter::context::place::{Call, CallKind, Place};
+use crate::interpreter::macros::formula;
+use crate::interpreter::macros::levels::{LOCALS, Levels, Locals};
+use crate::interpreter::macros::statement::{self, Here, MACRO_LEVELS, Outcome};
+use crate::interpreter::macros::variable::NotNow;
+use crate::program::{Block, Program, ProgramMemory, Recent, Syntax};
+
+/// The variables besides #0 to #33, which the walker keeps.
+pub trait System {
+    /// The value of a variable; `None`: null.
+    ///
+    /// # Errors
+    /// 115 for a number that is none.
+    fn read(&self, number: u32) -> Result<Option<f64>, Alarm>;
+
+    /// Gives it a value, or null.
+    ///
+    /// # Errors
+    /// 115 for a number that is none, 116 for one that is only read, 043 for a value that
+    /// it does not take.
+    fn write(&mut self, number: u32, value: Option<f64>) -> Result<(), Alarm>;
+}
+
+/// What was read.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Read {
+    /// Words to be carried out, numbers in the place of formulas.
+    Words(Box<Block>),
+    /// A statement of macro B, which has acted, or a block that is skipped.
+    Nothing,
+    /// The text of a program is over: the run goes on after the call that led there.
+    Returned,
+    /// The run is over.
+    Ended,
+}
+
+/// What M99 led to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Back {
+    /// Another run of the same program, or to its caller.
+    Returned,
+    /// A block of the main program before the M99, its begin without P: it begins anew.
+    Repeats,
+    /// A block of the main program after it.
+    Jumped,
+}
+
+/// A run over programs.
+#[derive(Clone, Debug)]
+pub struct Walker {
+    /// The block read last, and the one that is read next.
+    here: Place,
+    place: Place,
+    calls: Vec<Call>,
+    levels: Levels,
+    sequence: Option<BlockNumber>,
+    jumps: Jumps,
+    recent: Recent,
+    ended: bool,
+}
+
+impl Walker {
+    /// A run that begins with the first block of a program.
+    pub fn new(program: ProgramId) -> Self {
+        let place = Place { program, block: 0 };
+        Self {
+            here: place,
+            place,
+            calls: Vec::new(),
+            levels: Levels::new(),
+            sequence: None,
+            jumps: Jumps::default(),
+            recent: Recent::default(),
+            ended: false,
+        }
+    }
+
+    /// The block read last.
+    pub fn source(&self, programs: &ProgramMemory) -> Source {
+        let program = programs.get(self.here.program);
+        Source {
+            program: self.here.program,
+            line: program.map_or(0, |text| text.block_line(self.here.block)),
+            sequence: self.sequence,
+        }
+    }
+
+    /// The program that it stands in.
+    pub const fn program(&self) -> ProgramId {
+        self.here.program
+    }
+
+    /// Reads the next block.
+    ///
+    /// # Errors
+    /// The alarm of its syntax, or of its statement.
+    pub fn next(
+        &mut self,
+        programs: &ProgramMemory,
+        syntax: Syntax,
+        skipping: bool,
+        system: &mut impl System,
+    ) -> Result<Read, Alarm> {
+        if self.ended {
+            return Ok(Read::Ended);
+        }
+        let program = text(programs, self.place.program)?;
+        self.here = self.place;
+        if self.here.block >= program.block_count() {
+            // Its last line is what an alarm names.
+            self.here.block = self.here.block.saturating_sub(1);
+            if self.calls.is_empty() {
+                self.ended = true;
+                return Ok(Read::Ended);
+            }
+            self.back(programs, None)?;
+            return Ok(Read::Returned);
+        }
+        let index = self.here.block;
+        self.sequence = program
+            .sequence(index)
+            .map(BlockNumber::from)
+            .or(self.sequence);
+        self.place = self.here.after();
+        if skipping && program.has_skip_mark(index) {
+            return Ok(Read::Nothing);
+        }
+        // Beside the run, which changes while a block is looked at.
+        let mut recent = core::mem::take(&mut self.recent);
+        let read = recent.read(program, index, syntax);
+        let outcome = read
+            .map_err(|error| NotNow::Fault(error.into()))
+            .and_then(|block| self.carry_out(block, program, programs, syntax, system));
+        self.recent = recent;
+        match outcome {
+            Ok(read) => Ok(read),
+            Err(NotNow::Fault(alarm)) => Err(alarm),
+            // Everything before a block is finished here.
+            Err(NotNow::Wait) => Ok(Read::Nothing),
+        }
+    }
+
+    fn carry_out(
+        &mut self,
+        block: &Block,
+        program: &Program,
+        programs: &ProgramMemory,
+        syntax: Syntax,
+        system: &mut impl System,
+    ) -> Result<Read, NotNow> {
+        if block.is_name() {
+            return Ok(Read::Nothing);
+        }
+        let levels = &self.levels;
+        let read = |number: u32| match number {
+            0 => Ok(None),
+            1..=LOCALS => Ok(levels.get(number as u8)),
+            _ => system.read(number).map_err(NotNow::Fault),
+        };
+        let Some(statement) = block.macro_statement() else {
+            let words = match block.formulas() {
+                Some(formulas) => formula::in_words(block, formulas, syntax, &read)?,
+                None => block.clone(),
+            };
+            return Ok(Read::Words(Box::new(words)));
+        };
+        let here = Here {
+            program,
+            programs,
+            place: self.here,
+            calls: &self.calls,
+            syntax,
+            within: levels.innermost(self.calls.len()),
+        };
+        let outcome = statement::carry_out(statement, &here, &read)?;
+        self.take_up(outcome, program, system)?;
+        Ok(Read::Nothing)
+    }
+
+    /// Puts into force what a statement leads to.
+    fn take_up(
+        &mut self,
+        outcome: Outcome,
+        program: &Program,
+        system: &mut impl System,
+    ) -> Result<(), NotNow> {
+        match outcome {
+            Outcome::Nothing => {}
+            Outcome::Assign(number, value) => self.assign(number, value, system)?,
+            Outcome::Enter(entered) => self.levels.enter_loop(entered),
+            Outcome::Repeat(first) => self.jump(first),
+            Outcome::Leave(last) => self.jump(last.saturating_add(1)),
+            Outcome::Goto(number) => {
+                let block = self.jumps.target(program, self.here, number)?;
+                self.jump(block);
+            }
+            Outcome::Call(call, arguments) => self.enter(call, Some(arguments)),
+            Outcome::Modal(modal) => {
+                if !self.levels.add_modal(modal, MACRO_LEVELS) {
+                    let detail = say::modal_calls_too_many(MACRO_LEVELS);
+                    return Err(Alarm::new(number::MODAL_CALLS).because(detail).into());
+                }
+            }
+            Outcome::CancelModal => self.levels.cancel_modal(),
+        }
+        Ok(())
+    }
+
+    fn assign(
+        &mut self,
+        number: u32,
+        value: Option<f64>,
+        system: &mut impl System,
+    ) -> Result<(), NotNow> {
+        let value = value.map(formula::kept);
+        match number {
+            0 => {
+                let detail = say::variable_of_macro_read_only(number);
+                return Err(Alarm::new(number::READ_ONLY).because(detail).into());
+            }
+            1..=LOCALS => self.levels.set(number as u8, value),
+            _ => system.write(number, value)?,
+        }
+        Ok(())
+    }
+
+    fn jump(&mut self, block: u32) {
+        self.levels.jump(self.calls.len(), block);
+        self.place.block = block;
+    }
+
+    fn enter(&mut self, call: Call, arguments: Option<Locals>) {
+        self.place = call.begin();
+        self.calls.push(call);
+        if let Some(arguments) = arguments {
+            self.levels.enter(arguments);
+        }
+    }
+
+    /// Calls a subprogram from the block read last, so many times; `name` is what calls it.
+    ///
+    /// # Errors
+    /// 077 when calls are too deep, 078 for a program that is not there.
+    pub fn call(
+        &mut self,
+        programs: &ProgramMemory,
+        program: i64,
+        runs: u16,
+        name: &str,
+    ) -> Result<(), Alarm> {
+        let call = self.new_call(programs, program, runs, name, CallKind::Subprogram)?;
+        self.enter(call, None);
+        Ok(())
+    }
+
+    /// Calls a program with the words of the block as arguments, as G65 does.
+    ///
+    /// # Errors
+    /// Those of [`Self::call`], and 129 for a word that is no argument.
+    pub fn call_macro(
+        &mut self,
+        programs: &ProgramMemory,
+        program: i64,
+        runs: u16,
+        name: &str,
+        words: impl Iterator<Item = (u8, f64)>,
+    ) -> Result<(), Alarm> {
+        let arguments = words.map(|(address, value)| Ok((address, Some(value))));
+        let arguments = match statement::arguments_of(arguments) {
+            Ok(arguments) => arguments,
+            Err(NotNow::Fault(alarm)) => return Err(alarm),
+            Err(NotNow::Wait) => Locals::new(),
+        };
+        let call = self.new_call(programs, program, runs, name, CallKind::Macro)?;
+        self.enter(call, Some(arguments));
+        Ok(())
+    }
+
+    fn new_call(
+        &self,
+        programs: &ProgramMemory,
+        program: i64,
+        runs: u16,
+        name: &str,
+        kind: CallKind,
+    ) -> Result<Call, Alarm> {
+        let alike = |call: &&Call| call.kind.is_subprogram() == kind.is_subprogram();
+        if self.calls.iter().filter(alike).count() >= LEVELS {
+            let detail = say::call_too_deep(name, LEVELS + 1, LEVELS);
+            return Err(Alarm::new(number::CALL_TOO_DEEP).because(detail));
+        }
+        let found = u16::try_from(program).ok().and_then(|it| programs.find(it));
+        let program = found.ok_or_else(|| {
+            let detail = say::call_program_missing(name, program);
+            Alarm::new(number::TARGET_MISSING).because(detail)
+        })?;
+        Ok(Call {
+            program,
+            runs,
+            back: self.here.after(),
+            kind,
+            first: 0,
+            blocks: None,
+            codes_ordinary: false,
+        })
+    }
+
+    /// After a block that moves: the call of the last G66.
+    pub fn moved(&mut self) {
+        let Some((index, modal)) = self.levels.modal(&self.calls) else {
+            return;
+        };
+        let call = Call {
+            program: modal.program,
+            runs: modal.runs,
+            back: self.here.after(),
+            kind: CallKind::Modal(index),
+            first: 0,
+            blocks: None,
+            codes_ordinary: false,
+        };
+        let arguments = modal.arguments.clone();
+        self.enter(call, Some(arguments));
+    }
+
+    /// M99, with its P.
+    ///
+    /// # Errors
+    /// 078 for a block that is not there.
+    pub fn back(&mut self, programs: &ProgramMemory, p: Option<i64>) -> Result<Back, Alarm> {
+        let find = |program| {
+            let number = p
+                .and_then(|n| u32::try_from(n).ok())
+                .filter(|n| *n <= 99_999);
+            let found = number.and_then(|n| {
+                let text = programs.get(program)?;
+                text.find_sequence_block(n, 0..text.block_count())
+            });
+            found.ok_or_else(|| {
+                let detail = say::return_target_missing(p.unwrap_or(0));
+                Alarm::new(number::TARGET_MISSING).because(detail)
+            })
+        };
+        let depth = self.calls.len();
+        let Some(call) = self.calls.last_mut() else {
+            let block = match p {
+                Some(_) => find(self.here.program)?,
+                None => 0,
+            };
+            self.jump(block);
+            return Ok(if block <= self.here.block {
+                Back::Repeats
+            } else {
+                Back::Jumped
+            });
+        };
+        if call.runs > 1 {
+            self.levels.run_again(call, depth);
+            call.runs -= 1;
+            self.place = call.begin();
+            return Ok(Back::Returned);
+        }
+        let mut place = call.back;
+        if p.is_some() {
+            place.block = find(place.program)?;
+        }
+        let call = *call;
+        self.calls.pop();
+        self.levels.leave(&call, self.calls.len());
+        self.levels.jump(self.calls.len(), place.block);
+        self.place = place;
+        Ok(Back::Returned)
+    }
+
+    /// M30: nothing more is read.
+    pub fn end(&mut self) {
+        self.ended = true;
+    }
+
+    /// Calls under way.
+    pub fn depth(&self) -> usize {
+        self.calls.len()
+    }
+}
+
+fn text(programs: &ProgramMemory, program: ProgramId) -> Result<&Program, Alarm> {
+    programs.get(program).ok_or_else(|| {
+        let detail = say::program_not_there(format_args!("{program:?}"));
+        Alarm::new(number::PROGRAM_MISSING).because(detail)
+    })
+}

@@ -1,0 +1,228 @@
+//! What macro B reads and writes besides variables: the timer, date and time of day, and
+//! what programs have switched off for themselves.
+//!
+//! ```text
+//!   #3001  timer, 16 ms steps       #3003  1 single block, 2 waiting for FIN
+//!   #3011  date, YYYYMMDD           #3004  1 feed hold, 2 feed override, 4 exact stop
+//!   #3012  time of day, hhmmss             a bit that is set: off
+//! ```
+
+use chrono::{DateTime, Datelike, Timelike};
+use serde::{Deserialize, Serialize};
+
+/// The timer counts in such steps, ms.
+const STEP_MS: i64 = 16;
+/// After so many milliseconds the timer begins anew.
+const TIMER_MS: i64 = 65_536;
+
+/// 2000-01-01 00:00:00: a clock that nobody has set.
+const NOT_SET: i64 = 946_684_800;
+
+/// Date and time of day where the machine stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct DayTime {
+    /// Seconds since the beginning of 1970, as a clock on the wall counts them.
+    seconds: i64,
+}
+
+impl Default for DayTime {
+    fn default() -> Self {
+        Self { seconds: NOT_SET }
+    }
+}
+
+impl DayTime {
+    /// From the seconds since the beginning of 1970 in the time of the place.
+    pub const fn from_seconds(seconds: i64) -> Self {
+        Self { seconds }
+    }
+
+    /// `1993-03-28 15:34:56`; none for a text that is no such moment.
+    pub fn from_text(text: &str) -> Option<Self> {
+        let (date, time) = text.trim().split_once([' ', 'T'])?;
+        let three = |text: &str, by| {
+            let mut parts = text.split(by).map(|part| part.parse::<u32>().ok());
+            let all = (parts.next()??, parts.next()??, parts.next()??);
+            parts.next().is_none().then_some(all)
+        };
+        let (year, month, day) = three(date, '-')?;
+        let (hour, minute, second) = three(time, ':')?;
+        let year = i32::try_from(year)
+            .ok()
+            .filter(|year| (1970..=9999).contains(year))?;
+        let date = chrono::NaiveDate::from_ymd_opt(year, month, day)?;
+        let moment = date.and_hms_opt(hour, minute, second)?;
+        Some(Self::from_seconds(moment.and_utc().timestamp()))
+    }
+
+    /// Later by so many milliseconds: the date as YYYYMMDD and the time as hhmmss.
+    fn digits(self, ms: u64) -> (u32, u32) {
+        let seconds = self.seconds.saturating_add((ms / 1000) as i64);
+        let moment = DateTime::from_timestamp(seconds, 0).unwrap_or_default();
+        let date = moment.year().unsigned_abs() * 10_000 + moment.month() * 100 + moment.day();
+        let time = moment.hour() * 10_000 + moment.minute() * 100 + moment.second();
+        (date, time)
+    }
+}
+
+/// What a program has switched off until its end or RESET.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SwitchedOff {
+    /// #3003 and #3004 as they were written.
+    bits: (u8, u8),
+}
+
+impl SwitchedOff {
+    /// Greatest values of #3003 and #3004.
+    pub(crate) const GREATEST: (u8, u8) = (3, 7);
+
+    /// #3003.
+    pub(crate) const fn stops(self) -> u8 {
+        self.bits.0
+    }
+
+    /// #3004.
+    pub(crate) const fn motion(self) -> u8 {
+        self.bits.1
+    }
+
+    pub(crate) const fn set_stops(&mut self, bits: u8) {
+        self.bits.0 = bits & Self::GREATEST.0;
+    }
+
+    pub(crate) const fn set_motion(&mut self, bits: u8) {
+        self.bits.1 = bits & Self::GREATEST.1;
+    }
+
+    /// Single block does not stop.
+    pub(crate) const fn single_block(self) -> bool {
+        self.bits.0 & 1 != 0
+    }
+
+    /// The next block does not wait for M, S and T.
+    pub(crate) const fn completion(self) -> bool {
+        self.bits.0 & 2 != 0
+    }
+
+    /// Feed hold stops no motion.
+    pub(crate) const fn feed_hold(self) -> bool {
+        self.bits.1 & 1 != 0
+    }
+
+    /// The feed override is 100 %.
+    pub(crate) const fn feed_override(self) -> bool {
+        self.bits.1 & 2 != 0
+    }
+
+    /// Cuts go over into each other.
+    pub(crate) const fn exact_stop(self) -> bool {
+        self.bits.1 & 4 != 0
+    }
+}
+
+/// What a control keeps for programs of macro B while its power is on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Registers {
+    /// When the power came on.
+    day_time: DayTime,
+    /// When the timer was at 0, ms since then.
+    timer_from: i64,
+    /// What programs have switched off.
+    pub(crate) off: SwitchedOff,
+}
+
+impl Registers {
+    /// At power-on.
+    pub const fn new(day_time: DayTime) -> Self {
+        Self {
+            day_time,
+            timer_from: 0,
+            off: SwitchedOff { bits: (0, 0) },
+        }
+    }
+
+    /// Greatest value that the timer takes, ms.
+    pub(crate) const TIMER_GREATEST: i64 = TIMER_MS - 1;
+
+    /// The timer, `now` ms after power-on.
+    pub(crate) const fn timer(&self, now: u64) -> i64 {
+        let since = (now as i64 - self.timer_from) / STEP_MS * STEP_MS;
+        since.rem_euclid(TIMER_MS)
+    }
+
+    /// The timer counts on from this value.
+    pub(crate) const fn set_timer(&mut self, ms: i64, now: u64) {
+        self.timer_from = now as i64 - ms / STEP_MS * STEP_MS;
+    }
+
+    /// The date, YYYYMMDD, `now` ms after power-on.
+    pub(crate) fn date(&self, now: u64) -> u32 {
+        self.day_time.digits(now).0
+    }
+
+    /// The time of day, hhmmss, `now` ms after power-on.
+    pub(crate) fn time_of_day(&self, now: u64) -> u32 {
+        self.day_time.digits(now).1
+    }
+
+    /// Date and time of day `now` ms after power-on: those of another power-on then.
+    pub(crate) const fn day_time(&self, now: u64) -> DayTime {
+        DayTime::from_seconds(self.day_time.seconds.saturating_add((now / 1000) as i64))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Manual of macro B, 2.4: 28 March 1993, 15:34:56 (C29).
+    #[test]
+    fn date_and_time_are_digits() {
+        let registers = Registers::new(DayTime::from_text("1993-03-28 15:34:56").unwrap());
+        assert_eq!(registers.date(0), 19_930_328);
+        assert_eq!(registers.time_of_day(0), 153_456);
+        assert_eq!(registers.time_of_day(999), 153_456);
+        assert_eq!(registers.time_of_day(4000), 153_500);
+        // 8 h 25 min 4 s are left of the day, and 3 days of the month.
+        let midnight = (8 * 3600 + 25 * 60 + 4) * 1000;
+        assert_eq!(registers.date(midnight - 1), 19_930_328);
+        assert_eq!(registers.date(midnight), 19_930_329);
+        assert_eq!(registers.time_of_day(midnight), 0);
+        assert_eq!(registers.date(midnight + 3 * 86_400_000), 19_930_401);
+        assert_eq!(registers.day_time(midnight).digits(0), (19_930_329, 0));
+    }
+
+    #[test]
+    fn leap_days_and_texts_that_are_no_moment() {
+        let digits = |text| DayTime::from_text(text).map(|it| it.digits(86_400_000));
+        assert_eq!(digits("2024-02-28 01:02:03"), Some((20_240_229, 10_203)));
+        assert_eq!(digits("2023-02-28T01:02:03"), Some((20_230_301, 10_203)));
+        for wrong in [
+            "",
+            "1993-03-28",
+            "1993-02-29 00:00:00",
+            "1993-13-01 00:00:00",
+            "1993-03-28 24:00:00",
+            "1993-03-28 15:34",
+            "1993-03-28-1 15:34:56",
+            "1969-12-31 00:00:00",
+            "99999999999-01-01 00:00:00",
+        ] {
+            assert_eq!(DayTime::from_text(wrong), None, "{wrong}");
+        }
+    }
+
+    /// C52: at 65535 ms the timer begins anew 16 ms later.
+    #[test]
+    fn the_timer_counts_in_steps_and_wraps() {
+        let mut registers = Registers::default();
+        assert_eq!((registers.timer(15), registers.timer(16)), (0, 16));
+        registers.set_timer(65_535, 1000);
+        assert_eq!(registers.timer(1000), 65_520);
+        assert_eq!(registers.timer(1016), 0);
+        assert_eq!(registers.timer(1033), 16);
+        registers.set_timer(0, 5000);
+        assert_eq!(registers.timer(5031), 16);
+    }
+}

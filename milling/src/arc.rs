@@ -1,0 +1,103 @@
+//! G02 and G03: the centre of a circle from what a block says.
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_messages::say;
+
+use crate::space::Flat;
+
+/// What a block says of a circle, after scaling and rotation, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Circle {
+    /// R; negative for more than half a turn.
+    Radius(f64),
+    /// From the start to the centre.
+    Center(Flat),
+}
+
+/// What radii may differ by without being told of, mm: half an increment.
+const SAME: f64 = 0.000_5;
+
+/// The centre of an arc whose end may lie off its circle by `tolerance`, mm.
+pub(crate) fn center(
+    from: Flat,
+    to: Flat,
+    circle: Circle,
+    clockwise: bool,
+    tolerance: f64,
+) -> Result<Flat, Alarm> {
+    let radius = match circle {
+        Circle::Radius(radius) => radius,
+        Circle::Center(way) => {
+            let center = from + way;
+            let (start, end) = (way.length(), (to - center).length());
+            if start < SAME {
+                return Err(wrong(say::arc_center_at_start()));
+            }
+            if (start - end).abs() > tolerance + SAME {
+                return Err(wrong(say::mill_arc_off_circle(start, end, tolerance)));
+            }
+            return Ok(center);
+        }
+    };
+    let chord = to - from;
+    let half = chord.length() / 2.0;
+    if half < SAME / 2.0 {
+        return Err(wrong(say::mill_circle_by_radius()));
+    }
+    let off = radius * radius - half * half;
+    if half > radius.abs() + tolerance.min(SAME) {
+        return Err(wrong(say::mill_radius_too_small(radius.abs(), 2.0 * half)));
+    }
+    let across = libm::sqrt(off.max(0.0)) / (2.0 * half);
+    // Left of the way for the lesser arc counter-clockwise.
+    let left = if clockwise == (radius > 0.0) {
+        -across
+    } else {
+        across
+    };
+    let middle = from + chord.times(0.5);
+    Ok(middle + Flat::new(-chord.second, chord.first).times(left))
+}
+
+fn wrong(detail: gsk_messages::Message) -> Alarm {
+    Alarm::new(number::ARC_DATA).because(detail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn by_radius(radius: f64, clockwise: bool) -> Flat {
+        let (from, to) = (Flat::new(0.0, 0.0), Flat::new(10.0, 0.0));
+        center(from, to, Circle::Radius(radius), clockwise, 0.01).expect("centre")
+    }
+
+    #[test]
+    fn the_lesser_arc_and_the_greater_one() {
+        let root = libm::sqrt(75.0);
+        for (radius, clockwise, second) in [
+            (10.0, true, -root),
+            (10.0, false, root),
+            (-10.0, true, root),
+            (-10.0, false, -root),
+        ] {
+            let found = by_radius(radius, clockwise);
+            assert!((found.second - second).abs() < 1e-9, "{radius} {clockwise}");
+            assert!((found.first - 5.0).abs() < 1e-9);
+        }
+        assert!(by_radius(5.0, true).second.abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_no_circle_is_refused() {
+        let from = Flat::default();
+        let refused = |to, circle| center(from, to, circle, true, 0.01).map_err(|it| it.number);
+        let far = Flat::new(10.0, 0.0);
+        assert_eq!(refused(far, Circle::Radius(4.9)), Err(13));
+        assert_eq!(refused(from, Circle::Radius(5.0)), Err(13));
+        let off = Circle::Center(Flat::new(4.9, 0.0));
+        assert_eq!(refused(far, off), Err(13));
+        assert_eq!(refused(far, Circle::Center(Flat::default())), Err(13));
+        assert!(refused(from, Circle::Center(Flat::new(5.0, 0.0))).is_ok());
+    }
+}

@@ -1,0 +1,391 @@
+//! A block carried out: what comes into force first, motion, then M and where the run goes
+//! on.
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_core::compensation::cutter::Side;
+use gsk_core::model::MCode;
+use gsk_core::program::{Block, Number};
+use gsk_messages::{Message, say};
+
+use crate::codes;
+use crate::cycles::HoleData;
+use crate::memory::{MillMemory, parameter};
+use crate::modal::{LengthOffset, Motion, Spindle, WorkZero};
+use crate::space::{Length, Position};
+use crate::state::{Polar, State};
+use crate::travel::{Scene, Way, holes, motion};
+use crate::words::{OneShot, Switch, Words};
+
+/// Where the run goes on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Flow {
+    Next,
+    /// M00.
+    Stop,
+    /// M02, M30.
+    End,
+    /// M98, and M codes that call a subprogram.
+    Call {
+        program: i64,
+        runs: u16,
+        name: String,
+    },
+    /// M9000 to M9999.
+    Macro {
+        program: i64,
+        runs: u16,
+        name: String,
+    },
+    /// M99, with its P.
+    Back(Option<i64>),
+}
+
+/// What a block led to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Outcome {
+    pub(crate) flow: Flow,
+    /// It moved an axis: a modal macro is called.
+    pub(crate) moved: bool,
+}
+
+fn alarm(number: u16, detail: Message) -> Alarm {
+    Alarm::new(number).because(detail)
+}
+
+/// Carries a block out.
+pub(crate) fn carry_out(
+    state: &mut State,
+    block: &Block,
+    words: &Words,
+    scene: &mut Scene<'_, '_>,
+) -> Result<Outcome, Alarm> {
+    words.check()?;
+    let flow = flow(words, scene.memory)?;
+    scene.exact = words.exact_stop;
+    set_plane(state, words, scene)?;
+    set_modal(state, words, scene)?;
+    let length_before = state.length;
+    set_length(state, words, scene.memory)?;
+    set_spindle(state, words, scene)?;
+    let mut moved = false;
+    // Words of a macro are its arguments.
+    let is_macro = matches!(flow, Flow::Macro { .. });
+    match (words.scaling, words.rotation) {
+        (Some(Switch::On), _) => codes::scale(state, block, words, scene)?,
+        (_, Some(Switch::On)) => codes::rotate(state, words, scene)?,
+        _ if is_macro => {}
+        _ => moved = moves(state, words, length_before, scene)?,
+    }
+    if !moved {
+        scene.cutter.pass_block(state.modal.cutter, scene.tracker)?;
+    }
+    follow_m(state, words, scene)?;
+    Ok(Outcome { flow, moved })
+}
+
+fn moves(
+    state: &mut State,
+    words: &Words,
+    length_before: Length,
+    scene: &mut Scene<'_, '_>,
+) -> Result<bool, Alarm> {
+    if let Some(code) = words.one_shot {
+        if state.length != length_before {
+            state.resync(scene.memory);
+        }
+        return codes::one_shot(code, state, words, scene);
+    }
+    let moved = match state.modal.hole {
+        Some(hole) => holes(hole, state, words, scene)?,
+        None => motion(state, words, scene)?,
+    };
+    if moved || state.length == length_before {
+        return Ok(moved);
+    }
+    // The length offset alone: the tool goes by it, or with 003.4 the coordinates do.
+    if scene.memory.bit(parameter::OFFSETS, 4) {
+        state.resync(scene.memory);
+        return Ok(false);
+    }
+    let to = state.transform.apply(state.programmed) + state.frame(scene.memory);
+    let way = match state.modal.motion {
+        Motion::Rapid => Way::Rapid,
+        _ => Way::Cut,
+    };
+    scene.go(state, to, way, false)?;
+    Ok(false)
+}
+
+fn set_plane(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
+    let Some(plane) = words.plane else {
+        return Ok(());
+    };
+    let changes = plane != state.modal.plane;
+    let transformed =
+        state.transform.rotation.is_some() || (changes && state.transform.scaling.is_some());
+    if transformed {
+        return Err(alarm(number::BAD_G, say::mill_plane_in_transform()));
+    }
+    if changes && scene.cutter.is_on() {
+        return Err(alarm(number::BAD_G, say::mill_plane_in_compensation()));
+    }
+    state.modal.plane = plane;
+    Ok(())
+}
+
+fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
+    let modal = &mut state.modal;
+    modal.incremental = words.incremental.unwrap_or(modal.incremental);
+    modal.inch = words.inch.unwrap_or(modal.inch);
+    modal.to_r = words.to_r.unwrap_or(modal.to_r);
+    modal.exact_stop = words.exact_mode.unwrap_or(modal.exact_stop);
+    if let Some(per_revolution) = words.per_revolution
+        && per_revolution != modal.per_revolution
+    {
+        modal.per_revolution = per_revolution;
+        // A number of the other unit means nothing.
+        modal.feed = 0.0;
+    }
+    let letters = &words.letters;
+    if let Some(f) = letters.f {
+        let f = if modal.inch { f.inches_to_mm() } else { f };
+        modal.feed = f.value();
+    }
+    if let Some(motion) = words.motion {
+        modal.motion = motion;
+        modal.hole = None;
+    }
+    if let Some(hole) = words.hole {
+        if modal.hole.is_none() && hole.is_some() {
+            let across = modal.plane.across();
+            state.hole = HoleData {
+                initial: state.machine.get(across),
+                ..HoleData::default()
+            };
+        }
+        modal.hole = hole;
+    }
+    match words.polar {
+        Some(Switch::On) => state.polar = Some(Polar::begin()),
+        Some(Switch::Off) => state.polar = None,
+        None => {}
+    }
+    set_zero(state, words, scene.memory)?;
+    if words.scaling == Some(Switch::Off) {
+        state.transform.scaling = None;
+        state.resync(scene.memory);
+    }
+    if words.rotation == Some(Switch::Off) {
+        state.transform.rotation = None;
+        state.resync(scene.memory);
+    }
+    set_cutter(state, words)
+}
+
+fn set_cutter(state: &mut State, words: &Words) -> Result<(), Alarm> {
+    let letters = &words.letters;
+    // H names the radius where no D does.
+    let by_h = letters
+        .h
+        .filter(|_| matches!(words.cutter, Some(Side::Left | Side::Right)));
+    if let Some(d) = letters.d.or(by_h.filter(|_| words.length.is_none())) {
+        state.modal.d = offset_number(d)?;
+    }
+    state.modal.cutter = words.cutter.unwrap_or(state.modal.cutter);
+    Ok(())
+}
+
+fn offset_number(value: Number) -> Result<u16, Alarm> {
+    let number = value.integer();
+    match u16::try_from(number) {
+        Ok(number @ 0..=400) => Ok(number),
+        _ => Err(alarm(
+            number::BAD_OFFSET,
+            say::mill_offset_number(number, 400_u16),
+        )),
+    }
+}
+
+/// G54 to G59, G54.1.
+fn set_zero(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(), Alarm> {
+    let zero = match words.zero {
+        _ if words.additional => {
+            let p = words.letters.p.map(Number::integer);
+            match p.and_then(|p| u8::try_from(p).ok()) {
+                Some(p @ 1..=48) => WorkZero(WorkZero::FIRST_ADDITIONAL + p - 1),
+                _ => {
+                    let detail = say::mill_additional_zero();
+                    return Err(alarm(number::OUT_OF_RANGE, detail));
+                }
+            }
+        }
+        Some(zero) => zero,
+        None => return Ok(()),
+    };
+    state.modal.zero = zero;
+    if memory.bit(parameter::ZEROS, 4) {
+        state.shift = Position::default();
+    }
+    state.resync(memory);
+    Ok(())
+}
+
+/// G43, G44, G49 and H.
+fn set_length(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(), Alarm> {
+    let modal = &mut state.modal;
+    let changes = words.length.is_some() || modal.length != LengthOffset::Off;
+    if let Some(h) = words.letters.h.filter(|_| changes) {
+        modal.h = offset_number(h)?;
+    }
+    modal.length = words.length.unwrap_or(modal.length);
+    let length = match (modal.length, modal.h) {
+        (LengthOffset::Off, _) | (_, 0) => Length::ZERO,
+        (LengthOffset::Plus, h) => memory.tool_length(h),
+        (LengthOffset::Minus, h) => -memory.tool_length(h),
+    };
+    // An offset that G10 has changed acts from the next H or G43 on.
+    if words.length.is_some() || words.letters.h.is_some() {
+        state.length = length;
+    }
+    Ok(())
+}
+
+/// S, T and M codes that act before the motion.
+fn set_spindle(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
+    let modal = &mut state.modal;
+    if let Some(s) = words.letters.s {
+        modal.speed = s.value();
+    }
+    if let Some(t) = words.letters.t {
+        modal.called = u16::try_from(t.integer()).unwrap_or(u16::MAX);
+        if !state.changes_tools {
+            modal.tool = modal.called;
+        }
+    }
+    let Some(m) = words.letters.m else {
+        return Ok(());
+    };
+    let code = m.integer();
+    modal.m = u16::try_from(code).unwrap_or(u16::MAX);
+    match does(code, scene.memory)? {
+        Some(MCode::SpindleForward) => modal.spindle = Spindle::Forward,
+        Some(MCode::SpindleReverse) => modal.spindle = Spindle::Reverse,
+        Some(MCode::CoolantOn) => modal.coolant = true,
+        Some(MCode::ToolChange) => {
+            state.changes_tools = true;
+            modal.tool = modal.called;
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+/// M codes that act after the motion.
+fn follow_m(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
+    let Some(m) = words.letters.m else {
+        return Ok(());
+    };
+    match does(m.integer(), scene.memory)? {
+        Some(MCode::SpindleStop) => state.modal.spindle = Spindle::Stopped,
+        Some(MCode::CoolantOff) => state.modal.coolant = false,
+        _ => {}
+    }
+    Ok(())
+}
+
+/// M codes that keep their function whatever 6044 to 6046 say.
+const RESERVED: [i64; 7] = [0, 1, 2, 29, 30, 98, 99];
+/// M codes that call the program of their own number.
+const MACRO_CODES: core::ops::RangeInclusive<i64> = 9000..=9999;
+
+/// The program that 6044 to 6046 let an M code call.
+pub(crate) fn called_by(code: i64, memory: &MillMemory) -> Option<i64> {
+    let value = |number| i64::from(memory.value(number));
+    let first = value(parameter::CALL_FIRST);
+    let program = value(parameter::CALL_PROGRAM);
+    let count = value(parameter::CALL_COUNT);
+    let off = count == 0 || program + count - 1 > 9999;
+    let index = code - first;
+    let calls = !off && !RESERVED.contains(&code) && (0..count).contains(&index);
+    calls.then_some(program + index)
+}
+
+/// What an M code does; none for one that calls.
+fn does(code: i64, memory: &MillMemory) -> Result<Option<MCode>, Alarm> {
+    if MACRO_CODES.contains(&code) || called_by(code, memory).is_some() {
+        return Ok(None);
+    }
+    let known = u8::try_from(code)
+        .ok()
+        .and_then(|it| memory.model.record().m_function(it));
+    match known {
+        Some(function) => Ok(Some(function.does)),
+        None => Err(alarm(number::BAD_M, say::mill_m_unknown(code))),
+    }
+}
+
+/// Runs of a call: L, or the digits before the last four of P.
+fn runs(words: &Words, by_p: i64) -> Result<u16, Alarm> {
+    let runs = words.letters.l.map_or(by_p.max(1), Number::integer);
+    match u16::try_from(runs) {
+        Ok(runs @ 1..=9999) => Ok(runs),
+        _ => Err(alarm(
+            number::OUT_OF_RANGE,
+            say::mill_repeats_out_of_range(runs, 9999),
+        )),
+    }
+}
+
+/// Where a block leads.
+pub(crate) fn flow(words: &Words, memory: &MillMemory) -> Result<Flow, Alarm> {
+    let Some(code) = words.letters.m.map(Number::integer) else {
+        return Ok(Flow::Next);
+    };
+    // P of a block with G04 is its time.
+    let p = words
+        .letters
+        .p
+        .filter(|_| words.one_shot != Some(OneShot::Dwell));
+    let p = p.map(Number::integer);
+    let name = format!("M{code}");
+    if let Some(program) = called_by(code, memory) {
+        let runs = runs(words, 1)?;
+        return Ok(Flow::Call {
+            program,
+            runs,
+            name,
+        });
+    }
+    if MACRO_CODES.contains(&code) {
+        let runs = runs(words, 1)?;
+        return Ok(Flow::Macro {
+            program: code,
+            runs,
+            name,
+        });
+    }
+    Ok(match does(code, memory)? {
+        Some(MCode::Stop) => Flow::Stop,
+        Some(MCode::End) => Flow::End,
+        Some(MCode::Call) => {
+            let Some(p) = p else {
+                let detail = say::call_without_program();
+                return Err(alarm(number::CALL_WITHOUT_P, detail));
+            };
+            Flow::Call {
+                program: p % 10_000,
+                runs: runs(words, p / 10_000)?,
+                name: format!("M98 P{p}"),
+            }
+        }
+        Some(MCode::Return) => Flow::Back(p),
+        _ => Flow::Next,
+    })
+}
+
+/// The words of a block that a macro gets as arguments.
+pub(crate) fn arguments(block: &Block) -> impl Iterator<Item = (u8, f64)> {
+    let words = block.words().iter();
+    let words = words.filter(|word| !matches!(word.address, b'G' | b'L' | b'M' | b'P'));
+    words.map(|word| (word.address, word.value.value()))
+}

@@ -1,0 +1,56 @@
+//! What adds up from moves: path lengths, and the box around the path.
+
+use crate::moves::{Arc, Move, MoveKind};
+use crate::space::Flat;
+
+/// Path lengths, mm; a rapid counts as its chord.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lengths {
+    /// Rapids.
+    pub rapid: f64,
+    /// Straight cuts.
+    pub feed: f64,
+    /// Clockwise cuts.
+    pub clockwise: f64,
+    /// Counter-clockwise cuts.
+    pub counter_clockwise: f64,
+    /// Taps.
+    pub tap: f64,
+}
+
+/// A box around a path, work coordinates, mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Least X, Y, Z.
+    pub least: [f64; 3],
+    /// Greatest.
+    pub greatest: [f64; 3],
+}
+
+impl Bounds {
+    /// Widens a box around a move.
+    pub(crate) fn reach(bounds: &mut Option<Self>, made: &Move) {
+        let mut take = |point: [f64; 3]| {
+            let bounds = bounds.get_or_insert(Self {
+                least: point,
+                greatest: point,
+            });
+            for (axis, value) in point.into_iter().enumerate() {
+                bounds.least[axis] = bounds.least[axis].min(value);
+                bounds.greatest[axis] = bounds.greatest[axis].max(value);
+            }
+        };
+        take(made.from.mm());
+        take(made.to.mm());
+        let (Some(Arc { plane, center }), Some(sweep)) = (made.arc, made.sweep()) else {
+            return;
+        };
+        let begin = made.from.flat(plane) - center;
+        for way in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+            let turn = begin.sweep(Flat::new(way.0, way.1), made.kind == MoveKind::Clockwise);
+            if turn < sweep {
+                take(made.at(turn / sweep));
+            }
+        }
+    }
+}

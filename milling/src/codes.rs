@@ -1,0 +1,325 @@
+//! Codes that act in their own block, and those of scaling and rotation.
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_core::program::{Block, Number};
+use gsk_messages::{Message, say};
+
+use crate::memory::{Column, parameter};
+use crate::modal::{LengthOffset, Motion};
+use crate::space::{Axis, Each, Flat, Length};
+use crate::state::State;
+use crate::transform::{Rotation, Scaling};
+use crate::travel::{Scene, Way, settle_rotation, target};
+use crate::words::{OneShot, Words, length};
+
+fn alarm(number: u16, detail: Message) -> Alarm {
+    Alarm::new(number).because(detail)
+}
+
+/// Carries a code out; whether it moves.
+pub(crate) fn one_shot(
+    code: OneShot,
+    state: &mut State,
+    words: &Words,
+    scene: &mut Scene<'_, '_>,
+) -> Result<bool, Alarm> {
+    let returns = matches!(
+        code,
+        OneShot::ReferenceCheck
+            | OneShot::Reference
+            | OneShot::ReferenceBack
+            | OneShot::FurtherReference
+            | OneShot::Coordinates
+    );
+    if returns && !state.transform.is_none() {
+        return Err(alarm(number::BAD_G, say::mill_transform_on()));
+    }
+    let inch = state.modal.inch;
+    match code {
+        OneShot::Dwell => return dwell(state, words, scene).map(|()| false),
+        OneShot::OffsetInput => return offset_input(state, words, scene).map(|()| false),
+        OneShot::ReferenceCheck => {
+            let to = target(state, words) + state.frame(scene.memory);
+            scene.go(state, to, Way::Rapid, true)?;
+            let reference = scene.memory.point(parameter::REFERENCE);
+            for axis in named(words) {
+                if to.get(axis) != reference.get(axis) {
+                    let name = char::from(axis.address());
+                    let (at, point) = (to.get(axis).mm(), reference.get(axis).mm());
+                    let detail = say::mill_not_at_reference(name, at, point);
+                    return Err(alarm(number::ZERO_RETURN, detail));
+                }
+            }
+            keep_or_cancel_length(state, scene);
+        }
+        OneShot::Reference => reference(0, state, words, scene)?,
+        OneShot::FurtherReference => {
+            let p = words.letters.p.map_or(2, Number::integer);
+            if !(2..=4).contains(&p) {
+                return Err(alarm(number::OUT_OF_RANGE, say::mill_reference_number(p)));
+            }
+            reference(p as u16 - 1, state, words, scene)?;
+        }
+        OneShot::ReferenceBack => {
+            let programmed = target(state, words);
+            let end = programmed + state.frame(scene.memory);
+            let (mut by, mut to) = (state.machine, state.machine);
+            for axis in named(words) {
+                by.set(axis, state.intermediate.get(axis));
+                to.set(axis, end.get(axis));
+            }
+            scene.go(state, by, Way::Rapid, true)?;
+            scene.go(state, to, Way::Rapid, true)?;
+        }
+        OneShot::Skip => {
+            // Without a signal it ends at its point.
+            settle_rotation(state, scene.memory);
+            let programmed = target(state, words);
+            let to = state.transform.apply(programmed) + state.frame(scene.memory);
+            let way = if scene.memory.bit(parameter::SKIP, 2) {
+                Way::CutAt(scene.memory.value(parameter::SKIP_FEED).into())
+            } else {
+                Way::Cut
+            };
+            scene.go(state, to, way, true)?;
+            state.skipped = state.work(scene.memory);
+        }
+        OneShot::Measure => measure(state, words, scene)?,
+        OneShot::Local => {
+            for axis in named(words) {
+                let value = words.letters.axes.get(axis).map(|it| length(it, inch));
+                let before = if state.modal.incremental {
+                    state.local.get(axis)
+                } else {
+                    Length::ZERO
+                };
+                state.local.set(axis, before + value.unwrap_or_default());
+            }
+            state.resync(scene.memory);
+            return Ok(false);
+        }
+        OneShot::Machine => {
+            if state.modal.incremental {
+                return Err(alarm(number::BAD_G, say::mill_machine_incremental()));
+            }
+            let mut to = state.machine;
+            for axis in named(words) {
+                let value = words.letters.axes.get(axis).map(|it| length(it, inch));
+                to.set(axis, value.unwrap_or_default());
+            }
+            let way = match state.modal.motion {
+                Motion::Rapid => Way::Rapid,
+                _ => Way::Cut,
+            };
+            scene.go(state, to, way, true)?;
+            keep_or_cancel_length(state, scene);
+        }
+        OneShot::Coordinates => {
+            let work = state.work(scene.memory);
+            for axis in named(words) {
+                let value = words.letters.axes.get(axis).map(|it| length(it, inch));
+                let by = work.get(axis) - value.unwrap_or_default();
+                state.shift.set(axis, state.shift.get(axis) + by);
+            }
+            state.resync(scene.memory);
+            return Ok(false);
+        }
+    }
+    state.resync(scene.memory);
+    Ok(words.has_axes())
+}
+
+/// The axes that a block names.
+fn named(words: &Words) -> impl Iterator<Item = Axis> {
+    let axes = words.letters.axes;
+    Axis::ALL
+        .into_iter()
+        .filter(move |axis| axes.get(*axis).is_some())
+}
+
+fn dwell(state: &State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
+    let seconds = match (words.letters.p, words.letters.axes.get(Axis::X)) {
+        (Some(ms), _) => ms.value() / 1000.0,
+        (None, Some(seconds)) => seconds.value(),
+        (None, None) => 0.0,
+    };
+    if seconds < 0.0 {
+        return Err(alarm(number::OUT_OF_RANGE, say::mill_dwell_negative()));
+    }
+    scene.dwell(state, seconds)
+}
+
+/// G10, memory of type C: lengths and radii, each with its wear.
+fn offset_input(state: &State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
+    let letters = &words.letters;
+    let column = match letters.l.map(Number::integer) {
+        Some(10) => Column::Length,
+        Some(11) => Column::LengthWear,
+        Some(12) => Column::Radius,
+        Some(13) => Column::RadiusWear,
+        _ => return Err(alarm(number::OUT_OF_RANGE, say::mill_offset_input_l())),
+    };
+    let (Some(p), Some(r)) = (letters.p, letters.r) else {
+        return Err(alarm(number::OUT_OF_RANGE, say::mill_offset_input_words()));
+    };
+    let p = p.integer();
+    let mut value = length(r, state.modal.inch);
+    if state.modal.incremental {
+        let mut before = u16::try_from(p)
+            .map(|it| scene.memory.offset(it))
+            .unwrap_or_default();
+        value = value + *before.column(column);
+    }
+    scene.memory.set_offset(p, column, value)
+}
+
+/// G28, G30: by the intermediate point to a reference point.
+fn reference(
+    index: u16,
+    state: &mut State,
+    words: &Words,
+    scene: &mut Scene<'_, '_>,
+) -> Result<(), Alarm> {
+    let by = target(state, words) + state.frame(scene.memory);
+    let reference = scene.memory.point(parameter::REFERENCE + index);
+    let (mut over, mut to) = (state.machine, state.machine);
+    for axis in named(words) {
+        over.set(axis, by.get(axis));
+        to.set(axis, reference.get(axis));
+        state.intermediate.set(axis, by.get(axis));
+    }
+    scene.go(state, over, Way::Rapid, true)?;
+    scene.go(state, to, Way::Rapid, true)?;
+    keep_or_cancel_length(state, scene);
+    Ok(())
+}
+
+/// After a return and G53 the length offset is cancelled, unless 013.7 keeps it.
+fn keep_or_cancel_length(state: &mut State, scene: &Scene<'_, '_>) {
+    if !scene.memory.bit(parameter::LENGTHS, 7) {
+        state.modal.length = LengthOffset::Off;
+        state.length = Length::ZERO;
+    }
+}
+
+/// G37: at rapid to a little before the point, then at the feed of 5040. Nobody gives the
+/// signal, which comes at the point.
+fn measure(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Result<(), Alarm> {
+    let mut axes = named(words);
+    let (Some(axis), None) = (axes.next(), axes.next()) else {
+        return Err(alarm(number::OUT_OF_RANGE, say::mill_measure_axis()));
+    };
+    let to = target(state, words) + state.frame(scene.memory);
+    let before = scene.memory.length(parameter::MEASURE_BEFORE);
+    let forward = to.get(axis) > state.machine.get(axis);
+    let mut near = to;
+    near.set(axis, to.get(axis) + if forward { -before } else { before });
+    scene.go(state, near, Way::Rapid, true)?;
+    let feed = scene.memory.value(parameter::MEASURE_FEED);
+    scene.go(state, to, Way::CutAt(feed.into()), true)
+}
+
+/// G51.
+pub(crate) fn scale(
+    state: &mut State,
+    block: &Block,
+    words: &Words,
+    scene: &Scene<'_, '_>,
+) -> Result<(), Alarm> {
+    let letters = &words.letters;
+    let codes = block.g_codes().count();
+    let by_axis = letters.center.0.iter().any(Option::is_some);
+    let each = scene.memory.bit(parameter::TRANSFORM, 4);
+    if codes > 1 || !block.has_only(b"GXYZPIJK") || (by_axis && !each) {
+        let detail = say::mill_scaling_alone();
+        return Err(alarm(number::TOO_MANY_WORDS, detail));
+    }
+    if letters.center.0.iter().flatten().any(|it| it.has_point()) {
+        return Err(alarm(number::BAD_POINT, say::mill_scale_with_point()));
+    }
+    let fine = scene.memory.bit(parameter::SCALE_UNIT, 7);
+    let factor = |units: i64| units as f64 * if fine { 0.000_01 } else { 0.001 };
+    let units = |axis: Axis| {
+        let own = || {
+            scene
+                .memory
+                .value(parameter::of(parameter::AXIS_SCALE, axis))
+                .into()
+        };
+        let word = letters.center.get(axis).map(Number::integer);
+        // 562.0 to 562.2: X, Y and Z are scaled.
+        let scaled = scene.memory.bit(parameter::TRANSFORM, axis as u8);
+        if scaled {
+            factor(word.unwrap_or_else(own))
+        } else {
+            1.0
+        }
+    };
+    let factors = match letters.p {
+        Some(p) if !by_axis => [factor(p.integer()); 3],
+        None if !each => [factor(scene.memory.value(parameter::SCALE).into()); 3],
+        _ => Axis::ALL.map(units),
+    };
+    if factors.contains(&0.0) {
+        return Err(alarm(number::OUT_OF_RANGE, say::mill_scale_nothing()));
+    }
+    let mut center = state.work(scene.memory);
+    for axis in named(words) {
+        let value = words
+            .letters
+            .axes
+            .get(axis)
+            .map(|it| length(it, state.modal.inch));
+        center.set(axis, value.unwrap_or_default());
+    }
+    state.transform.scaling = Some(Scaling {
+        center,
+        factors: Each(factors),
+    });
+    state.resync(scene.memory);
+    Ok(())
+}
+
+/// G68.
+pub(crate) fn rotate(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Result<(), Alarm> {
+    if state.transform.scaling.is_some() && scene.cutter.is_on() {
+        return Err(alarm(number::BAD_G, say::mill_rotation_in_compensation()));
+    }
+    let plane = state.modal.plane;
+    let [first, second, _] = plane.axes();
+    let work = state.work(scene.memory);
+    let inch = state.modal.inch;
+    let before = state.transform.rotation;
+    // The centre is scaled; where the tool stands is so already.
+    let along = |axis: Axis| match words.letters.axes.get(axis) {
+        Some(value) => {
+            let mut point = work;
+            point.set(axis, length(value, inch));
+            state.transform.scaled(point)[axis as usize]
+        }
+        None => work.get(axis).mm(),
+    };
+    let center = Flat::new(along(first), along(second));
+    let angle = match words.letters.r {
+        Some(r) => r.value(),
+        None => f64::from(scene.memory.value(parameter::ANGLE)) / 1000.0,
+    };
+    let adds = scene.memory.bit(parameter::TRANSFORM, 7) && state.modal.incremental;
+    let programmed = match before {
+        Some(before) if adds => before.programmed + angle,
+        _ => angle,
+    };
+    state.transform.rotation = Some(Rotation {
+        plane,
+        center,
+        degrees: if state.transform.mirrors(plane) {
+            -programmed
+        } else {
+            programmed
+        },
+        programmed,
+        stood: Some(work.flat(plane)),
+    });
+    state.resync(scene.memory);
+    Ok(())
+}

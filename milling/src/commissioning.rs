@@ -1,0 +1,267 @@
+//! What is worked out when a GSK980MDi is set up: the electronic gear (015, 016), and what
+//! its table of pitch errors (3620 to 3624) makes of a position.
+
+use std::collections::BTreeMap;
+
+use gsk_messages::{Message, say};
+
+use crate::space::Length;
+
+/// CMR over CMD, parameters 015 and 016.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gear {
+    /// 015.
+    pub multiplier: u32,
+    /// 016.
+    pub divider: u32,
+}
+
+/// The greatest of both.
+const GREATEST: u64 = 32_767;
+
+/// Teeth of the wheels on the screw and on the motor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Teeth {
+    /// On the screw, or on the table.
+    pub screw: u32,
+    /// On the motor.
+    pub motor: u32,
+}
+
+fn greatest_divisor(a: u64, b: u64) -> u64 {
+    if b == 0 {
+        a
+    } else {
+        greatest_divisor(b, a % b)
+    }
+}
+
+fn gear(multiplier: u64, divider: u64) -> Result<Gear, Message> {
+    let common = greatest_divisor(multiplier, divider).max(1);
+    let (multiplier, divider) = (multiplier / common, divider / common);
+    let fits = |value: u64| {
+        u32::try_from(value)
+            .ok()
+            .filter(|_| (1..=GREATEST).contains(&value))
+    };
+    match (fits(multiplier), fits(divider)) {
+        (Some(multiplier), Some(divider)) => Ok(Gear {
+            multiplier,
+            divider,
+        }),
+        _ => Err(say::mill_gear_too_great(multiplier, divider, GREATEST)),
+    }
+}
+
+/// The gear of a linear axis: counts of the encoder a turn, the output increment, the lead.
+///
+/// # Errors
+/// A value of nothing, or a gear beyond 32767.
+pub fn linear_gear(
+    counts: u32,
+    increment: Length,
+    lead: Length,
+    teeth: Teeth,
+) -> Result<Gear, Message> {
+    let nm = |length: Length| u64::try_from(length.nm()).unwrap_or(0);
+    let multiplier = u64::from(counts) * u64::from(teeth.screw);
+    let multiplier = multiplier.checked_mul(nm(increment));
+    let divider = nm(lead).checked_mul(teeth.motor.into());
+    match (multiplier, divider) {
+        (Some(multiplier @ 1..), Some(divider @ 1..)) => gear(multiplier, divider),
+        _ => Err(say::mill_gear_of_nothing()),
+    }
+}
+
+/// The gear of a rotary axis or a spindle: counts of the encoder a turn, pulses a turn.
+///
+/// # Errors
+/// As for [`linear_gear`].
+pub fn rotary_gear(counts: u32, pulses: u32, teeth: Teeth) -> Result<Gear, Message> {
+    let multiplier = u64::from(counts) * u64::from(teeth.screw);
+    let divider = u64::from(pulses) * u64::from(teeth.motor);
+    if multiplier == 0 || divider == 0 {
+        return Err(say::mill_gear_of_nothing());
+    }
+    gear(multiplier, divider)
+}
+
+/// The pitch errors of an axis.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PitchTable {
+    /// 3620: the number at the reference point.
+    origin: i64,
+    /// 3624, 0.001 mm.
+    interval: i64,
+    /// By number, 0.001 mm: of the way between `(N − 1 − origin)` and `(N − origin)`
+    /// intervals.
+    values: BTreeMap<i64, i64>,
+}
+
+/// Numbers of the table, sizes of its values, intervals.
+const NUMBERS: core::ops::RangeInclusive<i64> = 0..=1023;
+const VALUES: core::ops::RangeInclusive<i64> = -2550..=2550;
+const INTERVALS: core::ops::RangeInclusive<i64> = 1000..=999_999;
+
+impl PitchTable {
+    /// A table; its values from the number `least` (3621) to `most` (3622) act.
+    ///
+    /// # Errors
+    /// A number, a value or an interval (0.001 mm) out of its range.
+    pub fn new(
+        origin: i64,
+        interval: i64,
+        (least, most): (i64, i64),
+        values: &[(i64, i64)],
+    ) -> Result<Self, Message> {
+        if !NUMBERS.contains(&origin) || !NUMBERS.contains(&least) || !NUMBERS.contains(&most) {
+            return Err(say::mill_pitch_number());
+        }
+        if !INTERVALS.contains(&interval) {
+            return Err(say::mill_pitch_interval(interval));
+        }
+        if let Some((number, value)) = values
+            .iter()
+            .find(|(number, value)| !NUMBERS.contains(number) || !VALUES.contains(value))
+        {
+            return Err(say::mill_pitch_value(*number, *value));
+        }
+        let inside = values.iter().copied();
+        let inside = inside.filter(|(number, _)| (least..=most).contains(number));
+        Ok(Self {
+            origin,
+            interval,
+            values: inside.collect(),
+        })
+    }
+
+    fn value(&self, number: i64) -> i64 {
+        self.values.get(&number).copied().unwrap_or(0)
+    }
+
+    /// What is commanded at a position, both in 0.001 mm from the reference point; within
+    /// an interval its share of the error.
+    pub fn commanded(&self, position: i64) -> i64 {
+        let whole = position.abs() / self.interval;
+        let rest = position.abs() % self.interval;
+        let (first, sign) = if position < 0 {
+            (self.origin, -1)
+        } else {
+            (self.origin + 1, 1)
+        };
+        let number = |count: i64| first + sign * count;
+        let errors: i64 = (0..whole.min(1024))
+            .map(|count| self.value(number(count)))
+            .sum();
+        let share = self.value(number(whole)) * rest;
+        let half = self.interval / 2 * share.signum();
+        position + sign * (errors + (share + half) / self.interval)
+    }
+
+    /// The number at the positive end of a turn of a rotary axis (1260, 0.001 degrees).
+    ///
+    /// # Errors
+    /// The turn is no multiple of the interval, the errors of a turn do not add up to
+    /// nothing, or those at both ends differ.
+    pub fn end_of_turn(&self, turn: i64) -> Result<i64, Message> {
+        if turn <= 0 || turn % self.interval != 0 {
+            return Err(say::mill_pitch_turn(turn, self.interval));
+        }
+        let end = self.origin + turn / self.interval;
+        let sum: i64 = (self.origin + 1..=end)
+            .map(|number| self.value(number))
+            .sum();
+        if sum != 0 {
+            return Err(say::mill_pitch_sum(sum));
+        }
+        if self.value(self.origin) != self.value(end) {
+            return Err(say::mill_pitch_ends(self.origin, end));
+        }
+        Ok(end)
+    }
+
+    /// What stands in the place of a number on the page when positions are shown: the far
+    /// end of its way, in whole millimetres.
+    pub fn label(&self, number: i64) -> String {
+        let beyond = i64::from(number > self.origin);
+        let position = (number - 1 + beyond - self.origin) * self.interval / 1000;
+        if position < 0 {
+            format!("-{:03}", -position)
+        } else {
+            format!("{position:04}")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DIRECT: Teeth = Teeth { screw: 1, motor: 1 };
+
+    fn table(origin: i64, interval: i64, window: (i64, i64), values: &[(i64, i64)]) -> PitchTable {
+        PitchTable::new(origin, interval, window, values).expect("a table")
+    }
+
+    /// Facts C34 and C35.
+    #[test]
+    fn gears_of_the_manual() {
+        let found = linear_gear(
+            131_072,
+            Length::from_mm(0.001),
+            Length::from_mm(4.0),
+            DIRECT,
+        );
+        assert_eq!(found.map(|it| (it.multiplier, it.divider)), Ok((4096, 125)));
+        let found = rotary_gear(4096, 1000, DIRECT);
+        assert_eq!(found.map(|it| (it.multiplier, it.divider)), Ok((512, 125)));
+        let teeth = Teeth { screw: 3, motor: 2 };
+        let found = rotary_gear(4096, 1000, teeth);
+        assert_eq!(found.map(|it| (it.multiplier, it.divider)), Ok((768, 125)));
+        assert!(rotary_gear(4097, 1, Teeth { screw: 9, motor: 1 }).is_err());
+        assert!(rotary_gear(0, 1000, DIRECT).is_err());
+    }
+
+    /// Facts C36 to C38.
+    #[test]
+    fn pulses_of_the_examples() {
+        let one = table(0, 10_000, (0, 199), &[(1, 7), (2, -6), (3, 4)]);
+        let found = [10_000, 20_000, 30_000].map(|at| one.commanded(at));
+        assert_eq!(found, [10_007, 20_001, 30_005]);
+        let values = [(58, -7), (59, -7), (60, 6), (61, 4)];
+        let two = table(60, 10_000, (0, 127), &values);
+        let found = [-30_000, -20_000, -10_000, 0, 10_000].map(|at| two.commanded(at));
+        assert_eq!(found, [-29_992, -19_999, -10_006, 0, 10_004]);
+        let values = [(255, 2), (254, 0), (253, -7), (252, 3)];
+        let three = table(255, 10_000, (0, 255), &values);
+        let found = [-10_000, -20_000, -30_000, -40_000].map(|at| three.commanded(at));
+        assert_eq!(found, [-10_002, -20_002, -29_995, -39_998]);
+        // Half the way, half the error: 3.5 goes away from zero.
+        assert_eq!(one.commanded(5000), 5004);
+    }
+
+    /// Fact C39.
+    #[test]
+    fn a_turn_comes_out_even() {
+        let errors = [1, -2, 1, 3, -1, -1, -3, 2, 1];
+        let values: Vec<(i64, i64)> = (60..).zip(errors).collect();
+        let mut four = table(60, 45_000, (50, 100), &values);
+        assert_eq!(four.end_of_turn(360_000), Ok(68));
+        four.values.insert(64, 0);
+        assert!(four.end_of_turn(360_000).is_err());
+        assert!(four.end_of_turn(100_000).is_err());
+    }
+
+    /// Fact C41.
+    #[test]
+    fn numbers_become_positions() {
+        let five = table(100, 20_000, (0, 1023), &[]);
+        let labels: Vec<String> = (94..=101).map(|number| five.label(number)).collect();
+        assert_eq!(
+            labels,
+            [
+                "-140", "-120", "-100", "-080", "-060", "-040", "-020", "0020"
+            ]
+        );
+    }
+}

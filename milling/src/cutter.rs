@@ -1,0 +1,179 @@
+//! Steps on their way through the compensation of the cutter's radius: the core's own,
+//! which knows moves in a plane. What else a step is waits here under its number.
+
+use std::collections::BTreeMap;
+
+use gsk_core::alarm::Alarm;
+use gsk_core::compensation::cutter::{Compensated, CutterCompensation, FlatMove, FlatShape, Side};
+use gsk_core::units::Point;
+
+use crate::moves::{Arc, MoveKind};
+use crate::space::{Flat, Plane, Position};
+use crate::tracker::{Step, Tracker};
+
+/// Numbers of steps that are kept: none waits for so many.
+const KEPT: u32 = 4096;
+
+/// The compensation, with the steps in it.
+#[derive(Debug, Default)]
+pub(crate) struct Cutter {
+    stream: CutterCompensation,
+    waiting: BTreeMap<u32, Step>,
+    count: u32,
+    plane: Plane,
+    /// Where the steps that went in end.
+    at: Position,
+}
+
+const fn point(flat: Flat) -> Point {
+    Point {
+        x: flat.second,
+        z: flat.first,
+    }
+}
+
+const fn flat(point: Point) -> Flat {
+    Flat::new(point.z, point.x)
+}
+
+impl Cutter {
+    /// Begins where the tool stands.
+    pub(crate) fn new(start: Position) -> Self {
+        Self {
+            at: start,
+            ..Self::default()
+        }
+    }
+
+    /// Whether the centre runs beside the contour.
+    pub(crate) const fn is_on(&self) -> bool {
+        self.stream.is_on()
+    }
+
+    /// Takes a step; `radius` of the cutter, mm. A step apart from the contour (a hole, a
+    /// return to the reference point) is made without compensation.
+    pub(crate) fn take(
+        &mut self,
+        step: &Step,
+        (side, radius): (Side, f64),
+        (plane, apart): (Plane, bool),
+        tracker: &mut Tracker<'_>,
+    ) -> Result<(), Alarm> {
+        let from = core::mem::replace(&mut self.at, step.to);
+        if !self.is_on() && (side == Side::On || apart) {
+            return tracker.make(step);
+        }
+        self.plane = plane;
+        if !self.is_on() {
+            self.stream.stand_at(point(from.flat(plane)));
+        }
+        let number = self.count;
+        self.count = (self.count + 1) % KEPT;
+        self.waiting.insert(number, *step);
+        let to = step.to.flat(plane);
+        let moves = step.arc.is_some() || to != from.flat(plane);
+        let shape = match (step.kind, step.arc) {
+            (MoveKind::Rapid, _) => FlatShape::Rapid,
+            (kind, Some(Arc { center, .. })) => FlatShape::Arc {
+                center: point(center),
+                clockwise: kind == MoveKind::Clockwise,
+            },
+            _ => FlatShape::Line,
+        };
+        let to = point(to);
+        if step.kind == MoveKind::Dwell || !(moves || apart || self.cancels(side)) {
+            self.stream.push_other(number, side);
+        } else if apart {
+            self.stream.push_uncompensated(number, to, side);
+        } else {
+            self.stream.push(
+                FlatMove {
+                    number,
+                    line: step.source.line,
+                    to,
+                    shape,
+                },
+                side,
+                radius,
+            );
+        }
+        self.drain(tracker)
+    }
+
+    /// Whether a move ends the compensation: it does so without motion in the plane, too.
+    fn cancels(&self, side: Side) -> bool {
+        side == Side::On && self.is_on()
+    }
+
+    /// A block without any motion.
+    pub(crate) fn pass_block(
+        &mut self,
+        side: Side,
+        tracker: &mut Tracker<'_>,
+    ) -> Result<(), Alarm> {
+        if self.is_on() {
+            self.stream.push_other(KEPT, side);
+        }
+        self.drain(tracker)
+    }
+
+    /// Nothing more comes.
+    pub(crate) fn flush(&mut self, tracker: &mut Tracker<'_>) -> Result<(), Alarm> {
+        self.stream.flush();
+        self.drain(tracker)
+    }
+
+    fn drain(&mut self, tracker: &mut Tracker<'_>) -> Result<(), Alarm> {
+        while let Some(ready) = self.stream.take() {
+            let ready = match ready {
+                Ok(ready) => ready,
+                Err(mut alarm) => {
+                    // It has the number of the step.
+                    let number = alarm.source.and_then(|source| source.sequence);
+                    let number = number.map(u32::from);
+                    let step = number.and_then(|number| self.waiting.get(&number));
+                    alarm.source = step.map(|step| step.source);
+                    return Err(alarm);
+                }
+            };
+            match ready {
+                Compensated::Other(number) => {
+                    if let Some(mut step) = self.waiting.remove(&number) {
+                        // It moves across the plane, where the centre stands.
+                        let centre = tracker.machine.flat(self.plane);
+                        step.to = step.to.at(self.plane, centre);
+                        tracker.make(&step)?;
+                    }
+                }
+                Compensated::Move { flat: made, last } => {
+                    let Some(step) = self.waiting.get(&made.number) else {
+                        continue;
+                    };
+                    let mut step = *step;
+                    if last {
+                        self.waiting.remove(&made.number);
+                    } else {
+                        // The corner before it.
+                        let across = self.plane.across();
+                        step.to.set(across, tracker.machine.get(across));
+                    }
+                    step.to = step.to.at(self.plane, flat(made.to));
+                    step.arc = match made.shape {
+                        FlatShape::Arc { center, .. } => Some(Arc {
+                            plane: self.plane,
+                            center: flat(center),
+                        }),
+                        FlatShape::Rapid | FlatShape::Line => None,
+                    };
+                    if step.arc.is_none()
+                        && matches!(step.kind, MoveKind::Clockwise | MoveKind::CounterClockwise)
+                    {
+                        step.kind = MoveKind::Feed;
+                    }
+                    tracker.make(&step)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}

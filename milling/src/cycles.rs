@@ -1,0 +1,258 @@
+//! G73 to G89: what a hole is made of.
+//!
+//! ```text
+//!   1 rapid over the hole      initial level ---1---+
+//!   2 rapid to R                                    2
+//!   3 in, as the code says     R level              +--- and back to R (G99) or to the
+//!   4 at the bottom                                 3    initial level (G98)
+//!   5 back                     Z                    4
+//! ```
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_messages::say;
+
+use crate::memory::{MillMemory, parameter};
+use crate::modal::{Hole, Spindle};
+use crate::space::{Axis, Length, Plane, Position};
+
+/// What the words of a cycle leave for the next hole.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct HoleData {
+    /// Level before the first hole, machine coordinates.
+    pub(crate) initial: Length,
+    /// R as programmed: with G91 from the initial level.
+    pub(crate) r: Option<Level>,
+    /// Z (of the axis across the plane), with G91 from R.
+    pub(crate) bottom: Option<Level>,
+    /// Q: the depth of a peck, or the shift of G76 and G87.
+    pub(crate) q: Option<Length>,
+    /// P, s.
+    pub(crate) dwell_s: f64,
+}
+
+/// A level as it is programmed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Level {
+    pub(crate) value: Length,
+    pub(crate) incremental: bool,
+}
+
+/// A part of a hole, machine coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Part {
+    /// To a point.
+    Rapid(Position),
+    /// The same at the feed.
+    Feed(Position),
+    /// The same, led by the spindle.
+    Tap(Position),
+    /// The slides stand, s.
+    Dwell(f64),
+    /// What the spindle does from here on.
+    Spindle(Spindle),
+}
+
+/// A hole: where, how deep, and what it is made by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drilling<'a> {
+    pub(crate) hole: Hole,
+    pub(crate) plane: Plane,
+    /// Over the hole, at the level from which it begins.
+    pub(crate) over: Position,
+    pub(crate) initial: Length,
+    pub(crate) r: Length,
+    pub(crate) bottom: Length,
+    pub(crate) q: Option<Length>,
+    pub(crate) dwell_s: f64,
+    pub(crate) to_r: bool,
+    pub(crate) spindle: Spindle,
+    pub(crate) memory: &'a MillMemory,
+}
+
+/// Pecks in a hole at most.
+const PECKS: i64 = 10_000;
+
+impl Drilling<'_> {
+    /// A point over or in the hole.
+    fn at(&self, level: Length) -> Position {
+        let mut point = self.over;
+        point.set(self.plane.across(), level);
+        point
+    }
+
+    /// The same, beside its middle by the shift of G76 and G87.
+    fn beside(&self, level: Length, shift: Length) -> Position {
+        let mut point = self.at(level);
+        let bit = |bit| self.memory.bit(parameter::SHIFT, bit);
+        let [first, second, _] = self.plane.axes();
+        let axis: Axis = if bit(1) { second } else { first };
+        let by = if bit(0) { -shift } else { shift };
+        point.set(axis, point.get(axis) + by);
+        point
+    }
+
+    /// Its parts in order.
+    ///
+    /// # Errors
+    /// 062 for a Q that is missing.
+    pub(crate) fn parts(&self) -> Result<Vec<Part>, Alarm> {
+        let mut parts = vec![Part::Rapid(self.over)];
+        let (in_r, end) = (self.at(self.r), self.at(self.bottom));
+        if self.hole != Hole::BackBore {
+            parts.push(Part::Rapid(in_r));
+        }
+        let feeds_out = matches!(self.hole, Hole::Bore | Hole::BoreDwell);
+        match self.hole {
+            Hole::Drill | Hole::Bore => parts.push(Part::Feed(end)),
+            Hole::DrillDwell | Hole::BoreDwell => {
+                parts.extend([Part::Feed(end), Part::Dwell(self.dwell_s)]);
+            }
+            Hole::HighSpeedPeck | Hole::Peck => self.peck(&mut parts)?,
+            Hole::LeftTap | Hole::RightTap => {
+                self.tap(&mut parts);
+                return Ok(self.finished(parts));
+            }
+            // Of G88 somebody draws the tool out by hand.
+            Hole::BoreStop | Hole::BoreByHand => parts.extend([
+                Part::Feed(end),
+                Part::Dwell(self.dwell_s),
+                Part::Spindle(Spindle::Stopped),
+            ]),
+            Hole::FineBore => {
+                let shift = self.shift()?;
+                parts.extend([
+                    Part::Feed(end),
+                    Part::Dwell(self.dwell_s),
+                    Part::Spindle(Spindle::Stopped),
+                    Part::Rapid(self.beside(self.bottom, shift)),
+                    Part::Rapid(self.beside(self.back(), shift)),
+                    Part::Rapid(self.at(self.back())),
+                    Part::Spindle(self.spindle),
+                ]);
+                return Ok(self.finished(parts));
+            }
+            Hole::BackBore => {
+                let shift = self.shift()?;
+                let top = self.initial;
+                parts.extend([
+                    Part::Spindle(Spindle::Stopped),
+                    Part::Rapid(self.beside(top, shift)),
+                    Part::Rapid(self.beside(self.r, shift)),
+                    Part::Rapid(in_r),
+                    Part::Spindle(self.spindle),
+                    Part::Feed(end),
+                    Part::Dwell(self.dwell_s),
+                    Part::Spindle(Spindle::Stopped),
+                    Part::Rapid(self.beside(self.bottom, shift)),
+                    Part::Rapid(self.beside(top, shift)),
+                    Part::Rapid(self.at(top)),
+                    Part::Spindle(self.spindle),
+                ]);
+                return Ok(self.finished(parts));
+            }
+        }
+        if feeds_out {
+            parts.push(Part::Feed(in_r));
+        }
+        parts.push(Part::Rapid(self.at(self.back())));
+        if matches!(self.hole, Hole::BoreStop | Hole::BoreByHand) {
+            parts.push(Part::Spindle(self.spindle));
+        }
+        Ok(self.finished(parts))
+    }
+
+    /// The level to which the tool goes back.
+    const fn back(&self) -> Length {
+        if self.to_r { self.r } else { self.initial }
+    }
+
+    /// With the dwell behind every hole (5108).
+    fn finished(&self, mut parts: Vec<Part>) -> Vec<Part> {
+        let dwell = self.memory.value(parameter::HOLE_DWELL);
+        if dwell > 0 {
+            parts.push(Part::Dwell(f64::from(dwell) / 1000.0));
+        }
+        parts.retain(|part| !matches!(part, Part::Dwell(seconds) if *seconds <= 0.0));
+        parts
+    }
+
+    /// Q, which must be more than nothing.
+    fn shift(&self) -> Result<Length, Alarm> {
+        let shift = self.q.map(Length::abs).filter(|it| *it > Length::ZERO);
+        shift.ok_or_else(|| {
+            let detail = say::mill_hole_without_q(self.hole.code());
+            Alarm::new(number::CYCLE_DATA).because(detail)
+        })
+    }
+
+    /// G73: back by a little after each peck; G83: back to R, and down again to a little
+    /// before the last depth.
+    fn peck(&self, parts: &mut Vec<Part>) -> Result<(), Alarm> {
+        let q = self.shift()?;
+        let depth = self.bottom - self.r;
+        let down = depth < Length::ZERO;
+        let step = if down { -q } else { q };
+        let away = |length: Length| if down { length } else { -length };
+        let back = away(self.memory.length(parameter::PECK_BACK));
+        let clearance = away(self.memory.length(parameter::PECK_CLEARANCE));
+        let reached = |level: Length| {
+            if down {
+                level <= self.bottom
+            } else {
+                level >= self.bottom
+            }
+        };
+        // Not above R.
+        let not_out = |level: Length| {
+            if (level > self.r) == down {
+                self.r
+            } else {
+                level
+            }
+        };
+        let mut level = self.r;
+        for peck in 0.. {
+            if peck == PECKS {
+                let detail = say::mill_too_many_pecks(PECKS);
+                return Err(Alarm::new(number::CYCLE_DATA).because(detail));
+            }
+            let before = level;
+            if peck > 0 && self.hole == Hole::Peck {
+                parts.push(Part::Rapid(self.at(self.r)));
+                parts.push(Part::Rapid(self.at(not_out(before + clearance))));
+            } else if peck > 0 {
+                parts.push(Part::Rapid(self.at(not_out(before + back))));
+            }
+            level = before + step;
+            if reached(level) {
+                break;
+            }
+            parts.push(Part::Feed(self.at(level)));
+        }
+        parts.push(Part::Feed(self.at(self.bottom)));
+        parts.push(Part::Dwell(self.dwell_s));
+        Ok(())
+    }
+
+    /// G74, G84: in, the spindle turns over, out; without an encoder a hole is drilled.
+    fn tap(&self, parts: &mut Vec<Part>) {
+        let (in_r, end) = (self.at(self.r), self.at(self.bottom));
+        if self.memory.value(parameter::ENCODER) == 0 {
+            parts.push(Part::Feed(end));
+        } else {
+            let (in_turn, out_turn) = match self.hole {
+                Hole::LeftTap => (Spindle::Reverse, Spindle::Forward),
+                _ => (Spindle::Forward, Spindle::Reverse),
+            };
+            parts.extend([
+                Part::Spindle(in_turn),
+                Part::Tap(end),
+                Part::Dwell(self.dwell_s),
+                Part::Spindle(out_turn),
+                Part::Tap(in_r),
+                Part::Spindle(in_turn),
+            ]);
+        }
+        parts.push(Part::Rapid(self.at(self.back())));
+    }
+}

@@ -1,0 +1,40 @@
+//! Programs of the GSK980MDi, a mill control related to the lathe's: blocks to moves of
+//! three axes, with what scaling, rotation, length offsets and the cutter radius make of
+//! them, their time and their alarms. They are checked and drawn, and not run.
+//!
+//! ```text
+//!   gsk_core: text -> words -> blocks, macro B, calls
+//!      Walker --block--> words --> block (codes/) --> transform --> cutter --> tracker --> Move
+//!                                   |                                            |
+//!                                   memory: parameters, offsets, zeros           time, bounds
+//! ```
+
+mod arc;
+mod block;
+mod bounds;
+mod codes;
+pub mod commissioning;
+mod cutter;
+mod cycles;
+mod memory;
+mod modal;
+mod moves;
+mod preview;
+mod space;
+mod state;
+mod system;
+mod time;
+mod tracker;
+mod transform;
+mod travel;
+mod words;
+
+#[cfg(test)]
+mod tests;
+
+pub use bounds::{Bounds, Lengths};
+pub use memory::{MillMemory, Offset, WordError, parameter};
+pub use modal::{Modal, Spindle};
+pub use moves::{Arc, Move, MoveKind};
+pub use preview::{End, MillSetup, Preview, Progress, preview_while};
+pub use space::{Axis, Each, Flat, Length, Plane, Position};

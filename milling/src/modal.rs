@@ -1,0 +1,243 @@
+//! What stays in force from block to block.
+
+use gsk_core::compensation::cutter::Side;
+
+use crate::space::Plane;
+
+/// Group 01.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// G00.
+    Rapid,
+    /// G01.
+    Line,
+    /// G02, or G03.
+    Arc {
+        /// Whether it is G02.
+        clockwise: bool,
+    },
+}
+
+impl Motion {
+    /// Its number.
+    pub const fn code(self) -> u8 {
+        match self {
+            Self::Rapid => 0,
+            Self::Line => 1,
+            Self::Arc { clockwise: true } => 2,
+            Self::Arc { clockwise: false } => 3,
+        }
+    }
+}
+
+/// Group 08.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthOffset {
+    /// G49.
+    Off,
+    /// G43.
+    Plus,
+    /// G44.
+    Minus,
+}
+
+/// Group 09: the holes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hole {
+    /// G73.
+    HighSpeedPeck,
+    /// G74.
+    LeftTap,
+    /// G76.
+    FineBore,
+    /// G81.
+    Drill,
+    /// G82.
+    DrillDwell,
+    /// G83.
+    Peck,
+    /// G84.
+    RightTap,
+    /// G85.
+    Bore,
+    /// G86.
+    BoreStop,
+    /// G87.
+    BackBore,
+    /// G88.
+    BoreByHand,
+    /// G89.
+    BoreDwell,
+}
+
+impl Hole {
+    /// Its number.
+    pub const fn code(self) -> u8 {
+        match self {
+            Self::HighSpeedPeck => 73,
+            Self::LeftTap => 74,
+            Self::FineBore => 76,
+            Self::Drill => 81,
+            Self::DrillDwell => 82,
+            Self::Peck => 83,
+            Self::RightTap => 84,
+            Self::Bore => 85,
+            Self::BoreStop => 86,
+            Self::BackBore => 87,
+            Self::BoreByHand => 88,
+            Self::BoreDwell => 89,
+        }
+    }
+}
+
+/// Group 14: G54 to G59 by 0 to 5, G54.1 P1 to P48 from 6 on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WorkZero(pub u8);
+
+impl WorkZero {
+    /// How many there are.
+    pub const COUNT: usize = 54;
+    /// G54.1 P1.
+    pub const FIRST_ADDITIONAL: u8 = 6;
+
+    /// Its code as it is written.
+    pub fn name(self) -> String {
+        match self.0 {
+            low @ ..Self::FIRST_ADDITIONAL => format!("G{}", 54 + low),
+            high => format!("G54.1P{}", high - Self::FIRST_ADDITIONAL + 1),
+        }
+    }
+}
+
+/// Whether the spindle turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spindle {
+    /// M05.
+    #[default]
+    Stopped,
+    /// M03.
+    Forward,
+    /// M04.
+    Reverse,
+}
+
+/// Modal codes and words.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modal {
+    /// Group 01.
+    pub motion: Motion,
+    /// Group 02.
+    pub plane: Plane,
+    /// Group 03: G91.
+    pub incremental: bool,
+    /// Group 05: G95.
+    pub per_revolution: bool,
+    /// Group 06: G20.
+    pub inch: bool,
+    /// Group 07.
+    pub cutter: Side,
+    /// Group 08.
+    pub length: LengthOffset,
+    /// Group 09; none: G80.
+    pub hole: Option<Hole>,
+    /// Group 10: G99.
+    pub to_r: bool,
+    /// Group 14.
+    pub zero: WorkZero,
+    /// Group 15: G61.
+    pub exact_stop: bool,
+    /// D in force.
+    pub d: u16,
+    /// H in force.
+    pub h: u16,
+    /// F, mm/min or mm/rev; 0 = none yet.
+    pub feed: f64,
+    /// S, r/min.
+    pub speed: f64,
+    /// The spindle.
+    pub spindle: Spindle,
+    /// Coolant is on.
+    pub coolant: bool,
+    /// The tool in the spindle, and the one that T has called for.
+    pub tool: u16,
+    /// Called for.
+    pub called: u16,
+    /// The last M code.
+    pub m: u16,
+}
+
+impl Default for Modal {
+    /// At power-on.
+    fn default() -> Self {
+        Self {
+            motion: Motion::Rapid,
+            plane: Plane::Xy,
+            incremental: false,
+            per_revolution: false,
+            inch: false,
+            cutter: Side::On,
+            length: LengthOffset::Off,
+            hole: None,
+            to_r: false,
+            zero: WorkZero(0),
+            exact_stop: false,
+            d: 0,
+            h: 0,
+            feed: 0.0,
+            speed: 0.0,
+            spindle: Spindle::Stopped,
+            coolant: false,
+            tool: 0,
+            called: 0,
+            m: 0,
+        }
+    }
+}
+
+impl Modal {
+    /// Group 02 by number.
+    pub(crate) const fn plane_code(&self) -> u8 {
+        match self.plane {
+            Plane::Xy => 17,
+            Plane::Zx => 18,
+            Plane::Yz => 19,
+        }
+    }
+
+    /// Group 07 by number.
+    pub(crate) const fn cutter_code(&self) -> u8 {
+        match self.cutter {
+            Side::On => 40,
+            Side::Left => 41,
+            Side::Right => 42,
+        }
+    }
+
+    /// Group 08 by number.
+    pub(crate) const fn length_code(&self) -> u8 {
+        match self.length {
+            LengthOffset::Off => 49,
+            LengthOffset::Plus => 43,
+            LengthOffset::Minus => 44,
+        }
+    }
+
+    /// The codes in force, one of each group, as they are written.
+    pub fn codes(&self) -> Vec<String> {
+        let numbers = [
+            self.motion.code(),
+            self.plane_code(),
+            90 + u8::from(self.incremental),
+            94 + u8::from(self.per_revolution),
+            21 - u8::from(self.inch),
+            self.cutter_code(),
+            self.length_code(),
+            self.hole.map_or(80, Hole::code),
+            98 + u8::from(self.to_r),
+            if self.exact_stop { 61 } else { 64 },
+        ];
+        let mut codes: Vec<String> = numbers.map(|code| format!("G{code:02}")).into();
+        codes.push(self.zero.name());
+        codes
+    }
+}

@@ -1,0 +1,434 @@
+//! A whole program carried out without ticks: what `check` and `plot` show.
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_core::command::{ProgramId, Source};
+use gsk_core::compensation::cutter::Side;
+use gsk_core::interpreter::{Back, Read, Walker};
+use gsk_core::model::{ControlModel, ModelId};
+use gsk_core::program::{Block, Program, ProgramMemory, Syntax};
+use gsk_messages::say;
+
+pub use gsk_core::preview::Progress;
+
+use crate::block::{self, Flow};
+use crate::bounds::{Bounds, Lengths};
+use crate::cutter::Cutter;
+use crate::memory::{MillMemory, WordError, parameter, position};
+use crate::modal::{Modal, Motion};
+use crate::space::{Axis, Length, Position};
+use crate::state::State;
+use crate::system::{Common, Known};
+use crate::tracker::{OnMove, Tracker};
+use crate::transform::Transform;
+use crate::travel::Scene;
+use crate::words::Words;
+
+/// Blocks between two questions whether a preview is to go on.
+const BLOCKS_A_LOOK: u64 = 1024;
+/// Machine time after which a preview gives up, s: 1000 hours.
+const LONGEST_S: f64 = 3.6e6;
+/// Alarms behind the first one, and blocks that are looked through for them.
+const MOST_FURTHER: usize = 20;
+/// Blocks looked through.
+const FURTHER_BLOCKS: u64 = 100_000;
+
+/// What a program starts from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MillSetup {
+    /// Parameters, offsets, zeros.
+    pub memory: MillMemory,
+    /// Where the slides stand, machine coordinates.
+    pub start: Position,
+    /// Whether blocks marked `/` are skipped.
+    pub block_skip: bool,
+}
+
+impl Default for MillSetup {
+    /// A hundred millimetres over machine zero.
+    fn default() -> Self {
+        let mut start = Position::default();
+        start.set(Axis::Z, Length::from_mm(100.0));
+        Self {
+            memory: MillMemory::default(),
+            start,
+            block_skip: false,
+        }
+    }
+}
+
+impl MillSetup {
+    /// With parameters of a model, which must be a mill.
+    #[must_use]
+    pub fn with(mut self, model: &ControlModel) -> Self {
+        self.memory.model.clone_from(model);
+        self
+    }
+
+    /// Takes where the slides stand, `X,Y,Z` in mm.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn take_start(&mut self, word: &str) -> Result<(), WordError> {
+        self.start = position(word).ok_or_else(|| WordError(say::mill_start_form(word)))?;
+        Ok(())
+    }
+}
+
+/// How a program ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// M02, M30.
+    M30,
+    /// M99 of the main program.
+    M99,
+    /// The end of the text.
+    Text,
+    /// An alarm.
+    Alarm,
+    /// Given up.
+    Limit,
+}
+
+/// What a program does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preview {
+    /// How it ended.
+    pub end: End,
+    /// The alarm that ended it.
+    pub alarm: Option<Alarm>,
+    /// What else is wrong behind it, as far as it does not depend on where the tool is.
+    pub further: Vec<Alarm>,
+    /// Machine time, s: motion and dwells. M, S and T take none.
+    pub time_s: f64,
+    /// Part of it spent cutting, s.
+    pub cutting_s: f64,
+    /// Blocks carried out.
+    pub blocks: u64,
+    /// Moves and dwells.
+    pub moves: u64,
+    /// M00 met.
+    pub stops: u32,
+    /// Parts finished.
+    pub parts: u32,
+    /// Tools that came into the spindle, in order, each once.
+    pub tools: Vec<u16>,
+    /// Box around the path.
+    pub bounds: Option<Bounds>,
+    /// Path lengths by kind.
+    pub lengths: Lengths,
+    /// Final position of the tip, work coordinates.
+    pub work: Position,
+    /// Final position of the slides, machine coordinates.
+    pub machine: Position,
+    /// Modal state at the end.
+    pub modal: Modal,
+}
+
+/// Carries the selected program out as long as `go_on` says so; it is asked every few
+/// blocks. `on_move` gets every move in order.
+pub fn preview_while(
+    setup: &MillSetup,
+    programs: &ProgramMemory,
+    on_move: &mut OnMove<'_>,
+    go_on: &mut dyn FnMut(&Progress) -> bool,
+) -> Preview {
+    let Some(program) = programs.current() else {
+        let alarm = Alarm::new(number::PROGRAM_MISSING).because(say::program_not_selected());
+        return Run::new(setup, programs, ProgramId::External, on_move)
+            .result(End::Alarm, Some(alarm));
+    };
+    let mut run = Run::new(setup, programs, program, on_move);
+    let (end, alarm) = match run.walk(go_on) {
+        Ok(end) => match run.cutter.flush(&mut run.tracker) {
+            Ok(()) => (end, None),
+            Err(alarm) => (End::Alarm, Some(alarm)),
+        },
+        Err(alarm) => {
+            // What was read before the block that is refused is made.
+            let alarm = match run.cutter.flush(&mut run.tracker) {
+                Ok(()) => alarm,
+                Err(earlier) => earlier,
+            };
+            (End::Alarm, Some(alarm))
+        }
+    };
+    let mut preview = run.result(end, alarm);
+    if preview.end == End::Alarm {
+        preview.further = run.look_on(preview.alarm.as_ref());
+    }
+    preview
+}
+
+/// A run over a program.
+struct Run<'a> {
+    programs: &'a ProgramMemory,
+    main: ProgramId,
+    walker: Walker,
+    state: State,
+    memory: MillMemory,
+    common: Common,
+    cutter: Cutter,
+    tracker: Tracker<'a>,
+    block_skip: bool,
+    blocks: u64,
+    motionless: u64,
+    stops: u32,
+    parts: u32,
+    tools: Vec<u16>,
+}
+
+impl<'a> Run<'a> {
+    fn new(
+        setup: &MillSetup,
+        programs: &'a ProgramMemory,
+        program: ProgramId,
+        on_move: &'a mut OnMove<'_>,
+    ) -> Self {
+        let memory = setup.memory.clone();
+        let mut state = State {
+            machine: setup.start,
+            ..State::default()
+        };
+        state.modal.feed = memory.value(parameter::FIRST_FEED).into();
+        if memory.bit(parameter::MOTION, 4) {
+            state.modal.motion = Motion::Line;
+        }
+        state.resync(&memory);
+        Self {
+            programs,
+            main: program,
+            walker: Walker::new(program),
+            state,
+            cutter: Cutter::new(setup.start),
+            tracker: Tracker::new(&memory, setup.start, on_move),
+            memory,
+            common: Common::new(),
+            block_skip: setup.block_skip,
+            blocks: 0,
+            motionless: 0,
+            stops: 0,
+            parts: 0,
+            tools: Vec::new(),
+        }
+    }
+
+    fn walk(&mut self, go_on: &mut dyn FnMut(&Progress) -> bool) -> Result<End, Alarm> {
+        for count in 1_u64.. {
+            if self.tracker.now >= LONGEST_S {
+                break;
+            }
+            if count % BLOCKS_A_LOOK == 0 && !go_on(&self.progress()) {
+                break;
+            }
+            let moves = self.tracker.moves;
+            let block = match self.read()? {
+                Read::Words(block) => block,
+                Read::Nothing | Read::Returned => {
+                    self.motionless += 1;
+                    continue;
+                }
+                Read::Ended => return Ok(End::Text),
+            };
+            self.blocks += 1;
+            let source = self.source();
+            let end = self.carry_out(&block).map_err(|alarm| alarm.at(source))?;
+            self.motionless = match self.tracker.moves > moves {
+                true => 0,
+                false => self.motionless + 1,
+            };
+            if let Some(end) = end {
+                return Ok(end);
+            }
+        }
+        Ok(End::Limit)
+    }
+
+    fn source(&self) -> Source {
+        self.walker.source(self.programs)
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
+            line: self.source().line,
+            blocks: self.blocks,
+            moves: self.tracker.moves,
+            motionless: self.motionless,
+            time_s: self.tracker.now,
+        }
+    }
+
+    /// The next block, macro B carried out.
+    fn read(&mut self) -> Result<Read, Alarm> {
+        let syntax = Syntax {
+            inch: self.state.modal.inch,
+            macro_b: true,
+            model: ModelId::Gsk980mdi,
+            ..Syntax::default()
+        };
+        let program = self.programs.get(self.main).and_then(Program::number);
+        let mut known = Known {
+            source: self.walker.source(self.programs),
+            program: match self.walker.program() {
+                ProgramId::Stored(number) => number,
+                _ => program.unwrap_or(0),
+            },
+            now: self.tracker.now,
+            parts: self.parts,
+            machine: self.tracker.machine,
+            state: &mut self.state,
+            memory: &mut self.memory,
+            common: &mut self.common,
+        };
+        let read = self
+            .walker
+            .next(self.programs, syntax, self.block_skip, &mut known);
+        read.map_err(|alarm| alarm.at(self.source()))
+    }
+
+    fn carry_out(&mut self, block: &Block) -> Result<Option<End>, Alarm> {
+        let words = Words::of(block, self.memory.model.record())?;
+        let source = self.source();
+        let mut scene = Scene {
+            memory: &mut self.memory,
+            cutter: &mut self.cutter,
+            tracker: &mut self.tracker,
+            source,
+            exact: false,
+        };
+        let outcome = block::carry_out(&mut self.state, block, &words, &mut scene)?;
+        let tool = self.state.modal.tool;
+        if tool > 0 && !self.tools.contains(&tool) {
+            self.tools.push(tool);
+        }
+        let calls = !matches!(outcome.flow, Flow::Next | Flow::Stop | Flow::End);
+        if !outcome.moved && !calls && words.letters.m.is_some() {
+            // What it switches waits until the slides stand.
+            self.tracker.stand();
+        }
+        match outcome.flow {
+            Flow::Next if outcome.moved => self.walker.moved(),
+            Flow::Next => {}
+            Flow::Stop => self.stops += 1,
+            Flow::End => {
+                self.parts += 1;
+                self.walker.end();
+                self.reset();
+                return Ok(Some(End::M30));
+            }
+            Flow::Call {
+                program,
+                runs,
+                name,
+            } => self.walker.call(self.programs, program, runs, &name)?,
+            Flow::Macro {
+                program,
+                runs,
+                name,
+            } => {
+                let words = block::arguments(block);
+                self.walker
+                    .call_macro(self.programs, program, runs, &name, words)?;
+            }
+            Flow::Back(p) => match self.walker.back(self.programs, p)? {
+                Back::Returned | Back::Jumped => {}
+                Back::Repeats => {
+                    self.parts += 1;
+                    return Ok(Some(End::M99));
+                }
+            },
+        }
+        Ok(None)
+    }
+
+    /// M30: what a reset cancels.
+    fn reset(&mut self) {
+        self.state.modal.hole = None;
+        self.state.modal.cutter = Side::On;
+        self.state.transform = Transform::default();
+        self.state.polar = None;
+    }
+
+    fn result(&mut self, end: End, alarm: Option<Alarm>) -> Preview {
+        self.tracker.stand();
+        let frame = self.state.frame(&self.memory);
+        Preview {
+            end,
+            alarm,
+            further: Vec::new(),
+            time_s: self.tracker.now,
+            cutting_s: self.tracker.cutting_s,
+            blocks: self.blocks,
+            moves: self.tracker.moves,
+            stops: self.stops,
+            parts: self.parts,
+            tools: self.tools.clone(),
+            bounds: self.tracker.bounds,
+            lengths: self.tracker.lengths,
+            work: self.tracker.machine - frame,
+            machine: self.tracker.machine,
+            modal: self.state.modal,
+        }
+    }
+
+    /// Behind an alarm: blocks that would be refused wherever the tool is.
+    fn look_on(&mut self, first: Option<&Alarm>) -> Vec<Alarm> {
+        let mut lines: Vec<Source> = first.and_then(|alarm| alarm.source).into_iter().collect();
+        let mut further = Vec::new();
+        for _ in 0..FURTHER_BLOCKS {
+            let alarm = match self.read() {
+                Ok(Read::Ended) => break,
+                Ok(Read::Nothing | Read::Returned) => continue,
+                Ok(Read::Words(block)) => {
+                    let source = self.source();
+                    match self.refusal(&block) {
+                        Ok(true) => break,
+                        Ok(false) => continue,
+                        Err(alarm) => alarm.at(source),
+                    }
+                }
+                Err(alarm) => alarm,
+            };
+            let Some(source) = alarm.source else { break };
+            if lines.contains(&source) {
+                break;
+            }
+            lines.push(source);
+            further.push(alarm);
+            if further.len() >= MOST_FURTHER {
+                break;
+            }
+        }
+        further
+    }
+
+    /// What refuses a block by its words alone; whether the program ends with it.
+    fn refusal(&mut self, block: &Block) -> Result<bool, Alarm> {
+        let words = Words::of(block, self.memory.model.record())?;
+        words.check()?;
+        let flow = block::flow(&words, &self.memory)?;
+        self.state.modal.inch = words.inch.unwrap_or(self.state.modal.inch);
+        match flow {
+            Flow::End => return Ok(true),
+            Flow::Back(p) => {
+                let back = self.walker.back(self.programs, p)?;
+                return Ok(back == Back::Repeats);
+            }
+            Flow::Call {
+                program,
+                runs,
+                name,
+            } => self.walker.call(self.programs, program, runs, &name)?,
+            Flow::Macro {
+                program,
+                runs,
+                name,
+            } => {
+                let words = block::arguments(block);
+                self.walker
+                    .call_macro(self.programs, program, runs, &name, words)?;
+            }
+            Flow::Next | Flow::Stop => {}
+        }
+        Ok(false)
+    }
+}

@@ -1,0 +1,180 @@
+//! What the slides do: steps in, moves with their time out, and what adds up from them.
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_core::command::Source;
+use gsk_core::units::Feed;
+use gsk_messages::say;
+
+use crate::bounds::{Bounds, Lengths};
+use crate::memory::{MillMemory, parameter};
+use crate::moves::{Arc, Move, MoveKind};
+use crate::space::{Axis, Position};
+use crate::time::Rates;
+
+/// A step of a program, machine coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Step {
+    pub(crate) source: Source,
+    pub(crate) kind: MoveKind,
+    pub(crate) to: Position,
+    pub(crate) arc: Option<Arc>,
+    pub(crate) feed: Option<Feed>,
+    /// Machine coordinates of the work zero, and the same with the length offset.
+    pub(crate) zero: Position,
+    pub(crate) frame: Position,
+    pub(crate) tool: u16,
+    /// r/min, for a feed per revolution.
+    pub(crate) speed: f64,
+    /// The slides stand at its end.
+    pub(crate) exact: bool,
+    /// Of a dwell, s.
+    pub(crate) dwell_s: f64,
+}
+
+/// Takes moves as they are made.
+pub(crate) type OnMove<'a> = dyn FnMut(&Move) + 'a;
+
+/// The slides.
+pub(crate) struct Tracker<'a> {
+    rates: Rates,
+    travel: (Position, Position),
+    pub(crate) machine: Position,
+    pub(crate) now: f64,
+    pub(crate) cutting_s: f64,
+    pub(crate) moves: u64,
+    pub(crate) lengths: Lengths,
+    pub(crate) bounds: Option<Bounds>,
+    /// The last cut: whether the slides stand at its end depends on what follows.
+    running: Option<Move>,
+    on_move: &'a mut OnMove<'a>,
+}
+
+impl<'a> Tracker<'a> {
+    pub(crate) fn new(memory: &MillMemory, start: Position, on_move: &'a mut OnMove<'a>) -> Self {
+        Self {
+            rates: Rates::of(memory),
+            travel: (
+                memory.point(parameter::TRAVEL_MINUS),
+                memory.point(parameter::TRAVEL_PLUS),
+            ),
+            machine: start,
+            now: 0.0,
+            cutting_s: 0.0,
+            moves: 0,
+            lengths: Lengths::default(),
+            bounds: None,
+            running: None,
+            on_move,
+        }
+    }
+
+    /// Makes a step.
+    pub(crate) fn make(&mut self, step: &Step) -> Result<(), Alarm> {
+        let turns = step.arc.is_some();
+        if step.kind != MoveKind::Dwell && !turns && step.to == self.machine {
+            return Ok(());
+        }
+        self.check_travel(step)?;
+        let mut made = Move {
+            source: step.source,
+            kind: step.kind,
+            from: self.machine - step.frame,
+            to: step.to - step.frame,
+            zero: step.zero,
+            arc: step.arc.map(|arc| Arc {
+                center: arc.center - step.frame.flat(arc.plane),
+                ..arc
+            }),
+            feed: step.feed,
+            start_s: self.now,
+            duration_s: 0.0,
+            tool: step.tool,
+        };
+        let length = made.length();
+        match step.kind {
+            MoveKind::Rapid => {
+                self.stand();
+                made.start_s = self.now;
+                made.duration_s = self.rates.rapid(&(step.to - self.machine));
+                self.lengths.rapid += length;
+            }
+            MoveKind::Dwell => {
+                self.stand();
+                made.start_s = self.now;
+                made.duration_s = step.dwell_s;
+            }
+            _ => {
+                let feed = match step.feed {
+                    Some(Feed::PerMinute(feed)) => feed,
+                    Some(Feed::PerRevolution(feed)) => feed * step.speed,
+                    None => 0.0,
+                };
+                made.duration_s = length / self.rates.cutting(feed);
+                self.cutting_s += made.duration_s;
+                *match step.kind {
+                    MoveKind::Clockwise => &mut self.lengths.clockwise,
+                    MoveKind::CounterClockwise => &mut self.lengths.counter_clockwise,
+                    MoveKind::Tap => &mut self.lengths.tap,
+                    _ => &mut self.lengths.feed,
+                } += length;
+            }
+        }
+        self.now += made.duration_s;
+        self.machine = step.to;
+        self.moves += 1;
+        if step.kind != MoveKind::Dwell {
+            Bounds::reach(&mut self.bounds, &made);
+        }
+        if matches!(step.kind, MoveKind::Rapid | MoveKind::Dwell) {
+            (self.on_move)(&made);
+        } else {
+            if let Some(before) = self.running.replace(made) {
+                (self.on_move)(&before);
+            }
+            if step.exact {
+                self.stand();
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits until the slides stand.
+    pub(crate) fn stand(&mut self) {
+        if let Some(mut last) = self.running.take() {
+            let settling = self.rates.settling();
+            last.duration_s += settling;
+            self.now += settling;
+            self.cutting_s += settling;
+            (self.on_move)(&last);
+        }
+    }
+
+    fn check_travel(&self, step: &Step) -> Result<(), Alarm> {
+        let (minus, plus) = self.travel;
+        for axis in Axis::ALL {
+            let to = step.to.get(axis);
+            let (low, high) = (minus.get(axis), plus.get(axis));
+            if (low..=high).contains(&to) {
+                continue;
+            }
+            let beyond = if to > high {
+                [
+                    number::X_PLUS_LIMIT,
+                    number::Y_PLUS_LIMIT,
+                    number::Z_PLUS_LIMIT,
+                ]
+            } else {
+                [
+                    number::X_MINUS_LIMIT,
+                    number::Y_MINUS_LIMIT,
+                    number::Z_MINUS_LIMIT,
+                ]
+            };
+            let detail =
+                say::mill_beyond_travel(char::from(axis.address()), to.mm(), low.mm(), high.mm());
+            let alarm = Alarm::new(beyond[axis as usize]).because(detail);
+            return Err(alarm.at(step.source));
+        }
+        Ok(())
+    }
+}

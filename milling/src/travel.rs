@@ -1,0 +1,401 @@
+//! Motion of a block: where it leads, and the steps it is made of.
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_core::command::Source;
+use gsk_core::compensation::cutter::Side;
+use gsk_core::program::Number;
+use gsk_core::units::Feed;
+use gsk_messages::say;
+
+use crate::arc::{self, Circle};
+use crate::cutter::Cutter;
+use crate::cycles::{Drilling, HoleData, Level, Part};
+use crate::memory::{MillMemory, parameter};
+use crate::modal::{Hole, Motion};
+use crate::moves::{Arc, MoveKind};
+use crate::space::{Axis, Flat, Length, Position, sine_cosine};
+use crate::state::{Polar, State};
+use crate::tracker::{Step, Tracker};
+use crate::words::{Words, length};
+
+/// What blocks are carried out against.
+pub(crate) struct Scene<'a, 'b> {
+    pub(crate) memory: &'a mut MillMemory,
+    pub(crate) cutter: &'a mut Cutter,
+    pub(crate) tracker: &'a mut Tracker<'b>,
+    pub(crate) source: Source,
+    /// Every block ends at a stand: G09.
+    pub(crate) exact: bool,
+}
+
+/// How a step is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Way {
+    Rapid,
+    /// A cut at the feed in force.
+    Cut,
+    /// A cut at another one, mm/min.
+    CutAt(f64),
+    Tap,
+}
+
+impl Scene<'_, '_> {
+    /// A step without its end.
+    fn step(&self, state: &State, kind: MoveKind) -> Step {
+        Step {
+            source: self.source,
+            kind,
+            to: state.machine,
+            arc: None,
+            feed: None,
+            zero: state.zero(self.memory),
+            frame: state.frame(self.memory),
+            tool: state.modal.tool,
+            speed: state.modal.speed,
+            exact: self.exact || state.modal.exact_stop || self.memory.bit(parameter::CORNERS, 6),
+            dwell_s: 0.0,
+        }
+    }
+
+    fn push(&mut self, state: &State, step: &Step, apart: bool) -> Result<(), Alarm> {
+        let radius = match state.modal.cutter {
+            Side::On => 0.0,
+            _ => self.memory.cutter_radius(state.modal.d),
+        };
+        // In the mirror left is right.
+        let side = match (
+            state.modal.cutter,
+            state.transform.mirrors(state.modal.plane),
+        ) {
+            (Side::Left, true) => Side::Right,
+            (Side::Right, true) => Side::Left,
+            (side, _) => side,
+        };
+        let place = (state.modal.plane, apart);
+        self.cutter.take(step, (side, radius), place, self.tracker)
+    }
+
+    /// To a point in machine coordinates, straight. `apart`: not along a contour.
+    pub(crate) fn go(
+        &mut self,
+        state: &mut State,
+        to: Position,
+        way: Way,
+        apart: bool,
+    ) -> Result<(), Alarm> {
+        let mut step = match way {
+            Way::Rapid => self.step(state, MoveKind::Rapid),
+            Way::Cut => Step {
+                feed: Some(feed(state)?),
+                ..self.step(state, MoveKind::Feed)
+            },
+            Way::CutAt(feed) => Step {
+                feed: Some(Feed::PerMinute(feed)),
+                ..self.step(state, MoveKind::Feed)
+            },
+            Way::Tap => Step {
+                feed: Some(feed(state)?),
+                exact: true,
+                ..self.step(state, MoveKind::Tap)
+            },
+        };
+        step.to = to;
+        self.push(state, &step, apart)?;
+        state.machine = to;
+        Ok(())
+    }
+
+    /// The slides stand for a time, s; none is an exact stop.
+    pub(crate) fn dwell(&mut self, state: &State, seconds: f64) -> Result<(), Alarm> {
+        let step = Step {
+            dwell_s: seconds,
+            ..self.step(state, MoveKind::Dwell)
+        };
+        self.push(state, &step, false)
+    }
+}
+
+/// The feed in force.
+///
+/// # Errors
+/// 011 without one, or without a spindle that leads it.
+pub(crate) fn feed(state: &State) -> Result<Feed, Alarm> {
+    let modal = &state.modal;
+    let none = |detail| Err(Alarm::new(number::NO_FEED).because(detail));
+    if modal.feed <= 0.0 {
+        return none(say::mill_no_feed());
+    }
+    if !modal.per_revolution {
+        return Ok(Feed::PerMinute(modal.feed));
+    }
+    if modal.speed <= 0.0 {
+        return none(say::mill_feed_without_speed());
+    }
+    Ok(Feed::PerRevolution(modal.feed))
+}
+
+/// The point that the axis words of a block lead to, as it is programmed.
+pub(crate) fn target(state: &mut State, words: &Words) -> Position {
+    let modal = &state.modal;
+    let mut to = state.programmed;
+    let word = |axis: Axis| words.letters.axes.get(axis);
+    for axis in Axis::ALL {
+        if let Some(value) = word(axis) {
+            let value = length(value, modal.inch);
+            let from = to.get(axis);
+            to.set(
+                axis,
+                if modal.incremental {
+                    from + value
+                } else {
+                    value
+                },
+            );
+        }
+    }
+    let [first, second, _] = modal.plane.axes();
+    let (radius, angle) = (word(first), word(second));
+    let Some(polar) = &mut state.polar else {
+        return to;
+    };
+    if radius.is_none() && angle.is_none() {
+        return to;
+    }
+    if let Some(radius) = radius {
+        polar.radius = length(radius, modal.inch);
+    }
+    if let Some(angle) = angle.map(Number::value) {
+        polar.degrees = angle
+            + if modal.incremental {
+                polar.degrees
+            } else {
+                0.0
+            };
+    }
+    let center = match modal.incremental {
+        true => state.programmed.flat(modal.plane),
+        false => Flat::default(),
+    };
+    let (sine, cosine) = sine_cosine(polar.degrees);
+    let way = Flat::new(cosine, sine).times(polar.radius.mm());
+    to.at(modal.plane, center + way)
+}
+
+/// Before the first motion after G68: with an increment the tool stands in the centre.
+pub(crate) fn settle_rotation(state: &mut State, memory: &MillMemory) {
+    let Some(rotation) = &mut state.transform.rotation else {
+        return;
+    };
+    let Some(stood) = rotation.stood.take() else {
+        return;
+    };
+    if state.modal.incremental {
+        rotation.center = stood;
+        state.resync(memory);
+    }
+}
+
+/// G00 to G03 of a block; whether it moves.
+pub(crate) fn motion(
+    state: &mut State,
+    words: &Words,
+    scene: &mut Scene<'_, '_>,
+) -> Result<bool, Alarm> {
+    let round = words.letters.r.is_some() || words.letters.center.0.iter().any(Option::is_some);
+    let motion = state.modal.motion;
+    let wanted = words.has_axes() || (round && matches!(motion, Motion::Arc { .. }));
+    if !wanted {
+        return Ok(false);
+    }
+    settle_rotation(state, scene.memory);
+    let programmed = target(state, words);
+    let to = state.transform.apply(programmed) + state.frame(scene.memory);
+    match motion {
+        Motion::Rapid => scene.go(state, to, Way::Rapid, false)?,
+        Motion::Line => scene.go(state, to, Way::Cut, false)?,
+        Motion::Arc { clockwise } => arc_to(state, words, to, clockwise, scene)?,
+    }
+    state.programmed = programmed;
+    Ok(true)
+}
+
+fn arc_to(
+    state: &mut State,
+    words: &Words,
+    to: Position,
+    clockwise: bool,
+    scene: &mut Scene<'_, '_>,
+) -> Result<(), Alarm> {
+    let modal = &state.modal;
+    let plane = modal.plane;
+    let [first, second, _] = plane.axes();
+    let way = |axis| {
+        words
+            .letters
+            .center
+            .get(axis)
+            .map(|it| length(it, modal.inch).mm())
+    };
+    let circle = match words.letters.r {
+        Some(r) => {
+            let factor = |axis| state.transform.factor(axis).abs();
+            let factor = factor(first).max(factor(second));
+            Circle::Radius(length(r, modal.inch).mm() * factor)
+        }
+        None if way(first).or(way(second)).is_none() => {
+            let detail = say::mill_arc_without_center();
+            return Err(Alarm::new(number::ARC_DATA).because(detail));
+        }
+        None => {
+            let way = Flat::new(way(first).unwrap_or(0.0), way(second).unwrap_or(0.0));
+            Circle::Center(state.transform.way(plane, way))
+        }
+    };
+    let clockwise = clockwise != state.transform.mirrors(plane);
+    let tolerance = scene.memory.length(parameter::ARC_ERROR).mm();
+    let ends = (state.machine.flat(plane), to.flat(plane));
+    let center = arc::center(ends.0, ends.1, circle, clockwise, tolerance)?;
+    let kind = if clockwise {
+        MoveKind::Clockwise
+    } else {
+        MoveKind::CounterClockwise
+    };
+    let step = Step {
+        to,
+        arc: Some(Arc { plane, center }),
+        feed: Some(feed(state)?),
+        ..scene.step(state, kind)
+    };
+    scene.push(state, &step, false)?;
+    state.machine = to;
+    Ok(())
+}
+
+/// Takes what a block says of the holes that follow.
+pub(crate) fn take_hole_data(state: &mut State, words: &Words) -> Result<(), Alarm> {
+    let (modal, letters) = (&state.modal, &words.letters);
+    let level = |value: Number| Level {
+        value: length(value, modal.inch),
+        incremental: modal.incremental,
+    };
+    let across = letters.axes.get(modal.plane.across());
+    let data = &mut state.hole;
+    data.r = letters.r.map(level).or(data.r);
+    data.bottom = across.map(level).or(data.bottom);
+    data.q = letters.q.map(|q| length(q, modal.inch)).or(data.q);
+    if let Some(p) = letters.p {
+        if p.millionths() < 0 {
+            let detail = say::mill_dwell_negative();
+            return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+        }
+        data.dwell_s = p.value() / 1000.0;
+    }
+    Ok(())
+}
+
+/// Holes in one block at most.
+const HOLES: i64 = 9999;
+
+/// The holes of a block; whether it moves.
+pub(crate) fn holes(
+    hole: Hole,
+    state: &mut State,
+    words: &Words,
+    scene: &mut Scene<'_, '_>,
+) -> Result<bool, Alarm> {
+    take_hole_data(state, words)?;
+    let wanted = words.has_axes() || words.letters.r.is_some();
+    let count = words.letters.center.get(Axis::Z).or(words.letters.l);
+    let count = count.map_or(1, Number::integer);
+    if !(0..=HOLES).contains(&count) {
+        let detail = say::mill_repeats_out_of_range(count, HOLES);
+        return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+    }
+    if !wanted || count == 0 {
+        return Ok(false);
+    }
+    settle_rotation(state, scene.memory);
+    let across = state.modal.plane.across();
+    let mut beside = *words;
+    beside.letters.axes.set(across, None);
+    for _ in 0..count {
+        let programmed = target(state, &beside);
+        let mut over = state.transform.apply(programmed) + state.frame(scene.memory);
+        over.set(across, state.machine.get(across));
+        let levels = levels(hole, state, scene.memory)?;
+        let HoleData {
+            initial,
+            q,
+            dwell_s,
+            ..
+        } = state.hole;
+        let drilling = Drilling {
+            hole,
+            plane: state.modal.plane,
+            over,
+            initial,
+            r: levels.0,
+            bottom: levels.1,
+            q,
+            dwell_s,
+            to_r: state.modal.to_r,
+            spindle: state.modal.spindle,
+            memory: scene.memory,
+        };
+        for part in drilling.parts()? {
+            match part {
+                Part::Rapid(to) => scene.go(state, to, Way::Rapid, true)?,
+                Part::Feed(to) => scene.go(state, to, Way::Cut, true)?,
+                Part::Tap(to) => scene.go(state, to, Way::Tap, true)?,
+                Part::Dwell(seconds) => scene.dwell(state, seconds)?,
+                Part::Spindle(spindle) => state.modal.spindle = spindle,
+            }
+        }
+        state.programmed = programmed;
+        let level = state.transform.undo(state.work(scene.memory)).get(across);
+        state.programmed.set(across, level);
+    }
+    Ok(true)
+}
+
+/// R and the bottom of a hole, machine coordinates. Those of G76 are not scaled.
+fn levels(hole: Hole, state: &State, memory: &MillMemory) -> Result<(Length, Length), Alarm> {
+    let across = state.modal.plane.across();
+    let data = &state.hole;
+    let scales = hole != Hole::FineBore;
+    let level = |level: Level, from: Length| {
+        let Level { value, incremental } = level;
+        if incremental {
+            let factor = if scales {
+                state.transform.factor(across)
+            } else {
+                1.0
+            };
+            return from + Length::from_mm(value.mm() * factor).rounded();
+        }
+        let mut point = state.programmed;
+        point.set(across, value);
+        let point = if scales {
+            state.transform.apply(point)
+        } else {
+            point
+        };
+        (point + state.frame(memory)).get(across)
+    };
+    let r = data.r.map_or(data.initial, |r| level(r, data.initial));
+    let Some(bottom) = data.bottom else {
+        let detail = say::mill_hole_without_bottom(hole.code(), char::from(across.address()));
+        return Err(Alarm::new(number::CYCLE_DATA).because(detail));
+    };
+    Ok((r, level(bottom, r)))
+}
+
+impl Polar {
+    /// From where the tool stands.
+    pub(crate) const fn begin() -> Self {
+        Self {
+            radius: Length::ZERO,
+            degrees: 0.0,
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! The words of one block, sorted by what they mean.
+
+use gsk_core::alarm::{Alarm, number};
+use gsk_core::compensation::cutter::Side;
+use gsk_core::model::{GCode, Record};
+use gsk_core::program::{Block, Number};
+use gsk_messages::say;
+
+use crate::modal::{Hole, LengthOffset, Motion, WorkZero};
+use crate::space::{Axis, Each, Length, Plane};
+
+/// Group 00: what acts in its own block only.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum OneShot {
+    Dwell,
+    OffsetInput,
+    ReferenceCheck,
+    Reference,
+    ReferenceBack,
+    FurtherReference,
+    Skip,
+    Measure,
+    Local,
+    Machine,
+    Coordinates,
+}
+
+/// Group 11.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Switch {
+    On,
+    Off,
+}
+
+/// The words.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Words {
+    pub(crate) one_shot: Option<OneShot>,
+    pub(crate) motion: Option<Motion>,
+    pub(crate) plane: Option<Plane>,
+    pub(crate) incremental: Option<bool>,
+    pub(crate) per_revolution: Option<bool>,
+    pub(crate) inch: Option<bool>,
+    pub(crate) cutter: Option<Side>,
+    pub(crate) length: Option<LengthOffset>,
+    /// G80: `Some(None)`.
+    pub(crate) hole: Option<Option<Hole>>,
+    pub(crate) to_r: Option<bool>,
+    pub(crate) scaling: Option<Switch>,
+    pub(crate) zero: Option<WorkZero>,
+    /// G54.1: its P names the zero.
+    pub(crate) additional: bool,
+    pub(crate) exact_mode: Option<bool>,
+    pub(crate) exact_stop: bool,
+    pub(crate) rotation: Option<Switch>,
+    pub(crate) polar: Option<Switch>,
+    pub(crate) letters: Letters,
+}
+
+/// What stands after the letters, in mm where it is a length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Letters {
+    pub(crate) axes: Each<Option<Number>>,
+    pub(crate) center: Each<Option<Number>>,
+    pub(crate) r: Option<Number>,
+    pub(crate) q: Option<Number>,
+    pub(crate) p: Option<Number>,
+    pub(crate) l: Option<Number>,
+    pub(crate) f: Option<Number>,
+    pub(crate) s: Option<Number>,
+    pub(crate) t: Option<Number>,
+    pub(crate) m: Option<Number>,
+    pub(crate) d: Option<Number>,
+    pub(crate) h: Option<Number>,
+}
+
+/// The number of G54.1, in millionths.
+const ADDITIONAL: i64 = 54_100_000;
+
+impl Words {
+    pub(crate) fn of(block: &Block, record: &Record) -> Result<Self, Alarm> {
+        let mut words = Self::default();
+        for word in block.words() {
+            match word.address {
+                b'G' if word.value.millionths() == ADDITIONAL => words.additional = true,
+                b'G' => words.take_code(word.value, record)?,
+                _ => {}
+            }
+        }
+        let number = |address| block.number(address);
+        words.letters = Letters {
+            axes: Each(Axis::ALL.map(|axis| number(axis.address()))),
+            center: Each(Axis::ALL.map(|axis| number(axis.center_address()))),
+            r: number(b'R'),
+            q: number(b'Q'),
+            p: number(b'P'),
+            l: number(b'L'),
+            f: number(b'F'),
+            s: number(b'S'),
+            t: number(b'T'),
+            m: number(b'M'),
+            d: number(b'D'),
+            h: number(b'H'),
+        };
+        Ok(words)
+    }
+
+    fn take_code(&mut self, value: Number, record: &Record) -> Result<(), Alarm> {
+        let code = value.integer();
+        let known = record
+            .g_code(code)
+            .filter(|_| value.millionths() % 1_000_000 == 0);
+        let Some(meaning) = known else {
+            let written = value.to_string();
+            let detail = say::mill_g_unknown(written);
+            return Err(Alarm::new(number::BAD_G).because(detail));
+        };
+        match meaning {
+            GCode::Dwell => self.take_one_shot(OneShot::Dwell)?,
+            GCode::OffsetInput => self.take_one_shot(OneShot::OffsetInput)?,
+            GCode::ReferenceCheck => self.take_one_shot(OneShot::ReferenceCheck)?,
+            GCode::Reference => self.take_one_shot(OneShot::Reference)?,
+            GCode::ReferenceBack => self.take_one_shot(OneShot::ReferenceBack)?,
+            GCode::FurtherReference => self.take_one_shot(OneShot::FurtherReference)?,
+            GCode::Skip => self.take_one_shot(OneShot::Skip)?,
+            GCode::ToolMeasure => self.take_one_shot(OneShot::Measure)?,
+            GCode::LocalCoordinates => self.take_one_shot(OneShot::Local)?,
+            GCode::MachineCoordinates => self.take_one_shot(OneShot::Machine)?,
+            GCode::Coordinates => self.take_one_shot(OneShot::Coordinates)?,
+            GCode::Rapid => self.motion = Some(Motion::Rapid),
+            GCode::Line => self.motion = Some(Motion::Line),
+            GCode::PlaneArcClockwise => self.motion = Some(Motion::Arc { clockwise: true }),
+            GCode::PlaneArcCounterclockwise => {
+                self.motion = Some(Motion::Arc { clockwise: false });
+            }
+            GCode::PlaneXy => self.plane = Some(Plane::Xy),
+            GCode::PlaneZx => self.plane = Some(Plane::Zx),
+            GCode::PlaneYz => self.plane = Some(Plane::Yz),
+            GCode::Absolute => self.incremental = Some(false),
+            GCode::Incremental => self.incremental = Some(true),
+            GCode::FeedPerMinute => self.per_revolution = Some(false),
+            GCode::FeedPerRevolution => self.per_revolution = Some(true),
+            GCode::InchInput => self.inch = Some(true),
+            GCode::MetricInput => self.inch = Some(false),
+            GCode::CutterOff => self.cutter = Some(Side::On),
+            GCode::CutterLeft => self.cutter = Some(Side::Left),
+            GCode::CutterRight => self.cutter = Some(Side::Right),
+            GCode::LengthPlus => self.length = Some(LengthOffset::Plus),
+            GCode::LengthMinus => self.length = Some(LengthOffset::Minus),
+            GCode::LengthOff => self.length = Some(LengthOffset::Off),
+            GCode::ScalingOn => self.scaling = Some(Switch::On),
+            GCode::ScalingOff => self.scaling = Some(Switch::Off),
+            GCode::RotationOn => self.rotation = Some(Switch::On),
+            GCode::RotationOff => self.rotation = Some(Switch::Off),
+            GCode::PolarOn => self.polar = Some(Switch::On),
+            GCode::PolarOff => self.polar = Some(Switch::Off),
+            GCode::WorkCoordinates1 => self.zero = Some(WorkZero(0)),
+            GCode::WorkCoordinates2 => self.zero = Some(WorkZero(1)),
+            GCode::WorkCoordinates3 => self.zero = Some(WorkZero(2)),
+            GCode::WorkCoordinates4 => self.zero = Some(WorkZero(3)),
+            GCode::WorkCoordinates5 => self.zero = Some(WorkZero(4)),
+            GCode::WorkCoordinates6 => self.zero = Some(WorkZero(5)),
+            GCode::ExactStop => self.exact_stop = true,
+            GCode::ExactStopMode => self.exact_mode = Some(true),
+            GCode::CuttingMode => self.exact_mode = Some(false),
+            GCode::ReturnInitial => self.to_r = Some(false),
+            GCode::ReturnR => self.to_r = Some(true),
+            GCode::DrillingOff => self.hole = Some(None),
+            GCode::HighSpeedPeck => self.hole = Some(Some(Hole::HighSpeedPeck)),
+            GCode::LeftTapping => self.hole = Some(Some(Hole::LeftTap)),
+            GCode::FineBoring => self.hole = Some(Some(Hole::FineBore)),
+            GCode::Drilling => self.hole = Some(Some(Hole::Drill)),
+            GCode::DrillingDwell => self.hole = Some(Some(Hole::DrillDwell)),
+            GCode::PeckDrilling => self.hole = Some(Some(Hole::Peck)),
+            GCode::RightTapping => self.hole = Some(Some(Hole::RightTap)),
+            GCode::Boring => self.hole = Some(Some(Hole::Bore)),
+            GCode::BoringStop => self.hole = Some(Some(Hole::BoreStop)),
+            GCode::BackBoring => self.hole = Some(Some(Hole::BackBore)),
+            GCode::BoringByHand => self.hole = Some(Some(Hole::BoreByHand)),
+            GCode::BoringDwell => self.hole = Some(Some(Hole::BoreDwell)),
+            // Known and not carried out: threads of group 01, and codes of lathes.
+            _ => {
+                let detail = say::mill_g_not_checked(code, meaning.text());
+                return Err(Alarm::new(number::BAD_G).because(detail));
+            }
+        }
+        Ok(())
+    }
+
+    fn take_one_shot(&mut self, code: OneShot) -> Result<(), Alarm> {
+        if self.one_shot.is_some_and(|before| before != code) {
+            let detail = say::mill_one_shots();
+            return Err(Alarm::new(number::G_CONFLICT).because(detail));
+        }
+        self.one_shot = Some(code);
+        Ok(())
+    }
+
+    /// Whether an axis is named.
+    pub(crate) fn has_axes(&self) -> bool {
+        self.letters.axes.0.iter().any(Option::is_some)
+    }
+
+    /// What the words of a block must not go together with.
+    pub(crate) fn check(&self) -> Result<(), Alarm> {
+        let holes = self.hole.is_some_and(|hole| hole.is_some());
+        // A return is a rapid, and G53 the one or the other.
+        let together = |motion: &Motion| match self.one_shot {
+            Some(OneShot::Machine) => true,
+            Some(OneShot::Reference | OneShot::FurtherReference | OneShot::ReferenceBack) => {
+                *motion == Motion::Rapid
+            }
+            _ => false,
+        };
+        let motion = self.motion.filter(|motion| !together(motion));
+        let apart = self.one_shot.is_some() && (motion.is_some() || holes);
+        if apart || (holes && self.motion.is_some()) {
+            let detail = say::mill_one_shots();
+            return Err(Alarm::new(number::G_CONFLICT).because(detail));
+        }
+        Ok(())
+    }
+}
+
+/// A length in mm, from inches or millimetres.
+pub(crate) fn length(value: Number, inch: bool) -> Length {
+    let metric = if inch { value.inches_to_mm() } else { value };
+    Length::from_nm(metric.millionths())
+}

@@ -1,0 +1,140 @@
+//! The outline fonts of key legends and window: Noto Sans, with the characters that the
+//! program's own texts use. `tools/font.py` writes them. The LCD has its dots
+//! ([`crate::glyphs`]), and so has whatever else a user writes.
+
+use std::sync::LazyLock;
+
+use skrifa::instance::{LocationRef, Size};
+use skrifa::outline::{DrawSettings, OutlinePen};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
+
+/// Letters, digits and signs.
+pub static LATIN: &[u8] = include_bytes!("../../assets/fonts/latin.ttf");
+/// The same and more signs, all of one width.
+pub static MONO: &[u8] = include_bytes!("../../assets/fonts/mono.ttf");
+/// Chinese characters and their punctuation.
+pub static CHINESE: &[u8] = include_bytes!("../../assets/fonts/chinese.otf");
+
+/// Where a character is looked for, in this order.
+fn faces() -> &'static [FontRef<'static>] {
+    static FACES: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
+        let files = [LATIN, MONO, CHINESE].into_iter();
+        files.filter_map(|file| FontRef::new(file).ok()).collect()
+    });
+    &FACES
+}
+
+/// A character in the first font that has it.
+fn find(character: char) -> Option<(&'static FontRef<'static>, GlyphId)> {
+    let mut faces = faces().iter();
+    faces.find_map(|face| Some((face, face.charmap().map(character)?)))
+}
+
+/// Whether a character is in one of the fonts.
+pub fn has(character: char) -> bool {
+    find(character).is_some()
+}
+
+/// How wide a character is when an em is `size` high, in the same unit; 0 if no font has it.
+pub fn advance(character: char, size: f32) -> f32 {
+    let metrics = |(face, glyph): (&FontRef<'_>, GlyphId)| {
+        let metrics = face.glyph_metrics(Size::new(size), LocationRef::default());
+        metrics.advance_width(glyph)
+    };
+    find(character).and_then(metrics).unwrap_or_default()
+}
+
+/// Draws the outline of a character whose em is `size` high, from its origin on the base
+/// line, y upwards; nothing if no font has it.
+pub(crate) fn outline(character: char, size: f32, pen: &mut impl OutlinePen) {
+    let Some((face, glyph)) = find(character) else {
+        return;
+    };
+    if let Some(outline) = face.outline_glyphs().get(glyph) {
+        let settings = DrawSettings::unhinted(Size::new(size), LocationRef::default());
+        // A glyph of our own file that cannot be drawn is left out.
+        let _ = outline.draw(settings, pen);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::fs;
+    use std::path::Path;
+
+    use super::*;
+    use crate::keys::{KEYS, STRIP};
+
+    /// What the fonts leave to the dots of Unifont: examples of other scripts in tests, marks
+    /// of trees that nobody draws in the window.
+    const DOTS: &str = "𝄞٣글한ァ⬅⬆∬⌀";
+
+    /// Every text that the window can show of itself.
+    fn texts() -> String {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets");
+        let mut texts = String::new();
+        for folder in ["tables", "help", "lessons", "models", "machines", "ladder"] {
+            let files = fs::read_dir(root.join(folder)).expect(folder);
+            for file in files {
+                let path = file.expect("an entry").path();
+                texts += &fs::read_to_string(&path).unwrap_or_default();
+            }
+        }
+        for row in &KEYS {
+            texts += &row.legend.concat();
+            texts.push_str(row.name_zh);
+        }
+        for lamp in &STRIP {
+            texts.push_str(lamp.label);
+            texts.push_str(lamp.name_zh);
+        }
+        texts
+    }
+
+    #[test]
+    fn every_character_of_the_texts_is_in_a_font() {
+        let used: BTreeSet<char> = texts().chars().filter(|it| !it.is_control()).collect();
+        assert!(used.len() > 900, "the texts stand elsewhere now");
+        let missing = used.iter().filter(|it| !has(**it) && !DOTS.contains(**it));
+        let missing: String = missing.collect();
+        assert!(
+            missing.is_empty(),
+            "not in assets/fonts: {missing}: run `tools/font.py` as its head says"
+        );
+    }
+
+    #[test]
+    fn letters_have_a_width_and_an_outline() {
+        for character in ['G', '0', '↑', '车'] {
+            let width = advance(character, 16.0);
+            assert!((4.0..17.0).contains(&width), "{character} is {width} wide");
+            let mut drawn = String::new();
+            outline(character, 16.0, &mut Letters(&mut drawn));
+            assert!(drawn.starts_with('m') && drawn.ends_with('z'), "{drawn}");
+        }
+        assert!((advance('车', 16.0) - 16.0).abs() < 0.01);
+        assert!(advance('i', 16.0) < advance('M', 16.0));
+    }
+
+    /// The commands of an outline as letters.
+    struct Letters<'a>(&'a mut String);
+
+    impl OutlinePen for Letters<'_> {
+        fn move_to(&mut self, _: f32, _: f32) {
+            self.0.push('m');
+        }
+        fn line_to(&mut self, _: f32, _: f32) {
+            self.0.push('l');
+        }
+        fn quad_to(&mut self, _: f32, _: f32, _: f32, _: f32) {
+            self.0.push('q');
+        }
+        fn curve_to(&mut self, _: f32, _: f32, _: f32, _: f32, _: f32, _: f32) {
+            self.0.push('c');
+        }
+        fn close(&mut self) {
+            self.0.push('z');
+        }
+    }
+}

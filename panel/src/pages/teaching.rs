@@ -1,0 +1,50 @@
+//! Teaching: points that the axes are moved to by hand become a program (NC-B08, key
+//! 示教).
+
+use gsk_core::cnc::Cnc;
+use gsk_core::operation::Mode;
+use gsk_core::units::Axis;
+use gsk_messages::say;
+
+use super::format::Display;
+use super::frame;
+use super::taught::Teaching;
+use super::view::View;
+use crate::screen::Screen;
+
+/// Rows of taught blocks.
+const FIRST_ROW: usize = 2;
+const ROWS: usize = 8;
+/// Rows of the position and of what the next point gets.
+const POSITION_ROW: usize = 11;
+const NEXT_ROW: usize = 12;
+
+/// Whether the graphic page teaches now: the model does, and the axes are moved by hand.
+pub fn teaches(cnc: &Cnc) -> bool {
+    let by_hand = matches!(cnc.mode(), Mode::Jog | Mode::Step | Mode::Handwheel);
+    by_hand && cnc.model().record().teaches
+}
+
+/// Draws the page.
+pub fn draw(screen: &mut Screen, view: &View, cnc: &Cnc) {
+    let teaching = &view.teaching;
+    screen.say(1, 14, &say::lcd_teaching());
+    let blocks = teaching.blocks();
+    let first = match teaching.from_first {
+        true => 0,
+        false => blocks.len().saturating_sub(ROWS),
+    };
+    for (row, block) in (FIRST_ROW..).zip(blocks.iter().skip(first).take(ROWS)) {
+        screen.put(row, 1, block);
+    }
+    let display = Display::of(cnc);
+    let at = cnc.position_absolute();
+    screen.put(POSITION_ROW, 1, "X");
+    screen.put_right(POSITION_ROW, 12, &display.coordinate(Axis::X, at.x));
+    screen.put(POSITION_ROW, 20, "Z");
+    screen.put_right(POSITION_ROW, 31, &display.coordinate(Axis::Z, at.z));
+    let code = if teaching.rapid { "G0" } else { "G1" };
+    let Teaching { program, feed, .. } = teaching;
+    screen.put(NEXT_ROW, 1, &format!("P{program:04}  {code}  F{feed}"));
+    frame::input_line(screen, &say::lcd_address_prompt(), view);
+}

@@ -1,0 +1,206 @@
+//! A program of the mill looked through: its moves as lines, its report.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use gsk_core::program::ProgramMemory;
+use gsk_core::units::Feed;
+use gsk_messages::Language;
+use gsk_milling::{Move, MoveKind, Preview, Progress, preview_while};
+
+use crate::decimal::Line;
+use crate::moves::rounded;
+use crate::report::{
+    AlarmReport, Bounds, End, Final, PathReport, Place, Report, Seconds, ToolSeconds,
+};
+
+pub use gsk_milling::MillSetup;
+
+/// Looks the selected program through. `on_move` gets every move in order; `goes_on` gives
+/// the look up when it says no.
+pub fn check(
+    name: &str,
+    setup: &MillSetup,
+    programs: &ProgramMemory,
+    language: Option<Language>,
+    on_move: &mut dyn FnMut(&Move),
+    goes_on: &mut dyn FnMut(&Progress) -> bool,
+) -> Report {
+    let mut times = Times::default();
+    let mut take = |made: &Move| {
+        times.push(made);
+        on_move(made);
+    };
+    let preview = preview_while(setup, programs, &mut take, goes_on);
+    of(name, &preview, &times, programs, language)
+}
+
+fn of(
+    name: &str,
+    preview: &Preview,
+    times: &Times,
+    programs: &ProgramMemory,
+    language: Option<Language>,
+) -> Report {
+    let told = |alarm| AlarmReport::new(alarm, programs, language);
+    let modal = &preview.modal;
+    Report {
+        file: name.to_owned(),
+        end: preview.end.into(),
+        alarm: preview.alarm.as_ref().map(told),
+        waits_for: None,
+        time_s: rounded(preview.time_s),
+        cutting_s: rounded(preview.cutting_s),
+        blocks: preview.blocks,
+        moves: preview.moves,
+        parts: preview.parts,
+        stops: preview.stops,
+        position: Final {
+            abs: Place::Mill(preview.work.mm().map(rounded)),
+            machine: Place::Mill(preview.machine.mm().map(rounded)),
+            rel: None,
+        },
+        modal: modal.codes(),
+        f: rounded(modal.feed),
+        s: modal.speed,
+        t: tool_word(modal.tool),
+        spindle: match modal.spindle {
+            gsk_milling::Spindle::Forward => "cw",
+            gsk_milling::Spindle::Reverse => "ccw",
+            gsk_milling::Spindle::Stopped => "stop",
+        },
+        coolant: modal.coolant,
+        parameters_changed: BTreeMap::new(),
+        warnings: Vec::new(),
+        path: Some(PathReport {
+            more_alarms: preview.further.iter().map(told).collect(),
+            unchecked_behind: None,
+            lengths: BTreeMap::from([
+                ("rapid", rounded(preview.lengths.rapid)),
+                ("feed", rounded(preview.lengths.feed)),
+                ("cw", rounded(preview.lengths.clockwise)),
+                ("ccw", rounded(preview.lengths.counter_clockwise)),
+                ("tap", rounded(preview.lengths.tap)),
+            ]),
+            tools: preview.tools.iter().copied().map(tool_word).collect(),
+            bounds: preview.bounds.map(|it| {
+                let side = |axis: usize| (rounded(it.least[axis]), rounded(it.greatest[axis]));
+                Bounds {
+                    x: side(0),
+                    y: Some(side(1)),
+                    z: side(2),
+                }
+            }),
+            times: times.all,
+            tool_times: times.of_tools(),
+        }),
+        part: None,
+    }
+}
+
+/// The word of a tool without its T.
+pub(crate) fn tool_word(tool: u16) -> String {
+    format!("{tool:02}")
+}
+
+impl From<gsk_milling::End> for End {
+    fn from(end: gsk_milling::End) -> Self {
+        match end {
+            gsk_milling::End::M30 => Self::M30,
+            gsk_milling::End::M99 => Self::M99,
+            gsk_milling::End::Text => Self::Text,
+            gsk_milling::End::Alarm => Self::Alarm,
+            gsk_milling::End::Limit => Self::Limit,
+        }
+    }
+}
+
+/// Where the time goes: of all, and of the tools in the order in which they work.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Times {
+    pub(crate) all: Seconds,
+    tools: Vec<(u16, Seconds)>,
+}
+
+impl Times {
+    /// Adds a move.
+    pub(crate) fn push(&mut self, made: &Move) {
+        let known = self.tools.iter().position(|(tool, _)| *tool == made.tool);
+        let index = known.unwrap_or_else(|| {
+            self.tools.push((made.tool, Seconds::default()));
+            self.tools.len() - 1
+        });
+        for seconds in [&mut self.all, &mut self.tools[index].1] {
+            *match made.kind {
+                MoveKind::Rapid => &mut seconds.rapid,
+                MoveKind::Tap => &mut seconds.thread,
+                MoveKind::Dwell => &mut seconds.dwell,
+                MoveKind::Feed | MoveKind::Clockwise | MoveKind::CounterClockwise => {
+                    &mut seconds.feed
+                }
+            } += made.duration_s;
+        }
+    }
+
+    /// The tools that cut, with their cutting time, s.
+    pub(crate) fn cutting(&self) -> impl Iterator<Item = (u16, f64)> {
+        let cuts = |(tool, seconds): &(u16, Seconds)| (*tool, seconds.feed + seconds.thread);
+        self.tools
+            .iter()
+            .map(cuts)
+            .filter(|(_, seconds)| *seconds > 0.0)
+    }
+
+    fn of_tools(&self) -> Vec<ToolSeconds> {
+        let told = |(tool, seconds): &(u16, Seconds)| ToolSeconds {
+            tool: tool_word(*tool),
+            seconds: *seconds,
+        };
+        self.tools.iter().map(told).collect()
+    }
+}
+
+/// Writes a move as one line, a JSON object: the tip of the tool in work coordinates, mm;
+/// `cx`, `cy`, `cz` are those of the centre that lie in the plane of an arc.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write_move(out: &mut dyn Write, made: &Move) -> io::Result<()> {
+    let mut line = Line::default();
+    line.number("{\"line\":", made.source.line.into());
+    match made.source.sequence {
+        Some(sequence) => line.number(",\"n\":", u32::from(sequence).into()),
+        None => line.text(",\"n\":null"),
+    }
+    line.text(",\"kind\":\"");
+    line.text(made.kind.name());
+    let (from, to) = (made.from.mm(), made.to.mm());
+    line.value("\",\"x0\":", Some(from[0]));
+    line.value(",\"y0\":", Some(from[1]));
+    line.value(",\"z0\":", Some(from[2]));
+    line.value(",\"x\":", Some(to[0]));
+    line.value(",\"y\":", Some(to[1]));
+    line.value(",\"z\":", Some(to[2]));
+    let mut center = [None; 3];
+    if let Some(arc) = made.arc {
+        let [first, second, _] = arc.plane.axes();
+        center[first as usize] = Some(arc.center.first);
+        center[second as usize] = Some(arc.center.second);
+    }
+    line.value(",\"cx\":", center[0]);
+    line.value(",\"cy\":", center[1]);
+    line.value(",\"cz\":", center[2]);
+    let (feed, per) = match made.feed {
+        Some(Feed::PerMinute(feed)) => (Some(feed), "\"min\""),
+        Some(Feed::PerRevolution(feed)) => (Some(feed), "\"rev\""),
+        None => (None, "null"),
+    };
+    line.value(",\"feed\":", feed);
+    line.text(",\"per\":");
+    line.text(per);
+    line.number(",\"tool\":", made.tool.into());
+    line.value(",\"t\":", Some(made.start_s));
+    line.value(",\"dt\":", Some(made.duration_s));
+    line.text("}\n");
+    out.write_all(&line.bytes)
+}

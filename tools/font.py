@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Writes the fonts of window and panel: Noto Sans, only the characters that are used.
+
+    tools/font.py NotoSans-Regular.ttf NotoSansMono-Regular.ttf NotoSansCJK-Regular.ttc
+
+They are those of Debian's packages `fonts-noto-core`, `fonts-noto-mono` and
+`fonts-noto-cjk` (SIL Open Font License 1.1); `fonttools` is needed. A test of `panel/` says
+when a character is missing and names this script. Everything that tables, help, lessons,
+sample programs and sources contain is kept; what users write beyond that is drawn with
+Unifont.
+"""
+
+import sys
+from pathlib import Path
+
+from fontTools import subset
+from fontTools.ttLib import TTFont
+
+ROOT = Path(__file__).resolve().parent.parent
+FONTS = ROOT / "assets/fonts"
+# The face of the collection with the Chinese forms.
+CHINESE = 2
+# Latin with its accents, Greek; punctuation and signs of both languages, arrows of menus.
+SIGNS = "“”‘’…–—、。《》【】（），：；？！％～℃×÷±≤≥≠≈∞√Ø∅⌀←↑→↓↔↕⏴⏵⏶⏷"
+ALWAYS = [*range(0x20, 0x180), *range(0x391, 0x3CA), *map(ord, SIGNS)]
+# Words of the field that no text has yet: one that comes need not bring its characters.
+FIELD = (
+    "讯流详框骤细篇健弹逻柜惫栏铺尽介利盒捷贮举悬水阅仪站商割获欲似磁壳员充吃锐讲业柱群匀剪镜绞耦铣艺侵市温捆绑荐微资国享客专购土钝绘智园射杂涌遵集犯买味研万物亦友卸"
+    "辉科风滤佳叠阵浮稿著私付抽挥难暗野白斥库臂泄钳树绿棋播承额款授音宣维划官泛础叙室擅恰甲众兼饱耐勾培训恕湿林民政社军象老山她农九战南治领海世金争济思美花声斗今石律"
+    "叫织儿矿委办青史劳团酸历克府族亲斯院江王养派育京县听铁价厂校级班师傅毕证书夹爪棒料钢铝铜塑削槽孔螺镗钻铰攻扩锥倒圆弧凹凸粗糙磨损震颤屑油雾热涨缩刚韧脆淬渗镀焊铆"
+    "垫圈销键轮皮带链丝杠滚珠导轨联轴器伺服步进脉冲编码栅尺传感探头限撞挡块急停复位归零漂移滞补偿插值拟合样条曲率切矢法"
+)
+# Where the characters of Chinese fonts begin.
+EAST = "\u2e80"
+# Lines of such a font are half as high again as its letters: rows of a window are not.
+ASCENT, DESCENT = 930, 200
+
+
+def used():
+    """Every character of what the program shows."""
+    found = set(map(chr, ALWAYS)) | set(FIELD)
+    folders = [path for path in (ROOT / "assets").rglob("*") if path.is_file()]
+    for path in [*folders, *ROOT.glob("*/src/**/*.rs")]:
+        try:
+            found |= set(path.read_text(encoding="utf-8"))
+        except UnicodeDecodeError:
+            continue  # A picture, or a program in GBK: its characters are no words of ours.
+    return {character for character in found if character >= " "}
+
+
+def write(source, face, characters, name, family):
+    options = subset.Options()
+    options.hinting = False
+    options.layout_features = []
+    options.desubroutinize = False
+    options.name_IDs = [0, 13, 14]
+    options.drop_tables += ["GSUB", "GPOS", "GDEF", "BASE", "VORG", "vhea", "vmtx", "DSIG"]
+    font = TTFont(source, fontNumber=face)
+    subsetter = subset.Subsetter(options)
+    subsetter.populate(unicodes=[ord(character) for character in characters])
+    subsetter.subset(font)
+    for number, text in [(1, family), (2, "Regular"), (4, family), (6, family.replace(" ", ""))]:
+        font["name"].setName(text, number, 3, 1, 0x409)
+    head, across, metrics = font["head"], font["hhea"], font["OS/2"]
+    across.ascent, across.descent, across.lineGap = ASCENT, -DESCENT, 0
+    metrics.sTypoAscender, metrics.sTypoDescender, metrics.sTypoLineGap = ASCENT, -DESCENT, 0
+    metrics.usWinAscent, metrics.usWinDescent = ASCENT, DESCENT
+    # The same bytes from the same collection.
+    font.recalcTimestamp = False
+    head.modified = head.created
+    path = FONTS / name
+    font.save(path)
+    print(f"{path.relative_to(ROOT)}: {len(font.getBestCmap())} characters, {path.stat().st_size} bytes")
+
+
+def main():
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
+    latin, mono, chinese = sys.argv[1:]
+    characters = used()
+    west = {character for character in characters if character < EAST}
+    write(latin, -1, west, "latin.ttf", "gsk980td Latin")
+    write(mono, -1, west, "mono.ttf", "gsk980td Mono")
+    write(chinese, CHINESE, characters - west, "chinese.otf", "gsk980td Chinese")
+
+
+if __name__ == "__main__":
+    main()

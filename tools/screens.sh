@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Takes pictures of the window for somebody to look at: the questions of the first start, the
+# panel, and the panel with each view beside it, at the sizes of usual screens, in both
+# languages, dark and light. Needs Xvfb, xdotool and ImageMagick.
+#
+#     tools/screens.sh FOLDER [PROGRAM [SIZE…]]        e.g. out target/release/gsk980td 800x1280
+#
+# Pictures are named SIZE-LANGUAGE-SURROUNDINGS-WHAT.png; all of them take a quarter of an hour.
+set -euo pipefail
+(($# >= 1)) || { sed -n '2,9s/^# \?//p' "$0" >&2; exit 2; }
+folder=$1
+program=${2:-target/release/gsk980td}
+shift $(($# < 2 ? $# : 2))
+sizes=("$@")
+((${#sizes[@]})) || sizes=(1024x768 1280x800 1366x768 1920x1080 3840x2160 800x1280)
+[[ -x $program ]] || { echo "$program is not there: cargo build --release" >&2; exit 1; }
+for needed in Xvfb xdotool import; do
+    command -v "$needed" >/dev/null || { echo "$needed is missing" >&2; exit 1; }
+done
+# The key of each view, with Shift.
+views=(Machine:F1 Scope:F2 Bench:F3 Ladder:F4 Link:F5 Program:F11 Lesson:Home)
+sample=$(dirname "$0")/../assets/programs/01-stepped-shaft.CNC
+
+mkdir -p "$folder"
+work=$(mktemp -d)
+display=
+window=
+trap 'kill $window $display 2>/dev/null || true; rm -rf "$work"' EXIT
+export DISPLAY=:94 LIBGL_ALWAYS_SOFTWARE=1
+
+# start DATA ARGUMENT…: the window in the middle of the screen, as large as the screen.
+start() {
+    "$program" --data "$@" 2>"$work/window.log" &
+    window=$!
+    local id=
+    for _ in {1..60}; do
+        id=$(xdotool search --onlyvisible --name GSK980TD 2>/dev/null | tail -1) && [[ $id ]] && break
+        sleep 0.25
+    done
+    sleep 3
+    xdotool windowmove "$id" 0 0 windowsize "$id" "${size%x*}" "${size#*x}" windowfocus "$id"
+    sleep 2
+}
+
+stop() {
+    kill "$window"
+    wait "$window" 2>/dev/null || true
+    window=
+}
+
+picture() {
+    import -window root "$folder/$size-$language-$surroundings-$1.png"
+}
+
+for size in "${sizes[@]}"; do
+    Xvfb "$DISPLAY" -screen 0 "${size}x24" >"$work/display.log" 2>&1 &
+    display=$!
+    sleep 1
+    for language in zh en; do
+        for surroundings in dark light; do
+            data=$work/$size-$language-$surroundings
+            mkdir -p "$data"
+            light=$([[ $surroundings == light ]] && echo true || echo false)
+            homes=
+            for view in "${views[@]}"; do
+                homes+="${view%:*}: (docks: true), "
+            done
+            echo "(light: $light, layouts: (chosen: Some(Panel), homes: {$homes}))" >"$data/window.ron"
+            start "$data" --lang "$language" --first-start
+            picture first
+            stop
+            start "$data" --lang "$language" --program "$sample"
+            picture panel
+            for view in "${views[@]}"; do
+                xdotool key "shift+${view#*:}" sleep 1.5
+                picture "$(tr '[:upper:]' '[:lower:]' <<<"${view%:*}")"
+                xdotool key "shift+${view#*:}" sleep 0.5
+            done
+            stop
+        done
+    done
+    kill "$display"
+    wait "$display" 2>/dev/null || true
+    display=
+done
