@@ -31,6 +31,7 @@ use super::view::{VIEWS, View, ViewRow, toggled};
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::pc::Remembered;
+use crate::platform;
 use bench::Bench;
 use commission::CommissionView;
 use gsk_messages::Language;
@@ -181,6 +182,8 @@ impl Views {
                 self.carry_out_wish();
             }
             View::Lesson => self.lessons.show(ui, language),
+            // A page has no ports, and need not have what works at them.
+            View::Transfer if !platform::has_ports() => {}
             View::Transfer => self.transfer.show(ui, language),
             View::Commission => {
                 let machine = self.machine.as_ref();

@@ -12,8 +12,6 @@ use crate::window::views::aside;
 
 /// A list of files to be sent has this ending.
 const LIST: &str = "lst";
-/// What is proposed to be sent.
-pub(super) const ENDINGS: [&str; 7] = ["cnc", "nc", "txt", "tap", "par", "ofs", "wmp"];
 
 /// A button as wide as the column.
 fn button(ui: &mut Ui, enabled: bool, words: &Message, language: Language) -> bool {

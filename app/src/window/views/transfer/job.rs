@@ -1,17 +1,22 @@
 //! A job under way: the dialog 文件传输 (manual V-3.3), and its question about a name that
 //! is taken.
 
-use egui::{Context, Label, ProgressBar, Rect, RichText, ScrollArea, Ui};
+use egui::{
+    Color32, Context, Label, ProgressBar, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui,
+    vec2,
+};
 use gsk_messages::{Language, Message, say};
 use gsk_transfer::{FileName, Progress};
 
-use super::dialogs::{Naming, window};
+use super::naming::{Naming, window};
 use super::{BAD, GOOD};
 use crate::pc::Traffic;
 use crate::pc::worker::{Answer, Choice, Fate, Kind, News, Question};
 
 /// Height of the list of files, points.
 const HEIGHT: f32 = 160.0;
+/// Side of a sign before a file, points.
+const SIGN: f32 = 12.0;
 
 /// A job.
 pub struct Job {
@@ -164,14 +169,7 @@ impl Job {
                 for (at, (name, fate)) in self.rows.iter().enumerate() {
                     ui.horizontal(|ui| {
                         let here = at == self.at && self.over.is_none();
-                        let (sign, ink) = match fate {
-                            Some(Fate::Done) => ("✔", GOOD),
-                            Some(Fate::Skipped) => ("–", ui.visuals().weak_text_color()),
-                            Some(Fate::Refused(_)) => ("✖", BAD),
-                            None if here => ("▶", ui.visuals().text_color()),
-                            None => ("  ", ui.visuals().text_color()),
-                        };
-                        ui.label(RichText::new(sign).monospace().color(ink));
+                        sign(ui, fate.as_ref(), here);
                         let words = match fate {
                             Some(Fate::Refused(why)) => why.clone(),
                             Some(Fate::Skipped) => {
@@ -288,6 +286,33 @@ impl Job {
             choice,
             of_all: asking.of_all,
         })
+    }
+}
+
+/// What has become of a file: a tick, a cross, a dash; an arrow is the one under way.
+fn sign(ui: &mut Ui, fate: Option<&Fate>, here: bool) {
+    let (place, _) = ui.allocate_exact_size(vec2(SIGN, SIGN), Sense::HOVER);
+    let at = |x: f32, y: f32| place.lerp_inside(vec2(x, y));
+    let stroke = |ink: Color32| Stroke::new(2.0, ink);
+    let text = ui.visuals().text_color();
+    let painter = ui.painter();
+    match fate {
+        Some(Fate::Done) => {
+            painter.line_segment([at(0.1, 0.55), at(0.4, 0.85)], stroke(GOOD));
+            painter.line_segment([at(0.4, 0.85), at(0.9, 0.2)], stroke(GOOD));
+        }
+        Some(Fate::Refused(_)) => {
+            painter.line_segment([at(0.15, 0.15), at(0.85, 0.85)], stroke(BAD));
+            painter.line_segment([at(0.85, 0.15), at(0.15, 0.85)], stroke(BAD));
+        }
+        Some(Fate::Skipped) => {
+            painter.line_segment([at(0.2, 0.5), at(0.8, 0.5)], stroke(text));
+        }
+        None if here => {
+            let corners = vec![at(0.25, 0.1), at(0.85, 0.5), at(0.25, 0.9)];
+            painter.add(Shape::convex_polygon(corners, text, Stroke::NONE));
+        }
+        None => {}
     }
 }
 

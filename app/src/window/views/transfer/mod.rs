@@ -5,6 +5,7 @@ mod buttons;
 mod dialogs;
 mod job;
 mod lists;
+mod naming;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::PathBuf;
