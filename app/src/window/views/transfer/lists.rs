@@ -10,7 +10,7 @@ use super::{BAD, Dialog, TransferView};
 const PATH: [f32; 2] = [120.0, 420.0];
 const AFTER: f32 = 300.0;
 /// Width of a letter of a path, about, points.
-const LETTER: f32 = 8.0;
+const LETTER: f32 = 7.0;
 
 /// Kilobytes as the list has them: a file that is begun counts.
 fn kilobytes(bytes: u64) -> u64 {
@@ -60,7 +60,8 @@ impl TransferView {
                         Some(None) => text.color(BAD),
                         _ => text,
                     };
-                    let label = Label::new(text).truncate().sense(Sense::CLICK);
+                    let label = Label::new(text).truncate().selectable(false);
+                    let label = label.sense(Sense::CLICK);
                     let row = ui.scope(|ui| {
                         ui.set_width(width);
                         ui.add(label)
@@ -167,6 +168,6 @@ mod tests {
     #[test]
     fn a_long_path_keeps_its_end() {
         assert_eq!(ending("/a/b.nc", 80.0), "/a/b.nc");
-        assert_eq!(ending("/programs/轴/O0001.CNC", 88.0), "…/O0001.CNC");
+        assert_eq!(ending("/programs/轴/O0001.CNC", 80.0), "…/O0001.CNC");
     }
 }
