@@ -21,6 +21,7 @@ pub mod loading;
 pub mod log;
 pub mod pace;
 pub mod patience;
+pub mod pc;
 pub mod person;
 pub mod picture;
 pub mod pitch;

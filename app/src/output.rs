@@ -146,9 +146,28 @@ pub fn lost() -> Option<&'static str> {
     (!why.is_empty()).then_some(why.as_str())
 }
 
+/// The language of what is said here: that of the command line, chosen once.
+static LANGUAGE: OnceLock<Language> = OnceLock::new();
+
+/// From now on messages are in this language; English unless it is chosen.
+pub fn speak(language: Language) {
+    // One command line chooses once.
+    let _ = LANGUAGE.set(language);
+}
+
+/// A message in the language of the command line.
+pub fn worded(said: &Message) -> String {
+    said.text(LANGUAGE.get().copied().unwrap_or(Language::En))
+}
+
 /// Writes a message to standard output, on a line of its own.
 pub fn say(said: &Message) {
-    print(&format!("{said}\n"));
+    print(&format!("{}\n", worded(said)));
+}
+
+/// Writes a message to standard error, with the name of the program before it.
+pub fn complain_of(said: &Message) {
+    complain(format_args!("gsk980td: {}", worded(said)));
 }
 
 /// Writes a line to standard error; what it does not take nobody can be told.

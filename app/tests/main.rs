@@ -29,6 +29,12 @@ mod speed;
 mod streams;
 mod tips;
 mod transfer;
+#[cfg(unix)]
+mod transfer_faults;
+#[cfg(unix)]
+mod transfer_view;
+#[cfg(unix)]
+mod transfer_worker;
 mod trial_cuts;
 #[cfg(unix)]
 mod unix_files;

@@ -16,7 +16,7 @@ use gsk_panel::keys::Key;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_gsk980td");
 
-fn folder(name: &str) -> PathBuf {
+pub fn folder(name: &str) -> PathBuf {
     let folder =
         std::env::temp_dir().join(format!("gsk980td-serial-{name}-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
@@ -25,13 +25,13 @@ fn folder(name: &str) -> PathBuf {
 }
 
 /// A control in a process of its own.
-struct Control {
+pub struct Control {
     child: Child,
-    port: String,
+    pub port: String,
 }
 
 impl Control {
-    fn with(options: &[&str]) -> Self {
+    pub fn with(options: &[&str]) -> Self {
         let mut child = Command::new(PROGRAM)
             .args(["transfer", "control", "--port", "pty"])
             .args(options)
@@ -61,6 +61,15 @@ impl Control {
         let output = self.pc(command, words);
         assert!(output.status.success(), "{command} {words:?}: {output:?}");
         String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+
+    /// The names of its files, over the port; nobody else has it.
+    pub fn listed(&self) -> Vec<String> {
+        let listed = self.does("list", &[]);
+        let names = listed
+            .lines()
+            .filter_map(|line| line.split_whitespace().next());
+        names.map(str::to_owned).collect()
     }
 
     #[track_caller]
@@ -334,6 +343,40 @@ fn what_is_wrong_at_the_pc_is_said() {
     let chinese = write(&folder, "O0001.CNC", "O0001;\n(轴);\n");
     let (code, said) = call(&["send-text", "--port", "x", &chinese]);
     assert!(code == Some(2) && said.contains("line 2"), "{said}");
+}
+
+#[test]
+fn words_are_in_the_language_that_is_asked_for_and_the_port_that_of_the_window() {
+    let folder = folder("language");
+    let call = |words: &[&str]| {
+        let mut command = Command::new(PROGRAM);
+        command.args(words).env("XDG_DATA_HOME", &folder);
+        let output = command.output().expect("the program");
+        let said = [&output.stdout, &output.stderr].map(|it| String::from_utf8_lossy(it));
+        (output.status.code(), said.concat())
+    };
+    let (code, said) = call(&["transfer", "list"]);
+    assert!(code == Some(2) && said.contains("--port PORT"), "{said}");
+    let (code, said) = call(&["transfer", "list", "--lang", "zh"]);
+    assert!(code == Some(2) && said.contains("没有指定端口"), "{said}");
+    let none = ["link", "test", "/dev/no-such-port", "--lang", "zh"];
+    let (code, said) = call(&none);
+    assert!(code == Some(2) && said.contains("不能打开"), "{said}");
+
+    let control = Control::with(&[]);
+    let data = folder.join("gsk980td");
+    std::fs::create_dir_all(&data).expect("a folder");
+    let settings = format!("(transfer:(port:{:?},baud:115200))", control.port);
+    write(&data, "window.ron", &settings);
+    let file = write(&folder, "O0007.CNC", SHAFT);
+    let (code, said) = call(&["transfer", "send", &file, "--lang", "zh"]);
+    assert!(code == Some(0) && said.contains("传输速率"), "{said}");
+    let other = ["transfer", "list", "--port", "/dev/no-such-port"];
+    let (code, said) = call(&other);
+    assert!(
+        code == Some(2) && said.contains("/dev/no-such-port"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -192,7 +192,7 @@ impl PcSide {
                     self.station.answer(result, now);
                 }
                 Event::Answered(body, result) => self.answered(&body, result),
-                Event::Lost => self.lost(),
+                Event::Lost => self.lost(now),
                 Event::Strange => {}
             }
         }
@@ -227,11 +227,16 @@ impl PcSide {
         self.outcomes.push_back(outcome);
     }
 
-    fn lost(&mut self) {
+    fn lost(&mut self, now: HostTime) {
         self.incoming = None;
         let connecting = matches!(self.activity, Activity::Asking) && self.station.framed_never();
         let loss = match connecting {
-            true if self.station.noise() >= GARBAGE => Loss::Noise,
+            // Half an answer, and nothing to the repetitions: the cable is out.
+            true if self.station.noise() >= GARBAGE
+                && self.station.quiet_for(now) < self.station.answer_within() * 2 =>
+            {
+                Loss::Noise
+            }
             true => Loss::Silent,
             false => Loss::Broken,
         };

@@ -179,6 +179,11 @@ impl Station {
         now.saturating_sub(self.framed_at)
     }
 
+    /// Since when nothing at all has come.
+    pub(crate) fn quiet_for(&self, now: HostTime) -> HostTime {
+        now.saturating_sub(self.heard_at)
+    }
+
     /// The bytes that may go to the port now.
     pub(crate) fn due(&self, now: HostTime) -> &[u8] {
         &self.out[..self.wire.due(self.out.len(), now)]

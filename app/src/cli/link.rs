@@ -2,9 +2,21 @@
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::{Language, language};
 use crate::setup_args::SetupArgs;
 
 /// `link`.
+#[derive(Args, Debug)]
+pub struct LinkArgs {
+    /// What is done with the board.
+    #[command(subcommand)]
+    pub command: LinkCommand,
+    /// Language of messages
+    #[arg(long, global = true, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}
+
+/// What is done with a board.
 #[derive(Debug, Subcommand)]
 pub enum LinkCommand {
     /// List the serial ports

@@ -30,7 +30,7 @@ pub use help::HelpArgs;
 pub use ladder::{LadderArgs, LadderCommand, LadderRunArgs};
 pub use lesson::{LessonCheckArgs, LessonCommand, LessonListArgs, LessonRunArgs};
 pub use link::{
-    LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
+    LinkArgs, LinkBoardArgs, LinkCommand, LinkMonitorArgs, LinkTestArgs, LinkTwinArgs, TwinBoard,
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use lsp::LspArgs;
@@ -44,10 +44,10 @@ pub use project::{
 };
 pub use run::RunArgs;
 pub use transfer::{
-    ExistingFile, SerialArgs, TextEnd, TransferBackupArgs, TransferCommand, TransferControlArgs,
-    TransferDeleteArgs, TransferListArgs, TransferPortArgs, TransferReceiveArgs,
-    TransferReceiveTextArgs, TransferRenameArgs, TransferRestoreArgs, TransferSendArgs,
-    TransferSendTextArgs, TransferWaitArgs,
+    ExistingFile, SerialArgs, TextEnd, TransferArgs, TransferBackupArgs, TransferCommand,
+    TransferControlArgs, TransferDeleteArgs, TransferListArgs, TransferPortArgs,
+    TransferReceiveArgs, TransferReceiveTextArgs, TransferRenameArgs, TransferRestoreArgs,
+    TransferSendArgs, TransferSendTextArgs, TransferWaitArgs,
 };
 
 use crate::setup_args::SetupArgs;
@@ -204,11 +204,9 @@ pub enum Command {
     #[command(subcommand)]
     Mill(MillCommand),
     /// Find, try, watch or play a pulse board
-    #[command(subcommand)]
-    Link(LinkCommand),
+    Link(LinkArgs),
     /// Files to and from a control through its serial port: the PC's side
-    #[command(subcommand)]
-    Transfer(TransferCommand),
+    Transfer(TransferArgs),
     /// Explain a symbol of the control, or a command
     ///
     /// Alarms, parameters and their bits, G and M codes, keys, lamps, pages and their fields,

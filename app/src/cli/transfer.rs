@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use gsk_transfer::{FileName, LineEnd, Partition};
 
+use super::{Language, language};
 use crate::setup_args::SetupArgs;
 
 /// Where the control's serial port is.
@@ -44,6 +45,17 @@ impl TextEnd {
 }
 
 /// `transfer`.
+#[derive(Args, Debug)]
+pub struct TransferArgs {
+    /// What is done with the files.
+    #[command(subcommand)]
+    pub command: TransferCommand,
+    /// Language of messages
+    #[arg(long, global = true, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}
+
+/// What is done with files at the serial port.
 #[derive(Debug, Subcommand)]
 pub enum TransferCommand {
     /// List the files of the control, with their lengths in bytes
@@ -73,12 +85,12 @@ pub enum TransferCommand {
 /// The port of the PC.
 #[derive(Args, Clone, Debug)]
 pub struct TransferPortArgs {
-    /// The port: a device, or `tcp:HOST:PORT`
+    /// The port: a device, or `tcp:HOST:PORT` [default: that of the view *Transfer* of the window]
     #[arg(long, value_name = "PORT")]
-    pub port: String,
-    /// Its speed, bits a second: that of parameter 044 of the control
-    #[arg(long, default_value_t = 115_200, value_name = "N", value_parser = clap::value_parser!(u32).range(50..=115_200))]
-    pub baud: u32,
+    pub port: Option<String>,
+    /// Its speed, bits a second: that of parameter 044 of the control [default: 115200; without --port that of the view]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(50..=115_200))]
+    pub baud: Option<u32>,
 }
 
 /// What becomes of a file whose name is taken.

@@ -9,7 +9,6 @@ use gsk_panel::script::ScriptError;
 use gsk_runner::execution::ExecutionError;
 use gsk_runner::picture::{NoPicture, PictureError};
 
-use super::transfer::FilesError;
 use crate::apart::ApartError;
 use crate::board::BoardError;
 use crate::ending::SignalError;
@@ -19,6 +18,7 @@ use crate::guard::holder::NoProgram;
 use crate::job::JobError;
 use crate::loading::LoadError;
 use crate::output::WriteError;
+use crate::pc::{FilesError, PcError};
 use crate::picture::NameError;
 use crate::ports::PortError;
 use crate::project::ProjectError;
@@ -109,6 +109,8 @@ pub enum CommandError {
     SamePort(String),
     /// No board.
     NoPort,
+    /// No port of the PC's side, and the window has had none.
+    NoTransferPort,
     /// A feed above what a board makes.
     TooFast {
         /// mm/min.
@@ -126,6 +128,17 @@ pub enum CommandError {
     NotSaved(#[from] NotSaved),
     /// Several at once.
     Several(Vec<CommandError>),
+}
+
+impl From<PcError> for CommandError {
+    fn from(error: PcError) -> Self {
+        match error {
+            PcError::Port(error) => Self::Port(error),
+            PcError::Files(error) => Self::Files(error),
+            PcError::File(error) => Self::File(error),
+            PcError::Write(error) => Self::Write(error),
+        }
+    }
 }
 
 impl From<CommandError> for Message {
@@ -175,6 +188,7 @@ impl CommandError {
             Self::NotChecked => say::command_not_checked(),
             Self::SamePort(port) => say::serial_and_dnc(port),
             Self::NoPort => say::command_no_port(),
+            Self::NoTransferPort => say::transfer_no_port(),
             Self::TooFast { feed, rate, most } => say::command_feed_too_high(feed, rate, most),
             Self::NotStill => say::command_board_moves(),
             Self::NoFile(path) => say::subject_reason(path.display(), say::file_not_there()),

@@ -67,7 +67,7 @@ fn report(events: &[Event]) -> bool {
     let mut failed = false;
     for event in events {
         if let Event::Alarm { number, detail } = event {
-            complain!("gsk980td: {number}: {detail}");
+            complain!("gsk980td: {number}: {}", output::worded(detail));
             failed |= *number != number::BOARD_SETTINGS;
         }
     }
@@ -79,10 +79,10 @@ fn report(events: &[Event]) -> bool {
 fn tell_state(board: &Board) -> bool {
     match board.link.state() {
         LinkState::Fault | LinkState::Lost | LinkState::Tripped => {}
-        LinkState::Off => complain!("gsk980td: {}", say::link_test_broken_off()),
+        LinkState::Off => output::complain_of(&say::link_test_broken_off()),
         state => {
             let said = say::link_test_not_ready(board.now().as_secs(), state.name());
-            complain!("gsk980td: {said}");
+            output::complain_of(&said);
         }
     }
     true
@@ -148,7 +148,7 @@ fn test(args: &LinkTestArgs) -> Result<u8, CommandError> {
         }
         Some(_) if !operated.is_empty() => {
             let said = say::link_test_nothing_moves(listed(operated));
-            complain!("gsk980td: {said}");
+            output::complain_of(&said);
             Ok(ALARM)
         }
         Some(millimetres) => drill::motion(&mut board, millimetres, args.feed),

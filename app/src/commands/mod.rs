@@ -78,8 +78,13 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Project(command)) => command.lang(),
         Some(Command::Lsp(args)) => args.lang,
         Some(Command::Lesson(command)) => command.language(),
+        Some(Command::Transfer(args)) => args.lang,
+        Some(Command::Link(args)) => args.lang,
         Some(_) => None,
     };
+    if let Some(language) = language {
+        output::speak(language);
+    }
     let result = match cli.command {
         None => window::open(cli.window, cli.log),
         Some(Command::Run(args)) => run::run(&args),
@@ -96,10 +101,10 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
         Some(Command::Mill(command)) => mill::work_out(&command),
-        Some(Command::Link(command)) => link::link(&command),
+        Some(Command::Link(args)) => link::link(&args.command),
         Some(Command::Pitch(command)) => pitch::pitch(&command),
         Some(Command::Project(command)) => project::project(&command),
-        Some(Command::Transfer(command)) => transfer::transfer(&command),
+        Some(Command::Transfer(args)) => transfer::transfer(&args.command),
         Some(Command::Help(args)) => help::help(&args),
         Some(Command::Lsp(args)) => lsp::lsp(&args),
         Some(Command::Notices) => Ok(notices()),

@@ -51,7 +51,7 @@ pub struct Facts {
     pub length: u64,
 }
 
-/// What a file is chosen for.
+/// What a file or folder is chosen for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FileDialog {
     /// To be read.
@@ -63,6 +63,8 @@ pub enum FileDialog {
         /// What all other files are called.
         all: String,
     },
+    /// A folder.
+    Folder,
     /// To be written.
     Save {
         /// The name that is proposed.

@@ -19,6 +19,8 @@ use gsk_messages::{Language, Message, say};
 pub enum Wanted {
     /// A file that is there, with one of these endings; the name of them all.
     Open(String, Vec<&'static str>),
+    /// A folder that is there.
+    Folder,
     /// A name to write to, as it is proposed, with this ending.
     Save(String, &'static str),
 }
@@ -94,6 +96,7 @@ fn dialog(wanted: &Wanted, language: Language) -> FileDialog {
             endings,
             all: say::window_all_files().text(language),
         },
+        Wanted::Folder => FileDialog::Folder,
         Wanted::Save(name, ending) => FileDialog::Save { name, ending },
     }
 }

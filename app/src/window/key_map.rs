@@ -27,7 +27,10 @@ pub fn show(context: &Context, language: Language) -> bool {
         ] {
             ui.label(RichText::new(text.text(language)).color(Color32::from_gray(150)));
         }
-        let views = VIEWS.iter().map(|row| (row.key, row.name));
+        let views = VIEWS
+            .iter()
+            .filter(|row| row.view.is_there())
+            .map(|row| (row.key, row.name));
         let layouts = LAYOUTS.iter().map(|row| (row.key, row.name));
         let views = views
             .chain(layouts)

@@ -118,7 +118,12 @@ impl Window {
     /// A window on a console.
     pub fn new(console: Console, settings: Settings) -> Self {
         let opener = Opener::new(console.clone());
-        let views = Views::new(&console, settings.solid, settings.lessons.clone());
+        let views = Views::new(
+            &console,
+            settings.solid,
+            settings.lessons.clone(),
+            settings.transfer.clone(),
+        );
         Self {
             console,
             picture: None,
@@ -297,6 +302,10 @@ impl Window {
         let finished = self.views.lessons().finished();
         if self.settings.lessons != *finished {
             self.settings.lessons.clone_from(finished);
+        }
+        let transfer = self.views.transfer().remembered();
+        if self.settings.transfer != *transfer {
+            self.settings.transfer.clone_from(transfer);
         }
         if let Some(asked) = asked {
             if asked.shows_something() {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::layout::Layouts;
+use crate::pc::Remembered;
 use gsk_messages::Language;
 
 /// Programs that are remembered.
@@ -27,6 +28,8 @@ pub struct Settings {
     pub solid: bool,
     /// Lessons that were done to their end, by name.
     pub lessons: BTreeSet<String>,
+    /// Port, speed and files of the view that is the PC's side of the serial port.
+    pub transfer: Remembered,
     /// The questions of the first start wait to be answered.
     pub first_start: bool,
     /// The lathe that was chosen at the first start; none: the simulated one as delivered.
@@ -44,6 +47,7 @@ impl Default for Settings {
             light: false,
             solid: false,
             lessons: BTreeSet::new(),
+            transfer: Remembered::default(),
             first_start: false,
             machine: None,
             zoom: None,

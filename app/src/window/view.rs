@@ -4,6 +4,7 @@
 use egui::{Event, Key};
 use serde::{Deserialize, Serialize};
 
+use crate::platform;
 use gsk_messages::{Message, say};
 
 /// A view.
@@ -23,6 +24,8 @@ pub enum View {
     Machine,
     /// Guided lessons.
     Lesson,
+    /// The PC's side of the serial port.
+    Transfer,
     /// Commissioning.
     Commission,
 }
@@ -31,6 +34,11 @@ impl View {
     /// Whether it shows the machine and the PLC as they are.
     pub const fn monitors(self) -> bool {
         matches!(self, Self::Bench | Self::Ladder | Self::Commission)
+    }
+
+    /// Whether there is one here: a page in a browser has no ports.
+    pub const fn is_there(self) -> bool {
+        !matches!(self, Self::Transfer) || platform::has_ports()
     }
 
     /// Its row of the table.
@@ -55,7 +63,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 8] = [
+pub static VIEWS: [ViewRow; 9] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
@@ -106,6 +114,13 @@ pub static VIEWS: [ViewRow; 8] = [
         least: [220.0, 260.0],
     },
     ViewRow {
+        view: View::Transfer,
+        name: say::window_view_transfer,
+        key: Key::PageDown,
+        size: [860.0, 560.0],
+        least: [520.0, 360.0],
+    },
+    ViewRow {
         view: View::Commission,
         name: say::window_view_commission,
         key: Key::End,
@@ -116,7 +131,8 @@ pub static VIEWS: [ViewRow; 8] = [
 
 /// The view that a key opens or closes.
 pub fn toggled(events: &[Event]) -> Option<View> {
-    let row = VIEWS.iter().find(|row| shifted(events, row.key));
+    let mut rows = VIEWS.iter().filter(|row| row.view.is_there());
+    let row = rows.find(|row| shifted(events, row.key));
     row.map(|row| row.view)
 }
 

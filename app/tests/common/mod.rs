@@ -36,12 +36,17 @@ impl Bench {
 
     /// With layouts, in a window of so many points.
     pub fn sized(setup: Setup, layouts: Layouts, size: egui::Vec2) -> Self {
-        let (kernel, console) = Kernel::new(Emulator::new(setup));
         let settings = Settings {
             language: Language::En,
             layouts,
             ..Settings::default()
         };
+        Self::remembering(setup, settings, size)
+    }
+
+    /// With all that the window remembers.
+    pub fn remembering(setup: Setup, settings: Settings, size: egui::Vec2) -> Self {
+        let (kernel, console) = Kernel::new(Emulator::new(setup));
         let harness = Harness::builder()
             .with_size(size)
             .with_context_setup(fonts::set_up)

@@ -223,6 +223,20 @@ fn a_cable_pulled_in_the_middle_of_a_file_is_a_transfer_error_on_both_sides() {
 }
 
 #[test]
+fn a_cable_pulled_in_the_first_answer_is_silence_and_no_noise() {
+    // A byte takes a millisecond.
+    let mut line = Line::at(9600);
+    line.pc.order(Order::Connect);
+    while line.wires[1].given() == 0 {
+        assert_eq!(line.step(), None);
+    }
+    // Half of the answer has come.
+    line.rest(5);
+    line.wires.iter_mut().for_each(|wire| wire.set_cut(true));
+    assert_eq!(line.outcome(), Outcome::Lost(Loss::Silent));
+}
+
+#[test]
 fn a_bad_line_is_slow_and_loses_nothing() {
     let mut random = Random(6);
     let bytes = random.bytes(60_000);

@@ -273,7 +273,7 @@ pub fn motion(board: &mut Board, millimetres: f64, feed: f64) -> Result<u8, Comm
         _ => {
             if let Some(refused) = refused {
                 let (number, text) = refused.judged();
-                complain!("gsk980td: {number}: {text}");
+                complain!("gsk980td: {number}: {}", output::worded(&text));
             }
             output::say(&say::link_test_run_broke_off());
             Ok(ALARM)

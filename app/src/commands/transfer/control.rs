@@ -15,13 +15,13 @@ use gsk_panel::keys::Key;
 use web_time::Instant;
 
 use super::super::{CommandError, FINE, output};
-use super::FilesError;
 use crate::cli::{TextEnd, TransferControlArgs};
 use crate::ending::Ending;
 use crate::files::data_dir::DataDir;
 use crate::files::{program_file, subprograms};
 use crate::kernel::{Command, Console, Kernel, Notice, Outside, start};
 use crate::loading::{self, LoadError};
+use crate::pc::FilesError;
 use crate::retained::{self, Keeper};
 use crate::serial::{End, SerialLine};
 

@@ -6,13 +6,10 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use gsk_messages::{Message, say};
 use gsk_transfer::{Fault, FileName, NewFile, Order};
 
-use super::{CommandError, FilesError};
+use super::CommandError;
 use crate::cli::ExistingFile;
-
-use super::talk::Talk;
-
-/// Numbers from here on need another level.
-const PROTECTED_FROM: u16 = 9000;
+use crate::output;
+use crate::pc::{self, FilesError, PcError, Talk};
 
 /// What has become of a file.
 pub(super) enum Settled {
@@ -34,11 +31,11 @@ pub(super) fn send(
     on_existing: ExistingFile,
 ) -> Result<Settled, CommandError> {
     match talk.send(file.clone()) {
-        Err(CommandError::Files(FilesError::Refused {
+        Err(PcError::Files(FilesError::Refused {
             fault: Fault::Exists,
             ..
         })) => {}
-        result => return result.map(|()| Settled::Sent),
+        result => return Ok(result.map(|()| Settled::Sent)?),
     }
     match choice(talk, &file, on_existing)? {
         Choice::Overwrite => {
@@ -57,7 +54,7 @@ pub(super) fn send(
                     to: to.clone(),
                 },
             )?;
-            super::output::say(&say::transfer_renamed(&file.place.name, to));
+            output::say(&say::transfer_renamed(&file.place.name, to));
             talk.send(file)?;
         }
         Choice::Skip => return Ok(Settled::Skipped),
@@ -84,16 +81,9 @@ fn choice(
 
 /// The next program number that is free.
 fn free_name(talk: &mut Talk, file: &NewFile) -> Result<FileName, CommandError> {
-    let none = || FilesError::NoFreeName(file.place.name.clone());
-    let number = file.place.name.program().ok_or_else(none)?;
+    let name = &file.place.name;
     let entries = talk.list(file.place.partition)?;
-    let taken: Vec<u16> = entries
-        .iter()
-        .filter_map(|entry| entry.name.program())
-        .collect();
-    let numbers = (number..PROTECTED_FROM).chain(1..number);
-    let mut free = numbers.filter(|number| !taken.contains(number));
-    Ok(FileName::of_program(free.next().ok_or_else(none)?))
+    pc::free_name(name, &entries).ok_or_else(|| FilesError::NoFreeName(name.clone()).into())
 }
 
 /// Asks somebody at the terminal until the answer is one.
@@ -113,7 +103,7 @@ fn asked(name: &FileName) -> Result<Choice, CommandError> {
             }
             match FileName::new(&new) {
                 Ok(new) => return Ok(Choice::Rename(new)),
-                Err(error) => complain!("{error}"),
+                Err(error) => output::complain_of(&error.message()),
             }
         }
     }
@@ -122,7 +112,7 @@ fn asked(name: &FileName) -> Result<Choice, CommandError> {
 fn answer(question: &Message) -> Result<String, CommandError> {
     let mut out = io::stderr().lock();
     // A terminal that shows no question takes no answer either.
-    let _ = write!(out, "{question}").and_then(|()| out.flush());
+    let _ = write!(out, "{}", output::worded(question)).and_then(|()| out.flush());
     let mut line = String::new();
     let read = io::stdin().lock().read_line(&mut line);
     match read.map_err(CommandError::Gone)? {

@@ -1,11 +1,9 @@
 //! `transfer`: the PC's side of the serial port (manual V), and a control without a window
 //! for its other end.
 
+mod bar;
 mod control;
-mod error;
 mod existing;
-mod folder;
-mod talk;
 mod text;
 
 use std::path::Path;
@@ -19,10 +17,10 @@ use crate::cli::{
     TransferPortArgs, TransferReceiveArgs, TransferRenameArgs, TransferRestoreArgs,
     TransferSendArgs, TransferWaitArgs,
 };
-pub use error::FilesError;
+use crate::pc::folder::{self, Chosen};
+use crate::pc::{FilesError, Talk};
+use bar::{connect, say_rate};
 use existing::Settled;
-use folder::Chosen;
-use talk::Talk;
 
 /// Carries out a command of the serial port. Exit code 1 if the control refuses something
 /// or does not answer.
@@ -43,7 +41,7 @@ pub fn transfer(command: &TransferCommand) -> Result<u8, CommandError> {
     match done {
         Ok(()) => Ok(FINE),
         Err(CommandError::Files(error)) if error.is_of_the_line() => {
-            complain!("gsk980td: {error}");
+            output::complain_of(&error.message());
             Ok(ALARM)
         }
         Err(error) => Err(error),
@@ -51,10 +49,13 @@ pub fn transfer(command: &TransferCommand) -> Result<u8, CommandError> {
 }
 
 /// A refusal is said and the next file is gone on with; anything else ends the work.
-fn goes_on(result: Result<(), CommandError>, failed: &mut bool) -> Result<(), CommandError> {
-    match result {
+fn goes_on(
+    result: Result<(), impl Into<CommandError>>,
+    failed: &mut bool,
+) -> Result<(), CommandError> {
+    match result.map_err(Into::into) {
         Err(CommandError::Files(error @ FilesError::Refused { .. })) => {
-            complain!("gsk980td: {error}");
+            output::complain_of(&error.message());
             *failed = true;
             Ok(())
         }
@@ -71,7 +72,7 @@ const fn ended(failed: bool) -> Result<(), CommandError> {
 }
 
 fn list(args: &TransferListArgs) -> Result<(), CommandError> {
-    let mut talk = Talk::connect(&args.port)?;
+    let mut talk = connect(&args.port)?;
     let entries = talk.list(args.partition)?;
     talk.end();
     let lines = entries
@@ -102,7 +103,7 @@ fn send_all(
 ) -> Result<(), CommandError> {
     let read = files.iter().map(|file| folder::read(&file.path));
     let read: Vec<Vec<u8>> = read.collect::<Result<_, _>>()?;
-    let mut talk = Talk::connect(port)?;
+    let mut talk = connect(port)?;
     let mut failed = false;
     for (done, (file, bytes)) in files.iter().zip(read).enumerate() {
         let new = NewFile {
@@ -114,14 +115,15 @@ fn send_all(
             overwrite: on_existing == ExistingFile::Overwrite,
         };
         let sent = send_one(&mut talk, file, new, on_existing);
-        if let Err(CommandError::Files(error @ FilesError::Lost(_))) = &sent {
+        if let Err(CommandError::Files(error @ (FilesError::Lost(_) | FilesError::Gone(_)))) = &sent
+        {
             let said = say::transfer_unfinished(done, files.len(), error.message());
-            complain!("gsk980td: {said}");
+            output::complain_of(&said);
             return ended(true);
         }
         goes_on(sent, &mut failed)?;
     }
-    talk.say_rate();
+    say_rate(&talk);
     talk.end();
     ended(failed)
 }
@@ -153,9 +155,9 @@ fn receive_all(
     partition: Partition,
     into: &Path,
 ) -> Result<(), CommandError> {
-    let mut talk = Talk::connect(port)?;
+    let mut talk = connect(port)?;
     let failed = fetch(&mut talk, names, partition, into)?;
-    talk.say_rate();
+    say_rate(&talk);
     talk.end();
     ended(failed)
 }
@@ -177,7 +179,7 @@ fn fetch(
         let got = talk.receive(place).and_then(|bytes| {
             let path = into.join(name.as_str());
             folder::write(&path, &bytes)?;
-            folder::say_got(name.as_str(), &path, bytes.len());
+            say_got(name.as_str(), &path, bytes.len());
             Ok(())
         });
         goes_on(got, &mut failed)?;
@@ -186,19 +188,19 @@ fn fetch(
 }
 
 fn backup(args: &TransferBackupArgs) -> Result<(), CommandError> {
-    let mut talk = Talk::connect(&args.port)?;
+    let mut talk = connect(&args.port)?;
     let entries = talk.list(Partition::User)?;
     let names: Vec<FileName> = entries.into_iter().map(|entry| entry.name).collect();
     let written = names.iter().map(|name| name.as_str().to_owned());
     folder::keep_apart(&args.folder, written, args.overwrite)?;
     let failed = fetch(&mut talk, &names, Partition::User, &args.folder)?;
-    talk.say_rate();
+    say_rate(&talk);
     talk.end();
     ended(failed)
 }
 
 fn delete(args: &TransferDeleteArgs) -> Result<(), CommandError> {
-    let mut talk = Talk::connect(&args.port)?;
+    let mut talk = connect(&args.port)?;
     let mut failed = false;
     for name in &args.names {
         let place = Place {
@@ -214,7 +216,7 @@ fn delete(args: &TransferDeleteArgs) -> Result<(), CommandError> {
 }
 
 fn rename(args: &TransferRenameArgs) -> Result<(), CommandError> {
-    let mut talk = Talk::connect(&args.port)?;
+    let mut talk = connect(&args.port)?;
     let from = Place {
         partition: args.partition,
         name: args.from.clone(),
@@ -228,25 +230,30 @@ fn rename(args: &TransferRenameArgs) -> Result<(), CommandError> {
 
 fn wait(args: &TransferWaitArgs) -> Result<(), CommandError> {
     folder::make(&args.folder)?;
-    let mut talk = match Talk::connect(&args.port) {
+    let mut talk = match connect(&args.port) {
         Ok(talk) => talk,
         // The control connects by itself when it has something to send.
-        Err(CommandError::Files(FilesError::Lost(_))) => Talk::open(&args.port)?,
+        Err(CommandError::Files(FilesError::Lost(_))) => bar::open(&args.port)?,
         Err(error) => return Err(error),
     };
     output::say(&say::transfer_waits());
     let mut count = 0;
     while args.files.is_none_or(|most| count < most) {
-        let file = talk.wait()?;
+        let Some(file) = talk.idle()? else { continue };
         let name = file.place.name.as_str();
         let path = match args.overwrite {
             true => args.folder.join(name),
             false => folder::free(&args.folder, name),
         };
         folder::write(&path, &file.bytes)?;
-        folder::say_got(name, &path, file.bytes.len());
+        say_got(name, &path, file.bytes.len());
         count += 1;
     }
     talk.end();
     Ok(())
+}
+
+/// What was received, as it is said.
+fn say_got(name: &str, path: &Path, size: usize) {
+    output::say(&say::transfer_got(name, path.display(), size));
 }

@@ -6,9 +6,10 @@ use gsk_messages::say;
 use gsk_transfer::{TextEvent, TextReader, TextWriter, program_number, programs};
 use web_time::{Duration, Instant};
 
-use super::{CommandError, FilesError, folder, output};
+use super::{CommandError, bar, output, say_got};
 use crate::cli::{TransferReceiveTextArgs, TransferSendTextArgs};
 use crate::files::program_file;
+use crate::pc::{FilesError, folder};
 use crate::ports::Port;
 
 /// So long a port that another program has just left may still be in use.
@@ -18,9 +19,10 @@ const BETWEEN: Duration = Duration::from_millis(300);
 
 /// `transfer send-text`.
 pub(super) fn send(args: &TransferSendTextArgs) -> Result<(), CommandError> {
+    let (name, baud) = bar::port(&args.port)?;
     let texts = args.files.iter().map(|path| {
         let file = program_file::read(path)?;
-        let writer = TextWriter::new(&file.text, args.line_end.line_end(), args.port.baud);
+        let writer = TextWriter::new(&file.text, args.line_end.line_end(), baud);
         writer.map_err(|error| {
             CommandError::from(FilesError::NotText {
                 file: path.clone(),
@@ -29,7 +31,7 @@ pub(super) fn send(args: &TransferSendTextArgs) -> Result<(), CommandError> {
         })
     });
     let texts: Vec<TextWriter> = texts.collect::<Result<_, _>>()?;
-    let mut port = Port::open_within(&args.port.port, args.port.baud, IN_USE)?;
+    let mut port = Port::open_within(&name, baud, IN_USE)?;
     let begun = Instant::now();
     for (path, mut writer) in args.files.iter().zip(texts) {
         send_one(&mut port, &mut writer, begun, args.wait)?;
@@ -47,13 +49,13 @@ fn send_one(
 ) -> Result<(), CommandError> {
     let mut moved = Instant::now();
     loop {
-        let heard = port.read().map_err(CommandError::Gone)?;
+        let heard = port.read().map_err(FilesError::Gone)?;
         writer.hear(&heard);
         let now = begun.elapsed();
         if writer.is_over(now) {
             return Ok(());
         }
-        let taken = port.write(writer.due(now)).map_err(CommandError::Gone)?;
+        let taken = port.write(writer.due(now)).map_err(FilesError::Gone)?;
         writer.sent(taken, now);
         if taken > 0 || writer.given() == writer.length() {
             moved = Instant::now();
@@ -66,7 +68,7 @@ fn send_one(
 fn pause(port: &mut Port, time: Duration) -> Result<(), CommandError> {
     let begun = Instant::now();
     while begun.elapsed() < time {
-        port.read().map_err(CommandError::Gone)?;
+        port.read().map_err(FilesError::Gone)?;
     }
     Ok(())
 }
@@ -74,9 +76,10 @@ fn pause(port: &mut Port, time: Duration) -> Result<(), CommandError> {
 /// `transfer receive-text`.
 pub(super) fn receive(args: &TransferReceiveTextArgs) -> Result<(), CommandError> {
     folder::make(&args.folder)?;
-    let mut port = Port::open_within(&args.port.port, args.port.baud, IN_USE)?;
+    let (name, baud) = bar::port(&args.port)?;
+    let mut port = Port::open_within(&name, baud, IN_USE)?;
     output::say(&say::transfer_text_waits());
-    let text = read(&mut port, args)?;
+    let text = read(&mut port, baud, args.wait)?;
     let found = programs(&text);
     let name = |program: &str| match program_number(program) {
         Some(number) => format!("O{number:04}.CNC"),
@@ -97,28 +100,28 @@ fn store(into: &Path, name: &str, program: &str) -> Result<(), CommandError> {
     let path = into.join(name);
     let text = format!("{}\n%\n", program.trim_end());
     folder::write(&path, text.as_bytes())?;
-    folder::say_got(name, &path, text.len());
+    say_got(name, &path, text.len());
     Ok(())
 }
 
-fn read(port: &mut Port, args: &TransferReceiveTextArgs) -> Result<String, CommandError> {
-    let mut reader = TextReader::new(args.port.baud);
+fn read(port: &mut Port, baud: u32, patience: u64) -> Result<String, CommandError> {
+    let mut reader = TextReader::new(baud);
     let mut replies = Vec::new();
     let begun = Instant::now();
     let mut heard_at = begun;
     loop {
-        let heard = port.read().map_err(CommandError::Gone)?;
+        let heard = port.read().map_err(FilesError::Gone)?;
         if !heard.is_empty() {
             heard_at = Instant::now();
         }
         reader.hear(&heard, begun.elapsed());
         let event = reader.advance(begun.elapsed());
         replies.extend(reader.take_replies());
-        let taken = port.write(&replies).map_err(CommandError::Gone)?;
+        let taken = port.write(&replies).map_err(FilesError::Gone)?;
         replies.drain(..taken);
         match event {
-            None if heard_at.elapsed() > Duration::from_secs(args.wait) => {
-                return Err(FilesError::Nothing(args.wait).into());
+            None if heard_at.elapsed() > Duration::from_secs(patience) => {
+                return Err(FilesError::Nothing(patience).into());
             }
             None | Some(TextEvent::Begun) => {}
             Some(TextEvent::Whole(text)) => return Ok(text),

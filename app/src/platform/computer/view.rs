@@ -77,6 +77,7 @@ pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + Send + 'stat
                 .add_filter(all, &["*"])
                 .pick_file()
         }
+        FileDialog::Folder => desktop.pick_folder(),
         FileDialog::Save { name, ending } => desktop
             .set_file_name(name)
             .add_filter(ending, &[ending])

@@ -67,6 +67,11 @@ impl Write for Serial {
     }
 }
 
+/// Whether there can be ports.
+pub const fn has_ports() -> bool {
+    true
+}
+
 /// Both ends of a pseudo terminal; none on a system that knows no such thing.
 pub fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
     let ends = TTYPort::pair();

@@ -21,7 +21,7 @@ pub use files::{is_serial_port, same_file};
 pub use log_file::{LogFile, LogGuard, log_file};
 pub use page::{Asked, begin};
 pub use process::{hear_ending, name_process, outlive_ending, own_program, processor_time};
-pub use serial::{PULLED, Serial, pseudo_terminal, unchanging_names};
+pub use serial::{PULLED, Serial, has_ports, pseudo_terminal, unchanging_names};
 pub use tie::{ToHolder, ToProgram};
 pub use turns::{LONGEST_LOOK, Turning, answer, beside, receive, turn};
 pub use view::{

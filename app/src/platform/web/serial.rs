@@ -75,3 +75,8 @@ pub const fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
 pub const fn unchanging_names() -> BTreeMap<PathBuf, PathBuf> {
     BTreeMap::new()
 }
+
+/// Whether there can be ports: a page has none.
+pub const fn has_ports() -> bool {
+    false
+}

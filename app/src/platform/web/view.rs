@@ -185,6 +185,8 @@ pub fn sent_folder(_data: &Path, _name: &str) -> PathBuf {
 pub fn choose_file(dialog: FileDialog, then: impl FnOnce(PathBuf) + 'static) {
     match dialog {
         FileDialog::Save { name, .. } => then(Path::new(disk::HANDED).join(name)),
+        // A page has no folders.
+        FileDialog::Folder => {}
         FileDialog::Open { .. } => drop(pick(then)),
     }
 }

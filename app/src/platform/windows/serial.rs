@@ -93,6 +93,11 @@ impl Write for Serial {
     }
 }
 
+/// Whether there can be ports.
+pub const fn has_ports() -> bool {
+    true
+}
+
 /// Both ends of a pseudo terminal: Windows has none.
 pub const fn pseudo_terminal() -> Option<serialport::Result<(Serial, Serial)>> {
     None

@@ -90,6 +90,7 @@ fn first_folder() -> PathBuf {
 fn in_window(context: &Context, language: Language, open: &mut Open) -> Outcome {
     let title = match open.ask.wanted {
         Wanted::Open(..) => say::browser_open_title().text(language),
+        Wanted::Folder => say::browser_folder_title().text(language),
         Wanted::Save(..) => say::browser_save_title().text(language),
     };
     if context.embed_viewports() {
@@ -125,7 +126,7 @@ fn in_window(context: &Context, language: Language, open: &mut Open) -> Outcome 
 impl Open {
     fn new(ask: Ask, folder: PathBuf, context: &Context) -> Self {
         let typed = match &ask.wanted {
-            Wanted::Open(..) => String::new(),
+            Wanted::Open(..) | Wanted::Folder => String::new(),
             Wanted::Save(name, _) => name.clone(),
         };
         let mut open = Self {
@@ -199,6 +200,7 @@ impl Open {
     fn entries(&mut self, ui: &mut Ui, language: Language) -> Outcome {
         let endings = match &self.ask.wanted {
             Wanted::Open(_, endings) => endings.clone(),
+            Wanted::Folder => Vec::new(),
             Wanted::Save(_, ending) => vec![*ending],
         };
         let entries = match &self.listing {
@@ -265,11 +267,13 @@ impl Open {
             let entered = line.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             let words = match (&self.ask.wanted, &self.overwrites) {
                 (Wanted::Open(..), _) => say::window_open().text(language),
+                (Wanted::Folder, _) => say::browser_take_folder().text(language),
                 (Wanted::Save(..), None) => say::window_save().text(language),
                 (Wanted::Save(..), Some(_)) => say::browser_replace().text(language),
             };
-            let button = ui.add_enabled(!self.typed.is_empty(), Button::new(words));
-            if button.clicked() || entered && !self.typed.is_empty() {
+            let meant = !self.typed.is_empty() || self.ask.wanted == Wanted::Folder;
+            let button = ui.add_enabled(meant, Button::new(words));
+            if button.clicked() || entered && meant {
                 outcome = self.choose(ui.ctx());
             }
             if ui.button(say::window_cancel().text(language)).clicked() {
@@ -282,6 +286,9 @@ impl Open {
 
     /// The name as it stands in the line is meant: a folder is looked into.
     fn choose(&mut self, context: &Context) -> Outcome {
+        if self.ask.wanted == Wanted::Folder && self.typed.is_empty() {
+            return Outcome::Chosen(self.folder.clone());
+        }
         let mut path = self.folder.join(self.typed.trim());
         if path.is_dir() {
             self.typed.clear();

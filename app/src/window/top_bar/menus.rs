@@ -110,7 +110,7 @@ pub fn looks(ui: &mut Ui, settings: &Settings, models: &ModelChoice) -> Option<A
 pub fn views(ui: &mut Ui, settings: &Settings) -> Option<Asked> {
     let language = settings.language;
     let mut asked = None;
-    for row in &VIEWS {
+    for row in VIEWS.iter().filter(|row| row.view.is_there()) {
         let open = settings.layouts.is_open(row.view);
         let entry = egui::Button::selectable(open, (row.name)().text(language))
             .shortcut_text(key_name(row.key));

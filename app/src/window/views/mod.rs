@@ -1,5 +1,6 @@
-//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons, commissioning. They stand in panes
-//! of the window or in windows of their own; closed they cost nothing.
+//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons,
+//! commissioning, transfer. They stand in panes of the window or in windows of their own;
+//! closed they cost nothing.
 
 mod aside;
 mod bench;
@@ -11,6 +12,7 @@ mod link;
 mod machine;
 pub mod program;
 mod scope;
+mod transfer;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -28,6 +30,8 @@ use super::questions::Unsaved;
 use super::view::{VIEWS, View, ViewRow, toggled};
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
+use crate::pc::Remembered;
+use crate::platform;
 use bench::Bench;
 use commission::CommissionView;
 use gsk_messages::Language;
@@ -37,6 +41,7 @@ use link::LinkPage;
 use machine::{LatheView, Wish};
 use program::ProgramView;
 use scope::Scope;
+use transfer::TransferView;
 
 /// The views.
 pub struct Views {
@@ -51,6 +56,7 @@ pub struct Views {
     program: ProgramView,
     lathe: LatheView,
     lessons: LessonView,
+    transfer: TransferView,
     commission: CommissionView,
     console: Console,
     machine: Option<Arc<MachineView>>,
@@ -60,8 +66,13 @@ pub struct Views {
 
 impl Views {
     /// All closed. `solid`: the machine view shows the part as a solid; `finished`: lessons
-    /// that were done before.
-    pub fn new(console: &Console, solid: bool, finished: BTreeSet<String>) -> Self {
+    /// that were done before; `transfer`: port, speed and files of the last time.
+    pub fn new(
+        console: &Console,
+        solid: bool,
+        finished: BTreeSet<String>,
+        transfer: Remembered,
+    ) -> Self {
         Self {
             shown: Vec::new(),
             opened: Vec::new(),
@@ -72,6 +83,7 @@ impl Views {
             program: ProgramView::new(console.clone()),
             lathe: LatheView::new(console.clone(), solid),
             lessons: LessonView::new(console.clone(), finished),
+            transfer: TransferView::new(console.clone(), transfer),
             commission: CommissionView::new(console.clone()),
             console: console.clone(),
             machine: None,
@@ -100,12 +112,14 @@ impl Views {
                 (View::Link, true) => self.link.open(),
                 (View::Link, false) => self.link.close(),
                 (View::Machine, false) => self.lathe.close(),
+                (View::Transfer, false) => self.transfer.close(),
                 (
                     View::Bench
                     | View::Ladder
                     | View::Program
                     | View::Machine
                     | View::Lesson
+                    | View::Transfer
                     | View::Commission,
                     _,
                 ) => {}
@@ -136,6 +150,11 @@ impl Views {
         &mut self.lessons
     }
 
+    /// The PC's side of the serial port.
+    pub const fn transfer(&self) -> &TransferView {
+        &self.transfer
+    }
+
     /// What closing the window would lose.
     pub fn unsaved(&self) -> Option<Unsaved> {
         let text = self.program.is_unsaved().then_some(Unsaved::Text);
@@ -163,6 +182,9 @@ impl Views {
                 self.carry_out_wish();
             }
             View::Lesson => self.lessons.show(ui, language),
+            // A page has no ports, and need not have what works at them.
+            View::Transfer if !platform::has_ports() => {}
+            View::Transfer => self.transfer.show(ui, language),
             View::Commission => {
                 let machine = self.machine.as_ref();
                 if self.commission.show(ui, language, machine) && !self.shown.contains(&View::Scope)

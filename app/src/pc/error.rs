@@ -1,9 +1,48 @@
 //! Why files do not go through the serial port.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use gsk_messages::{Message, say};
 use gsk_transfer::{Fault, FileName, Loss, NameError, NotText};
+
+use crate::files::program_file::FileError;
+use crate::output::WriteError;
+use crate::ports::{self, PortError};
+
+/// Why the PC's side does not do what it is asked for.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", self.message())]
+pub enum PcError {
+    /// The port is not opened.
+    Port(#[from] PortError),
+    /// It does not go through the port.
+    Files(#[from] FilesError),
+    /// A file of the PC is not read.
+    File(#[from] FileError),
+    /// A file of the PC is not written.
+    Write(#[from] WriteError),
+}
+
+impl PcError {
+    /// What is said of it.
+    pub fn message(&self) -> Message {
+        match self {
+            Self::Port(error) => error.message(),
+            Self::Files(error) => error.message(),
+            Self::File(error) => error.message(),
+            Self::Write(error) => error.message(),
+        }
+    }
+
+    /// There is no connection any more, or no port.
+    pub const fn ends_connection(&self) -> bool {
+        matches!(
+            self,
+            Self::Port(_) | Self::Files(FilesError::Lost(_) | FilesError::Gone(_))
+        )
+    }
+}
 
 /// Why files do not go through the serial port.
 #[derive(Debug, thiserror::Error)]
@@ -11,6 +50,10 @@ use gsk_transfer::{Fault, FileName, Loss, NameError, NotText};
 pub enum FilesError {
     /// There is no connection with the control, or none any more.
     Lost(#[from] Loss),
+    /// The open port has gone.
+    Gone(io::Error),
+    /// The user has broken it off.
+    Cancelled,
     /// The control refuses it.
     Refused {
         /// The file there.
@@ -64,6 +107,8 @@ impl FilesError {
         matches!(
             self,
             Self::Lost(_)
+                | Self::Gone(_)
+                | Self::Cancelled
                 | Self::Refused { .. }
                 | Self::Noise
                 | Self::Broken
@@ -78,6 +123,8 @@ impl FilesError {
         let path = |path: &Path| path.display().to_string();
         match self {
             Self::Lost(loss) => loss.message(),
+            Self::Gone(error) => ports::gone(error),
+            Self::Cancelled => say::transfer_cancelled(),
             Self::Refused { name, fault } => say::subject_reason(name, fault.message()),
             Self::Noise => say::transfer_text_noise(),
             Self::Broken => say::transfer_text_broken(),

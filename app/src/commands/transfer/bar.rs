@@ -1,0 +1,86 @@
+//! Files on their way, on a terminal.
+
+use std::io::{self, IsTerminal};
+
+use gsk_messages::say;
+use gsk_transfer::{FileName, Progress};
+use indicatif::{ProgressBar, ProgressStyle};
+use web_time::Duration;
+
+use super::{CommandError, output};
+use crate::cli::TransferPortArgs;
+use crate::pc::{Remembered, Talk, Watch, of_window};
+
+/// A progress bar; elsewhere than on a terminal there is none.
+#[derive(Default)]
+struct Bar(Option<ProgressBar>);
+
+impl Watch for Bar {
+    fn begins(&mut self, name: &FileName, size: usize) {
+        self.0 = bar(name, size);
+    }
+
+    fn moves(&mut self, progress: Progress, retries: u64) {
+        if let Some(bar) = &self.0 {
+            bar.set_length(progress.total as u64);
+            bar.set_position(progress.done as u64);
+            bar.set_prefix(retries.to_string());
+        }
+    }
+
+    fn ends(&mut self) {
+        if let Some(bar) = self.0.take() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar(name: &FileName, size: usize) -> Option<ProgressBar> {
+    if !io::stderr().is_terminal() {
+        return None;
+    }
+    let bar = ProgressBar::new(size as u64).with_message(name.to_string());
+    let style = "{msg:12} {bar:30} {bytes}/{total_bytes}  {bytes_per_sec}  ×{prefix}";
+    if let Ok(style) = ProgressStyle::with_template(style) {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(200));
+    Some(bar)
+}
+
+/// The port and its speed: those of the command line, else those of the window.
+pub(super) fn port(args: &TransferPortArgs) -> Result<(String, u32), CommandError> {
+    let last = match &args.port {
+        Some(port) => Remembered {
+            port: port.clone(),
+            ..Remembered::default()
+        },
+        None => of_window().ok_or(CommandError::NoTransferPort)?,
+    };
+    Ok((last.port, args.baud.unwrap_or(last.baud)))
+}
+
+/// Opens the port.
+pub(super) fn open(args: &TransferPortArgs) -> Result<Talk, CommandError> {
+    let (port, baud) = port(args)?;
+    Ok(Talk::open(&port, baud, Box::new(Bar::default()))?)
+}
+
+/// The same, and the control answers.
+pub(super) fn connect(args: &TransferPortArgs) -> Result<Talk, CommandError> {
+    let mut talk = open(args)?;
+    talk.connect()?;
+    Ok(talk)
+}
+
+/// Says what has gone and how fast (传输速率, 重试次数).
+pub(super) fn say_rate(talk: &Talk) {
+    let traffic = talk.traffic();
+    output::say(&say::transfer_rate(
+        traffic.files,
+        traffic.bytes,
+        traffic.busy.as_secs_f64(),
+        traffic.rate().round(),
+        traffic.retries,
+    ));
+}

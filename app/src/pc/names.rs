@@ -1,0 +1,38 @@
+//! Names at the control that are not taken.
+
+use gsk_transfer::{Entry, FileName};
+
+/// Numbers from here on need another level.
+const PROTECTED_FROM: u16 = 9000;
+
+/// The next program number that is free, for a program whose name is taken; none for data,
+/// which have one name only.
+pub fn free_name(name: &FileName, entries: &[Entry]) -> Option<FileName> {
+    let number = name.program()?;
+    let taken: Vec<u16> = entries
+        .iter()
+        .filter_map(|entry| entry.name.program())
+        .collect();
+    let mut numbers = (number..PROTECTED_FROM).chain(1..number);
+    let free = numbers.find(|number| !taken.contains(number))?;
+    Some(FileName::of_program(free))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_next_number_is_free_and_data_have_none() {
+        let name = |name: &str| FileName::new(name).expect("a name");
+        let entries = ["O0007.CNC", "O0008.CNC", "ParaW.par"].map(|it| Entry {
+            name: name(it),
+            size: 1,
+        });
+        assert_eq!(
+            free_name(&name("O0007.CNC"), &entries),
+            Some(name("O0009.CNC"))
+        );
+        assert_eq!(free_name(&name("ParaW.par"), &entries), None);
+    }
+}

@@ -1,0 +1,122 @@
+//! What the PC's side is called with next time: port, speed, files to send (manual V-3.3).
+
+use std::path::PathBuf;
+
+use gsk_transfer::{FileName, Partition};
+use serde::{Deserialize, Serialize};
+
+use crate::files::{data_dir, models};
+
+/// The rate of a control as it is delivered, bits a second (parameter 044).
+pub const DELIVERED: u32 = 115_200;
+
+/// A file of the list of those to be sent (发送文件).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Item {
+    /// Where it stands on the PC (发送文件路径).
+    pub path: PathBuf,
+    /// Its name at the control (CNC保存文件名).
+    pub name: String,
+    /// Where it goes (存储区), as a position in [`Partition::ALL`].
+    pub partition: usize,
+}
+
+impl Item {
+    /// Its partition.
+    pub fn partition(&self) -> Partition {
+        Partition::ALL
+            .get(self.partition)
+            .copied()
+            .unwrap_or_default()
+    }
+
+    /// A line of a saved list: path, name, partition, with tabs between them.
+    pub fn line(&self) -> String {
+        let (path, name) = (self.path.display(), &self.name);
+        format!("{path}\t{name}\t{}\n", self.partition().name())
+    }
+
+    /// From a line of a saved list.
+    pub fn of_line(line: &str) -> Option<Self> {
+        let mut words = line.trim_end().split('\t');
+        let (path, name) = (words.next()?, words.next()?);
+        let partition = words.next().unwrap_or_default();
+        let mut all = Partition::ALL.into_iter();
+        let partition = all.position(|it| it.name().eq_ignore_ascii_case(partition));
+        FileName::new(name).ok()?;
+        (!path.is_empty()).then(|| Self {
+            path: PathBuf::from(path),
+            name: name.to_owned(),
+            partition: partition.unwrap_or_default(),
+        })
+    }
+}
+
+/// What the view of the window remembers.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Remembered {
+    /// The port; empty before there was one (端口选择).
+    pub port: String,
+    /// Its speed, bits a second (波特率).
+    pub baud: u32,
+    /// Files to be sent.
+    pub list: Vec<Item>,
+}
+
+impl Default for Remembered {
+    fn default() -> Self {
+        Self {
+            port: String::new(),
+            baud: DELIVERED,
+            list: Vec::new(),
+        }
+    }
+}
+
+/// The part of the window's settings that the command line asks for.
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct OfWindow {
+    transfer: Remembered,
+}
+
+/// What the window was called with last, where there is one; a window that runs has not
+/// written its last second yet.
+pub fn of_window() -> Option<Remembered> {
+    let path = data_dir::default_path().ok()?;
+    let folder = models::folder(&path, models::chosen(&path));
+    let text = std::fs::read_to_string(folder.join("window.ron")).ok()?;
+    let settings: OfWindow = ron::from_str(&text).ok()?;
+    Some(settings.transfer).filter(|it| !it.port.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_read_as_it_was_written() {
+        let item = Item {
+            path: PathBuf::from("/parts/轴 1.nc"),
+            name: "O0007.CNC".to_owned(),
+            partition: 1,
+        };
+        assert_eq!(item.line(), "/parts/轴 1.nc\tO0007.CNC\tUSER1\n");
+        assert_eq!(Item::of_line(&item.line()), Some(item));
+        assert_eq!(Item::of_line("a.nc\t轴.CNC\tUSER"), None);
+        assert_eq!(Item::of_line(""), None);
+    }
+
+    #[test]
+    fn of_the_settings_of_a_window_only_this_is_read() {
+        let text = "(language: En, transfer: (port: \"COM3\", baud: 9600), light: true)";
+        let read: OfWindow = ron::from_str(text).expect("settings");
+        assert_eq!(
+            (read.transfer.port.as_str(), read.transfer.baud),
+            ("COM3", 9600)
+        );
+        let before: OfWindow = ron::from_str("(language: En)").expect("settings");
+        assert_eq!(before.transfer, Remembered::default());
+    }
+}

@@ -1,0 +1,238 @@
+//! Jobs of several files: what is refused is said and the next one is gone on with; what
+//! ends the connection ends the job.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use crossbeam::channel::RecvTimeoutError;
+use gsk_messages::say;
+use gsk_transfer::{Fault, NewFile, Order as LineOrder, Partition, Place};
+use web_time::Instant;
+
+use super::{
+    Answer, Choice, Desk, Fate, FilesError, Kind, LOOK, News, Order, PcError, Question, ToSend,
+    folder,
+};
+use crate::pc::{Talk, free_name};
+use crate::platform;
+
+impl Desk {
+    /// Works through files; how the job has ended is told, and the list anew.
+    fn job<T>(
+        &mut self,
+        kind: Kind,
+        files: Vec<(String, T)>,
+        mut one: impl FnMut(&mut Self, T) -> Result<Fate, PcError>,
+    ) {
+        let (names, files): (Vec<_>, Vec<_>) = files.into_iter().unzip();
+        let all = files.len();
+        self.tell.tell(News::Begun(kind, names));
+        let mut ended = None;
+        for (at, file) in files.into_iter().enumerate() {
+            self.tell.tell(News::At(at));
+            let fate = match one(self, file) {
+                Ok(fate) => fate,
+                Err(
+                    error @ (PcError::File(_)
+                    | PcError::Write(_)
+                    | PcError::Files(FilesError::Refused { .. })),
+                ) => Fate::Refused(error.message()),
+                Err(error) => {
+                    self.falls_back(&error);
+                    ended = Some(say::transfer_unfinished(at, all, error.message()));
+                    break;
+                }
+            };
+            if let Some(talk) = &self.talk {
+                self.tell.tell(News::Traffic(talk.traffic()));
+            }
+            self.tell.tell(News::Ended(at, fate));
+        }
+        // What comes after it is not broken off with it.
+        self.cancel.store(false, Ordering::Relaxed);
+        self.tell.tell(News::Over(ended));
+        if self.stage == super::Stage::Connected {
+            self.list();
+        }
+    }
+
+    fn talk(&mut self) -> Result<&mut Talk, PcError> {
+        let closed = || FilesError::Gone(std::io::ErrorKind::NotConnected.into());
+        self.talk.as_mut().ok_or_else(|| closed().into())
+    }
+
+    /// Asks the window and waits for the answer; the line is kept alive meanwhile.
+    fn ask(&mut self, question: Question) -> Result<Answer, PcError> {
+        self.tell.tell(News::Asked(question));
+        loop {
+            match platform::receive(&self.orders, Some(Instant::now() + LOOK)) {
+                Ok(Order::Answer(answer)) => return Ok(answer),
+                Ok(Order::Close) => {
+                    self.close();
+                    return Err(FilesError::Cancelled.into());
+                }
+                // Nothing else can be asked for under the question.
+                Ok(_) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(FilesError::Cancelled.into());
+                }
+                Err(RecvTimeoutError::Timeout) => {
+                    self.talk()?.idle()?;
+                }
+            }
+            if self.cancel.load(Ordering::Relaxed) {
+                return Err(FilesError::Cancelled.into());
+            }
+        }
+    }
+
+    pub(super) fn send(&mut self, files: Vec<ToSend>) {
+        let named = files
+            .into_iter()
+            .map(|it| (it.path.display().to_string(), it));
+        let mut of_all = None;
+        self.job(Kind::Send, named.collect(), |desk, file| {
+            let bytes = folder::read(&file.path)?;
+            let new = NewFile {
+                place: file.place,
+                bytes,
+                overwrite: file.overwrite,
+            };
+            desk.send_one(new, &mut of_all)
+        });
+    }
+
+    fn send_one(&mut self, new: NewFile, of_all: &mut Option<Choice>) -> Result<Fate, PcError> {
+        match self.talk()?.send(new.clone()) {
+            Err(PcError::Files(FilesError::Refused {
+                fault: Fault::Exists,
+                ..
+            })) => {}
+            result => return result.map(|()| Fate::Done),
+        }
+        let entries = self.talk()?.list(new.place.partition)?;
+        let free = free_name(&new.place.name, &entries);
+        let choice = match of_all.clone() {
+            Some(choice) => choice,
+            None => {
+                let answer = self.ask(Question::AtControl {
+                    place: new.place.clone(),
+                    free: free.clone(),
+                    entries,
+                })?;
+                if answer.of_all {
+                    *of_all = Some(match &answer.choice {
+                        // The next one gets a name of its own.
+                        Choice::Rename(_) => Choice::Rename(None),
+                        choice => choice.clone(),
+                    });
+                }
+                answer.choice
+            }
+        };
+        match choice {
+            Choice::Skip => Ok(Fate::Skipped),
+            Choice::Overwrite => {
+                let new = NewFile {
+                    overwrite: true,
+                    ..new
+                };
+                self.talk()?.send(new).map(|()| Fate::Done)
+            }
+            Choice::Rename(to) => {
+                let name = new.place.name.clone();
+                let to = to.or(free);
+                let to = to.ok_or_else(|| FilesError::NoFreeName(name.clone()));
+                let to = match to {
+                    Ok(to) => to,
+                    Err(error) => return Ok(Fate::Refused(error.message())),
+                };
+                let from = new.place.clone();
+                let talk = self.talk()?;
+                talk.change(&name, LineOrder::Rename { from, to })?;
+                talk.send(new).map(|()| Fate::Done)
+            }
+        }
+    }
+
+    pub(super) fn restore(&mut self, path: &Path) {
+        let files = match folder::of_folder(path) {
+            Ok(files) => files,
+            Err(error) => return self.failed(&error),
+        };
+        let files = files.into_iter().map(|file| ToSend {
+            path: file.path,
+            place: Place {
+                partition: Partition::User,
+                name: file.name,
+            },
+            overwrite: true,
+        });
+        self.send(files.collect());
+    }
+
+    pub(super) fn receive(&mut self, places: Vec<Place>, into: &Path) {
+        if let Err(error) = folder::make(into) {
+            return self.failed(&error);
+        }
+        let named = places.into_iter().map(|it| (it.name.to_string(), it));
+        let mut of_all = None;
+        self.job(Kind::Receive, named.collect(), |desk, place| {
+            let Some(path) = desk.path_for(into.join(place.name.as_str()), &mut of_all)? else {
+                return Ok(Fate::Skipped);
+            };
+            let bytes = desk.talk()?.receive(place)?;
+            folder::write(&path, &bytes)?;
+            Ok(Fate::Done)
+        });
+    }
+
+    /// Where a file is written to; none: it is left out.
+    fn path_for(
+        &mut self,
+        path: PathBuf,
+        of_all: &mut Option<Choice>,
+    ) -> Result<Option<PathBuf>, PcError> {
+        if !platform::is_taken(&path) {
+            return Ok(Some(path));
+        }
+        let choice = match of_all.clone() {
+            Some(choice) => choice,
+            None => {
+                let answer = self.ask(Question::OnDisk(path.clone()))?;
+                if answer.of_all {
+                    *of_all = Some(answer.choice.clone());
+                }
+                answer.choice
+            }
+        };
+        Ok(match choice {
+            Choice::Skip => None,
+            Choice::Overwrite => Some(path),
+            Choice::Rename(_) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                let folder = path.parent().unwrap_or(Path::new("."));
+                Some(folder::free(folder, &name))
+            }
+        })
+    }
+
+    pub(super) fn back_up(&mut self, into: &Path) {
+        let listed = self.at_port(|talk| talk.list(Partition::User));
+        let Some(entries) = listed else { return };
+        let places = entries.into_iter().map(|entry| Place {
+            partition: Partition::User,
+            name: entry.name,
+        });
+        self.receive(places.collect(), into);
+    }
+
+    pub(super) fn delete(&mut self, places: Vec<Place>) {
+        let named = places.into_iter().map(|it| (it.name.to_string(), it));
+        self.job(Kind::Delete, named.collect(), |desk, place| {
+            let name = place.name.clone();
+            let deleted = desk.talk()?.change(&name, LineOrder::Delete(place));
+            deleted.map(|()| Fate::Done)
+        });
+    }
+}

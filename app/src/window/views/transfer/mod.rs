@@ -1,0 +1,346 @@
+//! The PC's side of the serial port, as the communication software of the maker has it
+//! (manual V): line, files to be sent, files of the control, and the dialogs of a transfer.
+
+mod buttons;
+mod dialogs;
+mod job;
+mod lists;
+mod naming;
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::path::PathBuf;
+
+use crossbeam::channel::{Receiver, Sender, unbounded};
+use egui::{
+    CentralPanel, Color32, ComboBox, Panel, Rect, RichText, ScrollArea, TextEdit, Ui, vec2,
+};
+use gsk_messages::{Language, Message, say};
+use gsk_transfer::{BLOCK, Entry, FileName, NewFile, Partition, Place};
+use web_time::Duration;
+
+use crate::kernel::Console;
+use crate::pc::worker::{News, Order, Stage, Worker};
+use crate::pc::{Item, Remembered};
+use dialogs::Dialog;
+use job::Job;
+
+/// Speeds that a control may have and a PC can use, bits a second (manual V-3.2).
+const SPEEDS: [u32; 6] = [4800, 9600, 19_200, 38_400, 57_600, 115_200];
+/// Width of the column of buttons, points.
+const BUTTONS: f32 = 148.0;
+
+const GOOD: Color32 = Color32::from_rgb(110, 230, 120);
+const WAITS: Color32 = Color32::from_rgb(255, 196, 90);
+const BAD: Color32 = Color32::from_rgb(255, 120, 96);
+
+/// 传输方式.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Direction {
+    /// 发送文件.
+    #[default]
+    Send,
+    /// 接收文件.
+    Receive,
+}
+
+/// What a dialog for files has brought.
+enum Chosen {
+    /// A file for the list, and the name that it can have at the control.
+    File(PathBuf, Option<FileName>),
+    /// A list that was saved.
+    List(Vec<Item>),
+    /// The folder that the ticked files go into.
+    Into(Vec<Place>, PathBuf),
+    /// The folder of a backup that is made.
+    BackUp(PathBuf),
+    /// The folder of a backup that is brought back.
+    Restore(PathBuf),
+    /// Where a file goes that the control has sent.
+    Keep(PathBuf, NewFile),
+}
+
+/// What the control holds, as it was said last.
+#[derive(Default)]
+struct Listing {
+    partitions: Vec<(Partition, Vec<Entry>)>,
+    /// Chosen files: partition in [`Partition::ALL`], name.
+    ticked: BTreeSet<(usize, String)>,
+}
+
+/// The view.
+pub struct TransferView {
+    console: Console,
+    remembered: Remembered,
+    /// None before the view is drawn first, and where the system gives no thread.
+    worker: Option<Worker>,
+    ports: Vec<String>,
+    stage: Stage,
+    direction: Direction,
+    listing: Listing,
+    /// Lengths of the files to be sent, bytes; none: there is no such file.
+    lengths: BTreeMap<PathBuf, Option<u64>>,
+    job: Option<Job>,
+    dialog: Option<Dialog>,
+    /// Files that the control has sent, until it is said what becomes of them.
+    pushed: VecDeque<NewFile>,
+    /// What was said last, and whether something is wrong.
+    said: Option<(Message, bool)>,
+    chosen: (Sender<Chosen>, Receiver<Chosen>),
+    /// Where the view is: its dialogs stand there.
+    room: Rect,
+}
+
+impl TransferView {
+    /// With what was remembered; nothing is opened.
+    pub fn new(console: Console, remembered: Remembered) -> Self {
+        Self {
+            console,
+            remembered,
+            worker: None,
+            ports: Vec::new(),
+            stage: Stage::default(),
+            direction: Direction::default(),
+            listing: Listing::default(),
+            lengths: BTreeMap::new(),
+            job: None,
+            dialog: None,
+            pushed: VecDeque::new(),
+            said: None,
+            chosen: unbounded(),
+            room: Rect::ZERO,
+        }
+    }
+
+    /// What is remembered for the next start.
+    pub const fn remembered(&self) -> &Remembered {
+        &self.remembered
+    }
+
+    /// The port is closed, once the job under way has ended.
+    pub fn close(&mut self) {
+        self.order(Order::Close);
+        self.dialog = None;
+    }
+
+    fn order(&self, order: Order) {
+        if let Some(worker) = &self.worker {
+            worker.order(order);
+        }
+    }
+
+    /// Starts the thread, when it is needed first.
+    fn begin(&mut self, ui: &Ui) {
+        if self.worker.is_some() || self.said.as_ref().is_some_and(|(_, wrong)| *wrong) {
+            return;
+        }
+        let context = ui.ctx().clone();
+        let wake = move || context.request_repaint_after(Duration::from_millis(1));
+        match Worker::start(wake) {
+            Ok(worker) => {
+                worker.order(Order::FindPorts);
+                self.worker = Some(worker);
+                self.measure();
+            }
+            Err(error) => self.said = Some((say::as_written(error), true)),
+        }
+    }
+
+    /// Asks how long the files to be sent are.
+    fn measure(&self) {
+        let paths = self.remembered.list.iter().map(|item| item.path.clone());
+        self.order(Order::Measure(paths.collect()));
+    }
+
+    /// Draws the view and takes its input.
+    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+        self.room = ui.max_rect();
+        self.begin(ui);
+        self.hear();
+        Panel::top("transfer line")
+            .frame(super::bar_frame())
+            .show(ui, |ui| self.line(ui, language));
+        Panel::bottom("transfer said")
+            .frame(super::bar_frame())
+            .show(ui, |ui| self.words(ui, language));
+        Panel::right("transfer buttons")
+            .exact_size(BUTTONS)
+            .resizable(false)
+            .frame(super::side_frame())
+            .show(ui, |ui| {
+                ScrollArea::vertical()
+                    .id_salt("transfer buttons")
+                    .auto_shrink([false, false])
+                    .show(ui, |ui| self.buttons(ui, language));
+            });
+        CentralPanel::default()
+            .frame(super::side_frame())
+            .show(ui, |ui| {
+                ScrollArea::both()
+                    .id_salt("transfer files")
+                    .auto_shrink([false, false])
+                    .show(ui, |ui| match self.direction {
+                        Direction::Send => self.sending(ui, language),
+                        Direction::Receive => self.receiving(ui, language),
+                    });
+            });
+        self.dialogs(ui.ctx(), language);
+    }
+
+    /// Takes what the thread and the dialogs for files have brought.
+    fn hear(&mut self) {
+        while let Some(news) = self.worker.as_ref().and_then(Worker::news) {
+            self.take(news);
+        }
+        while let Ok(chosen) = self.chosen.1.try_recv() {
+            match chosen {
+                Chosen::File(path, name) => self.dialog = Some(Dialog::of_file(path, name)),
+                Chosen::List(list) => {
+                    self.remembered.list = list;
+                    self.measure();
+                }
+                Chosen::Into(places, into) => self.order(Order::Receive { places, into }),
+                Chosen::BackUp(folder) => self.order(Order::BackUp(folder)),
+                Chosen::Restore(folder) => self.dialog = Some(Dialog::Restore(folder)),
+                Chosen::Keep(path, file) => self.order(Order::Keep { path, file }),
+            }
+        }
+        if self.dialog.is_none() && self.job.is_none() {
+            self.dialog = self.pushed.pop_front().map(Dialog::Keep);
+        }
+    }
+
+    fn take(&mut self, news: News) {
+        match news {
+            News::Ports(ports) => {
+                if self.remembered.port.is_empty()
+                    && let Some(first) = ports.first()
+                {
+                    self.remembered.port.clone_from(first);
+                }
+                self.ports = ports;
+            }
+            News::Stage(stage) => {
+                self.stage = stage;
+                self.said = None;
+                if stage != Stage::Connected {
+                    self.listing = Listing::default();
+                    self.dialog.take_if(|dialog| dialog.is_of_control());
+                }
+            }
+            News::Lengths(lengths) => self.lengths.extend(lengths),
+            News::Failed(said) => self.said = Some((said, true)),
+            News::Said(said) => self.said = Some((said, false)),
+            News::Listed(partitions) => self.listing.list(partitions),
+            News::Pushed(file) => self.pushed.push_back(file),
+            News::Asked(question) => {
+                if let Some(job) = &mut self.job {
+                    job.ask(question);
+                }
+            }
+            News::Begun(kind, names) => self.job = Some(Job::new(kind, names)),
+            other => {
+                if let Some(job) = &mut self.job {
+                    job.take(other);
+                }
+            }
+        }
+    }
+
+    /// 通讯设置 and 文件传输.
+    fn line(&mut self, ui: &mut Ui, language: Language) {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(say::transfer_view_port().text(language));
+            let closed = self.stage == Stage::Closed;
+            ui.add_enabled_ui(closed, |ui| self.port(ui, language));
+            ui.label(say::transfer_view_speed().text(language));
+            ui.add_enabled_ui(closed, |ui| {
+                let baud = &mut self.remembered.baud;
+                ComboBox::from_id_salt("transfer speed")
+                    .width(80.0)
+                    .selected_text(baud.to_string())
+                    .show_ui(ui, |ui| {
+                        for speed in SPEEDS {
+                            ui.selectable_value(baud, speed, speed.to_string());
+                        }
+                    });
+            });
+        });
+        ui.horizontal_wrapped(|ui| {
+            ui.label(say::transfer_view_direction().text(language));
+            for (direction, words) in [
+                (Direction::Send, say::transfer_view_send()),
+                (Direction::Receive, say::transfer_view_receive()),
+            ] {
+                ui.selectable_value(&mut self.direction, direction, words.text(language));
+            }
+            ui.separator();
+            let words = say::transfer_view_block().text(language);
+            ui.label(RichText::new(format!("{words} {BLOCK}")).weak());
+        });
+    }
+
+    fn port(&mut self, ui: &mut Ui, language: Language) {
+        let hint = say::transfer_view_port_hint().text(language);
+        let port = &mut self.remembered.port;
+        let line = TextEdit::singleline(port).desired_width(190.0);
+        ui.add(line).on_hover_text(hint);
+        let list = ComboBox::from_id_salt("transfer ports")
+            .width(24.0)
+            .selected_text("")
+            .show_ui(ui, |ui| {
+                for known in &self.ports {
+                    ui.selectable_value(port, known.clone(), known);
+                }
+            });
+        if list.response.clicked() {
+            self.order(Order::FindPorts);
+        }
+    }
+
+    /// What was said last, or what comes next.
+    fn words(&self, ui: &mut Ui, language: Language) {
+        let (said, ink) = match &self.said {
+            Some((said, true)) => (said.clone(), BAD),
+            Some((said, false)) => (said.clone(), ui.visuals().text_color()),
+            None => match self.stage {
+                Stage::Closed => (say::transfer_view_stage_closed(), WAITS),
+                Stage::Open => (say::transfer_view_stage_open(), WAITS),
+                Stage::Connected => (say::transfer_view_stage_connected(), GOOD),
+            },
+        };
+        ui.set_min_height(ui.spacing().interact_size.y);
+        ui.spacing_mut().item_spacing = vec2(8.0, 2.0);
+        let text = RichText::new(said.text(language)).color(ink);
+        ui.add(egui::Label::new(text).wrap());
+    }
+}
+
+impl Listing {
+    /// What is there still stays ticked.
+    fn list(&mut self, partitions: Vec<(Partition, Vec<Entry>)>) {
+        self.partitions = partitions;
+        let there: BTreeSet<_> = self.keys().collect();
+        self.ticked.retain(|key| there.contains(key));
+    }
+
+    fn keys(&self) -> impl Iterator<Item = (usize, String)> + '_ {
+        let all = self.partitions.iter().enumerate();
+        all.flat_map(|(at, (_, entries))| entries.iter().map(move |it| (at, it.name.to_string())))
+    }
+
+    /// The ticked files.
+    fn places(&self) -> Vec<Place> {
+        let mut places = Vec::new();
+        for (at, (partition, entries)) in self.partitions.iter().enumerate() {
+            for entry in entries {
+                if self.ticked.contains(&(at, entry.name.to_string())) {
+                    places.push(Place {
+                        partition: *partition,
+                        name: entry.name.clone(),
+                    });
+                }
+            }
+        }
+        places
+    }
+}

@@ -1,0 +1,143 @@
+//! What dialogs share: their window, their end, and the choice of a name (CNC文件重命名).
+
+use egui::{
+    Align2, Button, Context, Grid, Label, Rect, RichText, ScrollArea, TextEdit, Ui, Window,
+};
+use gsk_messages::{Language, Message, say};
+use gsk_transfer::{Entry, FileName, Partition};
+
+use super::BAD;
+
+/// Width of a field, points.
+pub const FIELD: f32 = 300.0;
+/// Width of a dialog, points.
+const WIDTH: f32 = 460.0;
+
+/// CNC文件重命名 (manual V-3.5): old and new name, and what there is.
+pub struct Naming {
+    /// The name that is given up.
+    pub old: String,
+    /// The one in its place.
+    pub new: String,
+}
+
+impl Naming {
+    /// A name that is given up, and the new one as it is proposed.
+    pub const fn new(old: String, new: String) -> Self {
+        Self { old, new }
+    }
+
+    /// Draws it while a file on its way stands against a name; none: it is given up.
+    pub fn show(
+        &mut self,
+        context: &Context,
+        room: Rect,
+        language: Language,
+        partition: Partition,
+        entries: &[Entry],
+    ) -> Option<Option<FileName>> {
+        let mut done = None;
+        window(
+            context,
+            room,
+            &say::transfer_view_rename_title(),
+            language,
+            |ui| {
+                self.fields(ui, language, false);
+                ui.label(RichText::new(partition.name()).weak());
+                self.entries(ui, entries, false);
+                if let Some(agreed) = ended(ui, language, self.is_good()) {
+                    done = Some(agreed.then(|| FileName::new(&self.new).ok()).flatten());
+                }
+            },
+        );
+        done
+    }
+
+    /// Whether both can be names.
+    pub fn is_good(&self) -> bool {
+        FileName::new(&self.old).is_ok() && FileName::new(&self.new).is_ok()
+    }
+
+    /// Both names; `free`: the old one, too, can be typed.
+    pub fn fields(&mut self, ui: &mut Ui, language: Language, free: bool) {
+        Grid::new("transfer naming").num_columns(2).show(ui, |ui| {
+            ui.label(say::transfer_view_old_name().text(language));
+            let line = TextEdit::singleline(&mut self.old).desired_width(FIELD);
+            ui.add_enabled(free, line);
+            ui.end_row();
+            ui.label(say::transfer_view_new_name().text(language));
+            let label = say::transfer_view_new_name().text(language);
+            let line = TextEdit::singleline(&mut self.new).desired_width(FIELD);
+            ui.add(line.hint_text("O0001.CNC")).on_hover_text(label);
+            ui.end_row();
+        });
+        complaint(ui, language, &self.new);
+    }
+
+    /// A click on a file puts its name into the field above.
+    pub fn entries(&mut self, ui: &mut Ui, entries: &[Entry], free: bool) {
+        ScrollArea::vertical()
+            .id_salt("transfer naming")
+            .max_height(150.0)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                for entry in entries {
+                    let name = entry.name.as_str();
+                    let words = format!("{name:<12} {:>8}", entry.size);
+                    let row = RichText::new(words).monospace();
+                    if ui.selectable_label(free && name == self.old, row).clicked() && free {
+                        name.clone_into(&mut self.old);
+                    }
+                }
+            });
+    }
+}
+
+/// Says what is wrong with a name.
+pub fn complaint(ui: &mut Ui, language: Language, name: &str) {
+    if name.is_empty() {
+        return;
+    }
+    if let Err(error) = FileName::new(name) {
+        let text = RichText::new(error.message().text(language)).color(BAD);
+        ui.add(Label::new(text).wrap());
+    }
+}
+
+/// A dialog in the middle of the view: the keys of the panel stay free.
+pub fn window(
+    context: &Context,
+    room: Rect,
+    title: &Message,
+    language: Language,
+    content: impl FnOnce(&mut Ui),
+) {
+    Window::new(title.text(language))
+        .id(egui::Id::unique(("transfer", title.id())))
+        .collapsible(false)
+        .resizable(false)
+        .pivot(Align2::CENTER_CENTER)
+        .fixed_pos(room.center())
+        .order(egui::Order::Foreground)
+        .show(context, |ui| {
+            ui.set_max_width(WIDTH.min(room.width() - 24.0));
+            content(ui);
+        });
+}
+
+/// 确定 and 取消: whether it was agreed to.
+pub fn ended(ui: &mut Ui, language: Language, good: bool) -> Option<bool> {
+    let mut done = None;
+    ui.add_space(6.0);
+    ui.horizontal(|ui| {
+        let words = say::transfer_view_ok().text(language);
+        if ui.add_enabled(good, Button::new(words)).clicked() {
+            done = Some(true);
+        }
+        if ui.button(say::window_cancel().text(language)).clicked() {
+            done = Some(false);
+        }
+    });
+    done
+}
