@@ -25,12 +25,17 @@ pub enum View {
     Lesson,
     /// Commissioning.
     Commission,
+    /// Parameters, offsets and variables.
+    Data,
 }
 
 impl View {
     /// Whether it shows the machine and the PLC as they are.
     pub const fn monitors(self) -> bool {
-        matches!(self, Self::Bench | Self::Ladder | Self::Commission)
+        matches!(
+            self,
+            Self::Bench | Self::Ladder | Self::Commission | Self::Data
+        )
     }
 
     /// Its row of the table.
@@ -55,7 +60,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 8] = [
+pub static VIEWS: [ViewRow; 9] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
@@ -111,6 +116,13 @@ pub static VIEWS: [ViewRow; 8] = [
         key: Key::End,
         size: [860.0, 700.0],
         least: [520.0, 320.0],
+    },
+    ViewRow {
+        view: View::Data,
+        name: say::window_view_data,
+        key: Key::PageDown,
+        size: [1000.0, 700.0],
+        least: [520.0, 400.0],
     },
 ];
 

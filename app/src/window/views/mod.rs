@@ -1,9 +1,10 @@
-//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons, commissioning. They stand in panes
-//! of the window or in windows of their own; closed they cost nothing.
+//! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons, commissioning, data.
+//! They stand in panes of the window or in windows of their own; closed they cost nothing.
 
 mod aside;
 mod bench;
 mod commission;
+mod data;
 pub mod header;
 mod ladder;
 mod lesson;
@@ -11,6 +12,7 @@ mod link;
 mod machine;
 pub mod program;
 mod scope;
+mod written;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -30,6 +32,7 @@ use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use bench::Bench;
 use commission::CommissionView;
+use data::DataView;
 use gsk_messages::Language;
 use ladder::LadderView;
 use lesson::LessonView;
@@ -52,6 +55,7 @@ pub struct Views {
     lathe: LatheView,
     lessons: LessonView,
     commission: CommissionView,
+    data: DataView,
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// A view that another one wants to be open.
@@ -73,6 +77,7 @@ impl Views {
             lathe: LatheView::new(console.clone(), solid),
             lessons: LessonView::new(console.clone(), finished),
             commission: CommissionView::new(console.clone()),
+            data: DataView::new(console.clone()),
             console: console.clone(),
             machine: None,
             wanted: None,
@@ -106,7 +111,8 @@ impl Views {
                     | View::Program
                     | View::Machine
                     | View::Lesson
-                    | View::Commission,
+                    | View::Commission
+                    | View::Data,
                     _,
                 ) => {}
             }
@@ -170,6 +176,7 @@ impl Views {
                     self.wanted = Some(View::Scope);
                 }
             }
+            View::Data => self.data.show(ui, language, self.machine.as_ref()),
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();
