@@ -4,12 +4,16 @@
 use egui_kittest::kittest::Queryable as _;
 use gsk_app::kernel::Command;
 use gsk_core::cnc::{Cnc, Request};
+use gsk_core::memory::Parameters;
+use gsk_core::setup::Setup;
 
 use crate::common::Bench;
 
-/// With the view open.
+/// A control with the parameters of the manufacturer (disk N0), with the view open.
 fn opened() -> Bench {
-    let mut bench = Bench::new();
+    let mut setup = Setup::delivered();
+    setup.memory.parameters = Parameters::default();
+    let mut bench = Bench::with(setup);
     let shift = egui::Modifiers::SHIFT;
     bench
         .harness
@@ -28,6 +32,14 @@ fn may_write(bench: &mut Bench) {
     ask(bench, Request::SetParameterSwitch(true));
     let control = egui::Modifiers::CTRL;
     bench.harness.key_press_modifiers(control, egui::Key::Num3);
+    bench.run(300);
+    settle(bench);
+}
+
+/// In automatic mode, where neither parameters nor variables are taken.
+fn automatic(bench: &mut Bench) {
+    let control = egui::Modifiers::CTRL;
+    bench.harness.key_press_modifiers(control, egui::Key::Num1);
     bench.run(300);
     settle(bench);
 }
@@ -120,11 +132,21 @@ fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).parameters().value(22), 3000);
     assert!(says(&bench, "No.022 = 3000: 1 written"));
-    // Only it differs now.
+    // It differs now, beside what the control itself keeps in parameters.
+    let factory = Parameters::default();
+    let own = cnc(&bench).parameters().clone();
+    let differ = own.iter().zip(factory.iter());
+    let differ: Vec<u16> = differ
+        .filter(|(own, factory)| own != factory)
+        .map(|((number, _), _)| number)
+        .collect();
+    assert!(differ.contains(&22) && differ.len() < 5, "{differ:?}");
     fill(&mut bench, "Search the parameters", " ");
     press(&mut bench, "All parameters");
     press(&mut bench, "Only what differs from delivery");
-    assert!(says(&bench, "1 found"));
+    assert!(says(&bench, &format!("{} found", differ.len())));
+    assert!(says(&bench, "022 RPDFX 3000 differs from delivery"));
+    assert!(!says(&bench, "035 BKLZ"));
     // What counts after power-on says so.
     fill(&mut bench, "Search the parameters", "No. 005");
     press(&mut bench, "Only what differs from delivery");
@@ -176,6 +198,7 @@ fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
 #[test]
 fn variables_are_written_in_mdi() {
     let mut bench = opened();
+    automatic(&mut bench);
     press(&mut bench, "Macro variables");
     assert!(says(&bench, "not written: "));
     may_write(&mut bench);

@@ -23,6 +23,8 @@ use parameters::Parameters;
 
 /// Width of the list of pages, points.
 const PAGES: f32 = 180.0;
+/// Height of the list of what was written, points.
+const WRITTEN: f32 = 110.0;
 
 const WRONG: Color32 = Color32::from_rgb(255, 150, 110);
 const FINE: Color32 = Color32::from_rgb(110, 230, 120);
@@ -107,10 +109,24 @@ impl DataView {
             .resizable(false)
             .frame(super::side_frame())
             .show(ui, |ui| {
+                // The button that takes back is never scrolled away.
+                if !self.undo.entries().is_empty() {
+                    Panel::bottom("data written")
+                        .exact_size(WRITTEN)
+                        .resizable(false)
+                        .frame(egui::Frame::new())
+                        .show(ui, |ui| {
+                            ScrollArea::vertical()
+                                .id_salt("data written")
+                                .auto_shrink([false, false])
+                                .stick_to_bottom(true)
+                                .show(ui, |ui| self.written(ui, language, machine));
+                        });
+                }
                 ScrollArea::vertical()
                     .id_salt("data pages")
                     .auto_shrink([false, false])
-                    .show(ui, |ui| self.side(ui, language, machine));
+                    .show(ui, |ui| self.pages(ui, language));
             });
         let drafts = &mut self.drafts;
         let page = self.page;
@@ -125,7 +141,7 @@ impl DataView {
             });
     }
 
-    fn side(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
+    fn pages(&mut self, ui: &mut Ui, language: Language) {
         let mut entry = |ui: &mut Ui, page: Page, name: Message| {
             let chosen = self.page == page;
             let button = Button::selectable(chosen, name.text(language)).wrap();
@@ -145,7 +161,10 @@ impl DataView {
         ui.separator();
         entry(ui, Page::Offsets, say::data_offsets());
         entry(ui, Page::Variables, say::data_variables());
-        ui.separator();
+    }
+
+    /// What was written, and the button that takes the last of it back.
+    fn written(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         let taken = written::show(
             ui,
             language,

@@ -2,8 +2,8 @@
 //! value, its bits and what it means.
 
 use egui::{
-    CentralPanel, Color32, Grid, Panel, RichText, Role, ScrollArea, Sense, TextEdit, TextStyle,
-    TextWrapMode, Ui, WidgetInfo, WidgetText, pos2, vec2,
+    CentralPanel, Color32, Grid, Label, Panel, RichText, Role, ScrollArea, Sense, TextEdit,
+    TextStyle, TextWrapMode, Ui, WidgetInfo, WidgetText, pos2, vec2,
 };
 use gsk_core::memory::{self, Disk, Effective, ParameterRow};
 use gsk_help::{Subject, Topic, ask_among, name, topic};
@@ -220,10 +220,13 @@ impl Parameters {
             (false, true) => OTHER,
             (false, false) => ink,
         };
-        let mark = if other { "•" } else { "" };
+        if other {
+            let middle = pos2(place.left() + COLUMNS[0] / 2.0, place.center().y);
+            ui.painter().circle_filled(middle, 3.0, OTHER);
+        }
         let weak = ui.visuals().weak_text_color();
         let cells = [
-            (mark.to_owned(), OTHER),
+            (String::new(), ink),
             (number, ink),
             (row.symbol.to_owned(), ink),
             (value, of_value),
@@ -302,11 +305,11 @@ fn bits(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Dra
                 }
                 ui.vertical(|ui| {
                     ui.set_width(ui.available_width());
-                    ui.label(RichText::new(meaning).small());
+                    ui.add(Label::new(meaning).wrap());
                     let late = row.map(|row| row.effective);
                     if matches!(late, Some(Effective::AtPowerOn { .. })) {
                         let words = say::help_at_power_on().text(language);
-                        ui.label(RichText::new(words).small().color(OTHER));
+                        ui.label(RichText::new(words).color(OTHER));
                     }
                 });
                 ui.end_row();
