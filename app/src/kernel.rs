@@ -400,10 +400,16 @@ impl Kernel {
         }
     }
 
-    /// Asks for parameters and pitch errors as one; where the control takes none, none.
+    /// Asks for parameters, pitch errors, offsets and variables as one; where the control
+    /// does not take each of them, none.
     fn write(&mut self, requests: Vec<Request>) {
-        let cnc = &mut self.emulator.simulation.cnc;
-        if let Err(refusal) = cnc.rights().parameters() {
+        let rights = self.emulator.simulation.cnc.rights();
+        let taken = |request: &Request| match request {
+            Request::SetOffset { .. } => rights.offsets(),
+            Request::SetVariable { .. } | Request::SetMacroVariable { .. } => rights.variables(),
+            _ => rights.parameters(),
+        };
+        if let Err(refusal) = requests.iter().try_for_each(taken) {
             let why = gsk_project::refused(refusal);
             self.say(Notice::Said(say::commission_refused(why)));
             return;

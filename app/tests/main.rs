@@ -11,6 +11,7 @@ mod acceptance;
 mod command_line;
 mod common;
 
+mod data_view;
 mod first_start;
 mod layouts;
 mod lease;

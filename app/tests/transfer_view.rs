@@ -34,7 +34,7 @@ fn view(port: &str, list: Vec<Item>) -> Bench {
     let shift = egui::Modifiers::SHIFT;
     bench
         .harness
-        .key_press_modifiers(shift, egui::Key::PageDown);
+        .key_press_modifiers(shift, egui::Key::F6);
     bench.run(1);
     bench.run(1);
     bench

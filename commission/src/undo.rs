@@ -1,15 +1,10 @@
 //! What was written so far, to be taken back.
 
-use gsk_core::memory::{Parameters, PitchTable};
-
-use crate::change::Change;
-use crate::steps::Step;
-
-/// What was written by a step, to be taken back.
+/// What was written at once, to be taken back.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Undone {
-    /// The step.
-    pub step: Step,
+pub struct Undone<Label, Change> {
+    /// What it was written for, as a step.
+    pub label: Label,
     /// What stood there before.
     pub before: Vec<Change>,
     /// What was written.
@@ -17,30 +12,31 @@ pub struct Undone {
 }
 
 /// What was written so far, the newest last.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Undo {
-    entries: Vec<Undone>,
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Undo<Label, Change> {
+    entries: Vec<Undone<Label, Change>>,
 }
 
-impl Undo {
-    /// Notes what is about to be written over these values.
-    pub fn note(
-        &mut self,
-        step: Step,
-        changes: &[Change],
-        parameters: &Parameters,
-        pitch: &PitchTable,
-    ) {
-        let before = changes.iter().map(|change| change.now(parameters, pitch));
+impl<Label, Change> Default for Undo<Label, Change> {
+    fn default() -> Self {
+        Self {
+            entries: Vec::new(),
+        }
+    }
+}
+
+impl<Label, Change: Clone> Undo<Label, Change> {
+    /// Notes what is about to be written, and for each of it what stands there.
+    pub fn note(&mut self, label: Label, before: Vec<Change>, written: &[Change]) {
         self.entries.push(Undone {
-            step,
-            before: before.collect(),
-            written: changes.to_vec(),
+            label,
+            before,
+            written: written.to_vec(),
         });
     }
 
     /// What was written, the newest last.
-    pub fn entries(&self) -> &[Undone] {
+    pub fn entries(&self) -> &[Undone<Label, Change>] {
         &self.entries
     }
 

@@ -27,6 +27,6 @@ pub use article::{Article, article};
 pub use document::document;
 pub use facts::{facts, name};
 pub use lcd::on_screen;
-pub use search::ask;
+pub use search::{ask, ask_among};
 pub use subject::Subject;
 pub use table::{Topic, topic, topics};

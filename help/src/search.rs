@@ -3,6 +3,7 @@
 use gsk_messages::Language;
 
 use crate::facts::{facts, name};
+use crate::subject::Subject;
 use crate::table::{Topic, topics};
 
 /// Topics for a question, the best first: the one that is called so, those that have the
@@ -10,6 +11,11 @@ use crate::table::{Topic, topics};
 /// their text. Capital and small letters are the same, and so are `G1` and `G01`, `31`
 /// and `031`.
 pub fn ask(question: &str) -> Vec<&'static Topic> {
+    ask_among(question, |_| true)
+}
+
+/// The same among some subjects.
+pub fn ask_among(question: &str, among: impl Fn(Subject<'_>) -> bool) -> Vec<&'static Topic> {
     let words: Vec<String> = question.split_whitespace().map(folded).collect();
     if words.is_empty() {
         return Vec::new();
@@ -18,6 +24,7 @@ pub fn ask(question: &str) -> Vec<&'static Topic> {
     let number = asked.parse().ok();
     let mut found: Vec<(u8, &Topic)> = topics()
         .iter()
+        .filter(|topic| among(topic.subject))
         .filter_map(|topic| Some((distance(topic, &asked, number, &words)?, topic)))
         .collect();
     // Who names a topic wants no other.

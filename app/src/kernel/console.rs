@@ -71,7 +71,8 @@ pub enum Command {
     Fault(Fault, bool),
     /// Ask the control for something; a refusal is said.
     Ask(Box<Request>),
-    /// Ask the control for parameters and pitch errors, all of them or none; a refusal is said.
+    /// Ask the control for parameters, pitch errors, offsets and variables, all of them or
+    /// none; a refusal is said.
     Write(Vec<Request>),
     /// Switch the control off and on again.
     PowerCycle,

@@ -1,12 +1,14 @@
-//! What fault bench, ladder view and commissioning see: the machine and the PLC as they are.
+//! What fault bench, ladder view, commissioning and the editing of data see: the machine and the PLC as they are.
 
 use std::sync::Arc;
 
 use gsk_core::alarm::Alarm;
+use gsk_core::cnc::Cnc;
 use gsk_core::machine::{Inputs, Lathe};
-use gsk_core::memory::{Parameters, PitchTable, Refusal};
+use gsk_core::memory::{Offsets, Parameters, PitchTable, Refusal};
 use gsk_core::plc::{Ladder, Plc};
 use gsk_panel::emulator::Emulator;
+use gsk_panel::pages::Display;
 
 /// The machine and the PLC at one moment. Taken only while a view is open that
 /// shows them.
@@ -30,8 +32,51 @@ pub struct MachineView {
     pub pitch: PitchTable,
     /// Why the control would not take parameters now.
     pub parameters_refused: Option<Refusal>,
+    /// The tool offsets.
+    pub offsets: OffsetTable,
+    /// The macro variables.
+    pub variables: VariableTable,
     /// Alarms and messages that stand, the newest first.
     pub alarms: Vec<String>,
+}
+
+/// The tool offsets at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OffsetTable {
+    /// Their values.
+    pub rows: Offsets,
+    /// How lengths are shown.
+    pub display: Display,
+    /// Why the control would not take any now.
+    pub refused: Option<Refusal>,
+}
+
+/// The macro variables at one moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VariableTable {
+    /// Number and value; `None`: null.
+    pub rows: Vec<(u16, Option<f64>)>,
+    /// They take values with a fraction.
+    pub real: bool,
+    /// Why the control would not take any now.
+    pub refused: Option<Refusal>,
+}
+
+impl VariableTable {
+    fn of(cnc: &Cnc) -> Self {
+        let real = cnc.variables_are_real();
+        let value = |number: u16| match real {
+            true => cnc.real_variable(number),
+            // 33 bits at most.
+            false => cnc.variables().get(number).map(|value| value as f64),
+        };
+        let numbers = cnc.variable_numbers().into_iter();
+        Self {
+            rows: numbers.map(|number| (number, value(number))).collect(),
+            real,
+            refused: cnc.rights().variables().err(),
+        }
+    }
 }
 
 impl MachineView {
@@ -53,6 +98,12 @@ impl MachineView {
             parameters: cnc.parameters().clone(),
             pitch: cnc.pitch().clone(),
             parameters_refused: cnc.rights().parameters().err(),
+            offsets: OffsetTable {
+                rows: cnc.offsets().clone(),
+                display: Display::of(cnc),
+                refused: cnc.rights().offsets().err(),
+            },
+            variables: VariableTable::of(cnc),
             alarms: alarms.chain(messages).collect(),
         }
     }

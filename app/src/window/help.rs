@@ -162,7 +162,8 @@ fn related(subject: Subject<'_>) -> Vec<&'static Topic> {
     }
 }
 
-fn show_article(ui: &mut Ui, topic: &Topic, language: Language) {
+/// Draws what is said of a topic.
+pub fn show_article(ui: &mut Ui, topic: &Topic, language: Language) {
     let article = article(topic, language);
     ui.heading(article.heading);
     ui.add_space(4.0);

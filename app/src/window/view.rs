@@ -28,12 +28,17 @@ pub enum View {
     Transfer,
     /// Commissioning.
     Commission,
+    /// Parameters, offsets and variables.
+    Data,
 }
 
 impl View {
     /// Whether it shows the machine and the PLC as they are.
     pub const fn monitors(self) -> bool {
-        matches!(self, Self::Bench | Self::Ladder | Self::Commission)
+        matches!(
+            self,
+            Self::Bench | Self::Ladder | Self::Commission | Self::Data
+        )
     }
 
     /// Whether there is one here: a page in a browser has no ports.
@@ -63,7 +68,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 9] = [
+pub static VIEWS: [ViewRow; 10] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
@@ -116,7 +121,7 @@ pub static VIEWS: [ViewRow; 9] = [
     ViewRow {
         view: View::Transfer,
         name: say::window_view_transfer,
-        key: Key::PageDown,
+        key: Key::F6,
         size: [860.0, 560.0],
         least: [520.0, 360.0],
     },
@@ -126,6 +131,13 @@ pub static VIEWS: [ViewRow; 9] = [
         key: Key::End,
         size: [860.0, 700.0],
         least: [520.0, 320.0],
+    },
+    ViewRow {
+        view: View::Data,
+        name: say::window_view_data,
+        key: Key::F7,
+        size: [1000.0, 700.0],
+        least: [520.0, 400.0],
     },
 ];
 

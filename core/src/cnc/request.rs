@@ -170,6 +170,8 @@ pub enum OffsetEntry {
     /// X or Z with a value in the unit of the display: stored, or measured
     /// (012.5 DOFSI).
     Length(Axis, f64),
+    /// X or Z as the table holds it, mm: stored, whatever 012.5 DOFSI says.
+    Stored(Axis, f64),
     /// U or W with a value: added.
     Change(Axis, f64),
     /// U or W alone: the relative coordinate.

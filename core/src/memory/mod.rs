@@ -9,6 +9,7 @@ pub mod parameter {
 mod authority;
 mod counters;
 mod disks;
+mod groups;
 mod named;
 mod named_machine;
 mod named_panel;
@@ -24,6 +25,7 @@ mod variables;
 pub use authority::{Authority, Level};
 pub use counters::Counters;
 pub use disks::{DiskContent, Disks};
+pub use groups::ParameterGroup;
 pub use offsets::{OFFSETS, Offsets, ToolOffset};
 pub use parameters::{ParameterError, Parameters};
 pub use pitch::{PitchError, PitchTable};

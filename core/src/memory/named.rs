@@ -63,7 +63,7 @@ impl Parameters {
     }
 
     /// 012.6 WSFT: offset 000 shifts the work coordinates.
-    pub(crate) fn work_shift(&self) -> bool {
+    pub fn work_shift(&self) -> bool {
         self.bit(12, 6)
     }
 

@@ -27,6 +27,7 @@ mod view;
 use gsk_core::cnc::Cnc;
 use gsk_messages::Language;
 
+pub use format::Display;
 pub use graphic_settings::GraphicSettings;
 pub(crate) use parameters::PITCH_POINTS;
 pub(crate) use parameters::data_numbers;

@@ -74,7 +74,7 @@ fn lathe(seed: u64) -> Simulation {
 /// Who sets the lathe up.
 struct Person {
     simulation: Simulation,
-    undo: Undo,
+    undo: Undo<Step, Change>,
     dice: Dice,
     /// Where the laser was set to zero, mm.
     laser: f64,
@@ -176,7 +176,9 @@ impl Person {
         assert_eq!(cnc.rights().parameters(), Ok(()));
         let memory = cnc.battery();
         let (parameters, pitch) = (memory.parameters.clone(), memory.pitch.clone());
-        self.undo.note(step, &proposal.changes, &parameters, &pitch);
+        let stands = |change: &Change| change.now(&parameters, &pitch);
+        let before = proposal.changes.iter().map(stands).collect();
+        self.undo.note(step, before, &proposal.changes);
         self.ask(&proposal.changes);
         let cnc = &mut self.simulation.cnc;
         cnc.request(Request::SetParameterSwitch(false)).unwrap();

@@ -1,10 +1,11 @@
 //! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons,
-//! commissioning, transfer. They stand in panes of the window or in windows of their own;
-//! closed they cost nothing.
+//! commissioning, transfer, parameters and offsets. They stand in panes of the window or in
+//! windows of their own; closed they cost nothing.
 
 mod aside;
 mod bench;
 mod commission;
+mod data;
 pub mod header;
 mod ladder;
 mod lesson;
@@ -13,6 +14,7 @@ mod machine;
 pub mod program;
 mod scope;
 mod transfer;
+mod written;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -34,6 +36,7 @@ use crate::pc::Remembered;
 use crate::platform;
 use bench::Bench;
 use commission::CommissionView;
+use data::DataView;
 use gsk_messages::Language;
 use ladder::LadderView;
 use lesson::LessonView;
@@ -58,6 +61,7 @@ pub struct Views {
     lessons: LessonView,
     transfer: TransferView,
     commission: CommissionView,
+    data: DataView,
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// A view that another one wants to be open.
@@ -85,6 +89,7 @@ impl Views {
             lessons: LessonView::new(console.clone(), finished),
             transfer: TransferView::new(console.clone(), transfer),
             commission: CommissionView::new(console.clone()),
+            data: DataView::new(console.clone()),
             console: console.clone(),
             machine: None,
             wanted: None,
@@ -120,7 +125,8 @@ impl Views {
                     | View::Machine
                     | View::Lesson
                     | View::Transfer
-                    | View::Commission,
+                    | View::Commission
+                    | View::Data,
                     _,
                 ) => {}
             }
@@ -192,6 +198,7 @@ impl Views {
                     self.wanted = Some(View::Scope);
                 }
             }
+            View::Data => self.data.show(ui, language, self.machine.as_ref()),
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {
                 let machine = self.machine.as_ref();

@@ -62,6 +62,7 @@ impl Cnc {
                 (axis, self.measured(axis, self.in_mm(value)))
             }
             OffsetEntry::Length(axis, value) => (axis, self.in_mm(value)),
+            OffsetEntry::Stored(axis, value) => (axis, value),
         };
         match axis {
             Axis::X => offset.x = value,

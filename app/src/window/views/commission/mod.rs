@@ -9,14 +9,15 @@ use std::sync::Arc;
 
 use egui::{Button, CentralPanel, Color32, Grid, Panel, RichText, ScrollArea, TextEdit, Ui};
 use gsk_commission::{
-    Drive, DriveKind, GearMeasured, Lag, Proposal, SpindleSpeed, Step, Travel, Undo, ZeroMethod,
-    acceleration, backlash, direction, gear_from_drive, gear_measured, largest_lag, reference,
-    spindle,
+    Change, Drive, DriveKind, GearMeasured, Lag, Proposal, SpindleSpeed, Step, Travel, Undo,
+    ZeroMethod, acceleration, backlash, direction, gear_from_drive, gear_measured, largest_lag,
+    reference, spindle,
 };
 use gsk_core::units::{Axis, PerAxis};
 use gsk_messages::{Language, Message, say};
 use gsk_project::refused;
 
+use super::written;
 use crate::kernel::monitor::MachineView;
 use crate::kernel::{Command, Console};
 use crate::pitch::letter;
@@ -39,7 +40,7 @@ pub struct CommissionView {
     fields: Fields,
     pitch: PitchStep,
     proposal: Option<Result<Proposal, Message>>,
-    undo: Undo,
+    undo: Undo<Step, Change>,
     /// The largest following error since it was cleared, mm of slide travel.
     lag: PerAxis<f64>,
 }
@@ -130,29 +131,18 @@ impl CommissionView {
 
     /// What was written so far, and the button that takes the last of it back.
     fn written(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
-        for entry in self.undo.entries() {
-            let words = say::commission_written(entry.step.name(), entry.written.len());
-            let rows = entry.before.iter().zip(&entry.written);
-            let rows = rows.take(12).map(|(before, written)| {
-                format!(
-                    "{} ← {}",
-                    written.message().text(language),
-                    before.message().text(language)
-                )
-            });
-            let rows: Vec<String> = rows.collect();
-            ui.label(words.text(language))
-                .on_hover_text(rows.join("\n"));
-        }
-        let Some(last) = self.undo.entries().last() else {
-            return;
-        };
-        let words = say::commission_undo(last.step.name()).text(language);
-        let button = ui.add_enabled(machine.parameters_refused.is_none(), Button::new(words));
-        let hint = say::commission_write_hint().text(language);
-        if button.on_disabled_hover_text(hint).clicked()
-            && let Some(before) = self.undo.take()
-        {
+        let taken = written::show(
+            ui,
+            language,
+            &mut self.undo,
+            &written::Words {
+                label: |step| step.name(),
+                change: |change| change.message(),
+                hint: say::commission_write_hint(),
+            },
+            |_| machine.parameters_refused.is_none(),
+        );
+        if let Some(before) = taken {
             let requests = before.iter().map(|change| change.request());
             self.console.send(Command::Write(requests.collect()));
             self.proposal = None;
@@ -391,8 +381,9 @@ impl CommissionView {
             .clicked()
         {
             let changes = &proposal.changes;
-            self.undo
-                .note(self.step, changes, &machine.parameters, &machine.pitch);
+            let stands = |change: &Change| change.now(&machine.parameters, &machine.pitch);
+            let before = changes.iter().map(stands).collect();
+            self.undo.note(self.step, before, changes);
             let requests = changes.iter().map(|change| change.request());
             self.console.send(Command::Write(requests.collect()));
             self.proposal = None;

@@ -1,0 +1,386 @@
+//! A value that is being edited: where it stands, what is typed, what is asked of the
+//! control.
+
+use std::collections::BTreeMap;
+
+use gsk_commission::Change;
+use gsk_core::cnc::{OffsetEntry, Request};
+use gsk_core::memory::{self, Offsets, Refusal, ToolOffset};
+use gsk_core::units::Axis;
+use gsk_messages::{Message, say};
+
+use crate::kernel::monitor::{MachineView, VariableTable};
+
+/// Millimetres of an inch.
+const INCH: f64 = 25.4;
+
+/// A column of the tool offsets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Part {
+    X,
+    Z,
+    R,
+    T,
+}
+
+impl Part {
+    /// All of them, as the page has them.
+    pub const ALL: [Self; 4] = [Self::X, Self::Z, Self::R, Self::T];
+
+    /// Its heading.
+    pub const fn letter(self) -> &'static str {
+        match self {
+            Self::X => "X",
+            Self::Z => "Z",
+            Self::R => "R",
+            Self::T => "T",
+        }
+    }
+
+    /// Its value in a row: mm, or the number of the nose.
+    fn of(self, row: ToolOffset) -> f64 {
+        match self {
+            Self::X => row.x,
+            Self::Z => row.z,
+            Self::R => row.r,
+            Self::T => f64::from(row.t),
+        }
+    }
+
+    /// A value of it as the page writes it.
+    fn text(self, value: f64, machine: &MachineView) -> String {
+        match self {
+            Self::T => format!("{value:.0}"),
+            Self::X | Self::Z | Self::R => machine.offsets.display.length(value),
+        }
+    }
+}
+
+/// Where a value stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Spot {
+    /// A parameter, a state parameter as a whole.
+    Parameter(u16),
+    /// Row and column of the tool offsets.
+    Offset(u8, Part),
+    /// A macro variable.
+    Variable(u16),
+}
+
+/// A value for a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Edit {
+    /// A parameter.
+    Parameter(Change),
+    /// A tool offset.
+    Offset {
+        /// Row.
+        number: u8,
+        /// Column.
+        part: Part,
+        /// mm, or the number of the nose.
+        value: f64,
+    },
+    /// A macro variable.
+    Variable {
+        /// Number.
+        number: u16,
+        /// Value; null is written as 0.
+        value: f64,
+        /// It takes values with a fraction.
+        real: bool,
+    },
+}
+
+impl Edit {
+    /// What is asked of the control.
+    pub const fn request(self) -> Request {
+        match self {
+            Self::Parameter(change) => change.request(),
+            Self::Offset {
+                number,
+                part,
+                value,
+            } => {
+                let entry = match part {
+                    Part::X => OffsetEntry::Stored(Axis::X, value),
+                    Part::Z => OffsetEntry::Stored(Axis::Z, value),
+                    Part::R => OffsetEntry::NoseRadius(value),
+                    // Checked when it was read.
+                    Part::T => OffsetEntry::NoseNumber(value as u8),
+                };
+                Request::SetOffset { number, entry }
+            }
+            Self::Variable {
+                number,
+                value,
+                real: true,
+            } => Request::SetMacroVariable { number, value },
+            Self::Variable { number, value, .. } => Request::SetVariable {
+                number,
+                // Whole, and checked when it was read.
+                value: value as i64,
+            },
+        }
+    }
+
+    /// What stands where, as `No.035 = 12`.
+    pub fn message(self) -> Message {
+        match self {
+            Self::Parameter(change) => change.message(),
+            Self::Offset {
+                number,
+                part,
+                value,
+            } => say::data_offset(number, part.letter(), value),
+            Self::Variable { number, value, .. } => say::data_variable(number, value),
+        }
+    }
+
+    /// The same with what the control has there.
+    pub fn now(self, machine: &MachineView) -> Self {
+        match self {
+            Self::Parameter(change) => {
+                Self::Parameter(change.now(&machine.parameters, &machine.pitch))
+            }
+            Self::Offset { number, part, .. } => Self::Offset {
+                number,
+                part,
+                value: part.of(machine.offsets.rows.get(number)),
+            },
+            Self::Variable { number, real, .. } => Self::Variable {
+                number,
+                value: variable(&machine.variables, number).unwrap_or(0.0),
+                real,
+            },
+        }
+    }
+
+    /// Why the control would not take it now.
+    pub const fn refused(self, machine: &MachineView) -> Option<Refusal> {
+        match self {
+            Self::Parameter(_) => machine.parameters_refused,
+            Self::Offset { .. } => machine.offsets.refused,
+            Self::Variable { .. } => machine.variables.refused,
+        }
+    }
+}
+
+fn variable(table: &VariableTable, number: u16) -> Option<f64> {
+    let row = table.rows.iter().find(|(own, _)| *own == number);
+    row.and_then(|(_, value)| *value)
+}
+
+/// Whether a parameter is one of eight bits.
+pub fn is_state(number: u16) -> bool {
+    memory::row(number, None).is_some_and(|row| row.state)
+}
+
+/// A parameter as its page writes it: eight binary digits, or a number.
+pub fn parameter_text(number: u16, value: i32) -> String {
+    match is_state(number) {
+        true => format!("{value:08b}"),
+        false => value.to_string(),
+    }
+}
+
+impl Spot {
+    /// What the control has there, as it is typed.
+    pub fn text(self, machine: &MachineView) -> String {
+        match self {
+            Self::Parameter(number) => parameter_text(number, machine.parameters.value(number)),
+            Self::Offset(number, part) => {
+                part.text(part.of(machine.offsets.rows.get(number)), machine)
+            }
+            Self::Variable(number) => {
+                let value = variable(&machine.variables, number);
+                value.map_or_else(String::new, |value| value.to_string())
+            }
+        }
+    }
+
+    /// How it is called.
+    pub fn name(self) -> Message {
+        match self {
+            Self::Parameter(number) => say::data_value_of(number),
+            Self::Offset(number, part) => say::data_offset_cell(number, part.letter()),
+            Self::Variable(number) => say::data_variable_cell(number),
+        }
+    }
+
+    /// What is typed, as a value for the control.
+    ///
+    /// # Errors
+    /// What is none, and what the control does not take there (alarms 030, 043, 111).
+    pub fn read(self, typed: &str, machine: &MachineView) -> Result<Edit, Message> {
+        let text = typed.trim();
+        match self {
+            Self::Parameter(number) => {
+                let value = self.parameter(number, text)?;
+                let mut then = machine.parameters.clone();
+                then.set(number, value).map_err(|error| error.message())?;
+                Ok(Edit::Parameter(Change::Value { number, value }))
+            }
+            Self::Offset(number, part) => self.offset(number, part, text, machine),
+            Self::Variable(number) if machine.variables.real => Ok(Edit::Variable {
+                number,
+                value: self.number(text)?,
+                real: true,
+            }),
+            Self::Variable(number) => {
+                let whole: Option<i64> = text.parse().ok();
+                let range = memory::Variables::LEAST..=memory::Variables::GREATEST;
+                let whole = whole.filter(|value| range.contains(value));
+                let wrong = || say::data_variable_whole(self.name(), text);
+                Ok(Edit::Variable {
+                    number,
+                    value: whole.ok_or_else(wrong)? as f64,
+                    real: false,
+                })
+            }
+        }
+    }
+
+    fn parameter(self, number: u16, text: &str) -> Result<i32, Message> {
+        if !is_state(number) {
+            let value = text.parse().ok();
+            return value.ok_or_else(|| say::data_not_a_value(self.name(), text));
+        }
+        let digits = text.len() == 8 && text.bytes().all(|byte| matches!(byte, b'0' | b'1'));
+        let value = i32::from_str_radix(text, 2).ok().filter(|_| digits);
+        value.ok_or_else(|| say::data_not_bits(self.name(), text))
+    }
+
+    /// A number, with a point or a comma.
+    fn number(self, text: &str) -> Result<f64, Message> {
+        let number: Option<f64> = text.replace(',', ".").parse().ok();
+        let number = number.filter(|number| number.is_finite());
+        number.ok_or_else(|| say::data_not_a_value(self.name(), text))
+    }
+
+    /// An offset; after U or W what is added to it (decision DATA-3, manual III-7).
+    fn offset(
+        self,
+        number: u8,
+        part: Part,
+        text: &str,
+        machine: &MachineView,
+    ) -> Result<Edit, Message> {
+        let own = machine.offsets.rows.get(number);
+        if number == 0 && !machine.parameters.work_shift() {
+            return Err(say::data_offset_fixed());
+        }
+        let in_mm = |value: f64| match machine.offsets.display.inch {
+            true => value * INCH,
+            false => value,
+        };
+        let added = match part {
+            Part::X => text.strip_prefix(['U', 'u']),
+            Part::Z => text.strip_prefix(['W', 'w']),
+            Part::R | Part::T => None,
+        };
+        let mut then = own;
+        match (part, added) {
+            (Part::X, Some(by)) => then.x += in_mm(self.number(by.trim())?),
+            (Part::Z, Some(by)) => then.z += in_mm(self.number(by.trim())?),
+            (Part::X, None) => then.x = in_mm(self.number(text)?),
+            (Part::Z, None) => then.z = in_mm(self.number(text)?),
+            (Part::R, _) => then.r = in_mm(self.number(text)?),
+            (Part::T, _) => {
+                let nose = text.parse().ok();
+                then.t = nose.ok_or_else(|| say::data_not_a_value(self.name(), text))?;
+            }
+        }
+        // As the control rounds and bounds it; 000 has the bounds of the others.
+        let mut table = Offsets::default();
+        table
+            .set(1, then)
+            .map_err(|alarm| alarm.further_detail().cloned().unwrap_or(alarm.reason()))?;
+        Ok(Edit::Offset {
+            number,
+            part,
+            value: part.of(table.get(1)),
+        })
+    }
+}
+
+/// What has been typed and is not written yet.
+#[derive(Clone, Debug, Default)]
+pub struct Drafts {
+    typed: BTreeMap<Spot, String>,
+}
+
+impl Drafts {
+    /// What stands in the field of a place: what was typed, else what the control has.
+    pub fn text(&self, spot: Spot, machine: &MachineView) -> String {
+        let typed = self.typed.get(&spot).cloned();
+        typed.unwrap_or_else(|| spot.text(machine))
+    }
+
+    /// Whether something was typed there.
+    pub fn has(&self, spot: Spot) -> bool {
+        self.typed.contains_key(&spot)
+    }
+
+    /// Something is typed there.
+    pub fn set(&mut self, spot: Spot, text: String) {
+        self.typed.insert(spot, text);
+    }
+
+    /// The keyboard has left a field: what says nothing new is forgotten.
+    pub fn left(&mut self, spot: Spot, machine: &MachineView) {
+        let text = self.typed.get(&spot);
+        if text.is_some_and(|text| is_there(spot, text, machine)) {
+            self.typed.remove(&spot);
+        }
+    }
+
+    /// These were made of what was typed: what was to be added stands there as a value, so
+    /// that it is added once.
+    pub fn counted(&mut self, edits: &[Edit], machine: &MachineView) {
+        for edit in edits {
+            if let Edit::Offset {
+                number,
+                part,
+                value,
+            } = *edit
+            {
+                let text = part.text(value, machine);
+                self.typed.insert(Spot::Offset(number, part), text);
+            }
+        }
+    }
+
+    /// Forgets what the control has by now.
+    pub fn settle(&mut self, machine: &MachineView) {
+        self.typed
+            .retain(|spot, text| !is_there(*spot, text, machine));
+    }
+
+    /// Forgets everything.
+    pub fn discard(&mut self) {
+        self.typed.clear();
+    }
+
+    /// How many places.
+    pub fn count(&self) -> usize {
+        self.typed.len()
+    }
+
+    /// All of it as values for the control.
+    ///
+    /// # Errors
+    /// The first one that is none.
+    pub fn edits(&self, machine: &MachineView) -> Result<Vec<Edit>, Message> {
+        let edits = self.typed.iter();
+        edits.map(|(spot, text)| spot.read(text, machine)).collect()
+    }
+}
+
+/// Whether the control has what is typed.
+fn is_there(spot: Spot, text: &str, machine: &MachineView) -> bool {
+    // An addition never is.
+    let added = matches!(spot, Spot::Offset(..)) && text.trim().starts_with(['U', 'u', 'W', 'w']);
+    let edit = spot.read(text, machine).ok().filter(|_| !added);
+    edit.is_some_and(|edit| edit.now(machine) == edit) || text == spot.text(machine)
+}

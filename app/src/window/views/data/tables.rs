@@ -1,0 +1,92 @@
+//! Tool offsets and macro variables as tables of fields.
+
+use egui::{ScrollArea, Ui, vec2};
+use gsk_messages::{Language, say};
+
+use super::edit::{Drafts, Part, Spot};
+use super::field;
+use crate::kernel::monitor::MachineView;
+
+/// Width of the column of numbers, points.
+const NUMBER: f32 = 44.0;
+/// The least and the greatest width of a column of values, points.
+const COLUMN: [f32; 2] = [52.0, 110.0];
+/// Width of a variable's field, points.
+const VARIABLE: f32 = 180.0;
+/// Room for the bar of the list, points.
+const SCROLL_BAR: f32 = 14.0;
+
+/// The tool offsets.
+pub fn offsets(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts) {
+    ui.heading(say::data_offsets().text(language));
+    ui.weak(say::data_offsets_hint().text(language));
+    ui.weak(say::data_add().text(language));
+    let gaps = ui.spacing().item_spacing.x * 5.0 + SCROLL_BAR + ui.spacing().button_padding.x * 8.0;
+    let column = (ui.available_width() - NUMBER - gaps) / 4.0;
+    let column = column.clamp(COLUMN[0], COLUMN[1]);
+    let height = ui.spacing().interact_size.y;
+    let padding = ui.spacing().button_padding.x;
+    ui.horizontal(|ui| {
+        cell(
+            ui,
+            NUMBER,
+            height,
+            &say::data_column_number().text(language),
+        );
+        for part in Part::ALL {
+            cell(ui, column + padding * 2.0, height, part.letter());
+        }
+    });
+    let count = machine.offsets.rows.iter().count();
+    ScrollArea::vertical()
+        .id_salt("offsets")
+        .auto_shrink([false, false])
+        .show_rows(ui, height, count, |ui, shown| {
+            let rows = machine.offsets.rows.iter();
+            for (number, _) in rows.skip(shown.start).take(shown.len()) {
+                ui.horizontal(|ui| {
+                    cell(ui, NUMBER, height, &format!("{number:03}"));
+                    let fixed = number == 0 && !machine.parameters.work_shift();
+                    ui.add_enabled_ui(!fixed, |ui| {
+                        for part in Part::ALL {
+                            let spot = Spot::Offset(number, part);
+                            let field = field::show(ui, language, machine, drafts, spot, column);
+                            if fixed {
+                                let why = say::data_offset_fixed().text(language);
+                                field.on_disabled_hover_text(why);
+                            }
+                        }
+                    });
+                });
+            }
+        });
+}
+
+/// The macro variables.
+pub fn variables(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts) {
+    ui.heading(say::data_variables().text(language));
+    ui.weak(say::data_variables_hint().text(language));
+    let height = ui.spacing().interact_size.y;
+    let rows = &machine.variables.rows;
+    ScrollArea::vertical()
+        .id_salt("variables")
+        .auto_shrink([false, false])
+        .show_rows(ui, height, rows.len(), |ui, shown| {
+            for (number, _) in rows.get(shown).unwrap_or_default() {
+                ui.horizontal(|ui| {
+                    cell(ui, NUMBER, height, &format!("#{number}"));
+                    let spot = Spot::Variable(*number);
+                    field::show(ui, language, machine, drafts, spot, VARIABLE);
+                });
+            }
+        });
+}
+
+/// A text in a column.
+fn cell(ui: &mut Ui, width: f32, height: f32, text: &str) {
+    let layout = egui::Layout::left_to_right(egui::Align::Center);
+    ui.allocate_ui_with_layout(vec2(width, height), layout, |ui| {
+        ui.set_min_width(width);
+        ui.monospace(text);
+    });
+}

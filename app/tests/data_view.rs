@@ -1,0 +1,213 @@
+//! The view of parameters, offsets and variables: it writes what the control takes, says
+//! why not, and takes it back.
+
+use egui_kittest::kittest::Queryable as _;
+use gsk_app::kernel::Command;
+use gsk_core::cnc::{Cnc, Request};
+use gsk_core::memory::Parameters;
+use gsk_core::setup::Setup;
+
+use crate::common::Bench;
+
+/// A control with the parameters of the manufacturer (disk N0), with the view open.
+fn opened() -> Bench {
+    let mut setup = Setup::delivered();
+    setup.memory.parameters = Parameters::default();
+    let mut bench = Bench::with(setup);
+    let shift = egui::Modifiers::SHIFT;
+    bench
+        .harness
+        .key_press_modifiers(shift, egui::Key::F7);
+    settle(&mut bench);
+    bench
+}
+
+fn settle(bench: &mut Bench) {
+    bench.run(1);
+    bench.run(100);
+}
+
+/// What parameters need: the switch, and MDI.
+fn may_write(bench: &mut Bench) {
+    ask(bench, Request::SetParameterSwitch(true));
+    let control = egui::Modifiers::CTRL;
+    bench.harness.key_press_modifiers(control, egui::Key::Num3);
+    bench.run(300);
+    settle(bench);
+}
+
+/// In automatic mode, where neither parameters nor variables are taken.
+fn automatic(bench: &mut Bench) {
+    let control = egui::Modifiers::CTRL;
+    bench.harness.key_press_modifiers(control, egui::Key::Num1);
+    bench.run(300);
+    settle(bench);
+}
+
+fn ask(bench: &mut Bench, request: Request) {
+    bench.console.send(Command::Ask(Box::new(request)));
+    settle(bench);
+}
+
+fn cnc(bench: &Bench) -> &Cnc {
+    &bench.kernel.emulator().simulation.cnc
+}
+
+/// Clicks what is called so, and nothing else.
+#[track_caller]
+fn press(bench: &mut Bench, name: &str) {
+    bench.harness.get_by_label(name).click();
+    settle(bench);
+}
+
+/// Clicks a row or a box by a part of its name.
+#[track_caller]
+fn choose(bench: &mut Bench, part: &str) {
+    bench.harness.get_by_label_contains(part).click();
+    settle(bench);
+}
+
+/// Types into a field in place of what stands there, and leaves it.
+#[track_caller]
+fn fill(bench: &mut Bench, field: &str, text: &str) {
+    bench.harness.get_by_label(field).focus();
+    bench.run(1);
+    let command = egui::Modifiers::COMMAND;
+    bench.harness.key_press_modifiers(command, egui::Key::A);
+    bench.run(1);
+    bench.harness.event(egui::Event::Text(text.to_owned()));
+    bench.run(1);
+    bench.harness.key_press(egui::Key::Enter);
+    settle(bench);
+}
+
+fn says(bench: &Bench, words: &str) -> bool {
+    bench
+        .harness
+        .query_all_by_label_contains(words)
+        .next()
+        .is_some()
+}
+
+#[test]
+fn a_box_changes_its_bit_and_the_value_and_both_are_written_and_taken_back() {
+    let mut bench = opened();
+    choose(&mut bench, "Spindle, handwheel, radius");
+    choose(&mut bench, "001.4 1 spindle speed by analog");
+    let value = bench.harness.get_by_label("Value of 001").value();
+    assert_eq!(value.as_deref(), Some("00010000"));
+    // Nothing is written without the rights.
+    assert!(says(&bench, "not written: "));
+    press(&mut bench, "Write 1");
+    assert_eq!(cnc(&bench).parameters().byte(1), 0);
+    may_write(&mut bench);
+    assert!(says(&bench, "the control takes these values now"));
+    press(&mut bench, "Write 1");
+    assert_eq!(cnc(&bench).parameters().byte(1), 0b0001_0000);
+    assert!(says(&bench, "differs from delivery"));
+    press(&mut bench, "Undo: No.001 = 16");
+    assert_eq!(cnc(&bench).parameters().byte(1), 0);
+    assert!(!says(&bench, "Undo: "));
+    assert!(bench.harness.query_by_label("Write 0").is_some());
+}
+
+#[test]
+fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
+    let mut bench = opened();
+    may_write(&mut bench);
+    let before = cnc(&bench).parameters().clone();
+    press(&mut bench, "Backlash");
+    assert!(says(&bench, "035 BKLZ") && !says(&bench, "RPDFX"));
+    fill(&mut bench, "Search the parameters", "RPDFX");
+    assert!(says(&bench, "1 found") && !says(&bench, "035 BKLZ"));
+    choose(&mut bench, "022 RPDFX");
+    fill(&mut bench, "Value of 022", "15001");
+    assert!(says(&bench, "parameter 022: 15001 is outside 6..15000"));
+    press(&mut bench, "Write 1");
+    assert_eq!(*cnc(&bench).parameters(), before);
+    assert!(cnc(&bench).alarms().iter().all(|alarm| alarm.number != 43));
+    fill(&mut bench, "Value of 022", "fast");
+    assert!(says(&bench, "fast is no value"));
+    fill(&mut bench, "Value of 022", "3000");
+    press(&mut bench, "Write 1");
+    assert_eq!(cnc(&bench).parameters().value(22), 3000);
+    assert!(says(&bench, "No.022 = 3000: 1 written"));
+    // It differs now, beside what the control itself keeps in parameters.
+    let factory = Parameters::default();
+    let own = cnc(&bench).parameters().clone();
+    let differ = own.iter().zip(factory.iter());
+    let differ: Vec<u16> = differ
+        .filter(|(own, factory)| own != factory)
+        .map(|((number, _), _)| number)
+        .collect();
+    assert!(differ.contains(&22) && differ.len() < 5, "{differ:?}");
+    fill(&mut bench, "Search the parameters", " ");
+    press(&mut bench, "All parameters");
+    press(&mut bench, "Only what differs from delivery");
+    assert!(says(&bench, &format!("{} found", differ.len())));
+    assert!(says(&bench, "022 RPDFX 3000 differs from delivery"));
+    assert!(!says(&bench, "035 BKLZ"));
+    // What counts after power-on says so.
+    fill(&mut bench, "Search the parameters", "No. 005");
+    press(&mut bench, "Only what differs from delivery");
+    choose(&mut bench, "Spindle gear, M30");
+    assert!(says(&bench, "when the power is switched on again"));
+}
+
+#[test]
+fn offsets_are_values_and_wear_is_added_to_them_with_their_own_rights() {
+    let mut bench = opened();
+    press(&mut bench, "Tool offsets");
+    // They need neither MDI nor the parameter switch.
+    fill(&mut bench, "offset 001 X", "20");
+    fill(&mut bench, "offset 001 Z", "-12,5");
+    fill(&mut bench, "offset 001 T", "3");
+    press(&mut bench, "Write 3");
+    let row = cnc(&bench).offsets().get(1);
+    assert_eq!((row.x, row.z, row.t), (20.0, -12.5, 3));
+    fill(&mut bench, "offset 001 X", "u-0.02");
+    press(&mut bench, "Write 1");
+    settle(&mut bench);
+    assert_eq!(cnc(&bench).offsets().get(1).x, 19.98);
+    assert!(bench.harness.query_by_label("Write 0").is_some());
+    // Measured offsets (012.5) are for the page of the control; here a value is a value.
+    may_write(&mut bench);
+    let measured = Request::SetParameterBit {
+        number: 12,
+        bit: 5,
+        on: true,
+    };
+    ask(&mut bench, measured);
+    fill(&mut bench, "offset 002 X", "7");
+    press(&mut bench, "Write 1");
+    assert_eq!(cnc(&bench).offsets().get(2).x, 7.0);
+    fill(&mut bench, "offset 001 T", "10");
+    press(&mut bench, "Write 1");
+    assert_eq!(cnc(&bench).offsets().get(1).t, 3);
+    press(&mut bench, "Discard");
+    // Logged off nothing may be changed, nor taken back.
+    ask(&mut bench, Request::LeaveLevel);
+    assert!(says(&bench, "the operation level is too low"));
+    fill(&mut bench, "offset 001 R", "0.4");
+    press(&mut bench, "Write 1");
+    choose(&mut bench, "Undo: ");
+    assert_eq!(cnc(&bench).offsets().get(1).r, 0.0);
+    assert_eq!(cnc(&bench).offsets().get(2).x, 7.0);
+}
+
+#[test]
+fn variables_are_written_in_mdi() {
+    let mut bench = opened();
+    automatic(&mut bench);
+    press(&mut bench, "Macro variables");
+    assert!(says(&bench, "not written: "));
+    may_write(&mut bench);
+    fill(&mut bench, "variable #201", "1.5");
+    press(&mut bench, "Write 1");
+    assert!(says(&bench, "is no whole number"));
+    fill(&mut bench, "variable #201", "-77");
+    press(&mut bench, "Write 1");
+    assert_eq!(cnc(&bench).variables().get(201), Some(-77));
+    choose(&mut bench, "Undo: ");
+    assert_eq!(cnc(&bench).variables().get(201), Some(0));
+}
