@@ -13,6 +13,7 @@ pub mod monitor;
 mod opening;
 pub mod part;
 pub mod probe;
+mod raised;
 mod refused;
 mod standing;
 mod thread;
@@ -50,6 +51,7 @@ use monitor::MachineView;
 use opening::LastOpened;
 use part::PartSide;
 use probe::Probing;
+use raised::Raised;
 use refused::{Refusals, Verdict};
 pub use thread::{KernelThread, Outside, start};
 
@@ -89,6 +91,8 @@ pub struct Kernel {
     translates: bool,
     /// A practice machine stands in the place of the learner's own.
     lesson: Option<Practising>,
+    /// The alarms that were raised.
+    raised: Raised,
     /// The program that was opened last.
     opened: Option<LastOpened>,
     notices: Sender<Notice>,
@@ -131,6 +135,7 @@ impl Kernel {
             link_watched: false,
             translates: false,
             lesson: None,
+            raised: Raised::default(),
             opened: None,
             notices: notices.clone(),
             keys: Edges::default(),
@@ -211,6 +216,7 @@ impl Kernel {
             None => self.emulator.tick(),
         }
         self.tick += 1;
+        self.raised.look(&self.emulator.simulation.cnc);
         if let Some(serial) = &mut self.serial {
             // Files come and go at the learner's own machine, also during a lesson.
             let own = match &mut self.lesson {
@@ -299,6 +305,7 @@ impl Kernel {
             board: self.drive.as_ref().map(Drive::state),
             run: self.emulator.simulation.cnc.run_state(),
             lesson: self.lesson.as_ref().map(Practising::state),
+            raised: self.raised.shown(),
             imposed: Imposed {
                 bits: self.emulator.simulation.cnc.plc().forces().len(),
                 inputs: self.emulator.simulation.lathe.forced_inputs(),

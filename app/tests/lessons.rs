@@ -1,12 +1,14 @@
 //! Lessons in the window: begun from the list, done by hand, left again.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::common::Bench;
 use crate::common::hand::Hand;
 use egui_kittest::kittest::Queryable;
-use gsk_app::kernel::Command;
+use gsk_app::kernel::{Command, LessonOrder};
 use gsk_app::window::layout::{Layout, Layouts};
+use gsk_app::window::view::View;
 use gsk_core::setup::Setup;
 use gsk_panel::keys::Key;
 use gsk_panel::script::Action;
@@ -190,11 +192,111 @@ fn the_example_of_the_documents_is_a_lesson() {
             .nth(1)
             .and_then(|rest| rest.split("```").next());
         let lesson = Lesson::read("example.ron", example.expect("an example"));
-        let lesson = std::sync::Arc::new(lesson.unwrap_or_else(|error| panic!("{error}")));
+        let lesson = Arc::new(lesson.unwrap_or_else(|error| panic!("{error}")));
         let outcomes = gsk_runner::lesson::play::run(&lesson).expect("played");
         assert!(
             matches!(outcomes[..], [gsk_runner::lesson::play::Outcome::Done(_)]),
             "{outcomes:?}"
         );
+    }
+}
+
+#[test]
+fn help_shows_on_a_practice_machine_and_gives_the_own_one_back() {
+    let mut bench = bench();
+    bench.click("Edit mode");
+    let own = bench.kernel.emulator().clone();
+    let key = bench.harness.get_by_label("Offset pages").rect().center();
+    bench.harness.hover_at(key);
+    bench.run(10);
+    bench.harness.key_press(egui::Key::F1);
+    bench.run(10);
+    click(
+        &mut bench,
+        "Show me: The pages of offsets and macro variables",
+    );
+    let name = bench.kernel.snapshot().lesson.map(|lesson| lesson.name);
+    assert_eq!(name.as_deref(), Some("shown/page-offset"));
+    let done = (0..300).any(|_| {
+        bench.run(100);
+        bench.harness.query_by_label("That was all.").is_some()
+    });
+    assert!(done, "{}", bench.lcd());
+    bench.lcd_shows("宏变量");
+    click(&mut bench, "Back to my machine");
+    assert_eq!(step(&bench), None);
+    let mut expected = own;
+    let passed = bench.kernel.emulator().ticks() - expected.ticks();
+    expected.run(passed);
+    assert!(*bench.kernel.emulator() == expected);
+}
+
+#[test]
+fn a_lesson_is_not_lost_to_something_that_is_shown() {
+    let mut bench = bench();
+    click(&mut bench, "Lessons");
+    click(&mut bench, "MDI");
+    let shown = gsk_runner::lesson::demonstration_named("shown/offset").expect("it is there");
+    let order = LessonOrder::Show(Arc::clone(&shown.lesson));
+    bench.console.send(Command::Lesson(order));
+    bench.run(50);
+    let name = bench.kernel.snapshot().lesson.map(|lesson| lesson.name);
+    assert_eq!(name.as_deref(), Some("03-mdi"));
+}
+
+#[test]
+fn the_topic_of_an_alarm_says_when_it_came_and_leads_to_its_block() {
+    let mut setup = Setup::default();
+    let stored = setup
+        .memory
+        .programs
+        .store("O0001;\nG04 X0.1;\nN20 G77 X1;\nM30;\n");
+    let stored = stored.expect("room");
+    let program = gsk_core::command::ProgramId::Stored(stored);
+    setup.memory.programs.select(program);
+    let mut bench = bench_with(setup);
+    bench.click("Automatic mode");
+    bench.click("Cycle start");
+    bench.run(1000);
+    bench.click("Reset");
+    bench.run(500);
+    assert!(bench.kernel.emulator().simulation.cnc.alarms().is_empty());
+    let raised = bench.kernel.snapshot().raised;
+    assert_eq!(raised.len(), 1);
+    assert_eq!(raised[0].block, "N20 G77 X1;");
+    bench.harness.get_by_label("Help F1").click();
+    bench.run(10);
+    let field = bench.harness.get_by_role(egui::accesskit::Role::TextInput);
+    field.focus();
+    bench.run(10);
+    bench
+        .harness
+        .event(egui::Event::Text("alarm 10".to_owned()));
+    bench.run(10);
+    bench.run(10);
+    assert!(bench.harness.query_by_label("Last occurrences").is_some());
+    assert!(bench.harness.query_by_label("N20 G77 X1;").is_some());
+    bench.harness.get_by_label("Go to the block").scroll_to_me();
+    // The list comes to a rest.
+    for _ in 0..30 {
+        bench.run(10);
+    }
+    click(&mut bench, "Go to the block");
+    let open = bench
+        .harness
+        .state()
+        .settings()
+        .layouts
+        .is_open(View::Program);
+    assert!(open, "the program view");
+    // A practice machine has a record of its own.
+    let shown = gsk_runner::lesson::demonstration_named("shown/offset").expect("it is there");
+    for (order, raised) in [
+        (LessonOrder::Show(Arc::clone(&shown.lesson)), 0),
+        (LessonOrder::Leave, 1),
+    ] {
+        bench.console.send(Command::Lesson(order));
+        bench.run(50);
+        assert_eq!(bench.kernel.snapshot().raised.len(), raised);
     }
 }

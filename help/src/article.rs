@@ -42,6 +42,15 @@ pub fn article(topic: &Topic, language: Language) -> Article {
     }
 }
 
+/// A label as the LCD has it in a language.
+fn label_in(label: &str, language: Language) -> &str {
+    let (zh, en) = label.split_once('|').unwrap_or((label, label));
+    match language {
+        Language::Zh => zh,
+        Language::En => en,
+    }
+}
+
 /// A subject as a heading calls it.
 fn called(subject: Subject<'_>, language: Language) -> String {
     let said = match subject {
@@ -51,7 +60,8 @@ fn called(subject: Subject<'_>, language: Language) -> String {
         Subject::Key(id) => say::help_key(id),
         Subject::Lamp(id) => say::help_lamp(id),
         Subject::Page(id) => say::help_page(id),
-        Subject::Field(page, label) => say::help_field(label, page),
+        Subject::Field("*", label) => say::help_field_everywhere(label_in(label, language)),
+        Subject::Field(page, label) => say::help_field(label_in(label, language), page),
         Subject::Diagnosis(number) => say::help_diagnosis(format!("{number:03}")),
         Subject::Code(name) | Subject::Signal(name) | Subject::Notion(name) => {
             return name.to_owned();

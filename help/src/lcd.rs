@@ -1,11 +1,14 @@
 //! What somebody points at on the LCD.
 
+mod field;
+mod program;
+
 use gsk_panel::lcd::COLUMNS;
 use gsk_panel::pages::PageId;
 use gsk_panel::screen::Screen;
 
 use crate::subject::Subject;
-use crate::table::{Topic, topic, topics};
+use crate::table::{Topic, topic};
 
 /// Bits of a byte, and digits of a state parameter.
 const BITS: usize = 8;
@@ -18,15 +21,17 @@ pub fn on_screen(
     row: usize,
     column: usize,
 ) -> Option<&'static Topic> {
+    let listed = CHOSEN_TEXT.contains(&row);
     let pointed = match page {
-        PageId::ParBit | PageId::ParData => parameter(screen, row, column),
-        PageId::Dgn => diagnosis(screen, row, column),
-        PageId::PlcBits => signal(screen, row, column),
+        PageId::ParBit | PageId::ParData if listed => parameter(screen, row, column),
+        PageId::Dgn if listed => diagnosis(screen, row, column),
+        PageId::PlcBits if listed => signal(screen, row, column),
         PageId::Alm | PageId::Msg => alarm(screen, row),
         _ => None,
     };
     pointed
-        .or_else(|| field(page, screen, row, column))
+        .or_else(|| program::word(page, screen, row, column))
+        .or_else(|| field::pointed(page, screen, row, column))
         .or_else(|| topic(Subject::Page(page.name())))
 }
 
@@ -101,11 +106,33 @@ fn named_bit(screen: &Screen, row: usize, column: usize) -> Option<(String, u8)>
 
 /// Where the number stands that is chosen in a list.
 const CHOSEN_ROW: usize = 13;
+/// Where lists stand, and under them what is said of the chosen number.
+const CHOSEN_TEXT: core::ops::RangeInclusive<usize> = 2..=12;
+/// The first row of what is said of the chosen number.
+const CHOSEN_FIRST: usize = 10;
+
+/// The number that is chosen in a list, and its bit where the row names one (`BIT3: …`).
+fn chosen(screen: &Screen, row: usize) -> Option<(String, Option<u8>)> {
+    if row < CHOSEN_FIRST {
+        return None;
+    }
+    let number = words(screen, CHOSEN_ROW, 0..COLUMNS / 2)
+        .into_iter()
+        .nth(1)?
+        .text;
+    let named = words(screen, CHOSEN_FIRST, 0..COLUMNS).into_iter().next();
+    let bit = named.and_then(|word| {
+        let word = word.text.to_ascii_uppercase();
+        let digit = word.strip_prefix("BIT")?.bytes().next()?;
+        (b'0'..=b'7').contains(&digit).then(|| digit - b'0')
+    });
+    Some((number, bit))
+}
 
 fn parameter(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
     let (number, bit) = match named_bit(screen, row, column) {
         Some((number, bit)) => (number, Some(bit)),
-        None => entry(screen, row, column)?,
+        None => chosen(screen, row).or_else(|| entry(screen, row, column))?,
     };
     let number = number.parse().ok()?;
     bit.and_then(|bit| topic(Subject::Bit(number, bit)))
@@ -113,7 +140,7 @@ fn parameter(screen: &Screen, row: usize, column: usize) -> Option<&'static Topi
 }
 
 fn diagnosis(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
-    let (number, _) = entry(screen, row, column)?;
+    let (number, _) = chosen(screen, row).or_else(|| entry(screen, row, column))?;
     topic(Subject::Diagnosis(number.parse().ok()?))
 }
 
@@ -121,7 +148,7 @@ fn signal(screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> 
     let (byte, bit) = match named_bit(screen, row, column) {
         Some((byte, bit)) => (byte, bit),
         None => {
-            let (byte, bit) = entry(screen, row, column)?;
+            let (byte, bit) = chosen(screen, row).or_else(|| entry(screen, row, column))?;
             (byte, bit?)
         }
     };
@@ -139,29 +166,4 @@ fn alarm(screen: &Screen, row: usize) -> Option<&'static Topic> {
     })?;
     let row = gsk_core::alarm::row(number)?;
     topic(Subject::Alarm(row.number))
-}
-
-/// The field whose label stands in the half of the row, or in the row.
-fn field(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
-    let text = |columns| -> String {
-        (words(screen, row, columns).into_iter())
-            .map(|word| word.text)
-            .collect()
-    };
-    [text(half(column)), text(0..COLUMNS)]
-        .iter()
-        .find_map(|text| {
-            let labelled = topics().iter().filter(|topic| match topic.subject {
-                Subject::Field(of, label) => {
-                    let label: String = label.split_whitespace().collect();
-                    of == page.name() && text.contains(&label)
-                }
-                _ => false,
-            });
-            // 主轴转速 before 转速.
-            labelled.max_by_key(|topic| match topic.subject {
-                Subject::Field(_, label) => label.len(),
-                _ => 0,
-            })
-        })
 }

@@ -2,6 +2,13 @@
 
 use core::fmt;
 
+use gsk_core::alarm::{self, AlarmClass, groups};
+use gsk_core::memory;
+
+/// Families of parameters.
+const EVERY_STATE_PARAMETER: &str = "every state parameter";
+const EVERY_DATA_PARAMETER: &str = "every data parameter";
+
 /// What a topic is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject<'a> {
@@ -20,7 +27,8 @@ pub enum Subject<'a> {
     Lamp(&'a str),
     /// A page by its name in scripts.
     Page(&'a str),
-    /// A field of a page: the page, and the label on its screen.
+    /// A field of a page: the page, `*` for any, and the label on its screen; Chinese and
+    /// English with `|` between them where they differ: `编程速率|PRG.FEED`.
     Field(&'a str, &'a str),
     /// A signal of the PLC by its address, `X0.5`.
     Signal(&'a str),
@@ -69,6 +77,29 @@ impl<'a> Subject<'a> {
         }
     }
 
+    /// The family of subjects that are handled alike, where it belongs to one: what is
+    /// shown of a family is shown of each of them.
+    pub fn family(&self) -> Option<&'static str> {
+        match *self {
+            Self::Parameter(number) => {
+                let row = memory::rows().iter().find(|row| row.number == number)?;
+                Some(match row.bit.is_some() || row.state {
+                    true => EVERY_STATE_PARAMETER,
+                    false => EVERY_DATA_PARAMETER,
+                })
+            }
+            Self::Bit(..) => Some(EVERY_STATE_PARAMETER),
+            Self::Diagnosis(_) => Some("every diagnosis"),
+            Self::Signal(_) => Some("every signal"),
+            Self::Alarm(number) => {
+                let row = alarm::row(number)?;
+                let by_reset = row.class == AlarmClass::Ps && !groups::outlives_reset(number);
+                by_reset.then_some("every alarm of a program")
+            }
+            _ => None,
+        }
+    }
+
     /// The number that the subject has, where it has one.
     pub const fn number(&self) -> Option<u16> {
         match *self {
@@ -88,7 +119,8 @@ impl fmt::Display for Subject<'_> {
             Self::Key(id) => write!(f, "key {id}"),
             Self::Lamp(id) => write!(f, "lamp {id}"),
             Self::Page(id) => write!(f, "page {id}"),
-            Self::Field(page, label) => write!(f, "field {page} {label}"),
+            Self::Field("*", label) => write!(f, "field {}", label.replace('|', " ")),
+            Self::Field(page, label) => write!(f, "field {page} {}", label.replace('|', " ")),
             Self::Diagnosis(number) => write!(f, "DGN {number:03}"),
             Self::Code(name) | Self::Signal(name) | Self::Notion(name) => f.write_str(name),
         }

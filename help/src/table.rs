@@ -17,7 +17,7 @@ const FIELDS: usize = 6;
 type Read = fn(&'static str) -> Option<Subject<'static>>;
 
 /// The tables of texts.
-const TEXTS: [(&str, Read); 5] = [
+const TEXTS: [(&str, Read); 6] = [
     (
         include_str!("../../assets/help/alarms.tsv"),
         Subject::of_alarm,
@@ -25,6 +25,10 @@ const TEXTS: [(&str, Read); 5] = [
     (include_str!("../../assets/help/codes.tsv"), |written| {
         Some(Subject::of_program(written))
     }),
+    (
+        include_str!("../../assets/help/fields.tsv"),
+        Subject::of_panel,
+    ),
     (
         include_str!("../../assets/help/panel.tsv"),
         Subject::of_panel,

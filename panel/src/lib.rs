@@ -9,6 +9,7 @@ pub mod fonts;
 pub mod glyphs;
 pub mod keys;
 pub mod lcd;
+pub mod occurrences;
 pub mod pages;
 pub mod panel;
 pub mod raster;

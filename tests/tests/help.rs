@@ -100,6 +100,7 @@ fn every_line_of_a_text_is_a_topic() {
     for file in [
         "alarms.tsv",
         "codes.tsv",
+        "fields.tsv",
         "panel.tsv",
         "parameters.tsv",
         "signals.tsv",
@@ -164,7 +165,17 @@ fn what_is_pointed_at_on_the_lcd_is_found() {
         (PageId::PlcBits, 2, 10, "X0.5"),
         (PageId::Dgn, 2, 3, "DGN 000"),
         (PageId::Dgn, 0, 3, "page dgn"),
-        (PageId::Oft, 5, 3, "page oft"),
+        (PageId::Oft, 0, 3, "page oft"),
+        (PageId::Oft, 5, 30, "field oft R"),
+        (PageId::Oft, 10, 3, "field 现在位置 POSITION"),
+        (PageId::PosRel, 11, 3, "field 实际速率 ACT.FEED"),
+        (PageId::PosRel, 10, 30, "G00"),
+        (PageId::ParBit, 11, 10, "No. 001.4"),
+        (PageId::Mdi, 4, 6, "field mdi U"),
+        (PageId::PosAll, 9, 30, "field 余移动量 (TO GO)"),
+        (PageId::GraphPar, 9, 8, "field graph-par X最小值 X MIN"),
+        (PageId::Prg, 14, 22, "key MDI"),
+        (PageId::Prg, 0, 30, "field O"),
     ] {
         emulator.panel.show(page);
         let screen = emulator.screen();
@@ -175,5 +186,109 @@ fn what_is_pointed_at_on_the_lcd_is_found() {
             "{page:?} {}",
             screen.row(row)
         );
+    }
+}
+
+/// Every word of every page, in both languages, has a topic that says more than what the
+/// page is for; but for its title, and for what stands on the pages of a program's name.
+#[test]
+fn every_field_of_every_page_has_its_topic() {
+    let mut setup = gsk_core::setup::Setup::default();
+    let text = "O0001;\nN10 G00 X50 Z2 M03 S500 T0101;\n/G71 U2 R0.5 F100;\nM30;\n";
+    setup.memory.programs.store(text).expect("room");
+    let first = gsk_core::command::ProgramId::Stored(1);
+    setup.memory.programs.select(first);
+    let mut emulator = Emulator::new(setup);
+    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    let mut silent = Vec::new();
+    let mut words = 0;
+    for row in &PAGES {
+        emulator.panel.show(row.page);
+        for screen in [emulator.screen(), emulator.translated_screen()] {
+            for at in 0..gsk_panel::screen::ROWS {
+                let mut columns = 0..gsk_panel::screen::COLUMNS;
+                if at == 0 {
+                    columns.start = 28;
+                }
+                let mut before = ' ';
+                for column in columns {
+                    let character = screen.cell(at, column).character;
+                    let begins = before == ' ' && !matches!(character, ' ' | '_' | '\0');
+                    before = match character {
+                        '\0' | '_' => before,
+                        character => character,
+                    };
+                    if !begins {
+                        continue;
+                    }
+                    words += 1;
+                    let found = on_screen(row.page, &screen, at, column);
+                    if found.is_none_or(|it| matches!(it.subject, Subject::Page(_))) {
+                        let said = screen.row(at);
+                        silent.push(format!("{} {at}:{column} {said}", row.name));
+                    }
+                }
+            }
+        }
+    }
+    assert!(words > 1500, "{words}");
+    assert!(silent.is_empty(), "no topic:\n{}", silent.join("\n"));
+}
+
+#[test]
+fn what_the_nc_b08_teaches_and_macro_b_are_explained_where_they_stand() {
+    let mut setup = gsk_core::setup::Setup::default();
+    setup.memory.model = gsk_core::model::ControlModel::new(ModelId::Ncb08);
+    let mut emulator = Emulator::new(setup);
+    emulator.run_until(&Condition::SelfTestOver, 10_000);
+    emulator.press(gsk_panel::keys::Key::Jog);
+    emulator.panel.show(PageId::Graph);
+    for screen in [emulator.screen(), emulator.translated_screen()] {
+        for row in [1, 2, 11, 12] {
+            let found = on_screen(PageId::Graph, &screen, row, 14);
+            let found = found.map(|it| it.subject);
+            assert_eq!(found, Some(Subject::Notion("teaching")), "{row}");
+        }
+    }
+    for question in ["teaching", "macro B", "teach-in", "DNC"] {
+        assert!(!ask(question).is_empty(), "{question}");
+    }
+}
+
+/// What is shown belongs to a topic that there is, and whatever key acts on this lathe is
+/// shown.
+#[test]
+fn demonstrations_belong_to_topics_and_every_key_has_one() {
+    use gsk_runner::lesson::demonstrations;
+    let families: std::collections::BTreeSet<&str> = topics()
+        .iter()
+        .filter_map(|topic| topic.subject.family())
+        .collect();
+    for shown in demonstrations() {
+        for name in &shown.topics {
+            let known = topics().iter().any(|it| it.subject.to_string() == *name);
+            let name = name.as_str();
+            assert!(
+                known || families.contains(name),
+                "{}: {name}",
+                shown.lesson.name
+            );
+        }
+    }
+    let shown = |name: &str| {
+        demonstrations()
+            .iter()
+            .any(|it| it.topics.iter().any(|topic| topic == name))
+    };
+    for family in families {
+        assert!(shown(family), "{family}");
+    }
+    for page in &PAGES {
+        assert!(shown(&format!("page {}", page.name)), "{}", page.name);
+    }
+    // Not fitted; and OUT sends files, which a practice machine has none of.
+    let without = ["HY", "YM", "YP", "OUT"];
+    for key in KEYS.iter().filter(|key| !without.contains(&key.id)) {
+        assert!(shown(&format!("key {}", key.id)), "key {}", key.id);
     }
 }

@@ -19,6 +19,7 @@ use gsk_core::units::Point;
 use gsk_link::LinkState;
 use gsk_messages::Message;
 use gsk_panel::keys::Key;
+use gsk_panel::occurrences::Occurrence;
 use gsk_panel::pages::PageId;
 use gsk_panel::panel::SerialFile;
 use gsk_panel::screen::Screen;
@@ -236,6 +237,8 @@ pub struct Snapshot {
     pub run: RunState,
     /// The lesson under way: all that is shown is its practice machine.
     pub lesson: Option<LessonState>,
+    /// The alarms that were raised since the control was opened, the newest first.
+    pub raised: Arc<Vec<Occurrence>>,
 }
 
 /// Whether the axis keys move the slides the other way round than on a lathe with its chuck

@@ -4,14 +4,15 @@
 use std::sync::Arc;
 
 use gsk_core::operation::RunState;
-use gsk_messages::say;
+use gsk_messages::{Message, say};
 use gsk_panel::emulator::Emulator;
-use gsk_runner::lesson::{Lesson, Practice, View};
+use gsk_runner::lesson::{Lesson, Practice, View, demonstration_named};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::stock::Stock;
 
 use super::opening::LastOpened;
 use super::part::PartSide;
+use super::raised::Raised;
 use super::refused::Refusals;
 use super::{Kernel, Notice};
 use crate::job::Chosen;
@@ -21,6 +22,8 @@ use crate::job::Chosen;
 pub enum LessonOrder {
     /// Begin this one, from its beginning.
     Begin(Arc<Lesson>),
+    /// Show this from its beginning to its end.
+    Show(Arc<Lesson>),
     /// Press the keys of the step under way.
     ShowMe,
     /// Put the practice machine to where the step before began.
@@ -47,6 +50,7 @@ pub(super) struct Practising {
     own: Box<Emulator>,
     own_part: PartSide,
     own_opened: Option<LastOpened>,
+    own_raised: Raised,
 }
 
 impl Practising {
@@ -87,6 +91,7 @@ impl Kernel {
     pub(super) fn order_lesson(&mut self, order: LessonOrder) {
         match order {
             LessonOrder::Begin(lesson) => self.begin_lesson(lesson),
+            LessonOrder::Show(lesson) => self.show_lesson(lesson),
             LessonOrder::Leave => self.leave_lesson(),
             LessonOrder::ShowMe => self.at_practice(Practice::show_me),
             LessonOrder::Back => self.at_practice(Practice::back),
@@ -113,12 +118,37 @@ impl Kernel {
         if self.drive.is_some() {
             return self.say(Notice::Said(say::lesson_not_with_board()));
         }
-        let run = self.kept().simulation.cnc.run_state();
-        if !matches!(run, RunState::Reset | RunState::Stop) {
+        if self.own_machine_runs() {
             return self.say(Notice::Said(say::lesson_not_while_running()));
         }
         let job = lesson.job.clone();
-        let (practice, machine) = match Practice::begin(lesson) {
+        self.practise(Practice::begin(lesson), job);
+    }
+
+    /// Shows something, unless the learner is in a lesson: it would be lost.
+    fn show_lesson(&mut self, lesson: Arc<Lesson>) {
+        let under_way = self.lesson.as_ref().map(Practising::state);
+        if under_way.is_some_and(|it| demonstration_named(&it.name).is_none()) {
+            return self.say(Notice::Said(say::shown_lesson_under_way()));
+        }
+        if self.drive.is_some() {
+            return self.say(Notice::Said(say::shown_not_with_board()));
+        }
+        if self.own_machine_runs() {
+            return self.say(Notice::Said(say::shown_not_while_running()));
+        }
+        let job = lesson.job.clone();
+        self.practise(Practice::demonstrate(lesson), job);
+    }
+
+    fn own_machine_runs(&self) -> bool {
+        let run = self.kept().simulation.cnc.run_state();
+        !matches!(run, RunState::Reset | RunState::Stop)
+    }
+
+    /// Puts a practice machine in the place of the learner's own.
+    fn practise(&mut self, begun: Result<(Practice, Emulator), Message>, job: Option<Job>) {
+        let (practice, machine) = match begun {
             Ok(begun) => begun,
             Err(why) => return self.say(Notice::Said(why)),
         };
@@ -130,6 +160,7 @@ impl Kernel {
             own: Box::new(core::mem::replace(&mut self.emulator, machine)),
             own_part: core::mem::replace(&mut self.part, beside),
             own_opened: self.opened.take(),
+            own_raised: core::mem::take(&mut self.raised),
         };
         self.lesson = Some(own);
         self.part.set(Some(Chosen {
@@ -147,6 +178,7 @@ impl Kernel {
             self.part = lesson.own_part;
             self.part.show_again();
             self.opened = lesson.own_opened;
+            self.raised = lesson.own_raised;
             self.refusals = Refusals::default();
         }
     }

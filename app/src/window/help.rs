@@ -1,13 +1,29 @@
-//! Help: what is pointed at, or asked for in words, beside the panel (WINDOW-12).
+//! Help: what is pointed at, or asked for in words, beside the panel (WINDOW-12); when an
+//! alarm was raised, and what can be shown of a topic (WINDOW-21).
+
+mod raised;
+mod shown;
 
 use egui::{Color32, Context, Frame, Key, Margin, RichText, ScrollArea, TextEdit, Ui};
 use gsk_help::{Subject, Topic, article, ask, topic};
 use gsk_messages::{Language, say};
+use gsk_panel::occurrences::Occurrence;
+
+use crate::kernel::{LessonOrder, Snapshot};
 
 /// Size of the window, points.
 const SIZE: [f32; 2] = [440.0, 420.0];
 /// So many topics are listed for a question.
 const LISTED: usize = 60;
+
+/// What is asked for in the help window.
+#[derive(Clone, Debug)]
+pub enum Asked {
+    /// Something of the practice machine.
+    Lesson(LessonOrder),
+    /// The program view, at the block that raised an alarm.
+    Block(Box<Occurrence>),
+}
 
 /// The help window.
 #[derive(Debug, Default)]
@@ -58,9 +74,14 @@ impl Help {
     }
 
     /// Draws it, if it is open.
-    pub fn show(&mut self, context: &Context, language: Language) {
+    pub fn show(
+        &mut self,
+        context: &Context,
+        language: Language,
+        picture: Option<&Snapshot>,
+    ) -> Option<Asked> {
         if !self.open {
-            return;
+            return None;
         }
         let screen = context.content_rect();
         let size = [
@@ -68,19 +89,25 @@ impl Help {
             SIZE[1].min(screen.height() - 60.0),
         ];
         let mut open = true;
-        egui::Window::new(say::window_help_title().text(language))
+        let asked = egui::Window::new(say::window_help_title().text(language))
             .id(egui::Id::unique("help"))
             .collapsible(false)
             .default_size(size)
             // Beside what is pointed at, as a rule.
             .default_pos(screen.right_top() + egui::vec2(-size[0] - 20.0, 50.0))
             .open(&mut open)
-            .show(context, |ui| self.inside(ui, language));
+            .show(context, |ui| self.inside(ui, language, picture));
         self.open &= open;
         self.explains &= self.open;
+        asked.and_then(|asked| asked.inner).flatten()
     }
 
-    fn inside(&mut self, ui: &mut Ui, language: Language) {
+    fn inside(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        picture: Option<&Snapshot>,
+    ) -> Option<Asked> {
         ui.horizontal(|ui| {
             let back = egui::Button::new("⬅");
             let back = ui.add_enabled(self.read.len() > 1 && self.question.is_empty(), back);
@@ -99,12 +126,23 @@ impl Help {
             }
         });
         ui.separator();
+        let under_way = picture.and_then(|picture| picture.lesson.as_ref());
+        let mut asked = under_way.and_then(|state| shown::under_way(ui, state, language));
         ScrollArea::vertical()
             .auto_shrink([false, false])
-            .show(ui, |ui| self.text(ui, language));
+            .show(ui, |ui| {
+                let below = self.text(ui, language, picture);
+                asked = asked.take().or(below);
+            });
+        asked
     }
 
-    fn text(&mut self, ui: &mut Ui, language: Language) {
+    fn text(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        picture: Option<&Snapshot>,
+    ) -> Option<Asked> {
         if !self.question.trim().is_empty() {
             if self.found.0 != self.question {
                 self.found = (self.question.clone(), ask(&self.question));
@@ -113,7 +151,7 @@ impl Help {
                 [] => {
                     ui.label(say::window_help_nothing().text(language));
                 }
-                [only] => show_article(ui, only, language),
+                [only] => return show_topic(ui, only, language, picture),
                 several => {
                     if let Some(chosen) = list(ui, several, language) {
                         self.question.clear();
@@ -121,16 +159,17 @@ impl Help {
                     }
                 }
             }
-            return;
+            return None;
         }
         let Some(shown) = self.read.last() else {
             ui.label(say::window_help_begin().text(language));
-            return;
+            return None;
         };
-        show_article(ui, shown, language);
+        let asked = show_topic(ui, shown, language, picture);
         if let Some(chosen) = list(ui, &related(shown.subject), language) {
             self.turn_to(chosen);
         }
+        asked
     }
 }
 
@@ -160,6 +199,24 @@ fn related(subject: Subject<'_>) -> Vec<&'static Topic> {
         Subject::Field(page, _) => topic(Subject::Page(page)).into_iter().collect(),
         _ => Vec::new(),
     }
+}
+
+/// A topic with what can be shown of it, and when it happened.
+fn show_topic(
+    ui: &mut Ui,
+    topic: &Topic,
+    language: Language,
+    picture: Option<&Snapshot>,
+) -> Option<Asked> {
+    show_article(ui, topic, language);
+    let asked = shown::offered(ui, topic.subject, language);
+    let raised = match topic.subject {
+        Subject::Alarm(number) => {
+            picture.and_then(|picture| raised::of(ui, number, &picture.raised, language))
+        }
+        _ => None,
+    };
+    asked.or(raised)
 }
 
 /// Draws what is said of a topic.

@@ -42,6 +42,7 @@ use gsk_core::operation::RunState;
 use gsk_help::{Subject, Topic, topic};
 use gsk_link::LinkState;
 use gsk_panel::keys::Key;
+use gsk_panel::occurrences::Occurrence;
 
 use crate::files::lessons::Lessons;
 use crate::kernel::{Command, Console, KeysReversed, LessonOrder, Notice, Snapshot};
@@ -316,7 +317,12 @@ impl Window {
         if self.key_map {
             self.key_map = key_map::show(ui.ctx(), language);
         }
-        self.help.show(ui.ctx(), language);
+        let picture = self.picture.as_ref();
+        match self.help.show(ui.ctx(), language, picture) {
+            Some(help::Asked::Lesson(order)) => self.console.send(Command::Lesson(order)),
+            Some(help::Asked::Block(occurrence)) => self.show_block(*occurrence),
+            None => {}
+        }
         let picture = self.picture.as_ref();
         let unsaved = self.views.unsaved();
         self.questions
@@ -551,6 +557,18 @@ impl Window {
             self.settings.layouts.choose(layout);
         }
         self.typed(&events);
+    }
+
+    /// Opens the program view at the block that raised an alarm.
+    fn show_block(&mut self, occurrence: Occurrence) {
+        let Some(source) = occurrence.alarm.source else {
+            return;
+        };
+        let program = self.views.program();
+        program.show_block(source.program, source.line, occurrence.block);
+        if !self.settings.layouts.is_open(View::Program) {
+            self.settings.layouts.toggle(View::Program);
+        }
     }
 
     /// What help says of the alarm that stands.

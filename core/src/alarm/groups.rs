@@ -18,7 +18,7 @@ pub(crate) const fn comes_before_motion(number: u16) -> bool {
 
 /// Whether RESET leaves it: the emergency stop goes with its contact alone, 100 with
 /// the parameter switch and 000 with the power.
-pub(crate) const fn outlives_reset(number: u16) -> bool {
+pub const fn outlives_reset(number: u16) -> bool {
     matches!(
         number,
         number::POWER_CYCLE | number::EMERGENCY_STOP | number::PARAMETER_SWITCH

@@ -434,6 +434,15 @@ impl Cnc {
         self.run.explanations = on.then(VecDeque::new);
     }
 
+    /// The control's clock: date as YYYYMMDD and time of day as hhmmss.
+    pub fn date_and_time(&self) -> (u32, u32) {
+        let registers = &self.run.registers;
+        (
+            registers.date(self.ticks),
+            registers.time_of_day(self.ticks),
+        )
+    }
+
     /// Ticks since power-on.
     pub const fn ticks(&self) -> u64 {
         self.ticks

@@ -5,6 +5,7 @@ use gsk_panel::keys::{KEYS, Key, Role};
 use gsk_panel::script::{Action, Expect, Line, Script};
 use gsk_workpiece::job::Job;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
 use super::machine::{Begins, BeginsFile};
 use super::{Condition, Lesson, Step, Text, Wrong};
@@ -69,37 +70,39 @@ struct LessonFile {
     steps: Vec<StepFile>,
 }
 
+/// A step, as it is written.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct StepFile {
-    text: Text,
-    hint: Text,
+pub(super) struct StepFile {
+    pub(super) text: Text,
+    pub(super) hint: Text,
     #[serde(default)]
-    keys: Vec<String>,
+    pub(super) keys: Vec<String>,
     #[serde(default)]
-    needs: Vec<String>,
-    until: Vec<String>,
+    pub(super) needs: Vec<String>,
+    pub(super) until: Vec<String>,
     #[serde(default)]
-    wrong: Vec<WrongFile>,
-    solution: Vec<String>,
+    pub(super) wrong: Vec<WrongFile>,
+    pub(super) solution: Vec<String>,
 }
 
+/// A mistake, as it is written.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct WrongFile {
+pub(super) struct WrongFile {
     when: Vec<String>,
     say: Text,
 }
 
 /// Where a rule is broken.
-struct Place<'a> {
-    file: &'a str,
-    step: Option<usize>,
-    field: &'static str,
+pub(super) struct Place<'a> {
+    pub(super) file: &'a str,
+    pub(super) step: Option<usize>,
+    pub(super) field: &'static str,
 }
 
 impl Place<'_> {
-    fn breaks(&self, rule: Message) -> LessonError {
+    pub(super) fn breaks(&self, rule: Message) -> LessonError {
         LessonError::Rule {
             file: self.file.to_owned(),
             step: self.step,
@@ -116,16 +119,7 @@ impl Lesson {
     /// # Errors
     /// The line that is no lesson, or the step, field and rule that is broken.
     pub fn read(file: &str, text: &str) -> Result<Self, LessonError> {
-        let options = ron::Options::default()
-            .with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let raw: LessonFile = options
-            .from_str(text)
-            .map_err(|error| LessonError::Syntax {
-                file: file.to_owned(),
-                line: error.span.start.line,
-                reason: error.code.to_string(),
-            })?;
+        let raw: LessonFile = read(file, text)?;
         let at = |step, field| Place { file, step, field };
         filled(&raw.title, &at(None, "title"))?;
         filled(&raw.about, &at(None, "about"))?;
@@ -150,13 +144,25 @@ impl Lesson {
     }
 }
 
+/// What a file says.
+pub(super) fn read<T: DeserializeOwned>(file: &str, text: &str) -> Result<T, LessonError> {
+    let options =
+        ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    options.from_str(text).map_err(|error| LessonError::Syntax {
+        file: file.to_owned(),
+        line: error.span.start.line,
+        reason: error.code.to_string(),
+    })
+}
+
 /// The name of a file without folder and ending.
 fn name_of(file: &str) -> String {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     name.strip_suffix(".ron").unwrap_or(name).to_owned()
 }
 
-fn step_of(file: &str, number: usize, raw: StepFile) -> Result<Step, LessonError> {
+pub(super) fn step_of(file: &str, number: usize, raw: StepFile) -> Result<Step, LessonError> {
     let at = |field| Place {
         file,
         step: Some(number),
@@ -190,7 +196,7 @@ fn step_of(file: &str, number: usize, raw: StepFile) -> Result<Step, LessonError
     })
 }
 
-fn filled(text: &Text, place: &Place<'_>) -> Result<(), LessonError> {
+pub(super) fn filled(text: &Text, place: &Place<'_>) -> Result<(), LessonError> {
     match text.zh.trim().is_empty() || text.en.trim().is_empty() {
         true => Err(place.breaks(say::lesson_text_missing())),
         false => Ok(()),

@@ -10,6 +10,7 @@ mod machine;
 pub mod play;
 mod practice;
 mod progress;
+mod shown;
 
 use gsk_messages::{Language, Message, say};
 use gsk_panel::emulator::Emulator;
@@ -23,6 +24,7 @@ pub use library::{LESSONS, built_in};
 pub use machine::Begins;
 pub use practice::{Practice, View};
 pub use progress::{Progress, Remark};
+pub use shown::{Demonstration, demonstration_named, demonstrations, read_demonstrations};
 
 /// A text in both languages.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

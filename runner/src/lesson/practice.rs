@@ -13,6 +13,8 @@ use super::{Lesson, Progress, Remark, all_hold};
 
 /// Between two keys that are shown, ms.
 const SHOWN_REST: u64 = 600;
+/// Before the first key of a step that follows another by itself, ms: it is read first.
+const READ_REST: u64 = 1_500;
 
 /// How far a lesson has come, for whoever shows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -30,7 +32,7 @@ pub struct View {
 
 /// A step that is shown.
 #[derive(Clone, Debug)]
-struct Demonstration {
+struct Showing {
     runner: Runner,
     /// Which step.
     step: usize,
@@ -47,8 +49,11 @@ pub struct Practice {
     progress: Progress,
     /// The machine at the beginning of every step up to this one.
     entries: Vec<Emulator>,
-    showing: Option<Demonstration>,
+    showing: Option<Showing>,
     replaced: bool,
+    /// A step that has come true by being shown leads on to the next one, which is shown,
+    /// too.
+    goes_on: bool,
 }
 
 impl Practice {
@@ -64,7 +69,19 @@ impl Practice {
             entries: vec![machine.clone()],
             showing: None,
             replaced: false,
+            goes_on: false,
         };
+        Ok((practice, machine))
+    }
+
+    /// Begins a lesson on a machine of its own and shows it, step by step, to its end.
+    ///
+    /// # Errors
+    /// What the lesson does beforehand does not come out.
+    pub fn demonstrate(lesson: Arc<Lesson>) -> Result<(Self, Emulator), Message> {
+        let (mut practice, machine) = Self::begin(lesson)?;
+        practice.goes_on = true;
+        practice.play(false);
         Ok((practice, machine))
     }
 
@@ -123,6 +140,9 @@ impl Practice {
         };
         if now > showing.step {
             self.showing = None;
+            if self.goes_on {
+                self.play(false);
+            }
         } else if emulator.ticks() >= until {
             let again = !showing.own_state;
             self.showing = None;
@@ -163,8 +183,8 @@ impl Practice {
         let Some(step) = self.progress.current() else {
             return;
         };
-        self.showing = Some(Demonstration {
-            runner: Runner::new(slowly(&step.solution)),
+        self.showing = Some(Showing {
+            runner: Runner::new(slowly(&step.solution, self.goes_on)),
             step: self.progress.step(),
             own_state,
             until: None,
@@ -202,9 +222,17 @@ impl Practice {
     }
 }
 
-/// A solution at a pace that can be followed: a rest after every key.
-fn slowly(solution: &Script) -> Script {
-    let mut lines = Vec::new();
+/// A solution at a pace that can be followed: a rest after every key, and one before the
+/// first of them while its step is read.
+fn slowly(solution: &Script, is_read: bool) -> Script {
+    let first = solution.lines.first().filter(|_| is_read);
+    let mut lines: Vec<Line> = first
+        .map(|line| Line {
+            action: Action::Wait(READ_REST),
+            ..line.clone()
+        })
+        .into_iter()
+        .collect();
     for line in &solution.lines {
         lines.push(line.clone());
         if matches!(line.action, Action::Press(_) | Action::Hold(..)) {

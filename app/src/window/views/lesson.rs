@@ -7,7 +7,7 @@ use egui::{CentralPanel, Color32, Panel, RichText, ScrollArea, Sense, Stroke, Ui
 use gsk_help::{Subject, article, topic};
 use gsk_messages::{Language, Message, say};
 use gsk_panel::keys::Key;
-use gsk_runner::lesson::{Lesson, Remark, Step, built_in};
+use gsk_runner::lesson::{Lesson, Remark, Step, built_in, demonstration_named};
 
 use crate::kernel::{Command, Console, LessonOrder, LessonState, Snapshot};
 
@@ -90,8 +90,13 @@ impl LessonView {
 
     /// The keys to be marked on the panel.
     pub fn marked(&self) -> Vec<Key> {
+        let shown = self.state.as_ref().and_then(|state| {
+            let shown = demonstration_named(&state.name)?;
+            Some((&shown.lesson, state))
+        });
         let step = self
             .under_way()
+            .or(shown)
             .and_then(|(lesson, state)| lesson.steps.get(state.view.step));
         step.map(|step| step.keys.clone()).unwrap_or_default()
     }

@@ -1,0 +1,71 @@
+//! When an alarm was raised, and where.
+
+use egui::{RichText, Ui};
+use gsk_core::command::ProgramId;
+use gsk_messages::{Language, say};
+use gsk_panel::occurrences::Occurrence;
+
+use super::Asked;
+use crate::window::alarm_line;
+
+/// So many are listed of one alarm.
+const LISTED: usize = 5;
+
+/// The last occurrences of an alarm, the newest first; nothing where there was none.
+/// `number`: the first one of its row in the table.
+pub fn of(ui: &mut Ui, number: u16, raised: &[Occurrence], language: Language) -> Option<Asked> {
+    let is_it = |it: &&Occurrence| it.alarm.row().map(|row| row.number) == Some(number);
+    let mut of_it = raised.iter().filter(is_it).take(LISTED).peekable();
+    of_it.peek()?;
+    ui.add_space(4.0);
+    ui.label(RichText::new(say::window_help_occurrences().text(language)).strong());
+    let mut asked = None;
+    for occurrence in of_it {
+        ui.label(moment(occurrence, language));
+        ui.label(alarm_line::short(&occurrence.alarm, language));
+        ui.horizontal_wrapped(|ui| {
+            if !occurrence.block.is_empty() {
+                ui.monospace(&occurrence.block);
+            }
+            let source = occurrence.alarm.source;
+            let readable = source.is_some_and(|source| {
+                matches!(source.program, ProgramId::Stored(_) | ProgramId::External)
+            });
+            let words = say::window_help_to_block().text(language);
+            if readable && ui.link(words).clicked() {
+                asked = Some(Asked::Block(Box::new(occurrence.clone())));
+            }
+        });
+        ui.add_space(4.0);
+    }
+    asked
+}
+
+/// `2024-02-29 23:59:58, 0:12:03 after power-on`.
+fn moment(occurrence: &Occurrence, language: Language) -> String {
+    let Occurrence {
+        date, time, at_ms, ..
+    } = occurrence;
+    let (date, time) = (
+        format!(
+            "{:04}-{:02}-{:02}",
+            date / 10_000,
+            date / 100 % 100,
+            date % 100
+        ),
+        format!(
+            "{:02}:{:02}:{:02}",
+            time / 10_000,
+            time / 100 % 100,
+            time % 100
+        ),
+    );
+    let seconds = at_ms / 1000;
+    let since = format!(
+        "{}:{:02}:{:02}",
+        seconds / 3600,
+        seconds / 60 % 60,
+        seconds % 60
+    );
+    say::window_help_occurred(date, time, since).text(language)
+}

@@ -1,0 +1,69 @@
+//! Words of programs on the LCD: codes, addresses, statements of macro B; and what the
+//! graphic page teaches.
+
+use gsk_panel::lcd::COLUMNS;
+use gsk_panel::pages::PageId;
+use gsk_panel::screen::Screen;
+
+use super::words;
+use crate::subject::Subject;
+use crate::table::{Topic, topic};
+
+/// Rows between the frame of a page.
+const INSIDE: core::ops::RangeInclusive<usize> = 1..=12;
+/// Where the text begins on the page that shows the position, too.
+const BELOW_POSITION: usize = 5;
+/// Words of macro B.
+const STATEMENTS: [&str; 6] = ["IF", "WHILE", "GOTO", "THEN", "END", "DO"];
+/// What the graphic page says while it teaches.
+const TEACHING: [&str; 2] = ["示教", "TEACH"];
+
+/// The topic about a word of a program; none where no program stands.
+pub fn word(page: PageId, screen: &Screen, row: usize, column: usize) -> Option<&'static Topic> {
+    if !INSIDE.contains(&row) {
+        return None;
+    }
+    let only_codes = match page {
+        PageId::Graph if TEACHING.iter().any(|it| screen.row(1).contains(it)) => {
+            return topic(Subject::Notion("teaching"));
+        }
+        PageId::Prg => false,
+        PageId::PosPrg if row >= BELOW_POSITION => false,
+        PageId::Mdi | PageId::PosRel | PageId::PosAbs => true,
+        _ => return None,
+    };
+    let all = words(screen, row, 0..COLUMNS);
+    let pointed = all.iter().rfind(|word| word.at <= column)?;
+    let inside = column.saturating_sub(pointed.at);
+    let text: Vec<char> = pointed.text.chars().collect();
+    if inside >= text.len() || !pointed.text.is_ascii() {
+        return None;
+    }
+    let statement = STATEMENTS.iter().any(|it| pointed.text.starts_with(it));
+    if statement || pointed.text.starts_with('#') {
+        return topic(Subject::Notion("macro B"));
+    }
+    let at = (0..=inside).rfind(|at| text[*at].is_ascii_uppercase() || text[*at] == '/')?;
+    let digits: String = text[at + 1..]
+        .iter()
+        .take_while(|it| it.is_ascii_digit())
+        .collect();
+    let letter = text[at];
+    if matches!(letter, 'G' | 'M') && !digits.is_empty() {
+        return topic(Subject::Code(&format!("{letter}{digits:0>2}")));
+    }
+    if only_codes {
+        return None;
+    }
+    let code = matches!(letter, 'S' | 'T' | 'F').then(|| letter.to_string());
+    let code = code.and_then(|code| topic(Subject::Code(&code)));
+    // The second letters of compound keys.
+    let key = match letter {
+        'D' => 'U',
+        'Q' => 'P',
+        'C' => 'J',
+        'Y' => 'H',
+        letter => letter,
+    };
+    code.or_else(|| topic(Subject::Key(&key.to_string())))
+}

@@ -1,0 +1,159 @@
+//! When alarms were raised, and at which block: a record beside a control that keeps none
+//! itself. Its alarm page shows what stands, and forgets it with RESET.
+
+use std::collections::VecDeque;
+
+use gsk_core::alarm::Alarm;
+use gsk_core::cnc::Cnc;
+
+/// So many are kept; the oldest goes first.
+pub const KEPT: usize = 100;
+
+/// An alarm that was raised.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Occurrence {
+    /// The alarm with its program, line and rule, as it was raised.
+    pub alarm: Alarm,
+    /// The block that raised it, as it stood then; empty where no block did.
+    pub block: String,
+    /// Machine time since the power came on, ms.
+    pub at_ms: u64,
+    /// The control's date, YYYYMMDD.
+    pub date: u32,
+    /// The control's time of day, hhmmss.
+    pub time: u32,
+}
+
+/// What was raised since the control was opened, the newest first.
+#[derive(Clone, Debug, Default)]
+pub struct Occurrences {
+    kept: VecDeque<Occurrence>,
+    /// Numbers that stood at the last look.
+    standing: Vec<u16>,
+}
+
+impl Occurrences {
+    /// The newest first.
+    pub fn newest_first(&self) -> impl Iterator<Item = &Occurrence> {
+        self.kept.iter()
+    }
+
+    /// Looks at the control, once a tick. Returns whether an alarm or a message of the
+    /// ladder has been raised since the last look.
+    pub fn look(&mut self, cnc: &Cnc) -> bool {
+        let message = cnc.standing_message();
+        let standing = || cnc.alarms().iter().chain(&message);
+        let same = standing()
+            .map(|alarm| alarm.number)
+            .eq(self.standing.iter().copied());
+        if same {
+            return false;
+        }
+        let new: Vec<&Alarm> = standing()
+            .filter(|alarm| !self.standing.contains(&alarm.number))
+            .collect();
+        // The newest stands first.
+        for alarm in new.iter().rev() {
+            self.kept.push_front(occurrence(alarm, cnc));
+        }
+        self.kept.truncate(KEPT);
+        let raised = !new.is_empty();
+        self.standing = standing().map(|alarm| alarm.number).collect();
+        raised
+    }
+}
+
+fn occurrence(alarm: &Alarm, cnc: &Cnc) -> Occurrence {
+    let block = alarm.source.and_then(|source| {
+        let program = cnc.programs().get(source.program)?;
+        Some(program.line(source.line).trim().to_owned())
+    });
+    let (date, time) = cnc.date_and_time();
+    Occurrence {
+        alarm: alarm.clone(),
+        block: block.unwrap_or_default(),
+        at_ms: cnc.ticks(),
+        date,
+        time,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gsk_core::command::ProgramId;
+    use gsk_core::memory::DayTime;
+    use gsk_core::setup::Setup;
+
+    use super::*;
+    use crate::emulator::{Condition, Emulator};
+    use crate::keys::Key;
+
+    fn run(emulator: &mut Emulator, record: &mut Occurrences, ms: u64) {
+        for _ in 0..ms {
+            emulator.tick();
+            record.look(&emulator.simulation.cnc);
+        }
+    }
+
+    #[test]
+    fn an_alarm_is_recorded_once_with_its_block_and_stays_after_reset() {
+        let mut setup = Setup {
+            day_time: DayTime::from_text("2024-02-29 23:59:58").unwrap(),
+            ..Setup::default()
+        };
+        let stored = setup
+            .memory
+            .programs
+            .store("O0007;\nG04 X0.1;\nN20 G77 X1;\nM30;\n");
+        assert_eq!(stored, Ok(7));
+        setup.memory.programs.select(ProgramId::Stored(7));
+        let mut emulator = Emulator::new(setup);
+        emulator.run_until(&Condition::SelfTestOver, 10_000);
+        let mut record = Occurrences::default();
+        emulator.press(Key::Auto);
+        for round in 1..=2 {
+            emulator.key_down(Key::CycleStart);
+            run(&mut emulator, &mut record, 100);
+            emulator.key_up(Key::CycleStart);
+            run(&mut emulator, &mut record, 2_000);
+            assert_eq!(record.newest_first().count(), round);
+            let newest = record.newest_first().next().unwrap();
+            assert_eq!(newest.alarm.number, 10);
+            assert_eq!(newest.block, "N20 G77 X1;");
+            let source = newest.alarm.source.unwrap();
+            assert_eq!((source.program, source.line), (ProgramId::Stored(7), 3));
+            assert!(newest.at_ms > 0 && newest.at_ms <= emulator.simulation.cnc.ticks());
+            assert!(newest.date == 20_240_301 || newest.date == 20_240_229);
+            emulator.key_down(Key::Reset);
+            run(&mut emulator, &mut record, 200);
+            emulator.key_up(Key::Reset);
+            run(&mut emulator, &mut record, 200);
+            assert!(emulator.simulation.cnc.alarms().is_empty());
+        }
+        let times: Vec<u64> = record.newest_first().map(|it| it.at_ms).collect();
+        assert!(times[0] > times[1], "the newest first");
+    }
+
+    #[test]
+    fn the_record_is_bounded() {
+        let mut emulator = Emulator::new(Setup::default());
+        emulator.run_until(&Condition::SelfTestOver, 10_000);
+        let mut record = Occurrences::default();
+        for _ in 0..KEPT + 5 {
+            emulator.key_down(Key::EmergencyStop);
+            run(&mut emulator, &mut record, 60);
+            emulator.key_up(Key::EmergencyStop);
+            emulator.key_down(Key::EmergencyStop);
+            run(&mut emulator, &mut record, 60);
+            emulator.key_up(Key::EmergencyStop);
+            emulator.press(Key::Reset);
+            run(&mut emulator, &mut record, 1);
+        }
+        assert_eq!(record.newest_first().count(), KEPT);
+        assert!(
+            record
+                .newest_first()
+                .all(|it| it.alarm.number == 207 && it.block.is_empty())
+        );
+    }
+}

@@ -1,0 +1,239 @@
+//! Demonstrations: what a topic of the help speaks of, done key by key on a practice machine.
+//! Each is a short lesson whose steps show themselves.
+
+use std::sync::{Arc, LazyLock};
+
+use gsk_panel::keys::Key;
+use gsk_panel::script::Action;
+use gsk_workpiece::job::Job;
+use serde::Deserialize;
+
+use super::file::{Place, StepFile, filled, read, step_of};
+use super::machine::{Begins, BeginsFile};
+use super::{Lesson, LessonError, Step, Text};
+
+/// The demonstrations, and what they belong to.
+const FILE: (&str, &str) = ("shown.ron", include_str!("../../../assets/help/shown.ron"));
+/// Their names begin so: no lesson from a file is called like that.
+const PREFIX: &str = "shown/";
+
+/// Something that can be shown.
+#[derive(Clone, Debug)]
+pub struct Demonstration {
+    /// The topics of the help it belongs to, as the help calls them: `key POS`, `G01`; or
+    /// a family of them: `every data parameter`.
+    pub topics: Vec<String>,
+    /// Its steps, as a lesson has them.
+    pub lesson: Arc<Lesson>,
+}
+
+/// A demonstration as the file says it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShownFile {
+    name: String,
+    topics: Vec<String>,
+    title: Text,
+    #[serde(default)]
+    begins: BeginsFile,
+    #[serde(default)]
+    job: Option<Job>,
+    steps: Vec<ShownStep>,
+}
+
+/// A step of one. What is pressed in it is marked, unless `keys` says otherwise.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShownStep {
+    text: Text,
+    #[serde(default)]
+    keys: Vec<String>,
+    until: Vec<String>,
+    solution: Vec<String>,
+}
+
+/// Reads demonstrations. `file` names them in messages.
+///
+/// # Errors
+/// The line that is none, or the step, field and rule that is broken.
+pub fn read_demonstrations(file: &str, text: &str) -> Result<Vec<Demonstration>, LessonError> {
+    let raw: Vec<ShownFile> = read(file, text)?;
+    raw.into_iter()
+        .map(|raw| demonstration(file, raw))
+        .collect()
+}
+
+/// All demonstrations of the program. A test reads every one of them.
+pub fn demonstrations() -> &'static [Demonstration] {
+    static ALL: LazyLock<Vec<Demonstration>> =
+        LazyLock::new(|| read_demonstrations(FILE.0, FILE.1).unwrap_or_default());
+    &ALL
+}
+
+/// The demonstration under way, by the name of its lesson.
+pub fn demonstration_named(name: &str) -> Option<&'static Demonstration> {
+    let mut all = demonstrations().iter();
+    all.find(|shown| shown.lesson.name == name)
+}
+
+fn demonstration(file: &str, raw: ShownFile) -> Result<Demonstration, LessonError> {
+    let file = format!("{file}: {}", raw.name);
+    let at = |field| Place {
+        file: &file,
+        step: None,
+        field,
+    };
+    filled(&raw.title, &at("title"))?;
+    let begins = Begins::read(raw.begins).map_err(|rule| at("begins").breaks(rule))?;
+    let steps = (1..).zip(raw.steps).map(|(number, step)| {
+        let step = StepFile {
+            hint: step.text.clone(),
+            text: step.text,
+            keys: step.keys,
+            needs: Vec::new(),
+            until: step.until,
+            wrong: Vec::new(),
+            solution: step.solution,
+        };
+        step_of(&file, number, step).map(marked)
+    });
+    let steps = steps.collect::<Result<_, _>>()?;
+    Ok(Demonstration {
+        topics: raw.topics,
+        lesson: Arc::new(Lesson {
+            name: format!("{PREFIX}{}", raw.name),
+            about: raw.title.clone(),
+            title: raw.title,
+            begins,
+            job: raw.job,
+            steps,
+        }),
+    })
+}
+
+/// With the keys marked that its solution presses.
+fn marked(mut step: Step) -> Step {
+    if !step.keys.is_empty() {
+        return step;
+    }
+    let pressed = step
+        .solution
+        .lines
+        .iter()
+        .filter_map(|line| match line.action {
+            Action::Press(key) | Action::Hold(key, _) | Action::Down(key) => Some(key),
+            _ => None,
+        });
+    let mut keys: Vec<Key> = Vec::new();
+    for key in pressed {
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    step.keys = keys;
+    step
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use gsk_messages::Language;
+    use gsk_panel::panel::KeyEvent;
+
+    use super::super::play::{self, Outcome};
+    use super::super::{Practice, all_hold};
+    use super::*;
+
+    #[test]
+    fn every_demonstration_is_read_and_comes_true_by_its_keys() {
+        let all = read_demonstrations(FILE.0, FILE.1);
+        let all = all.unwrap_or_else(|error| panic!("{error}"));
+        let names: BTreeSet<&str> = all.iter().map(|it| it.lesson.name.as_str()).collect();
+        assert_eq!(names.len(), all.len(), "a name is there twice");
+        let mut faults = Vec::new();
+        for shown in &all {
+            let lesson = &shown.lesson;
+            assert!(!shown.topics.is_empty(), "{}", lesson.name);
+            let outcomes = match play::run(lesson) {
+                Ok(outcomes) => outcomes,
+                Err(why) => {
+                    faults.push(format!("{}: begins: {why}", lesson.name));
+                    continue;
+                }
+            };
+            for (step, outcome) in (1..).zip(&outcomes) {
+                match outcome {
+                    Outcome::Done(_) => {}
+                    Outcome::DoneBefore => {
+                        faults.push(format!("{}, step {step}: true before", lesson.name));
+                    }
+                    Outcome::Failed(why) => {
+                        faults.push(format!("{}, step {step}: {why}", lesson.name));
+                    }
+                }
+            }
+        }
+        assert!(faults.is_empty(), "{}", faults.join("\n"));
+    }
+
+    /// Shown to its end it goes from step to step by itself, slowly; a key of the learner
+    /// ends that, and what was to come true by it has not.
+    #[test]
+    fn a_demonstration_goes_on_by_itself_until_a_key_is_pressed() {
+        let shown = demonstration_named("shown/page-position").expect("it is there");
+        let steps = shown.lesson.steps.len();
+        let (mut practice, mut machine) =
+            Practice::demonstrate(Arc::clone(&shown.lesson)).expect("it begins");
+        let mut seen = BTreeSet::new();
+        let begun = machine.ticks();
+        while practice.view().showing && machine.ticks() < begun + 60_000 {
+            practice.tick(&mut machine);
+            seen.insert(practice.view().step);
+        }
+        assert_eq!(seen.len(), steps + 1, "{seen:?}");
+        assert!(all_hold(&shown.lesson.steps[steps - 1].until, &machine));
+        // A key in front of each step can be read.
+        assert!(machine.ticks() - begun > steps as u64 * 1_000);
+
+        let (mut practice, mut machine) =
+            Practice::demonstrate(Arc::clone(&shown.lesson)).expect("it begins");
+        for _ in 0..2_500 {
+            practice.tick(&mut machine);
+        }
+        practice.interrupt(&mut machine);
+        let at = practice.view().step;
+        assert!(at < steps);
+        machine.key(KeyEvent::ReleaseAll);
+        for _ in 0..10_000 {
+            practice.tick(&mut machine);
+        }
+        assert_eq!(practice.view().step, at);
+        // Asked again it goes on from there to the end.
+        practice.show_me(&mut machine);
+        for _ in 0..60_000 {
+            practice.tick(&mut machine);
+        }
+        assert_eq!(practice.view().step, steps);
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_demonstration_is_named() {
+        let text = |until: &str| {
+            format!(
+                "[(name: \"one\", topics: [\"key POS\"], title: (zh: \"一\", en: \"One\"), \
+                 steps: [(text: (zh: \"按\", en: \"press\"), until: [{until}], \
+                 solution: [\"press POS\"])])]"
+            )
+        };
+        let error = read_demonstrations("my.ron", &text("\"page nowhere\"")).expect_err("wrong");
+        let said = error.message().text(Language::En);
+        assert!(
+            said.contains("my.ron: one") && said.contains("nowhere"),
+            "{said}"
+        );
+        let one = read_demonstrations("my.ron", &text("\"page pos-rel\"")).expect("right");
+        // What is pressed is marked.
+        assert_eq!(one[0].lesson.steps[0].keys, [Key::Position]);
+    }
+}
