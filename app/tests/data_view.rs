@@ -15,9 +15,7 @@ fn opened() -> Bench {
     setup.memory.parameters = Parameters::default();
     let mut bench = Bench::with(setup);
     let shift = egui::Modifiers::SHIFT;
-    bench
-        .harness
-        .key_press_modifiers(shift, egui::Key::F7);
+    bench.harness.key_press_modifiers(shift, egui::Key::F7);
     settle(&mut bench);
     bench
 }

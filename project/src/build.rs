@@ -294,9 +294,11 @@ impl Builder<'_> {
     }
 
     fn model(&mut self) -> ControlModel {
-        let id = match self.take(Key::Model) {
-            Some(Value::Model(id)) => id,
-            _ => ModelId::default(),
+        let Some(Value::Model(id)) = self.take(Key::Model) else {
+            // Whose parameters they are is not known: that is said once.
+            self.left
+                .retain(|key, _| !matches!(key, Key::ModelParameter(_)));
+            return ControlModel::new(ModelId::default());
         };
         if !id.record().executes {
             self.fault(

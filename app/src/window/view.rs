@@ -163,3 +163,18 @@ pub fn shifted(events: &[Event], wanted: Key) -> bool {
 pub fn key_name(key: Key) -> String {
     format!("Shift+{}", key.name())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_key_of_a_view_is_neither_that_of_another_nor_of_the_panel() {
+        for (at, row) in VIEWS.iter().enumerate() {
+            let name = key_name(row.key);
+            let taken = VIEWS.iter().skip(at + 1).find(|it| it.key == row.key);
+            assert!(taken.is_none(), "{name} opens two views");
+            assert_eq!(gsk_panel::keys::Key::of_pc(&name), None, "{name}");
+        }
+    }
+}
