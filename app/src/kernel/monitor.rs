@@ -1,4 +1,5 @@
-//! What fault bench, ladder view, commissioning and the editing of data see: the machine and the PLC as they are.
+//! What fault bench, ladder view, commissioning and the editing of data see: the machine
+//! and the PLC as they are.
 
 use std::sync::Arc;
 
