@@ -113,12 +113,12 @@ pub enum Question {
 /// What becomes of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// The new file takes its place ([是]).
+    /// The new file takes its place (`是`).
     Overwrite,
-    /// The one at the control gets this name, else a free one ([否]); on the PC the new
+    /// The one at the control gets this name, else a free one (`否`); on the PC the new
     /// file gets a number behind its name.
     Rename(Option<FileName>),
-    /// The file is left out ([取消]).
+    /// The file is left out (`取消`).
     Skip,
 }
 

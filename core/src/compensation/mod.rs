@@ -15,10 +15,10 @@
 //! motion, or a block that must not be read yet, end the open move square to
 //! itself. Without G41 and G42 no command comes here.
 //!
-//! [`stream`] takes the commands, [`settle`] gives moves their ends, [`moves`] is
-//! what both handle. The geometry has one file each: [`piece`] moves, [`intersection`] where two
-//! paths meet, [`corner`] the vectors of a corner, [`interference`] the check with
-//! [`clearance`] for distances, [`legs`] the boxes of G90 and G94.
+//! `stream` takes the commands, `settle` gives moves their ends, `moves` is
+//! what both handle. The geometry has one file each: `piece` moves, `intersection` where two
+//! paths meet, `corner` the vectors of a corner, `interference` the check with
+//! `clearance` for distances, `legs` the boxes of G90 and G94.
 
 mod clearance;
 mod corner;
