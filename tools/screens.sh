@@ -18,7 +18,7 @@ for needed in Xvfb xdotool import; do
     command -v "$needed" >/dev/null || { echo "$needed is missing" >&2; exit 1; }
 done
 # The key of each view, with Shift.
-views=(Machine:F1 Scope:F2 Bench:F3 Ladder:F4 Link:F5 Transfer:F6 Data:F7 Program:F11 Lesson:Home
+views=(Machine:F1 Scope:F2 Bench:F3 Ladder:F4 Link:F5 Program:F11 Lesson:Home
     Commission:End)
 sample=$(dirname "$0")/../assets/programs/01-stepped-shaft.CNC
 

@@ -14,8 +14,11 @@ fn opened() -> Bench {
     let mut setup = Setup::delivered();
     setup.memory.parameters = Parameters::default();
     let mut bench = Bench::with(setup);
-    let shift = egui::Modifiers::SHIFT;
-    bench.harness.key_press_modifiers(shift, egui::Key::F7);
+    for entry in ["Views", "Parameters and offsets"] {
+        bench.harness.get_by_label(entry).click();
+        bench.run(1);
+        bench.run(1);
+    }
     settle(&mut bench);
     bench
 }

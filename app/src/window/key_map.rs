@@ -30,7 +30,7 @@ pub fn show(context: &Context, language: Language) -> bool {
         let views = VIEWS
             .iter()
             .filter(|row| row.view.is_there())
-            .map(|row| (row.key, row.name));
+            .filter_map(|row| Some((row.key?, row.name)));
         let layouts = LAYOUTS.iter().map(|row| (row.key, row.name));
         let views = views
             .chain(layouts)

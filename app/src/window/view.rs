@@ -8,7 +8,7 @@ use crate::platform;
 use gsk_messages::{Message, say};
 
 /// A view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum View {
     /// The scope.
     Scope,
@@ -59,8 +59,8 @@ pub struct ViewRow {
     pub view: View,
     /// Its name.
     pub name: fn() -> Message,
-    /// The key that opens and closes it, with Shift.
-    pub key: Key,
+    /// The key that opens and closes it, with Shift; else it is opened in the menu.
+    pub key: Option<Key>,
     /// Size of its window, points.
     pub size: [f32; 2],
     /// Least size of its window, points.
@@ -72,70 +72,70 @@ pub static VIEWS: [ViewRow; 10] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
-        key: Key::F1,
+        key: Some(Key::F1),
         size: [900.0, 640.0],
         least: [300.0, 220.0],
     },
     ViewRow {
         view: View::Scope,
         name: say::window_view_scope,
-        key: Key::F2,
+        key: Some(Key::F2),
         size: [1120.0, 720.0],
         least: [600.0, 360.0],
     },
     ViewRow {
         view: View::Bench,
         name: say::window_view_bench,
-        key: Key::F3,
+        key: Some(Key::F3),
         size: [1000.0, 640.0],
         least: [600.0, 320.0],
     },
     ViewRow {
         view: View::Ladder,
         name: say::window_view_ladder,
-        key: Key::F4,
+        key: Some(Key::F4),
         size: [1240.0, 780.0],
         least: [820.0, 360.0],
     },
     ViewRow {
         view: View::Link,
         name: say::window_view_link,
-        key: Key::F5,
+        key: Some(Key::F5),
         size: [1040.0, 740.0],
         least: [760.0, 320.0],
     },
     ViewRow {
         view: View::Program,
         name: say::window_view_program,
-        key: Key::F11,
+        key: Some(Key::F11),
         size: [900.0, 760.0],
         least: [480.0, 320.0],
     },
     ViewRow {
         view: View::Lesson,
         name: say::window_view_lesson,
-        key: Key::Home,
+        key: Some(Key::Home),
         size: [420.0, 520.0],
         least: [220.0, 260.0],
     },
     ViewRow {
         view: View::Transfer,
         name: say::window_view_transfer,
-        key: Key::F6,
+        key: None,
         size: [860.0, 560.0],
         least: [520.0, 360.0],
     },
     ViewRow {
         view: View::Commission,
         name: say::window_view_commission,
-        key: Key::End,
+        key: Some(Key::End),
         size: [860.0, 700.0],
         least: [520.0, 320.0],
     },
     ViewRow {
         view: View::Data,
         name: say::window_view_data,
-        key: Key::F7,
+        key: None,
         size: [1000.0, 700.0],
         least: [520.0, 400.0],
     },
@@ -144,7 +144,7 @@ pub static VIEWS: [ViewRow; 10] = [
 /// The view that a key opens or closes.
 pub fn toggled(events: &[Event]) -> Option<View> {
     let mut rows = VIEWS.iter().filter(|row| row.view.is_there());
-    let row = rows.find(|row| shifted(events, row.key));
+    let row = rows.find(|row| row.key.is_some_and(|key| shifted(events, key)));
     row.map(|row| row.view)
 }
 
@@ -167,14 +167,18 @@ pub fn key_name(key: Key) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::window::layout::LAYOUTS;
 
     #[test]
-    fn the_key_of_a_view_is_neither_that_of_another_nor_of_the_panel() {
-        for (at, row) in VIEWS.iter().enumerate() {
-            let name = key_name(row.key);
-            let taken = VIEWS.iter().skip(at + 1).find(|it| it.key == row.key);
-            assert!(taken.is_none(), "{name} opens two views");
+    fn the_key_of_a_view_is_nobody_elses() {
+        let views = VIEWS.iter().filter_map(|row| row.key);
+        let layouts = LAYOUTS.iter().map(|row| row.key);
+        let mut seen = Vec::new();
+        for key in views.chain(layouts) {
+            let name = key_name(key);
+            assert!(!seen.contains(&key), "{name} opens two of them");
             assert_eq!(gsk_panel::keys::Key::of_pc(&name), None, "{name}");
+            seen.push(key);
         }
     }
 }

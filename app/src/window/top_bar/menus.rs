@@ -113,7 +113,7 @@ pub fn views(ui: &mut Ui, settings: &Settings) -> Option<Asked> {
     for row in VIEWS.iter().filter(|row| row.view.is_there()) {
         let open = settings.layouts.is_open(row.view);
         let entry = egui::Button::selectable(open, (row.name)().text(language))
-            .shortcut_text(key_name(row.key));
+            .shortcut_text(row.key.map(key_name).unwrap_or_default());
         if ui.add(entry).clicked() {
             asked = Some(Asked::View(row.view));
             ui.close();

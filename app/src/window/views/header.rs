@@ -61,8 +61,9 @@ pub fn show(ui: &mut Ui, row: &ViewRow, language: Language, place: Place) -> Opt
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 let name = (row.name)().text(language);
                 ui.label(RichText::new(name).color(Color32::from_gray(200)));
-                let key = RichText::new(key_name(row.key)).weak().small();
-                ui.label(key);
+                if let Some(key) = row.key {
+                    ui.label(RichText::new(key_name(key)).weak().small());
+                }
             });
         }
         asked

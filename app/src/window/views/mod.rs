@@ -247,7 +247,7 @@ impl Views {
         let size = room.size().max(Vec2::from(row.least));
         ui.scope_builder(UiBuilder::new().max_rect(room), |ui| {
             ScrollArea::both()
-                .id_salt(("docked", row.key.name()))
+                .id_salt(("docked", row.view))
                 .auto_shrink([false, false])
                 .show(ui, |ui| {
                     let (place, _) = ui.allocate_exact_size(size, Sense::HOVER);

@@ -191,7 +191,7 @@ impl TransferView {
                     ui.add(line.hint_text("O0001.CNC"));
                     ui.end_row();
                     ui.label(say::transfer_view_partition().text(language));
-                    partitions(ui, "transfer file partition", &mut item.partition);
+                    partitions(ui, "file-partition", &mut item.partition);
                     ui.end_row();
                 });
                 complaint(ui, language, &item.name);
@@ -252,7 +252,7 @@ impl TransferView {
                 naming.fields(ui, language, true);
                 ui.horizontal(|ui| {
                     ui.label(say::transfer_view_partition().text(language));
-                    partitions(ui, "transfer rename partition", &mut partition);
+                    partitions(ui, "rename-partition", &mut partition);
                     let words = say::transfer_view_directory().text(language);
                     if ui.button(words).clicked() {
                         self.order(Order::List);

@@ -38,7 +38,7 @@ impl TransferView {
         }
         let width = (ui.available_width() - AFTER).clamp(PATH[0], PATH[1]);
         let (mut edited, mut removed, mut cleared) = (None, None, false);
-        Grid::new("transfer to send")
+        Grid::new("to-send")
             .num_columns(4)
             .spacing(vec2(18.0, 4.0))
             .striped(true)
