@@ -112,8 +112,10 @@ pub fn views(ui: &mut Ui, settings: &Settings) -> Option<Asked> {
     let mut asked = None;
     for row in VIEWS.iter().filter(|row| row.view.is_there()) {
         let open = settings.layouts.is_open(row.view);
-        let entry = egui::Button::selectable(open, (row.name)().text(language))
-            .shortcut_text(row.key.map(key_name).unwrap_or_default());
+        let mut entry = egui::Button::selectable(open, (row.name)().text(language));
+        if let Some(key) = row.key {
+            entry = entry.shortcut_text(key_name(key));
+        }
         if ui.add(entry).clicked() {
             asked = Some(Asked::View(row.view));
             ui.close();
