@@ -8,7 +8,7 @@ use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::program::{Block, Program, ProgramMemory, Syntax};
 use gsk_messages::say;
 
-pub use gsk_core::preview::Progress;
+pub use gsk_core::preview::{End, Progress};
 
 use crate::block::{self, Flow};
 use crate::bounds::{Bounds, Lengths};
@@ -72,21 +72,6 @@ impl MillSetup {
         self.start = position(word).ok_or_else(|| WordError(say::mill_start_form(word)))?;
         Ok(())
     }
-}
-
-/// How a program ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// M02, M30.
-    M30,
-    /// M99 of the main program.
-    M99,
-    /// The end of the text.
-    Text,
-    /// An alarm.
-    Alarm,
-    /// Given up.
-    Limit,
 }
 
 /// What a program does.

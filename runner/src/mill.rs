@@ -10,9 +10,7 @@ use gsk_milling::{Move, MoveKind, Preview, Progress, preview_while};
 
 use crate::decimal::Line;
 use crate::moves::rounded;
-use crate::report::{
-    AlarmReport, Bounds, End, Final, PathReport, Place, Report, Seconds, ToolSeconds,
-};
+use crate::report::{AlarmReport, Bounds, Final, PathReport, Place, Report, Seconds, ToolSeconds};
 
 pub use gsk_milling::MillSetup;
 
@@ -101,18 +99,6 @@ fn of(
 /// The word of a tool without its T.
 pub(crate) fn tool_word(tool: u16) -> String {
     format!("{tool:02}")
-}
-
-impl From<gsk_milling::End> for End {
-    fn from(end: gsk_milling::End) -> Self {
-        match end {
-            gsk_milling::End::M30 => Self::M30,
-            gsk_milling::End::M99 => Self::M99,
-            gsk_milling::End::Text => Self::Text,
-            gsk_milling::End::Alarm => Self::Alarm,
-            gsk_milling::End::Limit => Self::Limit,
-        }
-    }
 }
 
 /// Where the time goes: of all, and of the tools in the order in which they work.

@@ -9,7 +9,7 @@ use gsk_runner::curves::RapidRates;
 use gsk_runner::moves;
 use gsk_runner::report::{self, PartReport, Report};
 
-use super::results::{all, print};
+use super::results::{all, into_file, print};
 use super::{CommandError, mill, output};
 use crate::apart::{Read, keep_apart, results};
 use crate::cli::CheckArgs;
@@ -46,18 +46,9 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     let written = results(&[&args.moves, &args.part.section]);
     keep_apart(&read, &written)?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
-        let mut out = output::open(path)?;
-        let mut failed = None;
-        let report = check_file(&setup, file, args, true, &mut |executed| {
-            if failed.is_none() {
-                failed = moves::write_move(&mut *out, executed).err();
-            }
+        let report = into_file(path, moves::write_move, |on_move| {
+            check_file(&setup, file, args, true, on_move)
         })?;
-        let flushed = out.flush().err();
-        if let Some(error) = failed.or(flushed) {
-            return Err(output::WriteError::new(path, error).into());
-        }
-        drop(out);
         let aside = output::is_standard(Some(path));
         return print(&[Ok(report)], args.format(), aside, args.look.lang);
     }

@@ -2,16 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use gsk_core::preview::Progress;
+use gsk_core::preview::{End, Progress};
 use gsk_messages::{Language, Message, say};
 use gsk_milling::commissioning::{PitchTable, Teeth, linear_gear, rotary_gear};
-use gsk_milling::{End, Length, Move, preview_while};
+use gsk_milling::{Length, Move, preview_while};
 use gsk_runner::mill::{self, MillSetup};
 use gsk_runner::picture::Format;
 use gsk_runner::picture::mill::{MillDrawing, encode};
 use gsk_runner::report::{self, AlarmReport, Report};
 
-use super::results::{all, print};
+use super::results::{all, into_file, print};
 use super::run::title;
 use super::{ALARM, CommandError, FINE, output};
 use crate::apart::{Read, keep_apart, results};
@@ -51,18 +51,9 @@ pub fn check(args: &CheckArgs) -> Result<u8, CommandError> {
     };
     keep_apart(&read, &results(&[&args.moves]))?;
     if let (Some(path), [file]) = (&args.moves, &files[..]) {
-        let mut out = output::open(path)?;
-        let mut failed = None;
-        let report = check_file(&setup, file, args, true, &mut |made| {
-            if failed.is_none() {
-                failed = mill::write_move(&mut *out, made).err();
-            }
+        let report = into_file(path, mill::write_move, |on_move| {
+            check_file(&setup, file, args, true, on_move)
         })?;
-        let flushed = out.flush().err();
-        if let Some(error) = failed.or(flushed) {
-            return Err(output::WriteError::new(path, error).into());
-        }
-        drop(out);
         let aside = output::is_standard(Some(path));
         return print(&[Ok(report)], args.format(), aside, args.look.lang);
     }

@@ -1,5 +1,6 @@
 //! Files looked through on all cores, and what came of them in print.
 
+use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -87,5 +88,24 @@ fn code(result: &Result<Report, CommandError>) -> u8 {
         Ok(report) if report.failed() => ALARM,
         Ok(_) => FINE,
         Err(_) => USAGE,
+    }
+}
+
+/// Checks a program and writes each of its moves into a file.
+pub(super) fn into_file<M>(
+    path: &Path,
+    write: impl Fn(&mut dyn Write, &M) -> io::Result<()>,
+    checked: impl FnOnce(&mut dyn FnMut(&M)) -> Result<Report, CommandError>,
+) -> Result<Report, CommandError> {
+    let mut out = output::open(path)?;
+    let mut failed = None;
+    let report = checked(&mut |made| {
+        if failed.is_none() {
+            failed = write(&mut *out, made).err();
+        }
+    })?;
+    match failed.or(out.flush().err()) {
+        Some(error) => Err(output::WriteError::new(path, error).into()),
+        None => Ok(report),
     }
 }

@@ -6,6 +6,7 @@ use gsk_help::{article, on_screen};
 use gsk_panel::keys::{Key, KeyRow, StripLamp};
 use gsk_panel::screen::Screen;
 
+use super::held::may_be_kept;
 use super::key_map::pc_name;
 use crate::kernel::{KeysReversed, Snapshot};
 use gsk_messages::{Language, Message, say};
@@ -84,39 +85,28 @@ pub fn lcd(picture: &Snapshot, row: usize, column: usize, language: Language) ->
 /// Whether a finger that stays on a key asks for help: not where holding it down is what
 /// the key is for, or stops the machine, or starts it.
 pub const fn explains_when_held(key: Key) -> bool {
-    !matches!(
-        key,
-        Key::XUp
-            | Key::XDown
-            | Key::ZLeft
-            | Key::ZRight
-            | Key::YMinus
-            | Key::YPlus
-            | Key::Rapid
-            | Key::Reset
-            | Key::Cancel
-            | Key::CycleStart
-            | Key::FeedHold
-            | Key::EmergencyStop
-            | Key::OvertravelRelease
-            | Key::SpindleForward
-            | Key::SpindleReverse
-            | Key::SpindleStop
-            | Key::Lubrication
-            | Key::ToolChange
-            | Key::SpindleOverrideUp
-            | Key::SpindleOverrideDown
-            | Key::RapidOverrideUp
-            | Key::RapidOverrideDown
-            | Key::FeedOverrideUp
-            | Key::FeedOverrideDown
-            | Key::Up
-            | Key::Down
-            | Key::Left
-            | Key::Right
-            | Key::PageUp
-            | Key::PageDown
-    )
+    may_be_kept(key)
+        && !matches!(
+            key,
+            Key::Rapid
+                | Key::Reset
+                | Key::Cancel
+                | Key::FeedHold
+                | Key::OvertravelRelease
+                | Key::SpindleStop
+                | Key::SpindleOverrideUp
+                | Key::SpindleOverrideDown
+                | Key::RapidOverrideUp
+                | Key::RapidOverrideDown
+                | Key::FeedOverrideUp
+                | Key::FeedOverrideDown
+                | Key::Up
+                | Key::Down
+                | Key::Left
+                | Key::Right
+                | Key::PageUp
+                | Key::PageDown
+        )
 }
 
 #[cfg(test)]

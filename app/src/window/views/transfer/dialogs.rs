@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use egui::{ComboBox, Context, Grid, Rect, TextEdit, Ui};
+use egui::{ComboBox, Context, Grid, Id, Rect, TextEdit, Ui};
 use gsk_messages::{Language, Message, say};
 use gsk_transfer::{FileName, NewFile, Partition, Place};
 
@@ -114,7 +114,7 @@ fn ask(
     clicked
 }
 
-fn partitions(ui: &mut Ui, id: &str, chosen: &mut usize) {
+fn partitions(ui: &mut Ui, id: &str, named: Id, chosen: &mut usize) {
     let name = Partition::ALL.get(*chosen).map_or("", |it| it.name());
     ComboBox::from_id_salt(id)
         .selected_text(name)
@@ -122,7 +122,9 @@ fn partitions(ui: &mut Ui, id: &str, chosen: &mut usize) {
             for (at, partition) in Partition::ALL.into_iter().enumerate() {
                 ui.selectable_value(chosen, at, partition.name());
             }
-        });
+        })
+        .response
+        .labelled_by(named);
 }
 
 impl TransferView {
@@ -190,8 +192,8 @@ impl TransferView {
                     let line = TextEdit::singleline(&mut item.name).desired_width(FIELD);
                     ui.add(line.hint_text("O0001.CNC"));
                     ui.end_row();
-                    ui.label(say::transfer_view_partition().text(language));
-                    partitions(ui, "file-partition", &mut item.partition);
+                    let named = ui.label(say::transfer_view_partition().text(language)).id;
+                    partitions(ui, "file-partition", named, &mut item.partition);
                     ui.end_row();
                 });
                 complaint(ui, language, &item.name);
@@ -251,8 +253,8 @@ impl TransferView {
             |ui| {
                 naming.fields(ui, language, true);
                 ui.horizontal(|ui| {
-                    ui.label(say::transfer_view_partition().text(language));
-                    partitions(ui, "rename-partition", &mut partition);
+                    let named = ui.label(say::transfer_view_partition().text(language)).id;
+                    partitions(ui, "rename-partition", named, &mut partition);
                     let words = say::transfer_view_directory().text(language);
                     if ui.button(words).clicked() {
                         self.order(Order::List);

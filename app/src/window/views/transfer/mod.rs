@@ -12,7 +12,7 @@ use std::path::PathBuf;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
 use egui::{
-    CentralPanel, Color32, ComboBox, Panel, Rect, RichText, ScrollArea, TextEdit, Ui, vec2,
+    CentralPanel, Color32, ComboBox, Id, Panel, Rect, RichText, ScrollArea, TextEdit, Ui, vec2,
 };
 use gsk_messages::{Language, Message, say};
 use gsk_transfer::{BLOCK, Entry, FileName, NewFile, Partition, Place};
@@ -249,10 +249,10 @@ impl TransferView {
     /// 通讯设置 and 文件传输.
     fn line(&mut self, ui: &mut Ui, language: Language) {
         ui.horizontal_wrapped(|ui| {
-            ui.label(say::transfer_view_port().text(language));
+            let named = ui.label(say::transfer_view_port().text(language)).id;
             let closed = self.stage == Stage::Closed;
-            ui.add_enabled_ui(closed, |ui| self.port(ui, language));
-            ui.label(say::transfer_view_speed().text(language));
+            ui.add_enabled_ui(closed, |ui| self.port(ui, language, named));
+            let named = ui.label(say::transfer_view_speed().text(language)).id;
             ui.add_enabled_ui(closed, |ui| {
                 let baud = &mut self.remembered.baud;
                 ComboBox::from_id_salt("transfer speed")
@@ -262,7 +262,9 @@ impl TransferView {
                         for speed in SPEEDS {
                             ui.selectable_value(baud, speed, speed.to_string());
                         }
-                    });
+                    })
+                    .response
+                    .labelled_by(named);
             });
         });
         ui.horizontal_wrapped(|ui| {
@@ -279,11 +281,11 @@ impl TransferView {
         });
     }
 
-    fn port(&mut self, ui: &mut Ui, language: Language) {
+    fn port(&mut self, ui: &mut Ui, language: Language, named: Id) {
         let hint = say::transfer_view_port_hint().text(language);
         let port = &mut self.remembered.port;
         let line = TextEdit::singleline(port).desired_width(190.0);
-        ui.add(line).on_hover_text(hint);
+        ui.add(line).labelled_by(named).on_hover_text(hint);
         let list = ComboBox::from_id_salt("transfer ports")
             .width(24.0)
             .selected_text("")
@@ -292,7 +294,7 @@ impl TransferView {
                     ui.selectable_value(port, known.clone(), known);
                 }
             });
-        if list.response.clicked() {
+        if list.response.labelled_by(named).clicked() {
             self.order(Order::FindPorts);
         }
     }
