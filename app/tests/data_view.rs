@@ -4,14 +4,17 @@
 use egui_kittest::kittest::Queryable as _;
 use gsk_app::kernel::Command;
 use gsk_core::cnc::{Cnc, Request};
-use gsk_core::memory::Parameters;
+use gsk_core::memory::{Parameters, parameter};
 use gsk_core::setup::Setup;
 
 use crate::common::Bench;
 
 /// A control with the parameters of the manufacturer (disk N0), with the view open.
 fn opened() -> Bench {
-    let mut setup = Setup::delivered();
+    opened_with(Setup::delivered())
+}
+
+fn opened_with(mut setup: Setup) -> Bench {
     setup.memory.parameters = Parameters::default();
     let mut bench = Bench::with(setup);
     for entry in ["Views", "Parameters and offsets"] {
@@ -131,7 +134,7 @@ fn parameters_are_found_by_words_and_by_function_and_kept_in_their_range() {
     assert!(says(&bench, "fast is no value"));
     fill(&mut bench, "Value of 022", "3000");
     press(&mut bench, "Write 1");
-    assert_eq!(cnc(&bench).parameters().value(22), 3000);
+    assert_eq!(cnc(&bench).parameters().value(parameter::X_RAPID), 3000);
     assert!(says(&bench, "No.022 = 3000: 1 written"));
     // It differs now, beside what the control itself keeps in parameters.
     let factory = Parameters::default();
@@ -211,4 +214,22 @@ fn variables_are_written_in_mdi() {
     assert_eq!(cnc(&bench).variables().get(201), Some(-77));
     choose(&mut bench, "Undo: ");
     assert_eq!(cnc(&bench).variables().get(201), Some(0));
+}
+
+/// Macro B knows null, and what was null is null again.
+#[test]
+fn a_null_variable_is_null_again_when_it_is_taken_back() {
+    let mut setup = Setup::delivered();
+    setup.memory.settings.macro_b = true;
+    let mut bench = opened_with(setup);
+    press(&mut bench, "Macro variables");
+    may_write(&mut bench);
+    assert_eq!(cnc(&bench).real_variable(1), None);
+    fill(&mut bench, "variable #1", "0.25");
+    press(&mut bench, "Write 1");
+    assert_eq!(cnc(&bench).real_variable(1), Some(0.25));
+    choose(&mut bench, "Undo: ");
+    assert_eq!(cnc(&bench).real_variable(1), None);
+    let value = bench.harness.get_by_label("variable #1").value();
+    assert_eq!(value.as_deref().unwrap_or_default(), "");
 }

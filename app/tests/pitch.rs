@@ -1,48 +1,18 @@
 //! `pitch` and the view of commissioning: what is measured becomes parameters, with the
 //! control's rights.
 
-use std::fs;
-use std::path::PathBuf;
-use std::process::Command;
-
 use egui_kittest::kittest::Queryable as _;
 use gsk_core::cnc::Request;
+use gsk_core::memory::parameter;
 use gsk_core::units::Axis;
 
 use crate::common::Bench;
-
-struct Folder(PathBuf);
+use crate::common::folder::Folder;
 
 impl Folder {
-    fn new(name: &str) -> Self {
-        let name = format!("gsk980td-{}-pitch-{name}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
     /// Exit code, standard output, standard error of `pitch …` in this folder.
     fn pitch(&self, command: &str) -> (i32, String, String) {
-        let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
-            .arg("pitch")
-            .args(command.split_whitespace())
-            .current_dir(&self.0)
-            .output()
-            .unwrap();
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        let code = output.status.code().unwrap_or(-1);
-        (code, text(&output.stdout), text(&output.stderr))
-    }
-
-    fn file(&self, name: &str, text: &str) {
-        fs::write(self.0.join(name), text).unwrap();
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
+        self.call(&format!("pitch {command}"))
     }
 }
 
@@ -52,8 +22,8 @@ const LASER: &str = "run,direction,target,deviation\n1,+,-200,-10\n1,+,-100,-5\n
 
 #[test]
 fn a_measurement_is_written_with_a_backup_and_shown_again() {
-    let folder = Folder::new("written");
-    folder.file("laser.csv", LASER);
+    let folder = Folder::new("pitch-written");
+    folder.write("laser.csv", LASER);
     let dry = folder.pitch("import laser.csv --axis z --into data --dry-run");
     assert_eq!(dry.0, 2, "there is no memory yet: {dry:?}");
     let (code, out, error) = folder.pitch("import laser.csv --axis z --into data");
@@ -65,7 +35,7 @@ fn a_measurement_is_written_with_a_backup_and_shown_again() {
     let (_, ren, _) = folder.pitch("show --axis z --data data --format ren");
     assert!(ren.contains("backlash: 12\n"), "{ren}");
     // What it writes it reads: the same values over a cleared table change nothing.
-    folder.file("z.ren", &ren);
+    folder.write("z.ren", &ren);
     let (code, out, _) = folder.pitch("import z.ren --axis z --into data --clear");
     assert_eq!(code, 0);
     assert!(out.contains("the values stand there already"), "{out}");
@@ -81,11 +51,11 @@ fn a_measurement_is_written_with_a_backup_and_shown_again() {
 
 #[test]
 fn what_is_refused_names_file_and_line_and_writes_nothing() {
-    let folder = Folder::new("refused");
-    folder.file("laser.csv", LASER);
-    folder.file("bad.csv", "target,deviation\n0,0\n10,wide\n");
-    folder.file("x.ren", "axis: X\nspacing: 10\n10 2\n");
-    folder.file("grid.ren", "spacing: 10\n10 2\n14 2\n");
+    let folder = Folder::new("pitch-refused");
+    folder.write("laser.csv", LASER);
+    folder.write("bad.csv", "target,deviation\n0,0\n10,wide\n");
+    folder.write("x.ren", "axis: X\nspacing: 10\n10 2\n");
+    folder.write("grid.ren", "spacing: 10\n10 2\n14 2\n");
     for (command, said) in [
         (
             "import bad.csv --axis z --into data",
@@ -140,7 +110,10 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
     // Not in MDI: it says why not, and the button is dead.
     let value = |bench: &Bench| {
         let cnc = &bench.kernel.emulator().simulation.cnc;
-        (cnc.parameters().value(33), cnc.pitch().value(Axis::Z, 1))
+        (
+            cnc.parameters().value(parameter::ZERO_LOW_SPEED),
+            cnc.pitch().value(Axis::Z, 1),
+        )
     };
     bench.click("Machine zero");
     bench.run(1);
@@ -166,11 +139,14 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
     bench.run(1);
     bench.run(100);
     let now = bench.kernel.emulator().simulation.cnc.parameters().clone();
-    assert!(now.bit(7, 1) && now.value(113) == 5000, "{now:?}");
+    assert!(
+        now.bit(7, 1) && now.value(parameter::ZERO_HIGH_SPEED) == 5000,
+        "{now:?}"
+    );
     bench.run(100);
     bench.harness.get_by_label_contains("Undo: ").click();
     bench.run(1);
     bench.run(100);
     assert_eq!(*bench.kernel.emulator().simulation.cnc.parameters(), before);
-    assert_eq!(value(&bench), (before.value(33), 0));
+    assert_eq!(value(&bench), (before.value(parameter::ZERO_LOW_SPEED), 0));
 }

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::time::Duration;
 
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
@@ -14,29 +13,12 @@ use gsk_core::setup::Setup;
 use gsk_panel::emulator::Emulator;
 
 use crate::common::Bench;
-
-struct Folder(PathBuf);
+use crate::common::folder::Folder;
 
 impl Folder {
-    fn new(name: &str) -> Self {
-        let name = format!("gsk980td-{}-project-{name}", std::process::id());
-        let folder = std::env::temp_dir().join(name);
-        let _ = fs::remove_dir_all(&folder);
-        fs::create_dir_all(&folder).unwrap();
-        Self(folder)
-    }
-
     /// Exit code, standard output, standard error of `project …` in this folder.
     fn project(&self, command: &str) -> (i32, String, String) {
-        let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
-            .arg("project")
-            .args(command.split_whitespace())
-            .current_dir(&self.0)
-            .output()
-            .unwrap();
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-        let code = output.status.code().unwrap_or(-1);
-        (code, text(&output.stdout), text(&output.stderr))
+        self.call(&format!("project {command}"))
     }
 
     #[track_caller]
@@ -78,12 +60,6 @@ impl Folder {
         fs::write(path, text.replacen(from, to, 1)).unwrap();
     }
 
-    fn write(&self, file: &str, bytes: &[u8]) {
-        let path = self.0.join(file);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, bytes).unwrap();
-    }
-
     /// A data directory as a control leaves it.
     fn control(&self, name: &str, change: impl FnOnce(&mut Setup)) -> PathBuf {
         let path = self.0.join(name);
@@ -93,12 +69,6 @@ impl Folder {
         change(&mut setup);
         retained::save_emulator(data, &restored, &Emulator::new(setup)).unwrap();
         path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
     }
 }
 
@@ -112,7 +82,7 @@ fn old_text() -> Vec<u8> {
 
 #[test]
 fn a_control_is_exported_wiped_and_brought_back() {
-    let folder = Folder::new("back");
+    let folder = Folder::new("project-back");
     folder.does("new start");
     folder.edit("start/parameters.txt", "022 = 3800", "022 = 4000");
     folder.edit("start/offsets.txt", "003.X = 0", "003.X = -12.345");
@@ -124,7 +94,7 @@ fn a_control_is_exported_wiped_and_brought_back() {
     folder.edit("start/project.gpr", "macro-b = off", "macro-b = on");
     folder.edit("start/ladder/data.txt", "D0300 = 0", "D0300 = 200");
     folder.edit("start/ladder/main.il", "压力低报警", "油压低");
-    folder.write("start/programs/O0007.CNC", &old_text());
+    folder.write("start/programs/O0007.CNC", old_text());
     let said = folder.does("import start --data one");
     for line in [
         "No.022 X rapid speed: 3800 → 4000 mm/min",
@@ -163,7 +133,7 @@ fn a_control_is_exported_wiped_and_brought_back() {
 
 #[test]
 fn one_wrong_line_and_nothing_is_taken_over() {
-    let folder = Folder::new("wrong");
+    let folder = Folder::new("project-wrong");
     folder.does("new part");
     folder.control("data", |_| {});
     folder.edit("part/parameters.txt", "022 = 3800", "022 = 4000");
@@ -187,7 +157,7 @@ fn one_wrong_line_and_nothing_is_taken_over() {
     folder.refuses("import part --data data", 2, "machine.ron:2: ");
     folder.write("part/programs/O0001.job.ron", b"(stok: 1)");
     folder.refuses("import part --data data", 2, "programs/O0001.job.ron:1: ");
-    folder.write("part/counters.txt", &[0, 1, 2]);
+    folder.write("part/counters.txt", [0, 1, 2]);
     folder.refuses(
         "import part --data data",
         2,
@@ -197,7 +167,7 @@ fn one_wrong_line_and_nothing_is_taken_over() {
 
 #[test]
 fn parts_alone_are_taken_over() {
-    let folder = Folder::new("only");
+    let folder = Folder::new("project-only");
     folder.does("new part");
     folder.control("data", |_| {});
     folder.edit("part/parameters.txt", "022 = 3800", "022 = 4000");
@@ -229,7 +199,7 @@ fn parts_alone_are_taken_over() {
 /// Manual III-2.5.1.
 #[test]
 fn the_rights_of_the_control_are_asked_and_a_password_opens_them() {
-    let folder = Folder::new("rights");
+    let folder = Folder::new("project-rights");
     folder.does("new part");
     folder.edit("part/offsets.txt", "001.Z = 0", "001.Z = 5");
     folder.write("part/programs/O9003.CNC", b"O9003;\nM99;\n");
@@ -263,7 +233,7 @@ fn the_rights_of_the_control_are_asked_and_a_password_opens_them() {
 
 #[test]
 fn a_control_that_is_on_is_left_alone() {
-    let folder = Folder::new("in-use");
+    let folder = Folder::new("project-in-use");
     folder.does("new part");
     let path = folder.control("data", |_| {});
     let window = DataDir::open(&path).unwrap();
@@ -280,7 +250,7 @@ fn a_control_that_is_on_is_left_alone() {
 
 #[test]
 fn folders_of_others_are_left_alone_and_half_a_project_is_none() {
-    let folder = Folder::new("folders");
+    let folder = Folder::new("project-folders");
     folder.control("data", |setup| {
         setup.memory.programs.store("O0001;\nM30;\n").unwrap();
     });
@@ -327,7 +297,7 @@ fn folders_of_others_are_left_alone_and_half_a_project_is_none() {
 
 #[test]
 fn a_machine_file_goes_along_and_is_compared_between_projects() {
-    let folder = Folder::new("machine");
+    let folder = Folder::new("project-machine");
     let machines = Path::new(env!("CARGO_MANIFEST_DIR")).join("../assets/machines");
     let machine = machines.join("small-flat-bed.ron");
     folder.does(&format!("new one --machine {}", machine.display()));
@@ -353,7 +323,7 @@ fn a_machine_file_goes_along_and_is_compared_between_projects() {
 
 #[test]
 fn what_was_damaged_in_the_memory_is_said() {
-    let folder = Folder::new("damaged");
+    let folder = Folder::new("project-damaged");
     let data = folder.control("data", |_| {});
     for place in ["offsets.ron", "copies/offsets.ron"] {
         fs::write(data.join(place), "(1, 2").unwrap();
@@ -363,32 +333,62 @@ fn what_was_damaged_in_the_memory_is_said() {
     assert!(error.contains("offsets.ron"), "{error}");
 }
 
-/// The list beside the panel: what differs from the control that is on, with ticks.
+/// A window with an operator logged on, who may not write parameters.
+fn window() -> Bench {
+    let mut setup = Setup::delivered().with_chuck();
+    setup.memory.authority.leave();
+    assert!(setup.memory.authority.enter("1234"));
+    setup.memory.programs.store("O0005;\nM30;\n").unwrap();
+    Bench::with(setup)
+}
+
+/// Draws until something is to be seen.
+#[track_caller]
+fn sees(bench: &mut Bench, words: &str) {
+    let seen = (0..1000).any(|_| {
+        std::thread::sleep(Duration::from_millis(10));
+        bench.run(1);
+        let mut found = bench.harness.query_all_by_label_contains(words);
+        found.next().is_some()
+    });
+    assert!(seen, "{words} is never seen");
+}
+
+#[track_caller]
+fn press(bench: &mut Bench, name: &str) {
+    bench.harness.get_by_label(name).click();
+    bench.run(20);
+    bench.run(20);
+}
+
+/// The view of the project: its tree, what differs from the control that is on, with ticks.
 #[test]
-fn the_window_lists_what_differs_and_takes_what_is_ticked() {
-    let folder = Folder::new("window");
+fn the_view_lists_what_differs_and_takes_what_is_ticked() {
+    let folder = Folder::new("project-window");
     folder.does("new part");
     folder.edit("part/parameters.txt", "022 = 3800", "022 = 4000");
     folder.edit("part/offsets.txt", "001.Z = 0", "001.Z = 5");
-    let mut setup = Setup::delivered().with_chuck();
-    setup.memory.authority.leave();
-    assert!(
-        setup.memory.authority.enter("1234"),
-        "an operator is logged on"
-    );
-    let mut bench = Bench::with(setup);
+    let mut bench = window();
     let context = bench.harness.ctx.clone();
     let part = folder.0.join("part");
     bench.harness.state_mut().compare(&context, part.clone());
-    let listed = (0..1000).any(|_| {
-        std::thread::sleep(Duration::from_millis(10));
-        bench.run(1);
-        let row = bench
-            .harness
-            .query_by_label_contains("No.022 X rapid speed");
-        row.is_some()
-    });
-    assert!(listed, "nothing is listed");
+    sees(&mut bench, "No.022 X rapid speed");
+    let counted = bench.harness.query_all_by_label_contains(" · ");
+    let counted: Vec<String> = counted
+        .filter_map(|it| it.accesskit_node().label())
+        .collect();
+    assert_eq!(
+        counted,
+        [
+            "Project: part · 5",
+            "CNC configuration · 3",
+            // And the station of the turret.
+            "Parameters · 2",
+            "Tool offsets · 1",
+            "Part programs · 2",
+            "O0005 · 1",
+        ]
+    );
     let row = bench
         .harness
         .get_by_label("No.022 X rapid speed: 3800 → 4000 mm/min");
@@ -396,16 +396,17 @@ fn the_window_lists_what_differs_and_takes_what_is_ticked() {
         row.accesskit_node().is_disabled(),
         "the level is too low for it"
     );
-    bench.harness.get_by_label("none").click();
-    bench.run(20);
+    press(&mut bench, "none");
     assert!(bench.harness.state_mut().take_chosen().is_none());
-    bench.harness.get_by_label("offset 001 Z: 0 → 5 mm").click();
-    bench.run(20);
-    bench
-        .harness
-        .get_by_label("Switch off, take over 1, switch on")
-        .click();
-    bench.run(20);
+    // A place of the tree lists its own alone, and what stands there.
+    press(&mut bench, "Tool offsets · 1");
+    assert!(bench.harness.query_by_label_contains("No.022").is_none());
+    press(&mut bench, "Contents");
+    assert!(bench.harness.query_by_label("001.Z").is_some());
+    assert!(bench.harness.query_by_label("5 mm").is_some());
+    press(&mut bench, "Differences: 1");
+    press(&mut bench, "offset 001 Z: 0 → 5 mm");
+    press(&mut bench, "Switch off, take over 1, switch on");
     let chosen = bench.harness.state_mut().take_chosen().expect("chosen");
     assert_eq!(chosen.folder, part);
     let labels: Vec<String> = chosen.differences.iter().map(|it| it.key.name()).collect();
@@ -439,4 +440,59 @@ fn the_window_lists_what_differs_and_takes_what_is_ticked() {
         refused.to_string().contains("turn this model on first"),
         "{refused}"
     );
+}
+
+/// The other way: what the control or another project has goes into the open one, which is
+/// asked about before it is lost, and saved.
+#[test]
+fn the_view_takes_values_into_the_project_and_saves_it() {
+    let folder = Folder::new("project-into");
+    folder.does("new part");
+    folder.does("new other");
+    folder.edit("other/pitch.txt", "007.X = 0", "007.X = 12");
+    folder.edit("other/ladder/main.il", "压力低报警", "油压低");
+    let mut bench = window();
+    let context = bench.harness.ctx.clone();
+    let part = folder.0.join("part");
+    let file = part.join("project.gpr");
+    bench.harness.state_mut().open(&context, file.clone());
+    sees(&mut bench, "O0005: removed");
+    let into = |bench: &mut Bench, at: usize, words: &str| {
+        let found: Vec<_> = bench.harness.get_all_by_label(words).collect();
+        found.get(at).expect("it is there").click();
+        bench.run(20);
+    };
+    into(&mut bench, 0, "the project");
+    sees(&mut bench, "O0005: added");
+    sees(&mut bench, "the control → the project");
+    press(&mut bench, "none");
+    press(&mut bench, "O0005: added, 2 lines");
+    press(&mut bench, "Take 1 into the project");
+    sees(&mut bench, "not saved");
+    // The control takes over what the folder holds, not what is not saved.
+    let at = bench.harness.get_all_by_label("the control").count() - 1;
+    into(&mut bench, at, "the control");
+    sees(&mut bench, "Switch off, take over");
+    let button = bench.harness.get_by_label_contains("Switch off, take over");
+    assert!(button.accesskit_node().is_disabled());
+    // Whoever opens another one is asked.
+    let menu = |bench: &mut Bench, entry: &str| {
+        press(bench, entry);
+        bench.run(20);
+    };
+    menu(&mut bench, "Close");
+    sees(&mut bench, "The project is not saved");
+    // A key of the panel is called so, too.
+    let at = bench.harness.get_all_by_label("Cancel").count() - 1;
+    into(&mut bench, at, "Cancel");
+    press(&mut bench, "Save");
+    sees(&mut bench, "files written");
+    assert!(part.join("programs/O0005.CNC").exists());
+    let (_, said, _) = folder.project("diff other part");
+    assert!(said.contains("O0005: added"), "{said}");
+    // What stands in the folder is what is shown: closed and opened again.
+    menu(&mut bench, "Close");
+    sees(&mut bench, "No project is open");
+    bench.harness.state_mut().open(&context, file);
+    sees(&mut bench, "Project: part");
 }

@@ -22,7 +22,8 @@ pub fn read(text: &str) -> Result<Imported, FileFault> {
 mod tests {
     use super::*;
     use crate::measurement::{Direction, Travel};
-    use crate::plan::{PlanWish, add_table, plan};
+    use crate::plan::{PlanWish, plan};
+    use crate::table_file::add_table;
     use gsk_core::memory::{Parameters, PitchTable};
     use gsk_core::units::Axis;
 

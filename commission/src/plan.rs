@@ -1,31 +1,16 @@
 //! The pitch error table and its parameters for a curve (003.5, 013, 090–103; manual III-10).
-//!
-//! ```text
-//!            ┌──── S(2) = v[R+1] + v[R+2]         the control's correction is level between
-//!       ┌────┘     S(1) = v[R+1]                  two points; it is made right in the middle
-//!   ────┘          S(0) = 0                       of each interval
-//! ```
 
 use gsk_core::axis::PitchCurve;
-use gsk_core::memory::{Parameters, PitchTable};
+use gsk_core::memory::{Parameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
-use crate::change::{Change, Proposal, name, of};
-use crate::fit::{Curve, Fit};
+use crate::change::{Change, Proposal, of};
+use crate::correction::{LARGEST, LARGEST_BACKLASH, LAST, units_a_mm};
+use crate::fit::Fit;
+use crate::intervals::{Steps, Task, finest};
 use crate::measurement::{Deviation, Travel};
-use crate::ren::Table;
 
-/// The last point of the table.
-const LAST: i64 = 255;
-/// The largest value of a point.
-const LARGEST: i64 = 255;
-/// The largest backlash, 034 and 035.
-const LARGEST_BACKLASH: f64 = 2000.0;
-/// Intervals that are tried, thousandths of a millimetre, the coarsest first.
-const INTERVALS: [i64; 8] = [20_000, 10_000, 5_000, 4_000, 2_500, 2_000, 1_500, 1_000];
-/// The deviation that is left may be so much, µm, before a finer interval is taken.
-const FINE_UM: f64 = 0.8;
 /// An interval is to last so long at the rapid rate, s (decision COMMISSION-3).
 const LEAST_TIME_S: f64 = 0.008;
 
@@ -49,172 +34,6 @@ pub struct Plan {
     pub before: Deviation,
     /// The largest that is to be left.
     pub after: Deviation,
-}
-
-/// Units of the table in a millimetre: 0.001 mm, or 0.0001 inch.
-fn units_a_mm(parameters: &Parameters) -> f64 {
-    1.0 / parameters.least_increment()
-}
-
-/// The interval of an axis as it stands; none: there is no compensation.
-pub fn interval_of(axis: Axis, parameters: &Parameters) -> Option<Travel> {
-    let interval = parameters.pitch_interval(axis);
-    (interval > 0).then(|| Travel(interval as f64 / units_a_mm(parameters)))
-}
-
-/// The correction that is in force, at each of these positions.
-pub fn correction(
-    axis: Axis,
-    parameters: &Parameters,
-    pitch: &PitchTable,
-    positions: impl IntoIterator<Item = Travel>,
-) -> Curve {
-    let curve = PitchCurve::new(axis, parameters, pitch, 1);
-    let units = units_a_mm(parameters);
-    let points = positions.into_iter().map(|at| {
-        let value = curve.at((at.0 * units).round() as i64) as f64;
-        (at, Deviation(value * 1000.0 / units))
-    });
-    Curve::new(points.collect())
-}
-
-/// What a table has to do.
-struct Task<'a> {
-    axis: Axis,
-    fit: &'a Fit,
-    old: PitchCurve,
-    /// Units in a millimetre.
-    units: f64,
-    factor: i64,
-    /// First and last position, units.
-    range: (f64, f64),
-    /// Deviation at the machine zero, µm.
-    zero: f64,
-}
-
-/// Corrections for an interval, in units of the table.
-struct Steps {
-    interval: i64,
-    /// S(1), S(2) … towards plus, and towards minus.
-    plus: Vec<i64>,
-    minus: Vec<i64>,
-    /// The largest deviation that is left, µm.
-    left: f64,
-}
-
-impl Task<'_> {
-    /// The deviation from the machine zero, µm; `at` in units.
-    fn deviation(&self, at: f64) -> f64 {
-        self.fit.curve.at(Travel(at / self.units)).0 - self.zero
-    }
-
-    /// The correction that stands there, units.
-    fn old(&self, at: f64) -> f64 {
-        self.old.at(at.round() as i64) as f64
-    }
-
-    /// The correction that the slide needs, units.
-    fn wanted(&self, at: f64) -> f64 {
-        self.old(at) - self.deviation(at) * self.units / 1000.0
-    }
-
-    /// How many points a table of this interval has.
-    fn points(&self, interval: f64) -> i64 {
-        let side = |end: f64| (end.max(0.0) / interval + 1e-9).floor() as i64;
-        side(self.range.1) + side(-self.range.0)
-    }
-
-    /// Corrections of the intervals of one side; `sign`: which one.
-    fn side(&self, interval: i64, sign: f64) -> Vec<i64> {
-        let end = match sign > 0.0 {
-            true => self.range.1,
-            false => -self.range.0,
-        };
-        let count = (end.max(0.0) / interval as f64 + 1e-9).floor() as i64;
-        (1..=count)
-            .map(|index| {
-                let from = (index * interval) as f64;
-                let to = (from + interval as f64).min(end.max(from));
-                let wanted = self.wanted(sign * (from + to) / 2.0);
-                let factor = self.factor as f64;
-                (wanted / factor).round() as i64 * self.factor
-            })
-            .collect()
-    }
-
-    fn steps(&self, interval: i64) -> Steps {
-        let mut steps = Steps {
-            interval,
-            plus: self.side(interval, 1.0),
-            minus: self.side(interval, -1.0),
-            left: 0.0,
-        };
-        let knots = self
-            .fit
-            .curve
-            .points()
-            .iter()
-            .map(|(at, _)| at.0 * self.units);
-        let [plus, minus] = [&steps.plus, &steps.minus].map(|side| side.len() as i64);
-        // At and before each step the deviation is largest.
-        let edges = (-minus..=plus).flat_map(|index| {
-            let edge = (index * interval) as f64;
-            [edge, edge - 1.0, edge + 1.0]
-        });
-        let within = |at: &f64| (self.range.0..=self.range.1).contains(at);
-        let left = knots
-            .chain(edges)
-            .filter(within)
-            .map(|at| self.left(&steps, at).abs());
-        steps.left = left.fold(0.0, f64::max);
-        steps
-    }
-
-    /// What is left at a position, µm.
-    fn left(&self, steps: &Steps, at: f64) -> f64 {
-        let passed = (at.abs() / steps.interval as f64 + 1e-9).floor() as usize;
-        let side = if at < 0.0 { &steps.minus } else { &steps.plus };
-        let last = passed.min(side.len());
-        let made = last.checked_sub(1).and_then(|it| side.get(it));
-        let made = made.copied().unwrap_or(0) as f64;
-        self.deviation(at) + (made - self.old(at)) * 1000.0 / self.units
-    }
-
-    /// Whether the table has room for so many points, and each value is small enough.
-    fn fits(&self, steps: &Steps) -> bool {
-        steps.plus.len() + steps.minus.len() <= LAST as usize
-            && self
-                .values(steps)
-                .iter()
-                .all(|(_, value)| value.abs() <= LARGEST)
-    }
-
-    /// The point of the machine zero.
-    fn origin(steps: &Steps) -> i64 {
-        let (plus, minus) = (steps.plus.len() as i64, steps.minus.len() as i64);
-        match (plus, minus) {
-            (_, 0) => 0,
-            (0, _) => LAST,
-            _ => minus + (LAST - plus - minus) / 2,
-        }
-    }
-
-    /// Point and value.
-    fn values(&self, steps: &Steps) -> Vec<(i64, i64)> {
-        let origin = Self::origin(steps);
-        let mut values = Vec::new();
-        let mut before = 0;
-        for (sum, index) in steps.plus.iter().zip(1..) {
-            values.push((origin + index, (sum - before) / self.factor));
-            before = *sum;
-        }
-        before = 0;
-        for (sum, index) in steps.minus.iter().zip(1..) {
-            values.push((origin - index + 1, (before - sum) / self.factor));
-            before = *sum;
-        }
-        values
-    }
 }
 
 /// A table for a curve, with its parameters and the backlash.
@@ -262,7 +81,7 @@ pub fn plan(
     let mut changes = table_changes(&task, &steps, parameters);
     let mut notes = Vec::new();
     if let Some(measured) = fit.backlash {
-        let number = of(axis, 34, 35);
+        let number = of(axis, parameter::X_BACKLASH, parameter::Z_BACKLASH);
         let sum = f64::from(parameters.value(number)) + measured.0 * units / 1000.0;
         let value = sum.round().clamp(0.0, LARGEST_BACKLASH);
         if (sum - value).abs() > 1.0 {
@@ -290,27 +109,6 @@ pub fn plan(
     })
 }
 
-/// The coarsest interval that is fine enough, else the best there is.
-fn finest(task: &Task<'_>) -> Option<Steps> {
-    let mut best: Option<Steps> = None;
-    for interval in INTERVALS {
-        if task.points(interval as f64) > LAST {
-            continue;
-        }
-        let steps = task.steps(interval);
-        if !task.fits(&steps) {
-            continue;
-        }
-        if steps.left <= FINE_UM {
-            return Some(steps);
-        }
-        if best.as_ref().is_none_or(|it| steps.left < it.left) {
-            best = Some(steps);
-        }
-    }
-    best
-}
-
 /// The column of the axis and the parameters that belong to it.
 fn table_changes(task: &Task<'_>, steps: &Steps, parameters: &Parameters) -> Vec<Change> {
     let axis = task.axis;
@@ -332,18 +130,25 @@ fn table_changes(task: &Task<'_>, steps: &Steps, parameters: &Parameters) -> Vec
             on: true,
         },
         Change::Value {
-            number: of(axis, 98, 99),
+            number: of(axis, parameter::X_PITCH_ORIGIN, parameter::Z_PITCH_ORIGIN),
             value: origin,
         },
         Change::Value {
-            number: of(axis, 102, 103),
+            number: of(
+                axis,
+                parameter::X_PITCH_INTERVAL,
+                parameter::Z_PITCH_INTERVAL,
+            ),
             value: interval,
         },
     ];
     let counts = parameters.pitch_points(axis);
     if counts != (0..=LAST as usize) {
         // All points count while the highest is not above the lowest.
-        for number in [of(axis, 90, 91), of(axis, 94, 95)] {
+        for number in [
+            of(axis, parameter::X_PITCH_LOWEST, parameter::Z_PITCH_LOWEST),
+            of(axis, parameter::X_PITCH_HIGHEST, parameter::Z_PITCH_HIGHEST),
+        ] {
             changes.push(Change::Value { number, value: 0 });
         }
     }
@@ -352,139 +157,12 @@ fn table_changes(task: &Task<'_>, steps: &Steps, parameters: &Parameters) -> Vec
     changes
 }
 
-/// Adds the values of a file to the table (manual III-10; decision COMMISSION-1). With
-/// `clear` the column is emptied first, and takes the spacing of the file.
-///
-/// # Errors
-/// A spacing or a point that does not fit the parameters, a value beyond ±255: with the line
-/// of the file.
-pub fn add_table(
-    axis: Axis,
-    table: &Table,
-    parameters: &Parameters,
-    pitch: &PitchTable,
-    clear: bool,
-) -> Result<Proposal, Message> {
-    let units = units_a_mm(parameters);
-    let at_line = |line: u32, rule: Message| say::pitch_file_line(line, rule);
-    let mut changes = Vec::new();
-    let mut parameters_then = parameters.clone();
-    if let Some((line, spacing)) = table.spacing {
-        let wanted = (spacing.0 * units).round();
-        let number = of(axis, 102, 103);
-        if !(1.0..=999_999.0).contains(&wanted) {
-            return Err(at_line(line, say::pitch_interval_wrong(spacing.0)));
-        }
-        if wanted as i64 != parameters.pitch_interval(axis) {
-            if !clear {
-                let stands = parameters.pitch_interval(axis) as f64 / units;
-                let rule = say::pitch_ren_spacing(spacing.0, number, stands);
-                return Err(at_line(line, rule));
-            }
-            let change = Change::Value {
-                number,
-                value: wanted as i32,
-            };
-            changes.push(change);
-            let mut none = PitchTable::default();
-            change.apply(&mut parameters_then, &mut none)?;
-        }
-    }
-    let interval = parameters_then.pitch_interval(axis);
-    if interval == 0 {
-        return Err(say::pitch_no_interval(of(axis, 102, 103)));
-    }
-    let origin = i64::from(parameters.pitch_origin(axis));
-    let counts = parameters.pitch_points(axis);
-    let mut column: Vec<i64> = (0..=u8::MAX)
-        .map(|point| {
-            if clear {
-                0
-            } else {
-                pitch.value(axis, point).into()
-            }
-        })
-        .collect();
-    let factor = f64::from(parameters.pitch_factor());
-    for row in &table.rows {
-        let steps = row.end.0 * units / interval as f64;
-        let whole = steps.round();
-        if (steps - whole).abs() > 1e-3 {
-            return Err(at_line(row.line, say::pitch_ren_off_grid(row.end.0)));
-        }
-        let said = row.value.0 * units / 1000.0 / factor;
-        if (said - said.round()).abs() > 1e-6 {
-            return Err(at_line(
-                row.line,
-                say::pitch_ren_fraction(row.value.0, factor),
-            ));
-        }
-        // No interval ends at the machine zero.
-        let whole = whole as i64;
-        let point = match whole {
-            0 if row.point.is_none() && said == 0.0 => continue,
-            0 if row.point.is_none() => {
-                return Err(at_line(row.line, say::pitch_ren_at_zero()));
-            }
-            1.. => origin + whole,
-            _ => origin + whole + 1,
-        };
-        if let Some(named) = row.point
-            && whole != 0
-            && i64::from(named) != point
-        {
-            return Err(at_line(row.line, say::pitch_ren_other_point(named, point)));
-        }
-        let point = row.point.map_or(point, i64::from);
-        let place = usize::try_from(point).ok().filter(|it| counts.contains(it));
-        let place = place.filter(|it| *it > 0).and_then(|it| column.get_mut(it));
-        let Some(place) = place else {
-            let (low, high) = (counts.start().max(&1), counts.end());
-            return Err(at_line(row.line, say::pitch_ren_no_point(point, low, high)));
-        };
-        *place += said.round() as i64;
-        if place.abs() > LARGEST {
-            let rule = say::pitch_ren_sum(point, *place, LARGEST);
-            return Err(at_line(row.line, rule));
-        }
-    }
-    let points = (0..=u8::MAX).zip(column);
-    changes.extend(points.map(|(point, value)| Change::Pitch {
-        axis,
-        point,
-        value: value as i16,
-    }));
-    if let Some((line, backlash)) = table.backlash {
-        let value = (backlash.0 * units / 1000.0).round();
-        if !(0.0..=LARGEST_BACKLASH).contains(&value) {
-            let rule = say::pitch_backlash_beyond(value, LARGEST_BACKLASH);
-            return Err(at_line(line, rule));
-        }
-        changes.push(Change::Value {
-            number: of(axis, 34, 35),
-            value: value as i32,
-        });
-    }
-    let mut notes = vec![say::pitch_zero_return_needed()];
-    if !parameters.pitch_compensated() {
-        notes.insert(0, say::pitch_switched_off(name(axis)));
-    }
-    Proposal::of(changes, notes, parameters, pitch)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::import::read;
+    use crate::correction::correction;
+    use crate::intervals::FINE_UM;
     use crate::measurement::{Direction, Measurement, Reading};
-    use crate::ren::Imported;
-
-    fn table_of(text: &str) -> Table {
-        match read(text).unwrap() {
-            Imported::Table(table) => table,
-            Imported::Measured(_) => panic!("a table"),
-        }
-    }
 
     fn fit_of(curve: impl Fn(f64) -> f64, from: i32, to: i32) -> Fit {
         let readings = (from..=to).map(|at| {
@@ -565,45 +243,5 @@ mod tests {
         assert!(planned(&steep, wish(0.0)).is_err());
         assert!(planned(&steep, wish(0.001)).is_err());
         assert!(planned(&steep, wish(4.0)).is_ok());
-    }
-
-    /// The second example of the siblings' manual, as a file for this control.
-    #[test]
-    fn values_of_a_file_are_added_to_their_points() {
-        let mut parameters = Parameters::default();
-        parameters.set(99, 60).unwrap();
-        let table = table_of("spacing 10\nbacklash 5\n-20 -7\n59 -20 0\n-10 6\n10 4\n0 0\n");
-        let pitch = PitchTable::default();
-        let proposal = add_table(Axis::Z, &table, &parameters, &pitch, false).unwrap();
-        let (mut parameters, mut pitch) = (parameters, pitch);
-        for change in &proposal.changes {
-            change.apply(&mut parameters, &mut pitch).unwrap();
-        }
-        let values: Vec<i16> = (58..=61).map(|point| pitch.value(Axis::Z, point)).collect();
-        assert_eq!(values, [0, -7, 6, 4]);
-        assert_eq!(parameters.value(35), 5);
-        let twice = add_table(Axis::Z, &table, &parameters, &pitch, false).unwrap();
-        let point = Change::Pitch {
-            axis: Axis::Z,
-            point: 60,
-            value: 12,
-        };
-        assert!(twice.changes.contains(&point));
-        let cleared = add_table(Axis::Z, &table, &parameters, &pitch, true).unwrap();
-        assert_eq!(cleared.changes, []);
-        for (text, line) in [
-            ("spacing 20\n20 1\n", "1"),
-            ("\n15 1\n", "2"),
-            ("10 1\n0 1\n", "2"),
-            ("62 10 1\n", "1"),
-            ("-700 1\n", "1"),
-            ("10 300\n", "1"),
-            ("10 0.5\n", "1"),
-            ("backlash -3\n10 1\n", "1"),
-        ] {
-            let refused = add_table(Axis::Z, &table_of(text), &parameters, &pitch, false);
-            let said = refused.unwrap_err();
-            assert_eq!(said.plain_value("line"), Some(line), "{text}");
-        }
     }
 }

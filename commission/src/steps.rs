@@ -2,7 +2,7 @@
 //! (manual III-12.3 to III-12.8).
 
 use gsk_core::axis::{gear_speed_limit, pulse_weight};
-use gsk_core::memory::{Parameters, PitchTable};
+use gsk_core::memory::{Parameters, PitchTable, parameter};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
@@ -163,8 +163,14 @@ fn gear(
 ) -> Result<Proposal, Message> {
     let ratio = nearest_ratio(wanted, tolerance)?;
     let mut changes = vec![
-        value(of(axis, 15, 16), ratio.multiply),
-        value(of(axis, 17, 18), ratio.divide),
+        value(
+            of(axis, parameter::X_MULTIPLIER, parameter::Z_MULTIPLIER),
+            ratio.multiply,
+        ),
+        value(
+            of(axis, parameter::X_DIVISOR, parameter::Z_DIVISOR),
+            ratio.divide,
+        ),
     ];
     let mut notes = vec![say::commission_gear_off(
         ratio.multiply,
@@ -177,13 +183,9 @@ fn gear(
         change.apply(&mut then, &mut none)?;
     }
     if let Some(limit) = gear_speed_limit(axis, &then) {
-        // 113 is halved for X.
-        let approach = match axis {
-            Axis::X => 2.0 * limit,
-            Axis::Z => limit,
-        };
-        let rapid = of(axis, 22, 23);
-        for (number, most) in [(rapid, limit), (113, approach)] {
+        let approach = approach_limit(axis, limit);
+        let rapid = of(axis, parameter::X_RAPID, parameter::Z_RAPID);
+        for (number, most) in [(rapid, limit), (parameter::ZERO_HIGH_SPEED, approach)] {
             if f64::from(parameters.value(number)) > most {
                 changes.push(value(number, most.floor() as i32));
             }
@@ -192,6 +194,23 @@ fn gear(
     }
     notes.push(say::pitch_zero_return_needed());
     proposal(changes, notes, parameters)
+}
+
+/// The largest rate of the approach (113) for the largest rate of an axis: it is halved for X.
+const fn approach_limit(axis: Axis, limit: f64) -> f64 {
+    match axis {
+        Axis::X => 2.0 * limit,
+        Axis::Z => limit,
+    }
+}
+
+/// A rate of the approach that neither axis is too slow for: 113 is that of both.
+fn approach(wanted: i32, parameters: &Parameters) -> i32 {
+    let limits = [Axis::X, Axis::Z].into_iter().filter_map(|axis| {
+        let limit = gear_speed_limit(axis, parameters)?;
+        Some(approach_limit(axis, limit).floor() as i32)
+    });
+    limits.fold(wanted, i32::min)
 }
 
 /// The kind of the drives.
@@ -213,25 +232,25 @@ pub fn acceleration(kind: DriveKind, parameters: &Parameters) -> Result<Proposal
     let at_least = |number, limit| value(number, parameters.value(number).max(limit));
     let changes = match kind {
         DriveKind::Stepper => vec![
-            at_most(22, 2500),
-            at_most(23, 5000),
-            at_least(24, 450),
-            at_least(25, 450),
-            at_least(26, 250),
-            at_most(28, 50),
-            at_least(29, 250),
-            at_most(30, 50),
+            at_most(parameter::X_RAPID, 2500),
+            at_most(parameter::Z_RAPID, 5000),
+            at_least(parameter::X_RAPID_TIME, 450),
+            at_least(parameter::Z_RAPID_TIME, 450),
+            at_least(parameter::THREAD_TIME, 250),
+            at_most(parameter::THREAD_LOW_SPEED, 50),
+            at_least(parameter::FEED_TIME, 250),
+            at_most(parameter::FEED_LOW_SPEED, 50),
             bit(7, 3, true),
         ],
         DriveKind::Servo => vec![
-            value(22, 3800),
-            value(23, 7600),
-            at_most(24, 50),
-            at_most(25, 50),
-            at_most(26, 50),
-            at_most(28, 500),
-            at_most(29, 50),
-            at_most(30, 500),
+            value(parameter::X_RAPID, 3800),
+            value(parameter::Z_RAPID, 7600),
+            at_most(parameter::X_RAPID_TIME, 50),
+            at_most(parameter::Z_RAPID_TIME, 50),
+            at_most(parameter::THREAD_TIME, 50),
+            at_most(parameter::THREAD_LOW_SPEED, 500),
+            at_most(parameter::FEED_TIME, 50),
+            at_most(parameter::FEED_LOW_SPEED, 500),
         ],
     };
     // With a gear that multiplies the pulses set the limit.
@@ -239,8 +258,12 @@ pub fn acceleration(kind: DriveKind, parameters: &Parameters) -> Result<Proposal
         Change::Value {
             number,
             value: rate,
-        } if number == 22 || number == 23 => {
-            let axis = if number == 22 { Axis::X } else { Axis::Z };
+        } if [parameter::X_RAPID, parameter::Z_RAPID].contains(&number) => {
+            let axis = if number == parameter::X_RAPID {
+                Axis::X
+            } else {
+                Axis::Z
+            };
             let limit = gear_speed_limit(axis, parameters).map_or(rate, |it| it.floor() as i32);
             value(number, rate.min(limit))
         }
@@ -279,7 +302,10 @@ pub fn largest_lag(axis: Axis, lag: Lag, parameters: &Parameters) -> Result<Prop
     let mut changes = Vec::new();
     if most < rate {
         let least = 6.0;
-        changes.push(value(of(axis, 22, 23), most.floor().max(least) as i32));
+        changes.push(value(
+            of(axis, parameter::X_RAPID, parameter::Z_RAPID),
+            most.floor().max(least) as i32,
+        ));
     } else {
         notes.push(say::commission_lag_fine());
     }
@@ -315,8 +341,8 @@ pub fn reference(
             bit(7, own, false),
             bit(11, 2, true),
             bit(14, own, true),
-            value(33, 200),
-            value(113, 7600),
+            value(parameter::ZERO_LOW_SPEED, 200),
+            value(parameter::ZERO_HIGH_SPEED, approach(7600, parameters)),
         ],
         ZeroMethod::OneSwitch => vec![
             bit(4, 5, false),
@@ -324,8 +350,8 @@ pub fn reference(
             bit(7, own, true),
             bit(11, 2, false),
             bit(14, own, true),
-            value(33, 200),
-            value(113, 5000),
+            value(parameter::ZERO_LOW_SPEED, 200),
+            value(parameter::ZERO_HIGH_SPEED, approach(5000, parameters)),
         ],
     };
     let notes = match method {
@@ -363,12 +389,13 @@ pub fn spindle(read: SpindleSpeed, parameters: &Parameters) -> Result<Proposal, 
         }
         volts => volts.unwrap_or(10.0),
     };
-    let gain = (f64::from(parameters.value(21)) * 10.0 / volts).round();
+    let gain = (f64::from(parameters.value(parameter::SPINDLE_GAIN)) * 10.0 / volts).round();
     // With the voltage set right the speed changes with it.
     let rpm = (read.rpm * 10.0 / volts).round();
-    let mut changes = vec![value(36 + u16::from(read.gear), rpm as i32)];
+    let gear = parameter::GEAR_SPEED_1 + u16::from(read.gear) - 1;
+    let mut changes = vec![value(gear, rpm as i32)];
     if read.volts.is_some() {
-        changes.insert(0, value(21, gain as i32));
+        changes.insert(0, value(parameter::SPINDLE_GAIN, gain as i32));
     }
     proposal(changes, Vec::new(), parameters)
 }
@@ -394,7 +421,7 @@ pub fn backlash(
 ) -> Result<Proposal, Message> {
     const LARGEST_UM: f64 = 2000.0;
     const SPREAD_UM: f64 = 10.0;
-    let number = of(axis, 34, 35);
+    let number = of(axis, parameter::X_BACKLASH, parameter::Z_BACKLASH);
     if readings.is_empty() {
         let notes = vec![say::commission_backlash_zero(number)];
         return proposal(vec![value(number, 0)], notes, parameters);
@@ -447,9 +474,16 @@ mod tests {
             measured: Travel(measured),
         };
         let half = gear_measured(Axis::Z, made(-100.0, -50.0), &parameters).unwrap();
-        assert_eq!(changed(&half), [(16, 2), (23, 3800), (113, 3800)]);
+        assert_eq!(
+            changed(&half),
+            [
+                (parameter::Z_MULTIPLIER, 2),
+                (parameter::Z_RAPID, 3800),
+                (parameter::ZERO_HIGH_SPEED, 3800)
+            ]
+        );
         let twice = gear_measured(Axis::X, made(100.0, 200.0), &parameters).unwrap();
-        assert_eq!(changed(&twice), [(17, 2)]);
+        assert_eq!(changed(&twice), [(parameter::X_DIVISOR, 2)]);
         for (commanded, measured) in [(100.0, -100.0), (100.0, 0.0), (0.0, 0.0), (f64::NAN, 1.0)] {
             assert!(gear_measured(Axis::X, made(commanded, measured), &parameters).is_err());
         }
@@ -464,23 +498,53 @@ mod tests {
         assert_eq!(changed(&plates), []);
     }
 
+    /// 113 is that of both axes, and twice that of X.
+    #[test]
+    fn the_approach_to_the_zero_keeps_below_the_limit_of_the_gears() {
+        let approach = |parameters: &Parameters, method| {
+            let proposal = reference(Axis::X, method, parameters).unwrap();
+            let (mut then, mut none) = (parameters.clone(), PitchTable::default());
+            for change in proposal.changes {
+                change.apply(&mut then, &mut none).unwrap();
+            }
+            then.value(parameter::ZERO_HIGH_SPEED)
+        };
+        let mut parameters = Parameters::default();
+        let both = ZeroMethod::SwitchAndSignal;
+        assert_eq!(approach(&parameters, both), 7600);
+        parameters.set(parameter::Z_MULTIPLIER, 2).unwrap();
+        let limit = gear_speed_limit(Axis::Z, &parameters).unwrap().floor() as i32;
+        assert_eq!(approach(&parameters, both), limit);
+        assert_eq!(
+            approach(&parameters, ZeroMethod::OneSwitch),
+            limit.min(5000)
+        );
+        parameters.set(parameter::Z_MULTIPLIER, 1).unwrap();
+        parameters.set(parameter::X_MULTIPLIER, 4).unwrap();
+        let limit = (2.0 * gear_speed_limit(Axis::X, &parameters).unwrap()).floor() as i32;
+        assert_eq!(approach(&parameters, both), limit.min(7600));
+    }
+
     #[test]
     fn the_sets_of_the_manual() {
         let parameters = Parameters::default();
         let stepper = acceleration(DriveKind::Stepper, &parameters).unwrap();
         let stepper = changed(&stepper);
         for row in [
-            (22, 2500),
-            (23, 5000),
-            (24, 450),
-            (26, 250),
-            (28, 50),
-            (29, 250),
+            (parameter::X_RAPID, 2500),
+            (parameter::Z_RAPID, 5000),
+            (parameter::X_RAPID_TIME, 450),
+            (parameter::THREAD_TIME, 250),
+            (parameter::THREAD_LOW_SPEED, 50),
+            (parameter::FEED_TIME, 250),
         ] {
             assert!(stepper.contains(&row), "{row:?} in {stepper:?}");
         }
         let one = reference(Axis::Z, ZeroMethod::OneSwitch, &parameters).unwrap();
-        assert!(changed(&one).contains(&(7, 0b10)) && changed(&one).contains(&(113, 5000)));
+        assert!(
+            changed(&one).contains(&(7, 0b10))
+                && changed(&one).contains(&(parameter::ZERO_HIGH_SPEED, 5000))
+        );
         let none = reference(Axis::X, ZeroMethod::NoSwitch, &parameters).unwrap();
         assert_eq!(changed(&none), [(14, 0)]);
     }
@@ -493,7 +557,7 @@ mod tests {
             allowed: Travel(allowed),
         };
         let slower = largest_lag(Axis::Z, lag(3.0, 3.0), &parameters).unwrap();
-        assert_eq!(changed(&slower), [(23, 6080)]);
+        assert_eq!(changed(&slower), [(parameter::Z_RAPID, 6080)]);
         let fine = largest_lag(Axis::Z, lag(-1.0, 3.0), &parameters).unwrap();
         assert_eq!(changed(&fine), []);
         assert!(largest_lag(Axis::Z, lag(0.0, 3.0), &parameters).is_err());
@@ -510,7 +574,13 @@ mod tests {
         assert!(spindle(read, &parameters).is_err());
         parameters.set_bit(1, 4, true).unwrap();
         let right = spindle(read, &parameters).unwrap();
-        assert_eq!(changed(&right), [(21, 568), (38, 2000)]);
+        assert_eq!(
+            changed(&right),
+            [
+                (parameter::SPINDLE_GAIN, 568),
+                (parameter::GEAR_SPEED_1 + 1, 2000)
+            ]
+        );
         assert!(spindle(SpindleSpeed { gear: 5, ..read }, &parameters).is_err());
     }
 
@@ -523,18 +593,18 @@ mod tests {
         };
         let readings = [reading(0.0, 0.022), reading(1.001, 1.025)];
         let play = backlash(Axis::X, &readings, &parameters).unwrap();
-        assert_eq!(changed(&play), [(34, 23)]);
+        assert_eq!(changed(&play), [(parameter::X_BACKLASH, 23)]);
         let said = play
             .notes
             .iter()
             .map(ToString::to_string)
             .collect::<Vec<_>>();
         assert_eq!(said, ["mean of 2 readings 23.0 µm, spread 2.0 µm"]);
-        parameters.set(34, 5).unwrap();
+        parameters.set(parameter::X_BACKLASH, 5).unwrap();
         assert!(backlash(Axis::X, &readings, &parameters).is_err());
         assert_eq!(
             changed(&backlash(Axis::X, &[], &parameters).unwrap()),
-            [(34, 0)]
+            [(parameter::X_BACKLASH, 0)]
         );
         assert!(backlash(Axis::Z, &[reading(0.0, 3.0)], &parameters).is_err());
     }

@@ -2,10 +2,11 @@
 """Programs as plain text, with programs at the other end that nobody here wrote.
 
 `ascii-xfr` (Debian package minicom) sends a program into the control and to the PC's
-side, `pyserial` (PyPI) takes one from both, with XON/XOFF; what arrives must be what
-was sent, for every kind of line end.
+side, `pyserial` (PyPI) takes one from both, with XON/XOFF; the terminal program `picocom`
+(Debian) does both, and keeps what it takes in its log. What arrives must be what was sent,
+for every kind of line end.
 
-    sudo apt-get install minicom && pip install pyserial
+    sudo apt-get install minicom picocom && pip install pyserial
     cargo build --release
     tests/oracles/dnc_text.py [target/release/gsk980td]
 """
@@ -62,6 +63,15 @@ def ascii_xfr(file, line):
     subprocess.run(["ascii-xfr", "-s", "-n", str(file)], stdin=line, stdout=line, stderr=subprocess.DEVNULL, check=True)
 
 
+def picocom(port, *, source=None, log=None):
+    """A terminal program on the line: types a file, or keeps what comes in, until it is quiet."""
+    options = ["--quiet", "--baud", str(BAUD), "--flow", "x", "--noreset", "--nolock", "--exit-after", "3000"]
+    if log:
+        options += ["--logfile", str(log)]
+    with open(source or os.devnull, "rb") as typed:
+        subprocess.run(["picocom", *options, port], stdin=typed, stdout=subprocess.DEVNULL, check=True)
+
+
 def taken(port):
     """What pyserial takes between the first % and the second one."""
     with serial.Serial(port, BAUD, xonxoff=True, timeout=60) as line:
@@ -89,6 +99,11 @@ def main():
                     control.says("came in")
                 transfer("receive", "O0331.CNC", "--into", folder / name, "--port", control.port, "--baud", BAUD)
             compare(f"ascii-xfr to the control, {name}", (folder / name / "O0331.CNC").read_text())
+            with Control() as control:
+                picocom(control.port, source=file)
+                control.says("came in")
+                transfer("receive", "O0331.CNC", "--into", folder / f"{name}-picocom", "--port", control.port, "--baud", BAUD)
+            compare(f"picocom to the control, {name}", (folder / f"{name}-picocom" / "O0331.CNC").read_text())
             # To the PC's side.
             near, far = os.openpty()
             tty.setraw(far)
@@ -106,6 +121,10 @@ def main():
             with Control("--text", name, "--out", str(file), "--out-after", "2") as control:
                 text = taken(control.port)
             compare(f"the control to pyserial, {name}", text, end + wanted + "%")
+            log = folder / f"{name}.log"
+            with Control("--text", name, "--out", str(file), "--out-after", "2") as control:
+                picocom(control.port, log=log)
+            compare(f"the control to picocom, {name}", log.read_bytes().decode("ascii").rstrip(end), "%" + end + wanted + "%")
             words = ["transfer", "send-text", file, "--port", os.ttyname(far), "--baud", str(BAUD), "--line-end", name]
             sender = subprocess.Popen([PROGRAM, *map(str, words)], stdout=subprocess.DEVNULL)
             found = b""

@@ -1,5 +1,6 @@
 //! The PC's side at a port of the computer: an order, and what comes of it.
 
+use gsk_messages::{Message, say};
 use gsk_transfer::{
     Entry, FileName, Loss, NewFile, Order, Outcome, Partition, PcSide, Place, Progress,
 };
@@ -43,12 +44,32 @@ pub struct Traffic {
     pub busy: Duration,
     /// Frames that went out again (重试次数).
     pub retries: u64,
+    /// Speed of the line, bits a second.
+    pub baud: u32,
 }
 
 impl Traffic {
     /// Bytes a second (传输速率).
     pub fn rate(&self) -> f64 {
         self.bytes as f64 / self.busy.as_secs_f64().max(0.001)
+    }
+
+    /// What that is of what the line carries with ten bits a byte, 1: all of it.
+    pub fn share(&self) -> f64 {
+        self.rate() * 10.0 / f64::from(self.baud.max(1))
+    }
+
+    /// What has gone and how fast (传输速率, 重试次数).
+    pub fn message(&self) -> Message {
+        say::transfer_rate(
+            self.files,
+            self.bytes,
+            self.busy.as_secs_f64(),
+            self.rate().round(),
+            self.share() * 100.0,
+            self.baud,
+            self.retries,
+        )
     }
 }
 
@@ -72,7 +93,10 @@ impl Talk {
             side: PcSide::new(baud),
             begun: Instant::now(),
             watch,
-            traffic: Traffic::default(),
+            traffic: Traffic {
+                baud,
+                ..Traffic::default()
+            },
         })
     }
 

@@ -21,7 +21,6 @@ mod opener;
 mod panel_view;
 mod placing;
 mod pointing;
-mod project;
 mod questions;
 mod reader;
 pub mod refusal;
@@ -58,11 +57,10 @@ use long_press::LongPress;
 use message::Message;
 use opener::Opener;
 use pointing::Pointing;
-pub use project::Chosen;
-use project::ProjectCommand;
 use questions::Questions;
 pub use settings::Settings;
 use view::View;
+pub use views::project::Chosen;
 use views::{Views, header};
 
 pub use key_map::pc_name;
@@ -95,9 +93,6 @@ pub struct Window {
     lcd: lcd::Lcd,
     face: face::Face,
     models: Models,
-    projects: project::Desk,
-    /// Values of a project that the control is to take over.
-    chosen: Option<Chosen>,
     first_start: Option<FirstStart>,
     long_press: LongPress,
     /// Which way the axis keys move, for their tips.
@@ -124,6 +119,7 @@ impl Window {
             settings.solid,
             settings.lessons.clone(),
             settings.transfer.clone(),
+            settings.projects.clone(),
         );
         Self {
             console,
@@ -144,8 +140,6 @@ impl Window {
             lcd: lcd::Lcd::default(),
             face: face::Face::default(),
             models: Models::default(),
-            projects: project::Desk::default(),
-            chosen: None,
             first_start: None,
             long_press: LongPress::default(),
             reversed: KeysReversed::default(),
@@ -167,14 +161,21 @@ impl Window {
         self.models.asked.take()
     }
 
-    /// Lists what differs between a project and the control.
+    /// Opens a project and lists what differs from the control.
     pub fn compare(&mut self, context: &egui::Context, folder: PathBuf) {
-        self.projects.compare(folder, &self.console, context);
+        self.views.project().open(folder, true, context);
+        self.show_view(View::Project);
+    }
+
+    fn show_view(&mut self, view: View) {
+        if !self.settings.layouts.is_open(view) {
+            self.settings.layouts.toggle(view);
+        }
     }
 
     /// What the control is to take over while it is off.
     pub const fn take_chosen(&mut self) -> Option<Chosen> {
-        self.chosen.take()
+        self.views.project().take_chosen()
     }
 
     /// The models to choose from, and why not now.
@@ -224,8 +225,19 @@ impl Window {
         view.set_lessons(lessons.lessons, lessons.wrong);
     }
 
-    /// Opens a program file; what comes of it is said on the line of messages.
+    /// Opens a program file, or a project by its `project.gpr`; what comes of it is said on
+    /// the line of messages.
     pub fn open(&mut self, context: &egui::Context, path: PathBuf) {
+        let is_project = path
+            .file_name()
+            .is_some_and(|name| name == crate::project::HEAD);
+        if let Some(folder) = path
+            .parent()
+            .filter(|_| is_project && platform::has_folders())
+        {
+            self.compare(context, folder.to_owned());
+            return;
+        }
         self.opener.open(path, context);
     }
 
@@ -266,6 +278,8 @@ impl Window {
     /// Draws the window and takes its input.
     pub fn ui(&mut self, ui: &mut Ui) {
         self.receive();
+        let why_not = self.model_choice().why_not;
+        self.views.project().set_why_not(why_not);
         self.views.follow(&self.settings.layouts);
         self.take_files(ui);
         zoom::follow(ui.ctx(), &self.settings);
@@ -308,6 +322,10 @@ impl Window {
         if self.settings.transfer != *transfer {
             self.settings.transfer.clone_from(transfer);
         }
+        let projects = self.views.project().remembered();
+        if self.settings.projects != *projects {
+            self.settings.projects.clone_from(projects);
+        }
         if let Some(asked) = asked {
             if asked.shows_something() {
                 self.first_start = None;
@@ -327,9 +345,6 @@ impl Window {
         let unsaved = self.views.unsaved();
         self.questions
             .show(ui.ctx(), language, picture, &self.console, unsaved);
-        let why_not = self.model_choice().why_not;
-        let chosen = self.projects.show(ui.ctx(), language, why_not.as_ref());
-        self.chosen = chosen.or(self.chosen.take());
         self.browser.show(ui.ctx(), language);
         self.keyboard(ui);
         let (board, lcd) = (self.board(), self.lcd.place());
@@ -462,12 +477,10 @@ impl Window {
             top_bar::Asked::Sample(sample) => self.opener.open_sample(sample, ui.ctx()),
             // A page has no folders, and need not have what reads them.
             top_bar::Asked::Project(_) if !platform::has_folders() => {}
-            top_bar::Asked::Project(ProjectCommand::Compare) => {
-                let language = self.settings.language;
-                self.projects.choose(&self.console, language, ui.ctx());
-            }
             top_bar::Asked::Project(command) => {
-                project::save(command, &self.console, self.settings.language, ui.ctx());
+                let language = self.settings.language;
+                self.views.project().command(command, language, ui.ctx());
+                self.show_view(View::Project);
             }
             top_bar::Asked::Layout(layout) => self.settings.layouts.choose(layout),
             top_bar::Asked::View(view) => self.settings.layouts.toggle(view),

@@ -26,6 +26,8 @@ pub enum Unsaved {
     Text,
     /// Tools and stock of the machine view.
     Job,
+    /// The project.
+    Project,
 }
 
 impl Unsaved {
@@ -34,6 +36,7 @@ impl Unsaved {
         match self {
             Self::Text => [say::question_text_unsaved(), say::question_text_is_lost()],
             Self::Job => [say::question_job_unsaved(), say::question_job_is_lost()],
+            Self::Project => [say::project_view_unsaved(), say::project_view_is_lost()],
         }
     }
 }
@@ -154,7 +157,7 @@ fn loss(picture: Option<&Snapshot>, unsaved: Option<Unsaved>) -> Option<[Message
 }
 
 /// Draws a question; the answer that was clicked.
-fn ask(
+pub fn ask(
     context: &Context,
     id: &str,
     title: &str,

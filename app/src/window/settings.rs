@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::layout::Layouts;
+use super::views::project::Projects;
 use crate::pc::Remembered;
 use gsk_messages::Language;
 
@@ -30,6 +31,8 @@ pub struct Settings {
     pub lessons: BTreeSet<String>,
     /// Port, speed and files of the view that is the PC's side of the serial port.
     pub transfer: Remembered,
+    /// Projects of the last time.
+    pub projects: Projects,
     /// The questions of the first start wait to be answered.
     pub first_start: bool,
     /// The lathe that was chosen at the first start; none: the simulated one as delivered.
@@ -48,6 +51,7 @@ impl Default for Settings {
             solid: false,
             lessons: BTreeSet::new(),
             transfer: Remembered::default(),
+            projects: Projects::default(),
             first_start: false,
             machine: None,
             zoom: None,

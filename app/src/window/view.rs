@@ -30,6 +30,8 @@ pub enum View {
     Commission,
     /// Parameters, offsets and variables.
     Data,
+    /// All that a control holds, as a folder.
+    Project,
 }
 
 impl View {
@@ -41,9 +43,13 @@ impl View {
         )
     }
 
-    /// Whether there is one here: a page in a browser has no ports.
+    /// Whether there is one here: a page in a browser has neither ports nor folders.
     pub const fn is_there(self) -> bool {
-        !matches!(self, Self::Transfer) || platform::has_ports()
+        match self {
+            Self::Transfer => platform::has_ports(),
+            Self::Project => platform::has_folders(),
+            _ => true,
+        }
     }
 
     /// Its row of the table.
@@ -68,7 +74,7 @@ pub struct ViewRow {
 }
 
 /// The views in the order of the menu.
-pub static VIEWS: [ViewRow; 10] = [
+pub static VIEWS: [ViewRow; 11] = [
     ViewRow {
         view: View::Machine,
         name: say::window_view_machine,
@@ -138,6 +144,13 @@ pub static VIEWS: [ViewRow; 10] = [
         key: None,
         size: [1000.0, 700.0],
         least: [520.0, 400.0],
+    },
+    ViewRow {
+        view: View::Project,
+        name: say::window_view_project,
+        key: None,
+        size: [1000.0, 700.0],
+        least: [520.0, 360.0],
     },
 ];
 

@@ -1,6 +1,7 @@
 //! A window without a display with its kernel, for the tests of the window.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+pub mod folder;
 pub mod hand;
 
 use std::path::Path;

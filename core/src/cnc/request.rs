@@ -86,8 +86,8 @@ pub enum Request {
     SetMacroVariable {
         /// #1–#33 of the run that stands, #100–#231, #500–#999; or #1–#99.
         number: u16,
-        /// Its value.
-        value: f64,
+        /// Its value; none: null.
+        value: Option<f64>,
     },
     /// A point of the pitch error table.
     SetPitch {
@@ -176,8 +176,10 @@ pub enum OffsetEntry {
     Change(Axis, f64),
     /// U or W alone: the relative coordinate.
     Counter(Axis),
-    /// R: nose radius, mm.
+    /// R: nose radius, in the unit of the display.
     NoseRadius(f64),
+    /// Nose radius as the table holds it, mm.
+    StoredRadius(f64),
     /// T: position of the imaginary tool nose.
     NoseNumber(u8),
 }

@@ -220,9 +220,9 @@ impl Interpreter {
         self.main.levels.get(number)
     }
 
-    /// Gives it a value.
-    pub(crate) fn set_local(&mut self, number: u8, value: f64) {
-        self.main.levels.set(number, Some(value));
+    /// Gives it a value, or makes it null.
+    pub(crate) fn set_local(&mut self, number: u8, value: Option<f64>) {
+        self.main.levels.set(number, value);
     }
 
     /// Whether commands of the block read last are still to come.

@@ -43,7 +43,10 @@ impl Panel {
                 let variable = numbers.get(cursor.item).copied();
                 variable
                     .zip(number(input))
-                    .map(|(number, value)| Request::SetMacroVariable { number, value })
+                    .map(|(number, value)| Request::SetMacroVariable {
+                        number,
+                        value: Some(value),
+                    })
             }
             PageId::Macro => Variables::numbers()
                 .nth(cursor.item)

@@ -2,15 +2,18 @@
 //! a person with a laser and a gauge does it (manual III-12.4 to III-12.8): what is left is
 //! less than 2 µm.
 
+use std::collections::BTreeSet;
+
 use crate::bench::keys::{CYCLE_START, MDI, X_PLUS, Z_PLUS, ZERO};
 use crate::bench::{press, ticks};
 use gsk_commission::{
     Backlash, Change, Deviation, Direction, DriveKind, GearMeasured, Measurement, PlanWish,
-    Proposal, Reading, Step, Travel, Undo, ZeroMethod, acceleration, backlash, fit, gear_measured,
-    plan, reference,
+    Proposal, Reading, SpindleSpeed, Step, Travel, Undo, ZeroMethod, acceleration, backlash,
+    direction, fit, gear_measured, plan, reference, spindle,
 };
 use gsk_core::cnc::Request;
 use gsk_core::machine::{AxisConfig, ScrewError};
+use gsk_core::memory::parameter;
 use gsk_core::operation::RunState;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
@@ -53,6 +56,8 @@ fn badly_set(axis: &AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> Axi
         }
     });
     AxisConfig {
+        // The motor is mounted the other way round, or not.
+        reversed: dice.throw() < 0.5,
         pulse: Some(dice.between(0.000_25, 0.000_6)),
         backlash: (dice.between(5.0, 60.0) / 1000.0) * scale,
         pitch_errors: points.collect(),
@@ -65,6 +70,12 @@ fn lathe(seed: u64) -> Simulation {
     let mut setup = Setup::delivered();
     setup.lathe.x = badly_set(&setup.lathe.x, 2.0, 150.0, &mut dice);
     setup.lathe.z = badly_set(&setup.lathe.z, 1.0, 500.0, &mut dice);
+    // Gear 1 turns at another speed than 037 says, and 10 V are none.
+    setup.lathe.spindle.top = Some([dice.between(1200.0, 4000.0).round(), 2000.0, 2500.0, 3000.0]);
+    let parameters = &mut setup.memory.parameters;
+    parameters.set_bit(1, 4, true).unwrap();
+    let gain = dice.between(480.0, 620.0) as i32;
+    parameters.set(parameter::SPINDLE_GAIN, gain).unwrap();
     setup.lathe.check().unwrap();
     let mut simulation = Simulation::new(setup);
     ticks(&mut simulation, 300);
@@ -201,6 +212,56 @@ impl Person {
         self.simulation.cnc.battery().parameters.clone()
     }
 
+    /// A short move, and 008 turned over where the slide goes against it; whether it did.
+    #[track_caller]
+    fn turn_round(&mut self, axis: Axis) -> bool {
+        let from = self.slide(axis);
+        self.go(axis, -2.0);
+        let reversed = self.slide(axis) > from;
+        self.go(axis, 2.0);
+        if reversed {
+            // A gear is not made of such a move.
+            let made = GearMeasured {
+                commanded: Travel(-2.0),
+                measured: Travel(1.0),
+            };
+            gear_measured(axis, made, &self.parameters()).unwrap_err();
+            let proposal = direction(axis, &self.parameters()).unwrap();
+            self.write(Step::Direction, &proposal);
+            self.simulation.power_cycle();
+            ticks(&mut self.simulation, 300);
+            let from = self.slide(axis);
+            self.go(axis, -2.0);
+            assert!(self.slide(axis) < from, "{axis:?} still goes the wrong way");
+        }
+        reversed
+    }
+
+    /// The speed that the spindle has at S9999 or less, and the voltage.
+    #[track_caller]
+    fn turns(&mut self, speed: u32) -> (f64, f64) {
+        self.block(&["M03".to_owned(), format!("S{speed}")]);
+        ticks(&mut self.simulation, 4000);
+        let volts = self.simulation.cnc.spindle().volts();
+        let rpm = self.simulation.lathe.spindle_rpm();
+        self.block(&["M05".to_owned()]);
+        ticks(&mut self.simulation, 4000);
+        (rpm, volts)
+    }
+
+    /// Voltage and speed of the first gear.
+    #[track_caller]
+    fn spindle(&mut self) {
+        let (rpm, volts) = self.turns(9999);
+        let read = SpindleSpeed {
+            gear: 1,
+            rpm,
+            volts: Some(volts),
+        };
+        let proposal = spindle(read, &self.parameters()).unwrap();
+        self.write(Step::Spindle, &proposal);
+    }
+
     /// The gear from a long move, approached from the same side.
     fn gear(&mut self, axis: Axis, far: f64) {
         self.go(axis, -5.0);
@@ -288,6 +349,7 @@ impl Person {
 
 #[test]
 fn a_badly_set_lathe_is_set_right() {
+    let mut reversed = Vec::new();
     for seed in [1, 20, 300] {
         let mut person = Person {
             simulation: lathe(seed),
@@ -296,6 +358,13 @@ fn a_badly_set_lathe_is_set_right() {
             laser: 0.0,
         };
         let delivered = person.simulation.cnc.battery();
+        let turned = [Axis::X, Axis::Z].map(|axis| person.turn_round(axis));
+        reversed.push(turned);
+        let (wrong, _) = person.turns(1000);
+        assert!((wrong - 1000.0).abs() > 20.0, "{wrong} r/min for 1000");
+        person.spindle();
+        let (right, _) = person.turns(1000);
+        assert!((right - 1000.0).abs() < 2.0, "{right} r/min for 1000");
         for axis in [Axis::X, Axis::Z] {
             let (far, targets) = match axis {
                 Axis::X => (40.0, 15),
@@ -305,10 +374,7 @@ fn a_badly_set_lathe_is_set_right() {
             let rates = acceleration(DriveKind::Servo, &person.parameters()).unwrap();
             person.write(Step::Acceleration, &rates);
             let zero = reference(axis, ZeroMethod::SwitchAndSignal, &person.parameters());
-            let mut zero = zero.unwrap();
-            // A gear that multiplies leaves no more.
-            zero.changes
-                .retain(|it| !matches!(it, Change::Value { number: 113, .. }));
+            let zero = zero.unwrap();
             person.write(Step::Reference, &zero);
             person.home(axis);
             person.play(axis);
@@ -335,6 +401,14 @@ fn a_badly_set_lathe_is_set_right() {
         let memory = person.simulation.cnc.battery();
         assert_eq!(memory.parameters, delivered.parameters);
         assert_eq!(memory.pitch, delivered.pitch);
+    }
+    // Each axis was right once, and wrong once.
+    for axis in 0..2 {
+        let ways: BTreeSet<bool> = reversed
+            .iter()
+            .filter_map(|it| it.get(axis).copied())
+            .collect();
+        assert_eq!(ways.len(), 2, "{reversed:?}");
     }
 }
 

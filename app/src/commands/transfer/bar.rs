@@ -2,7 +2,6 @@
 
 use std::io::{self, IsTerminal};
 
-use gsk_messages::say;
 use gsk_transfer::{FileName, Progress};
 use indicatif::{ProgressBar, ProgressStyle};
 use web_time::Duration;
@@ -75,12 +74,5 @@ pub(super) fn connect(args: &TransferPortArgs) -> Result<Talk, CommandError> {
 
 /// Says what has gone and how fast (传输速率, 重试次数).
 pub(super) fn say_rate(talk: &Talk) {
-    let traffic = talk.traffic();
-    output::say(&say::transfer_rate(
-        traffic.files,
-        traffic.bytes,
-        traffic.busy.as_secs_f64(),
-        traffic.rate().round(),
-        traffic.retries,
-    ));
+    output::say(&talk.traffic().message());
 }

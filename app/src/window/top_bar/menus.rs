@@ -10,9 +10,9 @@ use super::{Asked, ModelChoice};
 use crate::platform;
 use crate::window::Settings;
 use crate::window::layout::LAYOUTS;
-use crate::window::project::COMMANDS;
 use crate::window::samples::SAMPLES;
 use crate::window::view::{VIEWS, key_name};
+use crate::window::views::project::COMMANDS;
 use crate::window::zoom;
 
 /// Programs: to be opened, those of the last time, samples, the lessons; and projects.

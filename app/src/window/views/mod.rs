@@ -1,5 +1,5 @@
 //! Views beside the panel: machine, program, scope, fault bench, ladder, link page, lessons,
-//! commissioning, transfer, parameters and offsets. They stand in panes of the window or in
+//! commissioning, transfer, parameters and offsets, project. They stand in panes of the window or in
 //! windows of their own; closed they cost nothing.
 
 mod aside;
@@ -12,6 +12,7 @@ mod lesson;
 mod link;
 mod machine;
 pub mod program;
+pub mod project;
 mod scope;
 mod transfer;
 mod written;
@@ -43,6 +44,7 @@ use lesson::LessonView;
 use link::LinkPage;
 use machine::{LatheView, Wish};
 use program::ProgramView;
+use project::{ProjectView, Projects};
 use scope::Scope;
 use transfer::TransferView;
 
@@ -62,6 +64,7 @@ pub struct Views {
     transfer: TransferView,
     commission: CommissionView,
     data: DataView,
+    project: ProjectView,
     console: Console,
     machine: Option<Arc<MachineView>>,
     /// A view that another one wants to be open.
@@ -70,12 +73,14 @@ pub struct Views {
 
 impl Views {
     /// All closed. `solid`: the machine view shows the part as a solid; `finished`: lessons
-    /// that were done before; `transfer`: port, speed and files of the last time.
+    /// that were done before; `transfer`: port, speed and files of the last time; `projects`:
+    /// those of the last time.
     pub fn new(
         console: &Console,
         solid: bool,
         finished: BTreeSet<String>,
         transfer: Remembered,
+        projects: Projects,
     ) -> Self {
         Self {
             shown: Vec::new(),
@@ -90,6 +95,7 @@ impl Views {
             transfer: TransferView::new(console.clone(), transfer),
             commission: CommissionView::new(console.clone()),
             data: DataView::new(console.clone()),
+            project: ProjectView::new(console.clone(), projects),
             console: console.clone(),
             machine: None,
             wanted: None,
@@ -126,7 +132,8 @@ impl Views {
                     | View::Lesson
                     | View::Transfer
                     | View::Commission
-                    | View::Data,
+                    | View::Data
+                    | View::Project,
                     _,
                 ) => {}
             }
@@ -161,10 +168,17 @@ impl Views {
         &self.transfer
     }
 
+    /// The project.
+    pub const fn project(&mut self) -> &mut ProjectView {
+        &mut self.project
+    }
+
     /// What closing the window would lose.
     pub fn unsaved(&self) -> Option<Unsaved> {
         let text = self.program.is_unsaved().then_some(Unsaved::Text);
-        text.or_else(|| self.lathe.is_unsaved().then_some(Unsaved::Job))
+        let job = || self.lathe.is_unsaved().then_some(Unsaved::Job);
+        let project = || self.project.is_unsaved().then_some(Unsaved::Project);
+        text.or_else(job).or_else(project)
     }
 
     /// Whether an open view shows the machine and the PLC.
@@ -198,6 +212,9 @@ impl Views {
                     self.wanted = Some(View::Scope);
                 }
             }
+            // A page has no folders, and need not have what reads them.
+            View::Project if !platform::has_folders() => {}
+            View::Project => self.project.show(ui, language),
             View::Data => self.data.show(ui, language, self.machine.as_ref()),
             View::Bench => self.bench.show(ui, language, self.machine.as_ref()),
             View::Ladder => {

@@ -181,7 +181,9 @@ impl Cnc {
             }
             return true;
         }
-        let entry = OffsetEntry::NoseRadius(radius);
+        // A word of a block is in the unit of programs.
+        let unit = if self.inch_input() { 25.4 } else { 1.0 };
+        let entry = OffsetEntry::StoredRadius(radius * unit);
         if self.request(Request::SetOffset { number, entry }).is_ok() {
             self.run.mdi.clear();
         }

@@ -37,6 +37,10 @@ impl Cnc {
         let mut offset = self.memory.offsets.get(number);
         let (axis, value) = match entry {
             OffsetEntry::NoseRadius(r) => {
+                offset.r = self.in_mm(r);
+                return self.store_offset(number, offset);
+            }
+            OffsetEntry::StoredRadius(r) => {
                 offset.r = r;
                 return self.store_offset(number, offset);
             }
@@ -153,12 +157,16 @@ impl Cnc {
     }
 
     /// A variable of macro B, local ones while no program runs, or of the Huaxing lathes.
-    pub(super) fn set_macro_variable(&mut self, number: u16, value: f64) -> Result<(), Alarm> {
+    pub(super) fn set_macro_variable(
+        &mut self,
+        number: u16,
+        value: Option<f64>,
+    ) -> Result<(), Alarm> {
         if self.rights().variables().is_err() {
             return Ok(());
         }
         if self.memory.model.record().own_variables {
-            self.memory.variables.set_counted(number, Some(value));
+            self.memory.variables.set_counted(number, value);
             return Ok(());
         }
         match u8::try_from(number) {
@@ -167,7 +175,7 @@ impl Cnc {
                 Ok(())
             }
             Ok(1..=33) => Ok(()),
-            _ => self.memory.variables.set_real(number, Some(value)),
+            _ => self.memory.variables.set_real(number, value),
         }
     }
 

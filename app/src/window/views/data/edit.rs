@@ -85,9 +85,9 @@ pub enum Edit {
     Variable {
         /// Number.
         number: u16,
-        /// Value; null is written as 0.
-        value: f64,
-        /// It takes values with a fraction.
+        /// Value; none: null.
+        value: Option<f64>,
+        /// It takes values with a fraction, and null.
         real: bool,
     },
 }
@@ -105,7 +105,7 @@ impl Edit {
                 let entry = match part {
                     Part::X => OffsetEntry::Stored(Axis::X, value),
                     Part::Z => OffsetEntry::Stored(Axis::Z, value),
-                    Part::R => OffsetEntry::NoseRadius(value),
+                    Part::R => OffsetEntry::StoredRadius(value),
                     // Checked when it was read.
                     Part::T => OffsetEntry::NoseNumber(value as u8),
                 };
@@ -118,8 +118,11 @@ impl Edit {
             } => Request::SetMacroVariable { number, value },
             Self::Variable { number, value, .. } => Request::SetVariable {
                 number,
-                // Whole, and checked when it was read.
-                value: value as i64,
+                // Whole, and checked when it was read; none of these is null.
+                value: match value {
+                    Some(value) => value as i64,
+                    None => 0,
+                },
             },
         }
     }
@@ -133,7 +136,12 @@ impl Edit {
                 part,
                 value,
             } => say::data_offset(number, part.letter(), value),
-            Self::Variable { number, value, .. } => say::data_variable(number, value),
+            Self::Variable {
+                number,
+                value: Some(value),
+                ..
+            } => say::data_variable(number, value),
+            Self::Variable { number, .. } => say::data_variable_null(number),
         }
     }
 
@@ -150,7 +158,7 @@ impl Edit {
             },
             Self::Variable { number, real, .. } => Self::Variable {
                 number,
-                value: variable(&machine.variables, number).unwrap_or(0.0),
+                value: variable(&machine.variables, number),
                 real,
             },
         }
@@ -224,7 +232,7 @@ impl Spot {
             Self::Offset(number, part) => self.offset(number, part, text, machine),
             Self::Variable(number) if machine.variables.real => Ok(Edit::Variable {
                 number,
-                value: self.number(text)?,
+                value: Some(self.number(text)?),
                 real: true,
             }),
             Self::Variable(number) => {
@@ -234,7 +242,7 @@ impl Spot {
                 let wrong = || say::data_variable_whole(self.name(), text);
                 Ok(Edit::Variable {
                     number,
-                    value: whole.ok_or_else(wrong)? as f64,
+                    value: Some(whole.ok_or_else(wrong)? as f64),
                     real: false,
                 })
             }

@@ -119,13 +119,7 @@ impl Job {
         let well = matches!(self.over, Some(None)) && self.last_error.is_none();
         well.then(|| match self.kind {
             Kind::Delete => say::transfer_view_over(),
-            Kind::Send | Kind::Receive => say::transfer_rate(
-                self.traffic.files,
-                self.traffic.bytes,
-                self.traffic.busy.as_secs_f64(),
-                self.traffic.rate().round(),
-                self.traffic.retries,
-            ),
+            Kind::Send | Kind::Receive => self.traffic.message(),
         })
     }
 

@@ -1,0 +1,317 @@
+//! What differs between the open project and the control, or another project, and what of
+//! it is to be taken over.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::{Button, Checkbox, RichText, ScrollArea, Ui};
+use gsk_core::memory::{Level, Refusal};
+use gsk_messages::{Language, Message, say};
+use gsk_project::{Difference, State, denied, diff, refused, sentence, whole_disk};
+
+use super::document::{Document, folder_of};
+use super::tree::{LadderParts, Node};
+use crate::kernel::Console;
+use crate::project::Encodings;
+
+/// Values of a project that the control is to take over.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chosen {
+    /// The folder of the project.
+    pub folder: PathBuf,
+    /// The values.
+    pub differences: Vec<Difference>,
+}
+
+impl Chosen {
+    /// Whether a value was chosen, as it was shown.
+    pub fn has(&self, difference: &Difference) -> bool {
+        let by_key = |it: &Difference| it.key.cmp(&difference.key);
+        let found = self.differences.binary_search_by(by_key).ok();
+        let found = found.and_then(|at| self.differences.get(at));
+        found.is_some_and(|it| it.new == difference.new)
+    }
+}
+
+/// What the project is compared with.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Other {
+    /// The control that is on.
+    Control,
+    /// Another project.
+    Folder(PathBuf),
+}
+
+/// What takes values over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// The control: 传送至CNC.
+    Control,
+    /// The open project: 从CNC读入.
+    Project,
+}
+
+/// The other side, as it was when it was compared.
+pub struct Basis {
+    /// Which.
+    pub other: Other,
+    /// What it holds.
+    pub state: State,
+    /// How its programs are written down.
+    pub encodings: Encodings,
+    /// The operation level that is in force in a control.
+    level: Option<Level>,
+}
+
+impl Basis {
+    /// Reads the other side; it waits.
+    ///
+    /// # Errors
+    /// The control gives no answer, the folder is no project.
+    pub fn of(other: Other, console: &Console) -> Result<Self, Message> {
+        let (state, encodings, level) = match &other {
+            Other::Control => {
+                let (state, level) = console.state().ok_or_else(say::project_no_answer)?;
+                (state, Encodings::new(), Some(level))
+            }
+            Other::Folder(path) => {
+                let document = Document::read(&folder_of(path))?;
+                ((*document.state).clone(), document.encodings, None)
+            }
+        };
+        Ok(Self {
+            other,
+            state,
+            encodings,
+            level,
+        })
+    }
+
+    fn name(&self) -> String {
+        match &self.other {
+            Other::Control => String::new(),
+            Other::Folder(path) => folder_of(path).display().to_string(),
+        }
+    }
+}
+
+/// A value that differs.
+struct Row {
+    difference: Difference,
+    /// In Chinese and English: a ladder is not compiled for every picture.
+    words: [String; 2],
+    refusal: Option<Refusal>,
+    taken: bool,
+}
+
+/// The project beside something else.
+pub struct Compared {
+    /// The other side.
+    pub basis: Arc<Basis>,
+    /// The state of the project that was compared.
+    pub project: Arc<State>,
+    /// What takes values over.
+    pub target: Target,
+    rows: Vec<Row>,
+    parts: LadderParts,
+}
+
+/// What was asked for in the list.
+pub enum Asked {
+    /// The other way round.
+    Turn(Target),
+    /// What is ticked is to be taken over.
+    Take(Vec<Difference>),
+}
+
+impl Compared {
+    /// Lists what differs; it takes a while.
+    ///
+    /// # Errors
+    /// A control takes nothing of a project of another model.
+    pub fn new(document: &Document, basis: Arc<Basis>, target: Target) -> Result<Self, Message> {
+        let project = Arc::clone(&document.state);
+        let other = &basis.state;
+        let model = project.memory().model.id();
+        if basis.other == Other::Control && model != other.memory().model.id() {
+            let model = &model.record().name;
+            let folder = document.folder.display();
+            return Err(say::project_other_model(folder, model));
+        }
+        let into_control = target == Target::Control && basis.other == Other::Control;
+        let without_texts;
+        let (old, new): (&State, &State) = match into_control {
+            true => {
+                without_texts = (*project).clone().without_texts();
+                (other, &without_texts)
+            }
+            false => (&project, other),
+        };
+        let differences = diff(old, new);
+        let refusals = match basis.level.filter(|_| into_control) {
+            Some(level) => denied(&differences, &old.memory().parameters, level),
+            None => Vec::new(),
+        };
+        let parts = LadderParts::of(old, new);
+        let rows = differences.into_iter().map(|difference| {
+            let refusal = refusals.iter().find(|it| it.key == difference.key);
+            let refusal = refusal.map(|it| it.refusal);
+            let words = [Language::Zh, Language::En]
+                .map(|language| sentence(&difference, old, new, language));
+            Row {
+                taken: refusal.is_none(),
+                words,
+                refusal,
+                difference,
+            }
+        });
+        let rows = rows.collect();
+        Ok(Self {
+            project,
+            target: match into_control {
+                true => Target::Control,
+                false => Target::Project,
+            },
+            rows,
+            parts,
+            basis,
+        })
+    }
+
+    /// How many values of a place differ.
+    pub fn count(&self, node: Node) -> usize {
+        let own = |row: &&Row| node.has(row.difference.key, self.parts);
+        self.rows.iter().filter(own).count()
+    }
+
+    /// Draws the list of a place. `why_not`: why a control takes nothing over now.
+    pub fn show(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        node: Node,
+        why_not: Option<&Message>,
+    ) -> Option<Asked> {
+        let mut asked = self.heading(ui, language);
+        if self.rows.is_empty() {
+            ui.label(say::project_same().text(language));
+            return asked;
+        }
+        let own = |row: &Row| node.has(row.difference.key, self.parts);
+        let shown = self.rows.iter().enumerate().filter(|(_, row)| own(row));
+        let shown: Vec<usize> = shown.map(|(at, _)| at).collect();
+        ui.horizontal_wrapped(|ui| {
+            ui.label(say::project_differs(shown.len()).text(language));
+            for (said, all) in [(say::project_all(), true), (say::project_none(), false)] {
+                if ui.button(said.text(language)).clicked() {
+                    self.tick(&shown, all);
+                }
+            }
+        });
+        ui.separator();
+        if shown.is_empty() {
+            ui.weak(say::project_view_same_here().text(language));
+        }
+        self.list(ui, language, &shown);
+        ui.separator();
+        asked = self.take(ui, language, why_not).or(asked);
+        asked
+    }
+
+    /// What is compared with what, and which way values go.
+    fn heading(&self, ui: &mut Ui, language: Language) -> Option<Asked> {
+        let mut asked = None;
+        let project = say::project_view_into_project().text(language);
+        let control = say::project_view_control().text(language);
+        ui.horizontal_wrapped(|ui| {
+            let (from, to) = match (self.target, &self.basis.other) {
+                (Target::Control, _) => (project, control),
+                (Target::Project, Other::Control) => (control, project),
+                (Target::Project, Other::Folder(_)) => (self.basis.name(), project),
+            };
+            let words = say::project_view_from_to(from, to).text(language);
+            ui.label(RichText::new(words).strong());
+            if self.basis.other != Other::Control {
+                return;
+            }
+            ui.weak(say::project_view_into().text(language));
+            for (target, said) in [
+                (Target::Control, say::project_view_into_control()),
+                (Target::Project, say::project_view_into_project()),
+            ] {
+                let chosen = self.target == target;
+                if ui.selectable_label(chosen, said.text(language)).clicked() && !chosen {
+                    asked = Some(Asked::Turn(target));
+                }
+            }
+        });
+        asked
+    }
+
+    fn tick(&mut self, shown: &[usize], taken: bool) {
+        let mut disks = Vec::new();
+        for at in shown {
+            if let Some(row) = self.rows.get_mut(*at) {
+                row.taken = taken && row.refusal.is_none();
+                disks.extend(whole_disk(&row.difference));
+            }
+        }
+        // A disk has all of its values or none.
+        for row in &mut self.rows {
+            if whole_disk(&row.difference).is_some_and(|set| disks.contains(&set)) {
+                row.taken = taken && row.refusal.is_none();
+            }
+        }
+    }
+
+    fn list(&mut self, ui: &mut Ui, language: Language, shown: &[usize]) {
+        let mut turned = None;
+        let height = ui.spacing().interact_size.y;
+        let room = ui.available_height() - 2.0 * height;
+        ScrollArea::both()
+            .id_salt("project differences")
+            .auto_shrink([false, false])
+            .max_height(room.max(4.0 * height))
+            .show_rows(ui, height, shown.len(), |ui, range| {
+                for at in shown.get(range).unwrap_or_default() {
+                    let Some(row) = self.rows.get_mut(*at) else {
+                        continue;
+                    };
+                    let [zh, en] = &row.words;
+                    let text = match language {
+                        Language::Zh => zh,
+                        Language::En => en,
+                    };
+                    let mut taken = row.taken;
+                    let tick = Checkbox::new(&mut taken, text);
+                    let box_ = ui.add_enabled(row.refusal.is_none(), tick);
+                    if box_.changed() {
+                        turned = Some((*at, taken));
+                    }
+                    if let Some(refusal) = row.refusal {
+                        box_.on_disabled_hover_text(refused(refusal).text(language));
+                    }
+                }
+            });
+        if let Some((at, taken)) = turned {
+            self.tick(&[at], taken);
+        }
+    }
+
+    /// The button that takes over what is ticked.
+    fn take(&self, ui: &mut Ui, language: Language, why_not: Option<&Message>) -> Option<Asked> {
+        let taken = self.rows.iter().filter(|row| row.taken);
+        let count = taken.clone().count();
+        let (words, why_not) = match self.target {
+            Target::Control => (say::project_take_over(count), why_not),
+            Target::Project => (say::project_view_take_in(count), None),
+        };
+        let enabled = why_not.is_none() && count > 0;
+        let mut button = ui.add_enabled(enabled, Button::new(words.text(language)));
+        if let Some(why_not) = why_not {
+            button = button.on_disabled_hover_text(why_not.text(language));
+        }
+        let clicked = button.clicked();
+        clicked.then(|| Asked::Take(taken.map(|row| row.difference.clone()).collect()))
+    }
+}

@@ -1,0 +1,320 @@
+//! The project beside the panel, as GSKCC has it (manual PLC-V): its tree, what stands there,
+//! what differs from the control or from another project, and what of that is taken over.
+//! The control is off while it takes something over, as it is for a new ladder.
+
+mod compared;
+mod content;
+mod document;
+mod steps;
+mod tree;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use crossbeam::channel::{Receiver, Sender, unbounded};
+use egui::{
+    Align, Button, CentralPanel, Color32, Context, Layout, Panel, RichText, ScrollArea, Ui,
+};
+use gsk_messages::{Language, Message, say};
+use serde::{Deserialize, Serialize};
+
+use crate::kernel::Console;
+pub use compared::Chosen;
+use compared::{Asked, Compared, Other, Target};
+use content::Content;
+use document::{Document, programs};
+pub use steps::{COMMANDS, ProjectCommand};
+use steps::{News, Question};
+use tree::{Name, Node, places};
+
+/// Width of the tree, points, and of the step from a row to those below.
+const TREE: f32 = 200.0;
+const STEP: f32 = 14.0;
+/// Projects that are remembered (manual PLC-V 3: four).
+const MOST: usize = 4;
+/// What is not saved.
+const CHANGED: Color32 = Color32::from_rgb(255, 214, 110);
+
+/// What is remembered for the next start.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Projects {
+    /// The folder of the project that is open.
+    pub open: Option<PathBuf>,
+    /// The last projects, the newest first.
+    pub recent: Vec<PathBuf>,
+}
+
+/// What is shown of a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Page {
+    Contents,
+    Differences,
+}
+
+/// The view.
+pub struct ProjectView {
+    console: Console,
+    remembered: Projects,
+    document: Option<Document>,
+    compared: Option<Compared>,
+    node: Node,
+    page: Page,
+    content: Content,
+    question: Option<Question>,
+    /// Why the control cannot be switched off now.
+    why_not: Option<Message>,
+    /// What it is to take over while it is off.
+    chosen: Option<Chosen>,
+    news: (Sender<News>, Receiver<News>),
+}
+
+impl ProjectView {
+    /// Nothing is read before the view is opened.
+    pub fn new(console: Console, remembered: Projects) -> Self {
+        Self {
+            console,
+            remembered,
+            document: None,
+            compared: None,
+            node: Node::Project,
+            page: Page::Contents,
+            content: Content::default(),
+            question: None,
+            why_not: None,
+            chosen: None,
+            news: unbounded(),
+        }
+    }
+
+    /// What is remembered for the next start.
+    pub const fn remembered(&self) -> &Projects {
+        &self.remembered
+    }
+
+    /// Whether it holds what its folder does not.
+    pub fn is_unsaved(&self) -> bool {
+        let document = self.document.as_ref();
+        document.is_some_and(|document| document.is_changed)
+    }
+
+    /// Says why the control cannot be switched off now.
+    pub fn set_why_not(&mut self, why_not: Option<Message>) {
+        self.why_not = why_not;
+    }
+
+    /// What the control is to take over while it is off.
+    pub const fn take_chosen(&mut self) -> Option<Chosen> {
+        self.chosen.take()
+    }
+
+    /// Draws the view and takes its input.
+    pub fn show(&mut self, ui: &mut Ui, language: Language) {
+        self.reopen(ui.ctx());
+        self.hear(ui.ctx());
+        Panel::top("project bar")
+            .frame(super::bar_frame())
+            .show(ui, |ui| self.bar(ui, language));
+        if self.document.is_some() {
+            Panel::left("project tree")
+                .exact_size(TREE)
+                .resizable(false)
+                .frame(super::side_frame())
+                .show(ui, |ui| {
+                    ScrollArea::vertical()
+                        .id_salt("project tree")
+                        .auto_shrink([false, false])
+                        .show(ui, |ui| self.tree(ui, language));
+                });
+        }
+        CentralPanel::default()
+            .frame(super::side_frame())
+            .show(ui, |ui| self.page(ui, language));
+        self.ask(ui.ctx(), language);
+    }
+
+    /// The buttons of the project, and what it is compared with.
+    fn bar(&mut self, ui: &mut Ui, language: Language) {
+        ui.horizontal_wrapped(|ui| {
+            for (command, name) in [
+                (ProjectCommand::New, say::project_menu_new()),
+                (
+                    ProjectCommand::FromControl,
+                    say::project_view_from_control(),
+                ),
+                (ProjectCommand::Open, say::project_view_open()),
+            ] {
+                if ui.button(name.text(language)).clicked() {
+                    self.command(command, language, ui.ctx());
+                }
+            }
+            let mut again = None;
+            let recent = &self.remembered.recent;
+            ui.add_enabled_ui(!recent.is_empty(), |ui| {
+                ui.menu_button(say::project_view_recent().text(language), |ui| {
+                    for folder in recent {
+                        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+                        let path = folder.display().to_string();
+                        if ui.button(name.as_ref()).on_hover_text(path).clicked() {
+                            again = Some(folder.clone());
+                            ui.close();
+                        }
+                    }
+                });
+            });
+            if let Some(folder) = again {
+                self.command(ProjectCommand::Folder(folder), language, ui.ctx());
+            }
+            let Some(document) = &self.document else {
+                return;
+            };
+            let is_changed = document.is_changed;
+            let save = Button::new(say::project_view_save().text(language));
+            if ui.add_enabled(is_changed, save).clicked() {
+                self.save(language, ui.ctx());
+            }
+            if ui.button(say::project_menu_save().text(language)).clicked() {
+                self.save_as(language, ui.ctx());
+            }
+            if ui
+                .button(say::project_view_close().text(language))
+                .clicked()
+            {
+                self.command(ProjectCommand::Close, language, ui.ctx());
+            }
+        });
+        let Some(document) = &self.document else {
+            return;
+        };
+        let folder = document.folder.display().to_string();
+        let is_changed = document.is_changed;
+        ui.horizontal_wrapped(|ui| {
+            ui.weak(say::project_view_compare().text(language));
+            let other = self.compared.as_ref().map(|it| it.basis.other.clone());
+            let control = matches!(other, Some(Other::Control));
+            let words = say::project_view_control().text(language);
+            if ui.selectable_label(control, words).clicked() {
+                self.compare(Other::Control, Target::Control, ui.ctx());
+            }
+            let folder_too = matches!(other, Some(Other::Folder(_)));
+            let words = say::project_view_folder().text(language);
+            if ui.selectable_label(folder_too, words).clicked() {
+                self.choose_other(language, ui.ctx());
+            }
+            if let Some(compared) = &self.compared
+                && ui
+                    .button(say::project_view_again().text(language))
+                    .clicked()
+            {
+                let (other, target) = (compared.basis.other.clone(), compared.target);
+                self.compare(other, target, ui.ctx());
+            }
+            if is_changed {
+                let words = say::project_view_changed().text(language);
+                ui.label(RichText::new(words).color(CHANGED));
+            }
+            ui.weak(folder);
+        });
+    }
+
+    /// The tree, with the number of differences.
+    fn tree(&mut self, ui: &mut Ui, language: Language) {
+        let Some(document) = &self.document else {
+            return;
+        };
+        let mut all = programs(&document.state);
+        if let Some(compared) = &self.compared {
+            all.extend(programs(&compared.basis.state));
+        }
+        let all: Vec<u16> = all.into_iter().collect();
+        for place in places(&document.name(), &all) {
+            let name = match place.name {
+                Name::Said(said) => said.text(language),
+                Name::Program(name) => name,
+            };
+            let count = self.compared.as_ref().map_or(0, |it| it.count(place.node));
+            let words = match count {
+                0 => name,
+                _ => format!("{name} · {count}"),
+            };
+            ui.horizontal(|ui| {
+                ui.add_space(f32::from(place.depth) * STEP);
+                let chosen = self.node == place.node;
+                let button = Button::selectable(chosen, words).truncate();
+                let left = Layout::left_to_right(Align::Center);
+                let clicked = ui.with_layout(left, |ui| ui.add(button).clicked());
+                if clicked.inner {
+                    self.node = place.node;
+                }
+            });
+        }
+    }
+
+    /// Contents or differences of the place that is chosen.
+    fn page(&mut self, ui: &mut Ui, language: Language) {
+        let Some(document) = &self.document else {
+            ui.label(say::project_view_none().text(language));
+            return;
+        };
+        if let Some(compared) = &self.compared {
+            let differences = say::project_view_differences(compared.count(self.node));
+            ui.horizontal_wrapped(|ui| {
+                for (page, said) in [
+                    (Page::Contents, say::project_view_contents()),
+                    (Page::Differences, differences),
+                ] {
+                    ui.selectable_value(&mut self.page, page, said.text(language));
+                }
+            });
+            ui.separator();
+        }
+        let asked = match (self.page, &mut self.compared) {
+            (Page::Differences, Some(compared)) => {
+                let first = say::project_view_save_first();
+                let why_not = match document.is_changed {
+                    true => Some(&first),
+                    false => self.why_not.as_ref(),
+                };
+                compared.show(ui, language, self.node, why_not)
+            }
+            _ => {
+                let state = Arc::clone(&document.state);
+                self.content.show(ui, language, self.node, &state);
+                None
+            }
+        };
+        match asked {
+            Some(Asked::Turn(target)) => self.turn(target, ui.ctx()),
+            Some(Asked::Take(differences)) => self.take(differences, ui.ctx()),
+            None => {}
+        }
+    }
+
+    /// What was ticked goes into the control, or into the project.
+    fn take(&mut self, differences: Vec<gsk_project::Difference>, context: &Context) {
+        let (Some(document), Some(compared)) = (&mut self.document, &self.compared) else {
+            return;
+        };
+        if compared.target == Target::Control {
+            self.chosen = Some(Chosen {
+                folder: document.folder.clone(),
+                differences,
+            });
+            return;
+        }
+        let basis = Arc::clone(&compared.basis);
+        let said = match document.take(&differences, &basis.encodings) {
+            Ok(()) => say::project_view_taken_in(differences.len()),
+            Err(said) => said,
+        };
+        self.content.forget();
+        self.say(said);
+        self.turn(Target::Project, context);
+    }
+
+    fn say(&self, said: Message) {
+        // A full queue means that nobody reads it.
+        let notice = crate::kernel::Notice::Said(said);
+        let _ = self.console.say.try_send(notice);
+    }
+}

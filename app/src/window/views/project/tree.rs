@@ -1,0 +1,208 @@
+//! The tree of a project (manual PLC-V 4): what stands where, and which values belong there.
+
+use gsk_messages::{Message, say};
+use gsk_project::{Key, Section, State};
+
+/// A place of the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Node {
+    /// 工程: all of it.
+    Project,
+    /// PLC.
+    Plc,
+    /// 显示信息表.
+    Messages,
+    /// 主程序.
+    Ladder,
+    /// 初始化数据表.
+    Initial,
+    /// What the PLC keeps at power-off.
+    Kept,
+    /// CNC配置.
+    Cnc,
+    /// 参数.
+    Parameters,
+    /// 刀具偏置.
+    Offsets,
+    /// 螺距补偿.
+    Pitch,
+    /// Macro variables.
+    Variables,
+    /// Model and options.
+    Settings,
+    /// Counters, and what the panel keeps.
+    Counters,
+    /// Electronic disks.
+    Disks,
+    /// 零件加工程序.
+    Programs,
+    /// One of them.
+    Program(u16),
+    /// The machine file.
+    Machine,
+}
+
+/// A row of the tree.
+struct Row {
+    node: Node,
+    /// How far it stands to the right.
+    depth: u8,
+    name: fn() -> Message,
+}
+
+const fn row(node: Node, depth: u8, name: fn() -> Message) -> Row {
+    Row { node, depth, name }
+}
+
+/// The rows below the project itself; each program has one below its heading.
+const ROWS: [Row; 15] = [
+    row(Node::Plc, 1, say::project_node_plc),
+    row(Node::Messages, 2, say::project_node_messages),
+    row(Node::Ladder, 2, say::project_node_ladder),
+    row(Node::Initial, 2, say::project_node_initial),
+    row(Node::Kept, 2, say::project_node_kept),
+    row(Node::Cnc, 1, say::project_node_cnc),
+    row(Node::Parameters, 2, say::project_node_parameters),
+    row(Node::Offsets, 2, say::project_node_offsets),
+    row(Node::Pitch, 2, say::project_node_pitch),
+    row(Node::Variables, 2, say::project_node_variables),
+    row(Node::Settings, 2, say::project_node_settings),
+    row(Node::Counters, 2, say::project_node_counters),
+    row(Node::Disks, 2, say::project_node_disks),
+    row(Node::Machine, 1, say::project_node_machine),
+    row(Node::Programs, 1, say::project_node_programs),
+];
+
+/// A place as it is drawn.
+pub struct Place {
+    /// Which.
+    pub node: Node,
+    /// How far it stands to the right.
+    pub depth: u8,
+    /// Its name.
+    pub name: Name,
+}
+
+/// How a place is called.
+pub enum Name {
+    /// By a word.
+    Said(Message),
+    /// By the number of a program.
+    Program(String),
+}
+
+/// The tree of a project. Programs that only the other side has stand in it, too.
+pub fn places(name: &str, programs: &[u16]) -> Vec<Place> {
+    let place = |node, depth, name| Place { node, depth, name };
+    let mut all = Vec::with_capacity(ROWS.len() + programs.len() + 1);
+    let whole = say::project_node_project(name);
+    all.push(place(Node::Project, 0, Name::Said(whole)));
+    for row in &ROWS {
+        all.push(place(row.node, row.depth, Name::Said((row.name)())));
+    }
+    all.extend(programs.iter().map(|number| {
+        let name = Name::Program(format!("O{number:04}"));
+        place(Node::Program(*number), 2, name)
+    }));
+    all
+}
+
+/// The places one step below another one, with their names; programs are none of them.
+pub fn below(node: Node) -> impl Iterator<Item = (Node, Message)> {
+    let at = ROWS.iter().position(|row| row.node == node);
+    let depth = at.and_then(|at| ROWS.get(at)).map_or(0, |row| row.depth);
+    let rows = ROWS.iter().skip(at.map_or(0, |at| at + 1));
+    rows.take_while(move |row| row.depth > depth)
+        .filter(move |row| row.depth == depth + 1)
+        .map(|row| (row.node, (row.name)()))
+}
+
+/// Which parts of a ladder differ: it is one text, and three places of the tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LadderParts {
+    messages: bool,
+    rungs: bool,
+    initial: bool,
+}
+
+impl LadderParts {
+    /// Of two ladders.
+    pub fn of(old: &State, new: &State) -> Self {
+        let [old, new] = [old.ladder(), new.ladder()];
+        Self {
+            messages: old.messages() != new.messages(),
+            rungs: rest(old.source()) != rest(new.source()),
+            initial: old.start_values() != new.start_values(),
+        }
+    }
+}
+
+/// What a ladder has beside its messages and start values.
+fn rest(source: &str) -> Vec<&str> {
+    let own = |line: &&str| {
+        let word = line.split_whitespace().next().unwrap_or_default();
+        !word.eq_ignore_ascii_case(".MSG") && !word.eq_ignore_ascii_case(".INIT")
+    };
+    source.lines().filter(own).collect()
+}
+
+impl Node {
+    /// Whether a value belongs there; `parts`: of the ladder, which is one value.
+    pub fn has(self, key: Key, parts: LadderParts) -> bool {
+        let section = Section::of(key);
+        match self {
+            Self::Project => true,
+            Self::Plc => matches!(section, Section::Ladder | Section::Data),
+            Self::Messages => section == Section::Ladder && parts.messages,
+            Self::Ladder => section == Section::Ladder && parts.rungs,
+            Self::Initial => section == Section::Ladder && parts.initial,
+            Self::Kept => section == Section::Data,
+            Self::Cnc => below(self).any(|(node, _)| node.has(key, parts)),
+            Self::Parameters => {
+                section == Section::Parameters || matches!(key, Key::ModelParameter(_))
+            }
+            Self::Offsets => section == Section::Offsets,
+            Self::Pitch => section == Section::Pitch,
+            Self::Variables => section == Section::Variables,
+            Self::Settings => {
+                section == Section::Settings || matches!(key, Key::Format | Key::Model)
+            }
+            Self::Counters => matches!(section, Section::Counters | Section::Panel),
+            Self::Disks => section == Section::Disks,
+            Self::Programs => matches!(section, Section::Programs | Section::Jobs),
+            Self::Program(number) => {
+                matches!(key, Key::Program(own) | Key::Job(own) if own == number)
+            }
+            Self::Machine => section == Section::Machine,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_core::setup::Setup;
+
+    /// Every value stands at a leaf of the tree, and at one alone.
+    #[test]
+    fn every_value_has_its_place() {
+        let mut setup = Setup::delivered();
+        setup.memory.programs.store("O0003;\nM30;\n").unwrap();
+        let state = State::of(&setup).with_texts([(Key::Machine, "()".into())]);
+        let parts = LadderParts {
+            rungs: true,
+            ..LadderParts::default()
+        };
+        let leaves = ROWS
+            .iter()
+            .map(|row| row.node)
+            .filter(|node| !matches!(node, Node::Plc | Node::Cnc));
+        let leaves: Vec<Node> = leaves.collect();
+        for key in state.entries().keys() {
+            let found: Vec<&Node> = leaves.iter().filter(|it| it.has(*key, parts)).collect();
+            assert_eq!(found.len(), 1, "{key:?}: {found:?}");
+        }
+        assert!(Node::Program(3).has(Key::Program(3), parts));
+        assert!(!Node::Program(3).has(Key::Program(4), parts));
+    }
+}

@@ -1,0 +1,44 @@
+//! A folder of its own for a test, and the program called in it.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A new folder; it is gone with the test.
+pub struct Folder(pub PathBuf);
+
+impl Folder {
+    /// An empty one; no other test has this name.
+    pub fn new(name: &str) -> Self {
+        let name = format!("gsk980td-{}-{name}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).unwrap();
+        Self(folder)
+    }
+
+    /// Writes a file, and the folders that it stands in.
+    pub fn write(&self, file: &str, content: impl AsRef<[u8]>) {
+        let path = self.0.join(file);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+
+    /// Exit code, standard output, standard error of a command in this folder.
+    pub fn call(&self, command: &str) -> (i32, String, String) {
+        let output = Command::new(env!("CARGO_BIN_EXE_gsk980td"))
+            .args(command.split_whitespace())
+            .current_dir(&self.0)
+            .output()
+            .unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let code = output.status.code().unwrap_or(-1);
+        (code, text(&output.stdout), text(&output.stderr))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}

@@ -1,0 +1,192 @@
+//! A pitch error table read from a file, added to the one that stands in the control (manual
+//! III-10).
+
+use gsk_core::memory::{Parameters, PitchTable, parameter};
+use gsk_core::units::Axis;
+use gsk_messages::{Message, say};
+
+use crate::change::{Change, Proposal, name, of};
+use crate::correction::{LARGEST, LARGEST_BACKLASH, units_a_mm};
+use crate::ren::Table;
+
+/// Adds the values of a file to the table (manual III-10; decision COMMISSION-1). With
+/// `clear` the column is emptied first, and takes the spacing of the file.
+///
+/// # Errors
+/// A spacing or a point that does not fit the parameters, a value beyond ±255: with the line
+/// of the file.
+pub fn add_table(
+    axis: Axis,
+    table: &Table,
+    parameters: &Parameters,
+    pitch: &PitchTable,
+    clear: bool,
+) -> Result<Proposal, Message> {
+    let units = units_a_mm(parameters);
+    let at_line = |line: u32, rule: Message| say::pitch_file_line(line, rule);
+    let mut changes = Vec::new();
+    let mut parameters_then = parameters.clone();
+    if let Some((line, spacing)) = table.spacing {
+        let wanted = (spacing.0 * units).round();
+        let number = of(
+            axis,
+            parameter::X_PITCH_INTERVAL,
+            parameter::Z_PITCH_INTERVAL,
+        );
+        if !(1.0..=999_999.0).contains(&wanted) {
+            return Err(at_line(line, say::pitch_interval_wrong(spacing.0)));
+        }
+        if wanted as i64 != parameters.pitch_interval(axis) {
+            if !clear {
+                let stands = parameters.pitch_interval(axis) as f64 / units;
+                let rule = say::pitch_ren_spacing(spacing.0, number, stands);
+                return Err(at_line(line, rule));
+            }
+            let change = Change::Value {
+                number,
+                value: wanted as i32,
+            };
+            changes.push(change);
+            let mut none = PitchTable::default();
+            change.apply(&mut parameters_then, &mut none)?;
+        }
+    }
+    let interval = parameters_then.pitch_interval(axis);
+    if interval == 0 {
+        return Err(say::pitch_no_interval(of(
+            axis,
+            parameter::X_PITCH_INTERVAL,
+            parameter::Z_PITCH_INTERVAL,
+        )));
+    }
+    let origin = i64::from(parameters.pitch_origin(axis));
+    let counts = parameters.pitch_points(axis);
+    let mut column: Vec<i64> = (0..=u8::MAX)
+        .map(|point| {
+            if clear {
+                0
+            } else {
+                pitch.value(axis, point).into()
+            }
+        })
+        .collect();
+    let factor = f64::from(parameters.pitch_factor());
+    for row in &table.rows {
+        let steps = row.end.0 * units / interval as f64;
+        let whole = steps.round();
+        if (steps - whole).abs() > 1e-3 {
+            return Err(at_line(row.line, say::pitch_ren_off_grid(row.end.0)));
+        }
+        let said = row.value.0 * units / 1000.0 / factor;
+        if (said - said.round()).abs() > 1e-6 {
+            return Err(at_line(
+                row.line,
+                say::pitch_ren_fraction(row.value.0, factor),
+            ));
+        }
+        // No interval ends at the machine zero.
+        let whole = whole as i64;
+        let point = match whole {
+            0 if row.point.is_none() && said == 0.0 => continue,
+            0 if row.point.is_none() => {
+                return Err(at_line(row.line, say::pitch_ren_at_zero()));
+            }
+            1.. => origin + whole,
+            _ => origin + whole + 1,
+        };
+        if let Some(named) = row.point
+            && whole != 0
+            && i64::from(named) != point
+        {
+            return Err(at_line(row.line, say::pitch_ren_other_point(named, point)));
+        }
+        let point = row.point.map_or(point, i64::from);
+        let place = usize::try_from(point).ok().filter(|it| counts.contains(it));
+        let place = place.filter(|it| *it > 0).and_then(|it| column.get_mut(it));
+        let Some(place) = place else {
+            let (low, high) = (counts.start().max(&1), counts.end());
+            return Err(at_line(row.line, say::pitch_ren_no_point(point, low, high)));
+        };
+        *place += said.round() as i64;
+        if place.abs() > LARGEST {
+            let rule = say::pitch_ren_sum(point, *place, LARGEST);
+            return Err(at_line(row.line, rule));
+        }
+    }
+    let points = (0..=u8::MAX).zip(column);
+    changes.extend(points.map(|(point, value)| Change::Pitch {
+        axis,
+        point,
+        value: value as i16,
+    }));
+    if let Some((line, backlash)) = table.backlash {
+        let value = (backlash.0 * units / 1000.0).round();
+        if !(0.0..=LARGEST_BACKLASH).contains(&value) {
+            let rule = say::pitch_backlash_beyond(value, LARGEST_BACKLASH);
+            return Err(at_line(line, rule));
+        }
+        changes.push(Change::Value {
+            number: of(axis, parameter::X_BACKLASH, parameter::Z_BACKLASH),
+            value: value as i32,
+        });
+    }
+    let mut notes = vec![say::pitch_zero_return_needed()];
+    if !parameters.pitch_compensated() {
+        notes.insert(0, say::pitch_switched_off(name(axis)));
+    }
+    Proposal::of(changes, notes, parameters, pitch)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::read;
+    use crate::ren::Imported;
+
+    fn table_of(text: &str) -> Table {
+        match read(text).unwrap() {
+            Imported::Table(table) => table,
+            Imported::Measured(_) => panic!("a table"),
+        }
+    }
+
+    /// The second example of the siblings' manual, as a file for this control.
+    #[test]
+    fn values_of_a_file_are_added_to_their_points() {
+        let mut parameters = Parameters::default();
+        parameters.set(parameter::Z_PITCH_ORIGIN, 60).unwrap();
+        let table = table_of("spacing 10\nbacklash 5\n-20 -7\n59 -20 0\n-10 6\n10 4\n0 0\n");
+        let pitch = PitchTable::default();
+        let proposal = add_table(Axis::Z, &table, &parameters, &pitch, false).unwrap();
+        let (mut parameters, mut pitch) = (parameters, pitch);
+        for change in &proposal.changes {
+            change.apply(&mut parameters, &mut pitch).unwrap();
+        }
+        let values: Vec<i16> = (58..=61).map(|point| pitch.value(Axis::Z, point)).collect();
+        assert_eq!(values, [0, -7, 6, 4]);
+        assert_eq!(parameters.value(parameter::Z_BACKLASH), 5);
+        let twice = add_table(Axis::Z, &table, &parameters, &pitch, false).unwrap();
+        let point = Change::Pitch {
+            axis: Axis::Z,
+            point: 60,
+            value: 12,
+        };
+        assert!(twice.changes.contains(&point));
+        let cleared = add_table(Axis::Z, &table, &parameters, &pitch, true).unwrap();
+        assert_eq!(cleared.changes, []);
+        for (text, line) in [
+            ("spacing 20\n20 1\n", "1"),
+            ("\n15 1\n", "2"),
+            ("10 1\n0 1\n", "2"),
+            ("62 10 1\n", "1"),
+            ("-700 1\n", "1"),
+            ("10 300\n", "1"),
+            ("10 0.5\n", "1"),
+            ("backlash -3\n10 1\n", "1"),
+        ] {
+            let refused = add_table(Axis::Z, &table_of(text), &parameters, &pitch, false);
+            let said = refused.unwrap_err();
+            assert_eq!(said.plain_value("line"), Some(line), "{text}");
+        }
+    }
+}
