@@ -150,7 +150,7 @@ pub static VIEWS: [ViewRow; 11] = [
         name: say::window_view_project,
         key: None,
         size: [1000.0, 700.0],
-        least: [520.0, 360.0],
+        least: [280.0, 260.0],
     },
 ];
 

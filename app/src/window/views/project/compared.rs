@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use egui::{Button, Checkbox, RichText, ScrollArea, Ui};
+use egui::{Button, Checkbox, RichText, ScrollArea, TextWrapMode, Ui};
 use gsk_core::memory::{Level, Refusal};
 use gsk_messages::{Language, Message, say};
 use gsk_project::{Difference, State, denied, diff, refused, sentence, whole_disk};
@@ -273,6 +273,8 @@ impl Compared {
             .auto_shrink([false, false])
             .max_height(room.max(4.0 * height))
             .show_rows(ui, height, shown.len(), |ui, range| {
+                // A row is as high as the others, and scrolled where it is longer.
+                ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
                 for at in shown.get(range).unwrap_or_default() {
                     let Some(row) = self.rows.get_mut(*at) else {
                         continue;

@@ -1,6 +1,6 @@
 //! What stands at a place of the tree, as lines.
 
-use egui::{Align, Layout, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Layout, RichText, ScrollArea, TextWrapMode, Ui, vec2};
 use gsk_messages::{Language, Message, say};
 use gsk_project::{Key, State, Value, label, unit};
 
@@ -49,6 +49,7 @@ impl Content {
             .id_salt(("project content", self.lines.len()))
             .auto_shrink([false, false])
             .show_rows(ui, height, self.lines.len(), |ui, shown| {
+                ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
                 for line in self.lines.get(shown).unwrap_or_default() {
                     ui.horizontal(|ui| {
                         if has_heads {

@@ -12,9 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
-use egui::{
-    Align, Button, CentralPanel, Color32, Context, Layout, Panel, RichText, ScrollArea, Ui,
-};
+use egui::{Button, CentralPanel, Color32, ComboBox, Context, Panel, RichText, ScrollArea, Ui};
 use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 
@@ -30,6 +28,8 @@ use tree::{Name, Node, places};
 /// Width of the tree, points, and of the step from a row to those below.
 const TREE: f32 = 200.0;
 const STEP: f32 = 14.0;
+/// In a view that is narrower the tree is a list to be opened, points.
+const NARROW: f32 = 520.0;
 /// Projects that are remembered (manual PLC-V 3: four).
 const MOST: usize = 4;
 /// What is not saved.
@@ -115,7 +115,11 @@ impl ProjectView {
         Panel::top("project bar")
             .frame(super::bar_frame())
             .show(ui, |ui| self.bar(ui, language));
-        if self.document.is_some() {
+        if self.document.is_some() && ui.available_width() < NARROW {
+            Panel::top("project place")
+                .frame(super::side_frame())
+                .show(ui, |ui| self.place(ui, language));
+        } else if self.document.is_some() {
             Panel::left("project tree")
                 .exact_size(TREE)
                 .resizable(false)
@@ -217,17 +221,17 @@ impl ProjectView {
         });
     }
 
-    /// The tree, with the number of differences.
-    fn tree(&mut self, ui: &mut Ui, language: Language) {
+    /// The places of the tree as they are called, with the number of differences.
+    fn places(&self, language: Language) -> Vec<(Node, u8, String)> {
         let Some(document) = &self.document else {
-            return;
+            return Vec::new();
         };
         let mut all = programs(&document.state);
         if let Some(compared) = &self.compared {
             all.extend(programs(&compared.basis.state));
         }
         let all: Vec<u16> = all.into_iter().collect();
-        for place in places(&document.name(), &all) {
+        let places = places(&document.name(), &all).into_iter().map(|place| {
             let name = match place.name {
                 Name::Said(said) => said.text(language),
                 Name::Program(name) => name,
@@ -237,17 +241,33 @@ impl ProjectView {
                 0 => name,
                 _ => format!("{name} · {count}"),
             };
+            (place.node, place.depth, words)
+        });
+        places.collect()
+    }
+
+    /// The tree.
+    fn tree(&mut self, ui: &mut Ui, language: Language) {
+        for (node, depth, words) in self.places(language) {
             ui.horizontal(|ui| {
-                ui.add_space(f32::from(place.depth) * STEP);
-                let chosen = self.node == place.node;
-                let button = Button::selectable(chosen, words).truncate();
-                let left = Layout::left_to_right(Align::Center);
-                let clicked = ui.with_layout(left, |ui| ui.add(button).clicked());
-                if clicked.inner {
-                    self.node = place.node;
+                ui.add_space(f32::from(depth) * STEP);
+                let button = Button::selectable(self.node == node, words).truncate();
+                if ui.add(button).clicked() {
+                    self.node = node;
                 }
             });
         }
+    }
+
+    /// The tree where there is no room for it: a list that is opened.
+    fn place(&mut self, ui: &mut Ui, language: Language) {
+        let places = self.places(language);
+        let chosen = places.into_iter().find(|(node, ..)| *node == self.node);
+        let words = chosen.map_or_else(String::new, |(_, _, words)| words);
+        ComboBox::from_id_salt("project place")
+            .width(ui.available_width())
+            .selected_text(words)
+            .show_ui(ui, |ui| self.tree(ui, language));
     }
 
     /// Contents or differences of the place that is chosen.
