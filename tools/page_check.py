@@ -30,10 +30,10 @@ import websockets
 ROOT = Path(__file__).resolve().parent.parent
 SIZE = {"width": 1280, "height": 800}
 # Where things are on a page of this size in English.
-SAMPLES, FIRST_SAMPLE = (227, 14), (280, 44)
-SPEED, FASTEST = (1069, 14), (1094, 272)
+SAMPLES, FIRST_SAMPLE = (232, 14), (280, 44)
+SPEED, FASTEST = (1063, 14), (1094, 272)
 OPEN = (55, 14)
-AUTO, START, POSITION, PROGRAM = (75, 514), (448, 569), (370, 466), (409, 466)
+AUTO, START, POSITION, PROGRAM = (48, 513), (448, 569), (370, 466), (409, 466)
 PAGE_DOWN = "\ue00f"
 # The same sample from power-on to its end, by the same keys.
 SCRIPT = "load 01-stepped-shaft.CNC\npress AUTO\npress CS\nwait idle 600s\nshow\n"
