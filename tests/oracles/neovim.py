@@ -126,6 +126,8 @@ class Editor:
         self.nvim.input(keys)
 
     def until(self, what, true):
+        global checked
+        checked += 1
         end = time.monotonic() + LONGEST_S
         while time.monotonic() < end:
             if true():

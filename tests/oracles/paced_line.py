@@ -4,8 +4,8 @@
 Two pseudo terminals are joined by a wire that carries ten bits a byte at the rate of the
 line and not more, both ways at once. At one end is `gsk980td transfer control`, at the
 other `gsk980td transfer send` and `receive`: what they print must be within 10 % of what the
-wire carries, and so must what a clock beside them says. The same with a text that a DNC
-program would send.
+wire carries; so must a text, by a clock beside the program. The computer must not be busy:
+the wire waits for nobody.
 
     cargo build --release
     tests/oracles/paced_line.py [target/release/gsk980td]
