@@ -6,6 +6,7 @@ use gsk_app::kernel::Command;
 use gsk_core::cnc::{Cnc, Request};
 use gsk_core::memory::{Parameters, parameter};
 use gsk_core::setup::Setup;
+use gsk_core::units::Axis;
 
 use crate::common::Bench;
 
@@ -232,4 +233,26 @@ fn a_null_variable_is_null_again_when_it_is_taken_back() {
     assert_eq!(cnc(&bench).real_variable(1), None);
     let value = bench.harness.get_by_label("variable #1").value();
     assert_eq!(value.as_deref().unwrap_or_default(), "");
+}
+
+#[test]
+fn a_pitch_error_is_written_as_a_parameter_is_and_taken_back() {
+    let mut bench = opened();
+    press(&mut bench, "Pitch errors");
+    fill(&mut bench, "pitch error 002 Z", "-12");
+    press(&mut bench, "Write 1");
+    assert_eq!(cnc(&bench).pitch().value(Axis::Z, 2), 0, "not in MDI");
+    may_write(&mut bench);
+    fill(&mut bench, "pitch error 003 X", "300");
+    press(&mut bench, "Write 2");
+    assert_eq!(cnc(&bench).pitch().value(Axis::Z, 2), 0, "300 is too much");
+    fill(&mut bench, "pitch error 003 X", "7");
+    press(&mut bench, "Write 2");
+    let now = |bench: &Bench| {
+        let pitch = cnc(bench).pitch();
+        (pitch.value(Axis::X, 3), pitch.value(Axis::Z, 2))
+    };
+    assert_eq!(now(&bench), (7, -12));
+    choose(&mut bench, "Undo: ");
+    assert_eq!(now(&bench), (0, 0));
 }

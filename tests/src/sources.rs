@@ -39,8 +39,13 @@ pub struct Source {
 
 /// The sources of control, link, panel and program, without their tests.
 pub fn control_sources() -> Vec<Source> {
+    sources_of(&["core", "link", "milling", "panel", "app"])
+}
+
+/// The sources of packages, by their folders.
+pub fn sources_of(packages: &[&str]) -> Vec<Source> {
     let mut sources = Vec::new();
-    for package in ["core", "link", "milling", "panel", "app"] {
+    for package in packages {
         collect(&repository().join(package).join("src"), &mut sources);
     }
     sources

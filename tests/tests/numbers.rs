@@ -5,7 +5,7 @@
 use std::fs;
 
 use gsk_tests::repository;
-use gsk_tests::sources::{Source, control_sources};
+use gsk_tests::sources::{Source, control_sources, sources_of};
 
 /// What stands before the number of an alarm.
 const ALARM_AT: [&str; 9] = [
@@ -60,7 +60,9 @@ fn parameters_are_asked_by_name() {
 
 #[test]
 fn every_name_of_the_tables_is_used() {
-    let sources = control_sources();
+    let mut sources = control_sources();
+    // What a lathe is set up with.
+    sources.extend(sources_of(&["commission"]));
     for (name, column) in [("alarms.tsv", 2), ("parameters.tsv", 3)] {
         let path = repository().join("assets/tables").join(name);
         let table = fs::read_to_string(path).expect("table");

@@ -178,9 +178,16 @@ impl Person {
         self.laser = self.slide(axis);
     }
 
-    /// Writes what a step proposes, as the control lets a person.
+    /// Writes what a step proposes; the control has nothing against it.
     #[track_caller]
     fn write(&mut self, step: Step, proposal: &Proposal) {
+        self.put(step, proposal);
+        self.no_alarm();
+    }
+
+    /// Writes what a step proposes, as the control lets a person.
+    #[track_caller]
+    fn put(&mut self, step: Step, proposal: &Proposal) {
         press(&mut self.simulation, MDI);
         let cnc = &mut self.simulation.cnc;
         cnc.request(Request::SetParameterSwitch(true)).unwrap();
@@ -194,7 +201,6 @@ impl Person {
         let cnc = &mut self.simulation.cnc;
         cnc.request(Request::SetParameterSwitch(false)).unwrap();
         ticks(&mut self.simulation, 50);
-        self.no_alarm();
     }
 
     #[track_caller]
@@ -227,9 +233,13 @@ impl Person {
             };
             gear_measured(axis, made, &self.parameters()).unwrap_err();
             let proposal = direction(axis, &self.parameters()).unwrap();
-            self.write(Step::Direction, &proposal);
+            self.put(Step::Direction, &proposal);
+            // Alarm 000: it counts from the next power-on.
+            let alarms = self.simulation.cnc.alarms();
+            assert!(alarms.iter().any(|it| it.number == 0), "{alarms:?}");
             self.simulation.power_cycle();
             ticks(&mut self.simulation, 300);
+            self.no_alarm();
             let from = self.slide(axis);
             self.go(axis, -2.0);
             assert!(self.slide(axis) < from, "{axis:?} still goes the wrong way");

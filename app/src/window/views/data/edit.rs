@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use gsk_commission::Change;
 use gsk_core::cnc::{OffsetEntry, Request};
-use gsk_core::memory::{self, Offsets, Refusal, ToolOffset};
+use gsk_core::memory::{self, Offsets, PitchTable, Refusal, ToolOffset};
 use gsk_core::units::Axis;
 use gsk_messages::{Message, say};
 
@@ -63,6 +63,10 @@ pub enum Spot {
     Parameter(u16),
     /// Row and column of the tool offsets.
     Offset(u8, Part),
+    /// A point of the pitch errors of X.
+    PitchX(u8),
+    /// One of Z.
+    PitchZ(u8),
     /// A macro variable.
     Variable(u16),
 }
@@ -193,6 +197,14 @@ pub fn parameter_text(number: u16, value: i32) -> String {
 }
 
 impl Spot {
+    /// A point of the pitch errors of an axis.
+    pub const fn pitch(axis: Axis, point: u8) -> Self {
+        match axis {
+            Axis::X => Self::PitchX(point),
+            Axis::Z => Self::PitchZ(point),
+        }
+    }
+
     /// What the control has there, as it is typed.
     pub fn text(self, machine: &MachineView) -> String {
         match self {
@@ -200,6 +212,8 @@ impl Spot {
             Self::Offset(number, part) => {
                 part.text(part.of(machine.offsets.rows.get(number)), machine)
             }
+            Self::PitchX(point) => machine.pitch.value(Axis::X, point).to_string(),
+            Self::PitchZ(point) => machine.pitch.value(Axis::Z, point).to_string(),
             Self::Variable(number) => {
                 let value = variable(&machine.variables, number);
                 value.map_or_else(String::new, |value| value.to_string())
@@ -212,6 +226,8 @@ impl Spot {
         match self {
             Self::Parameter(number) => say::data_value_of(number),
             Self::Offset(number, part) => say::data_offset_cell(number, part.letter()),
+            Self::PitchX(point) => say::project_of_pitch(format_args!("{point:03}"), 'X'),
+            Self::PitchZ(point) => say::project_of_pitch(format_args!("{point:03}"), 'Z'),
             Self::Variable(number) => say::data_variable_cell(number),
         }
     }
@@ -230,6 +246,8 @@ impl Spot {
                 Ok(Edit::Parameter(Change::Value { number, value }))
             }
             Self::Offset(number, part) => self.offset(number, part, text, machine),
+            Self::PitchX(point) => self.pitch_error(Axis::X, point, text),
+            Self::PitchZ(point) => self.pitch_error(Axis::Z, point, text),
             Self::Variable(number) if machine.variables.real => Ok(Edit::Variable {
                 number,
                 value: Some(self.number(text)?),
@@ -257,6 +275,16 @@ impl Spot {
         let digits = text.len() == 8 && text.bytes().all(|byte| matches!(byte, b'0' | b'1'));
         let value = i32::from_str_radix(text, 2).ok().filter(|_| digits);
         value.ok_or_else(|| say::data_not_bits(self.name(), text))
+    }
+
+    /// A whole number, as the table takes it.
+    fn pitch_error(self, axis: Axis, point: u8, text: &str) -> Result<Edit, Message> {
+        let value = text.parse().ok();
+        let value = value.ok_or_else(|| say::data_not_a_value(self.name(), text))?;
+        let mut table = PitchTable::default();
+        let set = table.set(axis, point, value);
+        set.map_err(|error| error.message())?;
+        Ok(Edit::Parameter(Change::Pitch { axis, point, value }))
     }
 
     /// A number, with a point or a comma.

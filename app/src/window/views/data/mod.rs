@@ -1,5 +1,5 @@
 //! The data of the control at a PC, as GSKCC edits them (manual V-3): parameters by number
-//! and by function, tool offsets, macro variables. What is typed is written together, as
+//! and by function, tool offsets, pitch errors, macro variables. What is typed is written together, as
 //! the control lets it, and taken back by an undo list (decision DATA-2).
 
 mod edit;
@@ -40,6 +40,8 @@ enum Page {
     Group(ParameterGroup),
     /// Tool offsets.
     Offsets,
+    /// The pitch error table.
+    Pitch,
     /// Macro variables.
     Variables,
 }
@@ -137,6 +139,7 @@ impl DataView {
                     self.parameters.show(ui, language, machine, page, drafts);
                 }
                 Page::Offsets => tables::offsets(ui, language, machine, drafts),
+                Page::Pitch => tables::pitch(ui, language, machine, drafts),
                 Page::Variables => tables::variables(ui, language, machine, drafts),
             });
     }
@@ -160,6 +163,7 @@ impl DataView {
         }
         ui.separator();
         entry(ui, Page::Offsets, say::data_offsets());
+        entry(ui, Page::Pitch, say::project_node_pitch());
         entry(ui, Page::Variables, say::data_variables());
     }
 
@@ -190,7 +194,7 @@ impl DataView {
     fn bar(&mut self, ui: &mut Ui, language: Language, machine: &MachineView) {
         let edits = self.drafts.edits(machine);
         let of_page = match self.page {
-            Page::Numbers(_) | Page::Group(_) => machine.parameters_refused,
+            Page::Numbers(_) | Page::Group(_) | Page::Pitch => machine.parameters_refused,
             Page::Offsets => machine.offsets.refused,
             Page::Variables => machine.variables.refused,
         };

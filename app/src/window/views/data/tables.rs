@@ -1,6 +1,7 @@
-//! Tool offsets and macro variables as tables of fields.
+//! Tool offsets, pitch errors and macro variables as tables of fields.
 
 use egui::{ScrollArea, Ui, vec2};
+use gsk_core::units::Axis;
 use gsk_messages::{Language, say};
 
 use super::edit::{Drafts, Part, Spot};
@@ -11,6 +12,8 @@ use crate::kernel::monitor::MachineView;
 const NUMBER: f32 = 44.0;
 /// The least and the greatest width of a column of values, points.
 const COLUMN: [f32; 2] = [52.0, 110.0];
+/// Width of a pitch error, and of the coordinate beside it, points.
+const PITCH: [f32; 2] = [52.0, 84.0];
 /// Width of a variable's field, points.
 const VARIABLE: f32 = 180.0;
 /// Room for the bar of the list, points.
@@ -60,6 +63,56 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &
                 });
             }
         });
+}
+
+/// The pitch errors (manual III-10), beside each the machine coordinate where its interval
+/// ends, mm of slide travel.
+pub fn pitch(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts) {
+    ui.heading(say::project_node_pitch().text(language));
+    ui.weak(say::project_heading_pitch().text(language));
+    let height = ui.spacing().interact_size.y;
+    let padding = ui.spacing().button_padding.x;
+    let axes = [Axis::X, Axis::Z];
+    ui.horizontal(|ui| {
+        let number = say::data_column_number().text(language);
+        cell(ui, NUMBER, height, &number);
+        for letter in ["X", "Z"] {
+            cell(ui, PITCH[0] + padding * 2.0, height, letter);
+            cell(ui, PITCH[1], height, "mm");
+        }
+    });
+    let points = usize::from(u8::MAX) + 1;
+    ScrollArea::vertical()
+        .id_salt("pitch errors")
+        .auto_shrink([false, false])
+        .show_rows(ui, height, points, |ui, shown| {
+            for point in (0..=u8::MAX).skip(shown.start).take(shown.len()) {
+                ui.horizontal(|ui| {
+                    cell(ui, NUMBER, height, &format!("{point:03}"));
+                    for axis in axes {
+                        let spot = Spot::pitch(axis, point);
+                        field::show(ui, language, machine, drafts, spot, PITCH[0]);
+                        cell(ui, PITCH[1], height, &ends_at(axis, point, machine));
+                    }
+                });
+            }
+        });
+}
+
+/// Where the interval of a point ends, seen from the machine zero; nothing where there is no
+/// compensation, and of point 0, which ends none (manual III-10).
+fn ends_at(axis: Axis, point: u8, machine: &MachineView) -> String {
+    let parameters = &machine.parameters;
+    let interval = gsk_commission::interval_of(axis, parameters);
+    let Some(interval) = interval.filter(|_| point > 0) else {
+        return String::new();
+    };
+    let origin = i64::from(parameters.pitch_origin(axis));
+    let steps = match i64::from(point) - origin {
+        plus @ 1.. => plus,
+        minus => minus - 1,
+    };
+    format!("{:.3}", steps as f64 * interval.0)
 }
 
 /// The macro variables.
