@@ -84,7 +84,7 @@ impl Parameters {
                     };
                     whole.filter(of_kind).collect()
                 }
-                Page::Offsets | Page::Variables => Vec::new(),
+                Page::Offsets | Page::Pitch | Page::Variables => Vec::new(),
             }
         } else {
             if self.found.0 != self.question {
