@@ -238,7 +238,7 @@ fn a_null_variable_is_null_again_when_it_is_taken_back() {
 #[test]
 fn a_pitch_error_is_written_as_a_parameter_is_and_taken_back() {
     let mut bench = opened();
-    press(&mut bench, "Pitch errors");
+    press(&mut bench, "Pitch error table");
     fill(&mut bench, "pitch error 002 Z", "-12");
     press(&mut bench, "Write 1");
     assert_eq!(cnc(&bench).pitch().value(Axis::Z, 2), 0, "not in MDI");

@@ -469,6 +469,14 @@ fn the_view_takes_values_into_the_project_and_saves_it() {
     press(&mut bench, "O0005: added, 2 lines");
     press(&mut bench, "Take 1 into the project");
     sees(&mut bench, "not saved");
+    // The list is made anew beside the window.
+    let gone = (0..1000).any(|_| {
+        std::thread::sleep(Duration::from_millis(10));
+        bench.run(1);
+        let mut found = bench.harness.query_all_by_label_contains("O0005: added");
+        found.next().is_none()
+    });
+    assert!(gone, "what was taken in still differs");
     // The control takes over what the folder holds, not what is not saved.
     let at = bench.harness.get_all_by_label("the control").count() - 1;
     into(&mut bench, at, "the control");

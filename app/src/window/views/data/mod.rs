@@ -163,7 +163,7 @@ impl DataView {
         }
         ui.separator();
         entry(ui, Page::Offsets, say::data_offsets());
-        entry(ui, Page::Pitch, say::project_node_pitch());
+        entry(ui, Page::Pitch, say::data_pitch());
         entry(ui, Page::Variables, say::data_variables());
     }
 

@@ -68,7 +68,7 @@ pub fn offsets(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &
 /// The pitch errors (manual III-10), beside each the machine coordinate where its interval
 /// ends, mm of slide travel.
 pub fn pitch(ui: &mut Ui, language: Language, machine: &MachineView, drafts: &mut Drafts) {
-    ui.heading(say::project_node_pitch().text(language));
+    ui.heading(say::data_pitch().text(language));
     ui.weak(say::project_heading_pitch().text(language));
     let height = ui.spacing().interact_size.y;
     let padding = ui.spacing().button_padding.x;

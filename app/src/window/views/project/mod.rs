@@ -12,7 +12,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
-use egui::{Button, CentralPanel, Color32, ComboBox, Context, Panel, RichText, ScrollArea, Ui};
+use egui::{
+    Button, CentralPanel, Color32, ComboBox, Context, Panel, RichText, Role, ScrollArea, Ui,
+    WidgetInfo,
+};
 use gsk_messages::{Language, Message, say};
 use serde::{Deserialize, Serialize};
 
@@ -154,7 +157,7 @@ impl ProjectView {
             }
             let mut again = None;
             let recent = &self.remembered.recent;
-            ui.add_enabled_ui(!recent.is_empty(), |ui| {
+            if !recent.is_empty() {
                 ui.menu_button(say::project_view_recent().text(language), |ui| {
                     for folder in recent {
                         let name = folder.file_name().unwrap_or_default().to_string_lossy();
@@ -165,7 +168,7 @@ impl ProjectView {
                         }
                     }
                 });
-            });
+            }
             if let Some(folder) = again {
                 self.command(ProjectCommand::Folder(folder), language, ui.ctx());
             }
@@ -264,10 +267,15 @@ impl ProjectView {
         let places = self.places(language);
         let chosen = places.into_iter().find(|(node, ..)| *node == self.node);
         let words = chosen.map_or_else(String::new, |(_, _, words)| words);
-        ComboBox::from_id_salt("project place")
+        let shown = ComboBox::from_id_salt("project place")
             .width(ui.available_width())
-            .selected_text(words)
+            .selected_text(words.as_str())
             .show_ui(ui, |ui| self.tree(ui, language));
+        let name = say::project_view_place().text(language);
+        shown.response.widget_info(|| WidgetInfo {
+            current_text_value: Some(words.clone()),
+            ..WidgetInfo::labeled(Role::ComboBox, true, &name)
+        });
     }
 
     /// Contents or differences of the place that is chosen.
