@@ -10,7 +10,7 @@ use core::num::NonZeroU32;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::units::{Axis, Feed, Point};
+use crate::units::{Axis, Feed, Point, round};
 
 /// Which program a block stands in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -81,7 +81,7 @@ impl ZeroOffset {
 
     /// The nearest one.
     pub fn from_point(point: Point) -> Self {
-        let whole = |mm: f64| libm::round(mm * Self::PER_MM) as i32;
+        let whole = |mm: f64| round(mm * Self::PER_MM) as i32;
         Self {
             x: whole(point.x),
             z: whole(point.z),

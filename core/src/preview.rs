@@ -31,7 +31,7 @@ use crate::motion::{MotionLimits, Sequel};
 use crate::program::ProgramMemory;
 use crate::setup::Setup;
 use crate::simulation::Simulation;
-use crate::units::{PerAxis, Point};
+use crate::units::{PerAxis, Point, round};
 
 pub use bounds::Bounds;
 pub use caution::{Caution, Slip};
@@ -463,8 +463,5 @@ impl<'a> Walk<'a> {
 /// are multiples of 0.0005 mm, centres good to a billionth of one.
 fn snapped(point: Point) -> Point {
     const FINE: f64 = 1e9;
-    Point::new(
-        libm::round(point.x * FINE) / FINE,
-        libm::round(point.z * FINE) / FINE,
-    )
+    Point::new(round(point.x * FINE) / FINE, round(point.z * FINE) / FINE)
 }

@@ -318,6 +318,7 @@ impl AxisChain {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::round;
     use proptest::prelude::*;
 
     fn geared(multiply: i32, divide: i32) -> Chain {
@@ -525,12 +526,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_nearest_number_is_that_of_the_standard_library(
+        fn whole_numbers_are_those_of_the_standard_library(
             (bits, halves) in (any::<u64>(), any::<i64>().prop_flat_map(|it| (Just(it), 0..64_u32)))
         ) {
             let half = (halves.0 >> halves.1) as f64 / 2.0;
             for value in [f64::from_bits(bits), half.next_down(), half, half.next_up()] {
                 prop_assert_eq!(nearest(value), value.round() as i64, "{}", value);
+                let (quick, long) = (round(value), value.round());
+                prop_assert!(quick.to_bits() == long.to_bits() || value.is_nan(), "{}", value);
             }
         }
 

@@ -43,12 +43,12 @@ pub(crate) use nose::Nose;
 pub(crate) use piece::check_arc;
 pub(crate) use stream::{Compensation, Origin};
 
-use crate::units::Point;
+use crate::units::{Point, round};
 
 /// The least increment: 0.001 mm in Z and in the diameter X.
 fn rounded(point: Point) -> Point {
     Point::new(
-        libm::round(point.x * 2000.0) / 2000.0,
-        libm::round(point.z * 1000.0) / 1000.0,
+        round(point.x * 2000.0) / 2000.0,
+        round(point.z * 1000.0) / 1000.0,
     )
 }

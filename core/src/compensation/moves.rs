@@ -73,12 +73,16 @@ impl Moving {
 
     /// Its command with another action: straight, or an arc about the centre of
     /// its own.
-    pub(super) fn give_out(self, action: Action) -> Command {
+    pub(super) fn give_out(&self, action: Action) -> Command {
         let programmed_x = || Box::new(self.programmed_x(&action));
         Command {
             programmed_x: self.command.modal.surface_speed.then(programmed_x),
             action,
-            ..self.command
+            source: self.command.source,
+            modal: self.command.modal,
+            block_end: self.command.block_end,
+            stop_point: self.command.stop_point,
+            whole: self.command.whole,
         }
     }
 
@@ -106,6 +110,34 @@ impl Moving {
     pub(super) fn corner_command(&self, to: Point) -> Command {
         let stands = self.piece.start.x + self.offset.x;
         corner_move(&self.command, to, stands)
+    }
+}
+
+/// The box of a move that was given out, for the next one: nothing is allocated a block.
+/// It holds nothing that counts, whatever is left in it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Spare(Option<Box<Moving>>);
+
+impl PartialEq for Spare {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Spare {
+    pub(super) const fn of(done: Box<Moving>) -> Self {
+        Self(Some(done))
+    }
+
+    /// A box with a move in it.
+    pub(super) fn filled(&mut self, moving: Moving) -> Box<Moving> {
+        match self.0.take() {
+            Some(mut spare) => {
+                *spare = moving;
+                spare
+            }
+            None => Box::new(moving),
+        }
     }
 }
 

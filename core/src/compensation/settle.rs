@@ -4,7 +4,7 @@ use super::corner::{self, Role, Vectors};
 use super::fault::Fault;
 use super::interference::{self, Trail, Way};
 use super::moves::{
-    End, Held, Moving, Next, Stand, corner_move, destination, shifted_arc, straight_action,
+    End, Held, Moving, Next, Spare, Stand, corner_move, destination, shifted_arc, straight_action,
     with_programmed_x,
 };
 use super::piece::{Piece, are_same};
@@ -184,7 +184,8 @@ impl Compensation {
             },
             End::Cancelled => Stand::on_point(moving.piece.end + moving.offset),
         };
-        self.main_move(moving, &way, matches!(end, End::Cancelled));
+        self.main_move(&moving, &way, matches!(end, End::Cancelled));
+        self.spare = Spare::of(moving);
         self.release();
     }
 
@@ -237,12 +238,12 @@ impl Compensation {
     }
 
     /// The move itself, to the first vector of its end or to the point.
-    fn main_move(&mut self, moving: Box<Moving>, way: &Way, cancelled: bool) {
+    fn main_move(&mut self, moving: &Moving, way: &Way, cancelled: bool) {
         let to = rounded(moving.base() + way.end.first());
         let arc = if way.straight {
             None
         } else {
-            shifted_arc(&moving, way, to)
+            shifted_arc(moving, way, to)
         };
         if !cancelled {
             let action = arc.unwrap_or_else(|| straight_action(&moving.command.action, to));
@@ -252,7 +253,7 @@ impl Compensation {
             self.ready.push_back(Command {
                 block_end: false,
                 stop_point: false,
-                ..moving.clone().give_out(arc)
+                ..moving.give_out(arc)
             });
         }
         let point = destination(&moving.command.action, to).unwrap_or(to);

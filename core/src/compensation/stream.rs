@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::fault::Fault;
 use super::interference::Trails;
-use super::moves::{Held, Moving, Stand, cuts, destination, piece, side};
+use super::moves::{Held, Moving, Spare, Stand, cuts, destination, piece, side};
 use super::nose::Nose;
 use super::piece::are_same;
 use crate::alarm::Alarm;
@@ -40,6 +40,8 @@ pub(crate) struct Compensation {
     pub(super) stand: Stand,
     /// Boxed: it is handed on more often than it is looked into.
     pub(super) moving: Option<Box<Moving>>,
+    #[serde(skip)]
+    pub(super) spare: Spare,
     /// The compensated moves before it, the last one at the end, while the
     /// corners between them were regular.
     pub(super) before: Trails,
@@ -245,7 +247,7 @@ impl Compensation {
             self.stand = Stand::on_point(from);
         }
         self.on = true;
-        self.next_move(Box::new(Moving {
+        let next = Moving {
             command,
             piece,
             side,
@@ -254,6 +256,8 @@ impl Compensation {
             starts,
             from_point: false,
             square_start: false,
-        }));
+        };
+        let next = self.spare.filled(next);
+        self.next_move(next);
     }
 }

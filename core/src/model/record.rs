@@ -139,7 +139,13 @@ impl ModelParameter {
 impl Record {
     /// The record of a model.
     pub(super) fn of(id: ModelId) -> &'static Self {
-        static RECORDS: LazyLock<[Record; 4]> = LazyLock::new(|| ModelId::ALL.map(read));
+        // Each when it is asked for: a run has one model, as a rule.
+        static RECORDS: [LazyLock<Record>; 4] = [
+            LazyLock::new(|| read(ModelId::Gsk980td)),
+            LazyLock::new(|| read(ModelId::Gsk980mdi)),
+            LazyLock::new(|| read(ModelId::Hx31)),
+            LazyLock::new(|| read(ModelId::Ncb08)),
+        ];
         &RECORDS[id as usize]
     }
 
