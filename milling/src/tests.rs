@@ -401,6 +401,16 @@ fn m_codes_call_programs() {
     near(&ends(&moves), &[[10., 2., 100.]]);
 }
 
+/// Fact C56: 520.7 says which turn an angle lies in.
+#[test]
+fn inverse_functions_by_parameter() {
+    let text = "G00 X[ASIN[-1]] Y[ATAN[-1]/[1]] Z[ATAN[0-0]/[-1]]\nM30\n";
+    let (preview, _) = carried_out(&MillSetup::default(), text, &[]);
+    assert_eq!(preview.work.mm(), [270.0, 315.0, 180.0]);
+    let (preview, _) = carried_out(&with(&[(520, 128)]), text, &[]);
+    assert_eq!(preview.work.mm(), [-90.0, -45.0, 180.0]);
+}
+
 #[test]
 fn polar_coordinates() {
     let (_, moves) = run("G90 G00 X0 Y0\nG16 X10 Y30\nY120\nG91 Y30\nG15 G90 X0 Y0\nM30\n");
