@@ -69,7 +69,7 @@ pub(crate) fn evaluate(
             }
             Step::Function(function) => {
                 Some(within(apply(function, operand(&mut stack), unit, read)?)?)
-            },
+            }
             Step::ArcTangent => {
                 let across = operand(&mut stack);
                 let up = operand(&mut stack);

@@ -173,7 +173,8 @@ impl Interpreter {
                     within: None,
                 };
                 let read = |it| known.read(it, &*host);
-                let outcome = statement::carry_out_code_call(&call, &here, formula::Read::of(&read));
+                let outcome =
+                    statement::carry_out_code_call(&call, &here, formula::Read::of(&read));
                 return self.follow_statement(outcome, source, place, host);
             }
         }
