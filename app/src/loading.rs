@@ -226,6 +226,7 @@ fn apply_from(setup: &mut Setup, args: &SetupArgs, zero: Option<Point>) -> Resul
     }
     if let Some((x, z)) = args.start {
         setup.start = Some(Point::new(x / 2.0, z) + zero.unwrap_or_default());
+        setup.slides = None;
         check_start(setup)?;
     }
     if let (Some(start), Some(zero)) = (setup.start, zero) {

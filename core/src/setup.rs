@@ -35,6 +35,9 @@ pub struct Setup {
     pub wired: Option<Parameters>,
     /// The tool's machine position; without `absolute` the work zero is the machine zero.
     pub start: Option<Point>,
+    /// Where the slides really stand, mm from the reference point (X in radius), where
+    /// that is not `start`: before the zero return the control does not know it.
+    pub slides: Option<Point>,
     /// The absolute coordinates at power-off; with 004.7 ABOT = 0 they stay. A preview
     /// takes them as they are: `start - absolute` is the work zero.
     pub absolute: Option<Point>,
@@ -157,6 +160,7 @@ impl Default for Setup {
             lathe: LatheConfig::free(),
             wired: None,
             start: Some(Point::new(150.0, 300.0)),
+            slides: None,
             absolute: None,
             alarms: Vec::new(),
             referenced: true,

@@ -74,8 +74,8 @@ impl Simulation {
         if let Some(rpm) = setup.spindle_rpm {
             lathe.turn_spindle(rpm);
         }
-        if let Some(start) = setup.start {
-            lathe.put_slides(start);
+        if let Some(place) = setup.slides.or(setup.start) {
+            lathe.put_slides(place);
         }
         let cnc = Cnc::new(setup);
         lathe.stand_at(cnc.pulses());

@@ -127,7 +127,7 @@ pub struct WindowArgs {
     #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model())]
     pub model: Option<ModelId>,
     /// A pulse board at this port moves the slides: REAL MOTION [default: the port in the machine file, if it names one]
-    #[arg(long, value_name = "PORT", conflicts_with = "first_start")]
+    #[arg(long, value_name = "PORT")]
     pub link: Option<String>,
 }
 

@@ -107,6 +107,8 @@ pub enum CommandError {
     NotChecked,
     /// A port for two things.
     SamePort(String),
+    /// The questions of the first start, one of them which lathe, at a lathe's own port.
+    FirstStartAtBoard,
     /// No board.
     NoPort,
     /// No port of the PC's side, and the window has had none.
@@ -187,6 +189,7 @@ impl CommandError {
             Self::OneSection => say::command_one_section(),
             Self::NotChecked => say::command_not_checked(),
             Self::SamePort(port) => say::serial_and_dnc(port),
+            Self::FirstStartAtBoard => say::first_start_at_board(),
             Self::NoPort => say::command_no_port(),
             Self::NoTransferPort => say::transfer_no_port(),
             Self::TooFast { feed, rate, most } => say::command_feed_too_high(feed, rate, most),

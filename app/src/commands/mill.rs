@@ -10,6 +10,7 @@ use gsk_runner::mill::{self, MillSetup};
 use gsk_runner::picture::Format;
 use gsk_runner::picture::mill::{MillDrawing, encode};
 use gsk_runner::report::{self, AlarmReport, Report};
+use gsk_runner::words::clock;
 
 use super::results::{all, into_file, print};
 use super::run::title;
@@ -123,6 +124,8 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
     );
     drop(watch);
     target.write(&encode(format, &drawing, language.unwrap_or(Language::En))?)?;
+    let drawn = say::plot_written(args.output.display(), clock(preview.time_s));
+    output::print(&format!("{}\n", report::said(&drawn, language)));
     if drawing.left_out() > 0 {
         let said = say::picture_not_complete(drawing.left_out());
         complain!("gsk980td: {}", report::said(&said, language));

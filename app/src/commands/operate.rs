@@ -13,6 +13,7 @@ use gsk_runner::board::PulseBoard;
 use gsk_runner::partner::Partner;
 use gsk_runner::picture::PictureError;
 use gsk_runner::script::{Record, ScriptEnd, Session, Surroundings};
+use gsk_runner::words::clock;
 
 use super::{ALARM, CommandError, FINE, output};
 use crate::apart::{Read, keep_apart};
@@ -153,13 +154,21 @@ fn play(
     let mut files = Files {
         folder: folder_of(path),
     };
+    let lines = script.lines.len();
     let board = live.as_mut().map(|live| live as &mut dyn PulseBoard);
     let end = Session::new(emulator, &mut files)
         .at_board(board)
         .recorded(record)
         .run(script);
     let code = match end {
-        ScriptEnd::Finished => FINE,
+        ScriptEnd::Finished => {
+            let took = clock(emulator.simulation.cnc.ticks() as f64 * 0.001);
+            output::print(&format!(
+                "{}\n",
+                say::script_done(path.display(), lines, took)
+            ));
+            FINE
+        }
         ScriptEnd::Failed(failure) => {
             complain!("{}: {failure}", path.display());
             ALARM

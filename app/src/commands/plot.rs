@@ -5,6 +5,7 @@ use gsk_messages::{Language, say};
 use gsk_runner::curves::RapidRates;
 use gsk_runner::picture::{self, Drawing, Format};
 use gsk_runner::report::{self, AlarmReport};
+use gsk_runner::words::clock;
 
 use super::run::title;
 use super::{ALARM, COLLISION, CommandError, FINE, mill, output};
@@ -69,6 +70,8 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         }
     };
     target.write(&bytes)?;
+    let drawn = say::plot_written(args.output.display(), clock(preview.time_s));
+    output::print(&format!("{}\n", report::said(&drawn, language)));
     let shortfall = picture::shortfall(&drawing).filter(|_| !args.solid);
     if let Some(said) = shortfall {
         complain!("gsk980td: {}", report::said(&said, language));

@@ -27,6 +27,9 @@ use crate::{loading, log, platform, retained, transfer};
 pub fn open(args: WindowArgs, level: Option<LevelFilter>) -> Result<u8, CommandError> {
     let begun = Instant::now();
     let language = args.lang;
+    if args.link.is_some() && args.first_start == Some(true) {
+        return Err(CommandError::FirstStartAtBoard);
+    }
     if let Some(program) = &args.program
         && !platform::is_taken(program)
     {

@@ -38,6 +38,9 @@ pub struct Standing {
     pub machine: Point,
     /// Absolute coordinates.
     pub absolute: Point,
+    /// The slides of the simulated lathe, mm from its reference point (X as a radius).
+    #[serde(default)]
+    pub slides: Option<Point>,
     /// Axes whose machine zero was set by hand (zero return of method A).
     #[serde(default)]
     pub zero_kept: PerAxis<bool>,
@@ -74,6 +77,7 @@ impl Restored {
         if let Some(standing) = self.standing {
             setup.start = Some(standing.machine);
             setup.absolute = Some(standing.absolute);
+            setup.slides = standing.slides;
             setup.zero_kept = standing.zero_kept;
         }
     }

@@ -50,6 +50,7 @@ impl Snapshot {
             standing: Some(Standing {
                 machine: cnc.position_machine(),
                 absolute: cnc.position_absolute(),
+                slides: Some(emulator.simulation.lathe.slides()),
                 zero_kept: cnc.reference_without_switch(),
             }),
             panel: Some(emulator.panel.retained()),

@@ -252,3 +252,26 @@ fn a_machine_zero_set_by_hand_outlasts_the_process() {
     assert!(referenced.z && !referenced.x);
     std::fs::remove_dir_all(folder).expect("clean");
 }
+
+/// Before its first zero return the control counts from where it was switched on; the
+/// dogs stay where they are.
+#[test]
+fn slides_without_a_reference_stand_there_after_the_next_start() {
+    let folder = crate::files::test_folder("slides-kept");
+    let data = Arc::new(DataDir::open(&folder).expect("open"));
+    let start = || {
+        let mut setup = Setup::delivered();
+        let restored = load(&data, &mut setup);
+        restored.place(&mut setup);
+        (Emulator::new(setup), restored)
+    };
+    let (emulator, restored) = start();
+    let stood = emulator.simulation.lathe.slides();
+    assert!(stood.x < -1.0 && stood.z < -1.0);
+    let keeper = Keeper::start(Arc::clone(&data), &restored, &emulator).expect("thread");
+    keeper.finish(&emulator);
+    let (next, _) = start();
+    assert_eq!(next.simulation.lathe.slides(), stood);
+    assert_eq!(next.simulation.cnc.position_machine(), Point::default());
+    std::fs::remove_dir_all(folder).expect("clean");
+}

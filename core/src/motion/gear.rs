@@ -69,18 +69,17 @@ impl GearLaw {
         if self.exponential {
             return self.exponential_duration(even, first, last);
         }
-        if last >= 1.0 {
-            let peak = (first * first + 2.0 * even / time).sqrt();
-            if peak < 1.0 {
-                return time * (peak - first);
-            }
-        } else if first >= 1.0 && even < time * (1.0 - last * last) / 2.0 {
-            return 2.0 * even / (1.0 + last);
-        } else {
-            let peak = f64::midpoint(first * first, last * last) + even / time;
-            if peak < 1.0 {
-                return time * (2.0 * peak.sqrt() - first - last).max(0.0);
-            }
+        // Turns in T on the straight way from one rate to the other.
+        let straight = (last * last - first * first) / 2.0;
+        if even < time * straight {
+            return time * ((first * first + 2.0 * even / time).sqrt() - first);
+        }
+        if even < -time * straight {
+            return 2.0 * even / (first + last);
+        }
+        let peak = f64::midpoint(first * first, last * last) + even / time;
+        if peak < 1.0 {
+            return time * (2.0 * peak.sqrt() - first - last).max(0.0);
         }
         let lost = |rate: f64| (1.0 - rate) * (1.0 - rate) / 2.0;
         even + time * (lost(first) + lost(last))
@@ -89,16 +88,34 @@ impl GearLaw {
     fn exponential_duration(&self, even: f64, first: f64, last: f64) -> f64 {
         let time = self.time;
         let missing = |after: f64| (1.0 - first) * libm::exp(-after / time);
-        if last >= 1.0 {
-            let mut whole = even;
-            for _ in 0..4 {
-                whole = even + time * (1.0 - first - missing(whole));
+        let down = time * (first - last);
+        if even < down {
+            return even / (first - last) * libm::log(first / last);
+        }
+        let rising = self.rise_time(first, last);
+        if last >= 1.0 || even < rising + down {
+            // Newton's steps come down from above.
+            let mut whole = even + time * (1.0 - first);
+            for _ in 0..8 {
+                let lag = time * (1.0 - first - missing(whole));
+                whole -= (whole - lag - even) / (1.0 - missing(whole));
             }
             return whole;
         }
-        let braking_at = (even + time * (last - first)).max(0.0);
+        let braking_at = (even - down).max(0.0);
         let peak = (1.0 - missing(braking_at)).max(last);
         braking_at + time * libm::log(peak / last)
+    }
+
+    /// Time in which the exponential law takes up a rate, s; without end for the whole one.
+    fn rise_time(&self, from: f64, to: f64) -> f64 {
+        if from >= to {
+            0.0
+        } else if to >= 1.0 {
+            f64::INFINITY
+        } else {
+            self.time * libm::log((1.0 - from) / (1.0 - to))
+        }
     }
 }
 
@@ -188,27 +205,39 @@ impl Gear {
         let (rate, time) = (self.rate, law.time);
         let unit = spin * time;
         if law.exponential {
-            let room = rest - law.braking(rate, last, unit);
-            let until = (room / spin).max(0.0);
-            let span = until.min(left);
+            // Below the rate it is to end at nothing is kept for coming down.
+            let rising = law.rise_time(rate, last);
+            let until = if rate < last {
+                rising
+            } else {
+                (rest - law.braking(rate, last, unit)) / spin
+            };
+            let span = until.clamp(0.0, left);
             if span <= 1e-15 {
                 return self.coast(spin, rest, left);
             }
-            self.rate = 1.0 - (1.0 - rate) * libm::exp(-span / time);
-            let made = spin * (span - time * (self.rate - rate));
-            if last >= 1.0 && made >= rest {
-                self.done += rest;
-                return span * rest / made;
+            let reached = 1.0 - (1.0 - rate) * libm::exp(-span / time);
+            let made = spin * (span - time * (reached - rate));
+            self.rate = reached;
+            if rate < last {
+                if made >= rest {
+                    self.done += rest;
+                    return span * rest / made;
+                }
+                if span >= rising {
+                    self.rate = last;
+                }
             }
             self.done += made;
             return span;
         }
-        let peak = if last < 1.0 {
+        let free = (rate * rate + 2.0 * rest / unit).sqrt();
+        let peak = if free <= last {
+            free
+        } else {
             (f64::midpoint(rate * rate, last * last) + rest / unit)
                 .sqrt()
                 .min(1.0)
-        } else {
-            (rate * rate + 2.0 * rest / unit).sqrt().min(1.0)
         };
         if peak <= rate {
             return self.coast(spin, rest, left);
