@@ -15,9 +15,9 @@ use super::placing;
 use super::view::{View, shifted};
 use gsk_messages::{Message, say};
 use panes::BAR;
-pub use panes::{Arranged, Pane, arrange};
+pub use panes::{Arranged, InTurn, Pane, arrange};
 pub use splitters::drag;
-pub use turns::{InTurn, in_turn};
+use turns::in_turn;
 
 /// Units a pixel of the LCD's dots: the panel is drawn with half a dot a unit.
 const UNITS_A_DOT: f32 = 2.0;

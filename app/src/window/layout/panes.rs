@@ -4,7 +4,6 @@
 
 use egui::{Pos2, Rect, pos2};
 
-use super::turns::InTurn;
 use super::{Proportions, Scales, panel_share};
 use crate::window::view::View;
 use gsk_panel::faceplate::SIZE;
@@ -67,6 +66,17 @@ pub struct Arranged {
     pub splitters: Vec<Splitter>,
     /// What else there is, if one pane is all that is shown.
     pub turns: Option<InTurn>,
+}
+
+/// What there is beside the one pane that is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InTurn {
+    /// The bar to change from one to another.
+    pub bar: Rect,
+    /// All panes, the panel first.
+    pub all: Vec<Pane>,
+    /// How they would stand together.
+    pub together: Box<Arranged>,
 }
 
 /// Shares out a room. `share` is where a splitter was dragged to.

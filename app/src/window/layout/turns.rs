@@ -3,7 +3,7 @@
 
 use egui::{Rect, Vec2};
 
-use super::panes::{Arranged, Pane};
+use super::panes::{Arranged, InTurn, Pane};
 use super::{Scales, UNITS_A_DOT};
 use crate::window::placing;
 use crate::window::view::View;
@@ -13,17 +13,6 @@ const BAR: f32 = 42.0;
 /// Share of the least size of its own window that a view needs in a pane: what is a little
 /// lower is scrolled.
 const ENOUGH: Vec2 = Vec2::new(0.95, 0.7);
-
-/// What there is beside the one pane that is shown.
-#[derive(Clone, Debug, PartialEq)]
-pub struct InTurn {
-    /// The bar to change from one to another.
-    pub bar: Rect,
-    /// All panes, the panel first.
-    pub all: Vec<Pane>,
-    /// How they would stand together.
-    pub together: Box<Arranged>,
-}
 
 /// Whether a pane is too small for what it shows: fewer pixels than dots of the LCD, keys
 /// smaller than they are to be, a view of less than its least size.
