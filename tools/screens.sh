@@ -17,9 +17,7 @@ sizes=("$@")
 for needed in Xvfb xdotool import; do
     command -v "$needed" >/dev/null || { echo "$needed is missing" >&2; exit 1; }
 done
-# The key of each view, with Shift.
-views=(Machine:F1 Scope:F2 Bench:F3 Ladder:F4 Link:F5 Program:F11 Lesson:Home
-    Commission:End)
+views=(Machine Scope Bench Ladder Link Program Lesson Transfer Commission Data Project)
 sample=$(dirname "$0")/../assets/programs/01-stepped-shaft.CNC
 
 mkdir -p "$folder"
@@ -28,6 +26,15 @@ display=
 window=
 trap 'kill $window $display 2>/dev/null || true; rm -rf "$work"' EXIT
 export DISPLAY=:94 LIBGL_ALWAYS_SOFTWARE=1
+
+# remember DATA [VIEW]: what the window shows beside the panel, or in its place.
+remember() {
+    local panel="docked: Some([${2:-}])" light=false
+    [[ $surroundings != light ]] || light=true
+    mkdir -p "$1"
+    echo "(light: $light, layouts: (chosen: Some(Panel), changes: {Panel: ($panel)}," \
+        "front: ${2:+Some(}${2:-None}${2:+)}))" >"$1/window.ron"
+}
 
 # start DATA ARGUMENT…: the window in the middle of the screen, as large as the screen.
 start() {
@@ -60,24 +67,16 @@ for size in "${sizes[@]}"; do
     for language in zh en; do
         for surroundings in dark light; do
             data=$work/$size-$language-$surroundings
-            mkdir -p "$data"
-            light=$([[ $surroundings == light ]] && echo true || echo false)
-            homes=
-            for view in "${views[@]}"; do
-                homes+="${view%:*}: (docks: true), "
-            done
-            echo "(light: $light, layouts: (chosen: Some(Panel), homes: {$homes}))" >"$data/window.ron"
+            remember "$data"
             start "$data" --lang "$language" --first-start
             picture first
             stop
-            start "$data" --lang "$language" --program "$sample"
-            picture panel
-            for view in "${views[@]}"; do
-                xdotool key "shift+${view#*:}" sleep 1.5
-                picture "$(tr '[:upper:]' '[:lower:]' <<<"${view%:*}")"
-                xdotool key "shift+${view#*:}" sleep 0.5
+            for view in "" "${views[@]}"; do
+                remember "$data" "$view"
+                start "$data" --lang "$language" --program "$sample"
+                picture "$(tr '[:upper:]' '[:lower:]' <<<"${view:-panel}")"
+                stop
             done
-            stop
         done
     done
     kill "$display"

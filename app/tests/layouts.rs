@@ -127,6 +127,36 @@ fn in_a_narrow_window_every_key_is_inside_and_can_be_clicked() {
 }
 
 #[test]
+fn a_view_without_room_beside_the_panel_takes_its_turn_and_the_stops_stay() {
+    let size = vec2(1024.0, 768.0);
+    let mut layout = Layouts::of(Layout::Panel);
+    layout.dock(View::Data);
+    layout.bring(None);
+    let mut bench = Bench::sized(Setup::default(), layout, size);
+    assert!(bench.harness.query_by_label("LCD").is_some());
+    bench.click("Parameters and offsets");
+    bench.run(50);
+    assert!(bench.harness.query_by_label("LCD").is_none());
+    assert!(bench.harness.query_by_label("All parameters").is_some());
+    // At least as large as a finger.
+    let window = egui::Rect::from_min_size(Pos2::ZERO, size);
+    for stop in ["Emergency stop", "Feed hold", "Reset"] {
+        let place = bench.harness.get_by_label(stop).rect();
+        assert!(window.contains_rect(place), "{stop} at {place}");
+        let side = place.size().min_elem();
+        assert!(side >= 34.0, "{stop} is {side} points");
+    }
+    bench.click("Emergency stop");
+    bench.click("Panel");
+    bench.run(50);
+    bench.lcd_shows("准备未绪");
+    bench.click("Side by side");
+    bench.run(50);
+    assert!(bench.harness.query_by_label("LCD").is_some());
+    assert!(bench.harness.query_by_label("All parameters").is_some());
+}
+
+#[test]
 fn at_a_school_laptops_size_nothing_lies_beside_its_view() {
     let size = vec2(1366.0, 768.0);
     for (layout, key) in [

@@ -82,6 +82,8 @@ impl Purpose {
         {
             layouts.dock(view);
         }
+        // Where there is no room for both, the panel comes first.
+        layouts.bring(None);
     }
 }
 

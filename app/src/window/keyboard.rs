@@ -1,6 +1,6 @@
 //! The PC keyboard: which key of the panel an event presses.
 
-use egui::{Event, Key as PcKey, Modifiers};
+use egui::{Context, Event, Key as PcKey, Modifiers};
 use gsk_panel::keys::Key;
 
 use super::held::Holder;
@@ -52,6 +52,36 @@ pub fn action(event: &Event) -> Option<PcAction> {
         return Some(PcAction::Help);
     }
     panel_key(*key, *modifiers).map(|panel| PcAction::Press(holder, panel))
+}
+
+/// What of the events is the panel's while a button or a menu of the window has the focus:
+/// Enter and Space press that button alone. Whoever types anything else has left it.
+pub fn beside_focus(context: &Context, mut events: Vec<Event>) -> Vec<Event> {
+    let Some(focused) = context.memory(egui::Memory::focused) else {
+        return events;
+    };
+    events.retain(|event| !presses_focused(event));
+    let typed = |event: &Event| match event {
+        Event::Key {
+            key, pressed: true, ..
+        } => panel_key(*key, Modifiers::NONE).is_some() && key.name().chars().count() == 1,
+        _ => false,
+    };
+    if events.iter().any(typed) {
+        context.memory_mut(|memory| memory.surrender_focus(focused));
+    }
+    events
+}
+
+/// Whether an event presses what has the focus.
+fn presses_focused(event: &Event) -> bool {
+    match event {
+        Event::Key {
+            key, pressed: true, ..
+        } => matches!(key, PcKey::Enter | PcKey::Space),
+        Event::Text(text) => text == " ",
+        _ => false,
+    }
 }
 
 /// The keys that turn the handwheel: `]` clockwise, `[` back, ten with Shift.
@@ -135,6 +165,24 @@ mod tests {
             repeat,
             modifiers,
         }
+    }
+
+    #[test]
+    fn enter_presses_the_button_that_has_the_focus_and_nothing_of_the_panel() {
+        let context = Context::default();
+        let plain = Modifiers::default();
+        let enter = || vec![event(PcKey::Enter, plain, true, false)];
+        assert_eq!(beside_focus(&context, enter()), enter());
+        let button = egui::Id::unique("button");
+        context.memory_mut(|memory| memory.request_focus(button));
+        assert_eq!(beside_focus(&context, enter()), []);
+        let stop = vec![event(PcKey::F12, plain, true, false)];
+        assert_eq!(beside_focus(&context, stop.clone()), stop);
+        assert_eq!(context.memory(egui::Memory::focused), Some(button));
+        let letter = vec![event(PcKey::X, plain, true, false)];
+        assert_eq!(beside_focus(&context, letter.clone()), letter);
+        assert_eq!(context.memory(egui::Memory::focused), None);
+        assert_eq!(beside_focus(&context, enter()), enter());
     }
 
     #[test]

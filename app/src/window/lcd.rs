@@ -61,6 +61,11 @@ impl Lcd {
         self.place
     }
 
+    /// It is not on the screen.
+    pub const fn hide(&mut self) {
+        self.place = None;
+    }
+
     /// Draws a screen into its place.
     pub fn paint(&mut self, painter: &egui::Painter, room: Rect, screen: &Screen, brightness: u8) {
         self.place = Some(room);

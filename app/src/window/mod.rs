@@ -24,6 +24,7 @@ mod pointing;
 mod questions;
 mod reader;
 pub mod refusal;
+mod room;
 mod samples;
 mod settings;
 mod surroundings;
@@ -35,7 +36,7 @@ mod zoom;
 
 use std::path::PathBuf;
 
-use egui::{Event, Frame, Margin, Panel, Pos2, Ui, UiBuilder};
+use egui::{Event, Frame, Margin, Panel, Pos2, Ui};
 use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_help::{Subject, Topic, topic};
@@ -52,7 +53,6 @@ use gsk_messages::say;
 use held::{Change, Held};
 use help::Help;
 use keyboard::PcAction;
-use layout::Pane;
 use long_press::LongPress;
 use message::Message;
 use opener::Opener;
@@ -60,8 +60,8 @@ use pointing::Pointing;
 use questions::Questions;
 pub use settings::Settings;
 use view::View;
+use views::Views;
 pub use views::project::Chosen;
-use views::{Views, header};
 
 pub use key_map::pc_name;
 
@@ -168,8 +168,11 @@ impl Window {
     }
 
     fn show_view(&mut self, view: View) {
-        if !self.settings.layouts.is_open(view) {
-            self.settings.layouts.toggle(view);
+        let layouts = &mut self.settings.layouts;
+        if !layouts.is_open(view) {
+            layouts.toggle(view);
+        } else if layouts.docked().contains(&view) {
+            layouts.bring(Some(view));
         }
     }
 
@@ -370,38 +373,6 @@ impl Window {
         self.views.lathe().pieces()
     }
 
-    /// Draws the panel and the docked views, each in its pane.
-    fn panes(&mut self, ui: &mut Ui) {
-        let language = self.settings.language;
-        let layouts = &mut self.settings.layouts;
-        layouts.begin(ui.max_rect(), ui.pixels_per_point());
-        let arranged = layouts.arrange(ui.max_rect(), ui.pixels_per_point());
-        for (pane, place) in arranged.panes {
-            let inside = UiBuilder::new()
-                .id_salt(format!("{pane:?}"))
-                .max_rect(place);
-            let mut ui = ui.new_child(inside);
-            ui.set_clip_rect(ui.clip_rect().intersect(place));
-            let Pane::View(view) = pane else {
-                self.panel(&mut ui);
-                continue;
-            };
-            let asked = self.views.show_docked(&mut ui, view, language);
-            match asked {
-                Some(header::Asked::Float) => self.settings.layouts.float(view),
-                Some(header::Asked::Close) => self.settings.layouts.toggle(view),
-                Some(header::Asked::Dock) | None => {}
-            }
-        }
-        if let Some(view) = self.views.take_wanted()
-            && !self.settings.layouts.is_open(view)
-        {
-            self.settings.layouts.toggle(view);
-        }
-        let layouts = &mut self.settings.layouts;
-        layout::drag(ui, &arranged.splitters, layouts, language);
-    }
-
     /// Takes what the kernel has sent.
     fn receive(&mut self) {
         if let Some(picture) = self.console.pictures.pop() {
@@ -412,6 +383,11 @@ impl Window {
             if alarms || (picture.place_unknown && was_known) {
                 // The newest word stands on the line.
                 self.message = None;
+            }
+            let left = before.and_then(|it| it.program);
+            if left != picture.program {
+                self.message
+                    .take_if(|message| left.is_some_and(|program| message.is_about(program)));
             }
             if before.is_none_or(|before| before.screen != picture.screen) {
                 platform::tell_screen(|| picture.screen.text());
@@ -499,6 +475,7 @@ impl Window {
                 surroundings::set(ui.ctx(), self.settings.light);
             }
             top_bar::Asked::Model(model) => self.models.asked = Some(model),
+            top_bar::Asked::Fingers => self.settings.fingers = !self.settings.fingers,
             top_bar::Asked::Zoom(per_cent) => self.settings.zoom = per_cent,
             top_bar::Asked::FirstStart => self.ask_first(),
             top_bar::Asked::Keys => self.key_map = !self.key_map,
@@ -563,6 +540,7 @@ impl Window {
             return;
         }
         zoom::typed(ui.ctx(), &events, &mut self.settings);
+        let events = keyboard::beside_focus(ui.ctx(), events);
         if let Some(view) = view::toggled(&events) {
             self.settings.layouts.toggle(view);
         }
@@ -579,9 +557,7 @@ impl Window {
         };
         let program = self.views.program();
         program.show_block(source.program, source.line, occurrence.block);
-        if !self.settings.layouts.is_open(View::Program) {
-            self.settings.layouts.toggle(View::Program);
-        }
+        self.show_view(View::Program);
     }
 
     /// What help says of the alarm that stands.

@@ -57,9 +57,20 @@ const fn stops(key: Key) -> bool {
 impl Window {
     /// Draws the panel and takes what mouse and fingers do to it.
     pub(super) fn panel(&mut self, ui: &mut Ui) {
-        let room = ui.max_rect();
-        let views = placing::views(room, ui.pixels_per_point());
-        self.point(ui, &views);
+        let views = placing::views(ui.max_rect(), ui.pixels_per_point());
+        self.areas(ui, &views);
+    }
+
+    /// Draws the keys that stop the machine while the panel is not on the screen.
+    pub(super) fn stops(&mut self, ui: &mut Ui) {
+        let views = placing::stops(ui.max_rect(), ui.pixels_per_point());
+        self.lcd.hide();
+        self.areas(ui, &views);
+    }
+
+    /// Draws areas of the panel.
+    fn areas(&mut self, ui: &mut Ui, views: &[View]) {
+        self.point(ui, views);
         let painter = ui.painter().clone();
         let picture = self.picture.take();
         self.reversed = picture
@@ -78,9 +89,9 @@ impl Window {
             real: picture.as_ref().is_some_and(|it| it.board.is_some()),
             model: picture.as_ref().map(|it| it.model).unwrap_or_default(),
         };
-        self.face.paint(&painter, &views, &state);
+        self.face.paint(&painter, views, &state);
         let mut taps = Vec::new();
-        for view in &views {
+        for view in views {
             for part in view.area.parts() {
                 taps.extend(self.describe(ui, &part, *view, &state));
             }
@@ -89,7 +100,9 @@ impl Window {
             self.held.forget_kept();
             self.console.send(Command::Tap(key));
         }
-        let screen = views.first().map(|view| view.rect(faceplate::lcd()));
+        let lcd = faceplate::lcd();
+        let screen = views.iter().find(|view| view.area.rect.encloses(&lcd));
+        let screen = screen.map(|view| view.rect(lcd));
         if let (Some(picture), Some(place)) = (&picture, screen) {
             self.lcd
                 .paint(&painter, place, &picture.screen, picture.brightness);
@@ -117,13 +130,13 @@ impl Window {
         }
         for key in self.views.lessons().marked() {
             if let Some(part) = faceplate::part_of(key)
-                && let Some(view) = placing::of_part(&views, part)
+                && let Some(view) = placing::of_part(views, part)
             {
                 ring(&painter, *view, part, ASKED);
             }
         }
         if let Some(part) = self.held.kept().and_then(faceplate::part_of)
-            && let Some(view) = placing::of_part(&views, part)
+            && let Some(view) = placing::of_part(views, part)
         {
             ring(&painter, *view, part, RING);
         }

@@ -3,7 +3,14 @@
 
 use egui::{Pos2, Rect, Vec2, pos2, vec2};
 use gsk_panel::faceplate::{self, Area, Part, SIZE};
+use gsk_panel::keys::Key;
 
+/// Least side of a key for fingers, points: 9 mm at 96 points an inch.
+pub const FINGER: f32 = 9.0 / 25.4 * 96.0;
+/// The keys that stop the machine, from the right.
+const STOPS: [Key; 3] = [Key::EmergencyStop, Key::FeedHold, Key::Reset];
+/// Room between them, points.
+const STOPS_APART: f32 = 8.0;
 /// The areas stand apart when that makes the keys larger at least by this factor.
 const WORTH_IT: f32 = 1.15;
 /// Height over width of a room that is upright.
@@ -65,6 +72,49 @@ impl View {
     pub fn whole(&self) -> Rect {
         self.rect(self.area.rect)
     }
+}
+
+/// The least side of a key of the panel in a room, points.
+pub fn least_key(room: Rect) -> f32 {
+    let views = views(room, 1.0);
+    let sides = finger_keys().filter_map(|part| {
+        let view = of_part(&views, part)?;
+        Some(part.rect.w.min(part.rect.h) * view.scale)
+    });
+    sides.fold(f32::INFINITY, f32::min)
+}
+
+/// The width of the whole panel with keys of so many points at least.
+pub fn width_for(key: f32) -> f32 {
+    let sides = finger_keys().map(|part| part.rect.w.min(part.rect.h));
+    key / sides.fold(f32::INFINITY, f32::min) * SIZE.0
+}
+
+/// The keys that are for fingers; the release of the overtravel is a button to be pressed on
+/// purpose, as small as it is built.
+fn finger_keys() -> impl Iterator<Item = &'static Part> {
+    let keys = faceplate::parts()
+        .iter()
+        .filter(|part| part.key().is_some());
+    keys.filter(|part| part.key() != Some(Key::OvertravelRelease))
+}
+
+/// The keys that stop the machine, one beside the other at the right end of a bar: they stay
+/// on the screen while a view is shown in place of the panel (WINDOW-22).
+pub fn stops(bar: Rect, pixels_per_point: f32) -> Vec<View> {
+    let mut right = bar.right() - STOPS_APART;
+    let mut placed = Vec::new();
+    for key in STOPS {
+        let Some(part) = faceplate::part_of(key) else {
+            continue;
+        };
+        let area = Area { rect: part.rect };
+        let width = bar.height() * part.rect.w / part.rect.h;
+        let room = Rect::from_min_max(pos2(right - width, bar.top()), pos2(right, bar.bottom()));
+        placed.push(View::fit(area, room.shrink(1.0), pixels_per_point));
+        right -= width + STOPS_APART;
+    }
+    placed
 }
 
 /// The panel in a room: as it is built, or its areas by themselves.
@@ -169,7 +219,7 @@ mod tests {
         let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(800.0, 1230.0));
         let views = views(room, 1.0);
         for part in parts().iter().filter(|part| part.key().is_some()) {
-            if part.key() == Some(gsk_panel::keys::Key::OvertravelRelease) {
+            if part.key() == Some(Key::OvertravelRelease) {
                 continue; // A button to be pressed on purpose, as small as it is built.
             }
             let rect = of_part(&views, part).unwrap().rect(part.rect);

@@ -39,6 +39,8 @@ pub struct Settings {
     pub machine: Option<PathBuf>,
     /// How large everything is, per cent; none: as the monitor asks for.
     pub zoom: Option<u16>,
+    /// Keys of the panel are at least as large as fingers.
+    pub fingers: bool,
 }
 
 impl Default for Settings {
@@ -55,6 +57,7 @@ impl Default for Settings {
             first_start: false,
             machine: None,
             zoom: None,
+            fingers: false,
         }
     }
 }

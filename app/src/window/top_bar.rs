@@ -45,6 +45,8 @@ pub enum Asked {
     Layout(Layout),
     /// Light surroundings, or dark ones again.
     Light,
+    /// Keys as large as fingers, or any size again.
+    Fingers,
     /// Everything so large, per cent; none: as the monitor asks for.
     Zoom(Option<u16>),
     /// Open a view, or close it.

@@ -4,6 +4,7 @@
 pub mod floating;
 mod panes;
 mod splitters;
+mod turns;
 
 use std::collections::BTreeMap;
 
@@ -13,8 +14,10 @@ use serde::{Deserialize, Serialize};
 use super::placing;
 use super::view::{View, shifted};
 use gsk_messages::{Message, say};
-pub use panes::{Arranged, Pane, arrange};
+use panes::BAR;
+pub use panes::{Arranged, InTurn, Pane, arrange};
 pub use splitters::drag;
+use turns::in_turn;
 
 /// Units a pixel of the LCD's dots: the panel is drawn with half a dot a unit.
 const UNITS_A_DOT: f32 = 2.0;
@@ -166,6 +169,8 @@ pub struct Layouts {
     /// Views in windows of their own; at the start there is none.
     #[serde(skip)]
     floating: Vec<View>,
+    /// What is shown where there is no room for panel and views together; none: the panel.
+    front: Option<View>,
 }
 
 impl Layouts {
@@ -191,6 +196,7 @@ impl Layouts {
     /// Uses another layout.
     pub const fn choose(&mut self, layout: Layout) {
         self.chosen = Some(layout);
+        self.front = None;
     }
 
     /// The docked views.
@@ -233,6 +239,12 @@ impl Layouts {
         docked.push(view);
         self.set_docked(docked);
         self.home(view).docks = true;
+        self.front = Some(view);
+    }
+
+    /// Shows a docked view, none: the panel, where there is no room for all of them.
+    pub const fn bring(&mut self, front: Option<View>) {
+        self.front = front;
     }
 
     /// Gives a view a window of its own.
@@ -270,15 +282,33 @@ impl Layouts {
         self.changes.entry(layout).or_default().docked = Some(docked);
     }
 
-    /// The panes in a room.
-    pub fn arrange(&self, room: Rect, pixels_per_point: f32) -> Arranged {
+    /// The panes in a room: together, or one of them with a bar to change to the others.
+    /// Keys are at least so large, points, where there is room for it.
+    pub fn arrange(&self, room: Rect, pixels_per_point: f32, key: f32) -> Arranged {
         let shares = self.changes.get(&self.current());
         let share = |split: u8| {
             let share = shares.and_then(|changes| changes.shares.get(&split))?;
             Some(f32::from(*share) / 1000.0)
         };
         let proportions = self.current().row().proportions;
-        arrange(room, &self.docked(), proportions, pixels_per_point, &share)
+        let scales = Scales {
+            pixels_per_point,
+            key,
+        };
+        let together = arrange(room, &self.docked(), proportions, scales, &share);
+        // Whoever has dragged a bar wants it so.
+        let dragged = shares.is_some_and(|changes| !changes.shares.is_empty());
+        match !dragged && turns::is_crowded(&together, scales) {
+            true => in_turn(room, together, self.front),
+            false => together,
+        }
+    }
+
+    /// From now on panel and views are shown together, whatever room there is.
+    pub fn keep_together(&mut self, arranged: &Arranged) {
+        if let Some(splitter) = arranged.splitters.first() {
+            self.set_share(splitter.split, Some(splitter.at()));
+        }
     }
 
     /// Moves a splitter; `None`: back to where it stands by itself.
@@ -297,6 +327,15 @@ impl Layouts {
     }
 }
 
+/// What decides how large the panel is to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Scales {
+    /// Physical pixels a point.
+    pixels_per_point: f32,
+    /// Least side of a key, points; 0: any.
+    key: f32,
+}
+
 /// Whole pixels that a dot of the LCD has beside views.
 fn pixels_a_dot(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
     let at_most = egui::vec2(room.width() * at_most, room.height());
@@ -306,7 +345,13 @@ fn pixels_a_dot(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
 
 /// The share of a room's width that the panel takes by itself beside views: the most
 /// that shows the dots of the LCD as whole pixels.
-fn panel_share(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
+fn panel_share(room: Rect, at_most: f32, scales: Scales) -> f32 {
+    // Its pane ends at half a bar.
+    let for_keys = (placing::width_for(scales.key) + BAR / 2.0) / room.width();
+    dots_share(room, at_most, scales.pixels_per_point).max(for_keys.min(1.0))
+}
+
+fn dots_share(room: Rect, at_most: f32, pixels_per_point: f32) -> f32 {
     let pixels_a_dot = pixels_a_dot(room, at_most, pixels_per_point);
     if pixels_a_dot < 1.0 {
         return at_most.min(0.6);
@@ -372,6 +417,6 @@ mod tests {
         assert_eq!(back, layouts);
         assert_eq!(back.place(View::Scope), Some(place));
         let room = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1000.0, 800.0));
-        assert_eq!(back.arrange(room, 1.0).panes[0].1.width(), 432.0 - 3.0);
+        assert_eq!(back.arrange(room, 1.0, 0.0).panes[0].1.width(), 432.0 - 3.0);
     }
 }

@@ -4,12 +4,12 @@
 
 use egui::{Pos2, Rect, pos2};
 
-use super::{Proportions, panel_share};
+use super::{Proportions, Scales, panel_share};
 use crate::window::view::View;
 use gsk_panel::faceplate::SIZE;
 
 /// Width of a splitter, points.
-const BAR: f32 = 6.0;
+pub(super) const BAR: f32 = 6.0;
 /// Least side of a pane, points.
 const LEAST: f32 = 90.0;
 /// Numbers of splitters: between the columns, in the left, in the right column, and in
@@ -50,6 +50,11 @@ impl Splitter {
         };
         share.clamp(0.0, 1.0)
     }
+
+    /// The share of the first side as it is.
+    pub fn at(&self) -> f32 {
+        self.share(self.bar.center())
+    }
 }
 
 /// The room shared out.
@@ -59,6 +64,19 @@ pub struct Arranged {
     pub panes: Vec<(Pane, Rect)>,
     /// The bars between them.
     pub splitters: Vec<Splitter>,
+    /// What else there is, if one pane is all that is shown.
+    pub turns: Option<InTurn>,
+}
+
+/// What there is beside the one pane that is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InTurn {
+    /// The bar to change from one to another.
+    pub bar: Rect,
+    /// All panes, the panel first.
+    pub all: Vec<Pane>,
+    /// How they would stand together.
+    pub together: Box<Arranged>,
 }
 
 /// Shares out a room. `share` is where a splitter was dragged to.
@@ -66,7 +84,7 @@ pub fn arrange(
     room: Rect,
     docked: &[View],
     proportions: Proportions,
-    pixels_per_point: f32,
+    scales: Scales,
     share: &dyn Fn(u8) -> Option<f32>,
 ) -> Arranged {
     let mut arranged = Arranged::default();
@@ -92,9 +110,13 @@ pub fn arrange(
         .filter(|(index, _)| *index != proportions.below)
         .map(|(_, pane)| *pane)
         .collect();
-    let panel_share = panel_share(room, proportions.panel_at_most, pixels_per_point);
-    let columns = share(COLUMNS).or(proportions.column);
-    let columns = columns.unwrap_or(panel_share);
+    let panel_share = panel_share(room, proportions.panel_at_most, scales);
+    let column = proportions.column.unwrap_or(panel_share);
+    let column = match scales.key > 0.0 {
+        true => column.max(panel_share),
+        false => column,
+    };
+    let columns = share(COLUMNS).unwrap_or(column);
     let (left, right) = arranged.split(room, COLUMNS, true, columns);
     let panel = if below.is_empty() {
         left
@@ -163,6 +185,10 @@ mod tests {
 
     use super::super::LARGE_PANEL;
 
+    const PLAIN: Scales = Scales {
+        pixels_per_point: 1.0,
+        key: 0.0,
+    };
     const VIEWS: [View; 4] = [View::Bench, View::Ladder, View::Scope, View::Link];
 
     #[test]
@@ -176,7 +202,7 @@ mod tests {
             let room = Rect::from_min_size(pos2(0.0, 28.0), size);
             for count in 0..=VIEWS.len() {
                 for share in [None, Some(0.0), Some(0.3), Some(1.0)] {
-                    let arranged = arrange(room, &VIEWS[..count], LARGE_PANEL, 1.0, &|_| share);
+                    let arranged = arrange(room, &VIEWS[..count], LARGE_PANEL, PLAIN, &|_| share);
                     let panes = &arranged.panes;
                     assert_eq!(panes.len(), count + 1);
                     assert_eq!(panes[0].0, Pane::Panel);
@@ -202,7 +228,7 @@ mod tests {
             (3840.0, 2110.0, 4.0),
         ] {
             let room = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
-            let arranged = arrange(room, &VIEWS[..1], LARGE_PANEL, 1.0, &|_| None);
+            let arranged = arrange(room, &VIEWS[..1], LARGE_PANEL, PLAIN, &|_| None);
             let panel = arranged.panes[0].1.width();
             assert!((panel - 640.0 * pixels).abs() <= BAR, "{panel} of {width}");
         }
@@ -211,9 +237,9 @@ mod tests {
     #[test]
     fn a_bar_stands_where_it_is_dragged_to() {
         let room = Rect::from_min_size(pos2(0.0, 28.0), vec2(1000.0, 700.0));
-        let arranged = arrange(room, &VIEWS[..1], LARGE_PANEL, 1.0, &|_| None);
+        let arranged = arrange(room, &VIEWS[..1], LARGE_PANEL, PLAIN, &|_| None);
         let share = arranged.splitters[0].share(pos2(412.0, 300.0));
-        let dragged = arrange(room, &VIEWS[..1], LARGE_PANEL, 1.0, &|_| Some(share));
+        let dragged = arrange(room, &VIEWS[..1], LARGE_PANEL, PLAIN, &|_| Some(share));
         assert!((dragged.splitters[0].bar.center().x - 412.0).abs() < 0.01);
     }
 }

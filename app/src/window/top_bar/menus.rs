@@ -88,6 +88,12 @@ pub fn looks(ui: &mut Ui, settings: &Settings, models: &ModelChoice) -> Option<A
         asked = Some(Asked::Light);
         ui.close();
     }
+    let entry = egui::Button::selectable(settings.fingers, say::window_fingers().text(language));
+    let hint = say::window_fingers_hint().text(language);
+    if ui.add(entry).on_hover_text(hint).clicked() {
+        asked = Some(Asked::Fingers);
+        ui.close();
+    }
     asked = zooms(ui, language, settings.zoom).or(asked);
     ui.separator();
     let entry = egui::Button::new(say::window_first_start().text(language));
