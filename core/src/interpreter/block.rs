@@ -21,7 +21,7 @@ use crate::interpreter::codes::scale;
 use crate::interpreter::codes::spindle_speed;
 use crate::interpreter::codes::tool::{self, Execution, ToolWord};
 use crate::interpreter::compound;
-use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::exact::{Exact, Reach};
 use crate::interpreter::context::flow::Flow;
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{ArcWords, AxisWords, OneShot, Words};
@@ -284,21 +284,21 @@ fn motion(
     axes: &AxisWords,
 ) -> Result<Motion, Alarm> {
     match kind {
-        Kind::Thread => Ok(thread::plan(state, words, axes, context.x_factor)?.into()),
-        Kind::Tap => match tapping::plan(state, words, axes, context.x_factor)? {
+        Kind::Thread => Ok(thread::plan(state, words, axes, context.reach())?.into()),
+        Kind::Tap => match tapping::plan(state, words, axes, context.reach())? {
             Some(tapping) => Motion::cycle(state, Maker::Tapping(tapping)),
             None => Ok(Motion::None),
         },
         Kind::OneShot(code) => one_shot::motion(code, state, context, words, axes),
         Kind::Nothing => Ok(Motion::None),
         Kind::Rapid => {
-            let end = end_point(state, axes, context.x_factor)?;
+            let end = end_point(state, axes, context.reach())?;
             let action = positioning::rapid(state, end);
             state.arrive(axes, end);
             Ok(Motion::One(action))
         }
         Kind::Line => {
-            let end = end_point(state, axes, context.x_factor)?;
+            let end = end_point(state, axes, context.reach())?;
             if corner::is_asked(words) {
                 return Ok(corner::plan(state, context, words, axes, end)?.into());
             }
@@ -307,7 +307,7 @@ fn motion(
             Ok(Motion::One(action))
         }
         Kind::Arc => {
-            let end = end_point(state, axes, context.x_factor)?;
+            let end = end_point(state, axes, context.reach())?;
             let record = context.model.record();
             let Some(action) = arc(state, context.compensated, record, words.arc(), end)? else {
                 return Ok(Motion::None);
@@ -317,7 +317,7 @@ fn motion(
         }
         Kind::ThreadCycle => {
             let data = state.cycle.take(words, axes, state.position);
-            let cycle = thread_cycle::plan(state, context.parameters, data, context.x_factor)?;
+            let cycle = thread_cycle::plan(state, context.parameters, data, context.reach())?;
             let motion = Motion::cycle(state, Maker::Thread(cycle));
             state.return_here();
             motion
@@ -325,8 +325,8 @@ fn motion(
         Kind::TurningCycle | Kind::FacingCycle => {
             let data = state.cycle.take(words, axes, state.position);
             let mut cycle = match kind {
-                Kind::TurningCycle => turning_cycle::plan(state, data, context.x_factor)?,
-                _ => facing_cycle::plan(state, data, context.x_factor)?,
+                Kind::TurningCycle => turning_cycle::plan(state, data, context.reach())?,
+                _ => facing_cycle::plan(state, data, context.reach())?,
             };
             if state.compensates() && context.compensated != Compensated::Never {
                 let start = state.machine(state.position).point();
@@ -360,8 +360,8 @@ pub(super) fn arc(
     }))
 }
 
-fn end_point(state: &State, axes: &AxisWords, x_factor: i64) -> Result<Exact, Alarm> {
-    within_stroke(axes.target(state.position), x_factor)
+fn end_point(state: &State, axes: &AxisWords, reach: Reach<'_>) -> Result<Exact, Alarm> {
+    within_stroke(axes.target(state.position), reach)
 }
 
 /// Calls of the Huaxing lathes by G codes.

@@ -8,6 +8,7 @@ use crate::command::Action;
 use crate::interpreter::block;
 use crate::interpreter::codes::positioning;
 use crate::interpreter::context::Compensated;
+use crate::interpreter::context::exact::Reach;
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{ArcWords, AxisWords, Target};
 use crate::model::{GCode, Record};
@@ -34,6 +35,15 @@ pub(crate) struct Under<'a> {
     pub(crate) compensated: Compensated,
     /// 2 under radius programming (001.2), else 1.
     pub(crate) x_factor: i64,
+}
+
+impl Under<'_> {
+    const fn reach(&self) -> Reach<'_> {
+        Reach {
+            x_factor: self.x_factor,
+            record: self.record,
+        }
+    }
 }
 
 impl PlainMove {
@@ -94,7 +104,7 @@ impl PlainMove {
         }
         let end = axes.target(state.position);
         let action =
-            positioning::within_stroke(end, under.x_factor).and_then(|end| match self.motion {
+            positioning::within_stroke(end, under.reach()).and_then(|end| match self.motion {
                 0 => Ok(Some(positioning::rapid(state, end))),
                 1 => positioning::line(state, end).map(Some),
                 _ => block::arc(state, under.compensated, under.record, self.arc, end),

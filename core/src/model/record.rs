@@ -52,6 +52,9 @@ pub struct Record {
     /// The greatest number of a block.
     #[serde(default = "last_of_four_digits")]
     pub(crate) last_sequence: u32,
+    /// The greatest coordinate, 0.001 mm.
+    #[serde(default = "ten_metres")]
+    pub(crate) greatest_coordinate: i64,
     /// Letters that are addresses besides those of the GSK980TD.
     #[serde(default)]
     addresses: String,
@@ -120,6 +123,10 @@ const fn four() -> u8 {
 
 const fn last_of_four_digits() -> u32 {
     9999
+}
+
+const fn ten_metres() -> i64 {
+    9_999_999
 }
 
 fn four_digits() -> String {

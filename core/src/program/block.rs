@@ -380,7 +380,7 @@ pub(super) fn check_values(block: &Block, syntax: Syntax) -> Result<(), BlockErr
     });
     match all_usual {
         true => Ok(()),
-        false => check_each(block),
+        false => check_each(block, syntax),
     }
 }
 
@@ -403,13 +403,17 @@ fn check_mill(block: &Block) -> Result<(), BlockError> {
 }
 
 /// The same, each word against what its block allows.
-fn check_each(block: &Block) -> Result<(), BlockError> {
+fn check_each(block: &Block, syntax: Syntax) -> Result<(), BlockError> {
     let g65 = block.has_g(65);
+    let greatest = syntax.model.record().greatest_coordinate * (ONE / 1000);
     for word in block.words() {
         if word.value.variable().is_some() {
             continue;
         }
-        let (low, high) = range(block, word, g65);
+        let (mut low, mut high) = range(block, word, g65);
+        if greatest > LENGTH && COORDINATES.contains(&word.address) {
+            (low, high) = (low.min(-greatest), high.max(greatest));
+        }
         let value = word.value.millionths();
         if value < low || value > high {
             return Err(out_of_range(word, low, high));
@@ -417,6 +421,9 @@ fn check_each(block: &Block) -> Result<(), BlockError> {
     }
     Ok(())
 }
+
+/// Addresses whose values are as great as the coordinates of the model.
+const COORDINATES: &[u8] = b"XZUWIJKR";
 
 const ONE: i64 = 1_000_000;
 /// Largest length, ±9999.999 mm.

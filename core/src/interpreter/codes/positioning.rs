@@ -14,7 +14,7 @@ use gsk_messages::say;
 use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::Modal;
-use crate::interpreter::context::exact::{Exact, mm};
+use crate::interpreter::context::exact::{Exact, Reach, mm};
 use crate::interpreter::context::state::State;
 use crate::units::{Axis, Feed};
 
@@ -45,18 +45,19 @@ pub(crate) fn feed(modal: &Modal) -> Result<Feed, Alarm> {
 }
 
 /// Refuses an end point outside the stroke of the control.
-pub(crate) fn within_stroke(end: Exact, x_factor: i64) -> Result<Exact, Alarm> {
-    let Some(axis) = end.beyond_stroke(x_factor) else {
+pub(crate) fn within_stroke(end: Exact, reach: Reach<'_>) -> Result<Exact, Alarm> {
+    let Some(axis) = end.beyond_stroke(reach) else {
         return Ok(end);
     };
     let (name, factor) = match axis {
-        Axis::X => ("X", x_factor),
+        Axis::X => ("X", reach.x_factor),
         Axis::Z => ("Z", 1),
     };
     Err(
         Alarm::new(number::OUT_OF_RANGE).because(say::motion_end_out_of_range(
             name,
             mm(end.get(axis) / factor),
+            mm(reach.stroke()),
         )),
     )
 }

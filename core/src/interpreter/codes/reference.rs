@@ -91,7 +91,7 @@ impl Reference {
         }
         let through = match named {
             true => state.position,
-            false => positioning::within_stroke(axes.target(state.position), context.x_factor)?,
+            false => positioning::within_stroke(axes.target(state.position), context.reach())?,
         };
         let intermediate = state.machine(through);
         let mut reference = intermediate;

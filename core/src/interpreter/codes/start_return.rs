@@ -47,7 +47,7 @@ pub(crate) fn plan(
         StartReturn::Machine => begun.machine - state.zero - state.offset,
         StartReturn::Work => begun.work,
     };
-    let to = within_stroke(to, context.x_factor)?;
+    let to = within_stroke(to, context.reach())?;
     state.position = to;
     state.return_here();
     Ok(positioning::rapid(state, to))

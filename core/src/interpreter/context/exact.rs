@@ -2,13 +2,30 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::model::Record;
 use crate::units::{Axis, Point};
 
 /// Units in a millimetre.
 pub(crate) const PER_MM: i64 = 1_000_000;
 
-/// The greatest coordinate, `9999.999` mm (manual I-2.2.3).
+/// The least of the strokes, `9999.999` mm: that of the GSK980TD (manual I-2.2.3).
 const STROKE: i64 = 9_999_999 * (PER_MM / 1000);
+
+/// How far the coordinates of a program may reach.
+#[derive(Clone, Copy)]
+pub(crate) struct Reach<'a> {
+    /// 2 under radius programming (001.2), else 1.
+    pub(crate) x_factor: i64,
+    /// Whose program it is.
+    pub(crate) record: &'a Record,
+}
+
+impl Reach<'_> {
+    /// The greatest coordinate.
+    pub(crate) fn stroke(self) -> i64 {
+        self.record.greatest_coordinate * (PER_MM / 1000)
+    }
+}
 
 /// A point or displacement, in millionths of a millimetre; X as a *diameter*.
 ///
@@ -56,15 +73,16 @@ impl Exact {
     }
 
     /// The first axis whose coordinate, as it is programmed, leaves the stroke
-    /// of the control. `x_factor` is 2 under radius programming, else 1.
-    pub(crate) const fn beyond_stroke(self, x_factor: i64) -> Option<Axis> {
-        if self.x.abs() > STROKE * x_factor {
-            return Some(Axis::X);
-        }
-        if self.z.abs() > STROKE {
-            return Some(Axis::Z);
-        }
-        None
+    /// of the control.
+    pub(crate) fn beyond_stroke(self, reach: Reach<'_>) -> Option<Axis> {
+        let beyond = |stroke: i64| {
+            if self.x.abs() > stroke * reach.x_factor {
+                return Some(Axis::X);
+            }
+            (self.z.abs() > stroke).then_some(Axis::Z)
+        };
+        // Few ends lie farther than any control reaches.
+        beyond(STROKE).and_then(|_| beyond(reach.stroke()))
     }
 }
 

@@ -17,6 +17,7 @@ pub(super) mod writes;
 use crate::alarm::Alarm;
 use crate::command::Source;
 use crate::interpreter::context::code_calls::CodeCalls;
+use crate::interpreter::context::exact::Reach;
 use crate::interpreter::context::machine_codes::MachineCodes;
 use crate::interpreter::context::place::{Call, Place};
 use crate::interpreter::context::words::Words;
@@ -53,6 +54,16 @@ pub(crate) struct Context<'a> {
     pub(crate) read: &'a dyn Fn(u32, u8) -> Result<Option<Words>, Alarm>,
     /// The words of the block that follows, for a block that needs them.
     pub(crate) next: Option<&'a Words>,
+}
+
+impl Context<'_> {
+    /// How far the coordinates of the block may reach.
+    pub(crate) fn reach(&self) -> Reach<'_> {
+        Reach {
+            x_factor: self.x_factor,
+            record: self.model.record(),
+        }
+    }
 }
 
 /// The compensation as a block finds it.

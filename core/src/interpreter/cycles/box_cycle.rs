@@ -9,7 +9,7 @@ use crate::command::Action;
 use crate::compensation::{Nose, box_corners};
 use crate::interpreter::codes::positioning;
 use crate::interpreter::context::emission::Emission;
-use crate::interpreter::context::exact::{Exact, mm};
+use crate::interpreter::context::exact::{Exact, Reach, mm};
 use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::state::State;
 use crate::units::{Feed, Point};
@@ -29,11 +29,11 @@ impl BoxCycle {
     pub(crate) fn over(
         state: &State,
         corners: [Exact; 4],
-        x_factor: i64,
+        reach: Reach<'_>,
         note: Note,
     ) -> Result<Self, Alarm> {
         for corner in corners {
-            positioning::within_stroke(corner, x_factor)?;
+            positioning::within_stroke(corner, reach)?;
         }
         Ok(Self {
             corners: corners.map(|corner| state.machine(corner).point()),

@@ -152,7 +152,7 @@ fn over(
             .into_iter()
             .chain(pattern.steps.iter().map(|step| step.to));
         for end in ends {
-            within_stroke(end + shift, context.x_factor)?;
+            within_stroke(end + shift, context.reach())?;
         }
     }
     Ok(pattern)

@@ -87,7 +87,7 @@ pub(crate) fn plan(
         }
         return Ok(None);
     }
-    let end = within_stroke(axes.target(state.position), context.x_factor)?;
+    let end = within_stroke(axes.target(state.position), context.reach())?;
     Pecking::new(axis, state, context.parameters, words, axes, end).map(Some)
 }
 
@@ -100,7 +100,7 @@ pub(crate) fn deep_hole(
     axes: &AxisWords,
 ) -> Result<Pecking, Alarm> {
     let start = state.position;
-    let end = within_stroke(axes.target(start), context.x_factor)?;
+    let end = within_stroke(axes.target(start), context.reach())?;
     let deep = end.z - start.z;
     let peck = words.i.unwrap_or(0).saturating_abs();
     let broken = if end.x != start.x {

@@ -17,7 +17,7 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning::{feed, within_stroke};
 use crate::interpreter::context::Context;
-use crate::interpreter::context::exact::{Exact, PER_MM, mm};
+use crate::interpreter::context::exact::{Exact, PER_MM, Reach, mm};
 use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::moves::{Move, Shift};
 use crate::interpreter::context::state::State;
@@ -202,7 +202,7 @@ fn over(
         phase: Phase::Approach,
         steps: profile.steps,
     };
-    roughing.check_stroke(context.x_factor)?;
+    roughing.check_stroke(context.reach())?;
     Ok(roughing)
 }
 
@@ -219,7 +219,7 @@ fn check_entry(view: View, profile: &Profile) -> Result<(), Alarm> {
 }
 
 impl Roughing {
-    fn check_stroke(&self, x_factor: i64) -> Result<(), Alarm> {
+    fn check_stroke(&self, reach: Reach<'_>) -> Result<(), Alarm> {
         let end = self.steps.last().map_or(self.begin, |step| step.to);
         let start = self.view.flat(self.start);
         let highest = self.view.exact(Flat {
@@ -227,7 +227,7 @@ impl Roughing {
             ..start
         });
         for corner in [self.start, self.begin, end, highest] {
-            within_stroke(corner + self.allowance, x_factor)?;
+            within_stroke(corner + self.allowance, reach)?;
         }
         Ok(())
     }

@@ -56,7 +56,7 @@ pub(crate) fn plan(
     axes: &AxisWords,
 ) -> Result<Stepped, Alarm> {
     let (a, along) = (state.position, axis.other());
-    let reach = |point| within_stroke(point, context.x_factor);
+    let reach = |point| within_stroke(point, context.reach());
     let c = reach(axes.target(a))?;
     let mut b = a;
     b.set(axis, words.r.unwrap_or(c.get(axis)));

@@ -11,14 +11,14 @@
 
 use crate::alarm::Alarm;
 use crate::interpreter::context::cycle_words::CycleData;
-use crate::interpreter::context::exact::Exact;
+use crate::interpreter::context::exact::{Exact, Reach};
 use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::state::State;
 use crate::interpreter::cycles::box_cycle::{BoxCycle, check_taper};
 use crate::units::Axis;
 
 /// The cycle from the programmed position to the data's end point and back.
-pub(crate) fn plan(state: &State, data: CycleData, x_factor: i64) -> Result<BoxCycle, Alarm> {
+pub(crate) fn plan(state: &State, data: CycleData, reach: Reach<'_>) -> Result<BoxCycle, Alarm> {
     let (start, end) = (state.position, data.end);
     // U as a radius: R is one.
     check_taper(data.r, (end.x - start.x) / 2, ("G90", "U/2"))?;
@@ -30,5 +30,5 @@ pub(crate) fn plan(state: &State, data: CycleData, x_factor: i64) -> Result<BoxC
         c: end,
         taper: data.r,
     };
-    BoxCycle::over(state, [b, end, d, start], x_factor, note)
+    BoxCycle::over(state, [b, end, d, start], reach, note)
 }

@@ -98,7 +98,7 @@ pub(crate) fn plan(
         store(context.parameters, words, writes)?;
         return Ok(None);
     }
-    let end = within_stroke(axes.target(state.position), context.x_factor)?;
+    let end = within_stroke(axes.target(state.position), context.reach())?;
     CompoundThread::new(state, context, words, end).map(Some)
 }
 
@@ -306,7 +306,7 @@ impl Shape {
         let a = state.position;
         let c = within_stroke(
             Exact::new(d.x.saturating_add(taper.saturating_mul(2)), a.z),
-            context.x_factor,
+            context.reach(),
         )?;
         if a.z == d.z {
             return Err(fault(say::thread_on_face()));
@@ -315,7 +315,7 @@ impl Shape {
             return Err(fault(say::thread_start_at_its_x()));
         }
         let side = (a.x - c.x).signum();
-        let b = within_stroke(Exact::new(c.x + 2 * height * side, a.z), context.x_factor)?;
+        let b = within_stroke(Exact::new(c.x + 2 * height * side, a.z), context.reach())?;
         let heading = (d.z - a.z).signum() as f64;
         let half_angle =
             f64::from(context.parameters.value(parameter::THREAD_ANGLE)).to_radians() / 2.0;

@@ -85,7 +85,7 @@ pub(crate) fn plan(
     };
     let lead = lead_word::lead(words, unit, code)?;
     let a = state.position;
-    let reach = |point| within_stroke(point, context.x_factor);
+    let reach = |point| within_stroke(point, context.reach());
     let c = reach(axes.target(a))?;
     if c.z == a.z {
         return Err(fault(code, say::cycle_end_at_start("Z")));

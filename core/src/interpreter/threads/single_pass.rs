@@ -49,7 +49,7 @@ pub(crate) fn plan(
     let lead = lead_word::lead(words, unit, code)?;
     let a = state.position;
     let by = |x: Option<i64>| x.unwrap_or(0);
-    let reach = |point| within_stroke(point, context.x_factor);
+    let reach = |point| within_stroke(point, context.reach());
     let begin = reach(Exact::new(a.x.saturating_add(by(words.d_exact)), a.z))?;
     let end = reach(axes.target(begin))?;
     if end == begin {

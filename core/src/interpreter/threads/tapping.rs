@@ -13,6 +13,7 @@ use crate::alarm::{Alarm, number};
 use crate::command::Action;
 use crate::interpreter::codes::positioning::within_stroke;
 use crate::interpreter::context::Context;
+use crate::interpreter::context::exact::Reach;
 use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::moves::{Move, Shift};
 use crate::interpreter::context::state::State;
@@ -45,9 +46,9 @@ pub(crate) fn plan(
     state: &mut State,
     words: &Words,
     axes: &AxisWords,
-    x_factor: i64,
+    reach: Reach<'_>,
 ) -> Result<Option<Tapping>, Alarm> {
-    let to = within_stroke(axes.target(state.position), x_factor)?;
+    let to = within_stroke(axes.target(state.position), reach)?;
     if to.x != state.position.x {
         return Err(Alarm::new(number::BAD_ADDRESS).because(say::tap_moves_x()));
     }
@@ -81,7 +82,7 @@ pub(crate) fn rigid(
         LeadUnit::PerInch => 85,
     };
     let from = state.position;
-    let to = within_stroke(axes.target(from), context.x_factor)?;
+    let to = within_stroke(axes.target(from), context.reach())?;
     let broken = if to.x != from.x {
         Some(say::hole_moves_x())
     } else if to.z == from.z {

@@ -15,7 +15,7 @@ use gsk_messages::{Message, say};
 use crate::alarm::{Alarm, number};
 use crate::command::{Action, ThreadStart};
 use crate::interpreter::codes::positioning::within_stroke;
-use crate::interpreter::context::exact::{Exact, PER_MM, along, mm, scaled};
+use crate::interpreter::context::exact::{Exact, PER_MM, Reach, along, mm, scaled};
 use crate::interpreter::context::moves::{Shift, Two};
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::{AxisWords, OneShot, Words};
@@ -186,7 +186,7 @@ pub(crate) fn plan(
     state: &mut State,
     words: &Words,
     axes: &AxisWords,
-    x_factor: i64,
+    reach: Reach<'_>,
 ) -> Result<Two, Alarm> {
     let variable = state.modal.motion == 34;
     if words.r.is_some() && !variable {
@@ -194,7 +194,7 @@ pub(crate) fn plan(
     }
     let (from, to) = (
         state.position,
-        within_stroke(axes.target(state.position), x_factor)?,
+        within_stroke(axes.target(state.position), reach)?,
     );
     let lead = lead(state)?;
     if from == to {
@@ -229,7 +229,7 @@ pub(crate) fn plan(
         end.set(short, to.get(short).saturating_add(along(short, height)));
         cut.tail = Some(Tail {
             length: words.k.unwrap_or(height).saturating_abs(),
-            end: within_stroke(end, x_factor)?,
+            end: within_stroke(end, reach)?,
         });
     }
     let start = if state.threading && !words.waits() {

@@ -17,7 +17,7 @@ use crate::command::{Action, BeyondPass, ThreadStart};
 use crate::interpreter::codes::positioning::within_stroke;
 use crate::interpreter::context::cycle_words::CycleData;
 use crate::interpreter::context::exact::along;
-use crate::interpreter::context::exact::{Exact, PER_MM, to_units};
+use crate::interpreter::context::exact::{Exact, PER_MM, Reach, to_units};
 use crate::interpreter::context::explanation::Note;
 use crate::interpreter::context::moves::{Move, Shift};
 use crate::interpreter::context::state::State;
@@ -83,7 +83,7 @@ pub(crate) fn plan(
     state: &State,
     parameters: &Parameters,
     data: CycleData,
-    x_factor: i64,
+    reach: Reach<'_>,
 ) -> Result<ThreadCycle, Alarm> {
     let (a, c) = (state.position, data.end);
     check_taper(data.r, (c.x - a.x) / 2, ("G92", "U/2"))?;
@@ -94,7 +94,7 @@ pub(crate) fn plan(
     let b = Exact::new(c.x + 2 * data.r, a.z);
     let d = Exact::new(a.x, c.z);
     for corner in [b, c, d] {
-        within_stroke(corner, x_factor)?;
+        within_stroke(corner, reach)?;
     }
     let width = run_out_width(parameters, lead);
     let height = data.j.map_or(width, i64::saturating_abs);
