@@ -9,6 +9,7 @@ mod figures;
 mod files;
 mod first_start;
 pub mod fonts;
+mod hearing;
 mod held;
 mod help;
 mod key_map;
@@ -47,6 +48,7 @@ use gsk_panel::occurrences::Occurrence;
 use crate::files::lessons::Lessons;
 use crate::kernel::{Command, Console, KeysReversed, LessonOrder, Notice, Snapshot};
 use crate::platform;
+use crate::sound::Sounds;
 use files::Browser;
 use first_start::FirstStart;
 use gsk_messages::say;
@@ -99,6 +101,7 @@ pub struct Window {
     reversed: KeysReversed,
     /// The kernel hands out the LCD in the other language, too.
     translates: bool,
+    sounds: Sounds,
 }
 
 /// The control model, and the one that was asked for.
@@ -144,6 +147,7 @@ impl Window {
             long_press: LongPress::default(),
             reversed: KeysReversed::default(),
             translates: false,
+            sounds: Sounds::default(),
         }
     }
 
@@ -281,6 +285,7 @@ impl Window {
     /// Draws the window and takes its input.
     pub fn ui(&mut self, ui: &mut Ui) {
         self.receive();
+        self.follow_sound();
         let why_not = self.model_choice().why_not;
         self.views.project().set_why_not(why_not);
         self.views.follow(&self.settings.layouts);
@@ -388,6 +393,7 @@ impl Window {
                 platform::tell_screen(|| picture.screen.text());
             }
             self.views.lessons().seen(&picture);
+            self.hear(&picture);
             self.picture = Some(picture);
         }
         while let Ok(notice) = self.console.notices.try_recv() {
@@ -470,6 +476,7 @@ impl Window {
                 surroundings::set(ui.ctx(), self.settings.light);
             }
             top_bar::Asked::Model(model) => self.models.asked = Some(model),
+            top_bar::Asked::Sound(volume) => self.settings.sound = volume,
             top_bar::Asked::Fingers => self.settings.fingers = !self.settings.fingers,
             top_bar::Asked::Zoom(per_cent) => self.settings.zoom = per_cent,
             top_bar::Asked::FirstStart => self.ask_first(),
