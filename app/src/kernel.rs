@@ -308,6 +308,7 @@ impl Kernel {
             place_unknown: self.emulator.simulation.cnc.is_position_unknown(),
             board: self.drive.as_ref().map(Drive::state),
             run: self.emulator.simulation.cnc.run_state(),
+            program: self.emulator.simulation.cnc.programs().current(),
             lesson: self.lesson.as_ref().map(Practising::state),
             raised: self.raised.shown(),
             motion: self.listens.then(|| self.motion()),

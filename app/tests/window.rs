@@ -526,6 +526,14 @@ fn an_opened_program_says_at_once_what_it_does() {
     let failing = ": P/S 011 ";
     assert!(waits_for(&mut bench, failing));
     assert!(says(&bench, ", line "));
+    // Of another program it says nothing.
+    bench.click("Edit mode");
+    bench.click("Program pages");
+    for key in ["Address O", "Digit 3", "Cursor down"] {
+        bench.click(key);
+    }
+    bench.run(500);
+    assert!(!says(&bench, failing), "{}", bench.lcd());
 }
 
 #[test]

@@ -146,14 +146,18 @@ fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Res
         // A number of the other unit means nothing.
         modal.feed = 0.0;
     }
-    let letters = &words.letters;
-    if let Some(f) = letters.f {
-        let f = if modal.inch { f.inches_to_mm() } else { f };
-        modal.feed = f.value();
-    }
     if let Some(motion) = words.motion {
         modal.motion = motion;
         modal.hole = None;
+    }
+    if let Some(f) = words.letters.f {
+        let f = if modal.inch { f.inches_to_mm() } else { f };
+        // That of a thread is its lead.
+        let hole = words.hole.unwrap_or(modal.hole).is_some();
+        match modal.motion {
+            Motion::Thread if !hole => modal.lead = f.value(),
+            _ => modal.feed = f.value(),
+        }
     }
     if let Some(hole) = words.hole {
         if modal.hole.is_none() && hole.is_some() {
@@ -165,6 +169,7 @@ fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Res
         }
         modal.hole = hole;
     }
+    modal.rigid &= words.motion.is_none() && words.hole != Some(None);
     match words.polar {
         Some(Switch::On) => state.polar = Some(Polar::begin()),
         Some(Switch::Off) => state.polar = None,
@@ -271,6 +276,7 @@ fn set_spindle(state: &mut State, words: &Words, scene: &Scene<'_, '_>) -> Resul
         Some(MCode::SpindleForward) => modal.spindle = Spindle::Forward,
         Some(MCode::SpindleReverse) => modal.spindle = Spindle::Reverse,
         Some(MCode::CoolantOn) => modal.coolant = true,
+        Some(MCode::RigidTapping) => modal.rigid = true,
         Some(MCode::ToolChange) => {
             state.changes_tools = true;
             modal.tool = modal.called;

@@ -16,6 +16,8 @@ pub struct Lengths {
     pub counter_clockwise: f64,
     /// Taps.
     pub tap: f64,
+    /// Threads.
+    pub thread: f64,
 }
 
 /// A box around a path, work coordinates, mm.

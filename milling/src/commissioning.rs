@@ -1,5 +1,6 @@
-//! What is worked out when a GSK980MDi is set up: the electronic gear (015, 016), and what
-//! its table of pitch errors (3620 to 3624) makes of a position.
+//! What is worked out when a GSK980MDi is set up: the electronic gear (015, 016), how fast
+//! backlash is taken up (010), and what its table of pitch errors (3620 to 3624) makes of a
+//! position.
 
 use std::collections::BTreeMap;
 
@@ -84,6 +85,13 @@ pub fn rotary_gear(counts: u32, pulses: u32, teeth: Teeth) -> Result<Gear, Messa
         return Err(say::mill_gear_of_nothing());
     }
     gear(multiplier, divider)
+}
+
+/// Pulses a second with which backlash is taken up in mode A (011.7 = 0): 010 counts
+/// thousands, of which 011.6 leaves an eighth.
+pub const fn backlash_rate(parameter_010: u8, an_eighth: bool) -> u32 {
+    let rate = parameter_010 as u32 * 1000;
+    if an_eighth { rate / 8 } else { rate }
 }
 
 /// The pitch errors of an axis.
@@ -223,6 +231,14 @@ mod tests {
         assert_eq!(found.map(|it| (it.multiplier, it.divider)), Ok((768, 125)));
         assert!(rotary_gear(4097, 1, Teeth { screw: 9, motor: 1 }).is_err());
         assert!(rotary_gear(0, 1000, DIRECT).is_err());
+    }
+
+    /// Fact C40.
+    #[test]
+    fn backlash_pulses_by_parameter() {
+        assert_eq!(backlash_rate(0b0000_1010, false), 10_000);
+        assert_eq!(backlash_rate(0b0000_1010, true), 1250);
+        assert_eq!(backlash_rate(255, false), 255_000);
     }
 
     /// Facts C36 to C38.

@@ -66,11 +66,17 @@ pub(crate) struct Drilling<'a> {
     pub(crate) dwell_s: f64,
     pub(crate) to_r: bool,
     pub(crate) spindle: Spindle,
+    /// Taps are rigid: Q is the depth of a peck.
+    pub(crate) rigid: bool,
     pub(crate) memory: &'a MillMemory,
 }
 
 /// Pecks in a hole at most.
 const PECKS: i64 = 10_000;
+
+fn too_many_pecks() -> Alarm {
+    Alarm::new(number::CYCLE_DATA).because(say::mill_too_many_pecks(PECKS))
+}
 
 impl Drilling<'_> {
     /// A point over or in the hole.
@@ -109,7 +115,7 @@ impl Drilling<'_> {
             }
             Hole::HighSpeedPeck | Hole::Peck => self.peck(&mut parts)?,
             Hole::LeftTap | Hole::RightTap => {
-                self.tap(&mut parts);
+                self.tap(&mut parts)?;
                 return Ok(self.finished(parts));
             }
             // Of G88 somebody draws the tool out by hand.
@@ -213,8 +219,7 @@ impl Drilling<'_> {
         let mut level = self.r;
         for peck in 0.. {
             if peck == PECKS {
-                let detail = say::mill_too_many_pecks(PECKS);
-                return Err(Alarm::new(number::CYCLE_DATA).because(detail));
+                return Err(too_many_pecks());
             }
             let before = level;
             if peck > 0 && self.hole == Hole::Peck {
@@ -234,8 +239,9 @@ impl Drilling<'_> {
         Ok(())
     }
 
-    /// G74, G84: in, the spindle turns over, out; without an encoder a hole is drilled.
-    fn tap(&self, parts: &mut Vec<Part>) {
+    /// G74, G84: in, the spindle turns over, out, in pecks under M29 with Q; without an
+    /// encoder a hole is drilled.
+    fn tap(&self, parts: &mut Vec<Part>) -> Result<(), Alarm> {
         let (in_r, end) = (self.at(self.r), self.at(self.bottom));
         if self.memory.value(parameter::ENCODER) == 0 {
             parts.push(Part::Feed(end));
@@ -244,8 +250,16 @@ impl Drilling<'_> {
                 Hole::LeftTap => (Spindle::Reverse, Spindle::Forward),
                 _ => (Spindle::Forward, Spindle::Reverse),
             };
+            parts.push(Part::Spindle(in_turn));
+            for (level, back) in self.tap_pecks()? {
+                parts.extend([
+                    Part::Tap(self.at(level)),
+                    Part::Spindle(out_turn),
+                    Part::Tap(self.at(back)),
+                    Part::Spindle(in_turn),
+                ]);
+            }
             parts.extend([
-                Part::Spindle(in_turn),
                 Part::Tap(end),
                 Part::Dwell(self.dwell_s),
                 Part::Spindle(out_turn),
@@ -254,5 +268,35 @@ impl Drilling<'_> {
             ]);
         }
         parts.push(Part::Rapid(self.at(self.back())));
+        Ok(())
+    }
+
+    /// Pecks of a rigid tap before the one to the bottom: how deep, and where the tap goes
+    /// back to: by 5213 (588.5 = 1), or to R.
+    fn tap_pecks(&self) -> Result<Vec<(Length, Length)>, Alarm> {
+        let q = self.q.map_or(Length::ZERO, Length::abs);
+        let mut pecks = Vec::new();
+        if !self.rigid || q == Length::ZERO {
+            return Ok(pecks);
+        }
+        let down = self.bottom < self.r;
+        let way = |length: Length| if down { -length } else { length };
+        let before_bottom = |level: Length| (level > self.bottom) == down && level != self.bottom;
+        let a_little = self.memory.length(parameter::TAP_BACK);
+        let short = self.memory.bit(parameter::TAPS, 5);
+        let mut level = self.r + way(q);
+        while before_bottom(level) {
+            if pecks.len() as i64 == PECKS {
+                return Err(too_many_pecks());
+            }
+            let back = if short && a_little < q {
+                level - way(a_little)
+            } else {
+                self.r
+            };
+            pecks.push((level, back));
+            level = level + way(q);
+        }
+        Ok(pecks)
     }
 }

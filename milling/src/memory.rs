@@ -53,6 +53,8 @@ pub mod parameter {
     pub const TRANSFORM: u16 = 562;
     /// Bits 1 and 0: the shift of G76 and G87 is along the second axis, is negative.
     pub const SHIFT: u16 = 584;
+    /// Bit 5: a rigid tap goes back by 5213 between pecks; else to R.
+    pub const TAPS: u16 = 588;
     /// Reference points 1 to 4, machine coordinates, 0.001 mm.
     pub const REFERENCE: u16 = 1240;
     /// How far the end of an arc may lie off its circle, 0.001 mm.
@@ -69,6 +71,8 @@ pub mod parameter {
     pub const PECK_BACK: u16 = 5114;
     /// G83 stops short of the last depth by, 0.001 mm.
     pub const PECK_CLEARANCE: u16 = 5115;
+    /// A rigid tap goes back by, with 588.5 = 1, 0.001 mm.
+    pub const TAP_BACK: u16 = 5213;
     /// Angle of G68 without R, 0.001 degrees.
     pub const ANGLE: u16 = 5410;
     /// Scale of G51 without P, and those of the axes without I, J and K.

@@ -16,6 +16,8 @@ pub enum Motion {
         /// Whether it is G02.
         clockwise: bool,
     },
+    /// G33.
+    Thread,
 }
 
 impl Motion {
@@ -26,6 +28,7 @@ impl Motion {
             Self::Line => 1,
             Self::Arc { clockwise: true } => 2,
             Self::Arc { clockwise: false } => 3,
+            Self::Thread => 33,
         }
     }
 }
@@ -152,10 +155,14 @@ pub struct Modal {
     pub h: u16,
     /// F, mm/min or mm/rev; 0 = none yet.
     pub feed: f64,
+    /// F of threads, mm; 0 = none yet.
+    pub lead: f64,
     /// S, r/min.
     pub speed: f64,
     /// The spindle.
     pub spindle: Spindle,
+    /// Taps are rigid: M29.
+    pub rigid: bool,
     /// Coolant is on.
     pub coolant: bool,
     /// The tool in the spindle, and the one that T has called for.
@@ -184,8 +191,10 @@ impl Default for Modal {
             d: 0,
             h: 0,
             feed: 0.0,
+            lead: 0.0,
             speed: 0.0,
             spindle: Spindle::Stopped,
+            rigid: false,
             coolant: false,
             tool: 0,
             called: 0,

@@ -18,6 +18,8 @@ pub enum MoveKind {
     CounterClockwise,
     /// A tap, in or out: the spindle leads it.
     Tap,
+    /// A thread by G33: the spindle leads it.
+    Thread,
     /// The slides stand for a time.
     Dwell,
 }
@@ -31,6 +33,7 @@ impl MoveKind {
             Self::Clockwise => "cw",
             Self::CounterClockwise => "ccw",
             Self::Tap => "tap",
+            Self::Thread => "thread",
             Self::Dwell => "dwell",
         }
     }
@@ -96,6 +99,12 @@ impl Move {
         let rise = (self.to.get(across) - self.from.get(across)).mm();
         let round = sweep * (from + to) / 2.0;
         libm::sqrt(round * round + rise * rise)
+    }
+
+    /// Its way along the axis that goes farthest, mm.
+    pub(crate) fn longest(&self) -> f64 {
+        let way = (self.to - self.from).mm();
+        way.into_iter().map(f64::abs).fold(0.0, f64::max)
     }
 
     /// The point at a part of its path, mm; 0 is the start, 1 the end.

@@ -17,7 +17,7 @@ use gsk_core::command::Source;
 use gsk_core::interpreter::System;
 use gsk_messages::say;
 
-use crate::memory::{Column, MillMemory};
+use crate::memory::{Column, MillMemory, parameter};
 use crate::modal::{Hole, WorkZero};
 use crate::space::{Axis, Length, Position};
 use crate::state::State;
@@ -207,5 +207,9 @@ impl System for Known<'_> {
         }
         self.state.resync(self.memory);
         Ok(())
+    }
+
+    fn signed_angles(&self) -> bool {
+        self.memory.bit(parameter::ANGLES, 7)
     }
 }

@@ -100,7 +100,6 @@ fn arcs_that_are_none() {
 fn codes_that_are_not_there() {
     assert_eq!(alarm("G12\n"), (10, 1));
     assert_eq!(alarm("\nG110 X1\n"), (10, 2));
-    assert_eq!(alarm("G33 Z1 F1\n"), (10, 1));
     assert_eq!(alarm("G17.1\n"), (10, 1));
     assert_eq!(alarm("M77\n"), (19, 1));
     assert_eq!(alarm("G01 X1 G28 Z0\n"), (24, 1));
@@ -266,6 +265,46 @@ fn holes_in_pecks() {
 }
 
 #[test]
+fn rigid_taps_in_pecks() {
+    let text = "G90 G00 X0 Y0 Z2\nM03 S500\nM29\nG98 G84 R2 Z-7 Q4 F500\nG80 M30\n";
+    let taps = |bits| {
+        let (preview, moves) = carried_out(&with(&[(588, bits)]), text, &[]);
+        assert_eq!(preview.alarm, None);
+        let taps = moves.into_iter().filter(|it| it.kind == MoveKind::Tap);
+        taps.map(|it| it.to.mm()[2]).collect::<Vec<_>>()
+    };
+    assert_eq!(taps(0), [-2., 2., -6., 2., -7., 2.]);
+    assert_eq!(taps(32), [-2., 0., -6., -4., -7., 2.]);
+    // Without M29 Q is left over from other holes.
+    let (_, moves) = run("G90 G00 X0 Y0 Z2\nG84 R2 Z-7 Q4 F500\nM30\n");
+    assert_eq!(
+        moves.iter().filter(|it| it.kind == MoveKind::Tap).count(),
+        2
+    );
+}
+
+#[test]
+fn threads_follow_the_spindle() {
+    // 20 mm with a lead of 2 are ten turns, 2 s at 300 r/min, and a stand behind them.
+    let text = "M03 S300\nG00 X0 Z10\nG01 Z9 F60\nG33 Z-10 X5 F1\nG33 Z-30 F2\nG01 Z-31\nM30\n";
+    let (preview, moves) = run(text);
+    assert_eq!(preview.alarm, None);
+    let threads: Vec<_> = moves
+        .iter()
+        .filter(|it| it.kind == MoveKind::Thread)
+        .collect();
+    let seconds: Vec<f64> = threads.iter().map(|it| it.duration_s).collect();
+    assert!((seconds[0] - 19.0 / 5.0).abs() < 1e-9, "{seconds:?}");
+    assert!((seconds[1] - 2.0).abs() < 1e-9, "{seconds:?}");
+    // The feed is as it was.
+    let last = moves.last().expect("a move");
+    assert_eq!(last.feed, Some(gsk_core::units::Feed::PerMinute(60.0)));
+    assert_eq!(alarm("M03 S300\nG33 Z-10\n"), (11, 2));
+    assert_eq!(alarm("G33 Z-10 F1\n"), (94, 1));
+    assert_eq!(alarm("M03 S300\nG33 Z-10 F501\n"), (43, 2));
+}
+
+#[test]
 fn boring_leaves_beside_the_wall() {
     let setup = with(&[(584, 3)]);
     let (preview, moves) = carried_out(
@@ -399,6 +438,16 @@ fn m_codes_call_programs() {
         &["O9005\nG00 X[#24*10] Y#25\nM99\n"],
     );
     near(&ends(&moves), &[[10., 2., 100.]]);
+}
+
+/// Fact C56: 520.7 says which turn an angle lies in.
+#[test]
+fn inverse_functions_by_parameter() {
+    let text = "G00 X[ASIN[-1]] Y[ATAN[-1]/[1]] Z[ATAN[0-0]/[-1]]\nM30\n";
+    let (preview, _) = carried_out(&MillSetup::default(), text, &[]);
+    assert_eq!(preview.work.mm(), [270.0, 315.0, 180.0]);
+    let (preview, _) = carried_out(&with(&[(520, 128)]), text, &[]);
+    assert_eq!(preview.work.mm(), [-90.0, -45.0, 180.0]);
 }
 
 #[test]

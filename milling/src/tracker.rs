@@ -109,12 +109,18 @@ impl<'a> Tracker<'a> {
                     Some(Feed::PerRevolution(feed)) => feed * step.speed,
                     None => 0.0,
                 };
-                made.duration_s = length / self.rates.cutting(feed);
+                // The lead of a thread is along its longest axis.
+                let way = match step.kind {
+                    MoveKind::Thread => made.longest(),
+                    _ => length,
+                };
+                made.duration_s = way / self.rates.cutting(feed);
                 self.cutting_s += made.duration_s;
                 *match step.kind {
                     MoveKind::Clockwise => &mut self.lengths.clockwise,
                     MoveKind::CounterClockwise => &mut self.lengths.counter_clockwise,
                     MoveKind::Tap => &mut self.lengths.tap,
+                    MoveKind::Thread => &mut self.lengths.thread,
                     _ => &mut self.lengths.feed,
                 } += length;
             }

@@ -11,7 +11,7 @@ use crate::arc::{self, Circle};
 use crate::cutter::Cutter;
 use crate::cycles::{Drilling, HoleData, Level, Part};
 use crate::memory::{MillMemory, parameter};
-use crate::modal::{Hole, Motion};
+use crate::modal::{Hole, Motion, Spindle};
 use crate::moves::{Arc, MoveKind};
 use crate::space::{Axis, Flat, Length, Position, sine_cosine};
 use crate::state::{Polar, State};
@@ -37,6 +37,8 @@ pub(crate) enum Way {
     /// A cut at another one, mm/min.
     CutAt(f64),
     Tap,
+    /// A thread of this lead, mm.
+    Thread(f64),
 }
 
 impl Scene<'_, '_> {
@@ -98,6 +100,10 @@ impl Scene<'_, '_> {
                 exact: true,
                 ..self.step(state, MoveKind::Tap)
             },
+            Way::Thread(lead) => Step {
+                feed: Some(Feed::PerRevolution(lead)),
+                ..self.step(state, MoveKind::Thread)
+            },
         };
         step.to = to;
         self.push(state, &step, apart)?;
@@ -132,6 +138,28 @@ pub(crate) fn feed(state: &State) -> Result<Feed, Alarm> {
         return none(say::mill_feed_without_speed());
     }
     Ok(Feed::PerRevolution(modal.feed))
+}
+
+/// Leads of threads, mm.
+const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
+
+/// The lead of G33.
+///
+/// # Errors
+/// 011 without one, 043 for one that is none, 094 when the spindle stands.
+fn lead(state: &State) -> Result<f64, Alarm> {
+    let modal = &state.modal;
+    if modal.lead == 0.0 {
+        return Err(Alarm::new(number::NO_FEED).because(say::mill_thread_without_lead()));
+    }
+    if !LEADS.contains(&modal.lead) {
+        let detail = say::thread_lead_out_of_range(modal.lead);
+        return Err(Alarm::new(number::OUT_OF_RANGE).because(detail));
+    }
+    if modal.spindle == Spindle::Stopped || modal.speed <= 0.0 {
+        return Err(Alarm::new(number::THREAD_SPEED).because(say::thread_spindle_stands()));
+    }
+    Ok(modal.lead)
 }
 
 /// The point that the axis words of a block lead to, as it is programmed.
@@ -195,7 +223,7 @@ pub(crate) fn settle_rotation(state: &mut State, memory: &MillMemory) {
     }
 }
 
-/// G00 to G03 of a block; whether it moves.
+/// G00 to G03 and G33 of a block; whether it moves.
 pub(crate) fn motion(
     state: &mut State,
     words: &Words,
@@ -214,6 +242,7 @@ pub(crate) fn motion(
         Motion::Rapid => scene.go(state, to, Way::Rapid, false)?,
         Motion::Line => scene.go(state, to, Way::Cut, false)?,
         Motion::Arc { clockwise } => arc_to(state, words, to, clockwise, scene)?,
+        Motion::Thread => scene.go(state, to, Way::Thread(lead(state)?), true)?,
     }
     state.programmed = programmed;
     Ok(true)
@@ -340,6 +369,7 @@ pub(crate) fn holes(
             dwell_s,
             to_r: state.modal.to_r,
             spindle: state.modal.spindle,
+            rigid: state.modal.rigid,
             memory: scene.memory,
         };
         for part in drilling.parts()? {

@@ -133,6 +133,7 @@ impl Words {
             GCode::PlaneArcCounterclockwise => {
                 self.motion = Some(Motion::Arc { clockwise: false });
             }
+            GCode::Thread => self.motion = Some(Motion::Thread),
             GCode::PlaneXy => self.plane = Some(Plane::Xy),
             GCode::PlaneZx => self.plane = Some(Plane::Zx),
             GCode::PlaneYz => self.plane = Some(Plane::Yz),
@@ -178,7 +179,7 @@ impl Words {
             GCode::BackBoring => self.hole = Some(Some(Hole::BackBore)),
             GCode::BoringByHand => self.hole = Some(Some(Hole::BoreByHand)),
             GCode::BoringDwell => self.hole = Some(Some(Hole::BoreDwell)),
-            // Known and not carried out: threads of group 01, and codes of lathes.
+            // Codes of lathes.
             _ => {
                 let detail = say::mill_g_not_checked(code, meaning.text());
                 return Err(Alarm::new(number::BAD_G).because(detail));

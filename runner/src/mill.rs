@@ -79,6 +79,7 @@ fn of(
                 ("cw", rounded(preview.lengths.clockwise)),
                 ("ccw", rounded(preview.lengths.counter_clockwise)),
                 ("tap", rounded(preview.lengths.tap)),
+                ("thread", rounded(preview.lengths.thread)),
             ]),
             tools: preview.tools.iter().copied().map(tool_word).collect(),
             bounds: preview.bounds.map(|it| {
@@ -119,7 +120,7 @@ impl Times {
         for seconds in [&mut self.all, &mut self.tools[index].1] {
             *match made.kind {
                 MoveKind::Rapid => &mut seconds.rapid,
-                MoveKind::Tap => &mut seconds.thread,
+                MoveKind::Tap | MoveKind::Thread => &mut seconds.thread,
                 MoveKind::Dwell => &mut seconds.dwell,
                 MoveKind::Feed | MoveKind::Clockwise | MoveKind::CounterClockwise => {
                     &mut seconds.feed

@@ -23,6 +23,7 @@ mod help;
 mod hostile_input;
 mod language;
 mod machine_files;
+mod model_facts;
 mod models;
 mod numbers;
 mod pages;

@@ -1,6 +1,8 @@
 //! Control models: which codes each of them has, by the lists of their manuals, and the
 //! alarm of every code that it has not.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_core::preview::preview;
 use gsk_core::program::Program;
@@ -11,6 +13,7 @@ use gsk_runner::machining::Machining;
 use gsk_runner::report::PartReport;
 use gsk_tests::case::Case;
 use gsk_tests::execute::{Seen, check, check_mill, run};
+use gsk_tests::tree::{self, Place};
 use gsk_tests::{repository, setup};
 use gsk_workpiece::job::Job;
 use gsk_workpiece::measure::Feature;
@@ -141,10 +144,10 @@ fn the_same_contour_is_the_same_path_on_the_mill() {
 }
 
 /// Codes that the mill carries out; the others that it knows are alarm 010, too.
-const MILL: [i64; 57] = [
-    0, 1, 2, 3, 4, 9, 10, 15, 16, 17, 18, 19, 20, 21, 27, 28, 29, 30, 31, 37, 40, 41, 42, 43, 44,
-    49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 61, 64, 65, 66, 67, 68, 69, 73, 74, 76, 80, 81, 82,
-    83, 84, 85, 86, 87, 88, 89, 90,
+const MILL: [i64; 58] = [
+    0, 1, 2, 3, 4, 9, 10, 15, 16, 17, 18, 19, 20, 21, 27, 28, 29, 30, 31, 33, 37, 40, 41, 42, 43,
+    44, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 61, 64, 65, 66, 67, 68, 69, 73, 74, 76, 80, 81,
+    82, 83, 84, 85, 86, 87, 88, 89, 90,
 ];
 
 #[test]
@@ -158,6 +161,60 @@ fn every_g_code_of_the_mill_is_there_or_alarm_010() {
         let unknown = end.alarm.is_some_and(|alarm| alarm.number == 10);
         let there = MILL.contains(&code) || beyond.contains(&code);
         assert_eq!(unknown, !there, "G{code:02}");
+    }
+}
+
+/// The G codes in the text of a program, comments left out.
+fn g_codes(text: &str) -> BTreeSet<u8> {
+    let mut depth = 0_u32;
+    let written: String = text
+        .chars()
+        .filter(|&letter| {
+            depth += u32::from(letter == '(');
+            let is_code = depth == 0 && letter != ' ';
+            depth -= u32::from(letter == ')' && depth > 0);
+            is_code || letter == '\n'
+        })
+        .collect();
+    let codes = written.split('G').skip(1).filter_map(|rest| {
+        let end = rest.find(|it: char| !it.is_ascii_digit());
+        rest.get(..end.unwrap_or(rest.len()))?.parse().ok()
+    });
+    codes.collect()
+}
+
+#[test]
+fn codes_are_found_in_programs() {
+    let codes = g_codes("N10G01G054X1(G02)G[3]\nG 54.1 P1 G00");
+    assert_eq!(codes.into_iter().collect::<Vec<_>>(), [0, 1, 54]);
+}
+
+/// A code that a model has is carried out in one of its cases; those that it has not are
+/// alarm 010 in the tests of the tables above.
+#[test]
+fn every_g_code_of_a_model_has_a_case() {
+    let mut seen: BTreeMap<&str, BTreeSet<u8>> = BTreeMap::new();
+    for Place { folder, .. } in tree::cases().expect("cases") {
+        let case = Case::read(&folder).expect("case.ron");
+        let setup = case.setup.setup().expect("set-up");
+        let codes = seen.entry(setup.memory.model.id().word()).or_default();
+        for name in case.programs.iter().chain(&case.script) {
+            codes.extend(g_codes(
+                &std::fs::read_to_string(folder.join(name)).expect("text"),
+            ));
+        }
+    }
+    for model in [
+        ModelId::Gsk980td,
+        ModelId::Gsk980mdi,
+        ModelId::Hx31,
+        ModelId::Ncb08,
+    ] {
+        let codes = ControlModel::new(model).record().g.keys();
+        let missing: Vec<&u8> = codes
+            .filter(|code| !seen[model.word()].contains(code))
+            .collect();
+        assert!(missing.is_empty(), "{model:?}: {missing:?}");
     }
 }
 

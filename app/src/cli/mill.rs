@@ -12,6 +12,8 @@ pub enum MillCommand {
     Gear(GearArgs),
     /// What the table of pitch errors makes of positions: parameters 3620 to 3624
     Pitch(PitchArgs),
+    /// How fast backlash is taken up: parameter 010
+    Backlash(BacklashArgs),
 }
 
 /// `mill gear`.
@@ -61,6 +63,26 @@ pub struct PitchArgs {
     /// Language of what is said
     #[arg(long, value_parser = language(), value_name = "LANG")]
     pub lang: Option<Language>,
+}
+
+/// `mill backlash`.
+#[derive(Args, Debug)]
+pub struct BacklashArgs {
+    /// Parameter 010, its bits CPF7 to CPF0: 00001010
+    #[arg(value_name = "BITS", value_parser = bits)]
+    pub bits: u8,
+    /// 011.6 = 1: an eighth of it
+    #[arg(long)]
+    pub eighth: bool,
+    /// Language of what is said
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}
+
+fn bits(word: &str) -> Result<u8, String> {
+    let digits = word.len() == 8 && word.bytes().all(|byte| matches!(byte, b'0' | b'1'));
+    let value = digits.then(|| u8::from_str_radix(word, 2).ok()).flatten();
+    value.ok_or_else(|| "write eight bits, each 0 or 1".to_owned())
 }
 
 fn two<T: core::str::FromStr>(word: &str, between: char) -> Result<(T, T), String> {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use gsk_core::preview::{End, Progress};
 use gsk_messages::{Language, Message, say};
-use gsk_milling::commissioning::{PitchTable, Teeth, linear_gear, rotary_gear};
+use gsk_milling::commissioning::{PitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
 use gsk_milling::{Length, Move, preview_while};
 use gsk_runner::mill::{self, MillSetup};
 use gsk_runner::picture::Format;
@@ -149,6 +149,11 @@ pub fn work_out(command: &MillCommand) -> Result<u8, CommandError> {
     match command {
         MillCommand::Gear(args) => gear(args),
         MillCommand::Pitch(args) => pitch(args),
+        MillCommand::Backlash(args) => {
+            let rate = backlash_rate(args.bits, args.eighth);
+            say_line(&say::mill_backlash(rate), args.lang);
+            Ok(FINE)
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use crossbeam::channel::{Receiver, Sender, bounded};
 use crossbeam::queue::ArrayQueue;
 use gsk_core::alarm::Alarm;
 use gsk_core::cnc::Request;
+use gsk_core::command::ProgramId;
 use gsk_core::machine::Fault;
 use gsk_core::memory::{Level, Refusal};
 use gsk_core::operation::RunState;
@@ -237,6 +238,8 @@ pub struct Snapshot {
     pub board: Option<LinkState>,
     /// Whether a program runs or is held.
     pub run: RunState,
+    /// The selected program.
+    pub program: Option<ProgramId>,
     /// The lesson under way: all that is shown is its practice machine.
     pub lesson: Option<LessonState>,
     /// The alarms that were raised since the control was opened, the newest first.

@@ -2,6 +2,7 @@
 //! the language reads the last message in the new one.
 
 use gsk_core::alarm::Alarm;
+use gsk_core::command::ProgramId;
 use gsk_core::memory::Refusal;
 use gsk_panel::keys::Key;
 use gsk_runner::first_look::FirstLook;
@@ -52,6 +53,16 @@ impl Message {
                 Self::Looked(file, Some(place), look)
             }
             _ => Self::Looked(file, None, look),
+        }
+    }
+
+    /// Whether it is what was found in this program.
+    pub fn is_about(&self, program: ProgramId) -> bool {
+        match (self, program) {
+            (Self::Looked(_, _, look), ProgramId::Stored(number)) => {
+                look.name == format!("O{number:04}")
+            }
+            _ => false,
         }
     }
 

@@ -389,6 +389,11 @@ impl Window {
                 // The newest word stands on the line.
                 self.message = None;
             }
+            let left = before.and_then(|it| it.program);
+            if left != picture.program {
+                self.message
+                    .take_if(|message| left.is_some_and(|program| message.is_about(program)));
+            }
             if before.is_none_or(|before| before.screen != picture.screen) {
                 platform::tell_screen(|| picture.screen.text());
             }

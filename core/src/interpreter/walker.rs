@@ -35,6 +35,12 @@ pub trait System {
     /// 115 for a number that is none, 116 for one that is only read, 043 for a value that
     /// it does not take.
     fn write(&mut self, number: u32, value: Option<f64>) -> Result<(), Alarm>;
+
+    /// Whether `ASIN` and `ATAN` give −90 to 90 and −180 to 180 degrees instead of 0 to
+    /// 360.
+    fn signed_angles(&self) -> bool {
+        false
+    }
 }
 
 /// What was read.
@@ -173,9 +179,13 @@ impl Walker {
             1..=LOCALS => Ok(levels.get(number as u8)),
             _ => system.read(number).map_err(NotNow::Fault),
         };
+        let read = formula::Read {
+            variable: &read,
+            signed_angles: system.signed_angles(),
+        };
         let Some(statement) = block.macro_statement() else {
             let words = match block.formulas() {
-                Some(formulas) => formula::in_words(block, formulas, syntax, &read)?,
+                Some(formulas) => formula::in_words(block, formulas, syntax, read)?,
                 None => block.clone(),
             };
             return Ok(Read::Words(Box::new(words)));
@@ -188,7 +198,7 @@ impl Walker {
             syntax,
             within: levels.innermost(self.calls.len()),
         };
-        let outcome = statement::carry_out(statement, &here, &read)?;
+        let outcome = statement::carry_out(statement, &here, read)?;
         self.take_up(outcome, program, system)?;
         Ok(Read::Nothing)
     }

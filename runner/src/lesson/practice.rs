@@ -23,6 +23,8 @@ pub struct View {
     pub step: usize,
     /// What is to be said of it.
     pub remark: Remark,
+    /// What a later step needed and is gone: it sent the learner back to this one.
+    pub sent_back: Option<Message>,
     /// The keys are being pressed for the learner.
     pub showing: bool,
     /// The machine was put to the beginning of the step, since it could not be shown from
@@ -91,10 +93,11 @@ impl Practice {
     }
 
     /// How far it has come.
-    pub const fn view(&self) -> View {
+    pub fn view(&self) -> View {
         View {
             step: self.progress.step(),
             remark: self.progress.remark(),
+            sent_back: self.progress.sent_back().cloned(),
             showing: self.showing.is_some(),
             replaced: self.replaced,
         }

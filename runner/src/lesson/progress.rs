@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use gsk_messages::Message;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
 
@@ -39,6 +40,8 @@ pub struct Progress {
     remark: Remark,
     /// Looks in a row at which something needed was gone.
     gone: u32,
+    /// Why the learner was sent back to this step.
+    sent_back: Option<Message>,
 }
 
 impl Progress {
@@ -49,6 +52,7 @@ impl Progress {
             step: 0,
             remark: Remark::None,
             gone: 0,
+            sent_back: None,
         }
     }
 
@@ -67,11 +71,17 @@ impl Progress {
         self.remark
     }
 
+    /// What a later step needed and is gone, if that sent the learner back to this one.
+    pub(super) const fn sent_back(&self) -> Option<&Message> {
+        self.sent_back.as_ref()
+    }
+
     /// Puts the learner at a step.
     pub(super) fn put(&mut self, step: usize) {
         self.step = step.min(self.lesson.steps.len());
         self.remark = Remark::None;
         self.gone = 0;
+        self.sent_back = None;
     }
 
     /// Looks at the machine: goes on where a step has come true, and back where something
@@ -93,7 +103,10 @@ impl Progress {
         if self.gone >= GONE
             && let Some(back) = self.brings_back(emulator)
         {
+            let mut unmet = step.needs.iter().filter_map(|need| need.unmet(emulator));
+            let why = unmet.next().map(|unmet| unmet.message());
             self.put(back);
+            self.sent_back = why;
         }
         let Some(step) = lesson.steps.get(self.step) else {
             return;

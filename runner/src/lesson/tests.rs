@@ -153,8 +153,12 @@ fn the_step_follows_the_machine_forth_and_back() {
     assert_eq!(practice.view().step, 1);
     // What the second step needs is gone: back to the step that brings it about.
     press(&mut practice, &mut machine, Key::Edit);
-    assert_eq!(practice.view().step, 0);
+    let view = practice.view();
+    assert_eq!(view.step, 0);
+    let why = view.sent_back.map(|why| why.to_string());
+    assert_eq!(why.as_deref(), Some("the mode is 编辑方式"));
     press(&mut practice, &mut machine, Key::Auto);
+    assert_eq!(practice.view().sent_back, None);
     press(&mut practice, &mut machine, Key::SingleBlock);
     assert_eq!(practice.view().step, 2);
     // The third needs nothing: the mistake is said and the learner stays.

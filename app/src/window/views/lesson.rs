@@ -185,6 +185,11 @@ impl LessonView {
             let words = say::lesson_keys(keys).text(language);
             ui.label(RichText::new(words).size(15.0).color(NOW));
         }
+        if let Some(why) = &view.sent_back {
+            let said = say::lesson_back_here(why.clone()).text(language);
+            ui.add_space(6.0);
+            ui.label(RichText::new(said).size(15.0).color(WRONG));
+        }
         if let Some(said) = remark(step, view.remark, language) {
             ui.add_space(6.0);
             ui.label(RichText::new(said).size(15.0).color(WRONG));

@@ -10,8 +10,32 @@ use crate::program::{Block, Condition, Expression, Function, Operator, Relation,
 /// A number, or null.
 pub(crate) type Value = Option<f64>;
 
-/// Reads a variable by its number.
-pub(crate) type Read<'a> = &'a dyn Fn(u32) -> Result<Value, NotNow>;
+/// What formulas are worked out with.
+#[derive(Clone, Copy)]
+pub(crate) struct Read<'a> {
+    /// Reads a variable by its number.
+    pub(crate) variable: &'a dyn Fn(u32) -> Result<Value, NotNow>,
+    /// `ASIN` and `ATAN` give −90 to 90 and −180 to 180 degrees; else no negative angle.
+    pub(crate) signed_angles: bool,
+}
+
+impl<'a> Read<'a> {
+    /// With angles from 0 to 360 degrees.
+    pub(crate) const fn of(variable: &'a dyn Fn(u32) -> Result<Value, NotNow>) -> Self {
+        Self {
+            variable,
+            signed_angles: false,
+        }
+    }
+
+    fn angle(self, degrees: f64) -> f64 {
+        if self.signed_angles {
+            degrees
+        } else {
+            turned(degrees)
+        }
+    }
+}
 
 /// Sizes that a value other than 0 may have.
 const LEAST: f64 = 1e-29;
@@ -35,7 +59,7 @@ pub(crate) fn evaluate(
             Step::Number(value) => Some(value),
             Step::Variable => {
                 let index = operand(&mut stack);
-                read(variable_number(index)?)?
+                (read.variable)(variable_number(index)?)?
             }
             Step::Negate => Some(-operand(&mut stack)),
             Step::Operator(operator) => {
@@ -43,11 +67,13 @@ pub(crate) fn evaluate(
                 let left = operand(&mut stack);
                 Some(within(operate(operator, left, right)?)?)
             }
-            Step::Function(function) => Some(within(apply(function, operand(&mut stack), unit)?)?),
+            Step::Function(function) => {
+                Some(within(apply(function, operand(&mut stack), unit, read)?)?)
+            }
             Step::ArcTangent => {
                 let across = operand(&mut stack);
                 let up = operand(&mut stack);
-                Some(within(arc_tangent(up, across)?)?)
+                Some(within(read.angle(arc_tangent(up, across)?))?)
             }
         };
         stack.push(result);
@@ -196,7 +222,7 @@ fn bits(name: &'static str, value: f64) -> Result<u32, NotNow> {
     }
 }
 
-fn apply(function: Function, value: f64, unit: f64) -> Result<f64, NotNow> {
+fn apply(function: Function, value: f64, unit: f64, read: Read<'_>) -> Result<f64, NotNow> {
     /// Most that decimal code holds.
     const CODED: f64 = 99_999_999.0;
     Ok(match function {
@@ -204,7 +230,7 @@ fn apply(function: Function, value: f64, unit: f64) -> Result<f64, NotNow> {
         Function::Cosine => sine(value + 90.0),
         Function::Tangent => tangent(value)?,
         Function::ArcSine if value.abs() > 1.0 => return Err(refused("ASIN", value)),
-        Function::ArcSine => turned(libm::asin(value).to_degrees()),
+        Function::ArcSine => read.angle(libm::asin(value).to_degrees()),
         Function::ArcCosine if value.abs() > 1.0 => return Err(refused("ACOS", value)),
         Function::ArcCosine => libm::acos(value).to_degrees(),
         Function::Root if value < 0.0 => return Err(refused("SQRT", value)),
@@ -287,12 +313,13 @@ fn tangent(degrees: f64) -> Result<f64, NotNow> {
     })
 }
 
-/// 0 to 360 degrees.
+/// −180 to 180 degrees.
 fn arc_tangent(up: f64, across: f64) -> Result<f64, NotNow> {
     if up == 0.0 && across == 0.0 {
         return Err(divided_by_zero(say::macro_angle_of_nothing()));
     }
-    Ok(turned(libm::atan2(up, across).to_degrees()))
+    // No negative zero: half a turn is 180.
+    Ok(libm::atan2(up + 0.0, across).to_degrees())
 }
 
 /// An angle from 0 up to 360.

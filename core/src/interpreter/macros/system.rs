@@ -83,7 +83,7 @@ impl Known<'_> {
         host: &impl Host,
     ) -> Result<Block, NotNow> {
         let read = |number| self.read(number, host);
-        let block = formula::in_words(block, formulas, syntax, &read)?;
+        let block = formula::in_words(block, formulas, syntax, formula::Read::of(&read))?;
         if block.has_g(65) {
             let detail = say::macro_code_from_variable();
             return Err(Alarm::new(number::BAD_IN_MACRO).because(detail).into());

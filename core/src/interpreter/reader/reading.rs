@@ -19,6 +19,7 @@ use crate::interpreter::context::place::{Call, Place};
 use crate::interpreter::context::state::State;
 use crate::interpreter::context::words::Words;
 use crate::interpreter::context::{Compensated, Context};
+use crate::interpreter::macros::formula;
 use crate::interpreter::macros::lookahead;
 use crate::interpreter::macros::lookahead::Reading;
 use crate::interpreter::macros::macro_block;
@@ -172,7 +173,8 @@ impl Interpreter {
                     within: None,
                 };
                 let read = |it| known.read(it, &*host);
-                let outcome = statement::carry_out_code_call(&call, &here, &read);
+                let outcome =
+                    statement::carry_out_code_call(&call, &here, formula::Read::of(&read));
                 return self.follow_statement(outcome, source, place, host);
             }
         }
@@ -248,7 +250,8 @@ impl Interpreter {
                 syntax,
                 within: run.levels.innermost(run.calls.len()),
             };
-            let outcome = statement::carry_out(statement, &here, &|it| known.read(it, &*host));
+            let read = |it| known.read(it, &*host);
+            let outcome = statement::carry_out(statement, &here, formula::Read::of(&read));
             return self.follow_statement(outcome, source, place, host);
         }
         let resolved = match resolve(block, known.as_ref(), syntax, &*host) {
