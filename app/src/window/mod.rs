@@ -4,6 +4,7 @@
 mod alarm_line;
 pub mod app;
 mod badge;
+mod clear;
 mod face;
 mod figures;
 mod files;
@@ -341,10 +342,10 @@ impl Window {
             self.answer(asked, ui);
         }
         if self.key_map {
-            self.key_map = key_map::show(ui.ctx(), language);
+            self.key_map = key_map::show(ui.ctx(), language, &self.placed);
         }
         let picture = self.picture.as_ref();
-        match self.help.show(ui.ctx(), language, picture) {
+        match self.help.show(ui.ctx(), language, picture, &self.placed) {
             Some(help::Asked::Lesson(order)) => self.console.send(Command::Lesson(order)),
             Some(help::Asked::Block(occurrence)) => self.show_block(*occurrence),
             None => {}
