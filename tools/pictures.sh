@@ -17,7 +17,10 @@ export DISPLAY=:93 LIBGL_ALWAYS_SOFTWARE=1
 Xvfb "$DISPLAY" -screen 0 1440x900x24 >"$work/display.log" 2>&1 &
 display=$!
 trap 'kill "$display" 2>/dev/null || true; rm -rf "$work"' EXIT
-sleep 1
+for _ in {1..50}; do
+    xdotool getdisplaygeometry >"$work/display.log" 2>&1 && break
+    sleep 0.2
+done
 
 click() {
     xdotool mousemove "$1" "$2" sleep 0.2 click 1 sleep 0.5
@@ -46,6 +49,39 @@ picture() {
     wait "$started" 2>/dev/null || true
     rm -rf "$work/data"
 }
+
+# hour NUMBER LANGUAGE PRESSES ARGUMENT…: a picture of docs/first-hour. What is pressed first:
+# keys as xdotool names them, X,Y of a click, and seconds of waiting as 40s.
+hour() {
+    local file=docs/first-hour-$1.png language=$2 presses=$3 window press
+    [[ $language == en ]] || file=docs/first-hour-$1.zh-CN.png
+    shift 3
+    "$program" --data "$work/data" --lang "$language" "$@" 2>"$work/window.log" &
+    local started=$!
+    sleep 4
+    window=$(xdotool search --name GSK980TD | tail -1)
+    xdotool windowmove "$window" 0 0 windowsize "$window" 1366 768 windowfocus "$window" sleep 1
+    for press in $presses; do
+        case $press in
+            *,*) click "${press%,*}" "${press#*,}" ;;
+            [0-9]*s) sleep "$press" ;;
+            *) xdotool key "$press" sleep 1 ;;
+        esac
+    done
+    xdotool mousemove 900 12 sleep 1
+    import -window root -crop 1366x768+0+0 +repage "$work/shot.png"
+    convert "$work/shot.png" +dither -colors 64 -strip "$file"
+    kill "$started"
+    wait "$started" 2>/dev/null || true
+    rm -rf "$work/data"
+}
+
+for language in en zh; do
+    hour 1 "$language" "" --first-start
+    # *I am learning*, *Start*, the first lesson of the list.
+    hour 2 "$language" "556,167 450,566 2s 780,93" --first-start
+    hour 3 "$language" "shift+F7 ctrl+2 F9 150s" --program "$sample"
+done
 
 picture docs/machine.png en shift+F7
 picture docs/machine.zh-CN.png zh shift+F7

@@ -293,6 +293,7 @@ impl Kernel {
                 .translates
                 .then(|| Box::new(self.emulator.translated_screen())),
             page: panel.page(),
+            model: self.emulator.simulation.cnc.model().id(),
             keys_reversed: KeysReversed {
                 x: self.emulator.simulation.cnc.parameters().up_is_positive(),
                 z: self.emulator.simulation.cnc.parameters().left_is_positive(),

@@ -143,9 +143,9 @@ impl SetupArgs {
     }
 }
 
-/// Options of a mill (`--model gsk980mdi`) for `check` and `plot`.
+/// Options of a mill (`--model gsk980mdi`) for `check`, `plot` and `lsp`.
 #[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Mill (--model gsk980mdi, check and plot)")]
+#[command(next_help_heading = "Mill (--model gsk980mdi; check, plot, lsp)")]
 pub struct MillArgs {
     /// Where the slides stand before the first block, machine coordinates [default: 0,0,100]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]

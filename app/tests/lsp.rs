@@ -220,6 +220,32 @@ fn alarms_come_while_a_program_is_typed() {
 }
 
 #[test]
+fn a_program_of_a_mill_is_served_by_its_codes() {
+    let options = ["--model", "gsk980mdi", "--lang", "en"];
+    let mut editor = Editor::start("mill", &options, &utf8());
+    editor.open("cover.nc", "O0001\nT1 M06\nG90 G00 X0 Y0\nG83 \nG71\nM30\n");
+    let found = editor.diagnostics("cover.nc", 1);
+    let told: Vec<_> = found
+        .iter()
+        .map(|it| (&it["code"], &it["range"]["start"]["line"]))
+        .collect();
+    assert_eq!(told, [(&json!("010"), &json!(4))], "{found:?}");
+    let at = |line, character| {
+        json!({
+            "textDocument": { "uri": editor.uri("cover.nc") },
+            "position": { "line": line, "character": character },
+        })
+    };
+    let (on_code, behind_it) = (at(3, 1), at(3, 4));
+    let said = editor.ask("textDocument/hover", on_code).expect("hover");
+    assert!(said.to_string().contains("peck"), "{said}");
+    let asked = editor.ask("textDocument/completion", behind_it);
+    let proposed = asked.expect("completion").to_string();
+    assert!(proposed.contains("Y: end point"), "{proposed}");
+    assert_eq!(editor.end(), Some(0));
+}
+
+#[test]
 fn questions_about_a_word_are_answered() {
     let mut editor = Editor::start("asked", &["--lang", "en"], &utf8());
     std::fs::write(editor.folder.join("O0031.CNC"), SUB).expect("subprogram");

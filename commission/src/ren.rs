@@ -22,7 +22,7 @@ pub struct Row {
     /// The line of the file.
     pub line: u32,
     /// The point, where the file has it.
-    pub point: Option<u8>,
+    pub point: Option<u16>,
     /// The far end of its interval, seen from the machine zero, mm.
     pub end: Travel,
     /// What is to be added to the value of the point, µm.
@@ -146,7 +146,7 @@ impl Reader {
                 deviation: Deviation(value),
             }),
             None => {
-                let known = |point: &str| point.parse::<u8>();
+                let known = |point: &str| point.parse::<u16>();
                 let point = point.map(known).transpose();
                 let point = point.map_err(|_| FileFault::new(line, say::pitch_ren_point()))?;
                 self.table.rows.push(Row {
@@ -288,7 +288,7 @@ mod tests {
             ("type: rotary\n", 1),
             ("10 x\n", 1),
             ("10\n", 1),
-            ("300 10 2\n", 1),
+            ("70000 10 2\n", 1),
             ("points: 3\n10 2\n", 1),
             ("start: 0\nend: 5\n10 2\n", 3),
             ("run: 0 +\n", 1),
@@ -303,7 +303,7 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again() {
-        let rows = [
+        let rows: [(u8, _, _); 2] = [
             (255, Travel(-10.0), Deviation(2.0)),
             (254, Travel(-20.0), Deviation(-7.0)),
         ];
@@ -316,6 +316,9 @@ mod tests {
             .iter()
             .map(|it| (it.point.unwrap(), it.end, it.value))
             .collect();
-        assert_eq!(again, rows);
+        assert_eq!(
+            again,
+            rows.map(|(point, end, value)| (u16::from(point), end, value))
+        );
     }
 }

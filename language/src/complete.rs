@@ -9,7 +9,7 @@ use crate::Reader;
 use crate::hover::{code_topic, escaped, range};
 use crate::leads::{Aim, aim_of};
 use crate::meaning::{letter, of_model};
-use crate::snippets::{letters, snippet};
+use crate::snippets::{is_hole, letters, snippet};
 use crate::structure::Structure;
 use crate::text::{Place, Position, Text};
 use crate::words::{Kind, Span, spans, word_of};
@@ -99,7 +99,10 @@ pub fn complete(
         None if digits > 0 => {}
         None => {
             let code = site.code_in_force(text, at);
-            for address in code.map_or("XZUWF", letters).chars().chain("GMST".chars()) {
+            let of_mill = reader.model.is_mill();
+            let none = if of_mill { "XYZF" } else { "XZUWF" };
+            let letters = code.map_or(none, |code| letters(code, of_mill));
+            for address in letters.chars().chain("GMST".chars()) {
                 site.letter(address);
             }
         }
@@ -151,7 +154,8 @@ impl Site<'_> {
                 continue;
             };
             let detail = said.text(self.reader.language);
-            let topic = code_topic(address, number.into());
+            // The articles are those of lathes.
+            let topic = code_topic(address, number.into()).filter(|_| !self.reader.model.is_mill());
             let about = topic.map_or("", |topic| topic.rule(self.reader.language));
             let (label, about) = (format!("{address}{number:02}"), escaped(about));
             self.push(
@@ -161,7 +165,8 @@ impl Site<'_> {
                 about.clone(),
             );
             let code = record.g_code(number.into()).filter(|_| address == 'G');
-            if let Some(snippet) = code.and_then(snippet) {
+            let of_mill = self.reader.model.is_mill();
+            if let Some(snippet) = code.and_then(|it| snippet(it, of_mill)) {
                 self.push(format!("{label} …"), CompletionKind::Snippet, detail, about);
                 if let Some(last) = self.found.last_mut() {
                     snippet.clone_into(&mut last.insert);
@@ -171,9 +176,13 @@ impl Site<'_> {
     }
 
     fn letter(&mut self, address: char) {
-        if let Some(said) = letter(address) {
+        if let Some(said) = letter(address, self.reader.model) {
             let language = self.reader.language;
-            let about = range(address, language);
+            let about = if self.reader.model.is_mill() {
+                String::new()
+            } else {
+                range(address, language)
+            };
             let said = said.text(language);
             self.push(address.to_string(), CompletionKind::Letter, said, about);
         } else if matches!(address, 'G' | 'M') {
@@ -186,7 +195,8 @@ impl Site<'_> {
         self.letter('T');
         let values: BTreeSet<&str> = structure.tools.iter().map(|it| it.value.as_str()).collect();
         for value in values {
-            let detail = letter('T').map_or(String::new(), |it| it.text(self.reader.language));
+            let detail = letter('T', self.reader.model)
+                .map_or(String::new(), |it| it.text(self.reader.language));
             self.push(
                 format!("T{value}"),
                 CompletionKind::Tool,
@@ -314,12 +324,14 @@ const fn stays(code: GCode) -> bool {
             | GCode::Line
             | GCode::ArcClockwise
             | GCode::ArcCounterclockwise
+            | GCode::PlaneArcClockwise
+            | GCode::PlaneArcCounterclockwise
             | GCode::Thread
             | GCode::VariableThread
             | GCode::TurningCycle
             | GCode::ThreadCycle
             | GCode::FacingCycle
-    )
+    ) || is_hole(code)
 }
 
 #[cfg(test)]
@@ -350,6 +362,22 @@ mod tests {
         assert!(labels("M", 0, 1, READER).contains(&"M30".to_owned()));
         assert!(labels("(G", 0, 2, READER).is_empty(), "in a comment");
         assert!(labels("(a) G", 0, 5, READER).contains(&"G00".to_owned()));
+    }
+
+    #[test]
+    fn words_and_cycles_of_a_mill_are_its_own() {
+        let mill = Reader {
+            model: ModelId::Gsk980mdi,
+            macro_b: true,
+            ..READER
+        };
+        let codes = labels("G8", 0, 2, mill);
+        assert!(codes.contains(&"G83".to_owned()) && codes.contains(&"G83 …".to_owned()));
+        assert!(!codes.contains(&"G71".to_owned()));
+        assert_eq!(labels("G83 ", 0, 4, mill)[..4], ["X", "Y", "Z", "R"]);
+        assert_eq!(labels("G83 X1\nX2 ", 1, 3, mill)[..4], ["X", "Y", "Z", "R"]);
+        assert_eq!(labels("G02 ", 0, 4, mill)[3..7], ["I", "J", "K", "R"]);
+        assert_eq!(labels("W", 0, 1, mill), ["W", "WHILE"]);
     }
 
     #[test]

@@ -2,11 +2,12 @@
 //! looks.
 
 use gsk_core::alarm::Alarm;
-use gsk_core::command::{ExecutedMove, ProgramId};
+use gsk_core::command::{ExecutedMove, ProgramId, Source};
 use gsk_core::preview::{Bounds, Caution, End, Progress, preview_beyond_alarms};
 use gsk_core::program::ProgramMemory;
 use gsk_core::setup::Setup;
 use gsk_messages::{Language, say};
+use gsk_milling::{MillSetup, Move, preview_while};
 use gsk_runner::report::AlarmReport;
 use gsk_runner::times::Times;
 
@@ -38,6 +39,15 @@ pub struct Finding {
     pub text: String,
 }
 
+/// The box around a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extents {
+    /// Of a lathe; X is a radius.
+    Lathe(Bounds),
+    /// Of a mill: X, Y, Z.
+    Mill(gsk_milling::Bounds),
+}
+
 /// A look through a program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Analysis {
@@ -49,10 +59,10 @@ pub struct Analysis {
     pub time_s: f64,
     /// Part of it with the tool in the material, s.
     pub cutting_s: f64,
-    /// The box around the path, work coordinates; X is a radius.
-    pub bounds: Option<Bounds>,
-    /// Tools called, with their offset numbers.
-    pub tools: Vec<(u8, u8)>,
+    /// The box around the path, work coordinates.
+    pub extents: Option<Extents>,
+    /// Tools called, as their words are written.
+    pub tools: Vec<String>,
     /// Machine time from each T word of the text on to the next one that is met, s, in the
     /// order of [`Structure::tools`].
     pub tool_times: Vec<f64>,
@@ -78,15 +88,7 @@ pub fn analyse(
     sections.wait_until(preview.time_s);
     let alarms = preview.alarm.iter().chain(&preview.further.alarms);
     let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
-    if preview.end == End::Limit {
-        findings.push(Finding {
-            program: ProgramId::External,
-            at: None,
-            level: Level::Warning,
-            code: "limit".to_owned(),
-            text: say::report_given_up(say::report_limit()).text(language),
-        });
-    }
+    findings.extend(given_up(preview.end, language));
     let cautions = preview.cautions.iter();
     findings.extend(cautions.map(|it| of_caution(it, programs, language)));
     Analysis {
@@ -94,10 +96,56 @@ pub fn analyse(
         end: preview.end,
         time_s: preview.time_s,
         cutting_s: preview.cutting_s,
-        bounds: preview.bounds,
-        tools: preview.tools,
+        extents: preview.bounds.map(Extents::Lathe),
+        tools: preview
+            .tools
+            .iter()
+            .map(|(tool, offset)| format!("T{tool:02}{offset:02}"))
+            .collect(),
         tool_times: sections.seconds,
     }
+}
+
+/// Looks the selected program of a mill through as long as `goes_on` says so.
+/// `structure`: of the text that it is.
+pub fn analyse_mill(
+    setup: &MillSetup,
+    programs: &ProgramMemory,
+    structure: &Structure,
+    language: Language,
+    goes_on: &mut dyn FnMut(&Progress) -> bool,
+) -> Analysis {
+    let mut sections = Sections::new(structure);
+    let mut take = |made: &Move| sections.take(made.source, made.start_s + made.duration_s);
+    let preview = preview_while(setup, programs, &mut take, goes_on);
+    sections.wait_until(preview.time_s);
+    let alarms = preview.alarm.iter().chain(&preview.further);
+    let mut findings: Vec<Finding> = alarms.map(|it| of_alarm(it, programs, language)).collect();
+    findings.extend(given_up(preview.end, language));
+    Analysis {
+        findings,
+        end: preview.end,
+        time_s: preview.time_s,
+        cutting_s: preview.cutting_s,
+        extents: preview.bounds.map(Extents::Mill),
+        tools: preview
+            .tools
+            .iter()
+            .map(|tool| format!("T{tool:02}"))
+            .collect(),
+        tool_times: sections.seconds,
+    }
+}
+
+/// What is said of a look that was given up.
+fn given_up(end: End, language: Language) -> Option<Finding> {
+    (end == End::Limit).then(|| Finding {
+        program: ProgramId::External,
+        at: None,
+        level: Level::Warning,
+        code: "limit".to_owned(),
+        text: say::report_given_up(say::report_limit()).text(language),
+    })
 }
 
 fn of_alarm(alarm: &Alarm, programs: &ProgramMemory, language: Language) -> Finding {
@@ -161,13 +209,17 @@ impl Sections {
     }
 
     fn push(&mut self, executed: &ExecutedMove) {
+        self.take(executed.source, executed.start_s + executed.duration_s);
+    }
+
+    fn take(&mut self, source: Source, end_s: f64) {
         // A subprogram goes on with the tool that is in work.
-        if executed.source.program == ProgramId::External {
-            let line = executed.source.line;
+        if source.program == ProgramId::External {
+            let line = source.line;
             let before = self.lines.partition_point(|at| *at <= line);
             self.current = before.checked_sub(1);
         }
-        self.wait_until(executed.start_s + executed.duration_s);
+        self.wait_until(end_s);
     }
 
     fn wait_until(&mut self, time_s: f64) {
@@ -236,7 +288,27 @@ mod tests {
         assert!(seen.tool_times.iter().all(|it| *it > 30.0), "{seen:?}");
         assert!(seen.tool_times.iter().sum::<f64>() <= seen.time_s);
         assert_eq!(seen.tools.len(), 2);
-        assert!(seen.cutting_s > 100.0 && seen.bounds.is_some());
+        assert!(seen.cutting_s > 100.0 && seen.extents.is_some());
+    }
+
+    #[test]
+    fn a_program_of_a_mill_is_looked_through_as_one() {
+        let text = "O0001\nT1 M06\nM03 S500\nG90 G00 X0 Y0 Z2\nG01 Z-5 F60\nG70\nY20 A5\nM30\n";
+        let mut setup = Setup::default();
+        setup.memory.programs.open_external(Program::new(text));
+        setup.memory.programs.select(ProgramId::External);
+        let structure = Structure::read(&Text::new(text));
+        let programs = &setup.memory.programs;
+        let mill = MillSetup::default();
+        let seen = analyse_mill(&mill, programs, &structure, Language::En, &mut |_| true);
+        let found: Vec<_> = seen
+            .findings
+            .iter()
+            .map(|it| (it.code.as_str(), it.at.as_ref().map(|at| at.line)))
+            .collect();
+        assert_eq!(found, [("010", Some(6)), ("009", Some(7))]);
+        assert_eq!(seen.tools, ["T01"]);
+        assert!(seen.tool_times[0] > 7.0 && matches!(seen.extents, Some(Extents::Mill(_))));
     }
 
     #[test]

@@ -79,9 +79,17 @@ fn of_word(line: &str, spans: &[Span], word: &Word<'_>, reader: Reader) -> Optio
             let topic = topic(Subject::Code(&name)).or_else(|| code_topic('G', 65))?;
             Some(shown(topic, None, language))
         }
+        // Ranges and articles are those of lathes.
+        (address, _) if reader.model.is_mill() => {
+            let said = match (address, word.value.as_ref()) {
+                ('G', "54.1") => say::mill_additional_zeros(),
+                _ => letter(address, reader.model)?,
+            };
+            Some(escaped(&said.text(language)))
+        }
         (address @ ('S' | 'T' | 'F'), _) => {
             let name = address.to_string();
-            let said = letter(address)?.text(language);
+            let said = letter(address, reader.model)?.text(language);
             let article = topic(Subject::Code(&name)).map(|it| shown(it, Some(&said), language));
             Some(format!(
                 "{}\n\n{}",
@@ -90,7 +98,7 @@ fn of_word(line: &str, spans: &[Span], word: &Word<'_>, reader: Reader) -> Optio
             ))
         }
         (address, _) => {
-            let said = letter(address)?.text(language);
+            let said = letter(address, reader.model)?.text(language);
             Some(format!(
                 "{}\n\n{}",
                 escaped(&said),
@@ -323,6 +331,21 @@ mod tests {
         for marks in ["\\", "**", "````", "---"] {
             assert!(!call.contains(marks), "{call}");
         }
+    }
+
+    #[test]
+    fn words_of_a_mill_are_its_own() {
+        let mill = Reader {
+            model: ModelId::Gsk980mdi,
+            macro_b: true,
+            ..READER
+        };
+        let told = |byte| said("G43 H1 Y5 G54.1 P2 G71\n", 0, byte, mill).unwrap_or_default();
+        assert!(told(1).contains("length"), "{}", told(1));
+        assert!(told(4).contains("length"), "{}", told(4));
+        assert!(told(7).starts_with("Y: end point"), "{}", told(7));
+        assert!(told(10).contains("P1 to P48"), "{}", told(10));
+        assert!(told(20).contains("GSK980MDi"), "{}", told(20));
     }
 
     #[test]

@@ -2,10 +2,10 @@
 //! left for finishing.
 
 use gsk_messages::{Language, say};
-use gsk_runner::moves::diameter_z;
+use gsk_runner::moves::{diameter_z, rounded};
 use gsk_runner::words::clock_in_seconds;
 
-use crate::diagnose::Analysis;
+use crate::diagnose::{Analysis, Extents};
 use crate::structure::{Cycle, Structure};
 use crate::text::Place;
 
@@ -51,15 +51,23 @@ fn whole(analysis: &Analysis, language: Language) -> String {
     let time = clock_in_seconds(analysis.time_s);
     let cutting = clock_in_seconds(analysis.cutting_s);
     let mut parts = vec![say::lens_time(time, cutting).text(language)];
-    if let Some(bounds) = analysis.bounds {
-        let (least, greatest) = (diameter_z(bounds.least), diameter_z(bounds.greatest));
-        let extents = say::lens_extents(least.0, greatest.0, least.1, greatest.1);
-        parts.push(extents.text(language));
+    match analysis.extents {
+        Some(Extents::Lathe(bounds)) => {
+            let (least, greatest) = (diameter_z(bounds.least), diameter_z(bounds.greatest));
+            let extents = say::lens_extents(least.0, greatest.0, least.1, greatest.1);
+            parts.push(extents.text(language));
+        }
+        Some(Extents::Mill(bounds)) => {
+            let [least, greatest] = [bounds.least, bounds.greatest].map(|it| it.map(rounded));
+            let x = (least[0], greatest[0]);
+            let (y, z) = ((least[1], greatest[1]), (least[2], greatest[2]));
+            let extents = say::lens_extents_mill(x.0, x.1, y.0, y.1, z.0, z.1);
+            parts.push(extents.text(language));
+        }
+        None => {}
     }
     if !analysis.tools.is_empty() {
-        let tools = analysis.tools.iter();
-        let tools = tools.map(|(tool, offset)| format!("T{tool:02}{offset:02}"));
-        parts.push(tools.collect::<Vec<_>>().join(" "));
+        parts.push(analysis.tools.join(" "));
     }
     parts.join(" | ")
 }

@@ -34,7 +34,7 @@ mod text;
 pub mod words;
 
 pub use complete::{Completion, CompletionKind, complete};
-pub use diagnose::{Analysis, Finding, Level, analyse};
+pub use diagnose::{Analysis, Extents, Finding, Level, analyse, analyse_mill};
 pub use fold::folds;
 pub use format::{Casing, Formatted, Numbering, Spacing, Style, format};
 pub use hover::{Hover, hover, without_markup};

@@ -10,7 +10,7 @@ pub fn meaning(word: &Word<'_>) -> Option<Message> {
     match (word.address, word.number()) {
         ('G', Some(number)) => code(number),
         ('M', Some(number)) => function(number),
-        (address, _) => letter(address),
+        (address, _) => letter(address, ModelId::default()),
     }
 }
 
@@ -93,8 +93,13 @@ fn function(number: u32) -> Option<Message> {
     })
 }
 
-/// What the word of a letter means.
-pub fn letter(address: char) -> Option<Message> {
+/// What the word of a letter means on a control model.
+pub fn letter(address: char, model: ModelId) -> Option<Message> {
+    if model.is_mill()
+        && let Some(said) = letter_of_mill(address)
+    {
+        return Some(said);
+    }
     Some(match address {
         'F' => say::word_f(),
         'H' => say::word_h(),
@@ -113,6 +118,24 @@ pub fn letter(address: char) -> Option<Message> {
         'W' => say::word_w(),
         'X' => say::word_x(),
         'Z' => say::word_z(),
+        _ => return None,
+    })
+}
+
+/// Words that are others on a mill, or only there.
+fn letter_of_mill(address: char) -> Option<Message> {
+    Some(match address {
+        'D' => say::mill_word_d(),
+        'F' => say::mill_word_f(),
+        'H' => say::mill_word_h(),
+        'I' | 'J' | 'K' => say::mill_word_ijk(address),
+        'L' => say::mill_word_l(),
+        'P' => say::mill_word_p(),
+        'Q' => say::mill_word_q(),
+        'R' => say::mill_word_r(),
+        'S' => say::mill_word_s(),
+        'T' => say::mill_word_t(),
+        'X' | 'Y' | 'Z' => say::mill_word_axis(address),
         _ => return None,
     })
 }

@@ -4,7 +4,10 @@ use gsk_core::model::GCode;
 
 /// The blocks of a cycle as a snippet of editors: `${1:2}` is the first place, with 2 in
 /// it. None for codes of one word.
-pub(crate) const fn snippet(code: GCode) -> Option<&'static str> {
+pub(crate) const fn snippet(code: GCode, of_mill: bool) -> Option<&'static str> {
+    if of_mill {
+        return of_the_mill(code);
+    }
     Some(match code {
         GCode::Finishing => "G70 P${1:10} Q${2:20}",
         GCode::TurningRough => {
@@ -42,8 +45,66 @@ pub(crate) const fn snippet(code: GCode) -> Option<&'static str> {
     })
 }
 
+/// The same of a mill.
+const fn of_the_mill(code: GCode) -> Option<&'static str> {
+    Some(match code {
+        GCode::HighSpeedPeck => "G73 X${1} Y${2} Z${3:-20.} R${4:2.} Q${5:4.} F${6:100}",
+        GCode::PeckDrilling => "G83 X${1} Y${2} Z${3:-20.} R${4:2.} Q${5:4.} F${6:100}",
+        GCode::Drilling => "G81 X${1} Y${2} Z${3:-10.} R${4:2.} F${5:100}",
+        GCode::DrillingDwell => "G82 X${1} Y${2} Z${3:-10.} R${4:2.} P${5:500} F${6:100}",
+        GCode::LeftTapping => "G74 X${1} Y${2} Z${3:-15.} R${4:5.} F${5:500}",
+        GCode::RightTapping => "G84 X${1} Y${2} Z${3:-15.} R${4:5.} F${5:500}",
+        GCode::FineBoring => "G76 X${1} Y${2} Z${3:-20.} R${4:2.} Q${5:0.2} F${6:50}",
+        GCode::ScalingOn => "G51 X${1:0.} Y${2:0.} Z${3:0.} P${4:1000}\n${0}\nG50",
+        GCode::RotationOn => "G68 X${1:0.} Y${2:0.} R${3:45.}\n${0}\nG69",
+        GCode::OffsetInput => "G10 L${1:12} P${2:1} R${3:5.}",
+        _ => return None,
+    })
+}
+
+/// Whether a code is one of a mill's holes, which stays for the blocks after it.
+pub(crate) const fn is_hole(code: GCode) -> bool {
+    matches!(
+        code,
+        GCode::HighSpeedPeck
+            | GCode::LeftTapping
+            | GCode::FineBoring
+            | GCode::Drilling
+            | GCode::DrillingDwell
+            | GCode::PeckDrilling
+            | GCode::RightTapping
+            | GCode::Boring
+            | GCode::BoringStop
+            | GCode::BackBoring
+            | GCode::BoringByHand
+            | GCode::BoringDwell
+    )
+}
+
 /// The letters that a code takes besides M, S and T (manual I-3.2).
-pub(crate) const fn letters(code: GCode) -> &'static str {
+pub(crate) const fn letters(code: GCode, of_mill: bool) -> &'static str {
+    if !of_mill {
+        return of_a_lathe(code);
+    }
+    match code {
+        _ if is_hole(code) => "XYZRQPFKL",
+        GCode::Rapid | GCode::Reference | GCode::ReferenceCheck | GCode::ReferenceBack => "XYZ",
+        GCode::FurtherReference => "PXYZ",
+        GCode::PlaneArcClockwise | GCode::PlaneArcCounterclockwise => "XYZIJKRF",
+        GCode::Dwell => "PX",
+        GCode::OffsetInput => "LPR",
+        GCode::CutterLeft | GCode::CutterRight => "DXYZF",
+        GCode::LengthPlus | GCode::LengthMinus => "HXYZ",
+        GCode::ScalingOn => "XYZPIJK",
+        GCode::RotationOn => "XYZR",
+        GCode::MacroCall | GCode::ModalMacroCall => "PLABCDEFHIJKMQRSTUVWXYZ",
+        GCode::FeedPerMinute | GCode::FeedPerRevolution => "F",
+        _ => "XYZF",
+    }
+}
+
+/// The same of a lathe.
+const fn of_a_lathe(code: GCode) -> &'static str {
     match code {
         GCode::Rapid
         | GCode::StraightRapid

@@ -101,6 +101,8 @@ pub struct PitchTable {
     origin: i64,
     /// 3624, 0.001 mm.
     interval: i64,
+    /// 3621, 3622.
+    window: (i64, i64),
     /// By number, 0.001 mm: of the way between `(N − 1 − origin)` and `(N − origin)`
     /// intervals.
     values: BTreeMap<i64, i64>,
@@ -139,8 +141,51 @@ impl PitchTable {
         Ok(Self {
             origin,
             interval,
+            window: (least, most),
             values: inside.collect(),
         })
+    }
+
+    /// The number of the way that ends at a position, seen from the reference point, 0.001
+    /// mm; none where no way ends.
+    pub const fn number_at(&self, position: i64) -> Option<i64> {
+        if position % self.interval != 0 {
+            return None;
+        }
+        match position / self.interval {
+            0 => None,
+            beyond @ 1.. => Some(self.origin + beyond),
+            before => Some(self.origin + before + 1),
+        }
+    }
+
+    /// Adds to the value of a number, 0.001 mm.
+    ///
+    /// # Errors
+    /// A number outside 3621 to 3622, a sum out of range.
+    pub fn add(&mut self, number: i64, value: i64) -> Result<(), Message> {
+        let (least, most) = self.window;
+        if !(least..=most).contains(&number) {
+            return Err(say::mill_pitch_window(number, least, most));
+        }
+        let sum = self.value(number).saturating_add(value);
+        if !VALUES.contains(&sum) {
+            return Err(say::mill_pitch_value(number, sum));
+        }
+        self.values.insert(number, sum);
+        Ok(())
+    }
+
+    /// The values that are not 0, by number.
+    pub fn values(&self) -> impl Iterator<Item = (i64, i64)> {
+        let values = self.values.iter().map(|(number, value)| (*number, *value));
+        values.filter(|(_, value)| *value != 0)
+    }
+
+    /// The far end of the way of a number, 0.001 mm from the reference point.
+    pub fn end_of(&self, number: i64) -> i64 {
+        let beyond = i64::from(number > self.origin);
+        (number - 1 + beyond - self.origin) * self.interval
     }
 
     fn value(&self, number: i64) -> i64 {
@@ -194,8 +239,7 @@ impl PitchTable {
     /// What stands in the place of a number on the page when positions are shown: the far
     /// end of its way, in whole millimetres.
     pub fn label(&self, number: i64) -> String {
-        let beyond = i64::from(number > self.origin);
-        let position = (number - 1 + beyond - self.origin) * self.interval / 1000;
+        let position = self.end_of(number) / 1000;
         if position < 0 {
             format!("-{:03}", -position)
         } else {
@@ -257,6 +301,21 @@ mod tests {
         assert_eq!(found, [-10_002, -20_002, -29_995, -39_998]);
         // Half the way, half the error: 3.5 goes away from zero.
         assert_eq!(one.commanded(5000), 5004);
+    }
+
+    #[test]
+    fn values_are_added_by_their_positions() {
+        let mut five = table(60, 10_000, (50, 70), &[(61, 4)]);
+        let found = [10_000, 20_000, -10_000, -20_000].map(|at| five.number_at(at));
+        assert_eq!(found, [Some(61), Some(62), Some(60), Some(59)]);
+        assert_eq!((five.number_at(0), five.number_at(5000)), (None, None));
+        for number in [59, 60, 61, 62] {
+            assert_eq!(five.number_at(five.end_of(number)), Some(number));
+        }
+        assert_eq!(five.add(61, -1), Ok(()));
+        assert_eq!(five.add(59, 7), Ok(()));
+        assert_eq!(five.values().collect::<Vec<_>>(), [(59, 7), (61, 3)]);
+        assert!(five.add(71, 1).is_err() && five.add(61, 2548).is_err());
     }
 
     /// Fact C39.

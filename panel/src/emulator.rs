@@ -269,6 +269,7 @@ impl Emulator {
             lcd: lcd.as_ref().map(Pixmap::as_ref),
             wheel: self.panel.wheel(),
             real: false,
+            model: self.simulation.cnc.model().id(),
         };
         faceplate::paint(faceplate::Area::WHOLE, &state, scale)
     }

@@ -100,6 +100,8 @@ pub enum What {
     Key(Key),
     /// The handwheel.
     Handwheel,
+    /// The name of the control model.
+    Model,
     /// Printed text, centred in its rectangle; the line height.
     Text(&'static str, f32),
     /// That the machine behind the keys is simulated; blank when it is real.

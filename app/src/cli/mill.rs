@@ -1,5 +1,7 @@
 //! `mill`: what is worked out when a GSK980MDi is set up.
 
+use std::path::PathBuf;
+
 use clap::{Args, Subcommand};
 use gsk_messages::Language;
 
@@ -14,6 +16,10 @@ pub enum MillCommand {
     Pitch(PitchArgs),
     /// How fast backlash is taken up: parameter 010
     Backlash(BacklashArgs),
+    /// Which keys are pressed, by the diagnosis numbers 016 to 024; without numbers all keys
+    Keys(MillKeysArgs),
+    /// How an axis is sent to machine zero: absolute encoder, method D, switches
+    Homing(HomingArgs),
 }
 
 /// `mill gear`.
@@ -57,6 +63,13 @@ pub struct PitchArgs {
     /// Values of the table, 0.001 mm: 58=-7 (may be repeated)
     #[arg(long = "value", value_name = "N=V", allow_hyphen_values = true, value_parser = value)]
     pub values: Vec<(i64, i64)>,
+    /// A Renishaw text whose values are added: axis, spacing (mm), backlash (µm), then lines
+    /// of position and value, or of number, position and value (mm, µm)
+    #[arg(long, value_name = "FILE")]
+    pub ren: Option<PathBuf>,
+    /// Write the table to a file in the same form
+    #[arg(long, value_name = "FILE")]
+    pub export: Option<PathBuf>,
     /// 1260: a turn of a rotary axis, degrees; whether the table comes out even
     #[arg(long, value_name = "DEGREES")]
     pub turn: Option<f64>,
@@ -74,6 +87,31 @@ pub struct BacklashArgs {
     /// 011.6 = 1: an eighth of it
     #[arg(long)]
     pub eighth: bool,
+    /// Language of what is said
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}
+
+/// `mill keys`.
+#[derive(Args, Debug)]
+pub struct MillKeysArgs {
+    /// Diagnosis numbers with their bits: 016=01001000
+    #[arg(value_name = "N=BITS", value_parser = shown_keys)]
+    pub shown: Vec<(u16, u8)>,
+    /// Language of what is said
+    #[arg(long, value_parser = language(), value_name = "LANG")]
+    pub lang: Option<Language>,
+}
+
+fn shown_keys(word: &str) -> Result<(u16, u8), String> {
+    let form = || "write a number and its eight bits: 016=01001000".to_owned();
+    let (number, shown) = word.split_once('=').ok_or_else(form)?;
+    Ok((number.parse().map_err(|_| form())?, bits(shown)?))
+}
+
+/// `mill homing`.
+#[derive(Args, Debug)]
+pub struct HomingArgs {
     /// Language of what is said
     #[arg(long, value_parser = language(), value_name = "LANG")]
     pub lang: Option<Language>,

@@ -34,7 +34,7 @@ pub use link::{
 };
 pub use looks::{CheckArgs, Format, LookArgs, PatienceArgs, PlotArgs};
 pub use lsp::LspArgs;
-pub use mill::{BacklashArgs, GearArgs, MillCommand, PitchArgs};
+pub use mill::{GearArgs, MillCommand, MillKeysArgs, PitchArgs};
 pub use packages::{CompletionsArgs, ManArgs};
 pub use picture::PictureArgs;
 pub use pitch::{PitchCommand, PitchFormat, PitchImportArgs, PitchShowArgs};
@@ -180,7 +180,10 @@ pub enum Command {
     /// Print the keys of the panel: script name, label, PC key, address
     Keys(TableArgs),
     /// Print the parameter table
-    Parameters(TableArgs),
+    ///
+    /// With `--model` that of another control model: the whole table of the GSK980MDi mill,
+    /// with a column that says what acts in `check` and `plot`.
+    Parameters(ParametersArgs),
     /// Print the alarm table: number, text, meaning, cause, cure
     Alarms(TableArgs),
     /// Print the PLC signal table
@@ -200,7 +203,7 @@ pub enum Command {
     /// meaning. docs/project.md describes the folder.
     #[command(subcommand)]
     Project(ProjectCommand),
-    /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors
+    /// What is worked out when a GSK980MDi mill is set up: gears, pitch errors, backlash, keys, homing
     #[command(subcommand)]
     Mill(MillCommand),
     /// Find, try, watch or play a pulse board
@@ -296,6 +299,17 @@ pub struct TableArgs {
     /// Print as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// `parameters`.
+#[derive(Args, Debug)]
+pub struct ParametersArgs {
+    /// The table.
+    #[command(flatten)]
+    pub table: TableArgs,
+    /// The control model
+    #[arg(long, value_name = "MODEL", value_parser = crate::setup_args::any_model(), default_value = "gsk980td")]
+    pub model: ModelId,
 }
 
 #[cfg(test)]

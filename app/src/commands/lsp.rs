@@ -20,6 +20,9 @@ mod server;
 mod settings;
 mod streams;
 
+use gsk_core::setup::Setup;
+use gsk_runner::mill::MillSetup;
+
 use super::{CommandError, FINE};
 use crate::cli::LspArgs;
 use crate::loading;
@@ -27,14 +30,31 @@ use crate::loading;
 /// Exit code: the editor went away without saying so.
 const ABANDONED: u8 = 1;
 
+/// Whose programs are looked through, and what from.
+pub struct Control {
+    /// Its memory; that of a mill has programs alone.
+    setup: Setup,
+    /// Of a mill.
+    mill: Option<MillSetup>,
+}
+
 /// Serves the editor that started the program.
 ///
 /// # Errors
 /// Options that cannot be had, and messages that are none of the protocol.
 pub fn lsp(args: &LspArgs) -> Result<u8, CommandError> {
-    let setup = loading::setup(&args.setup, None, args.lang)?;
+    let control = if args.setup.model().is_mill() {
+        let (mill, setup) = loading::mill(&args.setup)?;
+        Control {
+            setup,
+            mill: Some(mill),
+        }
+    } else {
+        let setup = loading::setup(&args.setup, None, args.lang)?;
+        Control { setup, mill: None }
+    };
     let (connection, streams) = streams::open();
-    let ended = server::serve(&connection, setup, args.lang);
+    let ended = server::serve(&connection, control, args.lang);
     drop(connection);
     let streams = streams.end();
     let ended = ended.map_err(|error| CommandError::Editor(error.to_string()))?;

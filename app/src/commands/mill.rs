@@ -1,11 +1,10 @@
-//! `check` and `plot` of programs of a mill, and `mill`.
+//! `check` and `plot` of programs of a mill.
 
 use std::path::{Path, PathBuf};
 
 use gsk_core::preview::{End, Progress};
-use gsk_messages::{Language, Message, say};
-use gsk_milling::commissioning::{PitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
-use gsk_milling::{Length, Move, preview_while};
+use gsk_messages::{Language, say};
+use gsk_milling::{Move, preview_while};
 use gsk_runner::mill::{self, MillSetup};
 use gsk_runner::picture::Format;
 use gsk_runner::picture::mill::{MillDrawing, encode};
@@ -16,7 +15,7 @@ use super::results::{all, into_file, print};
 use super::run::title;
 use super::{ALARM, CommandError, FINE, output};
 use crate::apart::{Read, keep_apart, results};
-use crate::cli::{CheckArgs, GearArgs, MillCommand, PitchArgs, PlotArgs};
+use crate::cli::{CheckArgs, PlotArgs};
 use crate::files::folders;
 use crate::loading::{self, LoadError};
 use crate::picture::check_name;
@@ -142,65 +141,4 @@ pub fn plot(args: &PlotArgs) -> Result<u8, CommandError> {
         End::Alarm | End::Limit => ALARM,
         End::M30 | End::M99 | End::Text => FINE,
     })
-}
-
-/// What is worked out when a mill is set up.
-pub fn work_out(command: &MillCommand) -> Result<u8, CommandError> {
-    match command {
-        MillCommand::Gear(args) => gear(args),
-        MillCommand::Pitch(args) => pitch(args),
-        MillCommand::Backlash(args) => {
-            let rate = backlash_rate(args.bits, args.eighth);
-            say_line(&say::mill_backlash(rate), args.lang);
-            Ok(FINE)
-        }
-    }
-}
-
-fn wrong(said: Message) -> CommandError {
-    LoadError::MillWord(said).into()
-}
-
-fn say_line(said: &Message, language: Option<Language>) {
-    output::print(&(report::said(said, language) + "\n"));
-}
-
-fn gear(args: &GearArgs) -> Result<u8, CommandError> {
-    let (screw, motor) = args.teeth;
-    let teeth = Teeth { screw, motor };
-    let found = match (args.lead, args.pulses) {
-        (_, Some(pulses)) => rotary_gear(args.counts, pulses, teeth),
-        (lead, None) => {
-            let increment = Length::from_mm(args.increment);
-            let lead = Length::from_mm(lead.unwrap_or_default());
-            linear_gear(args.counts, increment, lead, teeth)
-        }
-    };
-    let found = found.map_err(wrong)?;
-    let ratio = f64::from(found.multiplier) / f64::from(found.divider);
-    let said = say::mill_gear(found.multiplier, found.divider, format!("{ratio:.6}"));
-    say_line(&said, args.lang);
-    Ok(FINE)
-}
-
-fn pitch(args: &PitchArgs) -> Result<u8, CommandError> {
-    // Farther than any axis reaches.
-    const FARTHEST: f64 = 1e12;
-    let thousandths = |mm: f64| (mm * 1000.0).round().clamp(-FARTHEST, FARTHEST) as i64;
-    let interval = thousandths(args.interval);
-    let table = PitchTable::new(args.origin, interval, args.window, &args.values);
-    let table = table.map_err(wrong)?;
-    for (number, value) in &args.values {
-        let said = say::mill_pitch_row(number, table.label(*number), value);
-        say_line(&said, args.lang);
-    }
-    for position in &args.positions {
-        let commanded = table.commanded(thousandths(*position));
-        say_line(&say::mill_pitch_pulses(position, commanded), args.lang);
-    }
-    if let Some(turn) = args.turn {
-        let end = table.end_of_turn(thousandths(turn)).map_err(wrong)?;
-        say_line(&say::mill_pitch_end(end), args.lang);
-    }
-    Ok(FINE)
 }

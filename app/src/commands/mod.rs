@@ -10,6 +10,7 @@ mod link;
 mod lsp;
 mod manual;
 mod mill;
+mod mill_setup;
 mod operate;
 mod pitch;
 mod plot;
@@ -100,7 +101,7 @@ pub fn carry_out(cli: Cli) -> ExitCode {
         Some(Command::Signals(args)) => tables::signals(&args),
         Some(Command::Faults(args)) => tables::faults(&args),
         Some(Command::Ladder(command)) => ladder::ladder(&command),
-        Some(Command::Mill(command)) => mill::work_out(&command),
+        Some(Command::Mill(command)) => mill_setup::work_out(&command),
         Some(Command::Link(args)) => link::link(&args.command),
         Some(Command::Pitch(command)) => pitch::pitch(&command),
         Some(Command::Project(command)) => project::project(&command),

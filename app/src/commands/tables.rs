@@ -1,15 +1,17 @@
 //! `keys`, `parameters`, `alarms`, `signals`: the tables of the control.
 
 use gsk_core::machine::FAULTS;
+use gsk_core::model::ModelId;
 use gsk_core::{alarm, memory};
 use gsk_messages::Language;
+use gsk_milling::parameter_rows;
 use gsk_panel::keys::{Bit, KEYS, Role, STRIP};
 use gsk_panel::signals;
 use gsk_runner::report::class_name;
 use serde_json::{Value, json};
 
 use super::{CommandError, FINE, output};
-use crate::cli::TableArgs;
+use crate::cli::{ParametersArgs, TableArgs};
 use crate::window::pc_name;
 
 /// A table: its heading, its rows, and the same as JSON.
@@ -129,7 +131,58 @@ pub fn keys(args: &TableArgs) -> Result<u8, CommandError> {
 }
 
 /// The parameters.
-pub fn parameters(args: &TableArgs) -> Result<u8, CommandError> {
+pub fn parameters(args: &ParametersArgs) -> Result<u8, CommandError> {
+    let own = match args.model {
+        ModelId::Gsk980td => of_the_lathe(),
+        model if model.is_mill() => of_the_mill(),
+        model => of_a_model(model),
+    };
+    own.print(&args.table)
+}
+
+/// The parameters of the mill, with what acts in `check` and `plot`.
+fn of_the_mill() -> Table {
+    let mut table = Table::new(&[
+        "NUMBER", "SYMBOL", "AXES", "UNIT", "RANGE", "ACTS", "中文", "MEANING",
+    ]);
+    for row in parameter_rows() {
+        let number = match row.bit {
+            Some(bit) => format!("{:03}.{bit}", row.number),
+            None => format!("{:03}", row.number),
+        };
+        let json = json!({
+            "number": row.number, "bit": row.bit, "symbol": row.symbol,
+            "each_axis": row.each_axis, "unit": row.unit, "range": row.range,
+            "acts": row.acts, "zh": row.zh, "en": row.en,
+        });
+        let axes = if row.each_axis { "+10000 each" } else { "" };
+        let acts = if row.acts { "yes" } else { "no" };
+        let cells = [
+            &number, row.symbol, axes, row.unit, row.range, acts, row.zh, row.en,
+        ];
+        table.push(cells.map(str::to_owned).to_vec(), json);
+    }
+    table
+}
+
+/// The parameters that only one of the other lathes has.
+fn of_a_model(model: ModelId) -> Table {
+    let mut table = Table::new(&["NUMBER", "UNIT", "RANGE", "FACTORY", "中文", "MEANING"]);
+    for (number, row) in &model.record().parameters {
+        let (zh, en) = (row.name(Language::Zh), row.name(Language::En));
+        let range = format!("{}..{}", row.range.0, row.range.1);
+        let json = json!({
+            "number": number, "unit": row.unit, "range": range, "factory": row.delivered,
+            "zh": zh, "en": en,
+        });
+        let (number, factory) = (format!("{number:03}"), row.delivered.to_string());
+        let cells = [&number, &*row.unit, &range, &factory, zh, en];
+        table.push(cells.map(str::to_owned).to_vec(), json);
+    }
+    table
+}
+
+fn of_the_lathe() -> Table {
     let mut table = Table::new(&[
         "NUMBER", "SYMBOL", "UNIT", "RANGE", "FACTORY", "中文", "MEANING",
     ]);
@@ -160,7 +213,7 @@ pub fn parameters(args: &TableArgs) -> Result<u8, CommandError> {
         ];
         table.push(cells.map(str::to_owned).to_vec(), json);
     }
-    table.print(args)
+    table
 }
 
 /// The alarms.

@@ -12,6 +12,7 @@ use gsk_core::cnc::Request;
 use gsk_core::command::ProgramId;
 use gsk_core::machine::Fault;
 use gsk_core::memory::{Level, Refusal};
+use gsk_core::model::ModelId;
 use gsk_core::operation::RunState;
 use gsk_core::plc::address::BitAddress;
 use gsk_core::program::Program;
@@ -213,6 +214,8 @@ pub struct Snapshot {
     pub page: PageId,
     /// Which way the axis keys move the slides.
     pub keys_reversed: KeysReversed,
+    /// The control model.
+    pub model: ModelId,
     /// Brightness of the LCD.
     pub brightness: u8,
     /// Lamps: the Y memory.

@@ -87,6 +87,7 @@ impl Window {
             lcd: None,
             wheel: picture.as_ref().map_or(0, |picture| picture.wheel),
             real: picture.as_ref().is_some_and(|it| it.board.is_some()),
+            model: picture.as_ref().map(|it| it.model).unwrap_or_default(),
         };
         self.face.paint(&painter, views, &state);
         let mut taps = Vec::new();

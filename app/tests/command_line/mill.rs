@@ -104,3 +104,70 @@ fn a_mill_is_set_up_by_figures() {
     assert_eq!(code, 0);
     assert!(out.contains("-10006") && out.contains("10004"), "{out}");
 }
+
+#[test]
+fn a_renishaw_text_is_added_and_written_again() {
+    let text = b"Axis: Y\nSpacing: 10\nBacklash: 8\n-10 6\n10 4\n20 -1\n";
+    let file = Scratch::new("y.ren", text);
+    let out_file = Scratch::new("out.ren", b"");
+    let words = "mill pitch --origin 60 --interval 10 --value 61=1 --lang en --ren";
+    let mut words: Vec<&str> = words.split(' ').collect();
+    words.push(file.path());
+    let (code, out, err) = said(&words);
+    assert_eq!(code, 0, "{err}");
+    for row in [
+        "number 60 (-010): 6",
+        "number 61 (0010): 5",
+        "number 62 (0020): -1",
+        "034 = 8",
+    ] {
+        assert!(out.contains(row), "{out}");
+    }
+    words.extend(["--export", out_file.path()]);
+    let (code, _, err) = said(&words);
+    assert_eq!(code, 0, "{err}");
+    let again = "mill pitch --origin 60 --interval 10 --lang en --ren";
+    let mut again: Vec<&str> = again.split(' ').collect();
+    again.push(out_file.path());
+    assert_eq!(said(&again).1, out);
+    let off_grid = Scratch::new("z.ren", b"spacing: 10\n-10 6\n15 4\n");
+    *words.last_mut().unwrap() = file.path();
+    let (code, _, err) = said(&words);
+    assert!(code != 0, "over what it is read from: {err}");
+    again.pop();
+    again.push(off_grid.path());
+    let (code, _, err) = said(&again);
+    assert!(code == 2 && err.contains('3'), "{err}");
+}
+
+#[test]
+fn parameters_and_keys_of_a_mill_are_listed() {
+    let (code, out, _) = said(&["parameters", "--model", "gsk980mdi", "520"]);
+    assert_eq!(code, 0);
+    assert!(out.contains("520.7") && out.contains("NAT"), "{out}");
+    assert!(
+        out.lines()
+            .any(|it| it.starts_with("520.0") && it.contains(" no ")),
+        "{out}"
+    );
+    let (_, out, _) = said(&["parameters", "--model", "ncb08"]);
+    assert!(out.contains("041"), "{out}");
+    let (code, out, _) = said(&[
+        "mill",
+        "keys",
+        "016=01001000",
+        "024=00000000",
+        "--lang",
+        "en",
+    ]);
+    assert_eq!(
+        (code, out.as_str()),
+        (0, "016: RST  G\n024: no key is pressed\n")
+    );
+    let (code, _, err) = said(&["mill", "keys", "015=00000001"]);
+    assert!(code == 2 && err.contains("015"), "{err}");
+    let (_, out, _) = said(&["mill", "homing", "--lang", "en"]);
+    assert!(out.contains("032") && out.contains("1246"), "{out}");
+    let (_, out, _) = said(&["mill", "backlash", "00001010", "--lang", "en"]);
+    assert!(out.contains("10000"), "{out}");
+}

@@ -137,13 +137,13 @@ fn strip(parts: &mut Vec<Part>) {
 
 fn name_plate(parts: &mut Vec<Part>) {
     let Rect { x, y, w, h } = NAME_PLATE;
-    print(
-        parts,
-        "GSK980TD",
-        32.0,
-        Rect::new(x + 20.0, y + 4.0, 160.0, h - 8.0),
-        Colour::Print,
-    );
+    parts.push(Part {
+        what: What::Model,
+        rect: Rect::new(x + 20.0, y + 4.0, 160.0, h - 8.0),
+        outline: Outline::Rounded(0.0),
+        layer: ON_PLATE,
+        colour: Colour::Print,
+    });
     let right = Rect::new(x + w - 160.0, y + 12.0, 140.0, 16.0);
     print(parts, "车床数控系统", 16.0, right, Colour::Print);
     let below = Rect {

@@ -3,6 +3,7 @@
 
 mod additional;
 
+use gsk_core::model::ModelId;
 use gsk_messages::{Language, say};
 use tiny_skia::{
     Color, FillRule, FilterQuality, GradientStop, IntRect, LinearGradient, Paint, Path,
@@ -17,6 +18,9 @@ use additional::GRADUATIONS;
 
 /// The languages of what stands on the panel: it is printed in both.
 const BOTH: [Language; 2] = [Language::Zh, Language::En];
+
+/// The name of the control on its plate, panel units.
+const NAME_SIZE: f32 = 32.0;
 
 /// Largest scale of [`paint`].
 const MOST_SCALE: f32 = 8.0;
@@ -40,6 +44,8 @@ pub struct FaceState<'a> {
     pub wheel: i32,
     /// The keys move a real machine.
     pub real: bool,
+    /// The control model, whose name stands on the plate.
+    pub model: ModelId,
 }
 
 /// What of the state shows on a part: as long as it is the same, so is the part.
@@ -55,6 +61,7 @@ pub fn look(part: &Part, state: &FaceState<'_>) -> u32 {
         }
         What::Handwheel => state.wheel.rem_euclid(GRADUATIONS).unsigned_abs(),
         What::Emulator | What::RealMotion => u32::from(state.real),
+        What::Model => state.model as u32,
         _ => 0,
     }
 }
@@ -144,6 +151,13 @@ impl Painter {
             What::Key(key) => self.key(part, key, state),
             What::Handwheel => self.handwheel(part, state.wheel),
             What::Text(text, size) => self.text(text, size, part.rect, part.colour.rgb()),
+            What::Model => {
+                let name = &state.model.record().name;
+                let room = part.rect.w;
+                // A long name is smaller.
+                let size = NAME_SIZE * (room / width(name, NAME_SIZE)).min(1.0);
+                self.text(name, size, part.rect, part.colour.rgb());
+            }
             What::Emulator if !state.real => {
                 let text = BOTH.map(|language| say::panel_emulator().text(language));
                 self.text(&text.join("  "), LINE_HEIGHT, part.rect, part.colour.rgb());

@@ -1,5 +1,6 @@
 use super::*;
 use crate::keys::{KEYS, STRIP};
+use gsk_core::model::ModelId;
 
 #[test]
 fn every_key_stands_once() {
@@ -109,6 +110,7 @@ fn it_is_painted_at_any_scale() {
         lcd: None,
         wheel: -7,
         real: false,
+        model: ModelId::Gsk980td,
     };
     let picture = paint(Area::WHOLE, &state, 1.0).unwrap();
     assert_eq!((picture.width(), picture.height()), (1280, 756));
@@ -128,6 +130,7 @@ fn a_part_is_painted_as_in_the_whole_picture() {
         lcd: None,
         wheel: -7,
         real: false,
+        model: ModelId::Gsk980td,
     };
     let scale = 1.37;
     for real in [false, true] {
@@ -186,6 +189,41 @@ fn what_changes_the_picture_changes_the_look() {
         let linked = FaceState { real: true, ..dark };
         let says = matches!(part.what, What::Emulator | What::RealMotion);
         assert_eq!(look(part, &dark) != look(part, &linked), says);
+        let other = FaceState {
+            model: ModelId::Ncb08,
+            ..dark
+        };
+        assert_eq!(
+            look(part, &dark) != look(part, &other),
+            part.what == What::Model
+        );
+    }
+}
+
+/// Each name is on the plate, and none is larger than its room.
+#[test]
+fn the_name_is_that_of_the_model() {
+    let part = parts()
+        .iter()
+        .find(|part| part.what == What::Model)
+        .unwrap();
+    let mut pictures = Vec::new();
+    for model in ModelId::ALL {
+        let state = FaceState {
+            model,
+            ..FaceState::default()
+        };
+        let (picture, _) = paint_part(Area::WHOLE, part, &state, 1.0).unwrap();
+        let edge = |x: u32| (0..picture.height()).map(move |y| (x, y));
+        let ground = picture.pixel(0, picture.height() / 2).unwrap();
+        let of_edges = edge(1).chain(edge(picture.width() - 2));
+        let far = |(x, y): (u32, u32)| {
+            let dot = picture.pixel(x, y).unwrap();
+            dot.red().abs_diff(ground.red()) > 60
+        };
+        assert!(!of_edges.into_iter().any(far), "{model:?} leaves its room");
+        assert!(!pictures.contains(&picture), "{model:?}");
+        pictures.push(picture);
     }
 }
 

@@ -15,6 +15,7 @@ mod dry_run;
 mod interpreter;
 mod ladder;
 mod link;
+mod mill;
 mod minimize;
 pub mod mutate;
 mod program;
@@ -40,7 +41,7 @@ pub struct Target {
 const PROGRAM_WORDS: &str = include_str!("words-program.txt");
 
 /// Every target.
-pub const TARGETS: [Target; 9] = [
+pub const TARGETS: [Target; 10] = [
     Target {
         name: "program",
         run: program::run,
@@ -55,6 +56,11 @@ pub const TARGETS: [Target; 9] = [
         name: "macros",
         run: interpreter::run_macro_b,
         words: include_str!("words-macros.txt"),
+    },
+    Target {
+        name: "mill",
+        run: mill::run,
+        words: include_str!("words-mill.txt"),
     },
     Target {
         name: "cycles",

@@ -38,6 +38,14 @@ fn settings(text: &str) -> impl Iterator<Item = &str> {
         .split_whitespace()
 }
 
+/// Settings that are numbers alone.
+pub(super) fn numbers(text: &str) -> impl Iterator<Item = (u16, i32)> {
+    settings(text).filter_map(|setting| {
+        let (number, value) = setting.split_once('=')?;
+        Some((number.parse().ok()?, value.parse().ok()?))
+    })
+}
+
 fn apply(setup: &mut Setup, setting: &str) -> Option<()> {
     let (what, value) = setting.split_once('=')?;
     if let Some(offset) = what.strip_prefix('T') {

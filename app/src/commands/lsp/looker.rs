@@ -11,11 +11,11 @@ use crossbeam::channel::{Receiver, Sender, unbounded};
 use gsk_core::command::ProgramId;
 use gsk_core::preview::End;
 use gsk_core::program::Program;
-use gsk_core::setup::Setup;
-use gsk_language::{Analysis, Finding, Level, Structure, Text, analyse};
+use gsk_language::{Analysis, Finding, Level, Structure, Text, analyse, analyse_mill};
 use gsk_messages::{Language, Message, say};
 use lsp_types::Uri;
 
+use super::Control;
 use crate::files::subprograms::Found;
 use crate::loading;
 use crate::patience::Patience;
@@ -53,7 +53,7 @@ pub struct Looked {
 
 /// Starts the thread: texts go in, what was found comes out. It ends when nobody can send
 /// a text any more.
-pub fn start(setup: Setup, language: Language) -> (Sender<Job>, Receiver<Looked>) {
+pub fn start(control: Control, language: Language) -> (Sender<Job>, Receiver<Looked>) {
     let (jobs, from_server) = unbounded::<Job>();
     let (to_server, looked) = unbounded();
     thread::spawn(move || {
@@ -62,7 +62,7 @@ pub fn start(setup: Setup, language: Language) -> (Sender<Job>, Receiver<Looked>
                 continue;
             }
             let structure = Arc::new(Structure::read(&job.text));
-            let analysis = look(&setup, &job, &structure, language);
+            let analysis = look(&control, &job, &structure, language);
             // The server may have ended meanwhile.
             if job.wanted.load(Ordering::Relaxed) {
                 let _ = to_server.send(Looked {
@@ -77,8 +77,8 @@ pub fn start(setup: Setup, language: Language) -> (Sender<Job>, Receiver<Looked>
     (jobs, looked)
 }
 
-fn look(setup: &Setup, job: &Job, structure: &Structure, language: Language) -> Analysis {
-    let mut setup = setup.clone();
+fn look(control: &Control, job: &Job, structure: &Structure, language: Language) -> Analysis {
+    let mut setup = control.setup.clone();
     let unsaved = || PathBuf::from(job.uri.as_str());
     let path = job.path.clone().unwrap_or_else(unsaved);
     let found = |_: BTreeSet<u16>, loaded: &BTreeSet<u16>| {
@@ -93,7 +93,13 @@ fn look(setup: &Setup, job: &Job, structure: &Structure, language: Language) -> 
     };
     let patience = Patience::new(PATIENCE.0, PATIENCE.1);
     let mut goes_on = |progress: &_| patience.lasts(progress) && job.wanted.load(Ordering::Relaxed);
-    let mut analysis = analyse(&setup, structure, language, &mut goes_on);
+    let mut analysis = match &control.mill {
+        Some(mill) => {
+            let programs = &setup.memory.programs;
+            analyse_mill(mill, programs, structure, language, &mut goes_on)
+        }
+        None => analyse(&setup, structure, language, &mut goes_on),
+    };
     let external = setup.memory.programs.external();
     let full_width = external.and_then(Program::full_width_line);
     let full_width = full_width.map(|line| say::file_full_width(short(&path), line));
@@ -126,7 +132,7 @@ fn not_loaded(message: &Message, language: Language) -> Analysis {
         end: End::Alarm,
         time_s: 0.0,
         cutting_s: 0.0,
-        bounds: None,
+        extents: None,
         tools: Vec::new(),
         tool_times: Vec::new(),
     }

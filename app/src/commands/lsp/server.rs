@@ -24,6 +24,7 @@ use lsp_types::{
 };
 use serde::de::DeserializeOwned;
 
+use super::Control;
 use super::answers;
 use super::convert::{Encoding, path_of};
 use super::desk::{Desk, Editor};
@@ -73,7 +74,7 @@ struct Server<'a> {
 /// Messages that are none of the protocol; an editor that does not read.
 pub fn serve(
     connection: &Connection,
-    setup: Setup,
+    control: Control,
     language: Option<Language>,
 ) -> Result<Ended, ServeError> {
     let (id, params) = loop {
@@ -92,7 +93,7 @@ pub fn serve(
             }
         }
     };
-    let editor = editor(&params, &setup, language);
+    let editor = editor(&params, &control.setup, language);
     let style = params
         .initialization_options
         .as_ref()
@@ -107,7 +108,7 @@ pub fn serve(
     connection
         .sender
         .send(Response::new_ok(id, result).into())?;
-    let (jobs, looked) = looker::start(setup, editor.reader.language);
+    let (jobs, looked) = looker::start(control, editor.reader.language);
     let server = Server {
         connection,
         desk: Desk {
@@ -149,7 +150,7 @@ fn editor(params: &InitializeParams, setup: &Setup, language: Option<Language>) 
         markdown: (hover, proposal),
         reader: Reader {
             model: setup.memory.model.id(),
-            macro_b: setup.memory.settings.macro_b,
+            macro_b: setup.memory.settings.macro_b || setup.memory.model.id().is_mill(),
             language: language.unwrap_or(by_locale),
         },
     }

@@ -1,0 +1,210 @@
+//! `mill`: what is worked out when a GSK980MDi is set up.
+
+use std::path::Path;
+
+use gsk_commission::Imported;
+use gsk_messages::{Language, Message, say};
+use gsk_milling::Length;
+use gsk_milling::commissioning::{PitchTable, Teeth, backlash_rate, linear_gear, rotary_gear};
+use gsk_milling::keys::{KEYS, pressed};
+use gsk_runner::report;
+
+use super::{CommandError, FINE, output};
+use crate::apart::{Read, keep_apart};
+use crate::cli::{GearArgs, MillCommand, MillKeysArgs, PitchArgs};
+use crate::files::program_file;
+use crate::loading::LoadError;
+
+/// What is worked out when a mill is set up.
+pub fn work_out(command: &MillCommand) -> Result<u8, CommandError> {
+    match command {
+        MillCommand::Gear(args) => gear(args),
+        MillCommand::Pitch(args) => pitch(args),
+        MillCommand::Keys(args) => keys(args),
+        MillCommand::Homing(args) => {
+            let steps = [
+                say::mill_homing_absolute(),
+                say::mill_homing_d1(),
+                say::mill_homing_d2(),
+                say::mill_homing_d3(),
+                say::mill_homing_d4(),
+                say::mill_homing_by_switch(),
+                say::mill_homing_ways(),
+            ];
+            for said in steps {
+                say_line(&said, args.lang);
+            }
+            Ok(FINE)
+        }
+        MillCommand::Backlash(args) => {
+            let rate = backlash_rate(args.bits, args.eighth);
+            say_line(&say::mill_backlash(rate), args.lang);
+            Ok(FINE)
+        }
+    }
+}
+
+fn wrong(said: Message) -> CommandError {
+    LoadError::MillWord(said).into()
+}
+
+fn say_line(said: &Message, language: Option<Language>) {
+    output::print(&(report::said(said, language) + "\n"));
+}
+
+fn gear(args: &GearArgs) -> Result<u8, CommandError> {
+    let (screw, motor) = args.teeth;
+    let teeth = Teeth { screw, motor };
+    let found = match (args.lead, args.pulses) {
+        (_, Some(pulses)) => rotary_gear(args.counts, pulses, teeth),
+        (lead, None) => {
+            let increment = Length::from_mm(args.increment);
+            let lead = Length::from_mm(lead.unwrap_or_default());
+            linear_gear(args.counts, increment, lead, teeth)
+        }
+    };
+    let found = found.map_err(wrong)?;
+    let ratio = f64::from(found.multiplier) / f64::from(found.divider);
+    let said = say::mill_gear(found.multiplier, found.divider, format!("{ratio:.6}"));
+    say_line(&said, args.lang);
+    Ok(FINE)
+}
+
+fn pitch(args: &PitchArgs) -> Result<u8, CommandError> {
+    // Farther than any axis reaches.
+    const FARTHEST: f64 = 1e12;
+    let thousandths = |mm: f64| (mm * 1000.0).round().clamp(-FARTHEST, FARTHEST) as i64;
+    let interval = thousandths(args.interval);
+    let table = PitchTable::new(args.origin, interval, args.window, &args.values);
+    let mut table = table.map_err(wrong)?;
+    let backlash = match &args.ren {
+        Some(path) => add_file(&mut table, args, path)?,
+        None => None,
+    };
+    for (number, value) in table.values() {
+        let said = say::mill_pitch_row(number, table.label(number), value);
+        say_line(&said, args.lang);
+    }
+    if let Some(backlash) = backlash {
+        say_line(&say::mill_pitch_of_file(backlash), args.lang);
+    }
+    for position in &args.positions {
+        let commanded = table.commanded(thousandths(*position));
+        say_line(&say::mill_pitch_pulses(position, commanded), args.lang);
+    }
+    if let Some(turn) = args.turn {
+        let end = table.end_of_turn(thousandths(turn)).map_err(wrong)?;
+        say_line(&say::mill_pitch_end(end), args.lang);
+    }
+    if let Some(path) = &args.export {
+        keep_apart_from(args.ren.as_deref(), path)?;
+        let target = output::reserve(path)?;
+        target.write(in_renishaw_form(&table, interval, backlash).as_bytes())?;
+    }
+    Ok(FINE)
+}
+
+/// A table is not written over the file that it is read from.
+fn keep_apart_from(source: Option<&Path>, target: &Path) -> Result<(), CommandError> {
+    let read = Read {
+        files: source.into_iter().collect(),
+        main: None,
+        data: None,
+    };
+    keep_apart(&read, &[target])?;
+    Ok(())
+}
+
+/// Adds the values of a Renishaw text; its backlash, 0.001 mm, where it has one.
+fn add_file(
+    table: &mut PitchTable,
+    args: &PitchArgs,
+    path: &Path,
+) -> Result<Option<i64>, CommandError> {
+    if args.turn.is_some() {
+        return Err(wrong(say::pitch_ren_rotary()));
+    }
+    let file = program_file::read(path).map_err(LoadError::from)?;
+    let at_file = |rule: Message| wrong(say::pitch_file(path.display(), rule));
+    // The axis is the one that is asked for: a mill has others than a lathe.
+    let lines = file.text.lines().map(|line| {
+        let key = line.trim_start().get(..4).unwrap_or_default();
+        if key.eq_ignore_ascii_case("axis") {
+            ""
+        } else {
+            line
+        }
+    });
+    let text = lines.collect::<Vec<_>>().join("\n");
+    let imported = gsk_commission::read(&text).map_err(|fault| at_file(fault.message()))?;
+    let Imported::Table(read) = imported else {
+        return Err(at_file(say::mill_pitch_measured()));
+    };
+    let at_line = |line: u32, rule: Message| at_file(say::pitch_file_line(line, rule));
+    if let Some((line, spacing)) = read.spacing
+        && (spacing.0 - args.interval).abs() > 1e-6
+    {
+        let rule = say::mill_pitch_spacing(spacing.0, args.interval);
+        return Err(at_line(line, rule));
+    }
+    for row in &read.rows {
+        let position = (row.end.0 * 1000.0).round() as i64;
+        let whole = |value: f64| {
+            let rounded = value.round();
+            let exact = (value - rounded).abs() < 1e-6;
+            exact.then_some(rounded as i64)
+        };
+        let fraction = || at_line(row.line, say::mill_pitch_fraction(row.value.0));
+        let value = whole(row.value.0).ok_or_else(fraction)?;
+        // No way ends at the reference point.
+        if position == 0 && value == 0 {
+            continue;
+        }
+        let Some(number) = table.number_at(position) else {
+            let rule = match position {
+                0 => say::pitch_ren_at_zero(),
+                _ => say::pitch_ren_off_grid(row.end.0),
+            };
+            return Err(at_line(row.line, rule));
+        };
+        let added = table.add(number, value);
+        added.map_err(|rule| at_line(row.line, rule))?;
+    }
+    let backlash = read.backlash.map(|(_, backlash)| backlash.0.round() as i64);
+    Ok(backlash)
+}
+
+fn in_renishaw_form(table: &PitchTable, interval: i64, backlash: Option<i64>) -> String {
+    let rows: Vec<_> = table.values().collect();
+    let mm = |thousandths: i64| thousandths as f64 / 1000.0;
+    let mut out = format!("spacing: {:.3}\npoints: {}\n", mm(interval), rows.len());
+    if let Some(backlash) = backlash {
+        out.push_str(&format!("backlash: {backlash}\n"));
+    }
+    for (number, value) in rows {
+        let end = mm(table.end_of(number));
+        out.push_str(&format!("{number} {end:.3} {value}\n"));
+    }
+    out
+}
+
+fn keys(args: &MillKeysArgs) -> Result<u8, CommandError> {
+    if args.shown.is_empty() {
+        for (number, keys) in KEYS {
+            let said = say::mill_keys_pressed(format!("{number:03}"), keys.join("  "));
+            say_line(&said, args.lang);
+        }
+        return Ok(FINE);
+    }
+    for (number, bits) in &args.shown {
+        let written = format!("{number:03}");
+        let keys = pressed(*number, *bits);
+        let keys = keys.ok_or_else(|| wrong(say::mill_keys_number(&written)))?;
+        let said = match keys.is_empty() {
+            true => say::mill_keys_none(written),
+            false => say::mill_keys_pressed(written, keys.join("  ")),
+        };
+        say_line(&said, args.lang);
+    }
+    Ok(FINE)
+}

@@ -1,0 +1,49 @@
+//! The keys of the GSK980MDi in its diagnosis numbers 016 to 024: a bit is 1 while its key
+//! is pressed.
+
+/// Keys of a diagnosis number, bit 7 first.
+pub const KEYS: [(u16, [&str; 8]); 9] = [
+    (16, ["VF1", "RST", "O", "N", "G", "7", "8", "9"]),
+    (17, ["VF2", "X", "Y/&", "Z", "U/W", "4", "5", "6"]),
+    (18, ["VF3", "H", "F/E", "R/V", "D/L", "1", "2", "3"]),
+    (19, ["VF4", "I/A", "J/B", "K/C", "P/Q", "-", "0", "."]),
+    (20, ["VF5", "M", "S", "T", "/,#", "BLK", "EOB", "IN"]),
+    (
+        21,
+        ["VF6", "PGU", "PGD", "CHG", "INS/ALT", "DEL", "CAN", "OUT"],
+    ),
+    (
+        22,
+        ["VF7", "CRU", "RIGHT", "POS", "PRG", "OFT", "ALM", "SET"],
+    ),
+    (
+        23,
+        ["VF8", "CRD", "LEFT", "PAR", "DGN", "GRA", "PLC", "HELP"],
+    ),
+    (24, ["F1", "F2", "F3", "F4", "F5", "F6", "F7", "F8"]),
+];
+
+/// The keys that a diagnosis number shows as pressed; none where it has no keys.
+pub fn pressed(number: u16, bits: u8) -> Option<Vec<&'static str>> {
+    let (_, keys) = KEYS.iter().find(|(own, _)| *own == number)?;
+    let shown = keys.iter().enumerate();
+    let shown = shown.filter(|(index, _)| bits >> (7 - index) & 1 == 1);
+    Some(shown.map(|(_, key)| *key).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_are_keys() {
+        assert_eq!(pressed(16, 0b0100_1000), Some(vec!["RST", "G"]));
+        assert_eq!(pressed(24, 1), Some(vec!["F8"]));
+        assert_eq!(pressed(23, 0), Some(vec![]));
+        assert_eq!(pressed(15, 1), None);
+        let mut names: Vec<_> = KEYS.iter().flat_map(|(_, keys)| keys).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), 72);
+    }
+}
