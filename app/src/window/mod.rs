@@ -381,6 +381,8 @@ impl Window {
 
     /// Takes what the kernel has sent.
     fn receive(&mut self) {
+        // The program that is no longer the selected one.
+        let mut left = None;
         if let Some(picture) = self.console.pictures.pop() {
             let before = self.picture.as_ref();
             let alarm = before.and_then(|it| it.alarm.as_ref());
@@ -390,11 +392,8 @@ impl Window {
                 // The newest word stands on the line.
                 self.message = None;
             }
-            let left = before.and_then(|it| it.program);
-            if left != picture.program {
-                self.message
-                    .take_if(|message| left.is_some_and(|program| message.is_about(program)));
-            }
+            let was = before.and_then(|it| it.program);
+            left = was.filter(|program| picture.program != Some(*program));
             if before.is_none_or(|before| before.screen != picture.screen) {
                 platform::tell_screen(|| picture.screen.text());
             }
@@ -435,6 +434,9 @@ impl Window {
                 }
             }
         }
+        // What is said of the new one has come before its picture.
+        self.message
+            .take_if(|message| left.is_some_and(|program| message.is_about(program)));
     }
 
     /// Files that were dropped on the window.
