@@ -26,6 +26,7 @@ use gsk_core::alarm::Alarm;
 use gsk_core::cnc::{Event, Request};
 use gsk_core::operation::{Mode, RunState};
 use gsk_core::program::Program;
+use gsk_core::simulation::Simulation;
 use gsk_messages::say;
 use gsk_panel::emulator::Emulator;
 use gsk_panel::keys::Key;
@@ -38,8 +39,8 @@ use crate::pace::Speed;
 use crate::retained;
 use crate::serial::SerialLine;
 pub use console::{
-    Command, Console, Imposed, KeysReversed, LinkOrder, NotStored, Notice, Opened, Place, Snapshot,
-    Storing, Times,
+    Command, Console, Imposed, KeysReversed, LinkOrder, Motion, NotStored, Notice, Opened, Place,
+    Snapshot, Storing, Times,
 };
 pub use drive::Connection;
 use drive::Drive;
@@ -89,6 +90,8 @@ pub struct Kernel {
     link_watched: bool,
     /// The LCD is shown in the other language, too.
     translates: bool,
+    /// Somebody listens to the machine.
+    listens: bool,
     /// A practice machine stands in the place of the learner's own.
     lesson: Option<Practising>,
     /// The alarms that were raised.
@@ -134,6 +137,7 @@ impl Kernel {
             links: Arc::clone(&links),
             link_watched: false,
             translates: false,
+            listens: false,
             lesson: None,
             raised: Raised::default(),
             opened: None,
@@ -308,11 +312,28 @@ impl Kernel {
             program: self.emulator.simulation.cnc.programs().current(),
             lesson: self.lesson.as_ref().map(Practising::state),
             raised: self.raised.shown(),
+            motion: self.listens.then(|| self.motion()),
             imposed: Imposed {
                 bits: self.emulator.simulation.cnc.plc().forces().len(),
                 inputs: self.emulator.simulation.lathe.forced_inputs(),
                 faults: self.emulator.simulation.lathe.faults(),
             },
+        }
+    }
+
+    /// What moves.
+    fn motion(&self) -> Motion {
+        /// Steps of the spindle's speed, r/min.
+        const STEP: f64 = 10.0;
+        let Simulation { cnc, lathe, .. } = &self.emulator.simulation;
+        let (slides, spindle) = match cnc.has_board() {
+            true => (cnc.position_machine(), cnc.spindle_of_board()),
+            false => (lathe.slides(), Some(lathe.spindle_rpm())),
+        };
+        let spindle = spindle.unwrap_or_else(|| cnc.spindle_switched()).abs();
+        Motion {
+            slides,
+            spindle: (spindle / STEP).round() * STEP,
         }
     }
 
@@ -383,6 +404,7 @@ impl Kernel {
             Command::Mend => self.emulator.simulation.lathe.mend(),
             Command::Link(order) => self.order(order),
             Command::Translate(on) => self.translates = on,
+            Command::Listen(on) => self.listens = on,
             Command::WatchLink(on) => {
                 self.link_watched = on;
                 if let Some(drive) = &mut self.drive {

@@ -32,5 +32,6 @@ pub mod retained;
 mod saying;
 pub mod serial;
 pub mod setup_args;
+pub mod sound;
 pub mod transfer;
 pub mod window;

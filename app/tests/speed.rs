@@ -2,6 +2,7 @@
 
 use crate::common::Bench;
 use egui_kittest::kittest::Queryable;
+use gsk_app::kernel::Command;
 use gsk_app::pace::Speed;
 use gsk_link::LinkState;
 
@@ -57,4 +58,26 @@ fn a_pulse_board_has_one_speed() {
     bench.harness.step();
     bench.harness.step();
     assert!(bench.harness.query_by_label("100x").is_none(), "no menu");
+}
+
+#[test]
+fn what_moves_is_handed_out_while_somebody_listens() {
+    let mut bench = Bench::new();
+    bench.open("01-stepped-shaft.CNC");
+    let motion = |bench: &Bench| bench.harness.state().picture().unwrap().motion;
+    assert_eq!(motion(&bench), None);
+    bench.console.send(Command::Listen(true));
+    bench.click("Automatic mode");
+    let stands = motion(&bench).unwrap();
+    assert_eq!(stands.spindle, 0.0);
+    bench.click("Cycle start");
+    for _ in 0..20 {
+        bench.run(500);
+    }
+    let moves = motion(&bench).unwrap();
+    assert_ne!(moves.slides, stands.slides);
+    assert!(moves.spindle > 700.0, "S800: {moves:?}");
+    bench.console.send(Command::Listen(false));
+    bench.run(100);
+    assert_eq!(motion(&bench), None);
 }

@@ -31,12 +31,12 @@ warnings.simplefilter("ignore", DeprecationWarning)
 # What the walks look for, in both languages of the window.
 WORDS = {
     "en": {
-        "samples": "Samples", "lcd": "LCD", "auto": "Automatic mode", "start": "Cycle start",
+        "purpose": "I own a lathe", "begin": "Begin", "samples": "Samples", "lcd": "LCD", "auto": "Automatic mode", "start": "Cycle start",
         "hold": "Feed hold", "stop": "Emergency stop", "reset": "Reset",
         "single": "Single block", "lamp": "Single block lamp", "on": "on", "off": "off",
     },
     "zh": {
-        "samples": "示例", "lcd": "显示屏", "auto": "自动方式", "start": "运行(循环启动)",
+        "purpose": "我有一台车床", "begin": "开始", "samples": "示例", "lcd": "显示屏", "auto": "自动方式", "start": "运行(循环启动)",
         "hold": "暂停(进给保持)", "stop": "急停", "reset": "复位",
         "single": "单段", "lamp": "单段灯", "on": "亮", "off": "灭",
     },
@@ -142,6 +142,9 @@ def names(reader):
 
 def by_screen_reader(reader):
     words = reader.words
+    # The questions of the first start.
+    reader.press(words["purpose"])
+    reader.press(words["begin"])
     reader.lcd()
     count = names(reader)
     print(f"{count} parts have names")

@@ -93,6 +93,8 @@ pub enum Command {
     Link(LinkOrder),
     /// Hand out what the LCD shows in the other language, too, or no more.
     Translate(bool),
+    /// Hand out what is heard of the machine, or no more.
+    Listen(bool),
     /// Hand out the state of the pulse board, or no more.
     WatchLink(bool),
     /// Store a text as a program of the memory, and say what came of it.
@@ -245,6 +247,18 @@ pub struct Snapshot {
     pub lesson: Option<LessonState>,
     /// The alarms that were raised since the control was opened, the newest first.
     pub raised: Arc<Vec<Occurrence>>,
+    /// Slides and spindle, while somebody listens.
+    pub motion: Option<Motion>,
+}
+
+/// What moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Where the slides are, mm (X in radius).
+    pub slides: Point,
+    /// Speed of the spindle without its direction, r/min, in steps so that pictures do not
+    /// change for nothing.
+    pub spindle: f64,
 }
 
 /// Whether the axis keys move the slides the other way round than on a lathe with its chuck

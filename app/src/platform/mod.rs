@@ -7,6 +7,7 @@
 //! | `process` | this program's own file and name, how its end is asked for |
 //! | `tie` | what ties the program to the process that holds its port |
 //! | `serial` | serial ports, pseudo terminals |
+//! | `sound` | what plays samples |
 //! | `desktop` | whether there is a display, a file dialog; the console behind a window |
 //!
 //! Linux and Windows do these alike (`computer/`), a page in a browser does not:

@@ -139,6 +139,8 @@ pub fn set_up(context: &egui::Context) {
     context.options_mut(|options| options.zoom_with_keyboard = false);
     context.all_styles_mut(|style| {
         style.visuals.override_text_color = Some(Color32::from_gray(225));
+        // As it is on a dark ground; half covered it would be paler on a light one.
+        style.visuals.weak_text_color = Some(Color32::from_gray(150));
         style.spacing.button_padding = vec2(8.0, 3.0);
         // Keys of the panel answer to the pointer alone, never to Tab and Space.
         style.interaction.tooltip_delay = 0.6;

@@ -9,10 +9,14 @@ use gsk_help::{Subject, Topic, article, ask, topic};
 use gsk_messages::{Language, say};
 use gsk_panel::occurrences::Occurrence;
 
+use super::clear;
+use super::placing::View;
 use crate::kernel::{LessonOrder, Snapshot};
 
 /// Size of the window, points.
 const SIZE: [f32; 2] = [440.0, 420.0];
+/// What the frame and the title of the window add, points.
+const FRAME: egui::Vec2 = egui::vec2(20.0, 48.0);
 /// So many topics are listed for a question.
 const LISTED: usize = 60;
 
@@ -79,22 +83,28 @@ impl Help {
         context: &Context,
         language: Language,
         picture: Option<&Snapshot>,
+        placed: &[View],
     ) -> Option<Asked> {
         if !self.open {
             return None;
         }
-        let screen = context.content_rect();
-        let size = [
-            SIZE[0].min(screen.width() - 20.0),
-            SIZE[1].min(screen.height() - 60.0),
-        ];
+        // Below the bar, and over no key that stops the machine.
+        let mut screen = context.content_rect();
+        screen.min.y += super::BAR;
+        let wanted = egui::Vec2::from(SIZE) + FRAME;
+        let room = clear::room(screen, &clear::stops(placed), |room| {
+            clear::worth(room, wanted, placed)
+        });
+        let most = room.size() - FRAME;
+        let size = egui::Vec2::from(SIZE).min(most);
         let mut open = true;
         let asked = egui::Window::new(say::window_help_title().text(language))
             .id(egui::Id::unique("help"))
             .collapsible(false)
             .default_size(size)
-            // Beside what is pointed at, as a rule.
-            .default_pos(screen.right_top() + egui::vec2(-size[0] - 20.0, 50.0))
+            .max_size(most)
+            .default_pos(room.right_top() - egui::vec2(wanted.x.min(room.width()), 0.0))
+            .constrain_to(room)
             .open(&mut open)
             .show(context, |ui| self.inside(ui, language, picture));
         self.open &= open;

@@ -1,23 +1,36 @@
 //! The map of PC keys, over the panel.
 
-use egui::{Color32, Context, RichText};
+use egui::{Color32, Context, RichText, Vec2};
 use gsk_panel::keys::{KEYS, KeyRow, Role};
 
+use super::clear;
 use super::layout::LAYOUTS;
+use super::placing::View;
 use super::view::{VIEWS, key_name};
 use gsk_messages::{Language, say};
 
+/// Size of the map where there is room for it, its least size, and what frame and title add,
+/// points.
+const SIZE: Vec2 = Vec2::new(980.0, 620.0);
+const LEAST: Vec2 = Vec2::new(240.0, 120.0);
+const FRAME: Vec2 = Vec2::new(20.0, 48.0);
+
 /// Draws the map; returns whether it stays open.
-pub fn show(context: &Context, language: Language) -> bool {
+pub fn show(context: &Context, language: Language, placed: &[View]) -> bool {
     let mut open = true;
-    let screen = context.content_rect();
-    let width = (screen.width() - 40.0).clamp(240.0, 980.0);
+    // Over no key that stops the machine.
+    let room = clear::room(context.content_rect(), &clear::stops(placed), |room| {
+        room.width().min(SIZE.x) * room.height().min(SIZE.y)
+    });
+    let size = (room.size() - FRAME).min(SIZE).max(LEAST);
     let window = egui::Window::new(say::window_keys_title().text(language))
         .id(egui::Id::unique("key map"))
         .collapsible(false)
         .resizable(false)
-        .fixed_size([width, (screen.height() - 120.0).clamp(120.0, 620.0)])
-        .anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0])
+        .fixed_size(size)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .fixed_pos(room.center())
+        .constrain_to(room)
         .open(&mut open);
     window.show(context, |ui| {
         for text in [

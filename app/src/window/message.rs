@@ -56,9 +56,10 @@ impl Message {
         }
     }
 
-    /// Whether it is what was found in this program.
+    /// Whether it is what was found in this program of the memory.
     pub fn is_about(&self, program: ProgramId) -> bool {
         match (self, program) {
+            (Self::Looked(_, Some(Place::OnlyRun(_)), _), _) => false,
             (Self::Looked(_, _, look), ProgramId::Stored(number)) => {
                 look.name == format!("O{number:04}")
             }

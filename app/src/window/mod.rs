@@ -4,11 +4,13 @@
 mod alarm_line;
 pub mod app;
 mod badge;
+mod clear;
 mod face;
 mod figures;
 mod files;
 mod first_start;
 pub mod fonts;
+mod hearing;
 mod held;
 mod help;
 mod key_map;
@@ -47,6 +49,7 @@ use gsk_panel::occurrences::Occurrence;
 use crate::files::lessons::Lessons;
 use crate::kernel::{Command, Console, KeysReversed, LessonOrder, Notice, Snapshot};
 use crate::platform;
+use crate::sound::Sounds;
 use files::Browser;
 use first_start::FirstStart;
 use gsk_messages::say;
@@ -99,6 +102,7 @@ pub struct Window {
     reversed: KeysReversed,
     /// The kernel hands out the LCD in the other language, too.
     translates: bool,
+    sounds: Sounds,
 }
 
 /// The control model, and the one that was asked for.
@@ -144,6 +148,7 @@ impl Window {
             long_press: LongPress::default(),
             reversed: KeysReversed::default(),
             translates: false,
+            sounds: Sounds::default(),
         }
     }
 
@@ -281,6 +286,7 @@ impl Window {
     /// Draws the window and takes its input.
     pub fn ui(&mut self, ui: &mut Ui) {
         self.receive();
+        self.follow_sound();
         let why_not = self.model_choice().why_not;
         self.views.project().set_why_not(why_not);
         self.views.follow(&self.settings.layouts);
@@ -336,10 +342,10 @@ impl Window {
             self.answer(asked, ui);
         }
         if self.key_map {
-            self.key_map = key_map::show(ui.ctx(), language);
+            self.key_map = key_map::show(ui.ctx(), language, &self.placed);
         }
         let picture = self.picture.as_ref();
-        match self.help.show(ui.ctx(), language, picture) {
+        match self.help.show(ui.ctx(), language, picture, &self.placed) {
             Some(help::Asked::Lesson(order)) => self.console.send(Command::Lesson(order)),
             Some(help::Asked::Block(occurrence)) => self.show_block(*occurrence),
             None => {}
@@ -375,6 +381,8 @@ impl Window {
 
     /// Takes what the kernel has sent.
     fn receive(&mut self) {
+        // The program that is no longer the selected one.
+        let mut left = None;
         if let Some(picture) = self.console.pictures.pop() {
             let before = self.picture.as_ref();
             let alarm = before.and_then(|it| it.alarm.as_ref());
@@ -384,15 +392,13 @@ impl Window {
                 // The newest word stands on the line.
                 self.message = None;
             }
-            let left = before.and_then(|it| it.program);
-            if left != picture.program {
-                self.message
-                    .take_if(|message| left.is_some_and(|program| message.is_about(program)));
-            }
+            let was = before.and_then(|it| it.program);
+            left = was.filter(|program| picture.program != Some(*program));
             if before.is_none_or(|before| before.screen != picture.screen) {
                 platform::tell_screen(|| picture.screen.text());
             }
             self.views.lessons().seen(&picture);
+            self.hear(&picture);
             self.picture = Some(picture);
         }
         while let Ok(notice) = self.console.notices.try_recv() {
@@ -428,6 +434,9 @@ impl Window {
                 }
             }
         }
+        // What is said of the new one has come before its picture.
+        self.message
+            .take_if(|message| left.is_some_and(|program| message.is_about(program)));
     }
 
     /// Files that were dropped on the window.
@@ -475,6 +484,7 @@ impl Window {
                 surroundings::set(ui.ctx(), self.settings.light);
             }
             top_bar::Asked::Model(model) => self.models.asked = Some(model),
+            top_bar::Asked::Sound(volume) => self.settings.sound = volume,
             top_bar::Asked::Fingers => self.settings.fingers = !self.settings.fingers,
             top_bar::Asked::Zoom(per_cent) => self.settings.zoom = per_cent,
             top_bar::Asked::FirstStart => self.ask_first(),

@@ -8,7 +8,7 @@ use gsk_panel::keys::Key;
 /// Least side of a key for fingers, points: 9 mm at 96 points an inch.
 pub const FINGER: f32 = 9.0 / 25.4 * 96.0;
 /// The keys that stop the machine, from the right.
-const STOPS: [Key; 3] = [Key::EmergencyStop, Key::FeedHold, Key::Reset];
+pub const STOPS: [Key; 3] = [Key::EmergencyStop, Key::FeedHold, Key::Reset];
 /// Room between them, points.
 const STOPS_APART: f32 = 8.0;
 /// The areas stand apart when that makes the keys larger at least by this factor.

@@ -41,6 +41,8 @@ pub struct Settings {
     pub zoom: Option<u16>,
     /// Keys of the panel are at least as large as fingers.
     pub fingers: bool,
+    /// Volume of the machine's sound, per cent; none: it is silent.
+    pub sound: Option<u8>,
 }
 
 impl Default for Settings {
@@ -58,6 +60,7 @@ impl Default for Settings {
             machine: None,
             zoom: None,
             fingers: false,
+            sound: None,
         }
     }
 }

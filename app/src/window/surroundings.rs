@@ -14,8 +14,9 @@ use egui::{
 const GROUND: Color32 = Color32::from_gray(22);
 
 /// Lightness in light surroundings over that in dark ones, as a polynomial: the darkest
-/// ground (0.15) becomes white, an ink (0.75) half dark, white (1.0) nearly black.
-const TURNED: [f32; 3] = [1.087, -0.529, -0.338];
+/// ground (0.15) becomes white, a pale ink (0.65) half dark, white (1.0) nearly black. Each
+/// ink has at least the contrast to its ground that it has in the dark, or 7.
+const TURNED: [f32; 4] = [0.9915, 0.4878, -3.1663, 1.9369];
 
 #[derive(Default)]
 struct Surroundings {
@@ -106,8 +107,8 @@ fn turned(color: Color32) -> Color32 {
 /// large, so that what can be told apart in the dark can be told apart in the light.
 fn counterpart(color: [u8; 3]) -> [u8; 3] {
     let [lightness, a, b] = oklab(color.map(linear));
-    let [constant, linear, square] = TURNED;
-    let lightness = constant + (linear + square * lightness) * lightness;
+    let [constant, first, second, third] = TURNED;
+    let lightness = constant + (first + (second + third * lightness) * lightness) * lightness;
     // What no screen shows that light or dark gets paler until one does.
     let shades = [1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1];
     let colors = shades.map(|pale| linear_of([lightness, a * pale, b * pale]));
@@ -168,6 +169,15 @@ mod tests {
     fn what_is_read_in_the_dark_is_read_in_the_light() {
         let ground = turned(GROUND);
         assert!(ground.r() > 215, "{ground:?}");
+        // Hints and marks on the bars, the brightest of the grounds.
+        for ink in [140, 150, 160, 190].map(Color32::from_gray) {
+            let bar = Color32::from_gray(40);
+            let (dark, light) = (contrast(ink, bar), contrast(turned(ink), turned(bar)));
+            assert!(
+                light > 4.4 && light > dark - 0.1,
+                "{ink:?}: {dark}, {light}"
+            );
+        }
         for ink in [
             Color32::from_gray(225),
             Color32::from_gray(170),

@@ -45,6 +45,8 @@ pub enum Asked {
     Layout(Layout),
     /// Light surroundings, or dark ones again.
     Light,
+    /// The sound of the machine so loud, per cent; none: off.
+    Sound(Option<u8>),
     /// Keys as large as fingers, or any size again.
     Fingers,
     /// Everything so large, per cent; none: as the monitor asks for.

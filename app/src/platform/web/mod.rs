@@ -8,6 +8,7 @@ mod log_file;
 mod page;
 mod process;
 mod serial;
+mod sound;
 mod tie;
 mod turns;
 mod view;
@@ -22,6 +23,7 @@ pub use log_file::{LogFile, LogGuard, log_file};
 pub use page::{Asked, begin};
 pub use process::{hear_ending, name_process, outlive_ending, own_program, processor_time};
 pub use serial::{PULLED, Serial, has_ports, pseudo_terminal, unchanging_names};
+pub use sound::{Player, has_sound};
 pub use tie::{ToHolder, ToProgram};
 pub use turns::{LONGEST_LOOK, Turning, answer, beside, receive, turn};
 pub use view::{

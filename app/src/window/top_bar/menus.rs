@@ -8,6 +8,7 @@ use gsk_messages::{Language, say};
 
 use super::{Asked, ModelChoice};
 use crate::platform;
+use crate::sound::VOLUMES;
 use crate::window::Settings;
 use crate::window::layout::LAYOUTS;
 use crate::window::samples::SAMPLES;
@@ -95,6 +96,9 @@ pub fn looks(ui: &mut Ui, settings: &Settings, models: &ModelChoice) -> Option<A
         ui.close();
     }
     asked = zooms(ui, language, settings.zoom).or(asked);
+    if platform::has_sound() {
+        asked = volumes(ui, language, settings.sound).or(asked);
+    }
     ui.separator();
     let entry = egui::Button::new(say::window_first_start().text(language));
     let mut entry = ui.add_enabled(models.why_not.is_none(), entry);
@@ -145,6 +149,25 @@ fn zooms(ui: &mut Ui, language: Language, chosen: Option<u16>) -> Option<Asked> 
                 .clicked()
             {
                 asked = Some(Asked::Zoom(per_cent));
+                ui.close();
+            }
+        }
+    });
+    asked
+}
+
+/// How loud the machine is.
+fn volumes(ui: &mut Ui, language: Language, chosen: Option<u8>) -> Option<Asked> {
+    let mut asked = None;
+    ui.menu_button(say::window_sound().text(language), |ui| {
+        for volume in core::iter::once(None).chain(VOLUMES.map(Some)) {
+            let name = match volume {
+                Some(volume) => format!("{volume} %"),
+                None => say::window_sound_off().text(language),
+            };
+            let entry = egui::Button::selectable(chosen == volume, name);
+            if ui.add(entry).clicked() {
+                asked = Some(Asked::Sound(volume));
                 ui.close();
             }
         }

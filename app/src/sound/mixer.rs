@@ -1,0 +1,346 @@
+//! From the state of the machine to samples of its sound: no clock, no device. The same
+//! states at the same samples sound the same, bit by bit.
+
+use gsk_panel::keys::Key;
+
+/// Samples a second.
+pub const RATE: u32 = 22_050;
+/// Bytes of the Y memory that switch the lathe: Y0 to Y3; those above are lamps.
+pub const OUTPUTS: usize = 4;
+
+/// A slide stands when nothing was heard of it for so long, s.
+const STANDS_AFTER: f32 = 0.15;
+/// A slide that is faster sounds no higher, mm/s.
+const FASTEST: f32 = 300.0;
+/// Share of the difference by which a tone comes nearer to what it is to be, each sample.
+const GLIDE: f32 = 1.0 / 1500.0;
+/// Tones of an alarm, and the length of one with its pause, s.
+const BEEPS: u32 = 3;
+const BEEP: f32 = 0.3;
+
+/// What is heard of the machine at a moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Heard {
+    /// Keys that are down.
+    pub keys: Vec<Key>,
+    /// Y0 to Y3: relays and valves.
+    pub outputs: [u8; OUTPUTS],
+    /// Speed of the spindle, r/min, without its direction.
+    pub spindle: f32,
+    /// Where the slides are, X in radius and Z, mm.
+    pub slides: [f32; 2],
+    /// An alarm stands, by its number.
+    pub alarm: Option<u16>,
+}
+
+/// A tone that glides to another pitch and loudness.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Tone {
+    phase: f32,
+    pitch: f32,
+    level: f32,
+    to_pitch: f32,
+    to_level: f32,
+}
+
+/// A sound that dies away by itself.
+#[derive(Clone, Debug, PartialEq)]
+struct Strike {
+    /// Pitch, Hz.
+    pitch: f32,
+    /// Share of noise in it, 0 to 1.
+    noise: f32,
+    level: f32,
+    /// What is left of the level after each sample.
+    decay: f32,
+    phase: f32,
+}
+
+/// The sound of the machine as it goes on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mixer {
+    /// None: nothing was heard yet.
+    heard: Option<Heard>,
+    spindle: Tone,
+    slides: [Tone; 2],
+    strikes: Vec<Strike>,
+    /// Samples since something was heard.
+    silent: u32,
+    /// Samples of the alarm that are still to come.
+    beeps: u32,
+    /// State of the noise.
+    noise: u32,
+}
+
+impl Tone {
+    fn next(&mut self) -> f32 {
+        self.pitch += (self.to_pitch - self.pitch) * GLIDE;
+        self.level += (self.to_level - self.level) * GLIDE;
+        self.phase = (self.phase + self.pitch / RATE as f32).fract();
+        // Two harmonics: a motor, not a whistle.
+        let wave = wave(self.phase) + 0.5 * wave((2.0 * self.phase).fract());
+        wave * self.level
+    }
+
+    /// A tone of no loudness keeps its pitch while it dies away.
+    const fn to(&mut self, pitch: f32, level: f32) {
+        self.to_level = level;
+        if level > 0.0 {
+            self.to_pitch = pitch;
+        }
+    }
+}
+
+impl Mixer {
+    /// Hears the machine.
+    pub fn hear(&mut self, heard: &Heard) {
+        let spindle = heard.spindle.abs().min(10_000.0);
+        // Six pulses of the motor a turn; louder with speed.
+        let level = match spindle < 1.0 {
+            true => 0.0,
+            false => 0.05 + 0.1 * (spindle / 3000.0).min(1.0),
+        };
+        self.spindle.to(30.0 + spindle / 10.0, level);
+        let Some(before) = self.heard.replace(heard.clone()) else {
+            // What stood before somebody listened makes no noise now.
+            return;
+        };
+        let passed = self.silent.max(RATE / 200) as f32 / RATE as f32;
+        for (slide, tone) in self.slides.iter_mut().enumerate() {
+            let way = heard.slides.get(slide).zip(before.slides.get(slide));
+            let way = way.map_or(0.0, |(now, before)| (now - before).abs());
+            let speed = (way / passed).min(FASTEST);
+            let level = if way > 0.0 { 0.06 } else { 0.0 };
+            // The two are told apart by a fifth.
+            let low = if slide == 0 { 90.0 } else { 60.0 };
+            tone.to(low + speed * 8.0, level);
+        }
+        for key in heard.keys.iter().filter(|key| !before.keys.contains(key)) {
+            let pitch = if *key == Key::EmergencyStop {
+                700.0
+            } else {
+                2200.0
+            };
+            self.strike(pitch, 0.3, 0.25, 0.985);
+        }
+        let up = before.keys.iter().filter(|key| !heard.keys.contains(key));
+        for _ in up {
+            self.strike(1500.0, 0.3, 0.12, 0.98);
+        }
+        let (now, then) = (heard.outputs, before.outputs);
+        for (now, then) in now.into_iter().zip(then) {
+            for bit in (0..8).filter(|bit| ((now ^ then) >> bit) & 1 == 1) {
+                let on = (now >> bit) & 1 == 1;
+                self.strike(if on { 420.0 } else { 300.0 }, 0.7, 0.35, 0.994);
+            }
+        }
+        if heard.alarm.is_some() && heard.alarm != before.alarm {
+            self.beeps = (BEEP * RATE as f32) as u32 * BEEPS;
+        } else if heard.alarm.is_none() {
+            self.beeps = 0;
+        }
+        self.silent = 0;
+    }
+
+    fn strike(&mut self, pitch: f32, noise: f32, level: f32, decay: f32) {
+        // More of them at once only crackle.
+        if self.strikes.len() < 16 {
+            self.strikes.push(Strike {
+                pitch,
+                noise,
+                level,
+                decay,
+                phase: 0.0,
+            });
+        }
+    }
+
+    /// The next samples, at a volume of so many per cent.
+    pub fn fill(&mut self, samples: &mut [i16], volume: u8) {
+        let volume = f32::from(volume.min(100)) / 100.0;
+        for sample in samples {
+            let loud = self.next() * volume;
+            // However much comes together, it never overflows.
+            let soft = loud / (1.0 + loud.abs());
+            *sample = (soft * f32::from(i16::MAX)) as i16;
+        }
+    }
+
+    fn next(&mut self) -> f32 {
+        self.silent = self.silent.saturating_add(1);
+        if self.silent as f32 > STANDS_AFTER * RATE as f32 {
+            for tone in &mut self.slides {
+                tone.to(0.0, 0.0);
+            }
+        }
+        let mut sum = self.spindle.next();
+        for tone in &mut self.slides {
+            sum += tone.next();
+        }
+        // Xorshift: noise that is the same every time.
+        self.noise = self.noise.max(1);
+        self.noise ^= self.noise << 13;
+        self.noise ^= self.noise >> 17;
+        self.noise ^= self.noise << 5;
+        let noise = self.noise as f32 / (u32::MAX as f32 / 2.0) - 1.0;
+        for strike in &mut self.strikes {
+            strike.phase = (strike.phase + strike.pitch / RATE as f32).fract();
+            let tone = wave(strike.phase) * (1.0 - strike.noise);
+            sum += (tone + noise * strike.noise) * strike.level;
+            strike.level *= strike.decay;
+        }
+        self.strikes.retain(|strike| strike.level > 0.001);
+        if self.beeps > 0 {
+            let length = (BEEP * RATE as f32) as u32;
+            let phase = (self.beeps as f32 * 880.0 / RATE as f32).fract();
+            if self.beeps % length > length / 2 {
+                sum += 0.2 * wave(phase);
+            }
+            self.beeps -= 1;
+        }
+        sum
+    }
+}
+
+/// Nearly a sine, of parabolas: the same bits on every system.
+fn wave(phase: f32) -> f32 {
+    let x = 2.0 * phase - 1.0;
+    4.0 * x * (1.0 - x.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gsk_panel::keys::KEYS;
+
+    /// Loudness of the next samples, and how often they cross zero upwards in a second.
+    fn listen(mixer: &mut Mixer, seconds: f32) -> (f64, f64) {
+        let mut samples = vec![0; (seconds * RATE as f32) as usize];
+        mixer.fill(&mut samples, 100);
+        let square: f64 = samples.iter().map(|it| f64::from(*it).powi(2)).sum();
+        let crossings = samples.windows(2).filter(|it| it[0] < 0 && it[1] >= 0);
+        let crossings = crossings.count() as f64 / f64::from(seconds);
+        ((square / samples.len() as f64).sqrt(), crossings)
+    }
+
+    fn heard() -> Heard {
+        Heard::default()
+    }
+
+    #[test]
+    fn a_machine_at_rest_is_silent_whatever_stood_before() {
+        let mut mixer = Mixer::default();
+        mixer.hear(&Heard {
+            outputs: [0xff; OUTPUTS],
+            alarm: Some(207),
+            ..heard()
+        });
+        assert_eq!(listen(&mut mixer, 0.5).0, 0.0);
+    }
+
+    #[test]
+    fn the_hum_of_the_spindle_follows_its_speed_and_ends_with_it() {
+        let mut mixer = Mixer::default();
+        let mut pitch = Vec::new();
+        for rpm in [500.0, 1000.0, 3000.0] {
+            mixer.hear(&Heard {
+                spindle: rpm,
+                ..heard()
+            });
+            listen(&mut mixer, 1.0);
+            let (loud, crossings) = listen(&mut mixer, 1.0);
+            assert!(loud > 500.0, "{rpm}: {loud}");
+            let expected = f64::from(30.0 + rpm / 10.0);
+            assert!(
+                (crossings / expected - 1.0).abs() < 0.1,
+                "{rpm}: {crossings}"
+            );
+            pitch.push(crossings);
+        }
+        assert!(pitch.is_sorted());
+        mixer.hear(&heard());
+        listen(&mut mixer, 2.0);
+        assert!(listen(&mut mixer, 0.2).0 < 1.0);
+    }
+
+    #[test]
+    fn a_slide_sounds_while_it_moves_and_higher_the_faster_it_is() {
+        let travel = |step: f32| {
+            let mut mixer = Mixer::default();
+            let mut last = (0.0, 0.0);
+            for picture in 0..60 {
+                mixer.hear(&Heard {
+                    slides: [0.0, picture as f32 * step],
+                    ..heard()
+                });
+                last = listen(&mut mixer, 1.0 / 60.0);
+            }
+            // No picture comes while nothing moves.
+            listen(&mut mixer, 1.5);
+            let after = listen(&mut mixer, 0.1).0;
+            assert!(last.0 > 100.0 && after < 10.0, "{last:?}, then {after}");
+            last.1
+        };
+        let (feed, rapid) = (travel(0.05), travel(2.0));
+        assert!(rapid > 4.0 * feed, "{feed} Hz, {rapid} Hz");
+    }
+
+    #[test]
+    fn keys_relays_and_an_alarm_are_heard_once_each() {
+        for changed in [
+            Heard {
+                keys: vec![Key::Reset],
+                ..heard()
+            },
+            Heard {
+                outputs: [0, 0b100, 0, 0],
+                ..heard()
+            },
+            Heard {
+                alarm: Some(207),
+                ..heard()
+            },
+        ] {
+            let mut mixer = Mixer::default();
+            mixer.hear(&heard());
+            assert_eq!(listen(&mut mixer, 0.1).0, 0.0);
+            mixer.hear(&changed);
+            let (loud, _) = listen(&mut mixer, 0.1);
+            assert!(loud > 200.0, "{changed:?}: {loud}");
+            listen(&mut mixer, 1.0);
+            mixer.hear(&changed);
+            assert!(listen(&mut mixer, 0.5).0 < 1.0, "{changed:?}");
+        }
+    }
+
+    #[test]
+    fn everything_at_once_stays_in_range_and_comes_again_bit_by_bit() {
+        let play = || {
+            let mut mixer = Mixer::default();
+            mixer.hear(&heard());
+            mixer.hear(&Heard {
+                keys: KEYS.iter().map(|row| row.key).collect(),
+                outputs: [0xff; OUTPUTS],
+                spindle: f32::MAX,
+                slides: [f32::MAX, -1e30],
+                alarm: Some(207),
+            });
+            let mut samples = vec![0; RATE as usize];
+            mixer.fill(&mut samples, 255);
+            samples
+        };
+        let samples = play();
+        let loudest = samples.iter().map(|it| i32::from(*it).abs()).max();
+        assert!(loudest < Some(32_000), "{loudest:?}");
+        assert_eq!(samples, play());
+        let mut mixer = Mixer::default();
+        mixer.hear(&heard());
+        mixer.hear(&Heard {
+            spindle: 3000.0,
+            ..heard()
+        });
+        let mut samples = vec![1; 1000];
+        mixer.fill(&mut samples, 0);
+        assert!(samples.iter().all(|it| *it == 0));
+    }
+}
