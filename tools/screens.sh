@@ -5,7 +5,7 @@
 #
 #     tools/screens.sh FOLDER [PROGRAM [SIZE…]]        e.g. out target/release/gsk980td 800x1280
 #
-# Pictures are named SIZE-LANGUAGE-SURROUNDINGS-WHAT.png; all of them take a quarter of an hour.
+# Pictures are named SIZE-LANGUAGE-SURROUNDINGS-WHAT.png; all of them take half an hour.
 set -euo pipefail
 (($# >= 1)) || { sed -n '2,9s/^# \?//p' "$0" >&2; exit 2; }
 folder=$1
