@@ -139,10 +139,9 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
     bench.run(1);
     bench.run(100);
     let now = bench.kernel.emulator().simulation.cnc.parameters().clone();
-    assert!(
-        now.bit(7, 1) && now.value(parameter::ZERO_HIGH_SPEED) == 5000,
-        "{now:?}"
-    );
+    let one_switch_of_z = now.bit(7, 1);
+    let rate = now.value(parameter::ZERO_HIGH_SPEED);
+    assert!(one_switch_of_z && rate == 5000, "{now:?}");
     bench.run(100);
     bench.harness.get_by_label_contains("Undo: ").click();
     bench.run(1);

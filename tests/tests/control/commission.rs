@@ -7,17 +7,17 @@ use std::collections::BTreeSet;
 use crate::bench::keys::{CYCLE_START, MDI, X_PLUS, Z_PLUS, ZERO};
 use crate::bench::{press, ticks};
 use gsk_commission::{
-    Backlash, Change, Deviation, Direction, DriveKind, GearMeasured, Measurement, PlanWish,
+    Backlash, Change, Deviation, Direction, DriveKind, GearMeasured, Lag, Measurement, PlanWish,
     Proposal, Reading, SpindleSpeed, Step, Travel, Undo, ZeroMethod, acceleration, backlash,
-    direction, fit, gear_measured, plan, reference, spindle,
+    direction, fit, gear_measured, largest_lag, plan, reference, spindle,
 };
 use gsk_core::cnc::Request;
-use gsk_core::machine::{AxisConfig, ScrewError};
+use gsk_core::machine::{AxisConfig, ScrewError, ServoConfig};
 use gsk_core::memory::parameter;
 use gsk_core::operation::RunState;
 use gsk_core::setup::Setup;
 use gsk_core::simulation::Simulation;
-use gsk_core::units::Axis;
+use gsk_core::units::{Axis, Point};
 
 /// What must be reached.
 const LEFT_UM: f64 = 2.0;
@@ -42,6 +42,7 @@ impl Dice {
 }
 
 /// A slide whose screw is long or short, bent, and worn.
+/// Its drive falls behind its command nearly as far as it may.
 fn badly_set(axis: &AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> AxisConfig {
     let (slope, height) = (dice.between(-0.05, 0.05), dice.between(4.0, 9.0));
     let (period, phase) = (dice.between(180.0, 260.0), dice.between(0.0, 6.0));
@@ -55,13 +56,32 @@ fn badly_set(axis: &AxisConfig, scale: f64, length: f64, dice: &mut Dice) -> Axi
             error: error(at) / 1000.0 * scale,
         }
     });
+    let pulse = dice.between(0.000_25, 0.000_6);
     AxisConfig {
         // The motor is mounted the other way round, or not.
         reversed: dice.throw() < 0.5,
-        pulse: Some(dice.between(0.000_25, 0.000_6)),
+        pulse: Some(pulse),
         backlash: (dice.between(5.0, 60.0) / 1000.0) * scale,
+        servo: Some(servo(scale, pulse, dice)),
         pitch_errors: points.collect(),
         ..axis.clone()
+    }
+}
+
+/// A drive that a rapid brings near to what trips it, or not quite. Before the gear is set
+/// a rapid is as fast as its `pulse`, mm, is to the one of delivery.
+fn servo(scale: f64, pulse: f64, dice: &mut Dice) -> ServoConfig {
+    // mm/min and mm of slide travel.
+    let (rapid, delivered) = if scale > 1.0 {
+        (3800.0, 0.000_5)
+    } else {
+        (7600.0, 0.001)
+    };
+    let gain = dice.between(30.0, 60.0);
+    let falls_behind = rapid * pulse / delivered / 60.0 / gain;
+    ServoConfig {
+        gain,
+        largest_error: falls_behind * dice.between(1.05, 1.5) * scale,
     }
 }
 
@@ -111,24 +131,29 @@ impl Person {
         assert!(alarms.is_empty(), "{alarms:?}");
     }
 
+    /// Until nothing moves; the largest following errors until then.
     #[track_caller]
-    fn until_still(&mut self) {
+    fn until_still(&mut self) -> Point {
         let mut still = 0;
+        let mut most = Point::default();
         for _ in 0..120_000 {
             self.simulation.tick();
             let cnc = &self.simulation.cnc;
+            let lag = self.simulation.lathe.following_error();
             let moves = cnc.is_moving() || cnc.run_state() == RunState::Run;
+            let moves = moves || lag != Point::default();
+            most = Point::new(most.x.max(lag.x.abs()), most.z.max(lag.z.abs()));
             still = if moves { 0 } else { still + 1 };
             if still == 60 {
-                return;
+                return most;
             }
         }
         panic!("it does not come to rest");
     }
 
-    /// An MDI block, started by its key.
+    /// An MDI block, started by its key; the largest following errors.
     #[track_caller]
-    fn block(&mut self, words: &[String]) {
+    fn block(&mut self, words: &[String]) -> Point {
         press(&mut self.simulation, MDI);
         for word in words {
             let word = Request::MdiWord(word.clone());
@@ -137,18 +162,19 @@ impl Person {
         self.simulation.cnc.set_panel_key(CYCLE_START, true);
         ticks(&mut self.simulation, 60);
         self.simulation.cnc.set_panel_key(CYCLE_START, false);
-        self.until_still();
+        let most = self.until_still();
         self.no_alarm();
+        most
     }
 
-    /// A move by so much slide travel.
+    /// A move by so much slide travel; the largest following errors.
     #[track_caller]
-    fn go(&mut self, axis: Axis, by: f64) {
+    fn go(&mut self, axis: Axis, by: f64) -> Point {
         let (letter, by) = match axis {
             Axis::X => ('U', 2.0 * by),
             Axis::Z => ('W', by),
         };
-        self.block(&["G00".to_owned(), format!("{letter}{by:.3}")]);
+        self.block(&["G00".to_owned(), format!("{letter}{by:.3}")])
     }
 
     /// To a machine coordinate.
@@ -175,6 +201,10 @@ impl Person {
         self.until_still();
         self.no_alarm();
         assert!(*self.simulation.cnc.referenced().get(axis));
+        // A drive that is behind its command when the zero signal comes stands on the other
+        // flank of the screw than the control takes it to: it goes there once more.
+        self.go(axis, -1.0);
+        self.go_to(axis, 0.0);
         self.laser = self.slide(axis);
     }
 
@@ -272,6 +302,39 @@ impl Person {
         self.write(Step::Spindle, &proposal);
     }
 
+    /// What trips the drive, mm of slide travel, from its manual.
+    fn allowed(&self, axis: Axis) -> f64 {
+        let config = self.simulation.lathe.config();
+        let (slide, scale) = match axis {
+            Axis::X => (&config.x, 2.0),
+            Axis::Z => (&config.z, 1.0),
+        };
+        slide.servo.as_ref().expect("a servo").largest_error / scale
+    }
+
+    /// The largest following error of a rapid move, as the scope shows it, mm.
+    #[track_caller]
+    fn falls_behind(&mut self, axis: Axis) -> f64 {
+        let there = self.go(axis, -40.0);
+        let back = self.go(axis, 40.0);
+        there.get(axis).max(back.get(axis))
+    }
+
+    /// The rapid rate that the following error allows; what it was and is, as a part of
+    /// what trips the drive.
+    #[track_caller]
+    fn lag(&mut self, axis: Axis) -> (f64, f64) {
+        let allowed = self.allowed(axis);
+        let seen = self.falls_behind(axis);
+        let lag = Lag {
+            seen: Travel(seen),
+            allowed: Travel(allowed),
+        };
+        let proposal = largest_lag(axis, lag, &self.parameters()).unwrap();
+        self.write(Step::Acceleration, &proposal);
+        (seen / allowed, self.falls_behind(axis) / allowed)
+    }
+
     /// The gear from a long move, approached from the same side.
     fn gear(&mut self, axis: Axis, far: f64) {
         self.go(axis, -5.0);
@@ -360,6 +423,7 @@ impl Person {
 #[test]
 fn a_badly_set_lathe_is_set_right() {
     let mut reversed = Vec::new();
+    let mut slowed = Vec::new();
     for seed in [1, 20, 300] {
         let mut person = Person {
             simulation: lathe(seed),
@@ -383,6 +447,13 @@ fn a_badly_set_lathe_is_set_right() {
             person.gear(axis, far);
             let rates = acceleration(DriveKind::Servo, &person.parameters()).unwrap();
             person.write(Step::Acceleration, &rates);
+            let (before, after) = person.lag(axis);
+            println!("seed {seed} {axis:?}: lag {before:.3} becomes {after:.3} of the allowed");
+            assert!(
+                after < 0.801,
+                "{axis:?}, seed {seed}: {after}, {before} before"
+            );
+            slowed.push(before > 0.801);
             let zero = reference(axis, ZeroMethod::SwitchAndSignal, &person.parameters());
             let zero = zero.unwrap();
             person.write(Step::Reference, &zero);
@@ -412,6 +483,8 @@ fn a_badly_set_lathe_is_set_right() {
         assert_eq!(memory.parameters, delivered.parameters);
         assert_eq!(memory.pitch, delivered.pitch);
     }
+    // A drive was too fast once, and one was not.
+    assert!(slowed.contains(&true) && slowed.contains(&false));
     // Each axis was right once, and wrong once.
     for axis in 0..2 {
         let ways: BTreeSet<bool> = reversed

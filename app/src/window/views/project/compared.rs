@@ -1,6 +1,7 @@
 //! What differs between the open project and the control, or another project, and what of
 //! it is to be taken over.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -114,6 +115,8 @@ pub struct Compared {
     pub target: Target,
     rows: Vec<Row>,
     parts: LadderParts,
+    /// How many values of a place differ, where any does.
+    counts: BTreeMap<Node, usize>,
 }
 
 /// What was asked for in the list.
@@ -165,7 +168,13 @@ impl Compared {
                 difference,
             }
         });
-        let rows = rows.collect();
+        let rows: Vec<Row> = rows.collect();
+        let mut counts = BTreeMap::new();
+        for row in &rows {
+            for node in Node::with(row.difference.key, parts) {
+                *counts.entry(node).or_default() += 1;
+            }
+        }
         Ok(Self {
             project,
             target: match into_control {
@@ -174,14 +183,14 @@ impl Compared {
             },
             rows,
             parts,
+            counts,
             basis,
         })
     }
 
     /// How many values of a place differ.
     pub fn count(&self, node: Node) -> usize {
-        let own = |row: &&Row| node.has(row.difference.key, self.parts);
-        self.rows.iter().filter(own).count()
+        self.counts.get(&node).copied().unwrap_or(0)
     }
 
     /// Draws the list of a place. `why_not`: why a control takes nothing over now.

@@ -24,8 +24,8 @@ pub use compared::Chosen;
 use compared::{Asked, Compared, Other, Target};
 use content::Content;
 use document::{Document, programs};
+use steps::{Begun, News, Question};
 pub use steps::{COMMANDS, ProjectCommand};
-use steps::{News, Question};
 use tree::{Name, Node, places};
 
 /// Width of the tree, points, and of the step from a row to those below.
@@ -70,6 +70,7 @@ pub struct ProjectView {
     /// What it is to take over while it is off.
     chosen: Option<Chosen>,
     news: (Sender<News>, Receiver<News>),
+    begun: Begun,
 }
 
 impl ProjectView {
@@ -87,6 +88,7 @@ impl ProjectView {
             why_not: None,
             chosen: None,
             news: unbounded(),
+            begun: Begun::default(),
         }
     }
 

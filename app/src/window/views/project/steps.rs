@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use egui::Context;
 use gsk_core::model::ModelId;
@@ -45,10 +46,27 @@ pub enum News {
     Opened(Box<Document>, bool),
     /// The one that is open was written.
     Saved(Box<Document>),
-    /// It was compared.
-    Compared(Box<Compared>),
+    /// It was compared, in the comparison of this number.
+    Compared(u64, Box<Compared>),
     /// Its folder is a project already.
     Taken(Box<Document>),
+}
+
+/// The comparisons that were begun: of two at once the one begun last counts, whichever
+/// comes first.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Begun(Arc<AtomicU64>);
+
+impl Begun {
+    /// The number of another one.
+    fn next(&self) -> u64 {
+        self.0.fetch_add(1, Ordering::Relaxed) + 1
+    }
+
+    /// Whether none was begun after it.
+    fn is_newest(&self, number: u64) -> bool {
+        self.0.load(Ordering::Relaxed) == number
+    }
 }
 
 /// What is asked.
@@ -138,15 +156,17 @@ impl ProjectView {
             return;
         };
         let (deliver, console) = (self.news.0.clone(), self.console.clone());
+        let begun = self.begun.clone();
         let wanted = Wanted::Open(say::project_files().text(language), vec!["gpr"]);
         let say = &self.console.say;
         files::choose(context, language, say, wanted, move |path| {
+            let number = begun.next();
             let basis = Basis::of(Other::Folder(path), &console);
             let compared =
                 basis.and_then(|basis| Compared::new(&document, Arc::new(basis), Target::Project));
             match compared {
                 Ok(compared) => {
-                    let _ = deliver.send(News::Compared(Box::new(compared)));
+                    let _ = deliver.send(News::Compared(number, Box::new(compared)));
                     None
                 }
                 Err(said) => Some(said),
@@ -226,10 +246,11 @@ impl ProjectView {
             return;
         };
         let console = self.console.clone();
+        let number = self.begun.next();
         self.beside(context, move || {
             let basis = Arc::new(Basis::of(other, &console)?);
             let compared = Compared::new(&document, basis, target)?;
-            Ok(News::Compared(Box::new(compared)))
+            Ok(News::Compared(number, Box::new(compared)))
         });
     }
 
@@ -239,9 +260,10 @@ impl ProjectView {
             return;
         };
         let basis = Arc::clone(&compared.basis);
+        let number = self.begun.next();
         self.beside(context, move || {
             let compared = Compared::new(&document, basis, target)?;
-            Ok(News::Compared(Box::new(compared)))
+            Ok(News::Compared(number, Box::new(compared)))
         });
     }
 
@@ -284,10 +306,11 @@ impl ProjectView {
                         }
                     }
                 }
-                // What was compared may be another project by now.
-                News::Compared(compared) => {
+                // It may be another project by now, or another comparison may have begun.
+                News::Compared(number, compared) => {
                     let own = self.document.as_ref();
-                    if own.is_some_and(|own| Arc::ptr_eq(&own.state, &compared.project)) {
+                    let is_own = own.is_some_and(|own| Arc::ptr_eq(&own.state, &compared.project));
+                    if is_own && self.begun.is_newest(number) {
                         self.compared = Some(*compared);
                         self.page = Page::Differences;
                     }
@@ -344,4 +367,18 @@ impl ProjectView {
 /// A control of this model as it is delivered.
 fn as_delivered(model: ModelId) -> State {
     State::of(&project::delivered(model, None))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_two_comparisons_the_one_begun_last_counts() {
+        let begun = Begun::default();
+        let slow = begun.clone().next();
+        let quick = begun.next();
+        assert!(begun.is_newest(quick));
+        assert!(!begun.is_newest(slow));
+    }
 }

@@ -4,7 +4,7 @@ use gsk_messages::{Message, say};
 use gsk_project::{Key, Section, State};
 
 /// A place of the tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Node {
     /// 工程: all of it.
     Project,
@@ -147,6 +147,19 @@ fn rest(source: &str) -> Vec<&str> {
 }
 
 impl Node {
+    /// The places that a value belongs to, from the whole project to a program.
+    pub fn with(key: Key, parts: LadderParts) -> impl Iterator<Item = Self> {
+        let program = match key {
+            Key::Program(number) | Key::Job(number) => Some(Self::Program(number)),
+            _ => None,
+        };
+        let rows = ROWS.iter().map(|row| row.node);
+        core::iter::once(Self::Project)
+            .chain(rows)
+            .filter(move |node| node.has(key, parts))
+            .chain(program)
+    }
+
     /// Whether a value belongs there; `parts`: of the ladder, which is one value.
     pub fn has(self, key: Key, parts: LadderParts) -> bool {
         let section = Section::of(key);
@@ -201,6 +214,9 @@ mod tests {
         for key in state.entries().keys() {
             let found: Vec<&Node> = leaves.iter().filter(|it| it.has(*key, parts)).collect();
             assert_eq!(found.len(), 1, "{key:?}: {found:?}");
+            let all: Vec<Node> = Node::with(*key, parts).collect();
+            assert!(all.contains(found[0]) && all[0] == Node::Project);
+            assert!(all.iter().all(|node| node.has(*key, parts)));
         }
         assert!(Node::Program(3).has(Key::Program(3), parts));
         assert!(!Node::Program(3).has(Key::Program(4), parts));
