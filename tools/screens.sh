@@ -66,14 +66,15 @@ for size in "${sizes[@]}"; do
     sleep 1
     for language in zh en; do
         for surroundings in dark light; do
+            # A data folder for each start: a file that is not as it was written is not read.
             data=$work/$size-$language-$surroundings
             remember "$data"
             start "$data" --lang "$language" --first-start
             picture first
             stop
             for view in "" "${views[@]}"; do
-                remember "$data" "$view"
-                start "$data" --lang "$language" --program "$sample"
+                remember "$data-$view" "$view"
+                start "$data-$view" --lang "$language" --program "$sample"
                 picture "$(tr '[:upper:]' '[:lower:]' <<<"${view:-panel}")"
                 stop
             done
