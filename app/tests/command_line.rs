@@ -416,7 +416,12 @@ fn data_directory(name: &str) -> Scratch {
     let data = Scratch::new(name, b"");
     std::fs::remove_file(&data.0).unwrap();
     let (code, _, err) = said(&["operate", script.path(), "--data", data.path()]);
-    assert_eq!((code, err.as_str()), (0, ""));
+    assert_eq!(code, 0, "{err}");
+    let lines: Vec<&str> = err.lines().collect();
+    assert!(
+        matches!(lines[..], [done] if done.contains("all 6 lines done")),
+        "{err}"
+    );
     data
 }
 

@@ -163,10 +163,8 @@ fn play(
     let code = match end {
         ScriptEnd::Finished => {
             let took = clock(emulator.simulation.cnc.ticks() as f64 * 0.001);
-            output::print(&format!(
-                "{}\n",
-                say::script_done(path.display(), lines, took)
-            ));
+            // Beside the screens that the script prints, not among them.
+            complain!("{}", say::script_done(path.display(), lines, took));
             FINE
         }
         ScriptEnd::Failed(failure) => {
