@@ -139,7 +139,7 @@ fn the_view_writes_as_the_control_lets_it_and_takes_it_back() {
     bench.run(1);
     bench.run(100);
     let now = bench.kernel.emulator().simulation.cnc.parameters().clone();
-    let one_switch_of_z = now.bit(7, 1);
+    let one_switch_of_z = now.one_zero_switch(Axis::Z);
     let rate = now.value(parameter::ZERO_HIGH_SPEED);
     assert!(one_switch_of_z && rate == 5000, "{now:?}");
     bench.run(100);

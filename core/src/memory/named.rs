@@ -165,7 +165,7 @@ impl Parameters {
 
     /// 007.0, 007.1 ZC: one switch serves for deceleration and zero (method C);
     /// otherwise the zero signal is apart (method B).
-    pub(crate) fn one_zero_switch(&self, axis: Axis) -> bool {
+    pub fn one_zero_switch(&self, axis: Axis) -> bool {
         self.axis_bit(7, axis)
     }
 
