@@ -8,7 +8,8 @@ use crate::timer::Timers;
 /// R900: result bits of CMP for the whole program.
 const RESULT_ZERO: u8 = 1 << 0;
 const RESULT_NEGATIVE: u8 = 1 << 1;
-const RESULT_OVERFLOW: u8 = 1 << 5;
+pub(crate) const RESULT_OVERFLOW: u8 = 1 << 5;
+pub(crate) const RESULT_BITS: u8 = RESULT_ZERO | RESULT_NEGATIVE | RESULT_OVERFLOW;
 
 /// Digits of the ROTB format, `RN0 DIR POS INC`.
 const ROTATE_FROM_1: u8 = 1 << 3;
@@ -177,7 +178,7 @@ fn write_bit(bytes: &mut Bytes, bit: Bit, value: bool) {
 fn compare(bytes: &mut Bytes, a: i32, b: i32, at: usize, bit: u8, result: usize) {
     let three = u8::from(a > b) | u8::from(a == b) << 1 | u8::from(a < b) << 2;
     bytes[at] = bytes[at] & !(0b111 << bit) | three << bit;
-    let mut flags = bytes[result] & !(RESULT_ZERO | RESULT_NEGATIVE | RESULT_OVERFLOW);
+    let mut flags = bytes[result] & !RESULT_BITS;
     if a == b {
         flags |= RESULT_ZERO;
     }

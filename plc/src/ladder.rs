@@ -8,6 +8,7 @@ use crate::diagnostic::{CompileError, CompileErrors};
 use crate::directive::{Comment, Directives, Header, MCode, Message, StartValue, Subject};
 use crate::instruction::{Mnemonic, Operand, Statement};
 use crate::parser;
+use crate::reach::Reach;
 
 /// A ladder program, compiled. It never changes; share it in an `Arc`.
 ///
@@ -19,6 +20,8 @@ pub struct Ladder {
     directives: Directives,
     statements: Vec<Statement>,
     code: Code,
+    /// What each rung reads and writes; `None` with jumps or subprograms.
+    reach: Option<Reach>,
     warnings: Vec<CompileError>,
     steps: u32,
     level1_steps: u32,
@@ -55,6 +58,7 @@ impl Ladder {
             return Err(CompileErrors { errors, warnings });
         }
         let code = code::generate(&parsed.statements, &structure, &parsed.directives);
+        let reach = Reach::of(&code, &parsed.statements);
         let mut directives = parsed.directives;
         directives.messages.sort_by_key(|message| message.bit);
         directives.comments.sort_by_key(|comment| comment.subject);
@@ -64,6 +68,7 @@ impl Ladder {
             directives,
             statements: parsed.statements,
             code,
+            reach,
             warnings,
             steps: structure.steps,
             level1_steps: structure.level1_steps,
@@ -189,6 +194,10 @@ impl Ladder {
 
     pub(crate) fn code(&self) -> &Code {
         &self.code
+    }
+
+    pub(crate) const fn reach(&self) -> Option<&Reach> {
+        self.reach.as_ref()
     }
 
     pub(crate) fn directives(&self) -> &Directives {

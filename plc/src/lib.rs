@@ -32,8 +32,10 @@ mod memory;
 mod network;
 mod parser;
 mod place;
+mod reach;
 mod reference;
 mod scan;
+mod settled;
 mod step;
 mod timer;
 

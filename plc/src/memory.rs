@@ -66,12 +66,25 @@ pub(crate) fn offset(address: ByteAddress) -> Option<usize> {
     Some(base(address.area) + width * usize::from(address.byte))
 }
 
+/// Place of R900, where every comparison leaves its result bits.
+pub(crate) const RESULT_FLAGS: usize = R + 900;
+
 /// All memory of the PLC. A read outside an area gives 0, a write there is ignored.
-#[derive(Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
 pub struct Memory {
     bytes: Box<[u8; SIZE]>,
+    /// Something other than X and F was written since [`Memory::take_written`] last asked.
+    written: bool,
 }
+
+impl PartialEq for Memory {
+    fn eq(&self, other: &Memory) -> bool {
+        self.bytes == other.bytes
+    }
+}
+
+impl Eq for Memory {}
 
 macro_rules! byte_area {
     ($get:ident, $set:ident, $area:ident, $doc:literal) => {
@@ -112,6 +125,7 @@ impl Memory {
     pub fn new() -> Memory {
         let mut memory = Memory {
             bytes: Box::new([0; SIZE]),
+            written: true,
         };
         for entry in 0..Area::Dc.count() {
             memory.set_dc(entry, NEW_PRESET);
@@ -169,6 +183,7 @@ impl Memory {
     pub fn set_byte(&mut self, address: ByteAddress, value: u8) {
         if let Some(at) = offset(address) {
             self.bytes[at] = value;
+            self.written |= at >= LATCH;
         }
     }
 
@@ -203,6 +218,7 @@ impl Memory {
     /// What power-off loses: X Y F G R A, T0 to T79 and D0 to D299 become 0,
     /// and the signals to the CNC that interlock at 0 become 1.
     pub(crate) fn clear_volatile(&mut self) {
+        self.written = true;
         self.bytes[..K].fill(0);
         self.bytes[D..D + D_RETAINED].fill(0);
         self.bytes[T..T + 4 * T_RETAINED].fill(0);
@@ -231,6 +247,7 @@ impl Memory {
 
     /// Puts back what the battery kept. Entries that `retained` lacks stay as they are.
     pub fn restore_retained(&mut self, retained: &Retained) {
+        self.written = true;
         restore_bytes(&mut self.bytes[K..D], &retained.k);
         restore_bytes(&mut self.bytes[D + D_RETAINED..T], &retained.d300);
         self.restore_entries(Area::T, T_RETAINED as u16, &retained.t80);
@@ -239,7 +256,22 @@ impl Memory {
         self.restore_entries(Area::Dt, 0, &retained.dt);
     }
 
-    /// The flat array, for the scan.
+    /// The flat array.
+    pub(crate) fn bytes(&self) -> &[u8; SIZE] {
+        &self.bytes
+    }
+
+    /// How many bytes of the flat array may have changed since this was last asked, but
+    /// for what the scan has written: X, F and their copy, or all.
+    pub(crate) fn take_written(&mut self) -> usize {
+        if core::mem::take(&mut self.written) {
+            SIZE
+        } else {
+            2 * LATCH
+        }
+    }
+
+    /// The flat array, for the scan, which follows its own changes.
     pub(crate) fn bytes_mut(&mut self) -> &mut [u8; SIZE] {
         &mut self.bytes
     }
@@ -276,6 +308,7 @@ impl Memory {
         if let Some(at) = offset(address) {
             let end = (at + N).min(end_of(address.area));
             self.bytes[at..end].copy_from_slice(&value[..end - at]);
+            self.written |= end > LATCH;
         }
     }
 }
@@ -332,7 +365,10 @@ impl TryFrom<Vec<u8>> for Memory {
         let bytes = bytes
             .try_into()
             .map_err(|_| say::ladder_memory_size(SIZE, length))?;
-        Ok(Memory { bytes })
+        Ok(Memory {
+            bytes,
+            written: true,
+        })
     }
 }
 

@@ -6,14 +6,15 @@ use std::sync::Arc;
 use gsk_messages::{Message, say};
 use serde::{Deserialize, Serialize};
 
-use crate::address::{Area, ByteAddress};
 use crate::check::CALL_DEPTH;
 use crate::code::{Bit, Code, Op};
 use crate::force::Forces;
 use crate::function::{Remembered, execute};
 use crate::ladder::Ladder;
-use crate::memory::{Memory, SIZE, offset};
+use crate::memory::{Memory, RESULT_FLAGS, SIZE};
 use crate::place::{Place, Stop};
+use crate::reach::Reach;
+use crate::settled::Settled;
 use crate::timer::{SLOT_MS, Timers};
 
 /// Operations of one slot after which the program is taken to hang.
@@ -55,6 +56,9 @@ pub struct Plc {
     pub(crate) ladder: Arc<Ladder>,
     pub(crate) memory: Memory,
     pub(crate) state: State,
+    /// Rungs that need not run.
+    #[serde(skip)]
+    pub(crate) settled: Settled,
 }
 
 /// What the scan remembers beside memory.
@@ -104,6 +108,7 @@ impl Plc {
             ladder,
             memory,
             state,
+            settled: Settled::default(),
         }
     }
 
@@ -112,6 +117,7 @@ impl Plc {
     pub fn power_on(&mut self) {
         self.memory.clear_volatile();
         self.state = State::at_power_on(self.ladder.code());
+        self.settled.forget();
     }
 
     /// The program.
@@ -196,7 +202,14 @@ impl Plc {
         let code = ladder.code();
         let mut place = match self.state.place.take() {
             Some(place) => place,
-            None => self.begin_slot(code),
+            None => {
+                let place = self.begin_slot(code);
+                if let Some(reach) = ladder.reach() {
+                    let written = self.memory.take_written();
+                    self.settled.follow(self.memory.bytes(), written, reach);
+                }
+                place
+            }
         };
         if place.level1 {
             place.at = self.run_rungs(&ladder, code.end1, &mut place, stop)?;
@@ -232,11 +245,47 @@ impl Plc {
         stop: Stop,
     ) -> Result<usize, Fault> {
         let (first, executed) = (place.at, &mut place.executed);
-        if stop == Stop::AtEnd && self.state.forces.is_empty() {
-            self.run::<false>(ladder, first, end, executed, stop)
-        } else {
-            self.run::<true>(ladder, first, end, executed, stop)
+        if stop == Stop::AfterRung || !self.state.forces.is_empty() {
+            self.settled.forget();
+            return self.run::<true>(ladder, first, end, executed, stop);
         }
+        match ladder.reach() {
+            Some(reach) if self.settled.follows() => {
+                self.run_unsettled(ladder, reach, first, end, executed)
+            }
+            _ => self.run::<false>(ladder, first, end, executed, stop),
+        }
+    }
+
+    /// Runs the rungs of a ladder without jumps that may change something.
+    fn run_unsettled(
+        &mut self,
+        ladder: &Ladder,
+        reach: &Reach,
+        first: usize,
+        end: usize,
+        executed: &mut usize,
+    ) -> Result<usize, Fault> {
+        let mut rung = reach.rung_from(first);
+        let last = reach.rung_from(end);
+        let rungs = rung..last;
+        let result = self.memory.bytes()[RESULT_FLAGS];
+        while let Some(next) = self.settled.take_next(rung, last) {
+            let comparison = reach.comparison(next);
+            if comparison.is_some() {
+                Settled::before_comparison(self.memory.bytes_mut());
+            }
+            let (first, end) = reach.operations(next);
+            self.run::<false>(ladder, first, end, executed, Stop::AtEnd)?;
+            self.settled.ran(next, self.memory.bytes(), reach);
+            if let Some(number) = comparison {
+                self.settled.compared(number, self.memory.bytes());
+            }
+            rung = next + 1;
+        }
+        let bytes = self.memory.bytes_mut();
+        self.settled.leave_result(rungs, result, bytes, reach);
+        Ok(end)
     }
 
     /// The timers that ran during the last 8 ms are 8 ms older.
@@ -274,7 +323,7 @@ impl Plc {
         let mut remembered = Remembered {
             timers: &mut self.state.timers,
             edges: &mut self.state.edges,
-            result: offset(ByteAddress::new(Area::R, 900)).unwrap_or(0),
+            result: RESULT_FLAGS,
         };
         let mut returns = [0usize; CALL_DEPTH];
         let mut depth = 0;

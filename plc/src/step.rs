@@ -26,6 +26,7 @@ impl Plc {
             (Err(_), None) => {}
         }
         self.state.forces.apply(self.memory.bytes_mut());
+        self.settled.forget();
     }
 
     /// The forced bits, in address order.

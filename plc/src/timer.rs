@@ -11,7 +11,7 @@ pub(crate) const SLOT_MS: i32 = 8;
 pub(crate) struct Timers {
     /// ACT was 1 when the timer was last executed, and its time is not over.
     running: u128,
-    /// Executed since the timer's level last began.
+    /// Running, and executed since the timer's level last began.
     executed: u128,
 }
 
@@ -19,11 +19,12 @@ impl Timers {
     /// Notes that a TMRB was executed, and whether its time goes on.
     pub fn executed(&mut self, timer: u8, runs: bool) {
         let bit = 1u128 << (timer & 127);
-        self.executed |= bit;
         if runs {
             self.running |= bit;
+            self.executed |= bit;
         } else {
             self.running &= !bit;
+            self.executed &= !bit;
         }
     }
 

@@ -263,6 +263,19 @@ pub fn nearest(value: f64) -> i64 {
     whole + if value < 0.0 { -up } else { up }
 }
 
+/// The whole number at or below: `value.floor() as i64`, without the call.
+///
+/// ```
+/// for value in [0.0, -0.0, 0.5, -0.5, 3.0, -3.0, 1e300, -1e300, f64::NAN] {
+///     assert_eq!(gsk_units::floor(value), value.floor() as i64);
+/// }
+/// ```
+#[inline]
+pub fn floor(value: f64) -> i64 {
+    let whole = value as i64;
+    whole.saturating_sub(i64::from(value < whole as f64))
+}
+
 /// The nearest whole number, halves away from zero: `value.round()`, its sign of zero and
 /// all, without the call.
 #[inline]

@@ -148,6 +148,9 @@ impl AxisDrive {
 
     /// Where the motor stands.
     fn motor(&self) -> i64 {
+        if self.behind == 0.0 {
+            return self.commanded;
+        }
         self.commanded - nearest(self.behind)
     }
 
@@ -184,14 +187,14 @@ impl AxisDrive {
                 self.tripped = self.behind.abs() > servo.largest;
             }
         }
-        self.meet_ends();
-        let motor = self.motor();
+        let motor = self.meet_ends();
         self.slide = self.slide.clamp(motor, motor + self.play);
     }
 
     /// A motor that would push the slide past its end stands: a servo falls behind
-    /// its command until that trips it, a stepper's drive switches off at once.
-    fn meet_ends(&mut self) {
+    /// its command until that trips it, a stepper's drive switches off at once. Where it
+    /// stands then.
+    fn meet_ends(&mut self) -> i64 {
         let ((minus, plus), before) = (self.ends, self.before.0);
         let motor = self.motor();
         // A slide that was put beyond its end goes no farther, and comes back.
@@ -199,7 +202,7 @@ impl AxisDrive {
             .max((minus - self.play).min(before))
             .min(plus.max(before));
         if stands == motor || self.real {
-            return;
+            return motor;
         }
         match &self.servo {
             Some(servo) => {
@@ -211,6 +214,7 @@ impl AxisDrive {
                 self.tripped = true;
             }
         }
+        stands
     }
 
     /// Takes a count for the place where the slide stands, without moving.
@@ -263,20 +267,32 @@ impl AxisDrive {
             .is_some_and(|(from, to)| (from..=to).contains(&self.slide))
     }
 
-    /// The one-turn signal: its rising edge is at zero going positive.
-    pub fn index(&self) -> bool {
-        self.has_index && self.motor().rem_euclid(self.turn) * INDEX_PART < self.turn
+    /// Pulses of a turn on which the one-turn signal stands: it begins at zero.
+    const fn index_width(&self) -> i64 {
+        (self.turn + INDEX_PART - 1) / INDEX_PART
     }
 
-    /// The command count at which the one-turn signal changed in the last tick.
-    pub(crate) fn index_latch(&self) -> Option<Pulses> {
+    /// The one-turn signal, whose rising edge is at zero going positive, and the command
+    /// count at which it changed in the last tick.
+    pub fn index(&self) -> (bool, Option<Pulses>) {
         if !self.has_index {
-            return None;
+            return (false, None);
         }
-        // The signal stands on the first `width` pulses of a turn.
-        let width = (self.turn + INDEX_PART - 1) / INDEX_PART;
-        let starts = [0, width];
-        let way = (self.before.0, self.motor());
+        let (from, to) = (self.before.0, self.motor());
+        let (on_turn, width) = (to.rem_euclid(self.turn), self.index_width());
+        let on = on_turn < width;
+        // The stretch between two boundaries that the motor is on.
+        let (first, next) = if on { (0, width) } else { (width, self.turn) };
+        let stretch = to - on_turn + first..to - on_turn + next;
+        if stretch.contains(&from) {
+            return (on, None);
+        }
+        (on, self.index_change((from, to)))
+    }
+
+    /// The command count at the first change of the one-turn signal on a way.
+    fn index_change(&self, way: (i64, i64)) -> Option<Pulses> {
+        let starts = [0, self.index_width()];
         self.first_change(way, |place| {
             let on_turn = |start: &i64| place - (place - start).rem_euclid(self.turn);
             starts.iter().map(on_turn).max()

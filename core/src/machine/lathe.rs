@@ -48,6 +48,14 @@ pub struct Lathe {
     real_slides: bool,
 }
 
+/// What the switches along a slide say.
+#[derive(Clone, Copy)]
+struct SlideSwitches {
+    /// The deceleration switch is pressed.
+    dog: bool,
+    over_limit: Option<OverLimit>,
+}
+
 impl Lathe {
     /// Builds and wires the lathe to fit the parameters found now.
     pub fn new(config: LatheConfig, parameters: &Parameters) -> Self {
@@ -175,47 +183,49 @@ impl Lathe {
             encoder_index = self.lost_index;
             spindle_index = false;
         }
-        let index = |axis: Axis, lost: Fault| {
-            let drive = self.axes.get(axis);
+        let switches = PerAxis::new(
+            self.switches(Axis::X, Fault::DogX, Fault::LimitX),
+            self.switches(Axis::Z, Fault::DogZ, Fault::LimitZ),
+        );
+        let zero_signal = |axis: Axis, lost: Fault| {
             if *self.wiring.one_switch.get(axis) {
-                self.on_dog(axis)
+                (switches.get(axis).dog, self.axes.get(axis).dog_latch())
+            } else if self.faults.has(lost) {
+                (false, None)
             } else {
-                drive.index() && !self.faults.has(lost)
+                self.axes.get(axis).index()
             }
         };
-        let latch = |axis: Axis, lost: Fault| {
-            let drive = self.axes.get(axis);
-            if *self.wiring.one_switch.get(axis) {
-                drive.dog_latch()
-            } else {
-                drive.index_latch().filter(|_| !self.faults.has(lost))
-            }
-        };
+        let x = zero_signal(Axis::X, Fault::IndexX);
+        let z = zero_signal(Axis::Z, Fault::IndexZ);
         Inputs {
-            x: self.contacts(),
-            index_pulse: PerAxis::new(index(Axis::X, Fault::IndexX), index(Axis::Z, Fault::IndexZ)),
-            index_latch: PerAxis::new(latch(Axis::X, Fault::IndexX), latch(Axis::Z, Fault::IndexZ)),
+            x: self.contacts(&switches),
+            index_pulse: PerAxis::new(x.0, z.0),
+            index_latch: PerAxis::new(x.1, z.1),
             drive_alarm: PerAxis::new(self.alarm_signal(Axis::X), self.alarm_signal(Axis::Z)),
             drive_ready: PerAxis::new(self.ready_signal(Axis::X), self.ready_signal(Axis::Z)),
             encoder,
             encoder_index,
             spindle_index,
             handwheel: self.handwheel,
-            over_limit: PerAxis::new(
-                self.over_limit_of(Axis::X, Fault::LimitX),
-                self.over_limit_of(Axis::Z, Fault::LimitZ),
-            ),
+            over_limit: PerAxis::new(switches.x.over_limit, switches.z.over_limit),
             board: None,
         }
     }
 
-    /// The limit switch of an axis that is tripped.
-    fn over_limit_of(&self, axis: Axis, stuck: Fault) -> Option<OverLimit> {
-        if self.real_slides {
-            return None;
+    /// What the switches along a slide say, with the faults of both.
+    fn switches(&self, axis: Axis, dog_stuck: Fault, limit_stuck: Fault) -> SlideSwitches {
+        let slide = self.axes.get(axis);
+        let over_limit = if self.real_slides {
+            None
+        } else {
+            let stuck = self.faults.has(limit_stuck).then_some(OverLimit::Stuck);
+            slide.over_limit().or(stuck)
+        };
+        SlideSwitches {
+            dog: (!self.real_slides && slide.on_dog()) || self.faults.has(dog_stuck),
+            over_limit,
         }
-        let stuck = self.faults.has(stuck).then_some(OverLimit::Stuck);
-        self.axes.get(axis).over_limit().or(stuck)
     }
 
     /// Whether a drive has switched itself off.
@@ -242,15 +252,6 @@ impl Lathe {
         ready == self.wiring.drive_ready
     }
 
-    /// Whether the deceleration switch of an axis is pressed.
-    fn on_dog(&self, axis: Axis) -> bool {
-        let stuck = match axis {
-            Axis::X => Fault::DogX,
-            Axis::Z => Fault::DogZ,
-        };
-        (!self.real_slides && self.axes.get(axis).on_dog()) || self.faults.has(stuck)
-    }
-
     /// The station switches that answer, T01 in bit 0, up to T08.
     fn station_switches(&self) -> u8 {
         if self.faults.has(Fault::TurretContactsOpen) {
@@ -265,7 +266,7 @@ impl Lathe {
         answering(self.turret.station()) | answering(self.stuck_station)
     }
 
-    fn contacts(&self) -> [u8; X_BYTES] {
+    fn contacts(&self, slides: &PerAxis<SlideSwitches>) -> [u8; X_BYTES] {
         let wiring = &self.wiring;
         let mut x = [0u8; X_BYTES];
         // All are open at first.
@@ -299,9 +300,13 @@ impl Lathe {
             pins::STATIONS[7],
             shared(wiring.x1_2, 8, in_position(wiring.x1_2, 2, first)),
         );
-        set(pins::DECELERATION_X, self.on_dog(Axis::X) == wiring.on_dog);
-        set(pins::DECELERATION_Z, self.on_dog(Axis::Z) == wiring.on_dog);
-        set(pins::EMERGENCY_STOP, self.emergency_loop_closed());
+        set(pins::DECELERATION_X, slides.x.dog == wiring.on_dog);
+        set(pins::DECELERATION_Z, slides.z.dog == wiring.on_dog);
+        let over = slides.x.over_limit.or(slides.z.over_limit).is_some();
+        set(
+            pins::EMERGENCY_STOP,
+            self.loop_closed(over || self.limit_switch_stuck()),
+        );
         set(
             pins::TOOL_CLAMPED,
             match wiring.pressure {
@@ -329,17 +334,23 @@ impl Lathe {
     /// The loop of the emergency button and the limit switches, which the release
     /// button bridges.
     pub fn emergency_loop_closed(&self) -> bool {
+        self.loop_closed(self.over_limit())
+    }
+
+    fn loop_closed(&self, over_limit: bool) -> bool {
         !self.emergency_button
             && !self.faults.has(Fault::EmergencyStop)
-            && (self.overtravel_release || !self.over_limit())
+            && (self.overtravel_release || !over_limit)
+    }
+
+    fn limit_switch_stuck(&self) -> bool {
+        self.faults.has(Fault::LimitX) || self.faults.has(Fault::LimitZ)
     }
 
     /// Whether a limit switch is tripped.
     pub fn over_limit(&self) -> bool {
         let over = self.axes.x.over_limit().or(self.axes.z.over_limit());
-        (over.is_some() && !self.real_slides)
-            || self.faults.has(Fault::LimitX)
-            || self.faults.has(Fault::LimitZ)
+        (over.is_some() && !self.real_slides) || self.limit_switch_stuck()
     }
 
     /// Holds a machine input at a value; `None` gives it back to its sensor.

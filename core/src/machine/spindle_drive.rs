@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::config::SpindleConfig;
 use super::wiring::Wiring;
 use crate::memory::Parameters;
-use crate::units::TICK_S;
+use crate::units::{TICK_S, floor};
 
 /// Below this the spindle stands, and a speed has been reached, r/min.
 const NOTHING: f64 = 0.01;
@@ -148,13 +148,14 @@ impl SpindleDrive {
             return;
         }
         let turns = self.turns * self.encoder_ratio;
-        let whole = turns.floor();
-        let crossed = self.whole.max(whole as i64);
-        self.index_now = self.whole != whole as i64;
+        let whole = floor(turns);
+        let crossed = self.whole.max(whole);
+        self.index_now = self.whole != whole;
         if self.index_now {
             self.index = crossed * self.counts;
         }
-        self.whole = whole as i64;
-        self.encoder = self.whole * self.counts + ((turns - whole) * self.counts as f64) as i64;
+        self.whole = whole;
+        let part = turns - whole as f64;
+        self.encoder = whole * self.counts + (part * self.counts as f64) as i64;
     }
 }

@@ -1,0 +1,195 @@
+//! The scan leaves out rungs of which nothing has changed: what it leaves must be what a
+//! scan of every rung leaves, slot by slot.
+//!
+//! The oracle is the same PLC with a bit held by hand that nothing uses: it runs every
+//! rung, one operation after the other.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on should say where"
+)]
+
+use std::sync::Arc;
+
+use gsk_plc::{ByteAddress, Ladder, Plc};
+use proptest::prelude::*;
+
+const STANDARD: &str = include_str!("../../assets/ladder/standard.il");
+
+/// A change of memory from outside before a slot.
+#[derive(Clone, Debug)]
+struct Poke {
+    byte: String,
+    value: u8,
+}
+
+fn same_slots(ladder: &Arc<Ladder>, slots: &[Vec<Poke>]) -> Result<(), TestCaseError> {
+    let mut plc = Plc::new(Arc::clone(ladder));
+    let mut whole = plc.clone();
+    whole.force("R999.7".parse().unwrap(), Some(false));
+    for (slot, pokes) in slots.iter().enumerate() {
+        for Poke { byte, value } in pokes {
+            let address: ByteAddress = byte.parse().unwrap();
+            plc.memory_mut().set_byte(address, *value);
+            whole.memory_mut().set_byte(address, *value);
+        }
+        plc.slot();
+        whole.slot();
+        prop_assert_eq!(plc.memory(), whole.memory(), "slot {}", slot);
+    }
+    Ok(())
+}
+
+fn poke(byte: impl Strategy<Value = String>) -> impl Strategy<Value = Poke> {
+    let value = prop_oneof![any::<u8>(), 0..3u8];
+    (byte, value).prop_map(|(byte, value)| Poke { byte, value })
+}
+
+/// Slots in most of which nothing changes.
+fn slots(
+    byte: impl Strategy<Value = String>,
+    most: usize,
+) -> impl Strategy<Value = Vec<Vec<Poke>>> {
+    let pokes = prop::collection::vec(poke(byte), 1..4);
+    let slot = prop_oneof![6 => Just(Vec::new()), 1 => pokes];
+    prop::collection::vec(slot, 1..most)
+}
+
+/// Few bytes, so that the rungs of a small ladder meet.
+fn byte() -> impl Strategy<Value = String> {
+    prop_oneof![
+        (0..2u8).prop_map(|n| format!("X{n}")),
+        (0..2u8).prop_map(|n| format!("F{n}")),
+        (0..2u8).prop_map(|n| format!("G{n}")),
+        (0..4u8).prop_map(|n| format!("R{n}")),
+        (0..4u8).prop_map(|n| format!("D{n}")),
+        (0..2u8).prop_map(|n| format!("C{n}")),
+    ]
+}
+
+fn written() -> impl Strategy<Value = String> {
+    prop_oneof![
+        (0..2u8).prop_map(|n| format!("G{n}")),
+        (0..4u8).prop_map(|n| format!("R{n}")),
+        (0..4u8).prop_map(|n| format!("D{n}")),
+    ]
+}
+
+fn read_bit() -> impl Strategy<Value = String> {
+    let byte = prop_oneof![
+        Just("X0"),
+        Just("X1"),
+        Just("F0"),
+        Just("G0"),
+        Just("R0"),
+        Just("R1"),
+        Just("R2"),
+    ];
+    (byte, 0..3u8).prop_map(|(byte, bit)| format!("{byte}.{bit}"))
+}
+
+fn written_bit() -> impl Strategy<Value = String> {
+    let byte = prop_oneof![Just("G0"), Just("R0"), Just("R1"), Just("R2"), Just("Y0")];
+    (byte, 0..3u8).prop_map(|(byte, bit)| format!("{byte}.{bit}"))
+}
+
+fn value() -> impl Strategy<Value = String> {
+    prop_oneof![byte(), (0..6u8).prop_map(|number| number.to_string())]
+}
+
+fn contacts() -> impl Strategy<Value = String> {
+    let further = (0..4usize, read_bit());
+    let name = |kind: usize| ["AND", "ANI", "OR", "ORI"][kind];
+    let further = further.prop_map(move |(kind, bit)| format!("{} {bit}\n", name(kind)));
+    let first = (any::<bool>(), read_bit());
+    let first = first.prop_map(|(not, bit)| format!("LD{} {bit}\n", if not { "I" } else { "" }));
+    (first, prop::collection::vec(further, 0..3)).prop_map(|(first, rest)| first + &rest.concat())
+}
+
+fn coils() -> impl Strategy<Value = String> {
+    prop_oneof![
+        (0..2u8).prop_map(|n| format!("G{n}")),
+        (0..4u8).prop_map(|n| format!("R{n}")),
+    ]
+}
+
+/// `result`: some rungs read R900.
+fn output(result: bool) -> BoxedStrategy<String> {
+    let copied = if result { "R900" } else { "R3" };
+    prop_oneof![
+        4 => written_bit().prop_map(|bit| format!("OUT {bit}\n")),
+        2 => written_bit().prop_map(|bit| format!("SET {bit}\n")),
+        2 => written_bit().prop_map(|bit| format!("RST {bit}\n")),
+        3 => (value(), value(), coils())
+            .prop_map(|(a, b, to)| format!("CMP 1 {a} {b} {to}.0\n")),
+        // The number of the timer is put in afterwards: each stands but once.
+        2 => (0..2u8, written_bit()).prop_map(|(time, bit)| format!("TMRB T# DT{time} {bit}\n")),
+        1 => (0..2u8, 0..2u8, read_bit(), 0..2u8, 0..2u8, written_bit()).prop_map(
+            |(first, down, reset, counter, preset, bit)|
+                format!("CTRC 00{first}{down} {reset} C{counter} DC{preset} {bit}\n")
+        ),
+        2 => (value(), written()).prop_map(|(from, to)| format!("MOVN 1 {from} {to}\n")),
+        1 => (byte(), coils()).prop_map(|(from, to)| format!("DECB 1 {from} 1 {to}\n")),
+        1 => (written(), written())
+            .prop_map(|(index, to)| format!("CODB 1 2 {index} {to} , 3 1 7 0\n")),
+        1 => (written(), written(), written(), written_bit()).prop_map(
+            |(current, target, result, bit)|
+                format!("ROTB 1110 0006 1 {current} {target} {result} {bit}\n")
+        ),
+        1 => Just(format!("MOVN 1 {copied} D3\n")),
+    ]
+    .boxed()
+}
+
+fn rungs(most: usize, result: bool) -> impl Strategy<Value = String> {
+    let rung = (contacts(), prop::collection::vec(output(result), 1..3));
+    let rung = rung.prop_map(|(contacts, outputs)| contacts + &outputs.concat());
+    prop::collection::vec(rung, 0..most).prop_map(|rungs| rungs.concat())
+}
+
+fn ladder() -> impl Strategy<Value = String> {
+    let rungs = |result| (rungs(4, result), rungs(12, result));
+    prop_oneof![3 => rungs(false), 1 => rungs(true)].prop_map(|(first, second)| {
+        let presets = ".INIT DT0 0\n.INIT DT1 30\n.INIT DC0 1\n.INIT DC1 3\n";
+        let text = format!("{presets}{first}END1\n{second}END2\n");
+        let mut numbered = String::new();
+        for (number, part) in text.split('#').enumerate() {
+            if number > 0 {
+                numbered.push_str(&(number - 1).to_string());
+            }
+            numbered.push_str(part);
+        }
+        numbered
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(600))]
+
+    #[test]
+    fn any_small_ladder(text in ladder(), slots in slots(byte(), 60)) {
+        match Ladder::compile(&text) {
+            Ok(ladder) => same_slots(&Arc::new(ladder), &slots)?,
+            Err(errors) => prop_assert!(false, "{}\n{}", text, errors),
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn the_standard_ladder(
+        slots in slots(
+            prop_oneof![
+                (0..30u8).prop_map(|n| format!("X{n}")),
+                (0..=255u8).prop_map(|n| format!("F{n}")),
+                (0..40u8).prop_map(|n| format!("K{n}")),
+                (0..14u8).prop_map(|n| format!("DT{n}")),
+            ],
+            1500,
+        ),
+    ) {
+        same_slots(&Arc::new(Ladder::compile(STANDARD).unwrap()), &slots)?;
+    }
+}
