@@ -61,6 +61,11 @@ pub(crate) fn carry_out(
 ) -> Result<Outcome, Alarm> {
     words.check()?;
     let flow = flow(words, scene.memory)?;
+    // Words of a macro are its arguments.
+    let is_macro = matches!(flow, Flow::Macro { .. });
+    if !is_macro {
+        words.check_axes()?;
+    }
     scene.exact = words.exact_stop;
     set_plane(state, words, scene)?;
     set_modal(state, words, scene)?;
@@ -68,8 +73,6 @@ pub(crate) fn carry_out(
     set_length(state, words, scene.memory)?;
     set_spindle(state, words, scene)?;
     let mut moved = false;
-    // Words of a macro are its arguments.
-    let is_macro = matches!(flow, Flow::Macro { .. });
     match (words.scaling, words.rotation) {
         (Some(Switch::On), _) => codes::scale(state, block, words, scene)?,
         (_, Some(Switch::On)) => codes::rotate(state, words, scene)?,
@@ -107,7 +110,7 @@ fn moves(
         state.resync(scene.memory);
         return Ok(false);
     }
-    let to = state.transform.apply(state.programmed) + state.frame(scene.memory);
+    let to = state.place(state.programmed, scene.memory);
     let way = match state.modal.motion {
         Motion::Rapid => Way::Rapid,
         _ => Way::Cut,

@@ -1,5 +1,5 @@
 //! Programs of the GSK980MDi, a mill control related to the lathe's: blocks to moves of
-//! three axes, with what scaling, rotation, length offsets and the cutter radius make of
+//! three to five axes, with what scaling, rotation, length offsets and the cutter radius make of
 //! them, their time and their alarms. They are checked and drawn, and not run.
 //!
 //! ```text
@@ -10,6 +10,7 @@
 //! ```
 
 mod arc;
+mod axes;
 mod block;
 mod bounds;
 mod codes;
@@ -20,6 +21,7 @@ pub mod keys;
 mod memory;
 mod modal;
 mod moves;
+mod options;
 mod parameter_table;
 mod preview;
 mod space;
@@ -34,10 +36,12 @@ mod words;
 #[cfg(test)]
 mod tests;
 
+pub use axes::{Axes, Further};
 pub use bounds::{Bounds, Lengths};
-pub use memory::{MillMemory, Offset, WordError, parameter};
+pub use memory::{MillMemory, Offset, parameter};
 pub use modal::{Modal, Spindle};
 pub use moves::{Arc, Move, MoveKind};
+pub use options::WordError;
 pub use parameter_table::{ParameterRow, parameter_rows};
 pub use preview::{End, MillSetup, Preview, Progress, preview_while};
 pub use space::{Axis, Each, Flat, Length, Plane, Position};

@@ -3,7 +3,8 @@
 use gsk_core::command::Source;
 use gsk_core::units::Feed;
 
-use crate::space::{Flat, Plane, Position};
+use crate::axes::{Axes, Further};
+use crate::space::{Axis, Flat, Plane, Position};
 
 /// What is done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +60,8 @@ pub struct Move {
     pub from: Position,
     /// End.
     pub to: Position,
+    /// Which axes there are.
+    pub axes: Axes,
     /// Machine coordinates of the work zero.
     pub zero: Position,
     /// Of a round cut.
@@ -88,7 +91,7 @@ impl Move {
         })
     }
 
-    /// Length of its path, mm; a rapid counts as its chord.
+    /// Length of its path along X, Y and Z, mm; a rapid counts as its chord.
     pub fn length(&self) -> f64 {
         let (Some(Arc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
             return self.from.distance(&self.to);
@@ -101,10 +104,32 @@ impl Move {
         libm::sqrt(round * round + rise * rise)
     }
 
+    /// Its ways along all axes at once, a degree as a millimetre: what the feed is of.
+    pub(crate) fn way(&self) -> f64 {
+        let way = self.to - self.from;
+        let squares = Axis::FURTHER
+            .map(|axis| way.get(axis).mm())
+            .map(|it| it * it);
+        let further: f64 = squares.iter().sum();
+        let length = self.length();
+        if further == 0.0 {
+            length
+        } else {
+            libm::sqrt(length * length + further)
+        }
+    }
+
     /// Its way along the axis that goes farthest, mm.
     pub(crate) fn longest(&self) -> f64 {
-        let way = (self.to - self.from).mm();
-        way.into_iter().map(f64::abs).fold(0.0, f64::max)
+        let way = (self.to - self.from).0;
+        way.into_iter().map(|it| it.abs().mm()).fold(0.0, f64::max)
+    }
+
+    /// Where the further axes of the machine begin and end, mm or degrees.
+    pub fn further(&self) -> impl Iterator<Item = (Further, f64, f64)> + use<> {
+        let (from, to) = (self.from, self.to);
+        let all = self.axes.all_further();
+        all.map(move |(axis, it)| (it, from.get(axis).mm(), to.get(axis).mm()))
     }
 
     /// The point at a part of its path, mm; 0 is the start, 1 the end.

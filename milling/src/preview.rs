@@ -10,11 +10,13 @@ use gsk_messages::say;
 
 pub use gsk_core::preview::{End, Progress};
 
+use crate::axes::Axes;
 use crate::block::{self, Flow};
 use crate::bounds::{Bounds, Lengths};
 use crate::cutter::Cutter;
-use crate::memory::{MillMemory, WordError, parameter, position};
+use crate::memory::{MillMemory, parameter};
 use crate::modal::{Modal, Motion};
+use crate::options::{WordError, position};
 use crate::space::{Axis, Length, Position};
 use crate::state::State;
 use crate::system::{Common, Known};
@@ -64,12 +66,13 @@ impl MillSetup {
         self
     }
 
-    /// Takes where the slides stand, `X,Y,Z` in mm.
+    /// Takes where the slides stand, `X,Y,Z` in mm, and further axes behind.
     ///
     /// # Errors
     /// What is wrong with it.
     pub fn take_start(&mut self, word: &str) -> Result<(), WordError> {
-        self.start = position(word).ok_or_else(|| WordError(say::mill_start_form(word)))?;
+        let start = position(&self.memory, word);
+        self.start = start.ok_or_else(|| WordError(say::mill_start_form(word)))?;
         Ok(())
     }
 }
@@ -105,6 +108,8 @@ pub struct Preview {
     pub work: Position,
     /// Final position of the slides, machine coordinates.
     pub machine: Position,
+    /// Which axes there are.
+    pub axes: Axes,
     /// Modal state at the end.
     pub modal: Modal,
 }
@@ -170,8 +175,11 @@ impl<'a> Run<'a> {
         on_move: &'a mut OnMove<'_>,
     ) -> Self {
         let memory = setup.memory.clone();
+        let axes = Axes::of(&memory);
+        let start = axes.rolled(setup.start);
         let mut state = State {
-            machine: setup.start,
+            axes,
+            machine: start,
             ..State::default()
         };
         state.modal.feed = memory.value(parameter::FIRST_FEED).into();
@@ -184,8 +192,8 @@ impl<'a> Run<'a> {
             main: program,
             walker: Walker::new(program),
             state,
-            cutter: Cutter::new(setup.start),
-            tracker: Tracker::new(&memory, setup.start, on_move),
+            cutter: Cutter::new(start),
+            tracker: Tracker::new(&memory, start, on_move),
             memory,
             common: Common::new(),
             block_skip: setup.block_skip,
@@ -271,7 +279,7 @@ impl<'a> Run<'a> {
     }
 
     fn carry_out(&mut self, block: &Block) -> Result<Option<End>, Alarm> {
-        let words = Words::of(block, self.memory.model.record())?;
+        let words = Words::of(block, self.memory.model.record(), self.state.axes)?;
         let source = self.source();
         let mut scene = Scene {
             memory: &mut self.memory,
@@ -349,7 +357,8 @@ impl<'a> Run<'a> {
             tools: self.tools.clone(),
             bounds: self.tracker.bounds,
             lengths: self.tracker.lengths,
-            work: self.tracker.machine - frame,
+            work: self.state.axes.rolled(self.tracker.machine - frame),
+            axes: self.state.axes,
             machine: self.tracker.machine,
             modal: self.state.modal,
         }
@@ -388,9 +397,12 @@ impl<'a> Run<'a> {
 
     /// What refuses a block by its words alone; whether the program ends with it.
     fn refusal(&mut self, block: &Block) -> Result<bool, Alarm> {
-        let words = Words::of(block, self.memory.model.record())?;
+        let words = Words::of(block, self.memory.model.record(), self.state.axes)?;
         words.check()?;
         let flow = block::flow(&words, &self.memory)?;
+        if !matches!(flow, Flow::Macro { .. }) {
+            words.check_axes()?;
+        }
         self.state.modal.inch = words.inch.unwrap_or(self.state.modal.inch);
         match flow {
             Flow::End => return Ok(true),

@@ -7,7 +7,7 @@ use crate::space::{Axis, Each, Position};
 /// What the slides can do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rates {
-    /// mm/s.
+    /// mm/s; of an axis that turns degrees/s.
     rapid: Each<f64>,
     /// s, to the rapid rate.
     rapid_time: f64,
@@ -20,9 +20,15 @@ pub(crate) struct Rates {
 impl Rates {
     pub(crate) fn of(memory: &MillMemory) -> Self {
         let seconds = |number| f64::from(memory.value(number)) / 1000.0;
+        let index = memory.value(parameter::INDEX);
         Self {
             rapid: Each(Axis::ALL.map(|axis| {
-                f64::from(memory.value(parameter::of(parameter::RAPID_RATE, axis))) / 60.0
+                let number = match axis {
+                    Axis::Fourth if index == 4 => parameter::INDEX_RATE,
+                    Axis::Fifth if index == 5 => parameter::INDEX_RATE,
+                    _ => parameter::of(parameter::RAPID_RATE, axis),
+                };
+                f64::from(memory.value(number)) / 60.0
             })),
             rapid_time: seconds(parameter::RAPID_TIME),
             feed: f64::from(memory.value(parameter::FEED_LIMIT)) / 60.0,

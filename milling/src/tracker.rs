@@ -5,6 +5,7 @@ use gsk_core::command::Source;
 use gsk_core::units::Feed;
 use gsk_messages::say;
 
+use crate::axes::Axes;
 use crate::bounds::{Bounds, Lengths};
 use crate::memory::{MillMemory, parameter};
 use crate::moves::{Arc, Move, MoveKind};
@@ -37,6 +38,7 @@ pub(crate) type OnMove<'a> = dyn FnMut(&Move) + 'a;
 /// The slides.
 pub(crate) struct Tracker<'a> {
     rates: Rates,
+    axes: Axes,
     travel: (Position, Position),
     pub(crate) machine: Position,
     pub(crate) now: f64,
@@ -53,6 +55,7 @@ impl<'a> Tracker<'a> {
     pub(crate) fn new(memory: &MillMemory, start: Position, on_move: &'a mut OnMove<'a>) -> Self {
         Self {
             rates: Rates::of(memory),
+            axes: Axes::of(memory),
             travel: (
                 memory.point(parameter::TRAVEL_MINUS),
                 memory.point(parameter::TRAVEL_PLUS),
@@ -75,11 +78,13 @@ impl<'a> Tracker<'a> {
             return Ok(());
         }
         self.check_travel(step)?;
+        let from = self.axes.rolled(self.machine - step.frame);
         let mut made = Move {
             source: step.source,
             kind: step.kind,
-            from: self.machine - step.frame,
-            to: step.to - step.frame,
+            from,
+            to: from + (step.to - self.machine),
+            axes: self.axes,
             zero: step.zero,
             arc: step.arc.map(|arc| Arc {
                 center: arc.center - step.frame.flat(arc.plane),
@@ -112,7 +117,7 @@ impl<'a> Tracker<'a> {
                 // The lead of a thread is along its longest axis.
                 let way = match step.kind {
                     MoveKind::Thread => made.longest(),
-                    _ => length,
+                    _ => made.way(),
                 };
                 made.duration_s = way / self.rates.cutting(feed);
                 self.cutting_s += made.duration_s;
@@ -126,7 +131,7 @@ impl<'a> Tracker<'a> {
             }
         }
         self.now += made.duration_s;
-        self.machine = step.to;
+        self.machine = self.axes.rolled(step.to);
         self.moves += 1;
         if step.kind != MoveKind::Dwell {
             Bounds::reach(&mut self.bounds, &made);
@@ -157,29 +162,30 @@ impl<'a> Tracker<'a> {
 
     fn check_travel(&self, step: &Step) -> Result<(), Alarm> {
         let (minus, plus) = self.travel;
-        for axis in Axis::ALL {
+        for axis in self.axes.all() {
             let to = step.to.get(axis);
             let (low, high) = (minus.get(axis), plus.get(axis));
-            if (low..=high).contains(&to) {
+            if (low..=high).contains(&to) || self.axes.rolls(axis) {
                 continue;
             }
-            let beyond = if to > high {
-                [
-                    number::X_PLUS_LIMIT,
-                    number::Y_PLUS_LIMIT,
-                    number::Z_PLUS_LIMIT,
-                ]
-            } else {
-                [
-                    number::X_MINUS_LIMIT,
-                    number::Y_MINUS_LIMIT,
-                    number::Z_MINUS_LIMIT,
-                ]
+            let beyond = match (axis, to > high) {
+                (Axis::X, true) => number::X_PLUS_LIMIT,
+                (Axis::X, false) => number::X_MINUS_LIMIT,
+                (Axis::Y, true) => number::Y_PLUS_LIMIT,
+                (Axis::Y, false) => number::Y_MINUS_LIMIT,
+                (Axis::Z, true) => number::Z_PLUS_LIMIT,
+                (Axis::Z, false) => number::Z_MINUS_LIMIT,
+                // The family has no number for them.
+                (Axis::Fourth | Axis::Fifth, _) => number::OUT_OF_RANGE,
             };
-            let detail =
-                say::mill_beyond_travel(char::from(axis.address()), to.mm(), low.mm(), high.mm());
-            let alarm = Alarm::new(beyond[axis as usize]).because(detail);
-            return Err(alarm.at(step.source));
+            let name = self.axes.letter(axis);
+            let unit = if self.axes.is_rotary(axis) {
+                "°"
+            } else {
+                "mm"
+            };
+            let detail = say::mill_beyond_travel(name, to.mm(), low.mm(), high.mm(), unit);
+            return Err(Alarm::new(beyond).because(detail).at(step.source));
         }
         Ok(())
     }

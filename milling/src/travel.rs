@@ -88,7 +88,7 @@ impl Scene<'_, '_> {
         let mut step = match way {
             Way::Rapid => self.step(state, MoveKind::Rapid),
             Way::Cut => Step {
-                feed: Some(feed(state)?),
+                feed: Some(turning(state, &to, feed(state)?)),
                 ..self.step(state, MoveKind::Feed)
             },
             Way::CutAt(feed) => Step {
@@ -107,7 +107,7 @@ impl Scene<'_, '_> {
         };
         step.to = to;
         self.push(state, &step, apart)?;
-        state.machine = to;
+        state.stand_at(to);
         Ok(())
     }
 
@@ -140,6 +140,19 @@ pub(crate) fn feed(state: &State) -> Result<Feed, Alarm> {
     Ok(Feed::PerRevolution(modal.feed))
 }
 
+/// The feed of a cut in which axes turn and none goes straight: an F in inches was none.
+fn turning(state: &State, to: &Position, feed: Feed) -> Feed {
+    let moves = |axis: &Axis| to.get(*axis) != state.machine.get(*axis);
+    let mut moving = state.axes.all().filter(moves).peekable();
+    let turns = moving.peek().is_some() && moving.all(|axis| state.axes.is_rotary(axis));
+    match feed {
+        Feed::PerMinute(feed) if turns && state.modal.inch => Feed::PerMinute(feed / MM_AN_INCH),
+        feed => feed,
+    }
+}
+
+const MM_AN_INCH: f64 = 25.4;
+
 /// Leads of threads, mm.
 const LEADS: core::ops::RangeInclusive<f64> = 0.001..=500.0;
 
@@ -169,14 +182,14 @@ pub(crate) fn target(state: &mut State, words: &Words) -> Position {
     let word = |axis: Axis| words.letters.axes.get(axis);
     for axis in Axis::ALL {
         if let Some(value) = word(axis) {
-            let value = length(value, modal.inch);
+            let value = state.word(axis, value);
             let from = to.get(axis);
             to.set(
                 axis,
                 if modal.incremental {
                     from + value
                 } else {
-                    value
+                    state.axes.towards(axis, from, value)
                 },
             );
         }
@@ -237,14 +250,14 @@ pub(crate) fn motion(
     }
     settle_rotation(state, scene.memory);
     let programmed = target(state, words);
-    let to = state.transform.apply(programmed) + state.frame(scene.memory);
+    let to = state.place(programmed, scene.memory);
     match motion {
         Motion::Rapid => scene.go(state, to, Way::Rapid, false)?,
         Motion::Line => scene.go(state, to, Way::Cut, false)?,
         Motion::Arc { clockwise } => arc_to(state, words, to, clockwise, scene)?,
         Motion::Thread => scene.go(state, to, Way::Thread(lead(state)?), true)?,
     }
-    state.programmed = programmed;
+    state.programmed_at(programmed);
     Ok(true)
 }
 
@@ -296,7 +309,7 @@ fn arc_to(
         ..scene.step(state, kind)
     };
     scene.push(state, &step, false)?;
-    state.machine = to;
+    state.stand_at(to);
     Ok(())
 }
 
@@ -349,8 +362,14 @@ pub(crate) fn holes(
     beside.letters.axes.set(across, None);
     for _ in 0..count {
         let programmed = target(state, &beside);
-        let mut over = state.transform.apply(programmed) + state.frame(scene.memory);
+        let mut over = state.place(programmed, scene.memory);
         over.set(across, state.machine.get(across));
+        let rolled = state.axes.rolled(over);
+        if rolled != over {
+            // The other parts of the hole do not turn once more.
+            scene.go(state, over, Way::Rapid, true)?;
+            over = rolled;
+        }
         let levels = levels(hole, state, scene.memory)?;
         let HoleData {
             initial,
@@ -381,7 +400,7 @@ pub(crate) fn holes(
                 Part::Spindle(spindle) => state.modal.spindle = spindle,
             }
         }
-        state.programmed = programmed;
+        state.programmed_at(programmed);
         let level = state.transform.undo(state.work(scene.memory)).get(across);
         state.programmed.set(across, level);
     }
@@ -414,7 +433,7 @@ fn levels(hole: Hole, state: &State, memory: &MillMemory) -> Result<(Length, Len
     };
     let r = data.r.map_or(data.initial, |r| level(r, data.initial));
     let Some(bottom) = data.bottom else {
-        let detail = say::mill_hole_without_bottom(hole.code(), char::from(across.address()));
+        let detail = say::mill_hole_without_bottom(hole.code(), state.axes.letter(across));
         return Err(Alarm::new(number::CYCLE_DATA).because(detail));
     };
     Ok((r, level(bottom, r)))

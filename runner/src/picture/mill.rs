@@ -12,7 +12,7 @@
 //! ```
 
 use gsk_messages::{Language, say};
-use gsk_milling::{Move, MoveKind};
+use gsk_milling::{Further, Move, MoveKind};
 
 use super::canvas::{Align, Canvas};
 use super::clip::clipped;
@@ -94,6 +94,8 @@ pub struct MillDrawing {
     cuts: Option<Cube>,
     all: Option<Cube>,
     times: Times,
+    /// What further axes reach that have moved: mm, or degrees.
+    further: Vec<(Further, f64, f64)>,
     count: usize,
     left_out: u64,
 }
@@ -110,6 +112,7 @@ impl MillDrawing {
             cuts: None,
             all: None,
             times: Times::default(),
+            further: Vec::new(),
             count: 0,
             left_out: 0,
         }
@@ -119,6 +122,11 @@ impl MillDrawing {
     pub fn push(&mut self, made: &Move) {
         self.times.push(made);
         if made.kind == MoveKind::Dwell {
+            return;
+        }
+        self.turn(made);
+        // What only turns draws nothing.
+        if made.arc.is_none() && made.from.mm() == made.to.mm() {
             return;
         }
         if self.count >= MOST {
@@ -153,6 +161,22 @@ impl MillDrawing {
             _ => {
                 let points = core::iter::once(begin).chain(points).collect();
                 self.strokes.push(Stroke { made: way, points });
+            }
+        }
+    }
+
+    /// Takes what further axes do; of one that has never moved nothing is said.
+    fn turn(&mut self, made: &Move) {
+        for (further, from, to) in made.further() {
+            let (least, greatest) = (from.min(to), from.max(to));
+            let mut known = self.further.iter_mut();
+            match known.find(|(known, ..)| *known == further) {
+                Some((_, low, high)) => {
+                    *low = low.min(least);
+                    *high = high.max(greatest);
+                }
+                None if from == to => {}
+                None => self.further.push((further, least, greatest)),
             }
         }
     }
@@ -387,6 +411,22 @@ fn head(drawing: &MillDrawing, wide: f64, language: Language) -> (Vec<Part>, f64
         parts.push(Part::Line(Pen::of(made), vec![(x, y), (x + SAMPLE, y)]));
         parts.push(Part::Text {
             at: (x + SAMPLE + GAP, y + 5.0),
+            words,
+            align: Place::Left,
+        });
+        x += entry;
+    }
+    // The path is that of X, Y and Z: what turns is told.
+    for (further, least, greatest) in &drawing.further {
+        let unit = if further.rotary { "°" } else { " mm" };
+        let (least, greatest) = (figure(*least), figure(*greatest));
+        let words = format!("{} {least} … {greatest}{unit}", further.letter);
+        let entry = width(&words) + BETWEEN;
+        if x + entry > wide - EDGE && x > EDGE {
+            (x, y) = (EDGE, y + ROW);
+        }
+        parts.push(Part::Text {
+            at: (x, y + 5.0),
             words,
             align: Place::Left,
         });
