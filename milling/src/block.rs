@@ -187,15 +187,17 @@ fn set_modal(state: &mut State, words: &Words, scene: &mut Scene<'_, '_>) -> Res
         state.transform.rotation = None;
         state.resync(scene.memory);
     }
-    set_cutter(state, words)
+    set_cutter(state, words, scene.memory)
 }
 
-fn set_cutter(state: &mut State, words: &Words) -> Result<(), Alarm> {
+fn set_cutter(state: &mut State, words: &Words, memory: &MillMemory) -> Result<(), Alarm> {
+    let beside = matches!(words.cutter, Some(Side::Left | Side::Right));
+    if beside && !memory.bit(parameter::TOOLS, 1) {
+        return Err(alarm(number::BAD_G, say::mill_compensation_off()));
+    }
     let letters = &words.letters;
     // H names the radius where no D does.
-    let by_h = letters
-        .h
-        .filter(|_| matches!(words.cutter, Some(Side::Left | Side::Right)));
+    let by_h = letters.h.filter(|_| beside);
     if let Some(d) = letters.d.or(by_h.filter(|_| words.length.is_none())) {
         state.modal.d = offset_number(d)?;
     }

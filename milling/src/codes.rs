@@ -207,6 +207,11 @@ fn reference(
     }
     scene.go(state, over, Way::Rapid, true)?;
     to_point(state, words, &reference, scene)?;
+    if scene.memory.bit(parameter::LOCAL, 0) {
+        for axis in named(words) {
+            state.local.set(axis, Length::ZERO);
+        }
+    }
     keep_or_cancel_length(state, scene);
     Ok(())
 }

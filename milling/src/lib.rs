@@ -17,6 +17,7 @@ mod codes;
 pub mod commissioning;
 mod cutter;
 mod cycles;
+mod homing;
 pub mod keys;
 mod memory;
 mod modal;
@@ -38,6 +39,7 @@ mod tests;
 
 pub use axes::{Axes, Further};
 pub use bounds::{Bounds, Lengths};
+pub use homing::{ParameterValues, homing};
 pub use memory::{MillMemory, Offset, parameter};
 pub use modal::{Modal, Spindle};
 pub use moves::{Arc, Move, MoveKind};

@@ -14,13 +14,13 @@ use crate::space::{Axis, Each, Length, Position};
 pub mod parameter {
     use crate::space::Axis;
 
-    /// Bit 7: D is a diameter.
+    /// Bit 7: D is a diameter; bit 1: the radius of the cutter is compensated.
     pub const TOOLS: u16 = 2;
     /// Bit 4: offsets shift the coordinates, the slides stand.
     pub const OFFSETS: u16 = 3;
     /// Bit 6: every block of motion ends at a stand.
     pub const CORNERS: u16 = 7;
-    /// Bit 4: G01 at power-on.
+    /// Bit 7: axes of a rapid arrive together; bit 4: G01 at power-on.
     pub const MOTION: u16 = 12;
     /// Bit 7: length offsets stay after a return to a reference point and G53.
     pub const LENGTHS: u16 = 13;
@@ -34,6 +34,8 @@ pub mod parameter {
     pub const FEED_LIMIT: u16 = 27;
     /// Time constant of cuts, ms.
     pub const FEED_TIME: u16 = 29;
+    /// Speed at which cuts begin and end, mm/min.
+    pub const FEED_START: u16 = 30;
     /// Bit 7: a scale counts in 0.00001 instead of 0.001.
     pub const SCALE_UNIT: u16 = 36;
     /// Ends of the travel, machine coordinates, 0.001 mm.
@@ -44,6 +46,8 @@ pub mod parameter {
     pub const SKIP_FEED: u16 = 71;
     /// Rapid rate of the index axis, mm/min or degrees/min.
     pub const INDEX_RATE: u16 = 76;
+    /// Bit 4: no soft limits.
+    pub const LIMITS: u16 = 172;
     /// Of a further axis, bits 1 and 0: 00 a slide, 01 rotary A, 11 rotary B.
     pub const KIND: u16 = 187;
     /// Of a rotary axis A: bit 0: its coordinates begin anew behind a turn; bit 1: the sign
@@ -53,6 +57,8 @@ pub mod parameter {
     pub const ANGLES: u16 = 520;
     /// Bit 4: G54 and the like clear the shift of G92.
     pub const ZEROS: u16 = 540;
+    /// Local coordinates end with M30 and M02 (bit 1), with a reference return (bit 0).
+    pub const LOCAL: u16 = 542;
     /// Bit 2: G31 runs at 071.
     pub const SKIP: u16 = 551;
     /// Bit 7: G91 adds to the angle of G68; bit 4: a scale for each axis; bits 2 to 0: Z,
@@ -92,6 +98,12 @@ pub mod parameter {
     pub const PECK_CLEARANCE: u16 = 5115;
     /// A rigid tap goes back by, with 588.5 = 1, 0.001 mm.
     pub const TAP_BACK: u16 = 5213;
+    /// Override of the way out of a rigid tap, %; 0: 100.
+    pub const TAP_OUT: u16 = 5211;
+    /// Time constants of rigid taps, ms: in.
+    pub const TAP_TIME: u16 = 5261;
+    /// Out; 0: as in.
+    pub const TAP_TIME_OUT: u16 = 5271;
     /// Angle of G68 without R, 0.001 degrees.
     pub const ANGLE: u16 = 5410;
     /// Scale of G51 without P, and those of the axes without I, J and K.

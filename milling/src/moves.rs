@@ -66,6 +66,9 @@ pub struct Move {
     pub zero: Position,
     /// Of a round cut.
     pub arc: Option<Arc>,
+    /// Of a rapid in which each axis goes by itself (012.7 = 0): the parts of its time after
+    /// which X, Y and Z have arrived.
+    pub arrivals: Option<[f64; 3]>,
     /// Of a cut.
     pub feed: Option<Feed>,
     /// Seconds since the start.
@@ -135,8 +138,15 @@ impl Move {
     /// The point at a part of its path, mm; 0 is the start, 1 the end.
     pub fn at(&self, part: f64) -> [f64; 3] {
         let (from, to) = (self.from.mm(), self.to.mm());
-        let mut point: [f64; 3] =
-            core::array::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
+        let arrivals = self.arrivals.unwrap_or([1.0; 3]);
+        let mut point: [f64; 3] = core::array::from_fn(|axis| {
+            let done = if part < arrivals[axis] {
+                part / arrivals[axis]
+            } else {
+                1.0
+            };
+            from[axis] + (to[axis] - from[axis]) * done
+        });
         let (Some(Arc { plane, center }), Some(sweep)) = (self.arc, self.sweep()) else {
             return point;
         };

@@ -28,6 +28,8 @@ pub(crate) struct Step {
     pub(crate) speed: f64,
     /// The slides stand at its end.
     pub(crate) exact: bool,
+    /// Of a rigid tap: whether it is the way out.
+    pub(crate) rigid_out: Option<bool>,
     /// Of a dwell, s.
     pub(crate) dwell_s: f64,
 }
@@ -39,15 +41,17 @@ pub(crate) type OnMove<'a> = dyn FnMut(&Move) + 'a;
 pub(crate) struct Tracker<'a> {
     rates: Rates,
     axes: Axes,
-    travel: (Position, Position),
+    /// The ends of the travel, where they act.
+    travel: Option<(Position, Position)>,
     pub(crate) machine: Position,
     pub(crate) now: f64,
     pub(crate) cutting_s: f64,
     pub(crate) moves: u64,
     pub(crate) lengths: Lengths,
     pub(crate) bounds: Option<Bounds>,
-    /// The last cut: whether the slides stand at its end depends on what follows.
-    running: Option<Move>,
+    /// The last cut, and the seconds of a stand at its end: whether the slides stand there
+    /// depends on what follows.
+    running: Option<(Move, f64)>,
     on_move: &'a mut OnMove<'a>,
 }
 
@@ -56,10 +60,12 @@ impl<'a> Tracker<'a> {
         Self {
             rates: Rates::of(memory),
             axes: Axes::of(memory),
-            travel: (
-                memory.point(parameter::TRAVEL_MINUS),
-                memory.point(parameter::TRAVEL_PLUS),
-            ),
+            travel: (!memory.bit(parameter::LIMITS, 4)).then(|| {
+                (
+                    memory.point(parameter::TRAVEL_MINUS),
+                    memory.point(parameter::TRAVEL_PLUS),
+                )
+            }),
             machine: start,
             now: 0.0,
             cutting_s: 0.0,
@@ -90,17 +96,21 @@ impl<'a> Tracker<'a> {
                 center: arc.center - step.frame.flat(arc.plane),
                 ..arc
             }),
+            arrivals: None,
             feed: step.feed,
             start_s: self.now,
             duration_s: 0.0,
             tool: step.tool,
         };
         let length = made.length();
+        let mut settling = 0.0;
         match step.kind {
             MoveKind::Rapid => {
                 self.stand();
                 made.start_s = self.now;
-                made.duration_s = self.rates.rapid(&(step.to - self.machine));
+                let way = step.to - self.machine;
+                made.duration_s = self.rates.rapid(&way);
+                made.arrivals = self.rates.arrivals(&way);
                 self.lengths.rapid += length;
             }
             MoveKind::Dwell => {
@@ -121,6 +131,10 @@ impl<'a> Tracker<'a> {
                 };
                 made.duration_s = way / self.rates.cutting(feed);
                 self.cutting_s += made.duration_s;
+                settling = match step.rigid_out {
+                    Some(out) => self.rates.settling_of_tap(out),
+                    None => self.rates.settling(feed),
+                };
                 *match step.kind {
                     MoveKind::Clockwise => &mut self.lengths.clockwise,
                     MoveKind::CounterClockwise => &mut self.lengths.counter_clockwise,
@@ -139,7 +153,7 @@ impl<'a> Tracker<'a> {
         if matches!(step.kind, MoveKind::Rapid | MoveKind::Dwell) {
             (self.on_move)(&made);
         } else {
-            if let Some(before) = self.running.replace(made) {
+            if let Some((before, _)) = self.running.replace((made, settling)) {
                 (self.on_move)(&before);
             }
             if step.exact {
@@ -151,8 +165,7 @@ impl<'a> Tracker<'a> {
 
     /// Waits until the slides stand.
     pub(crate) fn stand(&mut self) {
-        if let Some(mut last) = self.running.take() {
-            let settling = self.rates.settling();
+        if let Some((mut last, settling)) = self.running.take() {
             last.duration_s += settling;
             self.now += settling;
             self.cutting_s += settling;
@@ -161,7 +174,9 @@ impl<'a> Tracker<'a> {
     }
 
     fn check_travel(&self, step: &Step) -> Result<(), Alarm> {
-        let (minus, plus) = self.travel;
+        let Some((minus, plus)) = self.travel else {
+            return Ok(());
+        };
         for axis in self.axes.all() {
             let to = step.to.get(axis);
             let (low, high) = (minus.get(axis), plus.get(axis));

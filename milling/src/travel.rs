@@ -3,6 +3,7 @@
 use gsk_core::alarm::{Alarm, number};
 use gsk_core::command::Source;
 use gsk_core::compensation::cutter::Side;
+use gsk_core::preview::Progress;
 use gsk_core::program::Number;
 use gsk_core::units::Feed;
 use gsk_messages::say;
@@ -26,7 +27,22 @@ pub(crate) struct Scene<'a, 'b> {
     pub(crate) source: Source,
     /// Every block ends at a stand: G09.
     pub(crate) exact: bool,
+    /// Whether the run is to go on, which the holes of a block ask, too.
+    pub(crate) patience: Patience<'a>,
 }
+
+/// Whoever waits for a run.
+pub(crate) struct Patience<'a> {
+    /// Asked with where the run is.
+    pub(crate) go_on: &'a mut GoOn<'a>,
+    /// Where it was before the block.
+    pub(crate) progress: Progress,
+    /// It was said no.
+    pub(crate) over: bool,
+}
+
+/// Says whether a run is to go on.
+pub(crate) type GoOn<'a> = dyn FnMut(&Progress) -> bool + 'a;
 
 /// How a step is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,12 +52,25 @@ pub(crate) enum Way {
     Cut,
     /// A cut at another one, mm/min.
     CutAt(f64),
-    Tap,
+    /// A tap on its way out, or in.
+    Tap {
+        /// Whether it is the way out.
+        out: bool,
+    },
     /// A thread of this lead, mm.
     Thread(f64),
 }
 
 impl Scene<'_, '_> {
+    /// Whether more holes of a block are to be made.
+    fn goes_on(&mut self) -> bool {
+        let patience = &mut self.patience;
+        patience.progress.moves = self.tracker.moves;
+        patience.progress.time_s = self.tracker.now;
+        patience.over |= !(patience.go_on)(&patience.progress);
+        !patience.over
+    }
+
     /// A step without its end.
     fn step(&self, state: &State, kind: MoveKind) -> Step {
         Step {
@@ -55,7 +84,24 @@ impl Scene<'_, '_> {
             tool: state.modal.tool,
             speed: state.modal.speed,
             exact: self.exact || state.modal.exact_stop || self.memory.bit(parameter::CORNERS, 6),
+            rigid_out: None,
             dwell_s: 0.0,
+        }
+    }
+
+    /// The feed of a tap: out of a rigid one by the override of 5211.
+    fn of_tap(&self, state: &State, out: bool, feed: Feed) -> Feed {
+        let percent = match self.memory.value(parameter::TAP_OUT) {
+            0 => 100,
+            percent => percent,
+        };
+        if !out || !state.modal.rigid || percent == 100 {
+            return feed;
+        }
+        let factor = f64::from(percent) / 100.0;
+        match feed {
+            Feed::PerMinute(feed) => Feed::PerMinute(feed * factor),
+            Feed::PerRevolution(feed) => Feed::PerRevolution(feed * factor),
         }
     }
 
@@ -95,9 +141,10 @@ impl Scene<'_, '_> {
                 feed: Some(Feed::PerMinute(feed)),
                 ..self.step(state, MoveKind::Feed)
             },
-            Way::Tap => Step {
-                feed: Some(feed(state)?),
+            Way::Tap { out } => Step {
+                feed: Some(self.of_tap(state, out, feed(state)?)),
                 exact: true,
+                rigid_out: state.modal.rigid.then_some(out),
                 ..self.step(state, MoveKind::Tap)
             },
             Way::Thread(lead) => Step {
@@ -360,7 +407,10 @@ pub(crate) fn holes(
     let across = state.modal.plane.across();
     let mut beside = *words;
     beside.letters.axes.set(across, None);
-    for _ in 0..count {
+    for hole_of_block in 0..count {
+        if hole_of_block > 0 && !scene.goes_on() {
+            break;
+        }
         let programmed = target(state, &beside);
         let mut over = state.place(programmed, scene.memory);
         over.set(across, state.machine.get(across));
@@ -395,7 +445,7 @@ pub(crate) fn holes(
             match part {
                 Part::Rapid(to) => scene.go(state, to, Way::Rapid, true)?,
                 Part::Feed(to) => scene.go(state, to, Way::Cut, true)?,
-                Part::Tap(to) => scene.go(state, to, Way::Tap, true)?,
+                Part::Tap { to, out } => scene.go(state, to, Way::Tap { out }, true)?,
                 Part::Dwell(seconds) => scene.dwell(state, seconds)?,
                 Part::Spindle(spindle) => state.modal.spindle = spindle,
             }

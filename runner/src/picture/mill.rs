@@ -141,12 +141,8 @@ impl MillDrawing {
             MoveKind::Rapid => Made::Rapid,
             _ => Made::Cut(self.index_of(made.tool)),
         };
-        let chords = made
-            .sweep()
-            .map_or(1, |sweep| (sweep / CHORD).ceil().max(1.0) as u32);
         let begin: [f64; 3] = place(made.from.mm());
-        let points = (1..=chords).map(|chord| place(made.at(f64::from(chord) / f64::from(chords))));
-        let points: Vec<[f64; 3]> = points.collect();
+        let points: Vec<[f64; 3]> = corners(made).into_iter().map(place).collect();
         self.count += points.len();
         for point in core::iter::once(&begin).chain(&points) {
             Cube::reach(&mut self.all, *point);
@@ -217,6 +213,21 @@ impl MillDrawing {
         }
         cube
     }
+}
+
+/// Points of a move behind its begin: chords of an arc; the places where axes of a rapid
+/// that go by themselves arrive.
+fn corners(made: &Move) -> Vec<[f64; 3]> {
+    if let Some(mut parts) = made.arrivals {
+        parts.sort_by(f64::total_cmp);
+        let parts = parts.into_iter().filter(|part| *part > 0.0 && *part < 1.0);
+        return parts.chain([1.0]).map(|part| made.at(part)).collect();
+    }
+    let chords = made
+        .sweep()
+        .map_or(1, |sweep| (sweep / CHORD).ceil().max(1.0) as u32);
+    let at = |chord: u32| made.at(f64::from(chord) / f64::from(chords));
+    (1..=chords).map(at).collect()
 }
 
 /// A direction from which the path is seen.
@@ -572,6 +583,35 @@ mod tests {
         assert!(png.starts_with(b"\x89PNG"));
         let empty = MillDrawing::new("", Look::default());
         assert!(encode(Format::Svg, &empty, Language::En).is_ok());
+    }
+
+    #[test]
+    fn what_turns_is_told_and_an_axis_of_a_rapid_arrives_by_itself() {
+        let mut programs = ProgramMemory::default();
+        programs.open_external(Program::new("G00 X80 Y20 A-30\nG01 A330 F3600\nM30\n"));
+        programs.select(gsk_core::command::ProgramId::External);
+        let drawn = |parameters: &[(u16, i32)]| {
+            let mut setup = gsk_milling::MillSetup::default();
+            for (number, value) in parameters {
+                assert_eq!(setup.memory.model.set_parameter(*number, *value), Ok(()));
+            }
+            let mut drawing = MillDrawing::new("", Look::default());
+            let mut take = |made: &Move| drawing.push(made);
+            gsk_milling::preview_while(&setup, &programs, &mut take, &mut |_| true);
+            drawing
+        };
+        let drawing = drawn(&[(1010, 4)]);
+        let points = &drawing.strokes[0].points;
+        // 0.25 s to 20 mm, 0.7 s to 80 mm at 8000 mm/min with 100 ms.
+        assert_eq!((drawing.strokes.len(), points.len()), (1, 3));
+        let corner = points[1];
+        assert!(
+            (corner[0] - 80.0 * 0.25 / 0.7).abs() < 1e-6 && corner[1] == 20.0,
+            "{corner:?}"
+        );
+        let svg = encode(Format::Svg, &drawing, Language::En).expect("picture");
+        assert!(String::from_utf8_lossy(&svg).contains("A -30 … 330°"));
+        assert_eq!(drawn(&[(1010, 4), (12, 128)]).strokes[0].points.len(), 2);
     }
 
     #[test]

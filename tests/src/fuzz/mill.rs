@@ -1,5 +1,8 @@
 //! Any text as a program of the mill: read, carried out, its moves held together.
 
+use std::cell::Cell;
+use std::time::Instant;
+
 use gsk_core::model::{ControlModel, ModelId};
 use gsk_milling::{MillSetup, Move, preview_while};
 
@@ -25,7 +28,15 @@ pub(super) fn run(input: &[u8]) {
         let _ = mill.memory.take_offset(offset);
     }
     let mut last: Option<Move> = None;
+    // Moves of one source are those of a block, and of the blocks between two questions at
+    // most.
+    let begun = Cell::new(Instant::now());
+    let mut source = None;
     let mut take = |made: &Move| {
+        if source != Some(made.source) {
+            source = Some(made.source);
+            watch::took(begun.replace(Instant::now()).elapsed());
+        }
         watch::seen("move", made.kind.name());
         assert!(made.duration_s >= 0.0 && made.duration_s.is_finite());
         if let Some(last) = &last {
@@ -38,8 +49,10 @@ pub(super) fn run(input: &[u8]) {
     };
     let programs = &setup.memory.programs;
     let preview = preview_while(&mill, programs, &mut take, &mut |progress| {
+        watch::took(begun.replace(Instant::now()).elapsed());
         progress.moves < MOVES && progress.motionless < MOTIONLESS
     });
+    watch::took(begun.get().elapsed());
     assert!(preview.time_s.is_finite() && preview.cutting_s <= preview.time_s + APART);
     for alarm in preview.alarm.iter().chain(&preview.further) {
         watch::seen("alarm", (alarm.number, watch::rule(&alarm.line_text())));
