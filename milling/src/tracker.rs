@@ -199,7 +199,11 @@ impl<'a> Tracker<'a> {
             } else {
                 "mm"
             };
-            let detail = say::mill_beyond_travel(name, to.mm(), low.mm(), high.mm(), unit);
+            let (to, low, high) = (to.mm(), low.mm(), high.mm());
+            let detail = match Axis::FURTHER.contains(&axis) {
+                true => say::mill_beyond_further(name, to, low, high, unit),
+                false => say::mill_beyond_travel(name, to, low, high),
+            };
             return Err(Alarm::new(beyond).because(detail).at(step.source));
         }
         Ok(())

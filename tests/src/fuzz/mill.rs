@@ -1,6 +1,5 @@
 //! Any text as a program of the mill: read, carried out, its moves held together.
 
-use std::cell::Cell;
 use std::time::Instant;
 
 use gsk_core::model::{ControlModel, ModelId};
@@ -12,6 +11,8 @@ use super::{settings, watch};
 const MOVES: u64 = 20_000;
 /// Blocks without any.
 const MOTIONLESS: u64 = 20_000;
+/// Blocks among which a time is shared out at most.
+const SHARES: u64 = 20;
 /// How far a move may begin from the end of the one before it, mm.
 const APART: f64 = 1e-9;
 
@@ -28,15 +29,7 @@ pub(super) fn run(input: &[u8]) {
         let _ = mill.memory.take_offset(offset);
     }
     let mut last: Option<Move> = None;
-    // Moves of one source are those of a block, and of the blocks between two questions at
-    // most.
-    let begun = Cell::new(Instant::now());
-    let mut source = None;
     let mut take = |made: &Move| {
-        if source != Some(made.source) {
-            source = Some(made.source);
-            watch::took(begun.replace(Instant::now()).elapsed());
-        }
         watch::seen("move", made.kind.name());
         assert!(made.duration_s >= 0.0 && made.duration_s.is_finite());
         if let Some(last) = &last {
@@ -48,11 +41,19 @@ pub(super) fn run(input: &[u8]) {
         last = Some(*made);
     };
     let programs = &setup.memory.programs;
+    // Nobody can stop it between two questions: the time of a block, or of a hole in it, and
+    // of many blocks at once their share.
+    let mut asked = (Instant::now(), 0);
+    let mut note = |blocks: u64| {
+        let share = (blocks - asked.1).clamp(1, SHARES);
+        watch::took(asked.0.elapsed() / share as u32);
+        asked = (Instant::now(), blocks);
+    };
     let preview = preview_while(&mill, programs, &mut take, &mut |progress| {
-        watch::took(begun.replace(Instant::now()).elapsed());
+        note(progress.blocks);
         progress.moves < MOVES && progress.motionless < MOTIONLESS
     });
-    watch::took(begun.get().elapsed());
+    note(preview.blocks);
     assert!(preview.time_s.is_finite() && preview.cutting_s <= preview.time_s + APART);
     for alarm in preview.alarm.iter().chain(&preview.further) {
         watch::seen("alarm", (alarm.number, watch::rule(&alarm.line_text())));
