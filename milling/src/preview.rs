@@ -146,7 +146,7 @@ pub fn preview_while(
     };
     let mut preview = run.result(end, alarm);
     if preview.end == End::Alarm {
-        preview.further = run.look_on(preview.alarm.as_ref());
+        preview.further = run.look_on(preview.alarm.as_ref(), go_on);
     }
     preview
 }
@@ -417,10 +417,17 @@ impl<'a> Run<'a> {
     }
 
     /// Behind an alarm: blocks that would be refused wherever the tool is.
-    fn look_on(&mut self, first: Option<&Alarm>) -> Vec<Alarm> {
+    fn look_on(&mut self, first: Option<&Alarm>, go_on: &mut GoOn<'_>) -> Vec<Alarm> {
         let mut lines: Vec<Source> = first.and_then(|alarm| alarm.source).into_iter().collect();
         let mut further = Vec::new();
-        for _ in 0..FURTHER_BLOCKS {
+        for count in 1..=FURTHER_BLOCKS {
+            let progress = || Progress {
+                blocks: self.blocks + count,
+                ..self.progress()
+            };
+            if count % BLOCKS_A_LOOK == 0 && !go_on(&progress()) {
+                break;
+            }
             let alarm = match self.read() {
                 Ok(Read::Ended) => break,
                 Ok(Read::Nothing | Read::Returned) => continue,

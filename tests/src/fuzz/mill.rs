@@ -45,7 +45,7 @@ pub(super) fn run(input: &[u8]) {
     // of many blocks at once their share.
     let mut asked = (Instant::now(), 0);
     let mut note = |blocks: u64| {
-        let share = (blocks - asked.1).clamp(1, SHARES);
+        let share = blocks.saturating_sub(asked.1).clamp(1, SHARES);
         watch::took(asked.0.elapsed() / share as u32);
         asked = (Instant::now(), blocks);
     };
